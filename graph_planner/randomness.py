@@ -1,0 +1,103 @@
+"""Counter-based randomness: value = f(seed, episode, stream, index, step).
+
+No generator carries state, so no number depends on batch size, order, worker or policy. The mixing
+function is the 64-bit finaliser of SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom
+number generators", OOPSLA 2014) with Stafford's "Mix13" constants, applied once more per coordinate.
+"""
+
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import inlined, kernel
+
+UInt64Array = NDArray[np.uint64]
+
+_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+_MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
+_MIX_2 = np.uint64(0x94D049BB133111EB)
+_INDEX_STRIDE = np.uint64(0xD1342543DE82EF95)  # odd, so that index -> key is one-to-one
+_S27, _S30, _S31, _S11 = np.uint64(27), np.uint64(30), np.uint64(31), np.uint64(11)
+_TO_UNIT = 1.0 / (1 << 53)
+
+
+class Stream(IntEnum):
+    """Independent named streams of one episode (scenario: one seed, many streams)."""
+
+    ITEMS = 1
+    """Number of items, hotspot and initial positions."""
+    WEATHER = 2
+    """The constant drift vector of the episode."""
+    NOISE = 3
+    """Per-item drift noise, keyed by item and step."""
+    STARTS = 4
+    """Assignment of agents to start nodes."""
+    POLICY = 5
+    """Whatever a policy draws."""
+    CORRUPTION = 6
+    """Which actions are replaced, and by what."""
+
+
+@inlined
+def mix(value: np.uint64) -> np.uint64:
+    """One-to-one scrambling of 64 bits."""
+    value = (value ^ (value >> _S30)) * _MIX_1
+    value = (value ^ (value >> _S27)) * _MIX_2
+    return value ^ (value >> _S31)
+
+
+@inlined
+def stream_key(episode_key: np.uint64, stream: int) -> np.uint64:
+    """Key of one named stream of an episode."""
+    return mix(episode_key + np.uint64(stream) * _GOLDEN)
+
+
+@inlined
+def bits(key: np.uint64, index: int, step: int) -> np.uint64:
+    """64 random bits of (stream key, index, step)."""
+    return mix(mix(key + np.uint64(index) * _INDEX_STRIDE) + np.uint64(step) * _GOLDEN)
+
+
+@inlined
+def uniform(key: np.uint64, index: int, step: int) -> float:
+    """A float64 in [0, 1) of (stream key, index, step)."""
+    return np.float64(bits(key, index, step) >> _S11) * _TO_UNIT
+
+
+@kernel
+def normal(key: np.uint64, index: int, step: int) -> float:
+    """A standard normal of (stream key, index, step): Box-Muller on two of its uniforms."""
+    radius = np.sqrt(-2.0 * np.log(1.0 - uniform(key, 2 * index, step)))
+    return radius * np.cos(2.0 * np.pi * uniform(key, 2 * index + 1, step))
+
+
+@kernel
+def _episode_keys(seed: np.uint64, episodes: NDArray[np.int64]) -> UInt64Array:
+    keys = np.empty(episodes.size, np.uint64)
+    root = mix(seed + _GOLDEN)
+    for i in range(episodes.size):
+        keys[i] = mix(root + np.uint64(episodes[i]) * _INDEX_STRIDE)
+    return keys
+
+
+def episode_keys(seed: int, episodes: NDArray[np.int64]) -> UInt64Array:
+    """Keys that stand for (seed, episode) everywhere.
+
+    Parameters
+    ----------
+    seed : the run's seed, any integer of 0 <= seed < 2**64
+    episodes : (episode,) indices of the episodes in the run
+
+    Returns
+    -------
+    (episode,) uint64 keys
+
+    Raises
+    ------
+    ValueError
+        If the seed does not fit.
+    """
+    if not 0 <= seed < 1 << 64:
+        raise ValueError(f"seed {seed}: must be at least 0 and below 2**64")
+    return _episode_keys(np.uint64(seed), np.ascontiguousarray(episodes, np.int64))

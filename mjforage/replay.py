@@ -1,0 +1,64 @@
+"""One episode, step by step, as plain arrays: what rendering and the report draw from."""
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.errors import UserError
+
+
+@dataclass(frozen=True)
+class Replay:
+    """Everything visible in one episode. T' is its length; step 0 is the state before any move.
+
+    Positions are (row, column) in node units, row growing southwards; node centres are integers.
+    """
+
+    navigable: NDArray[np.bool_]  # (row, column)
+    pitch_m: float
+    horizon: int
+    period_s: float
+    team_names: tuple[str, ...]
+    agent_team: NDArray[np.int64]  # (agent,) index into team_names
+    agent_collects: NDArray[np.bool_]  # (agent,) True for foragers
+    agent_rc: NDArray[np.float32]  # (T'+1, agent, 2) [node]
+    item_rc: NDArray[np.float32]  # (T'+1, item, 2) [node]; last position once removed
+    item_present: NDArray[np.bool_]  # (T'+1, item) False once removed
+    belief: NDArray[np.int16]  # (T'+1, row, column) believed items per node
+    idleness: NDArray[np.float16]  # (T'+1, row, column) in [0, 1]; 0 on land
+    in_view: NDArray[np.uint8]  # (T'+1, row, column) bit 0: a scout sees it, bit 1: a forager
+    world: str = "graph"
+    policy: str = ""
+    seed: int = 0
+    episode: int = 0
+
+    def save(self, path: Path) -> None:
+        """Write a compressed npz without pickles."""
+        np.savez_compressed(
+            path, allow_pickle=False, **{f.name: np.asarray(getattr(self, f.name)) for f in fields(self)}
+        )
+
+    @classmethod
+    def load(cls, path: Path) -> "Replay":
+        """Read what `save` wrote.
+
+        Raises
+        ------
+        UserError
+            If the file is missing, truncated or not a replay.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                values = {f.name: file[f.name] for f in fields(cls)}
+        except (OSError, ValueError, KeyError, EOFError) as error:
+            raise UserError(f"replay {path}: cannot be read ({error}); run evaluate again") from error
+        for name in ("pitch_m", "period_s"):
+            values[name] = float(values[name])
+        for name in ("horizon", "seed", "episode"):
+            values[name] = int(values[name])
+        for name in ("world", "policy"):
+            values[name] = str(values[name])
+        values["team_names"] = tuple(str(name) for name in values["team_names"])
+        return cls(**values)
