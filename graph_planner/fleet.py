@@ -1,7 +1,7 @@
 """Who is on the water: roles, teams and the flat agent table that kernels read."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +21,12 @@ class Role:
     energy : distance an agent can travel in one episode [node]; 0 means unlimited
     """
 
-    count: int
-    moves: int
-    radius: float
+    count: int = field(metadata={"low": 0, "high": 255})
+    moves: int = field(metadata={"low": 1, "high": 100})
+    radius: float = field(metadata={"low": 0, "high": 1000})
     collects: bool
-    capacity: int = 0
-    energy: float = 0.0
+    capacity: int = field(default=0, metadata={"low": 0, "high": 1_000_000})
+    energy: float = field(default=0.0, metadata={"low": 0, "high": 1e12})
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
+from graph_planner.compiled import kernel
 
 UInt64Array = NDArray[np.uint64]
 
@@ -39,7 +39,7 @@ class Stream(IntEnum):
     """Which actions are replaced, and by what."""
 
 
-@inlined
+@kernel
 def mix(value: np.uint64) -> np.uint64:
     """One-to-one scrambling of 64 bits."""
     value = (value ^ (value >> _S30)) * _MIX_1
@@ -47,19 +47,22 @@ def mix(value: np.uint64) -> np.uint64:
     return value ^ (value >> _S31)
 
 
-@inlined
+@kernel
 def stream_key(episode_key: np.uint64, stream: int) -> np.uint64:
     """Key of one named stream of an episode."""
     return mix(episode_key + np.uint64(stream) * _GOLDEN)
 
 
-@inlined
+@kernel
 def bits(key: np.uint64, index: int, step: int) -> np.uint64:
-    """64 random bits of (stream key, index, step)."""
-    return mix(mix(key + np.uint64(index) * _INDEX_STRIDE) + np.uint64(step) * _GOLDEN)
+    """64 random bits of (stream key, index, step).
+
+    The step is mixed in first, so that a loop over indices pays for one mixing each.
+    """
+    return mix(mix(key + np.uint64(step) * _GOLDEN) + np.uint64(index) * _INDEX_STRIDE)
 
 
-@inlined
+@kernel
 def uniform(key: np.uint64, index: int, step: int) -> float:
     """A float64 in [0, 1) of (stream key, index, step)."""
     return np.float64(bits(key, index, step) >> _S11) * _TO_UNIT

@@ -1,0 +1,249 @@
+"""Legal moves, and the one resolver that turns preferences into moves.
+
+A move is a compass direction or staying put. An agent of m moves per decision goes m nodes straight;
+where a node on the way is not free, the move is illegal (`shorten` off: the published rule) or ends
+before it (`shorten` on).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import inlined, kernel
+from graph_planner.fleet import Fleet
+from graph_planner.geodesics import DIAGONAL, Int32Array
+from graph_planner.navigation import STAY, NavigationGraph
+from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
+
+
+@dataclass(frozen=True)
+class MoveRules:
+    """What a fleet may do in one decision.
+
+    Attributes
+    ----------
+    stay : whether staying put is an action
+    shorten : whether a move of several nodes ends before an obstacle instead of being illegal
+    """
+
+    stay: bool
+    shorten: bool
+
+
+@dataclass(frozen=True)
+class Corruption:
+    """Random replacement of actions (the paper's corruption experiment).
+
+    Attributes
+    ----------
+    epsilon : (agent,) probability that an agent's action is replaced by a uniform legal one
+    whole_team : one draw decides for all corrupted agents, and a forager's random action still takes a
+        known item next to it if there is one (the published code's experiment)
+    """
+
+    epsilon: NDArray[np.float64]
+    whole_team: bool = False
+
+
+@dataclass(frozen=True)
+class Moves:
+    """Resolved decisions of one step."""
+
+    direction: NDArray[np.int8]  # (episode, agent) 0-7 compass, 8 stay
+    target: Int32Array  # (episode, agent) node
+    steps: NDArray[np.int8]  # (episode, agent) nodes travelled
+    blocked: NDArray[np.bool_]  # (episode, agent) no legal move was left
+
+
+@kernel
+def move_length(direction: int, steps: int) -> float:
+    """Distance of a move of `steps` nodes [node]."""
+    return steps * (DIAGONAL if direction & 1 else 1.0)
+
+
+@inlined
+def free_move(
+    neighbours: Int32Array,
+    claimed: NDArray[np.int64],
+    token: int,
+    node: int,
+    direction: int,
+    moves: int,
+    stay: bool,
+    shorten: bool,
+) -> tuple[int, int]:
+    """Where a move ends and how many nodes it covers; (-1, 0) if it is illegal.
+
+    Parameters
+    ----------
+    neighbours : (node, 8) int32
+    claimed : (node,) a node holding `token` was chosen by an agent that decided earlier; with the
+        token -1 nobody has
+    direction : 0-7 compass, 8 stay
+    moves : nodes per decision of this agent
+    stay, shorten : see `MoveRules`
+    """
+    target, steps = node, 0
+    if direction == STAY:
+        if not stay or (token >= 0 and claimed[node] == token):
+            target = -1
+    else:
+        for _ in range(moves):
+            following = neighbours[target, direction]
+            if following < 0 or (token >= 0 and claimed[following] == token):
+                break
+            target, steps = following, steps + 1
+        if steps == 0 or (steps < moves and not shorten):
+            target, steps = -1, 0
+    return target, steps
+
+
+@kernel
+def _resolve(
+    active: NDArray[np.bool_],
+    preferences: NDArray[np.float64],
+    agent_node: Int32Array,
+    energy_left: NDArray[np.float64],
+    belief: NDArray[np.int16],
+    step: Int32Array,
+    keys: UInt64Array,
+    neighbours: Int32Array,
+    moves: NDArray[np.int64],
+    collects: NDArray[np.bool_],
+    stay: bool,
+    shorten: bool,
+    epsilon: NDArray[np.float64],
+    whole_team: bool,
+    claimed: NDArray[np.int64],
+    first_token: int,
+    direction: NDArray[np.int8],
+    target: Int32Array,
+    steps: NDArray[np.int8],
+    blocked: NDArray[np.bool_],
+) -> None:
+    n_episodes, n_agents = agent_node.shape
+    legal = np.empty(9, np.int64)
+    for e in range(n_episodes):
+        if not active[e]:
+            continue
+        token = first_token + e
+        key = stream_key(keys[e], Stream.CORRUPTION)
+        for agent in range(n_agents - 1, -1, -1):
+            node = agent_node[e, agent]
+            best, end, length = -1, node, 0
+            draw = 1.0
+            if epsilon[agent] > 0.0:
+                draw = uniform(key, -1 if whole_team else agent, step[e])
+            if draw < epsilon[agent]:
+                n_legal, n_known = 0, 0
+                for d in range(9):
+                    end, length = free_move(
+                        neighbours, claimed, token, node, d, moves[agent], stay, shorten
+                    )
+                    if end < 0 or move_length(d, length) > energy_left[e, agent]:
+                        continue
+                    if whole_team and collects[agent] and d != STAY and belief[e, end] > 0:
+                        legal[n_legal] = legal[n_known]
+                        legal[n_known] = d
+                        n_known += 1
+                    else:
+                        legal[n_legal] = d
+                    n_legal += 1
+                if n_legal > 0:
+                    choice = uniform(key, n_agents + agent, step[e])
+                    best = legal[int(choice * (n_known if n_known > 0 else n_legal))]
+            else:
+                for d in range(9):
+                    if best >= 0 and preferences[e, agent, d] <= preferences[e, agent, best]:
+                        continue
+                    end, length = free_move(
+                        neighbours, claimed, token, node, d, moves[agent], stay, shorten
+                    )
+                    if end >= 0 and move_length(d, length) <= energy_left[e, agent]:
+                        best = d
+            end, length = node, 0
+            if best >= 0:
+                end, length = free_move(
+                    neighbours, claimed, token, node, best, moves[agent], stay, shorten
+                )
+            direction[e, agent] = best if best >= 0 else STAY
+            target[e, agent], steps[e, agent] = end, length
+            blocked[e, agent] = best < 0
+            claimed[end] = token
+
+
+class Resolver:
+    """Turns preferences into moves: agents in order (highest index, so foragers, first)."""
+
+    def __init__(
+        self, graph: NavigationGraph, fleet: Fleet, rules: MoveRules, corruption: Corruption
+    ) -> None:
+        self._graph, self._fleet = graph, fleet
+        self._rules, self._corruption = rules, corruption
+        self._claimed = np.zeros(len(graph), np.int64)  # node -> token of who took it last
+        self._token = 1
+
+    def __call__(
+        self,
+        active: NDArray[np.bool_],
+        preferences: NDArray[np.float64],
+        agent_node: Int32Array,
+        energy_left: NDArray[np.float64],
+        belief: NDArray[np.int16],
+        step: Int32Array,
+        keys: UInt64Array,
+    ) -> Moves:
+        """Resolve one step of a batch.
+
+        Parameters
+        ----------
+        active : (episode,) others keep their place
+        preferences : (episode, agent, 9); the largest legal one wins, ties go to the lowest move. An
+            illegal move, or one to or through a node that an earlier agent chose, is never taken.
+        agent_node : (episode, agent)
+        energy_left : (episode, agent) distance that can still be travelled [node]
+        belief : (episode, node) believed items; read by the whole-team corruption only
+        step : (episode,) decision number, 1 for the first
+        keys : (episode,) episode keys
+
+        Raises
+        ------
+        ValueError
+            If the preferences have the wrong shape or contain NaN.
+        """
+        shape = (*agent_node.shape, 9)
+        if preferences.shape != shape:
+            raise ValueError(f"preferences: shape {preferences.shape}, expected {shape}")
+        if np.isnan(preferences).any():
+            raise ValueError("preferences: contain NaN; give illegal or unwanted moves -inf instead")
+        moves = Moves(
+            direction=np.full(agent_node.shape, STAY, np.int8),
+            target=agent_node.copy(),
+            steps=np.zeros(agent_node.shape, np.int8),
+            blocked=np.zeros(agent_node.shape, np.bool_),
+        )
+        _resolve(
+            active,
+            np.ascontiguousarray(preferences, np.float64),
+            agent_node,
+            energy_left,
+            belief,
+            step,
+            keys,
+            self._graph.neighbours,
+            self._fleet.moves,
+            self._fleet.collects,
+            self._rules.stay,
+            self._rules.shorten,
+            self._corruption.epsilon,
+            self._corruption.whole_team,
+            self._claimed,
+            self._token,
+            moves.direction,
+            moves.target,
+            moves.steps,
+            moves.blocked,
+        )
+        self._token += active.size
+        return moves

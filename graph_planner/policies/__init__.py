@@ -1,0 +1,15 @@
+"""Policies, one file each, registered by name.
+
+Add one by writing a file in this folder with a class decorated by `@register("name")`; the name is then
+known to the command line, the evaluator and the report.
+"""
+
+import importlib
+import pkgutil
+
+from graph_planner.policies.registry import Policy, create_policy, policy_names, register
+
+for _module in pkgutil.iter_modules(__path__):
+    importlib.import_module(f"{__name__}.{_module.name}")
+
+__all__ = ["Policy", "create_policy", "policy_names", "register"]

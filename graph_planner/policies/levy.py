@@ -1,0 +1,30 @@
+"""Levy walks: scouts walk, foragers take the shortest path to the nearest known item.
+
+Paper, section "Experimental Study": with nothing known, foragers walk like scouts. Walk lengths are true
+Levy lengths (the published code draws them and then never uses them).
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.policies.registry import register
+from graph_planner.randomness import UInt64Array
+from graph_planner.seeking import ItemSeeker
+from graph_planner.task import Observation, Task
+from graph_planner.walking import Walker
+
+
+@register("levy")
+class LevyPolicy:
+    """Levy walks; foragers go to the nearest known item."""
+
+    def reset(self, task: Task, keys: UInt64Array) -> None:
+        """Get ready for a batch of episodes (episode,)."""
+        self._walker = Walker(task, keys.size, levy=True)
+        self._seeker = ItemSeeker(task)
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        """Preferences (episode, agent, 9)."""
+        preferences = self._walker.walk(observation)
+        self._seeker.guide(observation, preferences)
+        return preferences

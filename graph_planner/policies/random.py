@@ -1,0 +1,38 @@
+"""Uniformly random legal moves."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel
+from graph_planner.policies.registry import register
+from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
+from graph_planner.task import Observation, Task
+
+
+@kernel
+def _draw(
+    active: NDArray[np.bool_],
+    keys: UInt64Array,
+    step: NDArray[np.int32],
+    preferences: NDArray[np.float64],
+) -> None:
+    for e in range(active.size):
+        if active[e]:
+            key = stream_key(keys[e], Stream.POLICY)
+            for a in range(preferences.shape[1]):
+                for move in range(9):
+                    preferences[e, a, move] = uniform(key, 9 * a + move, step[e])
+
+
+@register("random")
+class RandomPolicy:
+    """Every legal move is equally likely, staying included where it is legal."""
+
+    def reset(self, task: Task, keys: UInt64Array) -> None:
+        """Get ready for a batch of episodes (episode,)."""
+        self._preferences = np.zeros((keys.size, len(task.fleet), 9))
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        """Independent uniform preferences (episode, agent, 9)."""
+        _draw(observation.active, observation.keys, observation.step, self._preferences)
+        return self._preferences

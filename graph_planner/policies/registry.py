@@ -1,0 +1,79 @@
+"""What a policy is, and the table of those that exist."""
+
+import difflib
+from collections.abc import Callable
+from typing import Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.randomness import UInt64Array
+from graph_planner.task import Observation, Task
+
+
+class Policy(Protocol):
+    """Decides for the whole fleet, batched over episodes."""
+
+    def reset(self, task: Task, keys: UInt64Array) -> None:
+        """Forget everything and get ready for a batch of episodes.
+
+        Parameters
+        ----------
+        task : map, fleet, rules and horizon
+        keys : (episode,) episode keys
+        """
+        ...
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        """Preferences (episode, agent, 9): 0-7 compass moves from north clockwise, 8 stay.
+
+        The resolver takes each agent's largest legal one. No NaN; rows of inactive episodes are ignored.
+        """
+        ...
+
+
+PolicyClass = TypeVar("PolicyClass", bound=Callable[[], Policy])
+_POLICIES: dict[str, Callable[[], Policy]] = {}
+
+
+def register(name: str) -> Callable[[PolicyClass], PolicyClass]:
+    """Class decorator that makes a policy known under a name.
+
+    Raises
+    ------
+    ValueError
+        If the name is taken.
+    """
+
+    def add(policy: PolicyClass) -> PolicyClass:
+        if name in _POLICIES:
+            raise ValueError(f"policy {name!r} is registered already")
+        _POLICIES[name] = policy
+        return policy
+
+    return add
+
+
+def policy_names() -> list[str]:
+    """All registered names, sorted."""
+    return sorted(_POLICIES)
+
+
+def create_policy(name: str) -> Policy:
+    """A fresh policy.
+
+    Raises
+    ------
+    KeyError
+        If there is none of that name; the message offers the nearest.
+    """
+    if name not in _POLICIES:
+        close = difflib.get_close_matches(name, _POLICIES, n=1)
+        hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(policy_names())}"
+        raise KeyError(f"policy {name}: unknown; {hint}")
+    return _POLICIES[name]()
+
+
+def policy_summary(name: str) -> str:
+    """First line of a policy's docstring."""
+    return (_POLICIES[name].__doc__ or "").strip().splitlines()[0]

@@ -1,0 +1,30 @@
+"""Wandering: scouts keep their heading until blocked, foragers take the shortest path to the nearest known item.
+
+A heading is kept until it is blocked; the new one is uniform over the legal moves except straight back
+(scenario section 3). With nothing known, foragers wander like scouts.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.policies.registry import register
+from graph_planner.randomness import UInt64Array
+from graph_planner.seeking import ItemSeeker
+from graph_planner.task import Observation, Task
+from graph_planner.walking import Walker
+
+
+@register("wanderer")
+class WandererPolicy:
+    """Straight on until blocked, never straight back; foragers go to the nearest known item."""
+
+    def reset(self, task: Task, keys: UInt64Array) -> None:
+        """Get ready for a batch of episodes (episode,)."""
+        self._walker = Walker(task, keys.size, levy=False)
+        self._seeker = ItemSeeker(task)
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        """Preferences (episode, agent, 9)."""
+        preferences = self._walker.walk(observation)
+        self._seeker.guide(observation, preferences)
+        return preferences

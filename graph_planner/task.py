@@ -1,0 +1,71 @@
+"""What a policy is told before an episode, and what it sees at every step."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.fleet import Fleet
+from graph_planner.geodesics import Int32Array
+from graph_planner.moves import MoveRules
+from graph_planner.navigation import NavigationGraph
+from graph_planner.visibility import NodeLists
+
+NEVER = np.int16(-32768)
+"""Value of `last_seen` for a node that no agent has seen yet."""
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """The part of a scenario that decisions depend on.
+
+    Attributes
+    ----------
+    graph, fleet, rules : map, agents and what they may do
+    horizon : decisions in an episode
+    """
+
+    graph: NavigationGraph
+    fleet: Fleet
+    rules: MoveRules
+    horizon: int
+
+    @property
+    def forgetting(self) -> float:
+        """Growth of idleness per step: 1 / (0.9 T) (scenario section 1)."""
+        return 1.0 / (0.9 * self.horizon)
+
+    @property
+    def view_radii(self) -> tuple[float, ...]:
+        """Distinct sensing radii of the fleet, ascending [node]."""
+        return tuple(sorted(set(self.fleet.radius.tolist())))
+
+    @property
+    def radius_number(self) -> NDArray[np.int64]:
+        """(agent,) index of each agent's radius in `view_radii`."""
+        return np.searchsorted(np.asarray(self.view_radii), self.fleet.radius).astype(np.int64)
+
+    @property
+    def views(self) -> NodeLists:
+        """Nodes seen from every node, for each of `view_radii`."""
+        return self.graph.views(self.view_radii)
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """What the fleet knows together: the shared model, its own positions and the time.
+
+    The arrays are live views of the model; a policy reads them and never writes. Idleness is kept as
+    the step at which a node was last seen: I = min(1, (step - last_seen) / (0.9 T)), 1 if never.
+    """
+
+    active: NDArray[np.bool_]  # (episode,) False once an episode is over
+    step: Int32Array  # (episode,) the decision about to be taken, 1 for the first
+    keys: NDArray[np.uint64]  # (episode,) episode keys, for a policy's own randomness
+    agent_node: Int32Array  # (episode, agent)
+    last_direction: NDArray[np.int8]  # (episode, agent) last move made, 8 at the start
+    energy_left: NDArray[np.float64]  # (episode, agent) [node]
+    belief: NDArray[np.int16]  # (episode, node) believed items
+    last_seen: NDArray[np.int16]  # (episode, node) step, NEVER if not yet seen
+    known: Int32Array  # (episode, node) nodes with belief > 0, in no particular order
+    n_known: Int32Array  # (episode,) how many entries of `known` count

@@ -1,0 +1,107 @@
+"""Walking straight until a length is used up or the way is blocked: Levy walks and wandering."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import Int32Array
+from graph_planner.moves import free_move
+from graph_planner.navigation import STAY
+from graph_planner.randomness import Stream, UInt64Array, normal, stream_key, uniform
+from graph_planner.task import Observation, Task
+
+NO_HEADING = -1
+NO_LIMIT = 2**31 - 1  # decisions; a walk that only obstacles end
+_DRAWS = 16  # numbers one agent may draw per step; keeps the agents' draws apart
+
+
+@kernel
+def levy_length(key: np.uint64, index: int, step: int, cap: int) -> int:
+    """A walk's length in decisions: floor of a Levy variate (scale 1), at least 1, at most `cap`.
+
+    The inverse square of a standard normal has the Levy distribution (paper, section "Experimental
+    Study"; scenario section 3).
+    """
+    z = normal(key, index, step)
+    return cap if z * z * cap <= 1.0 else max(1, int(1.0 / (z * z)))
+
+
+@kernel
+def _walk(
+    active: NDArray[np.bool_],
+    keys: UInt64Array,
+    step: Int32Array,
+    agent_node: Int32Array,
+    neighbours: Int32Array,
+    moves: NDArray[np.int64],
+    shorten: bool,
+    cap: int,
+    heading: NDArray[np.int8],
+    left: Int32Array,
+    preferences: NDArray[np.float64],
+) -> None:
+    n_agents = agent_node.shape[1]
+    nobody = np.empty(0, np.int64)
+    legal = np.empty(8, np.int64)
+    for e in range(active.size):
+        if not active[e]:
+            continue
+        key = stream_key(keys[e], Stream.POLICY)
+        for a in range(n_agents):
+            node, here = agent_node[e, a], heading[e, a]
+            back = (here + 4) % 8 if here != NO_HEADING else NO_HEADING
+            n_legal, straight_on = 0, False
+            for d in range(8):
+                end, _ = free_move(neighbours, nobody, -1, node, d, moves[a], False, shorten)
+                if end >= 0:
+                    straight_on = straight_on or d == here
+                    if d != back:
+                        legal[n_legal] = d
+                        n_legal += 1
+            if left[e, a] <= 0 or not straight_on:
+                if n_legal > 0:
+                    draw = uniform(key, _DRAWS * a, step[e])
+                    heading[e, a] = legal[int(draw * n_legal)]
+                elif back != NO_HEADING:
+                    heading[e, a] = back
+                left[e, a] = cap
+                if cap < NO_LIMIT:
+                    left[e, a] = levy_length(key, _DRAWS * a + 1, step[e], cap)
+            left[e, a] -= 1
+            for d in range(8):
+                preferences[e, a, d] = uniform(key, _DRAWS * a + 4 + d, step[e]) - (d == back)
+            preferences[e, a, heading[e, a]] = 2.0
+            preferences[e, a, STAY] = -2.0
+
+
+class Walker:
+    """Straight walks of all agents; turns are uniform over the legal moves except straight back.
+
+    Preference goes to the heading, then to the other moves at random, then back, then to staying.
+    """
+
+    def __init__(self, task: Task, episodes: int, levy: bool) -> None:
+        self._task = task
+        self._cap = max(1, int(0.8 * max(task.graph.shape))) if levy else NO_LIMIT
+        agents = (episodes, len(task.fleet))
+        self._heading = np.full(agents, NO_HEADING, np.int8)
+        self._left = np.zeros(agents, np.int32)
+        self._preferences = np.zeros((*agents, 9))
+
+    def walk(self, observation: Observation) -> NDArray[np.float64]:
+        """Preferences (episode, agent, 9) of the next step of every walk."""
+        task = self._task
+        _walk(
+            observation.active,
+            observation.keys,
+            observation.step,
+            observation.agent_node,
+            task.graph.neighbours,
+            task.fleet.moves,
+            task.rules.shorten,
+            self._cap,
+            self._heading,
+            self._left,
+            self._preferences,
+        )
+        return self._preferences

@@ -1,0 +1,206 @@
+"""Graph dynamics: an agent is in its target node after every decision, items drift by the paper's rule.
+
+Order (scenario section 1): all move; foragers remove every item in their node; the rest drift by a
+constant vector plus independent noise per item and step.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel
+from graph_planner.fleet import Fleet
+from graph_planner.geodesics import DIAGONAL, Int32Array
+from graph_planner.moves import Moves
+from graph_planner.navigation import OFFSETS, STAY, NavigationGraph
+from graph_planner.randomness import Stream, UInt64Array, stream_key
+from mjforage.dynamics import ARRIVED, BLOCKED, Transition
+from mjforage.scenario import Weather
+from mjforage.world import INSET, World, into_water, item_noise
+
+@kernel
+def _collect(
+    active: NDArray[np.bool_],
+    agent_node: Int32Array,
+    collects: NDArray[np.bool_],
+    room_left: NDArray[np.int64],
+    item_node: Int32Array,
+    items_in_node: NDArray[np.int16],
+    collected_by: NDArray[np.int16],
+) -> None:
+    """Every forager removes what is in its node, in index order, while it has room."""
+    n_episodes, n_items = item_node.shape
+    for e in range(n_episodes):
+        if not active[e]:
+            continue
+        for agent in range(collects.size):
+            node = agent_node[e, agent]
+            if not collects[agent] or items_in_node[e, node] == 0:
+                continue
+            for k in range(n_items):
+                if item_node[e, k] == node and room_left[e, agent] > 0:
+                    item_node[e, k] = -1
+                    items_in_node[e, node] -= 1
+                    collected_by[e, k] = agent
+                    room_left[e, agent] -= 1
+
+
+@kernel
+def _drift(
+    active: NDArray[np.bool_],
+    step: Int32Array,
+    keys: UInt64Array,
+    drift_rc: NDArray[np.float64],
+    noise: float,
+    framed: Int32Array,
+    rows: Int32Array,
+    cols: Int32Array,
+    item_rc: NDArray[np.float64],
+    item_node: Int32Array,
+    items_in_node: NDArray[np.int16],
+) -> None:
+    """Move every item left by the episode's drift and its own noise (hot: the fast path is inline)."""
+    n_episodes, n_items = item_node.shape
+    height, width = framed.shape[0] - 2, framed.shape[1] - 2
+    for e in range(n_episodes):
+        if not active[e]:
+            continue
+        key, now = stream_key(keys[e], Stream.NOISE), step[e]
+        drift_row, drift_col = drift_rc[e, 0], drift_rc[e, 1]
+        for k in range(n_items):
+            before = item_node[e, k]
+            if before < 0:
+                continue
+            noise_row, noise_col = item_noise(key, k, now)
+            row = item_rc[e, k, 0] + (drift_row + noise * noise_row)
+            col = item_rc[e, k, 1] + (drift_col + noise * noise_col)
+            after = np.int32(-1)
+            inside = (row >= -0.5) & (row < height - 0.5) & (col >= -0.5) & (col < width - 0.5)
+            if inside:
+                after = framed[int(row + 1.5), int(col + 1.5)]
+            if after < 0:
+                centre_row, centre_col = np.float64(rows[before]), np.float64(cols[before])
+                if inside & (abs(row - centre_row) + abs(col - centre_col) < 1.0):
+                    # Pressed on the quay beside its node: no other node can be nearer than that one.
+                    row = min(max(row, centre_row - INSET), centre_row + INSET)
+                    col = min(max(col, centre_col - INSET), centre_col + INSET)
+                    after = before
+                else:
+                    row, col, after = into_water(framed, rows, cols, row, col)
+            item_rc[e, k, 0], item_rc[e, k, 1] = row, col
+            if after != before:
+                items_in_node[e, before] -= 1
+                items_in_node[e, after] += 1
+                item_node[e, k] = after
+
+
+class GraphDynamics:
+    """The paper's world. Distances and energy are in node lengths."""
+
+    def __init__(self, graph: NavigationGraph, fleet: Fleet, weather: Weather) -> None:
+        self._graph, self._fleet, self._weather = graph, fleet, weather
+        self._centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
+        self._yaw = np.arctan2(-OFFSETS[:, 0], OFFSETS[:, 1]).astype(np.float64)
+
+    def reset(self, world: World, keys: UInt64Array) -> Transition:
+        """Start a batch of episodes and return their state at step 0."""
+        episodes, items = world.item_node.shape
+        agents = (episodes, len(self._fleet))
+        self._keys, self._drift_rc = keys, world.drift_rc
+        self._room_left = np.tile(self._fleet.capacity, (episodes, 1))
+        self._items_in_node = np.zeros((episodes, len(self._graph)), np.int16)
+        present = world.item_node >= 0
+        np.add.at(self._items_in_node, (np.nonzero(present)[0], world.item_node[present]), 1)
+        self._state = Transition(
+            agent_node=world.agent_node.copy(),
+            agent_rc=self._centres[world.agent_node],
+            agent_yaw=np.zeros(agents),
+            agent_speed=np.zeros(agents),
+            outcome=np.full(agents, ARRIVED, np.int8),
+            item_rc=world.item_rc.copy(),
+            item_node=world.item_node.copy(),
+            collected_by=np.full((episodes, items), -1, np.int16),
+            distance=np.zeros(agents),
+            energy=np.zeros(agents),
+            collisions=np.zeros(agents, np.int32),
+        )
+        return self._state
+
+    def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:
+        """Carry out one decision: move, collect, drift. Inactive episodes do not change."""
+        state, graph = self._state, self._graph
+        self._move(active, moves)
+        _collect(
+            active,
+            state.agent_node,
+            self._fleet.collects,
+            self._room_left,
+            state.item_node,
+            self._items_in_node,
+            state.collected_by,
+        )
+        _drift(
+            active,
+            step,
+            self._keys,
+            self._drift_rc,
+            self._weather.noise_node_per_step,
+            graph.framed,
+            graph.rows,
+            graph.cols,
+            state.item_rc,
+            state.item_node,
+            self._items_in_node,
+        )
+        return state
+
+    def _move(self, active: NDArray[np.bool_], moves: Moves) -> None:
+        _move(
+            active,
+            moves.direction,
+            moves.target,
+            moves.steps,
+            moves.blocked,
+            self._centres,
+            self._yaw,
+            self._state.agent_node,
+            self._state.agent_rc,
+            self._state.agent_yaw,
+            self._state.agent_speed,
+            self._state.outcome,
+            self._state.distance,
+            self._state.energy,
+        )
+
+
+@kernel
+def _move(
+    active: NDArray[np.bool_],
+    direction: NDArray[np.int8],
+    target: Int32Array,
+    steps: NDArray[np.int8],
+    blocked: NDArray[np.bool_],
+    centres: NDArray[np.float64],
+    yaws: NDArray[np.float64],
+    agent_node: Int32Array,
+    agent_rc: NDArray[np.float64],
+    yaw: NDArray[np.float64],
+    speed: NDArray[np.float64],
+    outcome: NDArray[np.int8],
+    distance: NDArray[np.float64],
+    energy: NDArray[np.float64],
+) -> None:
+    n_episodes, n_agents = agent_node.shape
+    for e in range(n_episodes):
+        if not active[e]:
+            continue
+        for a in range(n_agents):
+            d = direction[e, a]
+            length = np.float64(steps[e, a]) * (DIAGONAL if d & 1 else 1.0)
+            agent_node[e, a] = target[e, a]
+            agent_rc[e, a, 0], agent_rc[e, a, 1] = centres[target[e, a], 0], centres[target[e, a], 1]
+            if d != STAY:
+                yaw[e, a] = yaws[d]
+            speed[e, a] = length
+            outcome[e, a] = BLOCKED if blocked[e, a] else ARRIVED
+            distance[e, a] += length
+            energy[e, a] += length

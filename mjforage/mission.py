@@ -1,0 +1,211 @@
+"""The mission loop: decide -> move -> collect -> drift -> see -> log, for a batch of episodes."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.fleet import Fleet
+from graph_planner.geodesics import Int32Array
+from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
+from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
+from graph_planner.policies import Policy
+from graph_planner.randomness import UInt64Array, episode_keys
+from graph_planner.shared_model import SharedModel
+from graph_planner.task import Observation, Task
+from mjforage.dynamics import Dynamics, Transition
+from mjforage.dynamics.graph import GraphDynamics
+from mjforage.maps import GridMap, check_starts, load_map, load_starts
+from mjforage.scenario import Scenario
+from mjforage.world import World, create_world
+
+DYNAMICS = {"graph": GraphDynamics}
+"""Registry of the worlds."""
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """A scenario with its map read and its graph built."""
+
+    scenario: Scenario
+    grid: GridMap
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> "Setting":
+        """Load the map and check that the scenario fits on it.
+
+        Raises
+        ------
+        UserError
+            If the map cannot be used or a start is not on water.
+        """
+        choice = scenario.map
+        grid = load_map(
+            choice.file,
+            corner_cutting=choice.corner_cutting,
+            largest_component=choice.largest_component,
+        )
+        setting = cls(scenario, grid)
+        check_starts(setting.start_cells, grid.navigable, f"scenario {scenario.name}", choice.file)
+        return setting
+
+    @property
+    def start_cells(self) -> tuple[tuple[int, int], ...]:
+        """(row, column) of the starts: the scenario's, else those beside the map, else none."""
+        return self.scenario.map.starts or load_starts(self.scenario.map.file) or ()
+
+    @cached_property
+    def graph(self) -> NavigationGraph:
+        """The map as a graph."""
+        choice = self.scenario.map
+        return navigation_graph(self.grid.navigable, choice.pitch_m, choice.corner_cutting)
+
+    @cached_property
+    def fleet(self) -> Fleet:
+        """The agents."""
+        return Fleet.of(self.scenario.team)
+
+    @cached_property
+    def task(self) -> Task:
+        """What policies are told."""
+        rules = MoveRules(self.scenario.rules.stay, self.scenario.rules.shorten)
+        return Task(self.graph, self.fleet, rules, self.scenario.horizon)
+
+    @cached_property
+    def start_nodes(self) -> Int32Array:
+        """(start,) nodes to assign; empty for a random cluster."""
+        return np.array([self.graph.node_of_cell[rc] for rc in self.start_cells], np.int32)
+
+    @cached_property
+    def corruption(self) -> Corruption:
+        """Whose actions are partly random."""
+        choice = self.scenario.corruption
+        names = np.array(self.fleet.team_names)[self.fleet.team]
+        epsilon = np.where(names == choice.team, choice.epsilon, 0.0)
+        return Corruption(epsilon, choice.whole_team)
+
+    def create_world(self, keys: UInt64Array) -> World:
+        """Initial state of the episodes with the given keys (episode,)."""
+        scenario = self.scenario
+        return create_world(
+            self.graph,
+            scenario.items,
+            scenario.weather,
+            self.start_nodes,
+            len(self.fleet),
+            keys,
+        )
+
+
+class Mission:
+    """A batch of episodes of one scenario in one world; one episode is a batch of one.
+
+    Attributes
+    ----------
+    model : SharedModel, what the fleet knows
+    state : Transition, where everything is
+    step : (episode,) int32 decisions made
+    active : (episode,) bool, False once an episode is over
+    """
+
+    def __init__(self, setting: Setting, world: str = "graph") -> None:
+        self.setting = setting
+        self.model = SharedModel(setting.task)
+        self._dynamics: Dynamics = DYNAMICS[world](
+            setting.graph, setting.fleet, setting.scenario.weather
+        )
+        self._resolver = Resolver(
+            setting.graph, setting.fleet, setting.task.rules, setting.corruption
+        )
+        self._energy = setting.fleet.energy
+
+    def reset(self, seed: int, episodes: NDArray[np.int64]) -> None:
+        """Start the given episodes of a seed.
+
+        Parameters
+        ----------
+        seed : the run's seed
+        episodes : (episode,) their numbers; each is the same world whatever else is in the batch
+        """
+        self.keys = episode_keys(seed, episodes)
+        self.world = self.setting.create_world(self.keys)
+        self.state: Transition = self._dynamics.reset(self.world, self.keys)
+        self.model.reset(self.state.agent_node, self.state.item_node)
+        self.step = np.zeros(episodes.size, np.int32)
+        self.active = np.ones(episodes.size, np.bool_)
+        self.last_direction = np.full(self.state.agent_node.shape, STAY, np.int8)
+        self.moves: Moves | None = None
+
+    @property
+    def observation(self) -> Observation:
+        """What the fleet sees before the next decision."""
+        return Observation(
+            active=self.active,
+            step=self.step + np.int32(1),
+            keys=self.keys,
+            agent_node=self.state.agent_node,
+            last_direction=self.last_direction,
+            energy_left=self._energy - self.state.energy,
+            belief=self.model.belief,
+            last_seen=self.model.last_seen,
+            known=self.model.known,
+            n_known=self.model.n_known,
+        )
+
+    def decide(self, preferences: NDArray[np.float64]) -> Moves:
+        """Resolve preferences (episode, agent, 9) into moves without making them."""
+        return self._resolver(
+            self.active,
+            preferences,
+            self.state.agent_node,
+            self._energy - self.state.energy,
+            self.model.belief,
+            self.step + np.int32(1),
+            self.keys,
+        )
+
+    def advance(self, preferences: NDArray[np.float64]) -> Transition:
+        """One step of every active episode.
+
+        Parameters
+        ----------
+        preferences : (episode, agent, 9), see `Resolver`
+
+        Raises
+        ------
+        ValueError
+            If the preferences have the wrong shape or contain NaN.
+        """
+        moves = self.decide(preferences)
+        self.step = self.step + self.active.astype(np.int32)
+        self.state = self._dynamics.advance(self.active, self.step, moves)
+        self.model.update(
+            self.active,
+            self.step,
+            self.state.agent_node,
+            self.state.item_node,
+            self.state.collected_by,
+        )
+        self.moves, self.last_direction = moves, moves.direction
+        left = (self.state.item_node >= 0).any(axis=1)
+        self.active = self.active & left & (self.step < self.setting.scenario.horizon)
+        return self.state
+
+    def run(self, policy: Policy, observers: "tuple[Observer, ...]" = ()) -> None:
+        """Play the batch to its end, showing every state to the observers."""
+        policy.reset(self.setting.task, self.keys)
+        for observer in observers:
+            observer.see(self)
+        while self.active.any():
+            self.advance(policy.act(self.observation))
+            for observer in observers:
+                observer.see(self)
+
+
+class Observer:
+    """Something that looks at a mission after its reset and after every step."""
+
+    def see(self, mission: Mission) -> None:
+        """Take what is wanted from the mission; its arrays are live and must be copied."""
+        raise NotImplementedError

@@ -1,0 +1,76 @@
+"""What a mission is: frozen dataclasses, one per table of a scenario file, with units and ranges.
+
+`mjforage.scenario_file` reads them from strict TOML. Sources: paper, section "Foraging Environment"
+and "Items Dynamics"; numbers of the published code where the paper gives none.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from graph_planner.fleet import Role
+
+
+def bounded(low: float, high: float) -> dict[str, float]:
+    """Field metadata: the closed range of a number."""
+    return {"low": low, "high": high}
+
+
+@dataclass(frozen=True)
+class MapChoice:
+    """`[map]`: the grid, how it becomes a graph, and where agents start."""
+
+    file: str  # name of a shipped map, or path of a CSV file or image
+    pitch_m: float = field(default=4.0, metadata=bounded(1e-3, 1e6))  # between node centres [m]
+    corner_cutting: bool = False  # may diagonals cut corners
+    largest_component: bool = False  # keep only the largest connected part of the map
+    starts: tuple[tuple[int, int], ...] = ()  # (row, column) to assign; empty: beside map, or cluster
+
+
+@dataclass(frozen=True)
+class Rules:
+    """`[rules]`: what agents may do in a decision."""
+
+    stay: bool = True  # staying put is an action
+    shorten: bool = True  # a blocked longer move ends before the obstacle instead of being illegal
+
+
+@dataclass(frozen=True)
+class Items:
+    """`[items]`: how many items float around how wide a hotspot."""
+
+    mean: float = field(default=75.0, metadata=bounded(0, 20_000))  # number of items, mean
+    std: float = field(default=10.0, metadata=bounded(0, 2_000))  # number of items, deviation
+    covariance_node2: float = field(default=20.0, metadata=bounded(0, 1e9))  # per axis [node^2]
+
+
+@dataclass(frozen=True)
+class Weather:
+    """`[weather]`: the paper's drift, a constant vector plus noise per item and step."""
+
+    drift_node_per_step: float = field(default=0.1, metadata=bounded(0, 10))  # uniform in +- per axis
+    noise_node_per_step: float = field(default=0.09, metadata=bounded(0, 10))  # uniform in +- per axis
+
+
+@dataclass(frozen=True)
+class CorruptionChoice:
+    """`[corruption]`: a team whose actions are partly random (CSSC)."""
+
+    team: str = ""  # name of the corrupted team; empty: nobody
+    epsilon: float = field(default=0.0, metadata=bounded(0, 1))  # probability per decision
+    whole_team: bool = False  # the published code's variant: one draw for the team
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A mission: everything that decides an episode, apart from seed, policy and world."""
+
+    name: str
+    map: MapChoice
+    team: Mapping[str, Role]  # in the order of the file: scouts before foragers
+    description: str = ""
+    horizon: int = field(default=150, metadata=bounded(1, 30000))  # decisions (the paper's T)
+    period_s: float = field(default=10.0, metadata=bounded(1e-3, 1e6))  # one decision [s]
+    rules: Rules = Rules()
+    items: Items = Items()
+    weather: Weather = Weather()
+    corruption: CorruptionChoice = CorruptionChoice()
