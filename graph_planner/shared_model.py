@@ -96,12 +96,17 @@ def _update(
 
 @kernel
 def _idleness(
-    step: Int32Array, last_seen: NDArray[np.int16], forgetting: float, out: NDArray[np.float64]
+    step: Int32Array,
+    last_seen: NDArray[np.int16],
+    episodes: NDArray[np.int64],
+    forgetting: float,
+    out: NDArray[np.float64],
 ) -> None:
-    for e in range(last_seen.shape[0]):
+    for i in range(episodes.size):
+        now = step[episodes[i]]
         for node in range(last_seen.shape[1]):
-            unseen_for = np.float64(step[e] - np.int32(last_seen[e, node]))
-            out[e, node] = min(1.0, unseen_for * forgetting)
+            unseen_for = np.float64(now - np.int32(last_seen[episodes[i], node]))
+            out[i, node] = min(1.0, unseen_for * forgetting)
 
 
 @kernel
@@ -201,15 +206,25 @@ class SharedModel:
             self.t_collected,
         )
 
-    def idleness(self, step: Int32Array) -> NDArray[np.float64]:
-        """(episode, node) idleness in [0, 1] at the given steps (episode,)."""
-        out = np.empty(self.last_seen.shape)
-        _idleness(step, self.last_seen, self._task.forgetting, out)
+    def idleness(self, step: Int32Array, episodes: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Idleness in [0, 1] of some episodes of the batch.
+
+        Parameters
+        ----------
+        step : (episode,) current step of every episode of the batch
+        episodes : (chosen,) which of them
+
+        Returns
+        -------
+        (chosen, node)
+        """
+        out = np.empty((episodes.size, self.last_seen.shape[1]))
+        _idleness(step, self.last_seen, episodes, self._task.forgetting, out)
         return out
 
     def times_seen(self, agent_node: Int32Array, agents: NDArray[np.int64]) -> NDArray[np.uint8]:
         """(episode, node) by how many of `agents` each node is in view, from (episode, agent) nodes."""
-        out = np.empty(self.last_seen.shape, np.uint8)
+        out = np.empty((agent_node.shape[0], self.last_seen.shape[1]), np.uint8)
         _times_seen(
             agent_node,
             agents,

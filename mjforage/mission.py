@@ -16,9 +16,9 @@ from graph_planner.shared_model import SharedModel
 from graph_planner.task import Observation, Task
 from mjforage.dynamics import Dynamics, Transition
 from mjforage.dynamics.graph import GraphDynamics
-from mjforage.maps import GridMap, check_starts, load_map, load_starts
+from mjforage.maps import GridMap, check_starts, load_map, load_starts, reachable_share
 from mjforage.scenario import Scenario
-from mjforage.world import World, create_world
+from mjforage.world import World, create_world, nodes_around
 
 DYNAMICS = {"graph": GraphDynamics}
 """Registry of the worlds."""
@@ -48,12 +48,31 @@ class Setting:
         )
         setting = cls(scenario, grid)
         check_starts(setting.start_cells, grid.navigable, f"scenario {scenario.name}", choice.file)
+        nodes_around(setting.graph, setting.start_nodes, len(setting.fleet))
         return setting
 
     @property
     def start_cells(self) -> tuple[tuple[int, int], ...]:
         """(row, column) of the starts: the scenario's, else those beside the map, else none."""
-        return self.scenario.map.starts or load_starts(self.scenario.map.file) or ()
+        if self.scenario.map.starts is None:
+            return load_starts(self.scenario.map.file) or ()
+        return self.scenario.map.starts
+
+    @property
+    def reachable_shares(self) -> dict[str, float]:
+        """Share of the nodes that each role can end a move on, from the first start (or node 0)."""
+        first = self.start_cells[0] if self.start_cells else self._first_node
+        choice, strict = self.scenario.map, not self.scenario.rules.shorten
+        return {
+            name: reachable_share(
+                self.grid.navigable, first, role.moves, strict, choice.corner_cutting
+            )
+            for name, role in self.scenario.team.items()
+        }
+
+    @property
+    def _first_node(self) -> tuple[int, int]:
+        return int(self.graph.rows[0]), int(self.graph.cols[0])
 
     @cached_property
     def graph(self) -> NavigationGraph:

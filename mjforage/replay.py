@@ -1,5 +1,6 @@
 """One episode, step by step, as plain arrays: what rendering and the report draw from."""
 
+import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
 
@@ -52,7 +53,7 @@ class Replay:
         try:
             with np.load(path, allow_pickle=False) as file:
                 values = {f.name: file[f.name] for f in fields(cls)}
-        except (OSError, ValueError, KeyError, EOFError) as error:
+        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
             raise UserError(f"replay {path}: cannot be read ({error}); run evaluate again") from error
         for name in ("pitch_m", "period_s"):
             values[name] = float(values[name])

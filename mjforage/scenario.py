@@ -23,7 +23,8 @@ class MapChoice:
     pitch_m: float = field(default=4.0, metadata=bounded(1e-3, 1e6))  # between node centres [m]
     corner_cutting: bool = False  # may diagonals cut corners
     largest_component: bool = False  # keep only the largest connected part of the map
-    starts: tuple[tuple[int, int], ...] = ()  # (row, column) to assign; empty: beside map, or cluster
+    starts: tuple[tuple[int, int], ...] | None = None
+    """(row, column) to assign at random; none given: those beside the map; empty: a random cluster."""
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import math
 import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from types import MappingProxyType
+from types import MappingProxyType, UnionType
 from typing import Any, cast, get_args, get_origin, get_type_hints
 
 from graph_planner.fleet import Role
@@ -143,6 +143,10 @@ def _table(schema: type[Any], tree: object, where: str, prefix: str) -> object:
 
 
 def _value(hint: Any, metadata: Mapping[str, Any], value: object, where: str, key: str) -> object:
+    if isinstance(hint, UnionType):
+        if value is None:
+            return None
+        hint = get_args(hint)[0]
     if dataclasses.is_dataclass(hint):
         return _table(cast(type[Any], hint), value, where, key + ".")
     if get_origin(hint) is tuple:

@@ -73,13 +73,17 @@ def _drift(
             noise_row, noise_col = item_noise(key, k, now)
             row = item_rc[e, k, 0] + (drift_row + noise * noise_row)
             col = item_rc[e, k, 1] + (drift_col + noise * noise_col)
+            centre_row, centre_col = np.float64(rows[before]), np.float64(cols[before])
+            off_row, off_col = abs(row - centre_row), abs(col - centre_col)
+            if (off_row < 0.5) & (off_col < 0.5):
+                item_rc[e, k, 0], item_rc[e, k, 1] = row, col
+                continue
             after = np.int32(-1)
             inside = (row >= -0.5) & (row < height - 0.5) & (col >= -0.5) & (col < width - 0.5)
             if inside:
-                after = framed[int(row + 1.5), int(col + 1.5)]
+                after = framed[np.uint64(row + 1.5), np.uint64(col + 1.5)]
             if after < 0:
-                centre_row, centre_col = np.float64(rows[before]), np.float64(cols[before])
-                if inside & (abs(row - centre_row) + abs(col - centre_col) < 1.0):
+                if inside & (off_row + off_col < 1.0):
                     # Pressed on the quay beside its node: no other node can be nearer than that one.
                     row = min(max(row, centre_row - INSET), centre_row + INSET)
                     col = min(max(col, centre_col - INSET), centre_col + INSET)

@@ -1,0 +1,97 @@
+"""Metrics of sequential cooperation between teams, on plain arrays and an event table.
+
+Nothing here knows boats, graphs or files: any domain where one team finds tasks and another
+serves them can be measured. The equations are those of the paper's section "Metrics
+Definition"; statistics over episodes come beside them.
+
+| metric | function | paper |
+|---|---|---|
+| events of every item | `EventTable`, `counts_by_step` | |
+| Percentage of Target Achieved | `pta`, `pta_series` | Primary metrics, PTA |
+| model error (RMSE) | `model_error` | Primary metrics, RMSE |
+| Normalised Time to X | `nt` | Primary metrics, NT_X |
+| Throughput | `throughput` | Primary metrics, Throughput |
+| Mean Idleness, Idleness Reduction Rate | `mean_idleness`, `irr` | Primary metrics, MI, IRR |
+| Discovery-to-Service Latency | `dsl`, `mean_dsl` | Inter-team metrics, DSL |
+| Inter-Team Temporal Lag | `itl`, `itl_level` | Inter-team metrics, ITL |
+| Cooperative Success Ratio | `csr`, `csr_series` | Inter-team metrics, CSR |
+| Sensitivity Slope | `sensitivity_slope`, `bootstrap_sensitivity` | Inter-team metrics, CSSC |
+| sensitivity regimes, break point | `two_segment_fit` | Inter-team metrics, CSSC |
+| Gini index of contributions | `gini`, `team_gini`, `team_gini_series` | Intra-team metrics, Gini |
+| Coverage Overlap | `coverage_overlap` | Intra-team metrics, CO |
+| Marginal Contribution | `marginal_contribution` | Intra-team metrics, MC |
+| mean, standard error, IQM | `mean`, `sem`, `half_width_95`, `iqm`, `count` | tables (1.96 SEM) |
+| bootstrap interval, summary | `bootstrap`, `summarise` | |
+| two policies compared | `paired_difference`, `probability_of_improvement` | |
+
+Bad arguments raise ValueError. Undefined values are NaN and are left out of the statistics.
+"""
+
+from metrics.comparison import Improvement, paired_difference, probability_of_improvement
+from metrics.events import NEVER, NOBODY, EventTable, counts_by_step
+from metrics.inter_team import csr, csr_series, dsl, itl, itl_level, mean_dsl
+from metrics.intra_team import (
+    contributions,
+    coverage_overlap,
+    gini,
+    marginal_contribution,
+    team_gini,
+    team_gini_series,
+)
+from metrics.model_error import model_error
+from metrics.primary import irr, mean_idleness, nt, pta, pta_series, throughput
+from metrics.resampling import Interval, bootstrap
+from metrics.sensitivity import (
+    Line,
+    SensitivityIntervals,
+    TwoSegments,
+    bootstrap_sensitivity,
+    sensitivity_slope,
+    two_segment_fit,
+)
+from metrics.statistics import count, half_width_95, iqm, mean, sem
+from metrics.summary import Summary, summarise
+
+__all__ = [
+    "NEVER",
+    "NOBODY",
+    "EventTable",
+    "Improvement",
+    "Interval",
+    "Line",
+    "SensitivityIntervals",
+    "Summary",
+    "TwoSegments",
+    "bootstrap",
+    "bootstrap_sensitivity",
+    "contributions",
+    "count",
+    "counts_by_step",
+    "coverage_overlap",
+    "csr",
+    "csr_series",
+    "dsl",
+    "gini",
+    "half_width_95",
+    "iqm",
+    "irr",
+    "itl",
+    "itl_level",
+    "marginal_contribution",
+    "mean",
+    "mean_dsl",
+    "mean_idleness",
+    "model_error",
+    "nt",
+    "paired_difference",
+    "probability_of_improvement",
+    "pta",
+    "pta_series",
+    "sem",
+    "sensitivity_slope",
+    "summarise",
+    "team_gini",
+    "team_gini_series",
+    "throughput",
+    "two_segment_fit",
+]

@@ -1,0 +1,61 @@
+"""Descriptive statistics over episodes: mean, standard error, IQM.
+
+Every function takes (..., episode), leaves undefined (NaN) episodes out and gives (...).
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metrics._checks import FloatArray, IntArray, first, ratio
+
+NORMAL_95 = 1.96
+"""Half width of the paper's intervals in standard errors (its tables: mean +- 1.96 SEM)."""
+
+
+def defined(values: ArrayLike) -> FloatArray:
+    """Give `values` (..., episode) as floats; ValueError for a single number or an infinity."""
+    given = np.asarray(values, dtype=np.float64)
+    if given.ndim == 0:
+        raise ValueError(f"values {given}: an array (..., episode) is needed, not one number")
+    if np.isinf(given).any():
+        where = first(np.isinf(given))
+        raise ValueError(f"values{list(where)} is {given[where]}; use NaN for undefined")
+    return given
+
+
+def count(values: ArrayLike) -> IntArray:
+    """Number n of episodes where the value is defined."""
+    return np.asarray(np.sum(~np.isnan(defined(values)), axis=-1), dtype=np.int64)
+
+
+def mean(values: ArrayLike) -> FloatArray:
+    """Arithmetic mean; NaN with n = 0."""
+    given = defined(values)
+    return ratio(np.nansum(given, axis=-1), count(given))
+
+
+def sem(values: ArrayLike) -> FloatArray:
+    """Standard error of the mean, s / sqrt(n) with s over n - 1; NaN with n < 2."""
+    given = defined(values)
+    n = count(given)
+    squares = np.nansum((given - mean(given)[..., None]) ** 2, axis=-1)
+    return np.sqrt(ratio(squares, np.maximum(n - 1, 0) * n))
+
+
+def half_width_95(values: ArrayLike) -> FloatArray:
+    """1.96 SEM, the interval the paper prints; NaN with n < 2."""
+    return NORMAL_95 * sem(values)
+
+
+def iqm(values: ArrayLike) -> FloatArray:
+    """Interquartile mean: the mean without the floor(n / 4) lowest and highest; NaN with n = 0.
+
+    Agarwal et al. 2021, "Deep Reinforcement Learning at the Edge of the Statistical Precipice",
+    section 4.3.
+    """
+    given = defined(values)
+    n = count(given)[..., None]
+    rank = np.arange(given.shape[-1])
+    kept = (rank >= n // 4) & (rank < n - n // 4)
+    total = np.sum(np.sort(given, axis=-1), axis=-1, where=kept)  # NaN sort last
+    return ratio(total, np.sum(kept, axis=-1))

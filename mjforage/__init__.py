@@ -1,0 +1,26 @@
+"""mjforage: cooperative foraging by autonomous surface vehicles, one mission in two worlds."""
+
+import importlib.util
+from importlib.metadata import version
+from pathlib import Path
+
+__version__ = version("mjforage")
+
+_FLOORS = ("metrics", "controllers", "graph_planner")
+
+
+def _check_floors() -> None:
+    """Say so if another module of a common name hides one of ours."""
+    home = Path(__file__).resolve().parent.parent
+    for name in _FLOORS:
+        spec = importlib.util.find_spec(name)
+        found = Path(spec.origin).resolve() if spec and spec.origin else None
+        ours = home / name / "__init__.py"
+        if found != ours:
+            raise ImportError(
+                f"mjforage needs its own package {name!r} at {ours}, but Python finds "
+                f"{found or 'none'}; rename that module or take its folder off the Python path"
+            )
+
+
+_check_floors()

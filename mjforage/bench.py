@@ -1,0 +1,133 @@
+"""`mjforage bench`: speeds on this machine, in CPU seconds of one core, compile time excluded.
+
+Machines are noisy: compare figures of one run with each other, and runs by their ratios.
+"""
+
+import resource
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from graph_planner.policies import create_policy
+from mjforage.episode_log import EpisodeLog
+from mjforage.maps import GridMap
+from mjforage.mission import Mission, Setting
+from mjforage.scenario_file import load_scenario
+from mjforage.scoring import score
+from mjforage.studies.evaluate import evaluate
+
+Figures = dict[str, dict[str, float | str]]
+Progress = Callable[[str], None]
+
+BATCH = 400  # episodes
+REPEATS = 3
+POLICIES = ("random", "greedy", "levy", "lawnmower", "wanderer", "pso")
+STEPS = "environment steps per CPU second of one core"
+LARGE = (
+    *("team.scouts.count=32", "team.foragers.count=32", "items.mean=5000", "items.std=0"),
+    *("items.covariance_node2=1e5", "map.starts=[]"),
+)
+LARGE_SHAPE = (1000, 1000)
+LARGE_STEPS = 20
+
+
+def _rate(work: Callable[[], float]) -> float:
+    """Median over repeats of work done per CPU second; the first call compiles and is not counted."""
+    work()
+    rates = []
+    for _ in range(REPEATS):
+        started = time.process_time()
+        done = work()
+        rates.append(done / (time.process_time() - started))
+    return statistics.median(rates)
+
+
+def _steps(setting: Setting, policy_name: str, episodes: int) -> Callable[[], float]:
+    mission, policy = Mission(setting), create_policy(policy_name)
+
+    def work() -> float:
+        mission.reset(0, np.arange(episodes))
+        mission.run(policy)
+        return float(mission.step.sum())
+
+    return work
+
+
+def _evaluation(setting: Setting, episodes: int) -> Callable[[], float]:
+    def work() -> float:
+        with tempfile.TemporaryDirectory() as folder:
+            summary = evaluate(setting, ["greedy"], Path(folder) / "run", episodes=episodes)
+        return float(summary["graph"]["greedy"]["length"]["mean"]) * episodes
+
+    return work
+
+
+def _scoring(setting: Setting, episodes: int) -> Callable[[], float]:
+    mission = Mission(setting)
+    mission.reset(0, np.arange(episodes))
+    log = EpisodeLog(mission)
+    mission.run(create_policy("greedy"), (log,))
+
+    def work() -> float:
+        score(log, setting.fleet, setting.scenario.horizon)
+        return float(episodes)
+
+    return work
+
+
+def _large_setting() -> Setting:
+    """64 agents and 5,000 items in a 1,000 x 1,000 harbour of basins behind long moles."""
+    navigable = np.ones(LARGE_SHAPE, np.bool_)
+    navigable[::40, : LARGE_SHAPE[1] - 30] = False
+    navigable[20::40, 30:] = False
+    return Setting(load_scenario("comb-port", LARGE), GridMap("large", navigable))
+
+
+def _large_steps(setting: Setting, policy_name: str) -> Callable[[], float]:
+    mission, policy = Mission(setting), create_policy(policy_name)
+
+    def work() -> float:
+        for _ in range(LARGE_STEPS):
+            mission.advance(policy.act(mission.observation))
+        return float(LARGE_STEPS)
+
+    mission.reset(0, np.arange(1))
+    policy.reset(setting.task, mission.keys)
+    return work
+
+
+def _peak_memory_mb() -> float:
+    """Peak resident memory of this process [MB]."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (1e6 if sys.platform == "darwin" else 1e3)
+
+
+def bench(progress: Progress = lambda name: None) -> Figures:
+    """Measure everything: key -> {"value", "unit"}.
+
+    Parameters
+    ----------
+    progress : called with the key that is about to be measured
+    """
+    setting = Setting.of(load_scenario("comb-port"))
+    figures: Figures = {}
+
+    def measure(key: str, unit: str, work: Callable[[], float]) -> None:
+        progress(key)
+        figures[key] = {"value": _rate(work), "unit": unit}
+
+    for name in POLICIES:
+        measure(f"graph_{name}_steps_per_core_s", STEPS, _steps(setting, name, BATCH))
+    measure("evaluate_greedy_steps_per_core_s", STEPS, _evaluation(setting, BATCH))
+    measure("metrics_episodes_per_s", "episodes per CPU second", _scoring(setting, BATCH))
+    figures["peak_memory"] = {"value": _peak_memory_mb(), "unit": "MB"}
+    large = _large_setting()
+    for name in ("random", "greedy"):
+        measure(f"graph_large_{name}_steps_per_core_s", STEPS, _large_steps(large, name))
+    figures["peak_memory_large"] = {"value": _peak_memory_mb(), "unit": "MB"}
+    return figures

@@ -1,0 +1,44 @@
+"""Tables, figures and one self-contained report.html, from a run folder's logs alone."""
+
+from pathlib import Path
+
+from mjforage.report.comparison import comparison_table
+from mjforage.report.figures import draw_figures, save_figure
+from mjforage.report.html import render, shown
+from mjforage.report.logs import load_logs
+from mjforage.report.picture import write_bytes
+from mjforage.report.tables import full_table, headline_table, paper_tables, terminal_table
+
+__all__ = ["terminal_table", "write_report"]
+
+
+def write_report(folder: Path) -> Path:
+    """Write ``figures/*.png|svg`` and ``report.html`` into a run folder.
+
+    Nothing is re-simulated, and the same logs give the same bytes.
+
+    Returns
+    -------
+    Path
+        The report.
+
+    Raises
+    ------
+    UserError
+        If a log is missing, truncated, foreign or incomplete, or the folder cannot be written.
+    """
+    logs = load_logs(folder)
+    figures = [
+        shown(picture, *save_figure(folder / "figures", picture)) for picture in draw_figures(logs)
+    ]
+    text = render(
+        logs,
+        figures,
+        headline_table(logs),
+        paper_tables(logs),
+        full_table(logs),
+        comparison_table(logs),
+    )
+    target = folder / "report.html"
+    write_bytes(target, text.encode("utf-8"))
+    return target

@@ -1,0 +1,74 @@
+"""Figures printed in the paper, for comparison, and what its public code gives beside them.
+
+Paper: A. Mendoza Barrionuevo, S. Yanes Luis, D. Gutierrez Reina and S. L. Toral Marin, "Beyond
+Task Performance: A Metric-Based Analysis of Sequential Cooperation in Heterogeneous Multi-Agent
+Destructive Foraging". `printed` numbers are its tables of PTA and RMSE, of NT and throughput, and
+of CSR (here Tables 2, 3 and 4); `measured` ones are not in the paper but come from running its
+public code (github.com/amendb/CollaborationMetrics) on its 100 evaluation episodes.
+"""
+
+from dataclasses import dataclass, field
+
+LABEL = "paper (its own map)"
+SCENARIOS = frozenset({"published", "comb-port"})
+
+
+@dataclass(frozen=True)
+class Published:
+    """One algorithm of the paper: metric key to mean, and to 1.96 SEM where printed."""
+
+    algorithm: str
+    printed: dict[str, float]
+    interval: dict[str, float]  # 1.96 SEM
+    measured: dict[str, float] = field(default_factory=dict)
+
+
+PAPER: dict[str, Published] = {
+    "ddqn": Published(
+        "DRL",
+        {
+            "pta_d": 99.41,
+            "pta_c": 98.68,
+            "rmse_columns": 0.0010,
+            "nt50": 0.281,
+            "nt90": 0.512,
+            "throughput": 0.245,
+            "csr": 0.946,
+        },
+        {"pta_d": 0.46, "pta_c": 0.56, "rmse_columns": 0.0005},
+    ),
+    "greedy": Published(
+        "Greedy",
+        {
+            "pta_d": 98.85,
+            "pta_c": 98.20,
+            "rmse_columns": 0.0017,
+            "nt50": 0.349,
+            "nt90": 0.583,
+            "throughput": 0.244,
+            "csr": 0.899,
+        },
+        {"pta_d": 1.04, "pta_c": 1.15, "rmse_columns": 0.0012},
+        {"rmse": 0.0063},
+    ),
+    "levy": Published(
+        "Lévy walks",
+        {
+            "pta_d": 82.28,
+            "pta_c": 80.43,
+            "rmse_columns": 0.0165,
+            "nt50": 0.477,
+            "nt90": 0.735,
+            "throughput": 0.199,
+            "csr": 0.686,
+        },
+        {"pta_d": 5.93, "pta_c": 5.98, "rmse_columns": 0.0051},
+        {"rmse": 0.0514},
+    ),
+}
+"""Our policy name to the paper's algorithm."""
+
+
+def published_for(scenario: str, policy: str) -> Published | None:
+    """Return the paper's figures for a policy, where the scenario is one they can stand beside."""
+    return PAPER.get(policy) if scenario in SCENARIOS else None

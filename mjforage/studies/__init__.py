@@ -1,0 +1,1 @@
+"""Experiments over many episodes: each turns a scenario and policies into a run folder."""

@@ -1,0 +1,70 @@
+"""An episode of a finished run, simulated again and checked against its logs."""
+
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+
+from mjforage.errors import UserError
+from mjforage.maps import GridMap
+from mjforage.mission import Setting
+from mjforage.recording import record
+from mjforage.replay import Replay
+from mjforage.scenario_file import scenario_from_tree
+from mjforage.storage import RunFolder, read_json
+
+
+def replay_of_run(folder: Path, world: str, policy: str | None, episode: int) -> Replay:
+    """Simulate one logged episode again.
+
+    Parameters
+    ----------
+    folder : complete run folder
+    world : name
+    policy : name; None for the run's first
+    episode : number
+
+    Raises
+    ------
+    UserError
+        If the run does not hold that episode, or the episode does not come out as it was logged.
+    """
+    info = read_json(folder / "run.json")
+    try:
+        rows = info["map"]["navigable"]
+        grid = GridMap(str(info["map"]["name"]), np.array([[c == "1" for c in row] for row in rows]))
+        scenario = scenario_from_tree(info["scenario"], f"{folder / 'run.json'}")
+        policies, worlds, episodes = info["policies"], info["worlds"], int(info["episodes"])
+        seed = int(info["seed"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise UserError(f"{folder / 'run.json'}: incomplete ({error!r}); run evaluate again") from error
+    policy = policy or policies[0]
+    if policy not in policies or world not in worlds or not 0 <= episode < episodes:
+        raise UserError(
+            f"{folder}: no episode {episode} of {policy} in world {world}; it holds episodes 0 to "
+            f"{episodes - 1} of {', '.join(policies)} in {', '.join(worlds)}"
+        )
+    replay = record(Setting(scenario, grid), world, policy, seed, episode)
+    _check(replay, RunFolder(folder))
+    return replay
+
+
+def _check(replay: Replay, run: RunFolder) -> None:
+    """Compare the agents' nodes with the log."""
+    logged = (
+        run.table("agents")
+        .filter(
+            (pl.col("world") == replay.world)
+            & (pl.col("policy") == replay.policy)
+            & (pl.col("episode") == replay.episode)
+        )
+        .sort("step", "agent")
+        .select("row", "col")
+        .to_numpy()
+    )
+    again = np.rint(replay.agent_rc).astype(np.int64).reshape(-1, 2)
+    if logged.shape != again.shape or (logged != again).any():
+        raise UserError(
+            f"{run.path}: episode {replay.episode} of {replay.policy} does not come out as logged; it "
+            "was made with other versions (see run.json), run evaluate again"
+        )

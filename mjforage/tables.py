@@ -1,0 +1,131 @@
+"""Episode logs as the tables of a run folder (columns: docs/run-folder.md)."""
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from mjforage.dynamics import OUTCOMES
+from mjforage.episode_log import EpisodeLog
+from mjforage.mission import Setting
+from mjforage.scoring import Scores
+
+SERIES = (
+    *("pta_d", "pta_c", "rmse", "rmse_columns", "mi", "irr"),
+    *("csr", "gini_foragers", "gini_scouts", "co_scouts", "co_foragers"),
+)
+SCALARS = (
+    *("pta_d", "pta_c", "rmse", "rmse_columns", "nt50", "nt90", "throughput"),
+    *("throughput_scouts", "mi_final", "mi_mean", "irr_mean", "dsl", "itl", "itl_level", "csr"),
+    *("gini_foragers", "gini_scouts", "co_scouts", "co_foragers", "length", "cleared"),
+)
+TABLES = ("episodes", "steps", "items", "agents")
+KEYS = {"world": pl.String, "policy": pl.String, "episode": pl.Int64}
+SCHEMAS: dict[str, dict[str, type[pl.DataType]]] = {
+    "episodes": KEYS | {"items": pl.Int64} | dict.fromkeys(SCALARS, pl.Float64),
+    "steps": KEYS | {"step": pl.Int32} | dict.fromkeys(SERIES, pl.Float32),
+    "items": KEYS
+    | {"item": pl.Int32, "row_start": pl.Float32, "col_start": pl.Float32}
+    | dict.fromkeys(("t_discovered", "discovered_by", "t_collected", "collected_by"), pl.Int32),
+    "agents": KEYS
+    | dict.fromkeys(("step", "agent", "node", "row", "col"), pl.Int32)
+    | dict.fromkeys(("x_m", "y_m", "yaw_rad", "speed_mps"), pl.Float32)
+    | {"outcome": pl.String, "distance_m": pl.Float32, "energy": pl.Float32},
+}
+"""Table -> column -> type, in order."""
+
+
+def _frame(
+    table: str, world: str, policy: str, columns: dict[str, NDArray[np.generic] | pl.Series]
+) -> pl.DataFrame:
+    frame = pl.DataFrame(columns).with_columns(
+        world=pl.lit(world, pl.String), policy=pl.lit(policy, pl.String)
+    )
+    schema = SCHEMAS[table]
+    return frame.select(pl.col(name).cast(kind) for name, kind in schema.items())
+
+
+def _episodes(
+    episodes: NDArray[np.int64], log: EpisodeLog, scores: Scores
+) -> dict[str, NDArray[np.generic]]:
+    return {"episode": episodes, "items": log.n_items} | {k: scores.scalars[k] for k in SCALARS}
+
+
+def _steps(episodes: NDArray[np.int64], scores: Scores) -> dict[str, NDArray[np.generic]]:
+    steps = scores.series["pta_c"].shape[1]
+    columns: dict[str, NDArray[np.generic]] = {
+        "episode": np.repeat(episodes, steps),
+        "step": np.tile(np.arange(steps), episodes.size),
+    }
+    return columns | {key: scores.series[key].ravel() for key in SERIES}
+
+
+def _items(
+    episodes: NDArray[np.int64], log: EpisodeLog
+) -> dict[str, NDArray[np.generic] | pl.Series]:
+    shape = log.t_discovered.shape
+    exists = np.arange(shape[1])[None, :] < log.n_items[:, None]
+    columns: dict[str, NDArray[np.generic] | pl.Series] = {
+        "episode": np.broadcast_to(episodes[:, None], shape)[exists],
+        "item": np.broadcast_to(np.arange(shape[1]), shape)[exists],
+        "row_start": log.item_start[exists, 0],
+        "col_start": log.item_start[exists, 1],
+    }
+    for name in ("t_discovered", "discovered_by", "t_collected", "collected_by"):
+        values = getattr(log, name)[exists].astype(np.int32)
+        series = pl.Series(values)
+        columns[name] = series.set(series < 0, None)
+    return columns
+
+
+def _agents(
+    episodes: NDArray[np.int64], log: EpisodeLog, setting: Setting
+) -> dict[str, NDArray[np.generic] | pl.Series]:
+    shape, graph = log.agent_node.shape, setting.graph
+    pitch_m, period_s = setting.scenario.map.pitch_m, setting.scenario.period_s
+    made = np.broadcast_to(
+        np.arange(shape[1])[None, :, None] <= log.length[:, None, None], shape
+    )
+    node, xy = log.agent_node[made], graph.metres(log.agent_rc[made])
+    step = np.broadcast_to(np.arange(shape[1])[None, :, None], shape)[made]
+    names = np.array(("start", *OUTCOMES))
+    return {
+        "episode": np.broadcast_to(episodes[:, None, None], shape)[made],
+        "step": step,
+        "agent": np.broadcast_to(np.arange(shape[2]), shape)[made],
+        "node": node,
+        "row": graph.rows[node],
+        "col": graph.cols[node],
+        "x_m": xy[:, 0],
+        "y_m": xy[:, 1],
+        "yaw_rad": log.yaw[made],
+        "speed_mps": log.speed[made] * (pitch_m / period_s),
+        "outcome": names[np.where(step == 0, 0, log.outcome[made] + 1)],
+        "distance_m": log.distance[made] * pitch_m,
+        "energy": log.energy[made],
+    }
+
+
+def frames(
+    setting: Setting,
+    world: str,
+    policy: str,
+    episodes: NDArray[np.int64],
+    log: EpisodeLog,
+    scores: Scores,
+) -> dict[str, pl.DataFrame]:
+    """The four tables of a finished batch, by name.
+
+    Parameters
+    ----------
+    setting : scenario and map
+    world, policy : names, written into every row
+    episodes : (episode,) numbers of the batch's episodes
+    log, scores : the batch
+    """
+    columns = {
+        "episodes": _episodes(episodes, log, scores),
+        "steps": _steps(episodes, scores),
+        "items": _items(episodes, log),
+        "agents": _agents(episodes, log, setting),
+    }
+    return {name: _frame(name, world, policy, columns[name]) for name in TABLES}

@@ -1,0 +1,77 @@
+"""Descriptive statistics against hand-made samples and scipy."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import stats
+
+from metrics import count, half_width_95, iqm, mean, sem
+
+NAN = np.nan
+SAMPLES = st.lists(st.floats(-1e6, 1e6), min_size=2, max_size=40)
+ALL = [count, mean, sem, half_width_95, iqm]
+
+
+def test_by_hand() -> None:
+    # 1, 2, 3, 10 and one undefined: mean 4, s^2 = (9 + 4 + 1 + 36) / 3 = 50 / 3,
+    # SEM = sqrt(50 / 12); IQM without one value at each end (2 + 3) / 2.
+    values = [10.0, NAN, 1.0, 3.0, 2.0]
+    assert count(values) == 4
+    assert mean(values) == 4.0
+    np.testing.assert_allclose(sem(values), np.sqrt(50 / 12))
+    np.testing.assert_allclose(half_width_95(values), 1.96 * np.sqrt(50 / 12))
+    assert iqm(values) == 2.5
+
+
+def test_too_few_values() -> None:
+    values = np.array([[NAN, NAN], [7.0, NAN]])
+    np.testing.assert_array_equal(count(values), [0, 1])
+    np.testing.assert_array_equal(mean(values), [NAN, 7.0])
+    np.testing.assert_array_equal(iqm(values), [NAN, 7.0])
+    np.testing.assert_array_equal(sem(values), [NAN, NAN])
+    assert np.isnan(mean([]))
+
+
+@pytest.mark.parametrize("statistic", ALL)
+@pytest.mark.parametrize("bad", [np.array([1.0, np.inf]), np.float64(3.0)])
+def test_rejects(statistic: Callable[[Any], Any], bad: Any) -> None:
+    with pytest.raises(ValueError, match="values"):
+        statistic(bad)
+
+
+@given(SAMPLES)
+def test_agree_with_scipy(sample: list[float]) -> None:
+    np.testing.assert_allclose(sem(sample), stats.sem(sample), rtol=1e-9, atol=1e-9)
+    trimmed = stats.trim_mean(sample, 0.25)
+    np.testing.assert_allclose(iqm(sample), trimmed, rtol=1e-9, atol=1e-6)
+
+
+@given(SAMPLES, st.integers(0, 5), st.randoms())
+def test_undefined_values_and_order_do_not_matter(
+    sample: list[float], gaps: int, random: Any
+) -> None:
+    mixed = sample + [NAN] * gaps
+    random.shuffle(mixed)
+    for statistic in ALL:
+        expected = statistic(sample)
+        np.testing.assert_allclose(statistic(mixed), expected, rtol=1e-9, atol=1e-6)
+
+
+@given(SAMPLES)
+def test_bounds(sample: list[float]) -> None:
+    for centre in (mean(sample), iqm(sample)):
+        assert min(sample) - 1e-6 <= centre <= max(sample) + 1e-6
+
+
+@pytest.mark.parametrize("statistic", ALL)
+def test_batch_is_row_by_row(statistic: Callable[[Any], Any]) -> None:
+    values = np.random.default_rng(0).normal(size=(2, 3, 17))
+    values[0, 1, :5] = NAN
+    together = statistic(values)
+    assert together.shape == (2, 3)
+    for row in np.ndindex(2, 3):
+        np.testing.assert_allclose(together[row], statistic(values[row]), rtol=1e-14)

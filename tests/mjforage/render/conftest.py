@@ -1,0 +1,124 @@
+"""Replays made up for drawing: wandering vessels, drifting items, honest beliefs and views."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mjforage.replay import Replay
+
+RADII = (4.0, 1.0)  # scouts, foragers [node]
+
+
+def comb_map(rows: int, columns: int) -> NDArray[np.bool_]:
+    """Fingers and basins with a land border and an entrance channel."""
+    water = np.zeros((rows, columns), np.bool_)
+    water[1:-1, 1:-1] = True
+    for number, top in enumerate(range(4, rows - 5, 7)):
+        start = 2 + 3 * (number % 3)
+        water[top : top + 2 + number % 2, start : columns - 6 - 2 * (number % 2)] = False
+    return water
+
+
+def make_replay(
+    navigable: NDArray[np.bool_],
+    *,
+    steps: int = 30,
+    items: int = 40,
+    agents: tuple[int, int] = (2, 2),
+    seed: int = 1,
+    spread: float = 4.5,
+) -> Replay:
+    """Simulate something that looks like an episode; agents walk straight until blocked."""
+    rng = np.random.Generator(np.random.PCG64(seed))
+    water = np.argwhere(navigable)
+    collects = np.repeat([False, True], agents)
+    places = _wander(navigable, water, collects, steps, rng)
+    centre = water[rng.integers(len(water))]
+    start = _on_water(centre + spread * rng.standard_normal((items, 2)), water)
+    drift = rng.uniform(-0.08, 0.08, 2)
+    item_rc = [start]
+    for _ in range(steps):
+        moved = item_rc[-1] + drift + rng.uniform(-0.09, 0.09, start.shape)
+        item_rc.append(_on_water(moved, water))
+    shape = (steps + 1, *navigable.shape)
+    present = np.ones((steps + 1, items), np.bool_)
+    belief, idleness = np.zeros(shape, np.int16), np.zeros(shape, np.float16)
+    view = np.zeros(shape, np.uint8)
+    grid = np.indices(navigable.shape)
+    for t in range(steps + 1):
+        for place, collector in zip(places[t], collects, strict=True):
+            distance = np.hypot(grid[0] - place[0], grid[1] - place[1])
+            near = (distance <= RADII[int(collector)]) & navigable
+            view[t][near] |= 2 if collector else 1
+        node = np.rint(item_rc[t]).astype(int)
+        if t > 0:
+            hit = (node[:, None] == places[t][collects][None]).all(axis=2).any(axis=1)
+            present[t] = present[t - 1] & ~hit
+            belief[t] = belief[t - 1]
+        count = np.zeros(navigable.shape, np.int16)
+        np.add.at(count, tuple(node[present[t]].T), 1)
+        belief[t][view[t] > 0] = count[view[t] > 0]
+        before = idleness[t - 1] + np.float16(1 / (0.9 * 150)) if t else np.float16(1)
+        idleness[t] = np.where(navigable & (view[t] == 0), np.minimum(before, 1), 0)
+    return Replay(
+        navigable=navigable,
+        pitch_m=4.0,
+        horizon=max(150, steps),
+        period_s=10.0,
+        team_names=("scouts", "foragers"),
+        agent_team=collects.astype(np.int64),
+        agent_collects=collects,
+        agent_rc=places.astype(np.float32),
+        item_rc=np.array(item_rc, np.float32),
+        item_present=present,
+        belief=belief,
+        idleness=idleness,
+        in_view=view,
+        policy="greedy",
+        episode=3,
+    )
+
+
+def _on_water(rc: NDArray[np.float64], water: NDArray[np.int64]) -> NDArray[np.float64]:
+    nearest = np.argmin(np.square(rc[:, None] - water[None]).sum(axis=2), axis=1)
+    centre = water[nearest]
+    return np.asarray(np.clip(rc, centre - 0.49, centre + 0.49), np.float64)
+
+
+def _wander(
+    navigable: NDArray[np.bool_],
+    water: NDArray[np.int64],
+    collects: NDArray[np.bool_],
+    steps: int,
+    rng: np.random.Generator,
+) -> NDArray[np.int64]:
+    moves = np.array([(a, b) for a in (-1, 0, 1) for b in (-1, 0, 1)])
+    place = water[rng.integers(len(water), size=len(collects))]
+    heading = moves[rng.integers(9, size=len(collects))]
+    track = [place]
+    for _ in range(steps):
+        place = place.copy()
+        for agent, collector in enumerate(collects):
+            for _move in range(1 if collector else 2):
+                ahead = place[agent] + heading[agent]
+                inside = (ahead >= 0).all() and (ahead < navigable.shape).all()
+                if inside and navigable[tuple(ahead)] and rng.random() > 0.06:
+                    place[agent] = ahead
+                else:
+                    heading[agent] = moves[rng.integers(9)]
+        track.append(place)
+    return np.array(track)
+
+
+@pytest.fixture(scope="session")
+def build() -> Callable[..., Replay]:
+    """The builder `make_replay`."""
+    return make_replay
+
+
+@pytest.fixture(scope="session")
+def comb() -> NDArray[np.bool_]:
+    """A map of the comb port's shape."""
+    return comb_map(62, 46)
