@@ -17,5 +17,5 @@ def kernel(function: F) -> F:
 
 
 def inlined(function: F) -> F:
-    """Compile a helper that is pasted into its callers: for innermost loops that pass whole arrays."""
+    """Compile a helper that is pasted into its callers, for innermost loops passing arrays."""
     return cast(F, numba.njit(cache=True, fastmath=False, nogil=True, inline="always")(function))

@@ -1,8 +1,9 @@
 """Shortest distances over the navigation graph: 1 per straight edge, sqrt(2) per diagonal one.
 
-The queue is a bucket queue of width 1, the smallest edge cost: two nodes of one bucket cannot improve
-each other, so a bucket is settled whole and in any order (Denardo and Fox, "Shortest-route methods: 1",
-Operations Research 27, 1979). With edges of at most sqrt(2) three buckets in rotation are enough.
+The queue is a bucket queue of width 1, the smallest edge cost: two nodes of one bucket cannot
+improve each other, so a bucket is settled whole and in any order (Denardo and Fox, "Shortest-route
+methods: 1", Operations Research 27, 1979). With edges of at most sqrt(2) three buckets in rotation
+are enough.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """Legal moves, and the one resolver that turns preferences into moves.
 
-A move is a compass direction or staying put. An agent of m moves per decision goes m nodes straight;
-where a node on the way is not free, the move is illegal (`shorten` off: the published rule) or ends
-before it (`shorten` on).
+A move is a compass direction or staying put. An agent of m moves per decision goes m nodes
+straight; where a node on the way is not free, the move is illegal (`shorten` off: the published
+rule) or ends before it (`shorten` on).
 """
 
 from dataclasses import dataclass
@@ -38,7 +38,8 @@ class Corruption:
     Attributes
     ----------
     epsilon : (agent,) probability that an agent's action is replaced by a uniform legal one
-    whole_team : one draw decides for all corrupted agents, and a forager's random action still takes a
+    whole_team : one draw decides for all corrupted agents, and a forager's random action still
+    takes a
         known item next to it if there is one (the published code's experiment)
     """
 
@@ -199,8 +200,8 @@ class Resolver:
         Parameters
         ----------
         active : (episode,) others keep their place
-        preferences : (episode, agent, 9); the largest legal one wins, ties go to the lowest move. An
-            illegal move, or one to or through a node that an earlier agent chose, is never taken.
+        preferences : (episode, agent, 9); the largest legal one wins, ties to the lowest move.
+            An illegal move, or one to or through a node that an earlier agent chose, is never taken.
         agent_node : (episode, agent)
         energy_left : (episode, agent) distance that can still be travelled [node]
         belief : (episode, node) believed items; read by the whole-team corruption only
@@ -216,7 +217,9 @@ class Resolver:
         if preferences.shape != shape:
             raise ValueError(f"preferences: shape {preferences.shape}, expected {shape}")
         if np.isnan(preferences).any():
-            raise ValueError("preferences: contain NaN; give illegal or unwanted moves -inf instead")
+            raise ValueError(
+                "preferences: contain NaN; give illegal or unwanted moves -inf instead"
+            )
         moves = Moves(
             direction=np.full(agent_node.shape, STAY, np.int8),
             target=agent_node.copy(),

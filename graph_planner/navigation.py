@@ -1,8 +1,8 @@
 """The navigation graph: nodes of a map, edges between them, distances, views, and metres.
 
-A map is an array of cells, row 0 at the north edge, column 0 at the west edge. A *node* is a navigable
-cell, numbered in row-major order. Metres: x = column * pitch (east), y = (rows - 1 - row) * pitch
-(north), so the centre of the south-west cell is the origin (ENU).
+A map is an array of cells, row 0 at the north edge, column 0 at the west edge. A *node* is a
+navigable cell, numbered in row-major order. Metres: x = column * pitch (east) and
+y = (rows - 1 - row) * pitch (north), so the centre of the south-west cell is the origin (ENU).
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,9 @@ STAY = 8
 OFFSETS = np.array(
     [(-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (0, 0)], np.int64
 )  # (move, (row, column)); odd moves are diagonal
-TABLE_LIMIT = 6000  # nodes; an all-pairs table of 6000 nodes takes 144 MB, beyond it a search serves
+TABLE_LIMIT = (
+    6000  # nodes; an all-pairs table of 6000 nodes takes 144 MB, beyond it a search serves
+)
 
 
 @kernel
@@ -35,10 +37,9 @@ def _neighbours(
             row, col = rows[v] + OFFSETS[d, 0], cols[v] + OFFSETS[d, 1]
             if row < 0 or col < 0 or row >= height or col >= width:
                 continue
-            if d & 1 and not corner_cutting:
-                if node_of_cell[rows[v], col] < 0 or node_of_cell[row, cols[v]] < 0:
-                    continue
-            result[v, d] = node_of_cell[row, col]
+            beside = min(node_of_cell[rows[v], col], node_of_cell[row, cols[v]])
+            if corner_cutting or not d & 1 or beside >= 0:
+                result[v, d] = node_of_cell[row, col]
     return result
 
 
@@ -89,7 +90,7 @@ class NavigationGraph:
 
     @cached_property
     def framed(self) -> Int32Array:
-        """(row + 2, column + 2) `node_of_cell` within a frame of land: no bounds to check beside it."""
+        """(row + 2, column + 2) `node_of_cell` in a frame of land: no bounds to check beside it."""
         return np.pad(self.node_of_cell, 1, constant_values=-1)
 
     @cached_property

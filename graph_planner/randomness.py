@@ -2,7 +2,8 @@
 
 No generator carries state, so no number depends on batch size, order, worker or policy. The mixing
 function is the 64-bit finaliser of SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom
-number generators", OOPSLA 2014) with Stafford's "Mix13" constants, applied once more per coordinate.
+number generators", OOPSLA 2014) with Stafford's "Mix13" constants, applied once more per
+coordinate.
 """
 
 from enum import IntEnum
@@ -72,7 +73,7 @@ def uniform(key: np.uint64, index: int, step: int) -> float:
 def normal(key: np.uint64, index: int, step: int) -> float:
     """A standard normal of (stream key, index, step): Box-Muller on two of its uniforms."""
     radius = np.sqrt(-2.0 * np.log(1.0 - uniform(key, 2 * index, step)))
-    return radius * np.cos(2.0 * np.pi * uniform(key, 2 * index + 1, step))
+    return float(radius * np.cos(2.0 * np.pi * uniform(key, 2 * index + 1, step)))
 
 
 @kernel

@@ -1,8 +1,8 @@
 """The model that all agents share: belief map, idleness, first discoveries.
 
-One implementation for both worlds; it is fed with a transition's agent nodes and item nodes and never
-asks where they came from. Order within a step (scenario section 1): discretise to Y; visibility;
-idleness; belief <- Y where seen; first discoveries credited, a tie to the scout.
+One implementation for both worlds; it is fed with a transition's agent nodes and item nodes and
+never asks where they came from. Order within a step (scenario section 1): discretise to Y;
+visibility; idleness; belief <- Y where seen; first discoveries credited, a tie to the scout.
 """
 
 import numpy as np
@@ -16,9 +16,7 @@ UNDISCOVERED = -1
 
 
 @kernel
-def _sees(
-    start: NDArray[np.int64], nodes: Int32Array, radius: int, viewer: int, node: int
-) -> bool:
+def _sees(start: NDArray[np.int64], nodes: Int32Array, radius: int, viewer: int, node: int) -> bool:
     found = False
     for i in range(start[radius, viewer], start[radius, viewer + 1]):
         if nodes[i] == node:
@@ -131,8 +129,8 @@ class SharedModel:
 
     Every array has a leading episode axis: `truth` and `belief` (episode, node) int16 item counts,
     `last_seen` (episode, node) int16, `known`/`n_known` the nodes with belief > 0,
-    `t_discovered`, `discovered_by`, `t_collected`, `collected_by` (episode, item) int16, -1 for never
-    and nobody.
+    `t_discovered`, `discovered_by`, `t_collected`, `collected_by` (episode, item) int16, -1 for
+    never and nobody.
     """
 
     def __init__(self, task: Task) -> None:
@@ -223,7 +221,10 @@ class SharedModel:
         return out
 
     def times_seen(self, agent_node: Int32Array, agents: NDArray[np.int64]) -> NDArray[np.uint8]:
-        """(episode, node) by how many of `agents` each node is in view, from (episode, agent) nodes."""
+        """By how many of `agents` each node is in view.
+
+        Takes (episode, agent) nodes, gives (episode, node) counts.
+        """
         out = np.empty((agent_node.shape[0], self.last_seen.shape[1]), np.uint8)
         _times_seen(
             agent_node,

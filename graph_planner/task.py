@@ -55,8 +55,8 @@ class Task:
 class Observation:
     """What the fleet knows together: the shared model, its own positions and the time.
 
-    The arrays are live views of the model; a policy reads them and never writes. Idleness is kept as
-    the step at which a node was last seen: I = min(1, (step - last_seen) / (0.9 T)), 1 if never.
+    The arrays are live views of the model; a policy reads them and never writes. Idleness is kept
+    as the step at which a node was last seen: I = min(1, (step - last_seen) / (0.9 T)), 1 if never.
     """
 
     active: NDArray[np.bool_]  # (episode,) False once an episode is over

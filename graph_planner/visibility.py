@@ -1,7 +1,8 @@
 """Which nodes an agent sees from a node: a disc, less what the straight line to it hits.
 
-Definition (scenario section 1): a node is seen when its distance is at most the radius and every node
-on the rounded straight line to it is navigable; 49 nodes in open water for radius 4, 5 for radius 1.
+Definition (scenario section 1): a node is seen when its distance is at most the radius and every
+node on the rounded straight line to it is navigable; 49 nodes in open water for radius 4, 5 for
+radius 1.
 """
 
 from dataclasses import dataclass
@@ -109,8 +110,12 @@ def node_lists(
     total = 0
     for i, radius in enumerate(radii):
         offsets = disc_offsets(radius)
-        lines = [rounded_line(r, c) if line_of_sight else np.zeros((0, 2), np.int64) for r, c in offsets]
-        line_start = np.concatenate(([0], np.cumsum([len(line) for line in lines]))).astype(np.int64)
+        lines = [
+            rounded_line(r, c) if line_of_sight else np.zeros((0, 2), np.int64) for r, c in offsets
+        ]
+        line_start = np.concatenate(([0], np.cumsum([len(line) for line in lines]))).astype(
+            np.int64
+        )
         flat = np.concatenate(lines) if lines else np.zeros((0, 2), np.int64)
         cells = (node_of_cell, rows, cols, offsets, line_start, flat)
         _list_nodes(*cells, start[i], np.empty(0, np.int32), False)

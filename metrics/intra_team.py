@@ -47,11 +47,11 @@ def gini(contribution: ArrayLike) -> FloatArray:
     if bad.any():
         where = first(bad)
         raise ValueError(f"contribution{list(where)} is {shares[where]}; finite and >= 0 needed")
-    team = shares.shape[-1]
+    ranked = np.sort(shares, axis=-1)
+    team = ranked.shape[-1]
     below = np.arange(1, team)
-    gaps = np.diff(np.sort(shares, axis=-1), axis=-1)
-    differences = np.sum(gaps * (below * (team - below)), axis=-1)
-    return ratio(differences, team * np.sum(shares, axis=-1))
+    differences = np.sum(np.diff(ranked, axis=-1) * (below * (team - below)), axis=-1)
+    return ratio(differences, team * np.sum(ranked, axis=-1))
 
 
 def team_gini(handled_by: ArrayLike, agents: ArrayLike) -> FloatArray:

@@ -37,7 +37,7 @@ LARGE_STEPS = 20
 
 
 def _rate(work: Callable[[], float]) -> float:
-    """Median over repeats of work done per CPU second; the first call compiles and is not counted."""
+    """Median over repeats of work per CPU second; a first call compiles and is not counted."""
     work()
     rates = []
     for _ in range(REPEATS):

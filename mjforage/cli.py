@@ -245,9 +245,12 @@ def scenarios() -> None:
 
 
 @app.command
-def maps(map: str | None = None, /, *, output_file: Annotated[
-    Path | None, Parameter(name=("--output", "-o"))
-] = None) -> None:
+def maps(
+    map: str | None = None,
+    /,
+    *,
+    output_file: Annotated[Path | None, Parameter(name=("--output", "-o"))] = None,
+) -> None:
     """List the maps, or check one and draw it.
 
     Parameters

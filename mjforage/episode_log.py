@@ -30,6 +30,7 @@ class EpisodeLog(Observer):
         self._foragers = mission.setting.fleet.foragers
         self._navigable = mission.setting.grid.navigable
         self._started = False
+        self._open = mission.active.copy()
 
     def see(self, mission: Mission) -> None:
         """Append the mission's state; the first call allocates."""

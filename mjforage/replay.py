@@ -38,7 +38,9 @@ class Replay:
     def save(self, path: Path) -> None:
         """Write a compressed npz without pickles."""
         np.savez_compressed(
-            path, allow_pickle=False, **{f.name: np.asarray(getattr(self, f.name)) for f in fields(self)}
+            path,
+            allow_pickle=False,
+            **{f.name: np.asarray(getattr(self, f.name)) for f in fields(self)},
         )
 
     @classmethod
@@ -50,11 +52,15 @@ class Replay:
         UserError
             If the file is missing, truncated or not a replay.
         """
+        if path.is_file() and not zipfile.is_zipfile(path):
+            raise UserError(f"replay {path}: truncated or not a replay; run evaluate again")
         try:
             with np.load(path, allow_pickle=False) as file:
                 values = {f.name: file[f.name] for f in fields(cls)}
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-            raise UserError(f"replay {path}: cannot be read ({error}); run evaluate again") from error
+            raise UserError(
+                f"replay {path}: cannot be read ({error}); run evaluate again"
+            ) from error
         for name in ("pitch_m", "period_s"):
             values[name] = float(values[name])
         for name in ("horizon", "seed", "episode"):

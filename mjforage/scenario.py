@@ -24,7 +24,7 @@ class MapChoice:
     corner_cutting: bool = False  # may diagonals cut corners
     largest_component: bool = False  # keep only the largest connected part of the map
     starts: tuple[tuple[int, int], ...] | None = None
-    """(row, column) to assign at random; none given: those beside the map; empty: a random cluster."""
+    """(row, column) to assign at random; absent: those beside the map; []: a random cluster."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,12 @@ class Items:
 class Weather:
     """`[weather]`: the paper's drift, a constant vector plus noise per item and step."""
 
-    drift_node_per_step: float = field(default=0.1, metadata=bounded(0, 10))  # uniform in +- per axis
-    noise_node_per_step: float = field(default=0.09, metadata=bounded(0, 10))  # uniform in +- per axis
+    drift_node_per_step: float = field(
+        default=0.1, metadata=bounded(0, 10)
+    )  # uniform in +- per axis
+    noise_node_per_step: float = field(
+        default=0.09, metadata=bounded(0, 10)
+    )  # uniform in +- per axis
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""From an episode log to the metrics of scenario section 2: scalars per episode, series per step."""
+"""From an episode log to the metrics of scenario section 2, per episode and per step."""
 
 from dataclasses import dataclass
 

@@ -1,8 +1,8 @@
 """Run folders: what identifies a run, its finished chunks, and the tables merged from them.
 
-A chunk is a folder of four Parquet files that appears whole or not at all (written beside, then renamed),
-so a killed run resumes where it stopped. `run.json` is written first, `summary.json` last; a folder
-with both is complete.
+A chunk is a folder of four Parquet files that appears whole or not at all (written beside, then
+renamed), so a killed run resumes where it stopped. `run.json` is written first, `summary.json`
+last; a folder with both is complete.
 """
 
 import contextlib
@@ -19,6 +19,7 @@ from typing import Any
 import polars as pl
 
 from mjforage.errors import UserError
+from mjforage.run_info import read_json
 from mjforage.scenario_file import canonical_json
 from mjforage.tables import SCHEMAS, TABLES
 
@@ -48,15 +49,16 @@ def writing(path: Path) -> Iterator[None]:
     Raises
     ------
     UserError
-        If the disk is full, the folder is read-only, or anything else keeps a file from being written.
+        If the disk is full, the folder is read-only, or anything else keeps a file from being
+        written.
     """
     try:
         yield
     except (OSError, pl.exceptions.PolarsError) as error:
         reason = getattr(error, "strerror", None) or str(error).splitlines()[0]
         raise UserError(
-            f"{path}: cannot be written ({reason}); free some space or choose another --out, then run "
-            "the same command again: finished chunks are kept"
+            f"{path}: cannot be written ({reason}); free some space or choose another --out, then "
+            "run the same command again: finished chunks are kept"
         ) from error
 
 
@@ -75,23 +77,6 @@ def write_json(path: Path, value: object) -> None:
             temporary.replace(path)
         finally:
             temporary.unlink(missing_ok=True)
-
-
-def read_json(path: Path) -> dict[str, Any]:
-    """Read a JSON object.
-
-    Raises
-    ------
-    UserError
-        If it is missing or no JSON object.
-    """
-    try:
-        value = json.loads(path.read_text("utf-8"))
-    except (OSError, ValueError) as error:
-        raise UserError(f"{path}: not readable as JSON ({error}); choose another folder") from error
-    if not isinstance(value, dict):
-        raise UserError(f"{path}: not a JSON object; choose another folder")
-    return value
 
 
 def run_hash(info: Mapping[str, Any]) -> str:
@@ -129,8 +114,8 @@ class RunFolder:
         Raises
         ------
         UserError
-            If the folder holds another run (the difference is named) or something else, or cannot be
-            written.
+            If the folder holds another run (the difference is named) or something else, or cannot
+            be written.
         """
         file = self.path / "run.json"
         if file.is_file():
@@ -264,6 +249,6 @@ def _check_table(path: Path, table: str) -> None:
     if dict(schema) != SCHEMAS[table]:
         wrong = set(schema) ^ set(SCHEMAS[table])
         raise UserError(
-            f"{path}: not a table of {table} (columns {', '.join(sorted(wrong)) or 'of other types'} "
-            "differ); move it away and run evaluate again"
+            f"{path}: not a table of {table} ({', '.join(sorted(wrong)) or 'column types'} differ); "
+            "move it away and run evaluate again"
         )

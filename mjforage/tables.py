@@ -1,5 +1,7 @@
 """Episode logs as the tables of a run folder (columns: docs/run-folder.md)."""
 
+from typing import Any
+
 import numpy as np
 import polars as pl
 from numpy.typing import NDArray
@@ -8,16 +10,10 @@ from mjforage.dynamics import OUTCOMES
 from mjforage.episode_log import EpisodeLog
 from mjforage.mission import Setting
 from mjforage.scoring import Scores
+from mjforage.vocabulary import METRICS, SERIES
 
-SERIES = (
-    *("pta_d", "pta_c", "rmse", "rmse_columns", "mi", "irr"),
-    *("csr", "gini_foragers", "gini_scouts", "co_scouts", "co_foragers"),
-)
-SCALARS = (
-    *("pta_d", "pta_c", "rmse", "rmse_columns", "nt50", "nt90", "throughput"),
-    *("throughput_scouts", "mi_final", "mi_mean", "irr_mean", "dsl", "itl", "itl_level", "csr"),
-    *("gini_foragers", "gini_scouts", "co_scouts", "co_foragers", "length", "cleared"),
-)
+SCALARS = tuple(METRICS)
+Columns = dict[str, NDArray[Any] | pl.Series]
 TABLES = ("episodes", "steps", "items", "agents")
 KEYS = {"world": pl.String, "policy": pl.String, "episode": pl.Int64}
 SCHEMAS: dict[str, dict[str, type[pl.DataType]]] = {
@@ -34,9 +30,7 @@ SCHEMAS: dict[str, dict[str, type[pl.DataType]]] = {
 """Table -> column -> type, in order."""
 
 
-def _frame(
-    table: str, world: str, policy: str, columns: dict[str, NDArray[np.generic] | pl.Series]
-) -> pl.DataFrame:
+def _frame(table: str, world: str, policy: str, columns: Columns) -> pl.DataFrame:
     frame = pl.DataFrame(columns).with_columns(
         world=pl.lit(world, pl.String), policy=pl.lit(policy, pl.String)
     )
@@ -44,27 +38,24 @@ def _frame(
     return frame.select(pl.col(name).cast(kind) for name, kind in schema.items())
 
 
-def _episodes(
-    episodes: NDArray[np.int64], log: EpisodeLog, scores: Scores
-) -> dict[str, NDArray[np.generic]]:
-    return {"episode": episodes, "items": log.n_items} | {k: scores.scalars[k] for k in SCALARS}
+def _episodes(episodes: NDArray[np.int64], log: EpisodeLog, scores: Scores) -> Columns:
+    columns: Columns = {"episode": episodes, "items": log.n_items}
+    return columns | {key: scores.scalars[key] for key in SCALARS}
 
 
-def _steps(episodes: NDArray[np.int64], scores: Scores) -> dict[str, NDArray[np.generic]]:
+def _steps(episodes: NDArray[np.int64], scores: Scores) -> Columns:
     steps = scores.series["pta_c"].shape[1]
-    columns: dict[str, NDArray[np.generic]] = {
+    columns: Columns = {
         "episode": np.repeat(episodes, steps),
         "step": np.tile(np.arange(steps), episodes.size),
     }
     return columns | {key: scores.series[key].ravel() for key in SERIES}
 
 
-def _items(
-    episodes: NDArray[np.int64], log: EpisodeLog
-) -> dict[str, NDArray[np.generic] | pl.Series]:
+def _items(episodes: NDArray[np.int64], log: EpisodeLog) -> Columns:
     shape = log.t_discovered.shape
     exists = np.arange(shape[1])[None, :] < log.n_items[:, None]
-    columns: dict[str, NDArray[np.generic] | pl.Series] = {
+    columns: Columns = {
         "episode": np.broadcast_to(episodes[:, None], shape)[exists],
         "item": np.broadcast_to(np.arange(shape[1]), shape)[exists],
         "row_start": log.item_start[exists, 0],
@@ -77,14 +68,10 @@ def _items(
     return columns
 
 
-def _agents(
-    episodes: NDArray[np.int64], log: EpisodeLog, setting: Setting
-) -> dict[str, NDArray[np.generic] | pl.Series]:
+def _agents(episodes: NDArray[np.int64], log: EpisodeLog, setting: Setting) -> Columns:
     shape, graph = log.agent_node.shape, setting.graph
     pitch_m, period_s = setting.scenario.map.pitch_m, setting.scenario.period_s
-    made = np.broadcast_to(
-        np.arange(shape[1])[None, :, None] <= log.length[:, None, None], shape
-    )
+    made = np.broadcast_to(np.arange(shape[1])[None, :, None] <= log.length[:, None, None], shape)
     node, xy = log.agent_node[made], graph.metres(log.agent_rc[made])
     step = np.broadcast_to(np.arange(shape[1])[None, :, None], shape)[made]
     names = np.array(("start", *OUTCOMES))
@@ -122,7 +109,7 @@ def frames(
     episodes : (episode,) numbers of the batch's episodes
     log, scores : the batch
     """
-    columns = {
+    columns: dict[str, Columns] = {
         "episodes": _episodes(episodes, log, scores),
         "steps": _steps(episodes, scores),
         "items": _items(episodes, log),

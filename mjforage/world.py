@@ -1,7 +1,8 @@
 """What an episode is before anybody moves: items, drift and starts, from its key alone.
 
-Both dynamics start from the same world, so a graph run and a physics run of one seed differ in their
-dynamics and in nothing else. Positions are (row, column) in node units; node centres are integers.
+Both dynamics start from the same world, so a graph run and a physics run of one seed differ in
+their dynamics and in nothing else. Positions are (row, column) in node units; node centres are
+integers.
 """
 
 from dataclasses import dataclass
@@ -44,7 +45,7 @@ def _search_outwards(framed: Int32Array, row: float, col: float) -> int:
             for c in range(max(0, centre_col - reach), min(width, centre_col + reach + 1)):
                 squared = (r - 1 - row) ** 2 + (c - 1 - col) ** 2
                 if framed[r, c] >= 0 and squared < best_squared:
-                    best, best_squared = framed[r, c], squared
+                    best, best_squared = int(framed[r, c]), squared
         if best_squared < (reach + 0.5) ** 2:
             break
     return best
@@ -54,15 +55,15 @@ def _search_outwards(framed: Int32Array, row: float, col: float) -> int:
 def nearest_node(framed: Int32Array, row: float, col: float) -> int:
     """Node whose centre is nearest to a position on a land cell; ties: the lowest row-major index.
 
-    Hot, because items lie on quays: the eight cells around are compared without branches, and only if
-    something farther could be nearer does a search go on.
+    Hot, because items lie on quays: the eight cells around are compared without branches, and only
+    if something farther could be nearer does a search go on.
     """
     r, c = int(row + 0.5), int(col + 0.5)
-    best, best_squared = np.int32(-1), np.inf
+    best, best_squared = -1, np.inf
     for i in range(3):
         squared_rows = (r + i - 1 - row) * (r + i - 1 - row)
         for j in range(3):
-            node = framed[np.uint64(r + i), np.uint64(c + j)]
+            node = int(framed[np.uint64(r + i), np.uint64(c + j)])
             squared = squared_rows + (c + j - 1 - col) * (c + j - 1 - col)
             squared = squared if node >= 0 else np.inf
             best = node if squared < best_squared else best
@@ -76,18 +77,19 @@ def nearest_node(framed: Int32Array, row: float, col: float) -> int:
 def into_water(
     framed: Int32Array, rows: Int32Array, cols: Int32Array, row: float, col: float
 ) -> tuple[float, float, int]:
-    """Position and node of an item; out of navigable water it is moved to the nearest node's square.
+    """Position and node of an item; out of navigable water it is moved to the nearest node's
+    square.
 
     Clipped to the array first, then to +-0.49 node around the nearest node's centre (scenario
     section 1).
     """
     height, width = framed.shape[0] - 2, framed.shape[1] - 2
-    node = np.int32(-1)
+    node = -1
     if -0.5 <= row < height - 0.5 and -0.5 <= col < width - 0.5:
-        node = framed[int(row + 1.5), int(col + 1.5)]
+        node = int(framed[int(row + 1.5), int(col + 1.5)])
     if node < 0:
         row, col = min(max(row, 0.0), height - 1.0), min(max(col, 0.0), width - 1.0)
-        node = framed[int(row + 1.5), int(col + 1.5)]
+        node = int(framed[int(row + 1.5), int(col + 1.5)])
         if node < 0:
             node = nearest_node(framed, row, col)
         row = min(max(row, rows[node] - INSET), rows[node] + INSET)
@@ -169,7 +171,9 @@ def nodes_around(graph: NavigationGraph, nodes: Int32Array, count: int) -> Int32
         If the map has fewer nodes than agents.
     """
     if count > len(graph):
-        raise UserError(f"{count} agents do not fit on a map of {len(graph)} nodes; use fewer agents")
+        raise UserError(
+            f"{count} agents do not fit on a map of {len(graph)} nodes; use fewer agents"
+        )
     if count <= nodes.size:
         return nodes
     order = np.argsort(graph.distances_from(nodes), kind="stable").astype(np.int32)

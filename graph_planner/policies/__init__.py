@@ -1,7 +1,7 @@
 """Policies, one file each, registered by name.
 
-Add one by writing a file in this folder with a class decorated by `@register("name")`; the name is then
-known to the command line, the evaluator and the report.
+Add one by writing a file in this folder with a class decorated by `@register("name")`; the name is
+then known to the command line, the evaluator and the report.
 """
 
 import importlib

@@ -28,7 +28,9 @@ def lane_corners(graph: NavigationGraph, spacing: int) -> Int32Array:
     spacing : rows from lane to lane, 1 or more
     """
     corners: list[int] = []
-    for lane, row in enumerate(range(min(spacing // 2, graph.shape[0] - 1), graph.shape[0], spacing)):
+    for lane, row in enumerate(
+        range(min(spacing // 2, graph.shape[0] - 1), graph.shape[0], spacing)
+    ):
         cols = np.flatnonzero(graph.navigable[row])
         if cols.size == 0:
             continue

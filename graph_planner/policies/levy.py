@@ -1,7 +1,7 @@
 """Levy walks: scouts walk, foragers take the shortest path to the nearest known item.
 
-Paper, section "Experimental Study": with nothing known, foragers walk like scouts. Walk lengths are true
-Levy lengths (the published code draws them and then never uses them).
+Paper, section "Experimental Study": with nothing known, foragers walk like scouts. Walk lengths
+are true Levy lengths (the published code draws them and then never uses them).
 """
 
 import numpy as np

@@ -1,10 +1,11 @@
-"""Particle swarm: every agent has a velocity, pulled to two places, and takes the nearest compass move.
+"""Particle swarm: every agent has a velocity, pulled to two places, and takes the nearest compass
+move.
 
 Velocity = inertia x velocity + sum of weight x uniform x (place - position) (scenario section 3):
 scouts are pulled with 0.5 to the best node they have seen themselves and with 3.27 to the most idle
-node, foragers with 2 to the node with most known items and with 3 to the nearest known item. Among equal
-places the one nearest to the agent as the crow flies is taken. Inertia: Clerc and Kennedy, "The particle
-swarm", IEEE Trans. Evolutionary Computation 6, 2002.
+node, foragers with 2 to the node with most known items and with 3 to the nearest known item. Among
+equal places the one nearest to the agent as the crow flies is taken. Inertia: Clerc and Kennedy,
+"The particle swarm", IEEE Trans. Evolutionary Computation 6, 2002.
 """
 
 import numpy as np
@@ -27,7 +28,7 @@ NOWHERE = -1
 def _best_place(
     values: NDArray[np.float64], nodes: Int32Array, rows: Int32Array, cols: Int32Array, node: int
 ) -> int:
-    """Entry of `nodes` with the largest value, the nearest of them to `node`; -1 without entries."""
+    """Entry of `nodes` with the largest value, the nearest of them to `node`; -1 if empty."""
     best, best_value, best_squared = NOWHERE, -np.inf, 0
     for i in range(nodes.size):
         if values[i] < best_value:

@@ -27,7 +27,8 @@ class Policy(Protocol):
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9): 0-7 compass moves from north clockwise, 8 stay.
 
-        The resolver takes each agent's largest legal one. No NaN; rows of inactive episodes are ignored.
+        The resolver takes each agent's largest legal one. No NaN; rows of inactive episodes are
+        ignored.
         """
         ...
 

@@ -1,7 +1,8 @@
-"""Wandering: scouts keep their heading until blocked, foragers take the shortest path to the nearest known item.
+"""Wandering: scouts keep their heading until blocked, foragers take the shortest path to the
+nearest known item.
 
-A heading is kept until it is blocked; the new one is uniform over the legal moves except straight back
-(scenario section 3). With nothing known, foragers wander like scouts.
+A heading is kept until it is blocked; the new one is uniform over the legal moves except straight
+back (scenario section 3). With nothing known, foragers wander like scouts.
 """
 
 import numpy as np

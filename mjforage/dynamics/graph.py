@@ -1,4 +1,5 @@
-"""Graph dynamics: an agent is in its target node after every decision, items drift by the paper's rule.
+"""Graph dynamics: an agent is in its target node after every decision, items drift by the paper's
+rule.
 
 Order (scenario section 1): all move; foragers remove every item in their node; the rest drift by a
 constant vector plus independent noise per item and step.
@@ -16,6 +17,7 @@ from graph_planner.randomness import Stream, UInt64Array, stream_key
 from mjforage.dynamics import ARRIVED, BLOCKED, Transition
 from mjforage.scenario import Weather
 from mjforage.world import INSET, World, into_water, item_noise
+
 
 @kernel
 def _collect(
@@ -58,7 +60,7 @@ def _drift(
     item_node: Int32Array,
     items_in_node: NDArray[np.int16],
 ) -> None:
-    """Move every item left by the episode's drift and its own noise (hot: the fast path is inline)."""
+    """Move every item left by the episode's drift and its own noise (hot)."""
     n_episodes, n_items = item_node.shape
     height, width = framed.shape[0] - 2, framed.shape[1] - 2
     for e in range(n_episodes):
@@ -67,7 +69,7 @@ def _drift(
         key, now = stream_key(keys[e], Stream.NOISE), step[e]
         drift_row, drift_col = drift_rc[e, 0], drift_rc[e, 1]
         for k in range(n_items):
-            before = item_node[e, k]
+            before = int(item_node[e, k])
             if before < 0:
                 continue
             noise_row, noise_col = item_noise(key, k, now)
@@ -78,13 +80,14 @@ def _drift(
             if (off_row < 0.5) & (off_col < 0.5):
                 item_rc[e, k, 0], item_rc[e, k, 1] = row, col
                 continue
-            after = np.int32(-1)
+            after = -1
             inside = (row >= -0.5) & (row < height - 0.5) & (col >= -0.5) & (col < width - 0.5)
             if inside:
-                after = framed[np.uint64(row + 1.5), np.uint64(col + 1.5)]
+                after = int(framed[np.uint64(row + 1.5), np.uint64(col + 1.5)])
             if after < 0:
                 if inside & (off_row + off_col < 1.0):
-                    # Pressed on the quay beside its node: no other node can be nearer than that one.
+                    # Pressed on the quay beside its node: no other node can be nearer than that
+                    # one.
                     row = min(max(row, centre_row - INSET), centre_row + INSET)
                     col = min(max(col, centre_col - INSET), centre_col + INSET)
                     after = before
@@ -201,7 +204,10 @@ def _move(
             d = direction[e, a]
             length = np.float64(steps[e, a]) * (DIAGONAL if d & 1 else 1.0)
             agent_node[e, a] = target[e, a]
-            agent_rc[e, a, 0], agent_rc[e, a, 1] = centres[target[e, a], 0], centres[target[e, a], 1]
+            agent_rc[e, a, 0], agent_rc[e, a, 1] = (
+                centres[target[e, a], 0],
+                centres[target[e, a], 1],
+            )
             if d != STAY:
                 yaw[e, a] = yaws[d]
             speed[e, a] = length

@@ -1,9 +1,11 @@
 """The part of the map that never changes: water, clear and hazy, and quays."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image as PilImage
 from scipy import ndimage
 
 from mjforage.render import palette
@@ -58,7 +60,7 @@ def _quay_distance(navigable: NDArray[np.bool_], layout: Layout) -> Field:
     column = _nodes(width, layout.scale * _SUPERSAMPLING, layout.border, columns)
     water = navigable[row][:, column].astype(np.float32)
     rounding = 0.2 * layout.scale * _SUPERSAMPLING
-    wet = ndimage.gaussian_filter(water, rounding, mode="nearest") >= 0.5
+    wet = _blur(water, (rounding, rounding)) >= 0.5
     if wet.all() or not wet.any():
         return np.full(wet.shape, height + width if wet.all() else -height, np.float32)
     inside = ndimage.distance_transform_edt(wet) - 0.5
@@ -75,21 +77,39 @@ def _nodes(pixels: int, scale: float, border: float, count: int) -> NDArray[np.i
 
 def _shadow(water: Field, scale: float) -> Field:
     """Soft shadow that quays throw on the water to the south-east, 0..1."""
-    land = ndimage.gaussian_filter(1.0 - water, 0.22 * scale, mode="nearest")
+    land = _blur(1.0 - water, (0.22 * scale, 0.22 * scale))
     shift = max(1, round(0.2 * scale))
     return np.pad(land, ((shift, 0), (shift, 0)), mode="edge")[:-shift, :-shift]
 
 
 def _texture(shape: tuple[int, ...], scale: float) -> Field:
     """Faint swell: blurred noise of two grains, always the same, about +-2 %."""
-    noise = np.random.Generator(np.random.PCG64(_TEXTURE_SEED))
-    coarse = noise.standard_normal(shape, dtype=np.float32)
+    random = np.random.Generator(np.random.PCG64(_TEXTURE_SEED))
     total = np.zeros(shape, np.float32)
-    grain = min(max(scale, 10.0), 40.0)
+    grain = max(scale, 10.0)
     for along, across, strength in ((3.0, 1.2, 0.012), (0.8, 0.16, 0.006)):
-        layer = ndimage.gaussian_filter(coarse, (across * grain, along * grain), mode="nearest")
-        total += strength * layer / max(float(layer.std()), 1e-9)
+        coarse = max(1.0, across * grain / 3.0)
+        size = [max(2, round(length / coarse)) for length in shape]
+        noise = random.standard_normal(size, dtype=np.float32)
+        sigma = (across * grain / coarse, along * grain / coarse)
+        layer = ndimage.gaussian_filter(noise, sigma, mode="nearest")
+        total += strength * _resize(layer / max(float(layer.std()), 1e-9), shape)
     return total
+
+
+def _blur(field: Field, sigma: tuple[float, float]) -> Field:
+    """Gaussian blur; wide ones are made on a coarser grid, as nothing fine is left in them."""
+    step = max(1.0, min(sigma) / 4.0)
+    coarse = [max(2, round(length / step)) for length in field.shape]
+    small = _resize(field, coarse) if step > 1.0 else field
+    scaled = (sigma[0] / step, sigma[1] / step)
+    blurred: Field = ndimage.gaussian_filter(small, scaled, mode="nearest")
+    return _resize(blurred, field.shape) if step > 1.0 else blurred
+
+
+def _resize(field: Field, shape: Sequence[int]) -> Field:
+    picture = PilImage.fromarray(np.ascontiguousarray(field))
+    return np.array(picture.resize((shape[1], shape[0]), PilImage.Resampling.BILINEAR))
 
 
 def _quay(depth: Field, scale: float, layout: Layout) -> Field:

@@ -78,11 +78,11 @@ def _changed(
 
 def _make_palette(frame: NDArray[np.uint8]) -> PilImage.Image:
     """Median cut over the frame's colours, told apart by 5 bits per channel."""
-    coarse = (frame[::2, ::2] >> 3).reshape(-1, 3).astype(np.int64)
-    code, count = np.unique(coarse @ np.array([1024, 32, 1]), return_counts=True)
-    often = np.repeat(code, np.maximum(1, np.rint(count**_RARE)).astype(np.int64))
-    colours = np.stack([often >> 10, (often >> 5) & 31, often & 31], axis=-1) * 8 + 4
-    picture = PilImage.fromarray(colours.astype(np.uint8)[None])
+    pixels = frame[::2, ::2].reshape(-1, 3)
+    code = (pixels >> 3).astype(np.int64) @ np.array([1024, 32, 1])
+    _, first, count = np.unique(code, return_index=True, return_counts=True)
+    often = np.maximum(1, np.rint(count**_RARE)).astype(np.int64)
+    picture = PilImage.fromarray(np.repeat(pixels[first], often, axis=0)[None])
     return picture.quantize(_COLOURS, PilImage.Quantize.MEDIANCUT)
 
 
@@ -91,7 +91,8 @@ def _patterned(pixels: NDArray[np.uint8], box: tuple[int, int, int, int]) -> NDA
     rows = np.arange(box[1], box[3])[:, None] % 4
     columns = np.arange(box[0], box[2]) % 4
     shift = ((_PATTERN[rows, columns] - 7.5) * _PATTERN_STEP).astype(np.int16)
-    return np.clip(pixels + shift[..., None], 0, 255).astype(np.uint8)
+    mixed: NDArray[np.uint8] = np.clip(pixels + shift[..., None], 0, 255).astype(np.uint8)
+    return mixed
 
 
 def _to_palette(pixels: NDArray[np.uint8], palette: PilImage.Image) -> PilImage.Image:

@@ -9,7 +9,7 @@ import numpy as np
 from metrics import paired_difference, probability_of_improvement
 from mjforage.report.logs import RunLogs
 from mjforage.report.tables import NOTHING, Row, Table, number
-from mjforage.report.vocabulary import COMPARED, Metric, describe
+from mjforage.vocabulary import COMPARED, Metric, describe
 
 SEED = 0  # of the bootstrap: a report made twice must be the same
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from mjforage.errors import UserError
 from mjforage.replay import Replay
 from mjforage.report import style
-from mjforage.report.runfile import REMEDY, RunInfo, load_run, read_json
-from mjforage.report.vocabulary import METRICS, SERIES
+from mjforage.run_info import REMEDY, RunInfo, load_run, read_json
+from mjforage.vocabulary import METRICS, SERIES
 
 KEYS = ("world", "policy", "episode")
 ITEM_COLUMNS = ("item", "t_discovered", "discovered_by", "t_collected", "collected_by")

@@ -11,7 +11,7 @@ from rich.text import Text
 from mjforage.report import style
 from mjforage.report.logs import RunLogs, Series, Summaries, Summary, parse_summary
 from mjforage.report.published import LABEL, Published, published_for
-from mjforage.report.vocabulary import HEADLINE, METRICS, Metric, describe
+from mjforage.vocabulary import HEADLINE, METRICS, Metric, describe
 
 NORMAL_95 = 1.96
 NOTHING = "–"

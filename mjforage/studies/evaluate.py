@@ -1,5 +1,6 @@
 """`mjforage evaluate`: policies on the same episodes of a scenario, into a run folder."""
 
+import math
 import platform
 import shlex
 import sys
@@ -10,7 +11,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import polars as pl
 
 import metrics
@@ -102,9 +102,10 @@ def summarise(table: pl.DataFrame) -> Summary:
     for (world, policy), rows in table.group_by("world", "policy", maintain_order=True):
         values = rows.sort("episode").select(SCALARS).to_numpy().T
         found = metrics.summarise(values, BOOTSTRAP_SEED)
-        numbers = np.stack((found.mean, found.sem, found.low, found.high, found.iqm))
-        plain = np.where(np.isfinite(numbers), numbers, None)
-        mean, sem, low, high, iqm = plain.tolist()
+        mean, sem, low, high, iqm = (
+            [number if math.isfinite(number) else None for number in column.tolist()]
+            for column in (found.mean, found.sem, found.low, found.high, found.iqm)
+        )
         summary.setdefault(str(world), {})[str(policy)] = {
             key: {
                 "mean": mean[i],

@@ -10,8 +10,9 @@ from mjforage.maps import GridMap
 from mjforage.mission import Setting
 from mjforage.recording import record
 from mjforage.replay import Replay
+from mjforage.run_info import load_run
 from mjforage.scenario_file import scenario_from_tree
-from mjforage.storage import RunFolder, read_json
+from mjforage.storage import RunFolder
 
 
 def replay_of_run(folder: Path, world: str, policy: str | None, episode: int) -> Replay:
@@ -29,22 +30,16 @@ def replay_of_run(folder: Path, world: str, policy: str | None, episode: int) ->
     UserError
         If the run does not hold that episode, or the episode does not come out as it was logged.
     """
-    info = read_json(folder / "run.json")
-    try:
-        rows = info["map"]["navigable"]
-        grid = GridMap(str(info["map"]["name"]), np.array([[c == "1" for c in row] for row in rows]))
-        scenario = scenario_from_tree(info["scenario"], f"{folder / 'run.json'}")
-        policies, worlds, episodes = info["policies"], info["worlds"], int(info["episodes"])
-        seed = int(info["seed"])
-    except (KeyError, TypeError, ValueError) as error:
-        raise UserError(f"{folder / 'run.json'}: incomplete ({error!r}); run evaluate again") from error
-    policy = policy or policies[0]
-    if policy not in policies or world not in worlds or not 0 <= episode < episodes:
+    run = load_run(folder / "run.json")
+    policy = policy or run.policies[0]
+    if policy not in run.policies or world not in run.worlds or not 0 <= episode < run.episodes:
         raise UserError(
             f"{folder}: no episode {episode} of {policy} in world {world}; it holds episodes 0 to "
-            f"{episodes - 1} of {', '.join(policies)} in {', '.join(worlds)}"
+            f"{run.episodes - 1} of {', '.join(run.policies)} in {', '.join(run.worlds)}"
         )
-    replay = record(Setting(scenario, grid), world, policy, seed, episode)
+    scenario = scenario_from_tree(dict(run.scenario), f"{folder / 'run.json'}")
+    setting = Setting(scenario, GridMap(run.map.name, run.map.navigable))
+    replay = record(setting, world, policy, run.seed, episode)
     _check(replay, RunFolder(folder))
     return replay
 
@@ -65,6 +60,6 @@ def _check(replay: Replay, run: RunFolder) -> None:
     again = np.rint(replay.agent_rc).astype(np.int64).reshape(-1, 2)
     if logged.shape != again.shape or (logged != again).any():
         raise UserError(
-            f"{run.path}: episode {replay.episode} of {replay.policy} does not come out as logged; it "
-            "was made with other versions (see run.json), run evaluate again"
+            f"{run.path}: episode {replay.episode} of {replay.policy} does not come out as logged; "
+            "it was made with other versions (see run.json), run evaluate again"
         )

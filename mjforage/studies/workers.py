@@ -1,6 +1,7 @@
 """Carrying out chunks of episodes, here or in worker processes.
 
-The unit of work is (scenario, policy, world, chunk of episodes) -> one folder; joblib distributes it.
+The unit of work is (scenario, policy, world, chunk of episodes) -> one folder; joblib distributes
+it.
 """
 
 import json
@@ -57,8 +58,8 @@ def run_chunk(scenario_json: str, seed: int, chunk: Chunk, folder: Path, parent:
 
     Returns
     -------
-    None, or the message of the error that a user can mend (exceptions with a cause do not survive the
-    way between processes unharmed)
+    None, or the message of the error that a user can mend (exceptions with a cause do not survive
+    the way between processes unharmed)
     """
     if os.getpid() != parent:
         _die_with(parent)

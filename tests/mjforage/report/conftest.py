@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.replay import Replay
-from mjforage.report.vocabulary import METRICS, SERIES
+from mjforage.vocabulary import METRICS, SERIES
 
 FLOATS = tuple(METRICS)
 

@@ -13,7 +13,7 @@ from rich.console import Console
 from mjforage.errors import UserError
 from mjforage.report import style, terminal_table, write_report
 from mjforage.report.tables import number
-from mjforage.report.vocabulary import METRICS
+from mjforage.vocabulary import METRICS
 
 MakeRun = Callable[..., Path]
 
