@@ -28,7 +28,7 @@ def _grown(bucket: Int32Array) -> Int32Array:
 @kernel
 def canonical(distance: float) -> float:
     """Round off the summation order, so that equal distances compare equal."""
-    return np.float64(np.float32(np.round(distance * 1e5) / 1e5))
+    return np.float64(np.float32(np.round(distance * 1e6) / 1e6))
 
 
 @kernel

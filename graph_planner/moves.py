@@ -201,7 +201,7 @@ class Resolver:
         ----------
         active : (episode,) others keep their place
         preferences : (episode, agent, 9); the largest legal one wins, ties to the lowest move.
-            An illegal move, or one to or through a node that an earlier agent chose, is never taken.
+            An illegal move, or one to or through a node chosen earlier, is never taken.
         agent_node : (episode, agent)
         energy_left : (episode, agent) distance that can still be travelled [node]
         belief : (episode, node) believed items; read by the whole-team corruption only

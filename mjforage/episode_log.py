@@ -30,7 +30,7 @@ class EpisodeLog(Observer):
         self._foragers = mission.setting.fleet.foragers
         self._navigable = mission.setting.grid.navigable
         self._started = False
-        self._open = mission.active.copy()
+        self._open = np.zeros(0, np.bool_)  # (episode,) not over when last seen
 
     def see(self, mission: Mission) -> None:
         """Append the mission's state; the first call allocates."""

@@ -52,7 +52,7 @@ def fields_at(
     view = replay.in_view[step][nearest]
     return Fields(
         _smooth(replay.idleness[step].astype(np.float32)[nearest]),
-        _edge_distance((view & SCOUT_VIEW) != 0),
+        _smooth(_edge_distance((view & SCOUT_VIEW) != 0)),
         _edge_distance((view & FORAGER_VIEW) != 0),
     )
 
@@ -65,7 +65,7 @@ def _edge_distance(inside: NDArray[np.bool_]) -> NodeField:
         first_row, first_column = max(0, rows[0] - _REACH), max(0, columns[0] - _REACH)
         part = np.s_[first_row : rows[-1] + _REACH + 1, first_column : columns[-1] + _REACH + 1]
         _fill_edge_distance(inside[part], distance[part])
-    return _smooth(distance)
+    return distance
 
 
 def _smooth(field: NodeField) -> NodeField:

@@ -162,3 +162,10 @@ def test_zero_scouts_and_zero_items(build: Build) -> None:
     replay = build(np.ones((8, 8), np.bool_), steps=2, items=0, agents=(0, 1))
     view = TopView(replay)
     assert view.frame(1.0).shape == (*view.size, 3)
+
+
+def test_an_episode_without_a_step_has_one_picture(still: Replay) -> None:
+    series = ("agent_rc", "item_rc", "item_present", "belief", "idleness", "in_view")
+    view = TopView(replace(still, **{name: getattr(still, name)[:1] for name in series}))
+    assert view.length == 0
+    np.testing.assert_array_equal(view.frame(0.0), TopView(still).frame(0.0))

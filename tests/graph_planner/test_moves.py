@@ -1,0 +1,173 @@
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from graph_planner.fleet import Fleet, Role
+from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
+from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
+from graph_planner.randomness import episode_keys
+from tests.graph_planner.charts import grid
+
+N, E, S, W = 0, 2, 4, 6
+
+
+def resolve(
+    graph: NavigationGraph,
+    roles: dict[str, Role],
+    cells: list[tuple[int, int]],
+    wishes: list[list[int]],
+    rules: MoveRules,
+    energy: float = np.inf,
+    episodes: int = 1,
+    corruption: Corruption | None = None,
+    belief: NDArray[np.int16] | None = None,
+) -> Moves:
+    """Resolve one step in which every agent ranks its wished moves first to last."""
+    fleet = Fleet.of(roles)
+    nodes = np.array([[graph.node_of_cell[rc] for rc in cells]] * episodes, np.int32)
+    preferences = np.full((episodes, len(fleet), 9), -np.inf)
+    for agent, moves in enumerate(wishes):
+        for rank, move in enumerate(moves):
+            preferences[:, agent, move] = -rank
+    resolver = Resolver(graph, fleet, rules, corruption or Corruption(np.zeros(len(fleet))))
+    return resolver(
+        np.ones(episodes, np.bool_),
+        preferences,
+        nodes,
+        np.full(nodes.shape, energy),
+        np.zeros((episodes, len(graph)), np.int16) if belief is None else belief,
+        np.ones(episodes, np.int32),
+        episode_keys(0, np.arange(episodes)),
+    )
+
+
+def where(graph: NavigationGraph, moves: Moves, agent: int) -> tuple[int, int]:
+    target = moves.target[0, agent]
+    return int(graph.rows[target]), int(graph.cols[target])
+
+
+SCOUT, FORAGER = Role(1, 2, 4.0, False), Role(1, 1, 1.0, True)
+WATER = navigation_graph(np.ones((5, 5), np.bool_), 1.0, False)
+FREE = MoveRules(stay=True, shorten=True)
+PUBLISHED = MoveRules(stay=False, shorten=False)
+
+
+def test_the_forager_decides_first_and_the_scout_gives_way() -> None:
+    teams = {"scouts": Role(1, 1, 4.0, False), "foragers": FORAGER}
+    moves = resolve(WATER, teams, [(2, 0), (2, 2)], [[E, N], [W]], FREE)
+    assert where(WATER, moves, 1) == (2, 1)
+    assert where(WATER, moves, 0) == (1, 0)
+
+
+def test_a_chosen_node_can_neither_be_entered_nor_passed() -> None:
+    teams = {"scouts": SCOUT, "foragers": FORAGER}
+    cells = [(2, 0), (2, 2)]
+    strict = resolve(WATER, teams, cells, [[E, N], [W]], PUBLISHED)
+    assert where(WATER, strict, 0) == (0, 0)
+    teams = {"scouts": SCOUT, "foragers": FORAGER}
+    passing = resolve(WATER, teams, [(2, 0), (1, 2)], [[E], [S]], FREE)
+    assert where(WATER, passing, 1) == (2, 2)
+    assert where(WATER, passing, 0) == (2, 1) and passing.steps[0, 0] == 1
+
+
+def test_agents_may_swap_nodes() -> None:
+    teams = {"scouts": Role(2, 1, 4.0, False)}
+    moves = resolve(WATER, teams, [(2, 1), (2, 2)], [[E], [W]], FREE)
+    assert (where(WATER, moves, 0), where(WATER, moves, 1)) == ((2, 2), (2, 1))
+
+
+@pytest.mark.parametrize(("shorten", "end"), [(True, (0, 1)), (False, (2, 0))])
+def test_a_blocked_second_node_shortens_or_forbids_the_move(
+    shorten: bool, end: tuple[int, int]
+) -> None:
+    graph = navigation_graph(grid("..#", "...", "..."), 1.0, False)
+    rules = MoveRules(stay=False, shorten=shorten)
+    moves = resolve(graph, {"scouts": SCOUT}, [(0, 0)], [[E, S]], rules)
+    assert where(graph, moves, 0) == end
+
+
+def test_staying_put_is_legal_only_where_the_rules_say_so() -> None:
+    stay = resolve(WATER, {"scouts": SCOUT}, [(2, 2)], [[STAY, N]], FREE)
+    assert stay.direction[0, 0] == STAY and not stay.blocked[0, 0]
+    published = resolve(WATER, {"scouts": SCOUT}, [(2, 2)], [[STAY, N]], PUBLISHED)
+    assert published.direction[0, 0] == N
+
+
+def test_without_a_legal_move_an_agent_stays_and_is_blocked() -> None:
+    pond = navigation_graph(grid("."), 1.0, False)
+    moves = resolve(pond, {"scouts": SCOUT}, [(0, 0)], [[N]], PUBLISHED)
+    assert moves.blocked[0, 0] and moves.direction[0, 0] == STAY and moves.target[0, 0] == 0
+
+
+def test_an_agent_whose_node_is_chosen_by_an_earlier_one_must_leave_it() -> None:
+    channel = navigation_graph(grid("..."), 1.0, False)
+    teams = {"scouts": Role(1, 1, 1.0, False), "foragers": FORAGER}
+    moves = resolve(channel, teams, [(0, 1), (0, 2)], [[STAY, W], [W]], FREE)
+    assert where(channel, moves, 0) == (0, 0)
+
+
+def test_energy_left_limits_the_length_of_a_move() -> None:
+    moves = resolve(WATER, {"scouts": SCOUT}, [(2, 2)], [[1, N, STAY]], FREE, energy=2.5)
+    assert moves.direction[0, 0] == N  # two diagonal nodes would take 2.83
+    tired = resolve(WATER, {"scouts": SCOUT}, [(2, 2)], [[1, N, STAY]], FREE, energy=1.9)
+    assert tired.direction[0, 0] == STAY
+
+
+def test_unwanted_legal_moves_are_still_taken_when_nothing_else_is_left() -> None:
+    channel = navigation_graph(grid(".."), 1.0, False)
+    moves = resolve(channel, {"scouts": SCOUT}, [(0, 0)], [[]], MoveRules(False, True))
+    assert where(channel, moves, 0) == (0, 1) and not moves.blocked[0, 0]
+
+
+def test_corruption_replaces_each_action_with_its_probability_by_a_uniform_legal_one() -> None:
+    graph = navigation_graph(grid("...", "..."), 1.0, False)
+    teams = {"scouts": Role(2, 1, 1.0, False)}
+    corruption = Corruption(np.array([0.6, 0.0]))
+    moves = resolve(
+        graph,
+        teams,
+        [(0, 0), (0, 2)],
+        [[STAY], [STAY]],
+        FREE,
+        episodes=4000,
+        corruption=corruption,
+    )
+    assert (moves.direction[:, 1] == STAY).all()
+    counts = np.bincount(moves.direction[:, 0], minlength=9) / 4000
+    legal = {E: 0.15, 3: 0.15, S: 0.15, STAY: 0.55}  # 0.6 / 4 each, and 0.4 left alone
+    for move in range(9):
+        assert counts[move] == pytest.approx(legal.get(move, 0.0), abs=0.03)
+
+
+def test_the_whole_team_draw_corrupts_together_and_still_takes_a_known_item_beside() -> None:
+    teams = {"foragers": Role(2, 1, 1.0, True)}
+    belief = np.zeros((500, len(WATER)), np.int16)
+    belief[:, WATER.node_of_cell[1, 1]] = 3
+    moves = resolve(
+        WATER,
+        teams,
+        [(1, 0), (4, 4)],
+        [[STAY], [STAY]],
+        FREE,
+        episodes=500,
+        corruption=Corruption(np.array([0.5, 0.5]), whole_team=True),
+        belief=belief,
+    )
+    corrupted = moves.direction[:, 0] == E
+    assert 0.4 < corrupted.mean() < 0.6
+    assert (moves.direction[~corrupted, 0] == STAY).all()
+    assert (moves.direction[~corrupted, 1] == STAY).all()
+    assert (moves.direction[corrupted, 1] != STAY).mean() > 0.6
+
+
+@pytest.mark.parametrize("fault", ["shape", "nan"])
+def test_bad_preferences_are_refused(fault: str) -> None:
+    fleet = Fleet.of({"scouts": SCOUT})
+    resolver = Resolver(WATER, fleet, FREE, Corruption(np.zeros(1)))
+    preferences = np.zeros((1, 1, 8 if fault == "shape" else 9))
+    preferences[0, 0, 0] = np.nan if fault == "nan" else 0.0
+    node = np.zeros((1, 1), np.int32)
+    step, keys = np.ones(1, np.int32), episode_keys(0, np.arange(1))
+    energy, belief = np.full((1, 1), np.inf), np.zeros((1, 25), np.int16)
+    with pytest.raises(ValueError, match="preferences"):
+        resolver(np.ones(1, np.bool_), preferences, node, energy, belief, step, keys)

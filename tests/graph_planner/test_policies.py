@@ -1,0 +1,226 @@
+import itertools
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from graph_planner.fleet import Role
+from graph_planner.moves import MoveRules
+from graph_planner.navigation import OFFSETS, STAY, NavigationGraph, navigation_graph
+from graph_planner.policies import create_policy, policy_names, register
+from graph_planner.policies.lawnmower import lane_corners
+from graph_planner.randomness import Stream, episode_keys, stream_key
+from graph_planner.walking import levy_length
+from tests.graph_planner.charts import grid
+from tests.graph_planner.driver import FREE, observation_of, preferences, task_of
+
+SCOUT, FORAGER = Role(1, 2, 4.0, False), Role(1, 1, 1.0, True)
+N, NE, E, SE, S, SW, W, NW = range(8)
+
+
+def test_the_published_baselines_are_registered() -> None:
+    assert {"random", "greedy", "levy", "lawnmower", "wanderer", "pso"} <= set(policy_names())
+
+
+def test_an_unknown_policy_is_named_with_the_nearest_one() -> None:
+    with pytest.raises(KeyError, match="policy gredy: unknown; did you mean greedy"):
+        create_policy("gredy")
+
+
+def test_a_name_is_registered_once() -> None:
+    with pytest.raises(ValueError, match="'greedy' is registered already"):
+        register("greedy")(lambda: create_policy("random"))
+
+
+def greedy_by_hand(
+    graph: NavigationGraph,
+    role: Role,
+    start: int,
+    known: dict[int, int],
+    idle: np.ndarray[tuple[int], np.dtype[np.float64]],
+    rules: MoveRules,
+) -> list[float]:
+    """Reward of every move by the formula of the docstring, straight from the definitions."""
+    rewards = []
+    for d in range(9):
+        target, steps = start, 0
+        while d != STAY and steps < role.moves and graph.neighbours[target, d] >= 0:
+            target, steps = int(graph.neighbours[target, d]), steps + 1
+        legal = rules.stay if d == STAY else steps == role.moves or (steps > 0 and rules.shorten)
+        if not legal:
+            rewards.append(-np.inf)
+            continue
+        reward = -1.7 * min((float(graph.distances[target, k]) for k in known), default=0.0)
+        if role.collects:
+            reward += 5.91 * known.get(target, 0)
+        else:
+            d_row, d_col = graph.rows - graph.rows[target], graph.cols - graph.cols[target]
+            reward += 2.23 * idle[d_row**2 + d_col**2 <= role.radius**2].sum()
+        rewards.append(reward)
+    return rewards
+
+
+@pytest.mark.parametrize("rules", [FREE, MoveRules(stay=False, shorten=False)])
+@pytest.mark.parametrize("n_known", [0, 1, 12])
+def test_greedy_gives_every_move_the_reward_of_its_formula(
+    ragged_coast: NavigationGraph, rules: MoveRules, n_known: int
+) -> None:
+    graph, rng = ragged_coast, np.random.default_rng(n_known)
+    task = task_of(graph, rules, scouts=SCOUT, foragers=FORAGER)
+    for step in (1, 60, 149):
+        nodes = rng.choice(len(graph), 2 + n_known, replace=False)
+        cells = [(int(graph.rows[v]), int(graph.cols[v])) for v in nodes]
+        known = {int(v): int(rng.integers(1, 5)) for v in nodes[2:]}
+        last_seen = rng.integers(0, step, len(graph)).astype(np.int16)
+        last_seen[rng.random(len(graph)) < 0.3] = np.iinfo(np.int16).min
+        idle = np.minimum(1.0, (step - 1 - last_seen.astype(float)) / (0.9 * 150))
+        seen = dict(zip(cells[2:], known.values(), strict=True))
+        got = preferences("greedy", task, observation_of(task, cells[:2], seen, last_seen, step))
+        for agent, role in enumerate((SCOUT, FORAGER)):
+            expected = greedy_by_hand(graph, role, int(nodes[agent]), known, idle, rules)
+            np.testing.assert_allclose(got[0, agent], expected, atol=2e-5)
+
+
+def test_greedy_breaks_ties_at_random(open_water: NavigationGraph) -> None:
+    task = task_of(open_water, foragers=FORAGER)
+    best = preferences("greedy", task, observation_of(task, [(7, 7)], episodes=900)).argmax(axis=2)
+    counts = np.bincount(best.ravel(), minlength=9)
+    assert stats.chisquare(counts).pvalue > 0.001
+
+
+@pytest.mark.parametrize("policy", ["levy", "wanderer", "lawnmower"])
+def test_foragers_take_a_shortest_path_to_the_nearest_known_item(
+    ragged_coast: NavigationGraph, policy: str
+) -> None:
+    graph, rng = ragged_coast, np.random.default_rng(1)
+    task = task_of(graph, foragers=FORAGER)
+    for _ in range(40):
+        nodes = rng.choice(len(graph), 6, replace=False)
+        cells = [(int(graph.rows[v]), int(graph.cols[v])) for v in nodes]
+        observation = observation_of(task, cells[:1], dict.fromkeys(cells[1:], 1))
+        move = int(preferences(policy, task, observation)[0, 0].argmax())
+        end = graph.neighbours[nodes[0], move]
+        cost = 2**0.5 if move % 2 else 1.0
+        nearest = graph.distances[nodes[0], nodes[1:]].min()
+        assert cost + graph.distances[end, nodes[1:]].min() == pytest.approx(nearest, abs=1e-5)
+
+
+def test_levy_lengths_are_levy_distributed_and_capped() -> None:
+    key = np.uint64(stream_key(episode_keys(0, np.arange(1))[0], Stream.POLICY))
+    lengths = np.array([levy_length(key, i, 1, 50) for i in range(20000)])
+    assert lengths.min() == 1 and lengths.max() == 50
+    for x in (2, 5, 20, 50):
+        assert (lengths >= x).mean() == pytest.approx(stats.levy.sf(x), abs=0.015)
+
+
+def walk(
+    policy_name: str, graph: NavigationGraph, steps: int, episodes: int = 40
+) -> tuple[list[np.ndarray[tuple[int], np.dtype[np.int64]]], list[np.ndarray]]:  # type: ignore[type-arg]
+    """Headings and nodes of a lone one-node scout that always gets its first choice."""
+    task = task_of(graph, scouts=Role(1, 1, 1.0, False))
+    start = (int(graph.rows[0]), int(graph.cols[0]))
+    observation = observation_of(task, [start], episodes=episodes)
+    policy = create_policy(policy_name)
+    policy.reset(task, observation.keys)
+    headings, nodes = [], []
+    for step in range(1, steps + 1):
+        observation.step[:] = step
+        best = policy.act(observation)[:, 0].argmax(axis=1)
+        assert (graph.neighbours[observation.agent_node[:, 0], best] >= 0).all()
+        observation.agent_node[:, 0] = graph.neighbours[observation.agent_node[:, 0], best]
+        headings.append(best)
+        nodes.append(observation.agent_node[:, 0].copy())
+    return headings, nodes
+
+
+def test_a_wanderer_keeps_its_heading_until_blocked_and_never_turns_straight_back() -> None:
+    graph = navigation_graph(np.ones((9, 12), np.bool_), 1.0, False)
+    headings, nodes = walk("wanderer", graph, 120)
+    turns = 0
+    for before, after, node in zip(headings, headings[1:], nodes, strict=False):
+        could_go_on = graph.neighbours[node, before] >= 0
+        assert (after[could_go_on] == before[could_go_on]).all()
+        assert (after != (before + 4) % 8).all()
+        turns += int((after != before).sum())
+    assert turns > 100
+
+
+def test_a_wanderer_turns_back_only_in_a_dead_end() -> None:
+    graph = navigation_graph(grid("....."), 1.0, False)
+    headings, _ = walk("wanderer", graph, 9, episodes=1)
+    assert [int(h[0]) for h in headings] == [E] * 4 + [W] * 4 + [E]
+
+
+def test_levy_walks_turn_in_open_water_too() -> None:
+    graph = navigation_graph(np.ones((9, 12), np.bool_), 1.0, False)
+    headings, nodes = walk("levy", graph, 120)
+    free_turns = sum(
+        int((after != before)[graph.neighbours[node, before] >= 0].sum())
+        for before, after, node in zip(headings, headings[1:], nodes, strict=False)
+    )
+    assert free_turns > 500
+    assert all((a != (b + 4) % 8).all() for b, a in itertools.pairwise(headings))
+
+
+def test_lanes_run_back_and_forth_over_every_stretch_of_water() -> None:
+    graph = navigation_graph(grid(".....", "..#..", "....."), 1.0, False)
+    corners = [(int(graph.rows[v]), int(graph.cols[v])) for v in lane_corners(graph, 1)]
+    assert corners == [(0, 0), (0, 4), (1, 4), (1, 3), (1, 1), (1, 0), (2, 0), (2, 4)]
+
+
+def test_the_lawnmower_sees_all_of_an_open_map() -> None:
+    graph = navigation_graph(np.ones((30, 22), np.bool_), 1.0, False)
+    headings, nodes = walk("lawnmower", graph, 420, episodes=1)
+    visited = {int(node[0]) for node in nodes}
+    views = graph.views((1.0,))
+    assert {int(v) for node in visited for v in views.of(node)} == set(range(len(graph)))
+    assert len(headings) == 420
+
+
+def test_pso_foragers_fly_to_the_only_known_item_and_scouts_to_the_most_idle_node() -> None:
+    graph = navigation_graph(np.ones((21, 21), np.bool_), 1.0, False)
+    task = task_of(graph, scouts=SCOUT, foragers=FORAGER)
+    last_seen = np.full(len(graph), 29, np.int16)
+    last_seen[graph.node_of_cell[10, 0]] = 0
+    for cell, direction in (((2, 10), N), ((18, 18), SE), ((10, 3), W)):
+        observation = observation_of(task, [(10, 10), (10, 10)], {cell: 1}, last_seen, step=30)
+        scout, forager = preferences("pso", task, observation)[0]
+        assert int(forager.argmax()) == direction
+        assert int(scout.argmax()) == W
+
+
+def test_pso_scouts_remember_the_richest_node_they_saw_themselves() -> None:
+    graph = navigation_graph(np.ones((21, 21), np.bool_), 1.0, False)
+    task = task_of(graph, scouts=Role(1, 1, 4.0, False))
+    policy = create_policy("pso")
+    idle_here = np.full(len(graph), 0, np.int16)  # everything equally idle: the own node is nearest
+    near = observation_of(task, [(10, 10)], {(10, 7): 5}, idle_here, step=1)
+    policy.reset(task, near.keys)
+    assert int(policy.act(near)[0, 0].argmax()) == W
+    far = observation_of(task, [(10, 20)], {(10, 7): 5}, idle_here, step=2)
+    assert int(policy.act(far)[0, 0].argmax()) == W
+
+
+def test_random_moves_are_uniform_over_all_nine() -> None:
+    graph = navigation_graph(np.ones((5, 5), np.bool_), 1.0, False)
+    task = task_of(graph, scouts=SCOUT)
+    observation = observation_of(task, [(2, 2)], episodes=4500)
+    counts = np.bincount(preferences("random", task, observation)[:, 0].argmax(axis=1), minlength=9)
+    assert stats.chisquare(counts).pvalue > 0.001
+
+
+@pytest.mark.parametrize("policy", policy_names())
+def test_preferences_are_the_same_bits_alone_and_in_a_batch(
+    ragged_coast: NavigationGraph, policy: str
+) -> None:
+    task = task_of(ragged_coast, scouts=SCOUT, foragers=FORAGER)
+    cells = [(int(ragged_coast.rows[v]), int(ragged_coast.cols[v])) for v in (5, 90, 40)]
+    batch = observation_of(task, cells[:2], {cells[2]: 2}, episodes=7)
+    whole = preferences(policy, task, batch)
+    alone = observation_of(task, cells[:2], {cells[2]: 2}, episodes=1)
+    alone.keys[:] = batch.keys[3]
+    np.testing.assert_array_equal(preferences(policy, task, alone)[0], whole[3])
+
+
+def test_compass_offsets_are_unit_moves() -> None:
+    assert np.abs(OFFSETS[:8]).max() == 1 and (np.abs(OFFSETS[1:8:2]).sum(axis=1) == 2).all()

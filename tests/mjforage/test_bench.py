@@ -1,0 +1,20 @@
+import pytest
+
+from mjforage import bench
+
+
+def test_bench_measures_every_promised_figure(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a tiny load: the figures are there, positive, and have units."""
+    monkeypatch.setattr(bench, "BATCH", 2)
+    monkeypatch.setattr(bench, "REPEATS", 1)
+    monkeypatch.setattr(bench, "LARGE_SHAPE", (90, 120))
+    monkeypatch.setattr(bench, "LARGE_STEPS", 2)
+    measured: list[str] = []
+    figures = bench.bench(measured.append)
+    promised = {
+        *(f"graph_{name}_steps_per_core_s" for name in ("random", "greedy", "levy")),
+        *("evaluate_greedy_steps_per_core_s", "metrics_episodes_per_s", "peak_memory"),
+    }
+    assert promised <= set(figures)
+    assert set(measured) <= set(figures)
+    assert all(figure["value"] > 0 and figure["unit"] for figure in figures.values())  # type: ignore[operator]
