@@ -6,6 +6,8 @@ methods: 1", Operations Research 27, 1979). With edges of at most sqrt(2) three 
 are enough.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +18,18 @@ Float32Array = NDArray[np.float32]
 
 DIAGONAL = 1.4142135623730951
 FAR = np.inf
+
+
+class Workspace(NamedTuple):
+    """Scratch memory of a search, kept between searches: all inf in `distance` when not in use."""
+
+    distance: NDArray[np.float64]  # (node,)
+    touched: Int32Array  # (node,) nodes whose distance a search has set
+
+    @classmethod
+    def of(cls, nodes: int) -> "Workspace":
+        """Memory for a graph of so many nodes."""
+        return cls(np.full(nodes, np.inf), np.empty(nodes, np.int32))
 
 
 @kernel
@@ -36,8 +50,7 @@ def spread(
     neighbours: Int32Array,
     sources: Int32Array,
     wanted: Int32Array,
-    distance: NDArray[np.float64],
-    touched: Int32Array,
+    workspace: Workspace,
 ) -> int:
     """Distances from the nearest source, outwards until every wanted node is settled.
 
@@ -46,13 +59,13 @@ def spread(
     neighbours : (node, 8) int32, -1 where there is no edge; odd directions are diagonal
     sources : (source,) nodes at distance 0
     wanted : (query,) nodes that must be settled; empty: all nodes are
-    distance : (node,) workspace that must be all inf on entry; holds the result
-    touched : (node,) workspace; its first `n` entries are the nodes whose distance was set
+    workspace : `distance` holds the result; the first `n` of `touched` are the nodes that were set
 
     Returns
     -------
     n, the number of nodes touched
     """
+    distance, touched = workspace.distance, workspace.touched
     bucket_0 = np.empty(64, np.int32)
     bucket_1 = np.empty(64, np.int32)
     bucket_2 = np.empty(64, np.int32)
@@ -112,13 +125,13 @@ def all_pairs(neighbours: Int32Array) -> Float32Array:
     """Distances between all nodes: (node, node) float32, inf where there is no way."""
     n = neighbours.shape[0]
     table = np.full((n, n), np.float32(np.inf), np.float32)
-    distance = np.full(n, FAR)
-    touched = np.empty(n, np.int32)
+    workspace = Workspace(np.full(n, FAR), np.empty(n, np.int32))
+    distance, touched = workspace.distance, workspace.touched
     source = np.empty(1, np.int32)
     everything = np.empty(0, np.int32)
     for i in range(n):
         source[0] = i
-        for j in range(spread(neighbours, source, everything, distance, touched)):
+        for j in range(spread(neighbours, source, everything, workspace)):
             table[i, touched[j]] = np.float32(canonical(distance[touched[j]]))
             distance[touched[j]] = FAR
     return table
@@ -132,8 +145,7 @@ def distances_to_nearest(
     centres: Int32Array,
     targets: Int32Array,
     slack: float,
-    distance: NDArray[np.float64],
-    touched: Int32Array,
+    workspace: Workspace,
     out: NDArray[np.float64],
 ) -> None:
     """Distance of each agent's possible targets to the nearest of the sources; inf without sources.
@@ -149,13 +161,14 @@ def distances_to_nearest(
     centres : (agent,) node of each agent
     targets : (agent, 9) nodes, none farther than `slack` from the agent's; -1 is skipped
     slack : distance [node]
-    distance, touched : workspaces of `spread`; left as they were found (all inf)
+    workspace : scratch memory, left as it was found
     out : (agent, 9) the result [node]
     """
     out[:] = FAR
     if table.shape[0] == 0:
         flat = targets.copy().reshape(targets.size)
-        n_touched = spread(neighbours, sources, flat[flat >= 0], distance, touched)
+        distance, touched = workspace.distance, workspace.touched
+        n_touched = spread(neighbours, sources, flat[flat >= 0], workspace)
         for a in range(targets.shape[0]):
             for move in range(9):
                 if targets[a, move] >= 0:

@@ -13,7 +13,14 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from graph_planner.compiled import kernel
-from graph_planner.geodesics import DIAGONAL, Float32Array, Int32Array, all_pairs, spread
+from graph_planner.geodesics import (
+    DIAGONAL,
+    Float32Array,
+    Int32Array,
+    Workspace,
+    all_pairs,
+    spread,
+)
 from graph_planner.visibility import NodeLists, node_lists
 
 COMPASS = ("N", "NE", "E", "SE", "S", "SW", "W", "NW", "stay")
@@ -115,11 +122,10 @@ class NavigationGraph:
 
     def distances_from(self, nodes: Int32Array) -> NDArray[np.float64]:
         """(node,) geodesic distance [node] of every node to the nearest of `nodes`."""
-        distance = np.full(len(self), np.inf)
-        touched = np.empty(len(self), np.int32)
+        workspace = Workspace.of(len(self))
         sources = np.ascontiguousarray(nodes, np.int32)
-        spread(self.neighbours, sources, np.empty(0, np.int32), distance, touched)
-        return distance
+        spread(self.neighbours, sources, np.empty(0, np.int32), workspace)
+        return workspace.distance
 
     def views(self, radii: tuple[float, ...]) -> NodeLists:
         """Nodes seen from every node, for each radius [node]."""

@@ -1,18 +1,35 @@
 """What a policy is told before an episode, and what it sees at every step."""
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.fleet import Fleet
-from graph_planner.geodesics import Int32Array
+from graph_planner.geodesics import Float32Array, Int32Array
 from graph_planner.moves import MoveRules
 from graph_planner.navigation import NavigationGraph
 from graph_planner.visibility import NodeLists
 
 NEVER = np.int16(-32768)
 """Value of `last_seen` for a node that no agent has seen yet."""
+
+
+class Ground(NamedTuple):
+    """A task as kernels read it: where agents can go, what each can do, how fast maps age."""
+
+    neighbours: Int32Array  # (node, 8), -1 where there is no edge
+    distances: Float32Array  # (node, node) geodesic [node], or (0, 0) on a large map
+    rows: Int32Array  # (node,)
+    cols: Int32Array  # (node,)
+    moves: NDArray[np.int64]  # (agent,) nodes per decision
+    collects: NDArray[np.bool_]  # (agent,)
+    radius_number: NDArray[np.int64]  # (agent,) which list of `NodeLists`
+    stay: bool
+    shorten: bool
+    forgetting: float  # growth of idleness per step
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,9 +67,24 @@ class Task:
         """Nodes seen from every node, for each of `view_radii`."""
         return self.graph.views(self.view_radii)
 
+    @cached_property
+    def ground(self) -> Ground:
+        """The task as kernels read it."""
+        return Ground(
+            neighbours=self.graph.neighbours,
+            distances=self.graph.distances,
+            rows=self.graph.rows,
+            cols=self.graph.cols,
+            moves=self.fleet.moves,
+            collects=self.fleet.collects,
+            radius_number=self.radius_number,
+            stay=self.rules.stay,
+            shorten=self.rules.shorten,
+            forgetting=self.forgetting,
+        )
 
-@dataclass(frozen=True, eq=False)
-class Observation:
+
+class Observation(NamedTuple):
     """What the fleet knows together: the shared model, its own positions and the time.
 
     The arrays are live views of the model; a policy reads them and never writes. Idleness is kept

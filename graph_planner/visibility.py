@@ -5,7 +5,7 @@ node on the rounded straight line to it is navigable; 49 nodes in open water for
 radius 1.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +15,12 @@ from graph_planner.compiled import kernel
 Int32Array = NDArray[np.int32]
 
 
-@dataclass(frozen=True)
-class NodeLists:
+class NodeLists(NamedTuple):
     """One list of nodes per node, for several radii, in compressed form.
 
     The list of node v for radius number r is `nodes[start[r, v]:start[r, v + 1]]`.
     """
 
-    radii: tuple[float, ...]
     start: NDArray[np.int64]  # (radius, node + 1)
     nodes: Int32Array  # (entry,)
 
@@ -125,4 +123,4 @@ def node_lists(
         start[i] += total
         total += nodes.size
         parts.append(nodes)
-    return NodeLists(radii, start, np.concatenate(parts) if parts else np.empty(0, np.int32))
+    return NodeLists(start, np.concatenate(parts) if parts else np.empty(0, np.int32))

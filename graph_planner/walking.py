@@ -5,10 +5,10 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
-from graph_planner.moves import free_move
 from graph_planner.navigation import STAY
-from graph_planner.randomness import Stream, UInt64Array, normal, stream_key, uniform
-from graph_planner.task import Observation, Task
+from graph_planner.randomness import Stream, normal, stream_key, uniform
+from graph_planner.seeking import possible_targets
+from graph_planner.task import Ground, Observation, Task
 
 NO_HEADING = -1
 NO_LIMIT = 2**31 - 1  # decisions; a walk that only obstacles end
@@ -28,48 +28,44 @@ def levy_length(key: np.uint64, index: int, step: int, cap: int) -> int:
 
 @kernel
 def _walk(
-    active: NDArray[np.bool_],
-    keys: UInt64Array,
-    step: Int32Array,
-    agent_node: Int32Array,
-    neighbours: Int32Array,
-    moves: NDArray[np.int64],
-    shorten: bool,
+    seen: Observation,
+    ground: Ground,
     cap: int,
     heading: NDArray[np.int8],
     left: Int32Array,
     preferences: NDArray[np.float64],
 ) -> None:
-    n_agents = agent_node.shape[1]
-    nobody = np.empty(0, np.int64)
+    n_agents = seen.agent_node.shape[1]
+    targets = np.empty((n_agents, 9), np.int32)
     legal = np.empty(8, np.int64)
-    for e in range(active.size):
-        if not active[e]:
+    for e in range(seen.active.size):
+        if not seen.active[e]:
             continue
-        key = stream_key(keys[e], Stream.POLICY)
+        key = stream_key(seen.keys[e], Stream.POLICY)
+        possible_targets(ground, seen.agent_node[e], targets)
         for a in range(n_agents):
-            node, here = agent_node[e, a], heading[e, a]
+            here = heading[e, a]
             back = (here + 4) % 8 if here != NO_HEADING else NO_HEADING
             n_legal, straight_on = 0, False
             for d in range(8):
-                end, _ = free_move(neighbours, nobody, -1, node, d, moves[a], False, shorten)
-                if end >= 0:
+                if targets[a, d] >= 0:
                     straight_on = straight_on or d == here
                     if d != back:
                         legal[n_legal] = d
                         n_legal += 1
             if left[e, a] <= 0 or not straight_on:
                 if n_legal > 0:
-                    draw = uniform(key, _DRAWS * a, step[e])
+                    draw = uniform(key, _DRAWS * a, seen.step[e])
                     heading[e, a] = legal[int(draw * n_legal)]
                 elif back != NO_HEADING:
                     heading[e, a] = back
                 left[e, a] = cap
                 if cap < NO_LIMIT:
-                    left[e, a] = levy_length(key, _DRAWS * a + 1, step[e], cap)
+                    left[e, a] = levy_length(key, _DRAWS * a + 1, seen.step[e], cap)
             left[e, a] -= 1
             for d in range(8):
-                preferences[e, a, d] = uniform(key, _DRAWS * a + 4 + d, step[e]) - (d == back)
+                tie = uniform(key, _DRAWS * a + 4 + d, seen.step[e])
+                preferences[e, a, d] = tie - (d == back)
             preferences[e, a, heading[e, a]] = 2.0
             preferences[e, a, STAY] = -2.0
 
@@ -81,7 +77,7 @@ class Walker:
     """
 
     def __init__(self, task: Task, episodes: int, levy: bool) -> None:
-        self._task = task
+        self._ground = task.ground
         self._cap = max(1, int(0.8 * max(task.graph.shape))) if levy else NO_LIMIT
         agents = (episodes, len(task.fleet))
         self._heading = np.full(agents, NO_HEADING, np.int8)
@@ -90,18 +86,5 @@ class Walker:
 
     def walk(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9) of the next step of every walk."""
-        task = self._task
-        _walk(
-            observation.active,
-            observation.keys,
-            observation.step,
-            observation.agent_node,
-            task.graph.neighbours,
-            task.fleet.moves,
-            task.rules.shorten,
-            self._cap,
-            self._heading,
-            self._left,
-            self._preferences,
-        )
+        _walk(observation, self._ground, self._cap, self._heading, self._left, self._preferences)
         return self._preferences

@@ -1,6 +1,7 @@
 """The command line: one function per command, thin over the library."""
 
 import logging
+import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -13,6 +14,7 @@ from rich.console import Console
 from rich.logging import RichHandler
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
+from rich.text import Text
 
 from mjforage import __version__
 from mjforage.errors import UserError
@@ -24,8 +26,13 @@ app = cyclopts.App(
     version=__version__,
     help="Cooperative foraging by autonomous surface vehicles: run, measure, compare, look.",
     help_format="plaintext",
+    suppress_keyboard_interrupt=False,
 )
-output = Console()
+PIPE_COLUMNS = 400  # tables keep their natural width where stdout is no terminal
+
+output = Console(markup=False, highlight=False)
+if not output.is_terminal and "COLUMNS" not in os.environ:
+    output.width = PIPE_COLUMNS
 errors = Console(stderr=True, soft_wrap=True, highlight=False)
 
 Policies = Annotated[list[str], Parameter(name="--policy", negative="")]
@@ -40,7 +47,8 @@ def _bar(words: str) -> Iterator["_Bar"]:
         MofNCompleteColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=errors, transient=True) as progress:
+    hidden = not errors.is_terminal
+    with Progress(*columns, console=errors, transient=True, disable=hidden) as progress:
         yield _Bar(progress, words)
 
 
@@ -105,8 +113,7 @@ def evaluate(
     rows, columns = setting.graph.shape
     output.print(
         f"{setting.scenario.name} on map {setting.grid.name} ({rows} x {columns}, "
-        f"{len(setting.graph)} nodes; {shares} of them)",
-        highlight=False,
+        f"{len(setting.graph)} nodes; {shares} of them)"
     )
     with _bar("episodes") as bar:
         summary = run(
@@ -122,7 +129,7 @@ def evaluate(
     output.print(terminal_table(summary))
     with errors.status("drawing the report"):
         path = write_report(folder)
-    output.print(f"report: {path}", soft_wrap=True, highlight=False)
+    output.print(f"report: {path}", soft_wrap=True)
 
 
 @app.command
@@ -138,7 +145,7 @@ def report(folder: Path, /) -> None:
 
     with errors.status("drawing the report"):
         path = write_report(folder)
-    output.print(f"report: {path}", soft_wrap=True, highlight=False)
+    output.print(f"report: {path}", soft_wrap=True)
 
 
 @app.command
@@ -197,7 +204,7 @@ def render(
             speed=speed,
             progress=bar,
         )
-    output.print(f"film: {output_file}", soft_wrap=True, highlight=False)
+    output.print(f"film: {output_file}", soft_wrap=True)
 
 
 @app.command
@@ -267,7 +274,7 @@ def maps(
     for name in (map,) if map else shipped_maps():
         grid = load_map(name, corner_cutting=True)
         rows, columns = grid.navigable.shape
-        output.print(f"{grid.name}: {rows} x {columns}, {grid.nodes} nodes", highlight=False)
+        output.print(f"{grid.name}: {rows} x {columns}, {grid.nodes} nodes")
         if output_file is not None and map:
             save_map_picture(grid, output_file)
 
@@ -275,7 +282,7 @@ def maps(
 def _list(rows: "Iterator[tuple[str, str]] | Sequence[tuple[str, str]]") -> None:
     table = Table(box=None, show_header=False, pad_edge=False)
     for name, words in rows:
-        table.add_row(f"[bold]{name}[/]", words)
+        table.add_row(Text(name, style="bold"), Text(words))
     output.print(table)
 
 

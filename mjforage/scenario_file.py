@@ -21,6 +21,8 @@ from mjforage.scenario import Scenario
 
 Tree = dict[str, Any]
 
+_LONGEST = 60  # characters of a value in a message
+
 
 def preset_names() -> list[str]:
     """Names of the scenarios that ship with the package."""
@@ -39,8 +41,11 @@ def scenario_path(reference: str) -> Path:
     if name in preset_names():
         return models_folder() / "scenarios" / f"{name}.toml"
     path = Path(reference)
-    if path.suffix == ".toml" and path.is_file():
-        return path
+    try:
+        if path.suffix == ".toml" and path.is_file():
+            return path
+    except (OSError, ValueError) as error:
+        raise UserError(f"scenario {reference}: cannot be opened ({error})") from error
     close = difflib.get_close_matches(name, preset_names(), n=1)
     hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(preset_names())}"
     raise UserError(f"scenario {reference}: neither a preset nor a TOML file; {hint}")
@@ -65,10 +70,10 @@ def load_scenario(
     path = scenario_path(reference)
     try:
         tree = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise UserError(f"scenario {path.name}: not readable as TOML ({error})") from error
     if map_file is not None:
-        tree.setdefault("map", {})["file"] = map_file
+        _put(tree, ["map", "file"], map_file, f"--map {map_file}")
     for override in overrides:
         _apply(tree, override)
     return scenario_from_tree(tree, f"scenario {path.stem}")
@@ -80,14 +85,20 @@ def _apply(tree: Tree, override: str) -> None:
     if not separator or not all(parts):
         raise UserError(f"--set {override}: expected KEY=VALUE, for example team.scouts.count=3")
     try:
-        value = tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
-        value = text.strip()
+        document = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):  # a bare word
+        document = {"value": text.strip()}
+    if len(document) > 1:
+        raise UserError(f"--set {override!r}: expected one value")
+    _put(tree, parts, document["value"], f"--set {override}")
+
+
+def _put(tree: Tree, parts: list[str], value: object, where: str) -> None:
     table = tree
     for part in parts[:-1]:
         table = table.setdefault(part, {})
         if not isinstance(table, dict):
-            raise UserError(f"--set {override}: {part} is a value, not a table")
+            raise UserError(f"{where}: {part} is a value, not a table")
     table[parts[-1]] = value
 
 
@@ -106,6 +117,11 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
         each other.
     """
     scenario = cast(Scenario, _table(Scenario, tree, where, ""))
+    name = scenario.name
+    if not name.isprintable() or not name.strip(" .") or set(name) & set("/\\"):
+        raise UserError(
+            f"{where}: name = {_shown(name)} names the run folder; give letters, digits and dashes"
+        )
     counts = {name: role.count for name, role in scenario.team.items()}
     if not 1 <= sum(counts.values()) <= 255:
         raise UserError(f"{where}: {sum(counts.values())} agents in all; give 1 to 255")
@@ -115,9 +131,18 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
     return scenario
 
 
+def _shown(value: object) -> str:
+    """A value as a message shows it, also numbers that Python refuses to print."""
+    try:
+        text = repr(value)
+    except ValueError:
+        return "a number of thousands of digits"
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+
+
 def _table(schema: type[Any], tree: object, where: str, prefix: str) -> object:
     if not isinstance(tree, dict):
-        raise UserError(f"{where}: {prefix.rstrip('.')} = {tree!r}, expected a table")
+        raise UserError(f"{where}: {prefix.rstrip('.')} = {_shown(tree)}, expected a table")
     fields = {f.name: f for f in dataclasses.fields(schema)}
     hints = get_type_hints(schema)
     for key in tree:
@@ -153,7 +178,7 @@ def _value(hint: Any, metadata: Mapping[str, Any], value: object, where: str, ke
         return _list(hint, value, where, key)
     if get_origin(hint) is not None and get_args(hint)[-1] is Role:
         if not isinstance(value, dict):
-            raise UserError(f"{where}: {key} = {value!r}, expected a table of teams")
+            raise UserError(f"{where}: {key} = {_shown(value)}, expected a table of teams")
         teams = {name: _table(Role, role, where, f"{key}.{name}.") for name, role in value.items()}
         return MappingProxyType(teams)
     return _scalar(hint, metadata, value, where, key)
@@ -161,26 +186,35 @@ def _value(hint: Any, metadata: Mapping[str, Any], value: object, where: str, ke
 
 def _list(hint: Any, value: object, where: str, key: str) -> object:
     if not isinstance(value, list | tuple):
-        raise UserError(f"{where}: {key} = {value!r}, expected a list")
+        raise UserError(f"{where}: {key} = {_shown(value)}, expected a list")
     arguments = get_args(hint)
     if arguments[-1] is Ellipsis:
         return tuple(_value(arguments[0], {}, v, where, f"{key}[{i}]") for i, v in enumerate(value))
     if len(value) != len(arguments):
-        raise UserError(f"{where}: {key} = {value!r}, expected {len(arguments)} values")
+        raise UserError(f"{where}: {key} = {_shown(value)}, expected {len(arguments)} values")
     return tuple(_value(a, {}, v, where, key) for a, v in zip(arguments, value, strict=True))
 
 
 def _scalar(hint: Any, metadata: Mapping[str, Any], value: object, where: str, key: str) -> object:
     if hint is float and isinstance(value, int) and not isinstance(value, bool):
-        value = float(value)
+        value = _float(value)
     if type(value) is not hint:
         expected = {int: "an integer", float: "a number", bool: "true or false", str: "text"}[hint]
-        raise UserError(f"{where}: {key} = {value!r}, expected {expected}")
+        raise UserError(f"{where}: {key} = {_shown(value)}, expected {expected}")
     if isinstance(value, int | float) and not isinstance(value, bool):
         low, high = metadata.get("low", -math.inf), metadata.get("high", math.inf)
-        if not math.isfinite(value) or not low <= value <= high:
-            raise UserError(f"{where}: {key} = {value!r} is out of range; give {low:g} to {high:g}")
+        if not low <= value <= high or isinstance(value, float) and not math.isfinite(value):
+            raise UserError(
+                f"{where}: {key} = {_shown(value)} is out of range; give {low:g} to {high:g}"
+            )
     return value
+
+
+def _float(value: int) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return math.copysign(math.inf, value)
 
 
 def scenario_to_tree(scenario: Scenario) -> Tree:

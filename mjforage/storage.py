@@ -2,7 +2,8 @@
 
 A chunk is a folder of four Parquet files that appears whole or not at all (written beside, then
 renamed), so a killed run resumes where it stopped. `run.json` is written first, `summary.json`
-last; a folder with both is complete.
+last; a folder with both and all tables is complete. Nothing that is not of the run is overwritten
+or removed.
 """
 
 import contextlib
@@ -21,10 +22,11 @@ import polars as pl
 from mjforage.errors import UserError
 from mjforage.run_info import read_json
 from mjforage.scenario_file import canonical_json
-from mjforage.tables import SCHEMAS, TABLES
+from mjforage.tables import KEYS, TABLES, check_table, read_table
 
-IDENTITY = ("scenario", "map", "versions", "seed", "episodes", "worlds", "policies")
+IDENTITY = ("scenario", "map", "versions", "seed", "episodes", "worlds", "policies", "agents")
 _COMPARED_VERSIONS = ("mjforage", "mujoco")
+_LONGEST = 60  # characters of a value in a message
 
 
 @dataclass(frozen=True, order=True)
@@ -40,6 +42,12 @@ class Chunk:
     def name(self) -> str:
         """Folder name of the finished chunk."""
         return f"{self.world}-{self.policy}-{self.first:06d}-{self.count}"
+
+    @property
+    def keys(self) -> list[tuple[str, str, int]]:
+        """World, policy and episode of its rows."""
+        episodes = range(self.first, self.first + self.count)
+        return [(self.world, self.policy, episode) for episode in episodes]
 
 
 @contextlib.contextmanager
@@ -63,17 +71,20 @@ def writing(path: Path) -> Iterator[None]:
 
 
 def write_json(path: Path, value: object) -> None:
-    """Write JSON through a temporary file, so that the file is whole or absent.
+    """Write JSON through a temporary file, so that the file is whole or absent; leave an equal one.
 
     Raises
     ------
     UserError
         If it cannot be written.
     """
+    text = json.dumps(value, indent=1, allow_nan=False) + "\n"
     with writing(path):
+        if path.is_file() and path.read_bytes() == text.encode():
+            return
         temporary = path.with_name(f".{path.name}.{os.getpid()}")
         try:
-            temporary.write_text(json.dumps(value, indent=1, allow_nan=False) + "\n", "utf-8")
+            temporary.write_text(text, "utf-8")
             temporary.replace(path)
         finally:
             temporary.unlink(missing_ok=True)
@@ -93,8 +104,15 @@ def _differences(there: object, here: object, key: str) -> Iterator[str]:
     elif there != here:
         if key == "map.navigable":
             yield "the map's cells differ"
+        elif key == "agents":
+            yield "the agents are others or in another order"
         else:
-            yield f"{key} is {json.dumps(there)} there and {json.dumps(here)} here"
+            yield f"{key} is {_short(there)} there and {_short(here)} here"
+
+
+def _short(value: object) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
 
 
 class RunFolder:
@@ -118,26 +136,35 @@ class RunFolder:
             be written.
         """
         file = self.path / "run.json"
-        if file.is_file():
-            self._check_same(read_json(file), info)
-        elif self.path.is_dir() and any(
-            not entry.name.startswith(".") for entry in self.path.iterdir()
-        ):
-            raise UserError(f"{self.path}: not empty and without run.json; choose another --out")
         with writing(self.path):
-            self._chunks.mkdir(parents=True, exist_ok=True)
-            for stale in self._chunks.glob(".*"):
-                shutil.rmtree(stale)
-        if not file.is_file():
+            self.path.mkdir(parents=True, exist_ok=True)
+            found = sorted(entry.name for entry in self.path.iterdir() if entry.name[0] != ".")
+        if file.name in found:
+            self._check_same(file, info)
+            for table in TABLES:
+                if f"{table}.parquet" in found:
+                    check_table(self.path / f"{table}.parquet", table)
+        elif found:
+            raise UserError(
+                f"{self.path}: holds {found[0]} but no run.json, so it is no run folder; choose "
+                "another --out"
+            )
+        else:
             write_json(file, info)
 
-    def _check_same(self, there: dict[str, Any], here: Mapping[str, Any]) -> None:
+    def _check_same(self, file: Path, here: Mapping[str, Any]) -> None:
         def identity(info: Mapping[str, Any]) -> dict[str, Any]:
             part = {key: info.get(key) for key in IDENTITY}
-            versions = info.get("versions") or {}
+            versions = part["versions"] if isinstance(part["versions"], dict) else {}
             part["versions"] = {name: versions.get(name) for name in _COMPARED_VERSIONS}
             return part
 
+        try:
+            there = read_json(file)
+        except UserError as error:
+            raise UserError(
+                f"{file}: is not the run.json of a run; choose another --out"
+            ) from error
         found = list(_differences(identity(there), identity(json.loads(json.dumps(here))), ""))
         if found:
             raise UserError(
@@ -156,17 +183,15 @@ class RunFolder:
         Raises
         ------
         UserError
-            If its files are truncated, foreign or of the wrong size.
+            If its files are truncated or foreign, or hold other episodes.
         """
         folder = self._chunks / chunk.name
         if not folder.is_dir():
             return False
         for table in TABLES:
-            _check_table(folder / f"{table}.parquet", table)
-        if _rows(folder / "episodes.parquet") != chunk.count:
-            raise UserError(
-                f"{folder}: does not hold {chunk.count} episodes; delete it and run again"
-            )
+            path = folder / f"{table}.parquet"
+            _check_keys(path, read_table(path, table, folder), chunk.keys, folder)
+        self.timings([chunk])
         return True
 
     def write(
@@ -179,22 +204,41 @@ class RunFolder:
         UserError
             If it cannot be written.
         """
-        with writing(self._chunks / chunk.name):
+        target = self._chunks / chunk.name
+        with writing(target):
+            self._chunks.mkdir(exist_ok=True)
             temporary = Path(tempfile.mkdtemp(prefix=".", dir=self._chunks))
             try:
                 for name, frame in frames.items():
                     frame.write_parquet(temporary / f"{name}.parquet", compression="zstd")
                 (temporary / "timings.json").write_text(json.dumps(timings), "utf-8")
-                temporary.rename(self._chunks / chunk.name)
+                temporary.rename(target)
+            except OSError:
+                # A dying worker of a killed run may have finished the same chunk: it is equal.
+                if not self.has(chunk):
+                    raise
             finally:
                 shutil.rmtree(temporary, ignore_errors=True)
 
     def timings(self, chunks: list[Chunk]) -> dict[str, float]:
-        """Sum of the chunks' timings [s]."""
+        """Sum of the chunks' timings [s].
+
+        Raises
+        ------
+        UserError
+            If a chunk's timings are missing or not numbers.
+        """
         total: dict[str, float] = {}
         for chunk in chunks:
-            for key, value in read_json(self._chunks / chunk.name / "timings.json").items():
-                total[key] = total.get(key, 0.0) + float(value)
+            folder = self._chunks / chunk.name
+            try:
+                for key, value in read_json(folder / "timings.json").items():
+                    total[key] = total.get(key, 0.0) + float(value)
+            except (UserError, TypeError, ValueError) as error:
+                raise UserError(
+                    f"{folder / 'timings.json'}: missing or not written by evaluate; delete "
+                    f"{folder} and run evaluate again"
+                ) from error
         return total
 
     def merge(self, chunks: list[Chunk]) -> None:
@@ -211,14 +255,18 @@ class RunFolder:
             sources = [self._chunks / chunk.name / f"{table}.parquet" for chunk in chunks]
             with writing(target):
                 try:
-                    pl.scan_parquet(sources).sink_parquet(temporary, compression="zstd")
+                    frame = pl.scan_parquet(sources, glob=False)
+                    frame.sink_parquet(temporary, compression="zstd")
                     temporary.replace(target)
                 finally:
                     temporary.unlink(missing_ok=True)
 
-    def finish(self) -> None:
+    def finish(self, chunks: list[Chunk]) -> None:
         """Remove the chunks of a complete run: everything they hold is in the merged tables."""
-        shutil.rmtree(self._chunks, ignore_errors=True)
+        for folder in (*(self._chunks / chunk.name for chunk in chunks), *self._chunks.glob(".*")):
+            shutil.rmtree(folder, ignore_errors=True)
+        with contextlib.suppress(OSError):  # something else is in it, and stays
+            self._chunks.rmdir()
 
     def table(self, name: str) -> pl.DataFrame:
         """A merged table.
@@ -228,27 +276,27 @@ class RunFolder:
         UserError
             If it is missing, truncated or foreign.
         """
-        path = self.path / f"{name}.parquet"
-        _check_table(path, name)
-        return pl.read_parquet(path)
+        return read_table(self.path / f"{name}.parquet", name)
+
+    def episodes(self, chunks: list[Chunk]) -> pl.DataFrame:
+        """The merged table of episodes.
+
+        Raises
+        ------
+        UserError
+            If it is missing, truncated or foreign, or does not hold the episodes of the chunks.
+        """
+        path, table = self.path / "episodes.parquet", self.table("episodes")
+        _check_keys(path, table, [key for chunk in chunks for key in chunk.keys], path)
+        return table
 
 
-def _rows(path: Path) -> int:
-    return int(pl.scan_parquet(path).select(pl.len()).collect().item())
-
-
-def _check_table(path: Path, table: str) -> None:
-    try:
-        schema = pl.scan_parquet(path).collect_schema()
-        _rows(path)
-    except (OSError, pl.exceptions.PolarsError) as error:
+def _check_keys(
+    path: Path, frame: pl.DataFrame, keys: list[tuple[str, str, int]], remove: Path
+) -> None:
+    found = set(frame.select(KEYS).unique().rows())
+    if found != set(keys):
         raise UserError(
-            f"{path}: missing, truncated or not Parquet ({str(error).splitlines()[0]}); delete "
-            f"{path.parent if path.parent.parent.name == 'chunks' else path} and run evaluate again"
-        ) from error
-    if dict(schema) != SCHEMAS[table]:
-        wrong = set(schema) ^ set(SCHEMAS[table])
-        raise UserError(
-            f"{path}: not a table of {table} ({', '.join(sorted(wrong)) or 'column types'} differ); "
-            "move it away and run evaluate again"
+            f"{path}: does not hold the {len(keys)} episodes that it should; move {remove} away and "
+            "run evaluate again"
         )

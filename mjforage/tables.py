@@ -1,5 +1,6 @@
 """Episode logs as the tables of a run folder (columns: docs/run-folder.md)."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 from mjforage.dynamics import OUTCOMES
 from mjforage.episode_log import EpisodeLog
+from mjforage.errors import UserError
 from mjforage.mission import Setting
 from mjforage.scoring import Scores
 from mjforage.vocabulary import METRICS, SERIES
@@ -116,3 +118,50 @@ def frames(
         "agents": _agents(episodes, log, setting),
     }
     return {name: _frame(name, world, policy, columns[name]) for name in TABLES}
+
+
+def check_table(path: Path, table: str, remove: Path | None = None) -> None:
+    """Check that a file is a table of this package, by its schema.
+
+    Parameters
+    ----------
+    path : Parquet file
+    table : one of `TABLES`
+    remove : what the message asks to move away; the file itself if None
+
+    Raises
+    ------
+    UserError
+        If the file is missing, truncated, not Parquet or has other columns.
+    """
+    remedy = f"move {remove or path} away and run evaluate again"
+    try:
+        schema = dict(pl.scan_parquet(path, glob=False).collect_schema())
+    except (OSError, pl.exceptions.PolarsError) as error:
+        raise UserError(
+            f"{path}: missing, truncated or not Parquet ({_reason(error)}); {remedy}"
+        ) from error
+    if schema != SCHEMAS[table]:
+        wrong = ", ".join(sorted(set(schema) ^ set(SCHEMAS[table]))) or "column types"
+        raise UserError(f"{path}: not a table of {table} ({wrong} differ); {remedy}")
+
+
+def read_table(path: Path, table: str, remove: Path | None = None) -> pl.DataFrame:
+    """Check and read a table; parameters as for `check_table`.
+
+    Raises
+    ------
+    UserError
+        As `check_table`, and if the file is damaged inside.
+    """
+    check_table(path, table, remove)
+    try:
+        return pl.read_parquet(path, glob=False)
+    except (OSError, pl.exceptions.PolarsError) as error:
+        raise UserError(
+            f"{path}: damaged ({_reason(error)}); move {remove or path} away and run evaluate again"
+        ) from error
+
+
+def _reason(error: Exception) -> str:
+    return str(error).splitlines()[0] if str(error) else type(error).__name__

@@ -9,61 +9,55 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
-from graph_planner.geodesics import DIAGONAL, FAR, Float32Array, Int32Array, distances_to_nearest
+from graph_planner.geodesics import FAR, Workspace, distances_to_nearest
 from graph_planner.policies.registry import register
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
-from graph_planner.seeking import possible_targets
-from graph_planner.task import Observation, Task
+from graph_planner.seeking import TIE, longest_move, possible_targets
+from graph_planner.task import Ground, Observation, Task
+from graph_planner.visibility import NodeLists
 
 ITEM_WEIGHT = 5.91
 IDLENESS_WEIGHT = 2.23
 DISTANCE_WEIGHT = 1.7
-TIE = 1e-7  # far below any real difference of rewards, far above their rounding
+
+
+@kernel
+def _idleness_around(
+    seen: Observation, ground: Ground, discs: NodeLists, episode: int, agent: int, target: int
+) -> float:
+    """Sum of idleness within the agent's sensing radius of a node."""
+    now, radius = seen.step[episode] - 1, ground.radius_number[agent]
+    total = 0.0
+    for i in range(discs.start[radius, target], discs.start[radius, target + 1]):
+        age = now - np.int64(seen.last_seen[episode, discs.nodes[i]])
+        total += min(1.0, age * ground.forgetting)
+    return total
 
 
 @kernel
 def _rewards(
-    active: NDArray[np.bool_],
-    keys: UInt64Array,
-    step: Int32Array,
-    agent_node: Int32Array,
-    belief: NDArray[np.int16],
-    last_seen: NDArray[np.int16],
-    known: Int32Array,
-    n_known: Int32Array,
-    neighbours: Int32Array,
-    table: Float32Array,
-    disc_start: NDArray[np.int64],
-    disc_nodes: Int32Array,
-    radius_number: NDArray[np.int64],
-    moves: NDArray[np.int64],
-    collects: NDArray[np.bool_],
-    stay: bool,
-    shorten: bool,
-    forgetting: float,
-    distance: NDArray[np.float64],
-    touched: Int32Array,
+    seen: Observation,
+    ground: Ground,
+    discs: NodeLists,
+    workspace: Workspace,
     preferences: NDArray[np.float64],
 ) -> None:
-    n_agents = agent_node.shape[1]
+    n_agents = seen.agent_node.shape[1]
     targets = np.empty((n_agents, 9), np.int32)
     nearest = np.empty((n_agents, 9))
-    full = np.int64(np.ceil(1.0 / forgetting))
-    slack = DIAGONAL * moves.max() if n_agents else 0.0
-    for e in range(active.size):
-        if not active[e]:
+    for e in range(seen.active.size):
+        if not seen.active[e]:
             continue
-        key, now = stream_key(keys[e], Stream.POLICY), step[e] - 1
-        possible_targets(neighbours, agent_node[e], moves, stay, shorten, targets)
+        key = stream_key(seen.keys[e], Stream.POLICY)
+        possible_targets(ground, seen.agent_node[e], targets)
         distances_to_nearest(
-            neighbours,
-            table,
-            known[e, : n_known[e]],
-            agent_node[e],
+            ground.neighbours,
+            ground.distances,
+            seen.known[e, : seen.n_known[e]],
+            seen.agent_node[e],
             targets,
-            slack,
-            distance,
-            touched,
+            longest_move(ground),
+            workspace,
             nearest,
         )
         for a in range(n_agents):
@@ -72,18 +66,14 @@ def _rewards(
                 if target < 0:
                     preferences[e, a, move] = -np.inf
                     continue
-                reward = TIE * uniform(key, 9 * a + move, step[e])
+                reward = TIE * uniform(key, 9 * a + move, seen.step[e])
                 if nearest[a, move] < FAR:
                     reward -= DISTANCE_WEIGHT * nearest[a, move]
-                if collects[a]:
-                    reward += ITEM_WEIGHT * belief[e, target]
+                if ground.collects[a]:
+                    reward += ITEM_WEIGHT * seen.belief[e, target]
                 else:
-                    radius = radius_number[a]
-                    unseen_for = 0.0
-                    for i in range(disc_start[radius, target], disc_start[radius, target + 1]):
-                        age = now - np.int64(last_seen[e, disc_nodes[i]])
-                        unseen_for += min(1.0, age * forgetting) if age < full else 1.0
-                    reward += IDLENESS_WEIGHT * unseen_for
+                    idle = _idleness_around(seen, ground, discs, e, a, target)
+                    reward += IDLENESS_WEIGHT * idle
                 preferences[e, a, move] = reward
 
 
@@ -93,37 +83,12 @@ class GreedyPolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self._task = task
+        self._ground = task.ground
         self._discs = task.graph.discs(task.view_radii)
-        self._radius_number = task.radius_number
-        self._distance = np.full(len(task.graph), FAR)
-        self._touched = np.empty(len(task.graph), np.int32)
+        self._workspace = Workspace.of(len(task.graph))
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Instant rewards (episode, agent, 9) of all moves."""
-        task = self._task
-        _rewards(
-            observation.active,
-            observation.keys,
-            observation.step,
-            observation.agent_node,
-            observation.belief,
-            observation.last_seen,
-            observation.known,
-            observation.n_known,
-            task.graph.neighbours,
-            task.graph.distances,
-            self._discs.start,
-            self._discs.nodes,
-            self._radius_number,
-            task.fleet.moves,
-            task.fleet.collects,
-            task.rules.stay,
-            task.rules.shorten,
-            task.forgetting,
-            self._distance,
-            self._touched,
-            self._preferences,
-        )
+        _rewards(observation, self._ground, self._discs, self._workspace, self._preferences)
         return self._preferences

@@ -6,17 +6,19 @@ agent goes through its share by shortest paths, again and again. Foragers
 leave their lane for the nearest known item.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
-from graph_planner.geodesics import FAR, Float32Array, Int32Array, distances_to_nearest
+from graph_planner.geodesics import FAR, Int32Array, Workspace, distances_to_nearest
 from graph_planner.moves import move_length
 from graph_planner.navigation import STAY, NavigationGraph
 from graph_planner.policies.registry import register
 from graph_planner.randomness import UInt64Array
-from graph_planner.seeking import ItemSeeker, possible_targets
-from graph_planner.task import Observation, Task
+from graph_planner.seeking import ItemSeeker, longest_move, possible_targets
+from graph_planner.task import Ground, Observation, Task
 
 
 def lane_corners(graph: NavigationGraph, spacing: int) -> Int32Array:
@@ -41,65 +43,62 @@ def lane_corners(graph: NavigationGraph, spacing: int) -> Int32Array:
     return np.array(corners or [0], np.int32)
 
 
+class Sweep(NamedTuple):
+    """Where each agent is in its share of the corners."""
+
+    corners: Int32Array  # (corner,) all agents' shares, one after the other
+    share_start: NDArray[np.int64]  # (agent,)
+    share_size: NDArray[np.int64]  # (agent,)
+    current: NDArray[np.int64]  # (episode, agent) corner of the share that is steered for
+    patience: NDArray[np.int64]  # (episode, agent) steps until an unreached corner is given up
+
+
 @kernel
 def _sweep(
-    active: NDArray[np.bool_],
-    agent_node: Int32Array,
-    corners: Int32Array,
-    share_start: NDArray[np.int64],
-    share_size: NDArray[np.int64],
-    neighbours: Int32Array,
-    table: Float32Array,
-    moves: NDArray[np.int64],
-    stay: bool,
-    shorten: bool,
-    distance: NDArray[np.float64],
-    touched: Int32Array,
-    current: NDArray[np.int64],
-    patience: NDArray[np.int64],
+    seen: Observation,
+    ground: Ground,
+    sweep: Sweep,
+    workspace: Workspace,
     preferences: NDArray[np.float64],
 ) -> None:
-    n_agents = agent_node.shape[1]
+    n_agents = seen.agent_node.shape[1]
     targets = np.empty((n_agents, 9), np.int32)
     here = np.full((1, 9), np.int32(-1), np.int32)
     out = np.empty((1, 9))
     corner = np.empty(1, np.int32)
-    for e in range(active.size):
-        if not active[e]:
+    for e in range(seen.active.size):
+        if not seen.active[e]:
             continue
-        possible_targets(neighbours, agent_node[e], moves, stay, shorten, targets)
+        possible_targets(ground, seen.agent_node[e], targets)
         for a in range(n_agents):
-            patience[e, a] -= 1
-            for _ in range(share_size[a]):
-                corner[0] = corners[share_start[a] + current[e, a]]
-                here[0, STAY] = agent_node[e, a]
-                centre = agent_node[e, a : a + 1]
+            centre = seen.agent_node[e, a : a + 1]
+            here[0, STAY] = centre[0]
+            sweep.patience[e, a] -= 1
+            for _ in range(sweep.share_size[a]):
+                corner[0] = sweep.corners[sweep.share_start[a] + sweep.current[e, a]]
                 distances_to_nearest(
-                    neighbours, table, corner, centre, here, 0.0, distance, touched, out
+                    ground.neighbours, ground.distances, corner, centre, here, 0.0, workspace, out
                 )
-                reached = out[0, STAY] < moves[a]
-                if not reached and patience[e, a] != 0:
+                if out[0, STAY] >= ground.moves[a] and sweep.patience[e, a] != 0:
                     break
-                current[e, a] = (current[e, a] + 1) % share_size[a]
-                patience[e, a] = -1
-            if patience[e, a] < 0:  # a corner that two-node moves step over is given up in time
-                patience[e, a] = 8 + int(2.0 * out[0, STAY])
-            slack = 1.5 * moves[a]
+                sweep.current[e, a] = (sweep.current[e, a] + 1) % sweep.share_size[a]
+                sweep.patience[e, a] = -1
+            if sweep.patience[e, a] < 0:  # two-node moves may step over a corner for ever
+                sweep.patience[e, a] = 8 + int(2.0 * out[0, STAY])
             distances_to_nearest(
-                neighbours,
-                table,
+                ground.neighbours,
+                ground.distances,
                 corner,
                 centre,
                 targets[a : a + 1],
-                slack,
-                distance,
-                touched,
+                longest_move(ground),
+                workspace,
                 out,
             )
             for move in range(9):
                 preferences[e, a, move] = -np.inf
                 if targets[a, move] >= 0 and out[0, move] < FAR:
-                    cost = 1.5 if move == STAY else 0.01 * move_length(move, moves[a])
+                    cost = 1.5 if move == STAY else 0.01 * move_length(move, ground.moves[a])
                     preferences[e, a, move] = -out[0, move] - cost
 
 
@@ -109,49 +108,32 @@ class LawnmowerPolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self._task = task
+        self._ground = task.ground
         self._seeker = ItemSeeker(task)
-        agents = (keys.size, len(task.fleet))
-        self._distance = np.full(len(task.graph), FAR)
-        self._touched = np.empty(len(task.graph), np.int32)
-        self._current = np.zeros(agents, np.int64)
-        self._patience = np.zeros(agents, np.int64)
-        self._preferences = np.zeros((*agents, 9))
-        self._plan(task)
+        self._workspace = Workspace.of(len(task.graph))
+        self._sweep = self._plan(task, keys.size)
+        self._preferences = np.zeros((keys.size, len(task.fleet), 9))
 
-    def _plan(self, task: Task) -> None:
+    def _plan(self, task: Task, episodes: int) -> Sweep:
         """Lay out each agent's share of its team's corners in one flat list."""
         fleet = task.fleet
         shares: list[Int32Array] = []
         for agent in range(len(fleet)):
             team = np.flatnonzero(fleet.team == fleet.team[agent])
             corners = lane_corners(task.graph, 2 * int(fleet.radius[agent]) + 1)
-            parts = np.array_split(corners, team.size)
-            mine = parts[int(np.flatnonzero(team == agent)[0])]
+            mine = np.array_split(corners, team.size)[int(np.flatnonzero(team == agent)[0])]
             shares.append(mine if mine.size else corners[:1])
-        self._corners = np.concatenate(shares).astype(np.int32)
-        self._share_size = np.array([share.size for share in shares], np.int64)
-        self._share_start = np.concatenate(([0], np.cumsum(self._share_size)[:-1])).astype(np.int64)
+        size = np.array([share.size for share in shares], np.int64)
+        return Sweep(
+            corners=np.concatenate(shares).astype(np.int32),
+            share_start=np.cumsum(size) - size,
+            share_size=size,
+            current=np.zeros((episodes, len(fleet)), np.int64),
+            patience=np.zeros((episodes, len(fleet)), np.int64),
+        )
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9): down the way to the agent's next corner."""
-        task = self._task
-        _sweep(
-            observation.active,
-            observation.agent_node,
-            self._corners,
-            self._share_start,
-            self._share_size,
-            task.graph.neighbours,
-            task.graph.distances,
-            task.fleet.moves,
-            task.rules.stay,
-            task.rules.shorten,
-            self._distance,
-            self._touched,
-            self._current,
-            self._patience,
-            self._preferences,
-        )
+        _sweep(observation, self._ground, self._sweep, self._workspace, self._preferences)
         self._seeker.guide(observation, self._preferences)
         return self._preferences

@@ -10,18 +10,13 @@ from graph_planner.task import Observation, Task
 
 
 @kernel
-def _draw(
-    active: NDArray[np.bool_],
-    keys: UInt64Array,
-    step: NDArray[np.int32],
-    preferences: NDArray[np.float64],
-) -> None:
-    for e in range(active.size):
-        if active[e]:
-            key = stream_key(keys[e], Stream.POLICY)
+def _draw(seen: Observation, preferences: NDArray[np.float64]) -> None:
+    for e in range(seen.active.size):
+        if seen.active[e]:
+            key = stream_key(seen.keys[e], Stream.POLICY)
             for a in range(preferences.shape[1]):
                 for move in range(9):
-                    preferences[e, a, move] = uniform(key, 9 * a + move, step[e])
+                    preferences[e, a, move] = uniform(key, 9 * a + move, seen.step[e])
 
 
 @register("random")
@@ -34,5 +29,5 @@ class RandomPolicy:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Independent uniform preferences (episode, agent, 9)."""
-        _draw(observation.active, observation.keys, observation.step, self._preferences)
+        _draw(observation, self._preferences)
         return self._preferences

@@ -5,7 +5,9 @@ import platform
 import shlex
 import sys
 import time
+import zipfile
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -47,6 +49,15 @@ def check_policies(policies: Sequence[str]) -> None:
             raise UserError(str(error.args[0])) from error
         if list(policies).count(name) > 1:
             raise UserError(f"policy {name}: given twice")
+
+
+def pinned(setting: Setting) -> Setting:
+    """The same setting with the starts beside its map written into its scenario.
+
+    So that `run.json` alone says what was run, whatever becomes of the map's files.
+    """
+    choice = replace(setting.scenario.map, starts=setting.start_cells)
+    return replace(setting, scenario=replace(setting.scenario, map=choice))
 
 
 def run_info(
@@ -159,22 +170,22 @@ def evaluate(
         raise UserError(
             f"episodes {episodes}, jobs {jobs}, seed {seed}: give at least 1, 1 and 0 (below 2**64)"
         )
-    started = time.perf_counter()
+    started, setting = time.perf_counter(), pinned(setting)
     info = run_info(setting, policies, worlds, episodes, seed)
     run = RunFolder(folder)
     run.open(info)
     chunks = plan(policies, worlds, episodes)
     if not run.complete:
         _compute(run, setting, chunks, seed, jobs, progress)
-        timings = run.timings(chunks)
         run.merge(chunks)
-        _record(run, setting, policies, worlds, seed)
-        summary = summarise(run.table("episodes"))
+        timings = run.timings(chunks)
         info["timings"] = timings | {"wall_s": time.perf_counter() - started}
         write_json(folder / "run.json", info)
-        write_json(folder / "summary.json", summary)
-    run.finish()
-    return summarise(run.table("episodes"))
+    summary = summarise(run.episodes(chunks))
+    _record(run, setting, policies, worlds, seed)
+    write_json(folder / "summary.json", summary)
+    run.finish(chunks)
+    return summary
 
 
 def _compute(
@@ -198,9 +209,11 @@ def _record(
     run: RunFolder, setting: Setting, policies: Sequence[str], worlds: Sequence[str], seed: int
 ) -> None:
     """Keep the first episode of every policy and world for the report and the web replay."""
-    with writing(run.path / "replay"):
-        (run.path / "replay").mkdir(exist_ok=True)
-        for world in worlds:
-            for policy in policies:
-                replay = record(setting, world, policy, seed, 0)
-                replay.save(run.path / "replay" / f"{world}-{policy}-0.npz")
+    folder = run.path / "replay"
+    for world in worlds:
+        for policy in policies:
+            path = folder / f"{world}-{policy}-0.npz"
+            with writing(path):
+                folder.mkdir(exist_ok=True)
+                if not zipfile.is_zipfile(path):  # missing or truncated
+                    record(setting, world, policy, seed, 0).save(path)

@@ -1,24 +1,31 @@
 """Carrying out chunks of episodes, here or in worker processes.
 
-The unit of work is (scenario, policy, world, chunk of episodes) -> one folder; joblib distributes
-it.
+The unit of work is (scenario, map, policy, world, chunk of episodes) -> one folder; joblib
+distributes it. The map travels with the work, so that every chunk is of the map that `run.json`
+holds.
 """
 
 import json
 import logging
 import os
+import signal
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import lru_cache
+from multiprocessing import resource_tracker
 from pathlib import Path
 
 import joblib
 import numpy as np
+from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from graph_planner.policies import create_policy
 from mjforage.episode_log import EpisodeLog
 from mjforage.errors import UserError
+from mjforage.maps import GridMap
 from mjforage.mission import Mission, Setting
 from mjforage.scenario_file import canonical_json, scenario_from_tree, scenario_to_tree
 from mjforage.scoring import score
@@ -28,9 +35,36 @@ from mjforage.tables import frames
 PARENT_CHECK_S = 1.0
 
 
+@dataclass(frozen=True)
+class Order:
+    """What all chunks of a run have in common, in a form that hashes and travels."""
+
+    scenario_json: str
+    map_name: str
+    shape: tuple[int, int]  # of the map
+    cells: bytes  # np.packbits of the map's cells
+    seed: int
+    folder: Path
+    parent: int  # process that asked for it
+
+    @classmethod
+    def of(cls, setting: Setting, seed: int, folder: Path) -> "Order":
+        """Pack a setting."""
+        rows, columns = setting.grid.navigable.shape
+        scenario_json = canonical_json(scenario_to_tree(setting.scenario))
+        cells = np.packbits(setting.grid.navigable).tobytes()
+        name = setting.grid.name
+        return cls(scenario_json, name, (rows, columns), cells, seed, folder, os.getpid())
+
+
 @lru_cache(maxsize=4)
-def _setting(scenario_json: str) -> Setting:
-    return Setting.of(scenario_from_tree(json.loads(scenario_json), "scenario"))
+def _setting(order: Order) -> Setting:
+    """The setting of an order, built once per process."""
+    packed = np.frombuffer(order.cells, np.uint8)
+    rows, columns = order.shape
+    navigable = np.unpackbits(packed, count=rows * columns).reshape(order.shape).astype(np.bool_)
+    scenario = scenario_from_tree(json.loads(order.scenario_json), "scenario")
+    return Setting(scenario, GridMap(order.map_name, navigable))
 
 
 @lru_cache(maxsize=1)
@@ -45,37 +79,46 @@ def _die_with(parent: int) -> None:
     threading.Thread(target=watch, daemon=True, name="parent watch").start()
 
 
-def run_chunk(scenario_json: str, seed: int, chunk: Chunk, folder: Path, parent: int) -> str | None:
-    """Play, score and store one chunk.
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Hold Ctrl-C back; processes that start meanwhile never get it (the parent ends them).
 
-    Parameters
-    ----------
-    scenario_json : canonical form of the scenario
-    seed : the run's seed
-    chunk : which episodes
-    folder : the run folder
-    parent : process that asked for it
+    Without this, Ctrl-C in a terminal makes every worker print a traceback of its own.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    resource_tracker.ensure_running()  # to start it among the workers would undo the next line
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def run_chunk(order: Order, chunk: Chunk) -> str | None:
+    """Play, score and store one chunk.
 
     Returns
     -------
     None, or the message of the error that a user can mend (exceptions with a cause do not survive
     the way between processes unharmed)
     """
-    if os.getpid() != parent:
-        _die_with(parent)
+    if os.getpid() != order.parent:
+        _die_with(order.parent)
         logging.getLogger("mjforage").setLevel(logging.ERROR)  # the parent has said it already
     started = time.process_time()
     try:
-        setting = _setting(scenario_json)
+        setting = _setting(order)
         episodes = np.arange(chunk.first, chunk.first + chunk.count)
         mission = Mission(setting, chunk.world)
-        mission.reset(seed, episodes)
+        mission.reset(order.seed, episodes)
         log = EpisodeLog(mission)
         mission.run(create_policy(chunk.policy), (log,))
         scores = score(log, setting.fleet, setting.scenario.horizon)
         tables = frames(setting, chunk.world, chunk.policy, episodes, log, scores)
         timings = {"cpu_s": time.process_time() - started, "steps": float(log.length.sum())}
-        RunFolder(folder).write(chunk, tables, timings)
+        RunFolder(order.folder).write(chunk, tables, timings)
     except UserError as error:
         return str(error)
     return None
@@ -93,15 +136,20 @@ def run_chunks(
     Raises
     ------
     UserError
-        If a chunk fails for a reason that a user can mend. Finished chunks stay.
+        If a chunk fails for a reason that a user can mend, or a worker was killed. Finished chunks
+        stay.
     """
-    scenario_json = canonical_json(scenario_to_tree(setting.scenario))
+    order = Order.of(setting, seed, folder)
     parallel = joblib.Parallel(n_jobs=min(jobs, max(1, len(chunks))), return_as="generator")
-    tasks = (
-        joblib.delayed(run_chunk)(scenario_json, seed, chunk, folder, os.getpid())
-        for chunk in chunks
-    )
-    for chunk, error in zip(chunks, parallel(tasks), strict=True):
-        if error is not None:
-            raise UserError(error)
-        yield chunk.count
+    with _interrupts_held():
+        results = parallel(joblib.delayed(run_chunk)(order, chunk) for chunk in chunks)
+    try:
+        for chunk, error in zip(chunks, results, strict=True):
+            if error is not None:
+                raise UserError(error)
+            yield chunk.count
+    except TerminatedWorkerError as error:
+        raise UserError(
+            "a worker process was killed, perhaps for want of memory; run the same command again "
+            "with fewer --jobs: finished chunks are kept"
+        ) from error

@@ -3,7 +3,7 @@ import pytest
 from scipy.sparse import csgraph
 
 from graph_planner import navigation
-from graph_planner.geodesics import distances_to_nearest
+from graph_planner.geodesics import Workspace, distances_to_nearest
 from graph_planner.navigation import COMPASS, OFFSETS, NavigationGraph, navigation_graph
 from tests.graph_planner.charts import grid
 
@@ -52,7 +52,7 @@ def test_table_and_search_find_the_same_nearest_source(
     ragged_coast: NavigationGraph,
 ) -> None:
     graph, rng = ragged_coast, np.random.default_rng(0)
-    distance, touched = np.full(len(graph), np.inf), np.empty(len(graph), np.int32)
+    workspace = Workspace.of(len(graph))
     no_table = np.empty((0, 0), np.float32)
     for _ in range(50):
         sources = rng.choice(len(graph), rng.integers(1, 30), replace=False).astype(np.int32)
@@ -62,7 +62,7 @@ def test_table_and_search_find_the_same_nearest_source(
         for table, out in zip((graph.distances, no_table), found, strict=True):
             distances_to_nearest(
                 *(graph.neighbours, table, sources, centres, targets, 1.5),
-                *(distance, touched, out),
+                *(workspace, out),
             )
         expected = np.where(
             targets < 0,
@@ -71,7 +71,7 @@ def test_table_and_search_find_the_same_nearest_source(
         )
         np.testing.assert_array_equal(found[0], expected)
         np.testing.assert_allclose(found[1], expected, rtol=1e-5)
-        assert np.isinf(distance).all()
+        assert np.isinf(workspace.distance).all()
 
 
 def test_a_large_map_has_no_table(monkeypatch: pytest.MonkeyPatch) -> None:
