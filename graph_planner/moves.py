@@ -6,6 +6,7 @@ rule) or ends before it (`shorten` on).
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,8 +48,7 @@ class Corruption:
     whole_team: bool = False
 
 
-@dataclass(frozen=True)
-class Moves:
+class Moves(NamedTuple):
     """Resolved decisions of one step."""
 
     direction: NDArray[np.int8]  # (episode, agent) 0-7 compass, 8 stay
@@ -107,10 +107,10 @@ def _resolve(
     agent_node: Int32Array,
     energy_left: NDArray[np.float64],
     belief: NDArray[np.int16],
-    step: Int32Array,
+    decision: Int32Array,
     keys: UInt64Array,
     neighbours: Int32Array,
-    moves: NDArray[np.int64],
+    strides: NDArray[np.int64],
     collects: NDArray[np.bool_],
     stay: bool,
     shorten: bool,
@@ -118,11 +118,9 @@ def _resolve(
     whole_team: bool,
     claimed: NDArray[np.int64],
     first_token: int,
-    direction: NDArray[np.int8],
-    target: Int32Array,
-    steps: NDArray[np.int8],
-    blocked: NDArray[np.bool_],
+    moves: Moves,
 ) -> None:
+    direction, target, steps, blocked = moves
     n_episodes, n_agents = agent_node.shape
     legal = np.empty(9, np.int64)
     for e in range(n_episodes):
@@ -135,12 +133,12 @@ def _resolve(
             best, end, length = -1, node, 0
             draw = 1.0
             if epsilon[agent] > 0.0:
-                draw = uniform(key, -1 if whole_team else agent, step[e])
+                draw = uniform(key, -1 if whole_team else agent, decision[e])
             if draw < epsilon[agent]:
                 n_legal, n_known = 0, 0
                 for d in range(9):
                     end, length = free_move(
-                        neighbours, claimed, token, node, d, moves[agent], stay, shorten
+                        neighbours, claimed, token, node, d, strides[agent], stay, shorten
                     )
                     if end < 0 or move_length(d, length) > energy_left[e, agent]:
                         continue
@@ -152,21 +150,21 @@ def _resolve(
                         legal[n_legal] = d
                     n_legal += 1
                 if n_legal > 0:
-                    choice = uniform(key, n_agents + agent, step[e])
+                    choice = uniform(key, n_agents + agent, decision[e])
                     best = legal[int(choice * (n_known if n_known > 0 else n_legal))]
             else:
                 for d in range(9):
                     if best >= 0 and preferences[e, agent, d] <= preferences[e, agent, best]:
                         continue
                     end, length = free_move(
-                        neighbours, claimed, token, node, d, moves[agent], stay, shorten
+                        neighbours, claimed, token, node, d, strides[agent], stay, shorten
                     )
                     if end >= 0 and move_length(d, length) <= energy_left[e, agent]:
                         best = d
             end, length = node, 0
             if best >= 0:
                 end, length = free_move(
-                    neighbours, claimed, token, node, best, moves[agent], stay, shorten
+                    neighbours, claimed, token, node, best, strides[agent], stay, shorten
                 )
             direction[e, agent] = best if best >= 0 else STAY
             target[e, agent], steps[e, agent] = end, length
@@ -243,10 +241,7 @@ class Resolver:
             self._corruption.whole_team,
             self._claimed,
             self._token,
-            moves.direction,
-            moves.target,
-            moves.steps,
-            moves.blocked,
+            moves,
         )
         self._token += active.size
         return moves

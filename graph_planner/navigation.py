@@ -7,6 +7,7 @@ y = (rows - 1 - row) * pitch (north), so the centre of the south-west cell is th
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +49,14 @@ def _neighbours(
             if corner_cutting or not d & 1 or beside >= 0:
                 result[v, d] = node_of_cell[row, col]
     return result
+
+
+class Water(NamedTuple):
+    """Where water is, as kernels read it."""
+
+    framed: Int32Array  # (row + 2, column + 2) node of each cell in a frame of land, -1 on land
+    rows: Int32Array  # (node,)
+    cols: Int32Array  # (node,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,9 +105,9 @@ class NavigationGraph:
         return result
 
     @cached_property
-    def framed(self) -> Int32Array:
-        """(row + 2, column + 2) `node_of_cell` in a frame of land: no bounds to check beside it."""
-        return np.pad(self.node_of_cell, 1, constant_values=-1)
+    def water(self) -> Water:
+        """Cells and nodes as kernels read them."""
+        return Water(np.pad(self.node_of_cell, 1, constant_values=-1), self.rows, self.cols)
 
     @cached_property
     def neighbours(self) -> Int32Array:

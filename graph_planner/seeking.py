@@ -23,16 +23,17 @@ def possible_targets(ground: Ground, agent_node: Int32Array, targets: Int32Array
     agent_node : (agent,) of one episode
     targets : (agent, 9) filled; other agents' choices are not looked at
     """
+    neighbours, moves = ground.neighbours, ground.moves
     nobody = np.empty(0, np.int64)
     for a in range(agent_node.size):
         for move in range(9):
             end, _ = free_move(
-                ground.neighbours,
+                neighbours,
                 nobody,
                 NO_TOKEN,
                 agent_node[a],
                 move,
-                ground.moves[a],
+                moves[a],
                 ground.stay,
                 ground.shorten,
             )
@@ -40,44 +41,42 @@ def possible_targets(ground: Ground, agent_node: Int32Array, targets: Int32Array
 
 
 @kernel
-def longest_move(ground: Ground) -> float:
-    """Length of the longest move of any agent [node]."""
-    return DIAGONAL * ground.moves.max() if ground.moves.size else 0.0
+def longest_move(moves: NDArray[np.int64]) -> float:
+    """Length of the longest move of any agent [node], from nodes per decision (agent,)."""
+    return DIAGONAL * moves.max() if moves.size else 0.0
 
 
 @kernel
 def _seek(
     seen: Observation, ground: Ground, workspace: Workspace, preferences: NDArray[np.float64]
 ) -> None:
-    n_agents = seen.agent_node.shape[1]
+    active, step, keys, agent_node = seen.active, seen.step, seen.keys, seen.agent_node
+    known, n_known = seen.known, seen.n_known
+    neighbours, distances = ground.neighbours, ground.distances
+    moves, collects = ground.moves, ground.collects
+    n_agents, slack = agent_node.shape[1], longest_move(moves)
     targets = np.empty((n_agents, 9), np.int32)
     nearest = np.empty((n_agents, 9))
-    for e in range(seen.active.size):
-        if not seen.active[e] or seen.n_known[e] == 0:
+    for e in range(active.size):
+        if not active[e] or n_known[e] == 0:
             continue
-        possible_targets(ground, seen.agent_node[e], targets)
+        possible_targets(ground, agent_node[e], targets)
         for a in range(n_agents):
-            if not ground.collects[a]:
+            if not collects[a]:
                 targets[a] = -1
+        items = known[e, : n_known[e]]
         distances_to_nearest(
-            ground.neighbours,
-            ground.distances,
-            seen.known[e, : seen.n_known[e]],
-            seen.agent_node[e],
-            targets,
-            longest_move(ground),
-            workspace,
-            nearest,
+            neighbours, distances, items, agent_node[e], targets, slack, workspace, nearest
         )
-        key = stream_key(seen.keys[e], Stream.POLICY)
+        key = stream_key(keys[e], Stream.POLICY)
         for a in range(n_agents):
-            if not ground.collects[a]:
+            if not collects[a]:
                 continue
             for move in range(9):
                 preferences[e, a, move] = -np.inf
                 if targets[a, move] >= 0 and nearest[a, move] < FAR:
-                    cost = 1.0 if move == STAY else move_length(move, ground.moves[a])
-                    tie = TIE * uniform(key, n_agents * (move + 2) + a, seen.step[e])
+                    cost = 1.0 if move == STAY else move_length(move, moves[a])
+                    tie = TIE * uniform(key, n_agents * (move + 2) + a, step[e])
                     preferences[e, a, move] = tie - cost - nearest[a, move]
 
 

@@ -5,91 +5,128 @@ never asks where they came from. Order within a step (scenario section 1): discr
 visibility; idleness; belief <- Y where seen; first discoveries credited, a tie to the scout.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.task import NEVER, Task
+from graph_planner.visibility import NodeLists
 
-UNDISCOVERED = -1
+
+class Knowledge(NamedTuple):
+    """The arrays of a shared model. Steps are -1 for never, agents -1 for nobody."""
+
+    truth: NDArray[np.int16]  # (episode, node) items; the agents do not know it
+    belief: NDArray[np.int16]  # (episode, node) items when the node was last seen
+    last_seen: NDArray[np.int16]  # (episode, node) step, NEVER if not yet
+    known: Int32Array  # (episode, node) nodes with belief > 0, the first `n_known` entries
+    known_at: Int32Array  # (episode, node) place of a node in `known`
+    n_known: Int32Array  # (episode,)
+    counted_node: Int32Array  # (episode, item) node in which `truth` counts it, -1 not at all
+    t_discovered: NDArray[np.int16]  # (episode, item) [step]
+    discovered_by: NDArray[np.int16]  # (episode, item) agent
+    t_collected: NDArray[np.int16]  # (episode, item) [step]
 
 
 @kernel
-def _sees(start: NDArray[np.int64], nodes: Int32Array, radius: int, viewer: int, node: int) -> bool:
-    found = False
-    for i in range(start[radius, viewer], start[radius, viewer + 1]):
-        if nodes[i] == node:
-            found = True
-            break
-    return found
+def _count(
+    active: NDArray[np.bool_],
+    step: Int32Array,
+    item_node: Int32Array,
+    collected_by: NDArray[np.int16],
+    model: Knowledge,
+) -> None:
+    """Discretise to Y, and note what was collected; collected unseen counts as discovered."""
+    truth, counted_node = model.truth, model.counted_node
+    t_discovered, discovered_by = model.t_discovered, model.discovered_by
+    t_collected = model.t_collected
+    for e in range(active.size):
+        if not active[e]:
+            continue
+        for k in range(item_node.shape[1]):
+            before, after = counted_node[e, k], item_node[e, k]
+            if before == after:
+                continue
+            counted_node[e, k] = after
+            if before >= 0:
+                truth[e, before] -= 1
+            if after >= 0:
+                truth[e, after] += 1
+            elif collected_by[e, k] >= 0 and t_collected[e, k] < 0:
+                t_collected[e, k] = step[e]
+                if t_discovered[e, k] < 0:
+                    t_discovered[e, k] = step[e]
+                    discovered_by[e, k] = collected_by[e, k]
 
 
 @kernel
-def _update(
+def _look(
+    active: NDArray[np.bool_],
+    step: Int32Array,
+    agent_node: Int32Array,
+    views: NodeLists,
+    radius_number: NDArray[np.int64],
+    model: Knowledge,
+) -> None:
+    """Idleness ends and belief becomes truth where an agent sees; the known nodes follow."""
+    start, nodes = views.start, views.nodes
+    truth, belief, last_seen = model.truth, model.belief, model.last_seen
+    known, known_at, n_known = model.known, model.known_at, model.n_known
+    for e in range(active.size):
+        if not active[e]:
+            continue
+        now = np.int16(step[e])
+        for agent in range(radius_number.size):
+            radius, viewer = radius_number[agent], agent_node[e, agent]
+            for i in range(start[radius, viewer], start[radius, viewer + 1]):
+                node = nodes[i]
+                last_seen[e, node] = now
+                believed, there = belief[e, node], truth[e, node]
+                if believed == there:
+                    continue
+                belief[e, node] = there
+                if believed == 0:
+                    known[e, n_known[e]] = node
+                    known_at[e, node] = n_known[e]
+                    n_known[e] += 1
+                elif there == 0:
+                    n_known[e] -= 1
+                    last = known[e, n_known[e]]
+                    known[e, known_at[e, node]] = last
+                    known_at[e, last] = known_at[e, node]
+
+
+@kernel
+def _discover(
     active: NDArray[np.bool_],
     step: Int32Array,
     agent_node: Int32Array,
     item_node: Int32Array,
-    collected_by: NDArray[np.int16],
-    view_start: NDArray[np.int64],
-    view_nodes: Int32Array,
+    views: NodeLists,
     radius_number: NDArray[np.int64],
     credit_order: NDArray[np.int64],
-    counted_node: Int32Array,
-    truth: NDArray[np.int16],
-    belief: NDArray[np.int16],
-    last_seen: NDArray[np.int16],
-    known: Int32Array,
-    known_at: Int32Array,
-    n_known: Int32Array,
-    t_discovered: NDArray[np.int16],
-    discovered_by: NDArray[np.int16],
-    t_collected: NDArray[np.int16],
+    model: Knowledge,
 ) -> None:
-    n_episodes, n_items = item_node.shape
-    for e in range(n_episodes):
+    """Credit each item's first sighting to the first agent in order that sees it."""
+    start, nodes, last_seen = views.start, views.nodes, model.last_seen
+    t_discovered, discovered_by = model.t_discovered, model.discovered_by
+    for e in range(active.size):
         if not active[e]:
             continue
-        now = np.int16(step[e])
-        for k in range(n_items):
-            before, after = counted_node[e, k], item_node[e, k]
-            if before != after:
-                if before >= 0:
-                    truth[e, before] -= 1
-                if after >= 0:
-                    truth[e, after] += 1
-                elif collected_by[e, k] >= 0 and t_collected[e, k] < 0:
-                    t_collected[e, k] = now
-                    if t_discovered[e, k] < 0:
-                        t_discovered[e, k] = now
-                        discovered_by[e, k] = collected_by[e, k]
-                counted_node[e, k] = after
-        for agent in credit_order:
-            radius, viewer = radius_number[agent], agent_node[e, agent]
-            for i in range(view_start[radius, viewer], view_start[radius, viewer + 1]):
-                node = view_nodes[i]
-                last_seen[e, node] = now
-                if belief[e, node] != truth[e, node]:
-                    if belief[e, node] == 0:
-                        known[e, n_known[e]] = node
-                        known_at[e, node] = n_known[e]
-                        n_known[e] += 1
-                    elif truth[e, node] == 0:
-                        n_known[e] -= 1
-                        last = known[e, n_known[e]]
-                        known[e, known_at[e, node]] = last
-                        known_at[e, last] = known_at[e, node]
-                    belief[e, node] = truth[e, node]
-        for k in range(n_items):
+        now = step[e]
+        for k in range(item_node.shape[1]):
             node = item_node[e, k]
-            if node >= 0 and t_discovered[e, k] < 0 and last_seen[e, node] == now:
-                t_discovered[e, k] = now
-                for agent in credit_order:
-                    viewer = agent_node[e, agent]
-                    if _sees(view_start, view_nodes, radius_number[agent], viewer, node):
+            if node < 0 or t_discovered[e, k] >= 0 or last_seen[e, node] != now:
+                continue
+            t_discovered[e, k] = now
+            for agent in credit_order:
+                radius, viewer = radius_number[agent], agent_node[e, agent]
+                for i in range(start[radius, viewer], start[radius, viewer + 1]):
+                    if nodes[i] == node and discovered_by[e, k] < 0:
                         discovered_by[e, k] = agent
-                        break
 
 
 @kernel
@@ -112,29 +149,24 @@ def _times_seen(
     agent_node: Int32Array,
     agents: NDArray[np.int64],
     radius_number: NDArray[np.int64],
-    view_start: NDArray[np.int64],
-    view_nodes: Int32Array,
+    views: NodeLists,
     out: NDArray[np.uint8],
 ) -> None:
+    start, nodes = views.start, views.nodes
     out[:] = 0
     for e in range(agent_node.shape[0]):
         for agent in agents:
             radius, viewer = radius_number[agent], agent_node[e, agent]
-            for i in range(view_start[radius, viewer], view_start[radius, viewer + 1]):
-                out[e, view_nodes[i]] += 1
+            for i in range(start[radius, viewer], start[radius, viewer + 1]):
+                out[e, nodes[i]] += 1
 
 
 class SharedModel:
-    """Belief, idleness and discoveries of a batch of episodes.
-
-    Every array has a leading episode axis: `truth` and `belief` (episode, node) int16 item counts,
-    `last_seen` (episode, node) int16, `known`/`n_known` the nodes with belief > 0,
-    `t_discovered`, `discovered_by`, `t_collected`, `collected_by` (episode, item) int16, -1 for
-    never and nobody.
-    """
+    """Belief, idleness and discoveries of a batch of episodes; see `Knowledge` for the arrays."""
 
     def __init__(self, task: Task) -> None:
-        self._task = task
+        self._forgetting = task.forgetting
+        self._nodes = len(task.graph)
         self._views = task.views
         self._radius_number = task.radius_number
         self._credit_order = task.fleet.credit_order
@@ -147,21 +179,21 @@ class SharedModel:
         agent_node : (episode, agent)
         item_node : (episode, item), -1 for padding
         """
-        episodes, items = item_node.shape
-        nodes = (episodes, len(self._task.graph))
-        self.truth = np.zeros(nodes, np.int16)
-        self.belief = np.zeros(nodes, np.int16)
-        self.last_seen = np.full(nodes, NEVER, np.int16)
-        self.known = np.zeros(nodes, np.int32)
-        self._known_at = np.zeros(nodes, np.int32)
-        self.n_known = np.zeros(episodes, np.int32)
-        self._counted_node = np.full((episodes, items), -1, np.int32)
-        self.t_discovered = np.full((episodes, items), -1, np.int16)
-        self.discovered_by = np.full((episodes, items), -1, np.int16)
-        self.t_collected = np.full((episodes, items), -1, np.int16)
-        nobody = np.full((episodes, items), -1, np.int16)
-        everyone = np.ones(episodes, np.bool_)
-        self.update(everyone, np.zeros(episodes, np.int32), agent_node, item_node, nobody)
+        items, nodes = item_node.shape, (item_node.shape[0], self._nodes)
+        self.knowledge = Knowledge(
+            truth=np.zeros(nodes, np.int16),
+            belief=np.zeros(nodes, np.int16),
+            last_seen=np.full(nodes, NEVER, np.int16),
+            known=np.zeros(nodes, np.int32),
+            known_at=np.zeros(nodes, np.int32),
+            n_known=np.zeros(nodes[0], np.int32),
+            counted_node=np.full(items, -1, np.int32),
+            t_discovered=np.full(items, -1, np.int16),
+            discovered_by=np.full(items, -1, np.int16),
+            t_collected=np.full(items, -1, np.int16),
+        )
+        everyone, start = np.ones(nodes[0], np.bool_), np.zeros(nodes[0], np.int32)
+        self.update(everyone, start, agent_node, item_node, np.full(items, -1, np.int16))
 
     def update(
         self,
@@ -181,28 +213,10 @@ class SharedModel:
         item_node : (episode, item) node of each item, -1 once removed
         collected_by : (episode, item) agent that removed it, -1 nobody
         """
-        self.collected_by = collected_by
-        _update(
-            active,
-            step,
-            agent_node,
-            item_node,
-            collected_by,
-            self._views.start,
-            self._views.nodes,
-            self._radius_number,
-            self._credit_order,
-            self._counted_node,
-            self.truth,
-            self.belief,
-            self.last_seen,
-            self.known,
-            self._known_at,
-            self.n_known,
-            self.t_discovered,
-            self.discovered_by,
-            self.t_collected,
-        )
+        views, radii, model = self._views, self._radius_number, self.knowledge
+        _count(active, step, item_node, collected_by, model)
+        _look(active, step, agent_node, views, radii, model)
+        _discover(active, step, agent_node, item_node, views, radii, self._credit_order, model)
 
     def idleness(self, step: Int32Array, episodes: NDArray[np.int64]) -> NDArray[np.float64]:
         """Idleness in [0, 1] of some episodes of the batch.
@@ -216,8 +230,8 @@ class SharedModel:
         -------
         (chosen, node)
         """
-        out = np.empty((episodes.size, self.last_seen.shape[1]))
-        _idleness(step, self.last_seen, episodes, self._task.forgetting, out)
+        out = np.empty((episodes.size, self._nodes))
+        _idleness(step, self.knowledge.last_seen, episodes, self._forgetting, out)
         return out
 
     def times_seen(self, agent_node: Int32Array, agents: NDArray[np.int64]) -> NDArray[np.uint8]:
@@ -225,13 +239,12 @@ class SharedModel:
 
         Takes (episode, agent) nodes, gives (episode, node) counts.
         """
-        out = np.empty((agent_node.shape[0], self.last_seen.shape[1]), np.uint8)
+        out = np.empty((agent_node.shape[0], self._nodes), np.uint8)
         _times_seen(
             agent_node,
             agents,
             self._radius_number,
-            self._views.start,
-            self._views.nodes,
+            self._views,
             out,
         )
         return out

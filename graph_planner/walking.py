@@ -35,14 +35,15 @@ def _walk(
     left: Int32Array,
     preferences: NDArray[np.float64],
 ) -> None:
-    n_agents = seen.agent_node.shape[1]
+    active, step, keys, agent_node = seen.active, seen.step, seen.keys, seen.agent_node
+    n_agents = agent_node.shape[1]
     targets = np.empty((n_agents, 9), np.int32)
     legal = np.empty(8, np.int64)
-    for e in range(seen.active.size):
-        if not seen.active[e]:
+    for e in range(active.size):
+        if not active[e]:
             continue
-        key = stream_key(seen.keys[e], Stream.POLICY)
-        possible_targets(ground, seen.agent_node[e], targets)
+        key = stream_key(keys[e], Stream.POLICY)
+        possible_targets(ground, agent_node[e], targets)
         for a in range(n_agents):
             here = heading[e, a]
             back = (here + 4) % 8 if here != NO_HEADING else NO_HEADING
@@ -55,16 +56,16 @@ def _walk(
                         n_legal += 1
             if left[e, a] <= 0 or not straight_on:
                 if n_legal > 0:
-                    draw = uniform(key, _DRAWS * a, seen.step[e])
+                    draw = uniform(key, _DRAWS * a, step[e])
                     heading[e, a] = legal[int(draw * n_legal)]
                 elif back != NO_HEADING:
                     heading[e, a] = back
                 left[e, a] = cap
                 if cap < NO_LIMIT:
-                    left[e, a] = levy_length(key, _DRAWS * a + 1, seen.step[e], cap)
+                    left[e, a] = levy_length(key, _DRAWS * a + 1, step[e], cap)
             left[e, a] -= 1
             for d in range(8):
-                tie = uniform(key, _DRAWS * a + 4 + d, seen.step[e])
+                tie = uniform(key, _DRAWS * a + 4 + d, step[e])
                 preferences[e, a, d] = tie - (d == back)
             preferences[e, a, heading[e, a]] = 2.0
             preferences[e, a, STAY] = -2.0

@@ -73,9 +73,9 @@ class EpisodeLog(Observer):
         self.outcome[at] = state.outcome[episodes]
         everyone = episodes.size == mission.step.size
         truth, belief = (
-            (model.truth, model.belief)
+            (model.knowledge.truth, model.knowledge.belief)
             if everyone
-            else (model.truth[episodes], model.belief[episodes])
+            else (model.knowledge.truth[episodes], model.knowledge.belief[episodes])
         )
         rmse, rmse_columns = model_error(truth, belief, self._navigable)
         self.series["rmse"][at], self.series["rmse_columns"][at] = rmse, rmse_columns
@@ -89,7 +89,7 @@ class EpisodeLog(Observer):
         last = np.minimum(steps[None, :], self.length[:, None])
         for name, values in self.series.items():
             self.series[name] = np.take_along_axis(values, last, axis=1)
-        self.t_discovered = mission.model.t_discovered
-        self.discovered_by = mission.model.discovered_by
-        self.t_collected = mission.model.t_collected
+        self.t_discovered = mission.model.knowledge.t_discovered
+        self.discovered_by = mission.model.knowledge.discovered_by
+        self.t_collected = mission.model.knowledge.t_collected
         self.collected_by = mission.state.collected_by

@@ -166,10 +166,10 @@ class Mission:
             agent_node=self.state.agent_node,
             last_direction=self.last_direction,
             energy_left=self._energy - self.state.energy,
-            belief=self.model.belief,
-            last_seen=self.model.last_seen,
-            known=self.model.known,
-            n_known=self.model.n_known,
+            belief=self.model.knowledge.belief,
+            last_seen=self.model.knowledge.last_seen,
+            known=self.model.knowledge.known,
+            n_known=self.model.knowledge.n_known,
         )
 
     def decide(self, preferences: NDArray[np.float64]) -> Moves:
@@ -179,7 +179,7 @@ class Mission:
             preferences,
             self.state.agent_node,
             self._energy - self.state.energy,
-            self.model.belief,
+            self.model.knowledge.belief,
             self.step + np.int32(1),
             self.keys,
         )

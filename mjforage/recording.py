@@ -25,7 +25,7 @@ class _Recorder(Observer):
         self.agents.append(state.agent_rc[0].astype(np.float32))
         self.items.append(state.item_rc[0].astype(np.float32))
         self.present.append(state.item_node[0] >= 0)
-        self.belief.append(grid(model.belief[0]).astype(np.int16))
+        self.belief.append(grid(model.knowledge.belief[0]).astype(np.int16))
         idleness = model.idleness(mission.step, np.zeros(1, np.int64))[0]
         self.idleness.append(grid(idleness).astype(np.float16))
         by_scouts, by_foragers = (

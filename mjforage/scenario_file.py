@@ -84,6 +84,8 @@ def _apply(tree: Tree, override: str) -> None:
     parts = key.strip().split(".")
     if not separator or not all(parts):
         raise UserError(f"--set {override}: expected KEY=VALUE, for example team.scouts.count=3")
+    if any("\ud800" <= letter <= "\udfff" for letter in override):
+        raise UserError(f"--set {override!r}: is not UTF-8")
     try:
         document = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):  # a bare word
@@ -125,9 +127,10 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
     counts = {name: role.count for name, role in scenario.team.items()}
     if not 1 <= sum(counts.values()) <= 255:
         raise UserError(f"{where}: {sum(counts.values())} agents in all; give 1 to 255")
-    if scenario.corruption.team not in ("", *counts):
+    choice = scenario.corruption
+    if choice.team not in counts and (choice.team or choice.epsilon):
         teams = ", ".join(counts)
-        raise UserError(f"{where}: corruption.team = {scenario.corruption.team!r}; choose {teams}")
+        raise UserError(f"{where}: corruption.team = {choice.team!r}; choose {teams}")
     return scenario
 
 
@@ -202,8 +205,9 @@ def _scalar(hint: Any, metadata: Mapping[str, Any], value: object, where: str, k
         expected = {int: "an integer", float: "a number", bool: "true or false", str: "text"}[hint]
         raise UserError(f"{where}: {key} = {_shown(value)}, expected {expected}")
     if isinstance(value, int | float) and not isinstance(value, bool):
-        low, high = metadata.get("low", -math.inf), metadata.get("high", math.inf)
-        if not low <= value <= high or isinstance(value, float) and not math.isfinite(value):
+        widest = 2.0**63 if hint is int else math.inf  # TOML's integers
+        low, high = metadata.get("low", -widest), metadata.get("high", widest)
+        if not low <= value <= high or (isinstance(value, float) and not math.isfinite(value)):
             raise UserError(
                 f"{where}: {key} = {_shown(value)} is out of range; give {low:g} to {high:g}"
             )

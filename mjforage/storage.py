@@ -8,6 +8,7 @@ or removed.
 
 import contextlib
 import hashlib
+import io
 import json
 import os
 import shutil
@@ -210,7 +211,9 @@ class RunFolder:
             temporary = Path(tempfile.mkdtemp(prefix=".", dir=self._chunks))
             try:
                 for name, frame in frames.items():
-                    frame.write_parquet(temporary / f"{name}.parquet", compression="zstd")
+                    buffer = io.BytesIO()  # a full disk is then told in words, by Python
+                    frame.write_parquet(buffer, compression="zstd")
+                    (temporary / f"{name}.parquet").write_bytes(buffer.getvalue())
                 (temporary / "timings.json").write_text(json.dumps(timings), "utf-8")
                 temporary.rename(target)
             except OSError:
@@ -294,9 +297,9 @@ class RunFolder:
 def _check_keys(
     path: Path, frame: pl.DataFrame, keys: list[tuple[str, str, int]], remove: Path
 ) -> None:
-    found = set(frame.select(KEYS).unique().rows())
+    found = set(frame.select(*KEYS).unique().rows())
     if found != set(keys):
         raise UserError(
-            f"{path}: does not hold the {len(keys)} episodes that it should; move {remove} away and "
-            "run evaluate again"
+            f"{path}: does not hold the {len(keys)} episodes that it should; move {remove} away "
+            "and run evaluate again"
         )

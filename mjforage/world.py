@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
-from graph_planner.navigation import NavigationGraph
+from graph_planner.navigation import NavigationGraph, Water
 from graph_planner.randomness import Stream, UInt64Array, bits, normal, stream_key, uniform
 from mjforage.errors import UserError
 from mjforage.scenario import Items, Weather
@@ -74,15 +74,14 @@ def nearest_node(framed: Int32Array, row: float, col: float) -> int:
 
 
 @inlined
-def into_water(
-    framed: Int32Array, rows: Int32Array, cols: Int32Array, row: float, col: float
-) -> tuple[float, float, int]:
+def into_water(water: Water, row: float, col: float) -> tuple[float, float, int]:
     """Position and node of an item; out of navigable water it is moved to the nearest node's
     square.
 
     Clipped to the array first, then to +-0.49 node around the nearest node's centre (scenario
     section 1).
     """
+    framed, rows, cols = water.framed, water.rows, water.cols
     height, width = framed.shape[0] - 2, framed.shape[1] - 2
     node = -1
     if -0.5 <= row < height - 0.5 and -0.5 <= col < width - 0.5:
@@ -117,9 +116,7 @@ def _count_items(keys: UInt64Array, mean: float, std: float) -> Int32Array:
 @kernel
 def _scatter_items(
     keys: UInt64Array,
-    framed: Int32Array,
-    rows: Int32Array,
-    cols: Int32Array,
+    water: Water,
     counts: Int32Array,
     spread: float,
     item_rc: NDArray[np.float64],
@@ -127,11 +124,11 @@ def _scatter_items(
 ) -> None:
     for e in range(keys.size):
         key = stream_key(keys[e], Stream.ITEMS)
-        hotspot = int(uniform(key, 1, 1) * rows.size)
+        hotspot = int(uniform(key, 1, 1) * water.rows.size)
         for k in range(counts[e]):
-            row = rows[hotspot] + spread * normal(key, 2 * k, 2)
-            col = cols[hotspot] + spread * normal(key, 2 * k + 1, 2)
-            row, col, node = into_water(framed, rows, cols, row, col)
+            row = water.rows[hotspot] + spread * normal(key, 2 * k, 2)
+            col = water.cols[hotspot] + spread * normal(key, 2 * k + 1, 2)
+            row, col, node = into_water(water, row, col)
             item_rc[e, k, 0], item_rc[e, k, 1], item_node[e, k] = row, col, node
 
 
@@ -142,8 +139,8 @@ def _place_items(
     padded = (keys.size, int(counts.max(initial=1)))
     item_rc = np.zeros((*padded, 2))
     item_node = np.full(padded, -1, np.int32)
-    cells = (graph.framed, graph.rows, graph.cols)
-    _scatter_items(keys, *cells, counts, items.covariance_node2**0.5, item_rc, item_node)
+    spread = items.covariance_node2**0.5
+    _scatter_items(keys, graph.water, counts, spread, item_rc, item_node)
     return counts, item_rc, item_node
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
-from graph_planner.geodesics import FAR, Workspace, distances_to_nearest
+from graph_planner.geodesics import FAR, Int32Array, Workspace, distances_to_nearest
 from graph_planner.policies.registry import register
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from graph_planner.seeking import TIE, longest_move, possible_targets
@@ -23,14 +23,12 @@ DISTANCE_WEIGHT = 1.7
 
 @kernel
 def _idleness_around(
-    seen: Observation, ground: Ground, discs: NodeLists, episode: int, agent: int, target: int
+    last_seen: NDArray[np.int16], nodes: Int32Array, now: int, forgetting: float
 ) -> float:
-    """Sum of idleness within the agent's sensing radius of a node."""
-    now, radius = seen.step[episode] - 1, ground.radius_number[agent]
+    """Sum of idleness over nodes, from last_seen (node,) of one episode."""
     total = 0.0
-    for i in range(discs.start[radius, target], discs.start[radius, target + 1]):
-        age = now - np.int64(seen.last_seen[episode, discs.nodes[i]])
-        total += min(1.0, age * ground.forgetting)
+    for node in nodes:
+        total += min(1.0, (now - np.int64(last_seen[node])) * forgetting)
     return total
 
 
@@ -42,37 +40,37 @@ def _rewards(
     workspace: Workspace,
     preferences: NDArray[np.float64],
 ) -> None:
-    n_agents = seen.agent_node.shape[1]
+    active, step, keys, agent_node = seen.active, seen.step, seen.keys, seen.agent_node
+    belief, last_seen, known, n_known = seen.belief, seen.last_seen, seen.known, seen.n_known
+    neighbours, distances, collects = ground.neighbours, ground.distances, ground.collects
+    radius_number, forgetting = ground.radius_number, ground.forgetting
+    start, nodes = discs.start, discs.nodes
+    n_agents, slack = agent_node.shape[1], longest_move(ground.moves)
     targets = np.empty((n_agents, 9), np.int32)
     nearest = np.empty((n_agents, 9))
-    for e in range(seen.active.size):
-        if not seen.active[e]:
+    for e in range(active.size):
+        if not active[e]:
             continue
-        key = stream_key(seen.keys[e], Stream.POLICY)
-        possible_targets(ground, seen.agent_node[e], targets)
+        key, items = stream_key(keys[e], Stream.POLICY), known[e, : n_known[e]]
+        possible_targets(ground, agent_node[e], targets)
         distances_to_nearest(
-            ground.neighbours,
-            ground.distances,
-            seen.known[e, : seen.n_known[e]],
-            seen.agent_node[e],
-            targets,
-            longest_move(ground),
-            workspace,
-            nearest,
+            neighbours, distances, items, agent_node[e], targets, slack, workspace, nearest
         )
         for a in range(n_agents):
+            radius = radius_number[a]
             for move in range(9):
                 target = targets[a, move]
                 if target < 0:
                     preferences[e, a, move] = -np.inf
                     continue
-                reward = TIE * uniform(key, 9 * a + move, seen.step[e])
+                reward = TIE * uniform(key, 9 * a + move, step[e])
                 if nearest[a, move] < FAR:
                     reward -= DISTANCE_WEIGHT * nearest[a, move]
-                if ground.collects[a]:
-                    reward += ITEM_WEIGHT * seen.belief[e, target]
+                if collects[a]:
+                    reward += ITEM_WEIGHT * belief[e, target]
                 else:
-                    idle = _idleness_around(seen, ground, discs, e, a, target)
+                    around = nodes[start[radius, target] : start[radius, target + 1]]
+                    idle = _idleness_around(last_seen[e], around, step[e] - 1, forgetting)
                     reward += IDLENESS_WEIGHT * idle
                 preferences[e, a, move] = reward
 

@@ -61,44 +61,43 @@ def _sweep(
     workspace: Workspace,
     preferences: NDArray[np.float64],
 ) -> None:
-    n_agents = seen.agent_node.shape[1]
+    active, agent_node, moves = seen.active, seen.agent_node, ground.moves
+    neighbours, distances = ground.neighbours, ground.distances
+    current, patience = sweep.current, sweep.patience
+    n_agents, slack = agent_node.shape[1], longest_move(moves)
     targets = np.empty((n_agents, 9), np.int32)
     here = np.full((1, 9), np.int32(-1), np.int32)
     out = np.empty((1, 9))
-    corner = np.empty(1, np.int32)
-    for e in range(seen.active.size):
-        if not seen.active[e]:
+    for e in range(active.size):
+        if not active[e]:
             continue
-        possible_targets(ground, seen.agent_node[e], targets)
+        possible_targets(ground, agent_node[e], targets)
         for a in range(n_agents):
-            centre = seen.agent_node[e, a : a + 1]
+            centre, size = agent_node[e, a : a + 1], sweep.share_size[a]
+            first = sweep.share_start[a] + current[e, a]
+            corner = sweep.corners[first : first + 1]
             here[0, STAY] = centre[0]
-            sweep.patience[e, a] -= 1
-            for _ in range(sweep.share_size[a]):
-                corner[0] = sweep.corners[sweep.share_start[a] + sweep.current[e, a]]
+            patience[e, a] -= 1
+            for _ in range(size):
                 distances_to_nearest(
-                    ground.neighbours, ground.distances, corner, centre, here, 0.0, workspace, out
+                    neighbours, distances, corner, centre, here, 0.0, workspace, out
                 )
-                if out[0, STAY] >= ground.moves[a] and sweep.patience[e, a] != 0:
+                if out[0, STAY] >= moves[a] and patience[e, a] != 0:
                     break
-                sweep.current[e, a] = (sweep.current[e, a] + 1) % sweep.share_size[a]
-                sweep.patience[e, a] = -1
-            if sweep.patience[e, a] < 0:  # two-node moves may step over a corner for ever
-                sweep.patience[e, a] = 8 + int(2.0 * out[0, STAY])
+                current[e, a] = (current[e, a] + 1) % size
+                first = sweep.share_start[a] + current[e, a]
+                corner = sweep.corners[first : first + 1]
+                patience[e, a] = -1
+            if patience[e, a] < 0:  # two-node moves may step over a corner for ever
+                patience[e, a] = 8 + int(2.0 * out[0, STAY])
+            reach = targets[a : a + 1]
             distances_to_nearest(
-                ground.neighbours,
-                ground.distances,
-                corner,
-                centre,
-                targets[a : a + 1],
-                longest_move(ground),
-                workspace,
-                out,
+                neighbours, distances, corner, centre, reach, slack, workspace, out
             )
             for move in range(9):
                 preferences[e, a, move] = -np.inf
                 if targets[a, move] >= 0 and out[0, move] < FAR:
-                    cost = 1.5 if move == STAY else 0.01 * move_length(move, ground.moves[a])
+                    cost = 1.5 if move == STAY else 0.01 * move_length(move, moves[a])
                     preferences[e, a, move] = -out[0, move] - cost
 
 

@@ -38,12 +38,13 @@ class Swarm(NamedTuple):
 @kernel
 def _best_place(values: NDArray[np.float64], nodes: Int32Array, ground: Ground, node: int) -> int:
     """The one of `nodes` with the largest value, the nearest of them to `node`; -1 if empty."""
+    rows, cols = ground.rows, ground.cols
     best, best_value, best_squared = NOWHERE, -np.inf, 0
     for i in range(nodes.size):
         if values[i] < best_value:
             continue
-        d_row = ground.rows[nodes[i]] - ground.rows[node]
-        d_col = ground.cols[nodes[i]] - ground.cols[node]
+        d_row = rows[nodes[i]] - rows[node]
+        d_col = cols[nodes[i]] - cols[node]
         squared = d_row * d_row + d_col * d_col
         if values[i] > best_value or squared < best_squared:
             best, best_value, best_squared = nodes[i], values[i], squared
@@ -70,9 +71,9 @@ def _pull_forager(
     values: NDArray[np.float64],
     velocity: NDArray[np.float64],
 ) -> None:
-    items = seen.known[e, : seen.n_known[e]]
+    items, belief = seen.known[e, : seen.n_known[e]], seen.belief[e]
     for i in range(items.size):
-        values[i] = seen.belief[e, items[i]]
+        values[i] = belief[items[i]]
     _pull(velocity, RICHEST_WEIGHT * first, _best_place(values, items, ground, node), node, ground)
     values[: items.size] = 0.0
     nearest = _best_place(values, items, ground, node)
@@ -91,9 +92,13 @@ def _pull_scout(
     values: NDArray[np.float64],
     velocity: NDArray[np.float64],
 ) -> None:
-    full_after = np.ceil(1.0 / ground.forgetting)
+    full_after, now, last_seen = (
+        np.ceil(1.0 / ground.forgetting),
+        seen.step[e] - 1.0,
+        seen.last_seen[e],
+    )
     for i in range(values.size):
-        values[i] = min(full_after, seen.step[e] - 1.0 - seen.last_seen[e, i])
+        values[i] = min(full_after, now - last_seen[i])
     everywhere = np.arange(values.size).astype(np.int32)
     idlest = _best_place(values, everywhere, ground, node)
     _pull(velocity, OWN_BEST_WEIGHT * first, best_node, node, ground)
@@ -108,36 +113,33 @@ def _fly(
     swarm: Swarm,
     preferences: NDArray[np.float64],
 ) -> None:
+    active, step, keys = seen.active, seen.step, seen.keys
+    agent_node, belief = seen.agent_node, seen.belief
+    start, nodes, radius_number = views.start, views.nodes, ground.radius_number
+    best_items, best_nodes = swarm.best_items, swarm.best_node
     values = np.empty(ground.rows.size)
-    for e in range(seen.active.size):
-        if not seen.active[e]:
+    for e in range(active.size):
+        if not active[e]:
             continue
-        key = stream_key(seen.keys[e], Stream.POLICY)
-        for a in range(seen.agent_node.shape[1]):
-            node, radius, velocity = (
-                seen.agent_node[e, a],
-                ground.radius_number[a],
-                swarm.velocity[e, a],
-            )
-            first, second = (
-                uniform(key, 4 * a, seen.step[e]),
-                uniform(key, 4 * a + 1, seen.step[e]),
-            )
-            for i in range(views.start[radius, node], views.start[radius, node + 1]):
-                items = seen.belief[e, views.nodes[i]]
-                if items > swarm.best_items[e, a]:
-                    swarm.best_items[e, a], swarm.best_node[e, a] = items, views.nodes[i]
+        key = stream_key(keys[e], Stream.POLICY)
+        for a in range(agent_node.shape[1]):
+            node, radius, velocity = agent_node[e, a], radius_number[a], swarm.velocity[e, a]
+            first, second = uniform(key, 4 * a, step[e]), uniform(key, 4 * a + 1, step[e])
+            for i in range(start[radius, node], start[radius, node + 1]):
+                items = belief[e, nodes[i]]
+                if items > best_items[e, a]:
+                    best_items[e, a], best_nodes[e, a] = items, nodes[i]
             velocity *= INERTIA
             if ground.collects[a]:
                 _pull_forager(seen, ground, e, node, first, second, values, velocity)
             else:
-                best_node = swarm.best_node[e, a]
-                _pull_scout(seen, ground, e, node, best_node, first, second, values, velocity)
+                best = best_nodes[e, a]
+                _pull_scout(seen, ground, e, node, best, first, second, values, velocity)
             speed = np.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
             for d in range(8):
                 norm = np.sqrt(OFFSETS[d, 0] ** 2 + OFFSETS[d, 1] ** 2)
                 along = velocity[0] * OFFSETS[d, 0] + velocity[1] * OFFSETS[d, 1]
-                tie = 1e-6 * uniform(key, 1_000_000 + 9 * a + d, seen.step[e])
+                tie = 1e-6 * uniform(key, 1_000_000 + 9 * a + d, step[e])
                 preferences[e, a, d] = tie + (along / (norm * speed) if speed > 1e-9 else 0.0)
             preferences[e, a, STAY] = -2.0
 

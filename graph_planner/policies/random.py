@@ -11,12 +11,13 @@ from graph_planner.task import Observation, Task
 
 @kernel
 def _draw(seen: Observation, preferences: NDArray[np.float64]) -> None:
-    for e in range(seen.active.size):
-        if seen.active[e]:
-            key = stream_key(seen.keys[e], Stream.POLICY)
+    active, keys, step = seen.active, seen.keys, seen.step
+    for e in range(active.size):
+        if active[e]:
+            key = stream_key(keys[e], Stream.POLICY)
             for a in range(preferences.shape[1]):
                 for move in range(9):
-                    preferences[e, a, move] = uniform(key, 9 * a + move, seen.step[e])
+                    preferences[e, a, move] = uniform(key, 9 * a + move, step[e])
 
 
 @register("random")

@@ -1,7 +1,6 @@
 """The one room in which worlds differ: how vessels move and items drift during one decision."""
 
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +14,7 @@ ARRIVED, LATE, BLOCKED = 0, 1, 2
 OUTCOMES = ("arrived", "late", "blocked")
 
 
-@dataclass(frozen=True)
-class Transition:
+class Transition(NamedTuple):
     """State at the end of one decision period. Live views: copy what must outlive the next step."""
 
     agent_node: Int32Array  # (episode, agent)

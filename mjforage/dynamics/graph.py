@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
 from graph_planner.fleet import Fleet
-from graph_planner.geodesics import DIAGONAL, Int32Array
-from graph_planner.moves import Moves
-from graph_planner.navigation import OFFSETS, STAY, NavigationGraph
+from graph_planner.geodesics import Int32Array
+from graph_planner.moves import Moves, move_length
+from graph_planner.navigation import OFFSETS, STAY, NavigationGraph, Water
 from graph_planner.randomness import Stream, UInt64Array, stream_key
 from mjforage.dynamics import ARRIVED, BLOCKED, Transition
 from mjforage.scenario import Weather
@@ -20,29 +20,56 @@ from mjforage.world import INSET, World, into_water, item_noise
 
 
 @kernel
+def _move(
+    active: NDArray[np.bool_],
+    moves: Moves,
+    centres: NDArray[np.float64],
+    yaws: NDArray[np.float64],
+    state: Transition,
+) -> None:
+    """Put every agent into its target node; distance, energy and speed follow from the move."""
+    direction, target, steps, blocked = moves
+    agent_node, agent_rc, yaw = state.agent_node, state.agent_rc, state.agent_yaw
+    speed, outcome = state.agent_speed, state.outcome
+    distance, energy = state.distance, state.energy
+    for e in range(active.size):
+        if not active[e]:
+            continue
+        for a in range(agent_node.shape[1]):
+            length = move_length(direction[e, a], steps[e, a])
+            node = target[e, a]
+            agent_node[e, a] = node
+            agent_rc[e, a, 0], agent_rc[e, a, 1] = centres[node, 0], centres[node, 1]
+            if direction[e, a] != STAY:
+                yaw[e, a] = yaws[direction[e, a]]
+            speed[e, a] = length
+            outcome[e, a] = BLOCKED if blocked[e, a] else ARRIVED
+            distance[e, a] += length
+            energy[e, a] += length
+
+
+@kernel
 def _collect(
     active: NDArray[np.bool_],
-    agent_node: Int32Array,
     collects: NDArray[np.bool_],
     room_left: NDArray[np.int64],
-    item_node: Int32Array,
     items_in_node: NDArray[np.int16],
-    collected_by: NDArray[np.int16],
+    state: Transition,
 ) -> None:
     """Every forager removes what is in its node, in index order, while it has room."""
-    n_episodes, n_items = item_node.shape
-    for e in range(n_episodes):
+    agent_node, item_node, collected_by = state.agent_node, state.item_node, state.collected_by
+    for e in range(active.size):
         if not active[e]:
             continue
         for agent in range(collects.size):
             node = agent_node[e, agent]
             if not collects[agent] or items_in_node[e, node] == 0:
                 continue
-            for k in range(n_items):
+            for k in range(item_node.shape[1]):
                 if item_node[e, k] == node and room_left[e, agent] > 0:
                     item_node[e, k] = -1
-                    items_in_node[e, node] -= 1
                     collected_by[e, k] = agent
+                    items_in_node[e, node] -= 1
                     room_left[e, agent] -= 1
 
 
@@ -53,14 +80,13 @@ def _drift(
     keys: UInt64Array,
     drift_rc: NDArray[np.float64],
     noise: float,
-    framed: Int32Array,
-    rows: Int32Array,
-    cols: Int32Array,
-    item_rc: NDArray[np.float64],
-    item_node: Int32Array,
+    water: Water,
     items_in_node: NDArray[np.int16],
+    state: Transition,
 ) -> None:
     """Move every item left by the episode's drift and its own noise (hot)."""
+    item_rc, item_node = state.item_rc, state.item_node
+    framed, rows, cols = water
     n_episodes, n_items = item_node.shape
     height, width = framed.shape[0] - 2, framed.shape[1] - 2
     for e in range(n_episodes):
@@ -86,13 +112,12 @@ def _drift(
                 after = int(framed[np.uint64(row + 1.5), np.uint64(col + 1.5)])
             if after < 0:
                 if inside & (off_row + off_col < 1.0):
-                    # Pressed on the quay beside its node: no other node can be nearer than that
-                    # one.
+                    # Pressed on the quay beside its node: no other node can be nearer.
                     row = min(max(row, centre_row - INSET), centre_row + INSET)
                     col = min(max(col, centre_col - INSET), centre_col + INSET)
                     after = before
                 else:
-                    row, col, after = into_water(framed, rows, cols, row, col)
+                    row, col, after = into_water(water, row, col)
             item_rc[e, k, 0], item_rc[e, k, 1] = row, col
             if after != before:
                 items_in_node[e, before] -= 1
@@ -134,83 +159,17 @@ class GraphDynamics:
 
     def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:
         """Carry out one decision: move, collect, drift. Inactive episodes do not change."""
-        state, graph = self._state, self._graph
-        self._move(active, moves)
-        _collect(
-            active,
-            state.agent_node,
-            self._fleet.collects,
-            self._room_left,
-            state.item_node,
-            self._items_in_node,
-            state.collected_by,
-        )
+        state, fleet = self._state, self._fleet
+        _move(active, moves, self._centres, self._yaw, state)
+        _collect(active, fleet.collects, self._room_left, self._items_in_node, state)
         _drift(
             active,
             step,
             self._keys,
             self._drift_rc,
             self._weather.noise_node_per_step,
-            graph.framed,
-            graph.rows,
-            graph.cols,
-            state.item_rc,
-            state.item_node,
+            self._graph.water,
             self._items_in_node,
+            state,
         )
         return state
-
-    def _move(self, active: NDArray[np.bool_], moves: Moves) -> None:
-        _move(
-            active,
-            moves.direction,
-            moves.target,
-            moves.steps,
-            moves.blocked,
-            self._centres,
-            self._yaw,
-            self._state.agent_node,
-            self._state.agent_rc,
-            self._state.agent_yaw,
-            self._state.agent_speed,
-            self._state.outcome,
-            self._state.distance,
-            self._state.energy,
-        )
-
-
-@kernel
-def _move(
-    active: NDArray[np.bool_],
-    direction: NDArray[np.int8],
-    target: Int32Array,
-    steps: NDArray[np.int8],
-    blocked: NDArray[np.bool_],
-    centres: NDArray[np.float64],
-    yaws: NDArray[np.float64],
-    agent_node: Int32Array,
-    agent_rc: NDArray[np.float64],
-    yaw: NDArray[np.float64],
-    speed: NDArray[np.float64],
-    outcome: NDArray[np.int8],
-    distance: NDArray[np.float64],
-    energy: NDArray[np.float64],
-) -> None:
-    n_episodes, n_agents = agent_node.shape
-    for e in range(n_episodes):
-        if not active[e]:
-            continue
-        for a in range(n_agents):
-            d = direction[e, a]
-            length = np.float64(steps[e, a]) * (DIAGONAL if d & 1 else 1.0)
-            agent_node[e, a] = target[e, a]
-            agent_rc[e, a, 0], agent_rc[e, a, 1] = (
-                centres[target[e, a], 0],
-                centres[target[e, a], 1],
-            )
-            if d != STAY:
-                yaw[e, a] = yaws[d]
-            speed[e, a] = length
-            outcome[e, a] = BLOCKED if blocked[e, a] else ARRIVED
-            distance[e, a] += length
-            energy[e, a] += length

@@ -228,7 +228,13 @@ def terminal_table(summary: Mapping[str, Any]) -> RichTable:
     """
     parsed = parse_summary(summary)
     metrics = [describe(key) for key in TERMINAL]
-    table = RichTable(title="mean ± 1.96 SEM", title_justify="left", title_style="dim", box=None)
+    table = RichTable(
+        title="mean ± 1.96 SEM",
+        title_justify="left",
+        title_style="dim",
+        box=None,
+        padding=(0, 1, 0, 0),
+    )
     table.add_column("policy", no_wrap=True)
     for metric in metrics:
         unit = f"\n[{metric.unit}]" if metric.unit else "\n"

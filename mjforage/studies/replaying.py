@@ -6,13 +6,14 @@ import numpy as np
 import polars as pl
 
 from mjforage.errors import UserError
-from mjforage.maps import GridMap
+from mjforage.maps import GridMap, check_starts
 from mjforage.mission import Setting
 from mjforage.recording import record
 from mjforage.replay import Replay
 from mjforage.run_info import load_run
 from mjforage.scenario_file import scenario_from_tree
 from mjforage.storage import RunFolder
+from mjforage.studies.evaluate import check_policies
 
 
 def replay_of_run(folder: Path, world: str, policy: str | None, episode: int) -> Replay:
@@ -37,8 +38,12 @@ def replay_of_run(folder: Path, world: str, policy: str | None, episode: int) ->
             f"{folder}: no episode {episode} of {policy} in world {world}; it holds episodes 0 to "
             f"{run.episodes - 1} of {', '.join(run.policies)} in {', '.join(run.worlds)}"
         )
-    scenario = scenario_from_tree(dict(run.scenario), f"{folder / 'run.json'}")
-    setting = Setting(scenario, GridMap(run.map.name, run.map.navigable))
+    check_policies([policy])
+    where = str(folder / "run.json")
+    setting = Setting(
+        scenario_from_tree(dict(run.scenario), where), GridMap(run.map.name, run.map.navigable)
+    )
+    check_starts(setting.start_cells, run.map.navigable, where, run.map.name)
     replay = record(setting, world, policy, run.seed, episode)
     _check(replay, RunFolder(folder))
     return replay

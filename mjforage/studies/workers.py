@@ -6,11 +6,11 @@ holds.
 """
 
 import json
-import logging
 import os
 import signal
 import threading
 import time
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -106,7 +106,6 @@ def run_chunk(order: Order, chunk: Chunk) -> str | None:
     """
     if os.getpid() != order.parent:
         _die_with(order.parent)
-        logging.getLogger("mjforage").setLevel(logging.ERROR)  # the parent has said it already
     started = time.process_time()
     try:
         setting = _setting(order)
@@ -153,3 +152,7 @@ def run_chunks(
             "a worker process was killed, perhaps for want of memory; run the same command again "
             "with fewer --jobs: finished chunks are kept"
         ) from error
+    finally:
+        with warnings.catch_warnings():  # an error or Ctrl-C cancels the rest, as it should
+            warnings.simplefilter("ignore", UserWarning)
+            results.close()

@@ -2,6 +2,7 @@ import itertools
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy import stats
 
 from graph_planner.fleet import Role
@@ -37,7 +38,7 @@ def greedy_by_hand(
     role: Role,
     start: int,
     known: dict[int, int],
-    idle: np.ndarray[tuple[int], np.dtype[np.float64]],
+    idle: NDArray[np.float64],
     rules: MoveRules,
 ) -> list[float]:
     """Reward of every move by the formula of the docstring, straight from the definitions."""
@@ -115,7 +116,7 @@ def test_levy_lengths_are_levy_distributed_and_capped() -> None:
 
 def walk(
     policy_name: str, graph: NavigationGraph, steps: int, episodes: int = 40
-) -> tuple[list[np.ndarray[tuple[int], np.dtype[np.int64]]], list[np.ndarray]]:  # type: ignore[type-arg]
+) -> tuple[list[NDArray[np.int64]], list[NDArray[np.int32]]]:
     """Headings and nodes of a lone one-node scout that always gets its first choice."""
     task = task_of(graph, scouts=Role(1, 1, 1.0, False))
     start = (int(graph.rows[0]), int(graph.cols[0]))

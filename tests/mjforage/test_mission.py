@@ -47,35 +47,38 @@ def test_kernels_agree_with_the_mission_in_plain_python(preset: str) -> None:
         active = mission.active.copy()
         mission.advance(preferences)
         log.see(mission)
-        for e in np.flatnonzero(active):
+        for e in np.flatnonzero(active).tolist():
             slow[e].advance(preferences[e])
     agree(mission, slow)
-    for e, oracle in enumerate(slow):
+    for i, oracle in enumerate(slow):
         end = oracle.state.step
-        assert (log.series["rmse"][e, end], log.series["rmse_columns"][e, end]) == pytest.approx(
+        assert (log.series["rmse"][i, end], log.series["rmse_columns"][i, end]) == pytest.approx(
             oracle.rmse(), abs=1e-12
         )
-        assert log.series["mi"][e, end] == pytest.approx(oracle.state.idleness.mean(), abs=1e-12)
-        assert log.series["co_scouts"][e, -1] == oracle.overlap(setting.fleet.scouts)
-        assert mission.state.distance[e] == pytest.approx(oracle.travelled)
+        assert log.series["mi"][i, end] == pytest.approx(oracle.state.idleness.mean(), abs=1e-12)
+        assert log.series["co_scouts"][i, -1] == oracle.overlap(setting.fleet.scouts)
+        assert mission.state.distance[i] == pytest.approx(oracle.travelled)
 
 
 def agree(mission: Mission, slow: list[SlowMission]) -> None:
     for e, oracle in enumerate(slow):
-        state, model = oracle.state, mission.model
+        state, model = oracle.state, mission.model.knowledge
         assert mission.state.agent_node[e].tolist() == state.nodes
-        present = np.flatnonzero(mission.state.item_node[e] >= 0)
-        assert present.tolist() == sorted(state.items)
+        present = np.flatnonzero(mission.state.item_node[e] >= 0).tolist()
+        assert present == sorted(state.items)
         for k in present:
             assert mission.state.item_rc[e, k] == pytest.approx(state.items[k], abs=1e-12)
         np.testing.assert_array_equal(model.truth[e], oracle.truth())
         np.testing.assert_array_equal(model.belief[e], state.belief)
         known = model.known[e, : model.n_known[e]]
         assert sorted(known.tolist()) == np.flatnonzero(state.belief).tolist()
-        idleness = model.idleness(mission.step, np.array([e]))[0]
+        idleness = mission.model.idleness(mission.step, np.array([e]))[0]
         np.testing.assert_allclose(idleness, state.idleness, atol=1e-12)
         for k in range(oracle.total):
-            found = (int(model.t_discovered[e, k]), int(model.discovered_by[e, k]))
+            found = (
+                int(model.t_discovered[e, k]),
+                int(model.discovered_by[e, k]),
+            )
             taken = (int(model.t_collected[e, k]), int(mission.state.collected_by[e, k]))
             assert found == state.found.get(k, (-1, -1))
             assert taken == state.taken.get(k, (-1, -1))
@@ -137,7 +140,7 @@ def test_a_fleet_may_lack_scouts_or_foragers(policy: str, without: str) -> None:
 def test_an_episode_ends_when_no_item_is_left_and_its_series_are_padded() -> None:
     setting = setting_of("open-bay", "items.mean=1", "items.std=0", "horizon=150")
     log, mission = played(setting, "greedy", np.arange(30))
-    assert (mission.model.truth[log.length < 150] == 0).all()
+    assert (mission.model.knowledge.truth[log.length < 150] == 0).all()
     ended = np.flatnonzero(log.length < 150)
     assert ended.size > 10
     for e in ended:
@@ -151,14 +154,14 @@ def test_nothing_is_removed_at_the_start_but_what_is_in_view_is_discovered() -> 
     mission = Mission(setting)
     mission.reset(0, np.arange(20))
     assert (mission.state.item_node >= 0).all()
-    found = mission.model.t_discovered == 0
+    found = mission.model.knowledge.t_discovered == 0
     assert found.any()
     by_scouts = mission.model.times_seen(mission.state.agent_node, setting.fleet.scouts) > 0
     seen_by_scouts = np.take_along_axis(by_scouts, mission.state.item_node, axis=1)
     np.testing.assert_array_equal(  # a tie goes to the scouts
-        np.isin(mission.model.discovered_by, setting.fleet.scouts), seen_by_scouts
+        np.isin(mission.model.knowledge.discovered_by, setting.fleet.scouts), seen_by_scouts
     )
-    assert (mission.model.t_discovered[~found] == -1).all()
+    assert (mission.model.knowledge.t_discovered[~found] == -1).all()
 
 
 def test_a_map_replaces_the_grid_and_nothing_else() -> None:

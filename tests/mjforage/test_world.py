@@ -2,11 +2,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy import stats
 
 from graph_planner.compiled import kernel
-from graph_planner.navigation import navigation_graph
+from graph_planner.navigation import Water, navigation_graph
 from graph_planner.randomness import episode_keys
 from mjforage.scenario import Items, Weather
 from mjforage.world import create_world, into_water, nodes_around
@@ -16,14 +15,8 @@ OPEN = navigation_graph(np.ones((60, 60), np.bool_), 4.0, False)
 
 
 @kernel
-def pushed(
-    framed: NDArray[np.int32],
-    rows: NDArray[np.int32],
-    cols: NDArray[np.int32],
-    row: float,
-    col: float,
-) -> tuple[float, float, int]:
-    return into_water(framed, rows, cols, row, col)
+def pushed(water: Water, row: float, col: float) -> tuple[float, float, int]:
+    return into_water(water, row, col)
 
 
 def test_counts_hotspots_and_drift_have_their_distributions() -> None:
@@ -60,7 +53,7 @@ def test_items_are_pushed_to_the_nearest_node_like_by_brute_force(
 ) -> None:
     navigable = np.array([[bool(line >> i & 1) for i in range(12)] for line in cells])
     graph = navigation_graph(navigable, 1.0, True)
-    found_row, found_col, node = pushed(graph.framed, graph.rows, graph.cols, row, col)
+    found_row, found_col, node = pushed(graph.water, row, col)
     r, c = int(np.floor(row + 0.5)), int(np.floor(col + 0.5))
     inside = 0 <= r < len(cells) and 0 <= c < 12
     if inside and navigable[r, c]:
@@ -76,11 +69,11 @@ def test_items_are_pushed_to_the_nearest_node_like_by_brute_force(
 
 def test_a_tie_goes_to_the_lowest_row_major_node() -> None:
     graph = navigation_graph(np.array([[1, 0, 1], [0, 0, 0], [1, 0, 1]], np.bool_), 1.0, True)
-    assert pushed(graph.framed, graph.rows, graph.cols, 1.0, 1.0)[2] == 0
+    assert pushed(graph.water, 1.0, 1.0)[2] == 0
     far = np.zeros((9, 9), np.bool_)
     far[8, 0] = far[0, 8] = True
     graph = navigation_graph(far, 1.0, True)
-    assert pushed(graph.framed, graph.rows, graph.cols, 4.0, 4.0)[2] == 0
+    assert pushed(graph.water, 4.0, 4.0)[2] == 0
 
 
 def test_starts_are_assigned_at_random_and_clusters_are_close_together() -> None:
