@@ -1,7 +1,7 @@
 """The one place where numba is configured: every hot function of ours is an `@kernel`.
 
-Kernels take related arrays as one named tuple. A kernel takes the arrays that it needs out of the tuple
-before its loops: reading a field counts references, which costs more than the arithmetic around it.
+Kernels take related arrays as one named tuple, and take what they need out of it
+before their loops: reading a field counts references, which costs more than the arithmetic.
 """
 
 from collections.abc import Callable

@@ -153,14 +153,16 @@ def _resolve(
                     choice = uniform(key, n_agents + agent, decision[e])
                     best = legal[int(choice * (n_known if n_known > 0 else n_legal))]
             else:
+                best_value = -np.inf
                 for d in range(9):
-                    if best >= 0 and preferences[e, agent, d] <= preferences[e, agent, best]:
+                    value = preferences[e, agent, d]
+                    if best >= 0 and value <= best_value:
                         continue
                     end, length = free_move(
                         neighbours, claimed, token, node, d, strides[agent], stay, shorten
                     )
                     if end >= 0 and move_length(d, length) <= energy_left[e, agent]:
-                        best = d
+                        best, best_value = d, value
             end, length = node, 0
             if best >= 0:
                 end, length = free_move(

@@ -299,6 +299,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
         words = " ".join(str(error).split())
         errors.print(f"mjforage: {words}", style="red", markup=False)
         sys.exit(BAD_INPUT)
+    except OSError as error:  # of a file that is nobody's in particular, such as a compiler's cache
+        where, reason = error.filename or "a file", error.strerror or str(error)
+        errors.print(
+            f"mjforage: {where}: {reason}; free some space or mend its permissions, then run the "
+            "same command again",
+            style="red",
+            markup=False,
+        )
+        sys.exit(BAD_INPUT)
     except KeyboardInterrupt:
         errors.print(
             "mjforage: interrupted; finished work is kept, run the same command again to resume",

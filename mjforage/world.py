@@ -179,18 +179,19 @@ def nodes_around(graph: NavigationGraph, nodes: Int32Array, count: int) -> Int32
 
 
 @kernel
-def _shuffled(key: np.uint64, nodes: Int32Array, count: int) -> Int32Array:
-    """`count` of `nodes` in an order drawn from an episode's START stream (Fisher-Yates)."""
-    order = nodes.copy()
-    for i in range(count):
-        j = i + int(uniform(stream_key(key, Stream.STARTS), i, 1) * (order.size - i))
-        order[i], order[j] = order[j], order[i]
-    return order[:count]
+def _any_node(key: np.uint64, n_nodes: int) -> int:
+    return int(uniform(stream_key(key, Stream.STARTS), 0, 0) * n_nodes)
 
 
 @kernel
-def _any_node(key: np.uint64, n_nodes: int) -> int:
-    return int(uniform(stream_key(key, Stream.STARTS), 0, 0) * n_nodes)
+def _assign(keys: UInt64Array, starts: Int32Array, placed: Int32Array) -> None:
+    """Give every agent one of the start nodes, in an order drawn per episode (Fisher-Yates)."""
+    for e in range(keys.size):
+        key, order = stream_key(keys[e], Stream.STARTS), starts.copy()
+        for i in range(placed.shape[1]):
+            j = i + int(uniform(key, i, 1) * (order.size - i))
+            order[i], order[j] = order[j], order[i]
+            placed[e, i] = order[i]
 
 
 def _place_agents(
@@ -198,13 +199,12 @@ def _place_agents(
 ) -> Int32Array:
     """(episode, agent) a random assignment of the start nodes, or a random cluster without any."""
     placed = np.empty((keys.size, n_agents), np.int32)
-    listed = nodes_around(graph, starts, n_agents) if starts.size else starts
-    for e, key in enumerate(keys):
-        cluster = listed
-        if not starts.size:
-            centre = np.array([_any_node(key, len(graph))], np.int32)
-            cluster = nodes_around(graph, centre, n_agents)
-        placed[e] = _shuffled(key, cluster, n_agents)
+    if starts.size:
+        _assign(keys, nodes_around(graph, starts, n_agents), placed)
+        return placed
+    for e in range(keys.size):
+        centre = np.array([_any_node(keys[e], len(graph))], np.int32)
+        _assign(keys[e : e + 1], nodes_around(graph, centre, n_agents), placed[e : e + 1])
     return placed
 
 

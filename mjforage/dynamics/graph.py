@@ -110,14 +110,23 @@ def _drift(
             inside = (row >= -0.5) & (row < height - 0.5) & (col >= -0.5) & (col < width - 0.5)
             if inside:
                 after = int(framed[np.uint64(row + 1.5), np.uint64(col + 1.5)])
-            if after < 0:
-                if inside & (off_row + off_col < 1.0):
-                    # Pressed on the quay beside its node: no other node can be nearer.
-                    row = min(max(row, centre_row - INSET), centre_row + INSET)
-                    col = min(max(col, centre_col - INSET), centre_col + INSET)
-                    after = before
-                else:
-                    row, col, after = into_water(water, row, col)
+            squared = off_row * off_row + off_col * off_col
+            if after < 0 and inside and squared < 1.0:
+                # On a quay less than a node away: only the four centres around can be nearest.
+                after, r, c = before, rows[before] + 1, cols[before] + 1
+                down, right = 2 * (row > centre_row) - 1, 2 * (col > centre_col) - 1
+                for corner in range(1, 4):
+                    at_row, at_col = corner & 1, corner >> 1
+                    d_row, d_col = at_row - off_row, at_col - off_col
+                    node = framed[np.uint64(r + at_row * down), np.uint64(c + at_col * right)]
+                    nearer = d_row * d_row + d_col * d_col < squared
+                    if nearer and node >= 0:
+                        after, squared = int(node), d_row * d_row + d_col * d_col
+                centre_row, centre_col = np.float64(rows[after]), np.float64(cols[after])
+                row = min(max(row, centre_row - INSET), centre_row + INSET)
+                col = min(max(col, centre_col - INSET), centre_col + INSET)
+            elif after < 0:
+                row, col, after = into_water(water, row, col)
             item_rc[e, k, 0], item_rc[e, k, 1] = row, col
             if after != before:
                 items_in_node[e, before] -= 1
