@@ -218,7 +218,7 @@ def _float(value: int) -> float:
     try:
         return float(value)
     except OverflowError:
-        return math.copysign(math.inf, value)
+        return math.inf if value > 0 else -math.inf
 
 
 def scenario_to_tree(scenario: Scenario) -> Tree:

@@ -81,50 +81,71 @@ def _drift(
     drift_rc: NDArray[np.float64],
     noise: float,
     water: Water,
-    items_in_node: NDArray[np.int16],
     state: Transition,
+    gone: Int32Array,
+    n_gone: Int32Array,
 ) -> None:
-    """Move every item left by the episode's drift and its own noise (hot)."""
+    """Move every item left by the episode's drift and its own noise.
+
+    Lists those that left the square of their node: `gone` (episode, item), `n_gone` (episode,).
+    The list is made without a branch: whether an item on a quay leaves its square is a coin toss
+    that no processor predicts.
+    """
     item_rc, item_node = state.item_rc, state.item_node
-    framed, rows, cols = water
-    n_episodes, n_items = item_node.shape
-    height, width = framed.shape[0] - 2, framed.shape[1] - 2
-    for e in range(n_episodes):
+    rows, cols = water.rows, water.cols
+    for e in range(active.size):
+        n_gone[e] = 0
         if not active[e]:
             continue
-        key, now = stream_key(keys[e], Stream.NOISE), step[e]
+        key, now, n = stream_key(keys[e], Stream.NOISE), step[e], 0
         drift_row, drift_col = drift_rc[e, 0], drift_rc[e, 1]
-        for k in range(n_items):
-            before = int(item_node[e, k])
-            if before < 0:
+        for k in range(item_node.shape[1]):
+            node = item_node[e, k]
+            if node < 0:
                 continue
             noise_row, noise_col = item_noise(key, k, now)
             row = item_rc[e, k, 0] + (drift_row + noise * noise_row)
             col = item_rc[e, k, 1] + (drift_col + noise * noise_col)
-            centre_row, centre_col = np.float64(rows[before]), np.float64(cols[before])
-            off_row, off_col = abs(row - centre_row), abs(col - centre_col)
-            if (off_row < 0.5) & (off_col < 0.5):
-                item_rc[e, k, 0], item_rc[e, k, 1] = row, col
-                continue
-            after = -1
+            item_rc[e, k, 0], item_rc[e, k, 1] = row, col
+            gone[e, n] = k
+            n += np.int64((abs(row - rows[node]) >= 0.5) | (abs(col - cols[node]) >= 0.5))
+        n_gone[e] = n
+
+
+@kernel
+def _settle(
+    water: Water,
+    state: Transition,
+    gone: Int32Array,
+    n_gone: Int32Array,
+    items_in_node: NDArray[np.int16],
+) -> None:
+    """Give every item that left its node the node it is in, or push it back into the water."""
+    item_rc, item_node = state.item_rc, state.item_node
+    framed, rows, cols = water
+    height, width = framed.shape[0] - 2, framed.shape[1] - 2
+    for e in range(n_gone.size):
+        for i in range(n_gone[e]):
+            k = gone[e, i]
+            before, after = int(item_node[e, k]), -1
+            row, col = item_rc[e, k, 0], item_rc[e, k, 1]
+            off_row, off_col = abs(row - rows[before]), abs(col - cols[before])
+            squared = off_row * off_row + off_col * off_col
             inside = (row >= -0.5) & (row < height - 0.5) & (col >= -0.5) & (col < width - 0.5)
             if inside:
                 after = int(framed[np.uint64(row + 1.5), np.uint64(col + 1.5)])
-            squared = off_row * off_row + off_col * off_col
             if after < 0 and inside and squared < 1.0:
                 # On a quay less than a node away: only the four centres around can be nearest.
-                after, r, c = before, rows[before] + 1, cols[before] + 1
-                down, right = 2 * (row > centre_row) - 1, 2 * (col > centre_col) - 1
-                for corner in range(1, 4):
-                    at_row, at_col = corner & 1, corner >> 1
-                    d_row, d_col = at_row - off_row, at_col - off_col
+                after, r, c = before, rows[before] + 1, cols[before] + 1  # framed: one more
+                down, right = 2 * (row >= r - 1) - 1, 2 * (col >= c - 1) - 1
+                for at_row, at_col in ((1, 0), (0, 1), (1, 1)):
                     node = framed[np.uint64(r + at_row * down), np.uint64(c + at_col * right)]
-                    nearer = d_row * d_row + d_col * d_col < squared
-                    if nearer and node >= 0:
-                        after, squared = int(node), d_row * d_row + d_col * d_col
-                centre_row, centre_col = np.float64(rows[after]), np.float64(cols[after])
-                row = min(max(row, centre_row - INSET), centre_row + INSET)
-                col = min(max(col, centre_col - INSET), centre_col + INSET)
+                    there = (at_row - off_row) ** 2 + (at_col - off_col) ** 2
+                    nearer = (there < squared) & (node >= 0)
+                    after = int(node) if nearer else after
+                    squared = there if nearer else squared
+                row = min(max(row, rows[after] - INSET), rows[after] + INSET)
+                col = min(max(col, cols[after] - INSET), cols[after] + INSET)
             elif after < 0:
                 row, col, after = into_water(water, row, col)
             item_rc[e, k, 0], item_rc[e, k, 1] = row, col
@@ -149,6 +170,8 @@ class GraphDynamics:
         self._keys, self._drift_rc = keys, world.drift_rc
         self._room_left = np.tile(self._fleet.capacity, (episodes, 1))
         self._items_in_node = np.zeros((episodes, len(self._graph)), np.int16)
+        self._gone = np.empty((episodes, items), np.int32)
+        self._n_gone = np.empty(episodes, np.int32)
         present = world.item_node >= 0
         np.add.at(self._items_in_node, (np.nonzero(present)[0], world.item_node[present]), 1)
         self._state = Transition(
@@ -178,7 +201,9 @@ class GraphDynamics:
             self._drift_rc,
             self._weather.noise_node_per_step,
             self._graph.water,
-            self._items_in_node,
             state,
+            self._gone,
+            self._n_gone,
         )
+        _settle(self._graph.water, state, self._gone, self._n_gone, self._items_in_node)
         return state

@@ -4,7 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -76,11 +76,12 @@ Start = Callable[..., "subprocess.Popen[str]"]
 
 
 @pytest.fixture
-def start() -> Start:
+def start() -> Iterator[Start]:
     """Start the command line in a process group of its own, as a terminal does."""
+    started = []
 
     def popen(*arguments: object, before: str = "") -> "subprocess.Popen[str]":
-        return subprocess.Popen(
+        process = subprocess.Popen(
             [sys.executable, "-c", PROGRAM.format(before=before), *map(str, arguments)],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -88,8 +89,13 @@ def start() -> Start:
             start_new_session=True,
             env={key: value for key, value in os.environ.items() if key != "COLUMNS"},
         )
+        started.append(process)
+        return process
 
-    return popen
+    yield popen
+    for process in started:
+        with process:
+            process.kill()
 
 
 def small_run(folder: Path, **settings: Any) -> Path:
