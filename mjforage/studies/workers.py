@@ -11,7 +11,7 @@ import signal
 import threading
 import time
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
@@ -96,6 +96,21 @@ def _interrupts_held() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
+@contextmanager
+def _started(parallel: joblib.Parallel, tasks: Iterable[object]) -> Iterator[Iterator[str | None]]:
+    """Start tasks; at the end cancel those that are left without a word."""
+    results = None
+    try:
+        with _interrupts_held():
+            results = parallel(tasks)
+        yield results
+    finally:
+        if results is not None:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)
+                results.close()
+
+
 def run_chunk(order: Order, chunk: Chunk) -> str | None:
     """Play, score and store one chunk.
 
@@ -140,19 +155,15 @@ def run_chunks(
     """
     order = Order.of(setting, seed, folder)
     parallel = joblib.Parallel(n_jobs=min(jobs, max(1, len(chunks))), return_as="generator")
-    with _interrupts_held():
-        results = parallel(joblib.delayed(run_chunk)(order, chunk) for chunk in chunks)
+    tasks = (joblib.delayed(run_chunk)(order, chunk) for chunk in chunks)
     try:
-        for chunk, error in zip(chunks, results, strict=True):
-            if error is not None:
-                raise UserError(error)
-            yield chunk.count
+        with _started(parallel, tasks) as results:
+            for chunk, error in zip(chunks, results, strict=True):
+                if error is not None:
+                    raise UserError(error)
+                yield chunk.count
     except TerminatedWorkerError as error:
         raise UserError(
             "a worker process was killed, perhaps for want of memory; run the same command again "
             "with fewer --jobs: finished chunks are kept"
         ) from error
-    finally:
-        with warnings.catch_warnings():  # an error or Ctrl-C cancels the rest, as it should
-            warnings.simplefilter("ignore", UserWarning)
-            results.close()

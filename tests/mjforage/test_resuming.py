@@ -13,10 +13,9 @@ import pytest
 
 from mjforage.mission import Setting
 from mjforage.scenario_file import load_scenario
-from mjforage.storage import RunFolder
-from mjforage.studies import evaluate as module
+from mjforage.storage import Chunk, RunFolder
 from mjforage.studies.evaluate import evaluate, plan
-from mjforage.studies.workers import run_chunk
+from mjforage.studies.workers import Order, run_chunk
 from mjforage.tables import TABLES
 
 PATIENCE_S = 120.0
@@ -90,7 +89,7 @@ def undisturbed(folder: Path, episodes: int) -> Path:
 
 @needs_proc
 def test_a_killed_run_resumes_to_the_same_bytes(start: Start, tmp_path: Path) -> None:
-    episodes, run = 1000, tmp_path / "run"
+    episodes, run = 600, tmp_path / "run"
     killed = start(*arguments(run, episodes, 2))
     wait_for(lambda: chunks(run), "a finished chunk")
     wait_for(lambda: len(workers(killed.pid)) == 2, "two workers")
@@ -202,9 +201,9 @@ def test_only_missing_chunks_are_computed(tmp_path: Path, monkeypatch: pytest.Mo
     stop_after_one_chunk(run, 60)
     asked: list[int] = []
 
-    def note(order: object, chunk: module.Chunk) -> str | None:
+    def note(order: Order, chunk: Chunk) -> str | None:
         asked.append(chunk.first)
-        return run_chunk(order, chunk)  # type: ignore[arg-type]
+        return run_chunk(order, chunk)
 
     monkeypatch.setattr("mjforage.studies.workers.run_chunk", note)
     undisturbed(run, 60)
