@@ -81,7 +81,7 @@ def _scan(path: Path, columns: tuple[str, ...]) -> pl.LazyFrame:
     """Open a Parquet file lazily and check that it has the columns."""
     if not path.is_file():
         raise UserError(f"{path}: file is missing; {REMEDY}")
-    frame = pl.scan_parquet(path)
+    frame = pl.scan_parquet(path, glob=False)
     names = set(frame.collect_schema().names())
     missing = [name for name in (*KEYS, *columns) if name not in names]
     if missing:

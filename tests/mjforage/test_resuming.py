@@ -24,11 +24,15 @@ INTERRUPTED = "mjforage: interrupted; finished work is kept, run the same comman
 TELL_CHUNKS = """
 import json
 from mjforage.storage import RunFolder
-merge = RunFolder.merge
-def tell(run, chunks):
-    print(json.dumps({p.name: p.stat().st_ino for p in (run.path / "chunks").iterdir()}))
+from mjforage.studies import evaluate
+run_chunks, merge = evaluate.run_chunks, RunFolder.merge
+def tell_missing(setting, seed, chunks, folder, jobs):
+    print(json.dumps([chunk.name for chunk in chunks]))
+    return run_chunks(setting, seed, chunks, folder, jobs)
+def tell_finished(run, chunks):
+    print(json.dumps({p.name: p.stat().st_ino for p in (run.path / "chunks").glob("g*")}))
     merge(run, chunks)
-RunFolder.merge = tell
+evaluate.run_chunks, RunFolder.merge = tell_missing, tell_finished
 """
 LIMIT = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({0}, {0}))"
 needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs /proc")
@@ -103,9 +107,10 @@ def test_a_killed_run_resumes_to_the_same_bytes(start: Start, tmp_path: Path) ->
     resumed = start(*arguments(run, episodes, 2), before=TELL_CHUNKS)
     out, err = resumed.communicate(timeout=PATIENCE_S)
     assert (resumed.returncode, err) == (0, "")
-    merged = json.loads(out.splitlines()[1])
+    computed, merged = (json.loads(line) for line in out.splitlines()[1:3])
+    assert set(computed) == set(merged) - set(kept), "finished chunks were computed again"
     assert len(merged) == episodes / 25
-    assert kept.items() <= merged.items(), "finished chunks were computed again"
+    assert kept.items() <= merged.items(), "finished chunks were written again"
     assert not (run / "chunks").exists()
     whole = undisturbed(tmp_path / "whole", episodes)
     for name in ("summary.json", *(f"{table}.parquet" for table in TABLES)):
@@ -166,8 +171,9 @@ def test_a_full_disk_is_one_line_and_keeps_finished_chunks(
     assert "cannot be written (File too large); free some space or choose another --out" in err
     assert err.count("\n") == 1
     assert chunks(run) == kept
-    assert [path.name for path in (run / "chunks").iterdir()] == list(kept)
+    assert [path.name for path in (run / "chunks").glob("[!.]*")] == list(kept)
     undisturbed(run, episodes)
+    assert not (run / "chunks").exists()
     whole = undisturbed(tmp_path / "whole", episodes)
     assert (run / "summary.json").read_bytes() == (whole / "summary.json").read_bytes()
 

@@ -80,4 +80,5 @@ def test_agents_move_on_nodes_and_add_up_their_way(finished: Path) -> None:
     assert np.allclose(moved["more"] / 10.0, moved["speed_mps"], atol=1e-4)
     assert moved["more"].max() > 0  # type: ignore[operator]
     assert set(moved["outcome"].unique()) <= {"arrived", "blocked"}
-    assert (agents["x_m"] == 4.0 * agents["col"]).all() or (agents["x_m"] != 0).any()
+    assert (agents["x_m"] == 4.0 * agents["col"]).all()
+    assert (agents["y_m"] == 4.0 * (61 - agents["row"])).all()
