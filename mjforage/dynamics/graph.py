@@ -108,7 +108,7 @@ def _drift(
             col = item_rc[e, k, 1] + (drift_col + noise * noise_col)
             item_rc[e, k, 0], item_rc[e, k, 1] = row, col
             gone[e, n] = k
-            n += np.int64((abs(row - rows[node]) >= 0.5) | (abs(col - cols[node]) >= 0.5))
+            n += int((abs(row - rows[node]) >= 0.5) | (abs(col - cols[node]) >= 0.5))
         n_gone[e] = n
 
 
