@@ -4,12 +4,47 @@ Kernels take related arrays as one named tuple, and take what they need out of i
 before their loops: reading a field counts references, which costs more than the arithmetic.
 """
 
+import hashlib
 from collections.abc import Callable
-from typing import TypeVar, cast
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, TypeVar, cast
 
 import numba
+from numba.core.caching import FunctionCache
 
 F = TypeVar("F", bound=Callable[..., object])
+
+_HERE = Path(__file__).resolve().parent
+
+
+@lru_cache(maxsize=8)
+def _stamp(source: Path) -> str:
+    """Changes whenever a source file of a package (or a lone script) or of this package does."""
+    others = source.rglob("*.py") if source.is_dir() else [source]
+    files = sorted({*others, *_HERE.rglob("*.py")})
+    found = [(str(file), file.stat().st_mtime_ns, file.stat().st_size) for file in files]
+    return hashlib.sha256(repr(found).encode()).hexdigest()
+
+
+class _Cache(FunctionCache):
+    """numba's disk cache knows the kernel's own file; this one also knows what it may call."""
+
+    def __init__(self, function: Callable[..., object]) -> None:
+        super().__init__(function)  # type: ignore[no-untyped-call]
+        depth = len(function.__module__.split(".")) - 1
+        here = Path(function.__code__.co_filename).resolve()
+        self._sources = _stamp(here.parents[depth - 1] if depth else here)
+
+    def _index_key(self, sig: Any, codegen: Any) -> Any:
+        key = super()._index_key(sig, codegen)  # type: ignore[no-untyped-call]
+        return (*key, self._sources)
+
+
+def _compiled(function: F, inline: str) -> F:
+    dispatcher = cast(Any, numba).njit(fastmath=False, nogil=True, inline=inline)(function)
+    dispatcher._cache = _Cache(dispatcher.py_func)
+    return cast(F, dispatcher)
 
 
 def kernel(function: F) -> F:
@@ -17,9 +52,9 @@ def kernel(function: F) -> F:
 
     Fast-math is left out so that results are bitwise the same whatever the batch size.
     """
-    return cast(F, numba.njit(cache=True, fastmath=False, nogil=True)(function))
+    return _compiled(function, "never")
 
 
 def inlined(function: F) -> F:
     """Compile a helper that is pasted into its callers, for innermost loops passing arrays."""
-    return cast(F, numba.njit(cache=True, fastmath=False, nogil=True, inline="always")(function))
+    return _compiled(function, "always")

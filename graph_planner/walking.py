@@ -79,7 +79,7 @@ class Walker:
 
     def __init__(self, task: Task, episodes: int, levy: bool) -> None:
         self._ground = task.ground
-        self._cap = max(1, int(0.8 * max(task.graph.shape))) if levy else NO_LIMIT
+        self.cap = max(1, int(0.8 * max(task.graph.shape))) if levy else NO_LIMIT
         agents = (episodes, len(task.fleet))
         self._heading = np.full(agents, NO_HEADING, np.int8)
         self._left = np.zeros(agents, np.int32)
@@ -87,5 +87,5 @@ class Walker:
 
     def walk(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9) of the next step of every walk."""
-        _walk(observation, self._ground, self._cap, self._heading, self._left, self._preferences)
+        _walk(observation, self._ground, self.cap, self._heading, self._left, self._preferences)
         return self._preferences

@@ -219,6 +219,9 @@ def bench(*, json_file: Annotated[Path | None, Parameter(name="--json")] = None)
     from mjforage.bench import bench as measure
     from mjforage.storage import write_json
 
+    if json_file is not None and not json_file.parent.is_dir():
+        raise UserError(f"--json {json_file}: folder {json_file.parent} does not exist; make it")
+
     with errors.status("measuring") as status:
         figures = measure(lambda key: status.update(f"measuring {key}"))
     table = Table("figure", "value", "unit")

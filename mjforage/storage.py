@@ -25,6 +25,11 @@ from mjforage.run_info import read_json
 from mjforage.scenario_file import canonical_json
 from mjforage.tables import KEYS, TABLES, check_table, read_table
 
+try:
+    import fcntl
+except ImportError:  # not on this system: runs are then not kept apart
+    fcntl = None  # type: ignore[assignment]
+
 IDENTITY = ("scenario", "map", "versions", "seed", "episodes", "worlds", "policies", "agents")
 _COMPARED_VERSIONS = ("mjforage", "mujoco")
 _LONGEST = 60  # characters of a value in a message
@@ -171,6 +176,30 @@ class RunFolder:
             raise UserError(
                 f"{self.path}: holds another run: {'; '.join(found[:3])}; choose another --out"
             )
+
+    @contextlib.contextmanager
+    def claimed(self) -> Iterator[None]:
+        """Keep other processes from writing the folder; the system lets go of it with the process.
+
+        Raises
+        ------
+        UserError
+            If another process is writing it.
+        """
+        if fcntl is None:
+            yield
+            return
+        folder = os.open(self.path, os.O_RDONLY)
+        try:
+            fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            yield
+        except BlockingIOError as error:
+            raise UserError(
+                f"{self.path}: another process is writing this run; wait for it, or choose another "
+                "--out"
+            ) from error
+        finally:
+            os.close(folder)
 
     @property
     def complete(self) -> bool:

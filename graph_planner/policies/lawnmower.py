@@ -110,7 +110,7 @@ class LawnmowerPolicy:
         self._ground = task.ground
         self._seeker = ItemSeeker(task)
         self._workspace = Workspace.of(len(task.graph))
-        self._sweep = self._plan(task, keys.size)
+        self.sweep = self._plan(task, keys.size)
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
 
     def _plan(self, task: Task, episodes: int) -> Sweep:
@@ -133,6 +133,6 @@ class LawnmowerPolicy:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9): down the way to the agent's next corner."""
-        _sweep(observation, self._ground, self._sweep, self._workspace, self._preferences)
+        _sweep(observation, self._ground, self.sweep, self._workspace, self._preferences)
         self._seeker.guide(observation, self._preferences)
         return self._preferences

@@ -134,14 +134,16 @@ def _settle(
             inside = (row >= -0.5) & (row < height - 0.5) & (col >= -0.5) & (col < width - 0.5)
             if inside:
                 after = int(framed[np.uint64(row + 1.5), np.uint64(col + 1.5)])
-            if after < 0 and inside and squared < 1.0:
+            within = (row >= 0.0) & (row <= height - 1.0) & (col >= 0.0) & (col <= width - 1.0)
+            if after < 0 and within and squared < 1.0:
                 # On a quay less than a node away: only the four centres around can be nearest.
                 after, r, c = before, rows[before] + 1, cols[before] + 1  # framed: one more
                 down, right = 2 * (row >= r - 1) - 1, 2 * (col >= c - 1) - 1
                 for at_row, at_col in ((1, 0), (0, 1), (1, 1)):
                     node = framed[np.uint64(r + at_row * down), np.uint64(c + at_col * right)]
                     there = (at_row - off_row) ** 2 + (at_col - off_col) ** 2
-                    nearer = (there < squared) & (node >= 0)
+                    nearer = (there < squared) | ((there == squared) & (node < after))
+                    nearer = nearer & (node >= 0)
                     after = int(node) if nearer else after
                     squared = there if nearer else squared
                 row = min(max(row, rows[after] - INSET), rows[after] + INSET)

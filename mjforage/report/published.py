@@ -9,8 +9,12 @@ public code (github.com/amendb/CollaborationMetrics) on its 100 evaluation episo
 
 from dataclasses import dataclass, field
 
+from mjforage.run_info import RunInfo
+from mjforage.scenario_file import load_scenario, scenario_to_tree
+
 LABEL = "paper (its own map)"
 SCENARIOS = frozenset({"published", "comb-port"})
+NODES = 1297  # of the paper's map
 
 
 @dataclass(frozen=True)
@@ -69,6 +73,18 @@ PAPER: dict[str, Published] = {
 """Our policy name to the paper's algorithm."""
 
 
-def published_for(scenario: str, policy: str) -> Published | None:
-    """Return the paper's figures for a policy, where the scenario is one they can stand beside."""
-    return PAPER.get(policy) if scenario in SCENARIOS else None
+def published_for(run: RunInfo, policy: str) -> Published | None:
+    """Return the paper's figures for a policy, where the run is one they can stand beside."""
+    return PAPER.get(policy) if comparable(run) else None
+
+
+def comparable(run: RunInfo) -> bool:
+    """Whether a run is of a shipped scenario with the paper's fleet, on a map of the paper's size.
+
+    Nothing but the map's file may be changed.
+    """
+    if run.name not in SCENARIOS or run.map.nodes != NODES:
+        return False
+    mission, shipped = dict(run.scenario), scenario_to_tree(load_scenario(run.name))
+    mission["map"] = dict(mission["map"]) | {"file": shipped["map"]["file"]}
+    return bool(mission == shipped)

@@ -122,7 +122,7 @@ def metric_table(
         colour = looks[series[1]].colour
         rows.append(Row(row_name(series, logs.run.worlds), cells, colour, best=best))
         last = place + 1 == len(several) or several[place + 1][1] != series[1]
-        known = published_for(logs.run.name, series[1]) if paper and last else None
+        known = published_for(logs.run, series[1]) if paper and last else None
         if known:
             cells = tuple(_paper_cell(known, m, cell is plus_minus) for m in metrics)
             marked = marked or any(MEASURED in text for text in cells)

@@ -175,16 +175,17 @@ def evaluate(
     run = RunFolder(folder)
     run.open(info)
     chunks = plan(policies, worlds, episodes)
-    if not run.complete:
-        _compute(run, setting, chunks, seed, jobs, progress)
-        run.merge(chunks)
-        timings = run.timings(chunks)
-        info["timings"] = timings | {"wall_s": time.perf_counter() - started}
-        write_json(folder / "run.json", info)
-    summary = summarise(run.episodes(chunks))
-    _record(run, setting, policies, worlds, seed)
-    write_json(folder / "summary.json", summary)
-    run.finish(chunks)
+    with run.claimed():
+        if not run.complete:
+            _compute(run, setting, chunks, seed, jobs, progress)
+            run.merge(chunks)
+            timings = run.timings(chunks)
+            info["timings"] = timings | {"wall_s": time.perf_counter() - started}
+            write_json(folder / "run.json", info)
+        summary = summarise(run.episodes(chunks))
+        _record(run, setting, policies, worlds, seed)
+        write_json(folder / "summary.json", summary)
+        run.finish(chunks)
     return summary
 
 

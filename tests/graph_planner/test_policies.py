@@ -9,9 +9,9 @@ from graph_planner.fleet import Role
 from graph_planner.moves import MoveRules
 from graph_planner.navigation import OFFSETS, STAY, NavigationGraph, navigation_graph
 from graph_planner.policies import create_policy, policy_names, register
-from graph_planner.policies.lawnmower import lane_corners
+from graph_planner.policies.lawnmower import LawnmowerPolicy, lane_corners
 from graph_planner.randomness import Stream, episode_keys, stream_key
-from graph_planner.walking import levy_length
+from graph_planner.walking import Walker, levy_length
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import FREE, observation_of, preferences, task_of
 
@@ -70,6 +70,8 @@ def test_greedy_gives_every_move_the_reward_of_its_formula(
     task = task_of(graph, rules, scouts=SCOUT, foragers=FORAGER)
     for step in (1, 60, 149):
         nodes = rng.choice(len(graph), 2 + n_known, replace=False)
+        beside = graph.neighbours[nodes[1]]
+        nodes[2:5] = beside[beside >= 0][: nodes[2:5].size]  # items within the forager's reach
         cells = [(int(graph.rows[v]), int(graph.cols[v])) for v in nodes]
         known = {int(v): int(rng.integers(1, 5)) for v in nodes[2:]}
         last_seen = rng.integers(0, step, len(graph)).astype(np.int16)
@@ -93,17 +95,22 @@ def test_greedy_breaks_ties_at_random(open_water: NavigationGraph) -> None:
 def test_foragers_take_a_shortest_path_to_the_nearest_known_item(
     ragged_coast: NavigationGraph, policy: str
 ) -> None:
+    """From every node of the map, to several sets of items."""
     graph, rng = ragged_coast, np.random.default_rng(1)
     task = task_of(graph, foragers=FORAGER)
-    for _ in range(40):
-        nodes = rng.choice(len(graph), 6, replace=False)
-        cells = [(int(graph.rows[v]), int(graph.cols[v])) for v in nodes]
-        observation = observation_of(task, cells[:1], dict.fromkeys(cells[1:], 1))
-        move = int(preferences(policy, task, observation)[0, 0].argmax())
-        end = graph.neighbours[nodes[0], move]
-        cost = 2**0.5 if move % 2 else 1.0
-        nearest = graph.distances[nodes[0], nodes[1:]].min()
-        assert cost + graph.distances[end, nodes[1:]].min() == pytest.approx(nearest, abs=1e-5)
+    everywhere = np.arange(len(graph))
+    for _ in range(12):
+        items = rng.choice(len(graph), 3, replace=False)
+        known = {(int(graph.rows[v]), int(graph.cols[v])): 1 for v in items}
+        observation = observation_of(task, [next(iter(known))], known, episodes=len(graph))
+        observation.agent_node[:, 0] = everywhere
+        move = preferences(policy, task, observation)[:, 0].argmax(axis=1)
+        end = np.where(move == STAY, everywhere, graph.neighbours[everywhere, move % 8])
+        cost = np.where(move == STAY, 0.0, np.where(move % 2 == 1, 2**0.5, 1.0))
+        nearest = graph.distances[:, items].min(axis=1)
+        away = ~np.isin(everywhere, items)
+        np.testing.assert_allclose((cost + nearest[end])[away], nearest[away], atol=1e-5)
+        assert np.isin(end[items], items).all()  # stays, or goes on to the next item beside
 
 
 def test_levy_lengths_are_levy_distributed_and_capped() -> None:
@@ -112,6 +119,11 @@ def test_levy_lengths_are_levy_distributed_and_capped() -> None:
     assert lengths.min() == 1 and lengths.max() == 50
     for x in (2, 5, 20, 50):
         assert (lengths >= x).mean() == pytest.approx(stats.levy.sf(x), abs=0.015)
+
+
+def test_walks_are_at_most_four_fifths_of_the_longer_side() -> None:
+    graph = navigation_graph(np.ones((10, 6), np.bool_), 1.0, False)
+    assert Walker(task_of(graph, scouts=SCOUT), 1, levy=True).cap == 8
 
 
 def walk(
@@ -200,6 +212,41 @@ def test_pso_scouts_remember_the_richest_node_they_saw_themselves() -> None:
     assert int(policy.act(near)[0, 0].argmax()) == W
     far = observation_of(task, [(10, 20)], {(10, 7): 5}, idle_here, step=2)
     assert int(policy.act(far)[0, 0].argmax()) == W
+
+
+def test_pso_pulls_have_the_published_weights() -> None:
+    """Two places at right angles, both 10 away: the nearer pull wins when a > tan(67.5 deg) b.
+
+    With weights w1, w2 and uniforms r1, r2 the second place is flown to straight when
+    r1 < tan(22.5 deg) (w2 / w1) r2, which has probability 1 - w1 / (2 tan(22.5 deg) w2).
+    """
+    graph = navigation_graph(np.ones((41, 41), np.bool_), 1.0, False)
+    task = task_of(graph, scouts=SCOUT, foragers=FORAGER)
+    seen = np.full(len(graph), 1, np.int16)
+    seen[graph.node_of_cell[10, 20]] = 0
+    # The scout saw five items 3 to the west itself; the most idle node is 10 to the north.
+    known = {(20, 17): 5, (20, 20): 0}
+    observation = observation_of(task, [(20, 20), (20, 20)], known, seen, 3, 6000)
+    observation.n_known[:] = 0
+    scout = preferences("pso", task, observation)[:, 0].argmax(axis=1)
+    # pull west 0.5 * 3 r1, pull north 3.27 * 10 r2: north unless 1.5 r1 > 32.7 tan(22.5 deg) r2
+    tangent = np.tan(np.pi / 8)
+    ratio = 1.5 / (32.7 * tangent)
+    assert (scout == N).mean() == pytest.approx(1 - ratio / 2, abs=0.012)
+    # Richest 3 items 10 to the west, nearest 1 item 8 to the north.
+    observation = observation_of(task, [(20, 20)] * 2, {(20, 10): 3, (12, 20): 1}, seen, 3, 6000)
+    forager = preferences("pso", task, observation)[:, 1].argmax(axis=1)
+    ratio = 2 * 10 / (3 * 8 * tangent)  # north when r2 > ratio r1, ratio > 1
+    assert (forager == N).mean() == pytest.approx(1 / (2 * ratio), abs=0.02)
+
+
+def test_lanes_are_two_radii_and_a_node_apart() -> None:
+    graph = navigation_graph(np.ones((46, 9), np.bool_), 1.0, False)
+    task = task_of(graph, scouts=SCOUT)
+    policy = LawnmowerPolicy()
+    policy.reset(task, episode_keys(0, np.arange(1)))
+    rows = graph.rows[policy.sweep.corners]
+    assert np.unique(rows).tolist() == [4, 13, 22, 31, 40]
 
 
 def test_random_moves_are_uniform_over_all_nine() -> None:

@@ -1,10 +1,12 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from graph_planner.policies import create_policy, policy_names
 from mjforage.episode_log import EpisodeLog
 from mjforage.errors import UserError
+from mjforage.maps import GridMap
 from mjforage.mission import Mission, Setting
 from mjforage.scenario_file import load_scenario
 from tests.mjforage.slow_mission import SlowMission
@@ -58,6 +60,30 @@ def test_kernels_agree_with_the_mission_in_plain_python(preset: str) -> None:
         assert log.series["mi"][i, end] == pytest.approx(oracle.state.idleness.mean(), abs=1e-12)
         assert log.series["co_scouts"][i, -1] == oracle.overlap(setting.fleet.scouts)
         assert mission.state.distance[i] == pytest.approx(oracle.travelled)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_kernels_agree_on_small_ragged_maps_with_water_at_the_border(seed: int) -> None:
+    """Items drift hard against land and against the edge of the array."""
+    rng = np.random.default_rng(seed)
+    label, _ = ndimage.label(rng.random((rng.integers(3, 12), rng.integers(3, 12))) < 0.75)
+    navigable = label == np.bincount(label.ravel())[1:].argmax() + 1
+    overrides = (
+        *("horizon=25", "items.mean=30", "map.starts=[]", "team.scouts.count=1"),
+        *("team.foragers.count=1", "weather.drift_node_per_step=0.4"),
+        f"map.corner_cutting={str(bool(seed % 2)).lower()}",
+    )
+    setting = Setting(load_scenario("comb-port", overrides), GridMap("ragged", navigable))
+    mission, slow = Mission(setting), [SlowMission(setting, seed, e) for e in range(3)]
+    mission.reset(seed, np.arange(3))
+    while mission.active.any():
+        agree(mission, slow)
+        preferences = rng.random((3, 2, 9))
+        active = mission.active.copy()
+        mission.advance(preferences)
+        for e in np.flatnonzero(active).tolist():
+            slow[e].advance(preferences[e])
+    agree(mission, slow)
 
 
 def agree(mission: Mission, slow: list[SlowMission]) -> None:

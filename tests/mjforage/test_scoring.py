@@ -31,7 +31,7 @@ def log_by_hand(setting: Setting) -> EpisodeLog:
         "rmse": steps * 0.2,
         "rmse_columns": steps * 0.1,
         "mi": steps,
-        "co_scouts": np.full((1, 11), 0.25),
+        "co_scouts": np.linspace(0.0, 0.5, 11)[None, :],
         "co_foragers": np.zeros((1, 11)),
     }
     return log

@@ -1,5 +1,7 @@
 import json
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -286,3 +288,25 @@ def test_hash_depends_on_scenario_map_and_the_two_versions_alone() -> None:
     ):
         assert run_hash(INFO) != run_hash(INFO | {key: value})
     assert len(run_hash(INFO)) == 16
+
+
+def test_a_folder_is_written_by_one_process_at_a_time(tmp_path: Path) -> None:
+    hold = "import sys; from pathlib import Path; from mjforage.storage import RunFolder\n"
+    hold += "with RunFolder(Path(sys.argv[1])).claimed(): print('mine', flush=True); input()"
+    other = subprocess.Popen(
+        [sys.executable, "-c", hold, str(tmp_path)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    with other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == "mine\n"
+        with (
+            pytest.raises(UserError, match="another process is writing this run"),
+            RunFolder(tmp_path).claimed(),
+        ):
+            pass
+        other.communicate("\n")
+    with RunFolder(tmp_path).claimed():
+        pass

@@ -11,7 +11,7 @@ import pytest
 from rich.console import Console
 
 from mjforage.errors import UserError
-from mjforage.report import style, terminal_table, write_report
+from mjforage.report import published, style, terminal_table, write_report
 from mjforage.report.tables import number
 from mjforage.vocabulary import METRICS
 
@@ -81,7 +81,10 @@ def test_the_page_needs_nothing_from_outside(make_run: MakeRun) -> None:
     assert "@import" not in page
 
 
-def test_table_2_shows_the_summary_and_the_paper_beside_it(make_run: MakeRun) -> None:
+def test_table_2_shows_the_summary_and_the_paper_beside_it(
+    make_run: MakeRun, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(published, "comparable", lambda run: True)
     folder = make_run(name="published")
     rows = table_rows(written(folder), "table-2")
     summary = json.loads((folder / "summary.json").read_text())["graph"]["greedy"]
@@ -97,7 +100,8 @@ def test_table_2_shows_the_summary_and_the_paper_beside_it(make_run: MakeRun) ->
     assert rows["Lévy walks, paper (its own map)"][0] == "82.28 ± 5.93"
 
 
-def test_tables_3_and_4_show_means(make_run: MakeRun) -> None:
+def test_tables_3_and_4_show_means(make_run: MakeRun, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(published, "comparable", lambda run: True)
     folder = make_run()
     page = written(folder)
     summary = json.loads((folder / "summary.json").read_text())["graph"]["levy"]
