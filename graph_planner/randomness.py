@@ -38,6 +38,10 @@ class Stream(IntEnum):
     """Whatever a policy draws."""
     CORRUPTION = 6
     """Which actions are replaced, and by what."""
+    GUSTS = 7
+    """Gusts of the wind, keyed by the level and index of an interval of time."""
+    CURRENT = 8
+    """Direction and slow wander of the current, the latter keyed like gusts."""
 
 
 @kernel
