@@ -220,7 +220,7 @@ def bench(*, json_file: Annotated[Path | None, Parameter(name="--json")] = None)
     from mjforage.storage import write_json
 
     if json_file is not None and not json_file.parent.is_dir():
-        raise UserError(f"--json {json_file}: folder {json_file.parent} does not exist; make it")
+        raise UserError(f"--json {json_file}: cannot be written, no folder {json_file.parent}")
 
     with errors.status("measuring") as status:
         figures = measure(lambda key: status.update(f"measuring {key}"))
