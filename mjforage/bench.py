@@ -19,6 +19,7 @@ from mjforage.maps import GridMap
 from mjforage.mission import Mission, Setting
 from mjforage.scenario_file import load_scenario
 from mjforage.scoring import score
+from mjforage.simulation.speeds import physics_speeds
 from mjforage.studies.evaluate import evaluate
 
 Figures = dict[str, dict[str, float | str]]
@@ -34,6 +35,8 @@ LARGE = (
 )
 LARGE_SHAPE = (1000, 1000)
 LARGE_STEPS = 20
+PHYSICS_S = 120.0  # simulated time of a run
+PHYSICS_BATCH = 4  # simulations
 
 
 def _rate(work: Callable[[], float]) -> float:
@@ -130,4 +133,17 @@ def bench(progress: Progress = lambda name: None) -> Figures:
     for name in ("random", "greedy"):
         measure(f"graph_large_{name}_steps_per_core_s", STEPS, _large_steps(large, name))
     figures["peak_memory_large"] = {"value": _peak_memory_mb(), "unit": "MB"}
+    progress("physics")
+    for key, value in physics_speeds(PHYSICS_S, PHYSICS_BATCH).items():
+        figures[key] = {"value": value, "unit": _physics_unit(key)}
     return figures
+
+
+def _physics_unit(key: str) -> str:
+    if "sim_s" in key:
+        return "simulated seconds per CPU second of one core (4 vessels, 75 items)"
+    if "steps" in key:
+        return "time steps of 0.1 s per CPU second of one core (4 vessels, 75 items)"
+    if "overhead" in key:
+        return "share of the time of a step without our forces, from the same states"
+    return "contacts per state"

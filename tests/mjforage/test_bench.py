@@ -9,12 +9,17 @@ def test_bench_measures_every_promised_figure(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(bench, "REPEATS", 1)
     monkeypatch.setattr(bench, "LARGE_SHAPE", (90, 120))
     monkeypatch.setattr(bench, "LARGE_STEPS", 2)
+    monkeypatch.setattr(bench, "PHYSICS_S", 10.0)
+    monkeypatch.setattr(bench, "PHYSICS_BATCH", 1)
     measured: list[str] = []
     figures = bench.bench(measured.append)
     promised = {
         *(f"graph_{name}_steps_per_core_s" for name in ("random", "greedy", "levy")),
         *("evaluate_greedy_steps_per_core_s", "metrics_episodes_per_s", "peak_memory"),
+        *("physics_steps_per_core_s", "physics_sim_s_per_core_s", "physics_callback_overhead"),
     }
     assert promised <= set(figures)
-    assert set(measured) <= set(figures)
-    assert all(figure["value"] > 0 and figure["unit"] for figure in figures.values())  # type: ignore[operator]
+    assert set(measured) - set(figures) == {"physics"}
+    for key, figure in figures.items():
+        assert figure["unit"]
+        assert float(figure["value"]) > (-0.9 if "overhead" in key else 0.0), key

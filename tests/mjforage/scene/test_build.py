@@ -1,0 +1,115 @@
+import dataclasses
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from mjforage.callback.layout import HEADER, MAGIC
+from mjforage.errors import UserError
+from mjforage.hydrodynamics.parameters import SIZE, pack
+from mjforage.maps import load_map
+from mjforage.scene import build_scene, check_passages
+from mjforage.vessels import load_vessel, vessel_names
+
+SCOUT, FORAGER = load_vessel("scout"), load_vessel("forager")
+PORT = load_map("comb_port").navigable
+
+
+@pytest.fixture(scope="module")
+def model() -> mujoco.MjModel:
+    return build_scene([SCOUT, FORAGER], navigable=PORT, pitch_m=4.0, items=7).model
+
+
+def test_the_callback_finds_its_numbers_first(model: mujoco.MjModel) -> None:
+    assert model.numeric_data[:4].tolist() == [MAGIC, 2, 7, 5]
+    np.testing.assert_array_equal(model.numeric_data[HEADER : HEADER + SIZE], pack(SCOUT))
+    np.testing.assert_array_equal(
+        model.numeric_data[HEADER + SIZE : HEADER + 2 * SIZE], pack(FORAGER)
+    )
+
+
+def test_rows_of_the_mass_matrix_hold_what_the_callback_writes(model: mujoco.MjModel) -> None:
+    assert model.M_rownnz.tolist() == [1, 2, 3] * 2 + [1, 1] * 7
+
+
+@pytest.mark.parametrize("name", vessel_names())
+def test_inertia_comes_from_the_parameters(name: str) -> None:
+    vessel = load_vessel(name)
+    model = build_scene([vessel]).model
+    body = model.body(f"{name}-0/hull")
+    assert body.mass[0] == vessel.mass_kg
+    about_midships = body.inertia[2] + vessel.mass_kg * body.ipos[0] ** 2
+    assert about_midships == pytest.approx(vessel.inertia_z_kgm2, rel=1e-9)
+    size = model.geom(f"{name}-0/collider").size
+    assert size[:2].tolist() == [0.5 * vessel.length_m, 0.5 * vessel.beam_m]
+
+
+def test_water_and_quays_are_where_the_map_has_them(model: mujoco.MjModel) -> None:
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    rows, cols = PORT.shape
+    quays = [g for g in range(model.ngeom) if model.geom(g).name.startswith("quay")]
+    centre, half = data.geom_xpos[quays, :2], model.geom_size[quays, :2]
+    for row, col in np.ndindex(rows, cols):
+        point = np.array([col * 4.0, (rows - 1 - row) * 4.0])
+        on_land = (np.abs(point - centre) < half).all(axis=1).any()
+        assert on_land != PORT[row, col]
+
+
+def test_every_quay_has_its_own_body(model: mujoco.MjModel) -> None:
+    colliders = np.flatnonzero(model.geom_contype)
+    assert np.unique(model.geom_bodyid[colliders]).size == colliders.size
+
+
+def test_items_wait_apart_and_away() -> None:
+    scene = build_scene([SCOUT], navigable=PORT, pitch_m=4.0, items=30)
+    assert (np.diff(scene.parking[:, 0]) <= -1.0).all()
+    assert (scene.parking < -20.0).all()
+
+
+def test_looks_add_nothing_that_touches() -> None:
+    bare = build_scene([SCOUT, FORAGER], items=5).model
+    shown = build_scene([SCOUT, FORAGER], items=5, looks=[0, 1, 2, 3, 4]).model
+    assert shown.ngeom > bare.ngeom + 40
+    assert np.count_nonzero(shown.geom_contype) == np.count_nonzero(bare.geom_contype)
+    np.testing.assert_array_equal(shown.body_mass, bare.body_mass)
+
+
+def test_a_hull_too_large_for_its_corridor_is_named() -> None:
+    check_passages([SCOUT, FORAGER], PORT, 4.0)
+    with pytest.raises(
+        UserError, match=r"forager: a hull of 2 m x 1.08 m needs 2.27 m to turn, .* 2 m"
+    ):
+        build_scene([SCOUT, FORAGER], navigable=PORT, pitch_m=1.0)
+
+
+def test_malformed_models_are_named(tmp_path: Path) -> None:
+    file = tmp_path / "mine.xml"
+    for text, message in (
+        ("<mujoco><worldbody>", "mine.xml: malformed MJCF"),
+        ("<mujoco/>", "mine.xml: no body named hull"),
+        (
+            '<mujoco><worldbody><body name="hull"><freejoint name="f"/><geom size="1"/></body>'
+            "</worldbody></mujoco>",
+            "joints of hull are f; give x, y, yaw",
+        ),
+    ):
+        file.write_text(text)
+        with pytest.raises(UserError, match=message):
+            build_scene([SCOUT], parts={"scout": file})
+    with pytest.raises(UserError, match="no such file"):
+        build_scene([SCOUT], parts={"scout": tmp_path / "none.xml"})
+
+
+def test_names_are_counted_by_vessel_and_must_differ() -> None:
+    assert build_scene([SCOUT, FORAGER, SCOUT]).names == ("scout-0", "forager-0", "scout-1")
+    with pytest.raises(UserError, match="give 2 different ones"):
+        build_scene([SCOUT, FORAGER], names=["a", "a"])
+    with pytest.raises(UserError, match="no vessel"):
+        build_scene([])
+
+
+def test_a_vessel_without_a_part_of_its_own_borrows_looks() -> None:
+    own = dataclasses.replace(SCOUT, name="mine")
+    assert build_scene([own]).model.geom("mine-0/collider").size[0] == 0.5 * SCOUT.length_m

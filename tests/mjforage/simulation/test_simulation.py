@@ -1,0 +1,162 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjforage import callback
+from mjforage.callback import Route
+from mjforage.errors import UserError
+from mjforage.hydrodynamics.conditions import Conditions
+from mjforage.hydrodynamics.reference import OdeHull
+from mjforage.scene import build_scene
+from mjforage.simulation import InstabilityError, Integrator, Simulation
+from mjforage.simulation.hull import MujocoHull
+from mjforage.simulation.speeds import drive, physics_speeds, port_scene, port_simulation
+from mjforage.vessels import load_vessel
+
+OTTER = load_vessel("otter")
+PORT = port_scene()
+BOTH = pytest.mark.parametrize("integrator", Integrator)
+
+
+def final(integrator: Integrator, simulations: int, threads: int = 1) -> np.ndarray:
+    """States of the first three simulations after a busy minute."""
+    simulation = Simulation(PORT, simulations, integrator=integrator, threads=threads)
+    model = port_simulation(PORT, integrator, 3)
+    for name in ("qpos", "qvel", "userdata"):
+        simulation.engine.bind(name)[:3] = model.engine.bind(name)
+    simulation.place_vessels(np.arange(12.0).reshape(4, 3) * 3, ids=np.arange(3, simulations))
+    for k in range(12):
+        simulation.commands[:] = 20.0 - 7.0 * (k % 4)
+        simulation.step(50)
+    return simulation.state[:3].copy()
+
+
+@BOTH
+def test_bitwise_the_same_over_repeats_threads_and_batch_sizes(integrator: Integrator) -> None:
+    once = final(integrator, 3)
+    for other in (final(integrator, 3), final(integrator, 3, threads=2), final(integrator, 5)):
+        np.testing.assert_array_equal(other, once)
+
+
+@BOTH
+def test_a_copied_state_resumes_to_the_bit(integrator: Integrator) -> None:
+    first = port_simulation(PORT, integrator, 2)
+    drive(first, 30.0)
+    saved = first.state.copy()
+    drive(first, 20.0, seed=1)
+    second = Simulation(PORT, 2, integrator=integrator)
+    second.state[:] = saved
+    drive(second, 20.0, seed=1)
+    np.testing.assert_array_equal(second.state, first.state)
+
+
+def test_looks_change_no_bit_of_the_motion() -> None:
+    bare, shown = (
+        port_simulation(build_scene(PORT.vessels, items=75, looks=looks), Integrator.FAST, 1)
+        for looks in (False, True)
+    )
+    drive(bare, 30.0)
+    drive(shown, 30.0)
+    np.testing.assert_array_equal(shown.state, bare.state)
+
+
+@BOTH
+def test_the_python_route_agrees(integrator: Integrator) -> None:
+    native = port_simulation(PORT, integrator, 2)
+    drive(native, 20.0)
+    callback.uninstall()
+    try:
+        callback.install(Route.PYTHON)
+        slow = port_simulation(PORT, integrator, 2)
+        assert slow.route is Route.PYTHON
+        drive(slow, 20.0)
+    finally:
+        callback.install(Route.NATIVE)
+    np.testing.assert_allclose(slow.vessel_pose, native.vessel_pose, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(slow.item_xy, native.item_xy, rtol=0, atol=1e-9)
+    np.testing.assert_array_equal(slow.time_s, native.time_s)
+
+
+@BOTH
+@pytest.mark.parametrize("step_s", [0.05, 0.2, 1.0])
+def test_items_reach_leeway_at_any_step(integrator: Integrator, step_s: float) -> None:
+    scene = build_scene([OTTER], items=5)
+    simulation = Simulation(scene, integrator=integrator, step_s=step_s)
+    simulation.place_items(np.arange(10.0).reshape(5, 2) * 10, np.arange(5))
+    simulation.place_vessels(np.array([-50.0, -50.0, 0.0]))
+    wind, water = np.array([6.0, -8.0]), np.array([0.2, 0.1])
+    simulation.item_wind[:], simulation.item_water[:] = wind, water
+    simulation.step(round(200 / step_s))
+    alpha = np.array([kind.leeway for kind in scene.classes])[:, None]
+    expected = water + alpha * (wind - water)
+    np.testing.assert_allclose(simulation.item_velocity[0], expected, rtol=0, atol=1e-6)
+
+
+def test_parked_items_do_not_move() -> None:
+    simulation = Simulation(build_scene([OTTER], items=3))
+    simulation.item_wind[:] = 20.0, 5.0
+    simulation.place_items(np.array([9.0, 9.0]), np.array([-1, 0, -1]))
+    simulation.step(100)
+    np.testing.assert_array_equal(simulation.item_xy[0, ::2], simulation.scene.parking[::2])
+    assert simulation.item_xy[0, 1, 0] > 9.5
+    simulation.park_items(np.array([[False, True, False]]))
+    simulation.step(100)
+    np.testing.assert_array_equal(simulation.item_xy[0], simulation.scene.parking)
+
+
+def test_reset_by_mask_leaves_the_others_alone() -> None:
+    simulation = port_simulation(PORT, Integrator.FAST, 3)
+    drive(simulation, 10.0)
+    before = simulation.state.copy()
+    simulation.reset(np.array([False, True, False]))
+    np.testing.assert_array_equal(simulation.state[::2], before[::2])
+    assert simulation.time_s.tolist() == [before[0, 0], 0.0, before[2, 0]]
+    assert (simulation.item_class[1] == -1.0).all()
+    simulation.step(10, ids=np.array([1]))
+    np.testing.assert_array_equal(simulation.state[::2], before[::2])
+    assert simulation.time_s[1] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("route", Route)
+def test_instability_names_seed_time_and_body(
+    route: Route, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    callback.install(route)
+    try:
+        scene = build_scene([OTTER, OTTER], names=("calm", "wild"), items=1)
+        simulation = Simulation(scene, 3, step_s=0.1, seeds=[11, 22, 33])
+        simulation.place_vessels(np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]]))
+        simulation.step(10)
+        simulation.vessel_water[1, 1] = 1e160, 0.0
+        with pytest.raises(InstabilityError, match=r"seed 22, t = 1.00 s, body wild"):
+            simulation.step(10)
+    finally:
+        callback.install(Route.NATIVE)
+    assert not list(tmp_path.iterdir())
+    assert capfd.readouterr().out == ""
+
+
+def test_numbers_out_of_range_are_named() -> None:
+    with pytest.raises(UserError, match=r"step -0.1 s; give numbers above 0"):
+        Simulation(PORT, step_s=-0.1)
+
+
+def test_one_hull_moves_as_the_plain_equations_say() -> None:
+    conditions = Conditions((0.1, 0.2), (0.0, 3.0), 0.5, (0.4, -0.1), 0.05)
+    forager = load_vessel("forager")
+    ours, plain = MujocoHull(forager, conditions), OdeHull(forager, conditions)
+    for k in range(600):
+        for hull in (ours, plain):
+            hull.step(40.0, 30.0 + 20.0 * (k > 300), 0.05 if k % 3 else 0.025)
+    np.testing.assert_allclose(ours.state(), plain.state(), rtol=0, atol=1e-4)
+
+
+def test_speeds_are_measured_in_contact() -> None:
+    speeds = physics_speeds(seconds=5.0, simulations=1)
+    assert speeds["physics_contacts"] > 5.0
+    assert speeds["physics_sim_s_per_core_s"] > speeds["physics_sim_s_per_core_s_reference"] > 0.0
+    assert speeds["physics_steps_per_core_s"] == pytest.approx(
+        10.0 * speeds["physics_sim_s_per_core_s"]
+    )
