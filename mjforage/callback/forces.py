@@ -53,11 +53,62 @@ class State(NamedTuple):
 
 
 @kernel
+def _averaged(
+    state: State,
+    v: int,
+    p: Float64Array,
+    around: boat.Surroundings,
+    body: boat.Inertia,
+) -> tuple[float, float, float, float, float, float]:
+    """Loads in body axes that give boat `v` its mean acceleration, and the inertia to feel.
+
+    Positions run half a step ahead of velocities, so the heading is taken back by that much. Half a
+    step of damping joins the inertia: a contact that stops the hull then meets the full load at
+    rest, not the load that the free hull would have had on average. Free motion is the same.
+    """
+    h, i = state.step_s, v * VESSEL_DOFS
+    yaw, vx, vy, r = state.qpos[i + 2], state.qvel[i], state.qvel[i + 1], state.qvel[i + 2]
+    command = state.ctrl[2 * v], state.ctrl[2 * v + 1]
+    lagged = state.act[2 * v], state.act[2 * v + 1]
+    ax, ay, ar = boat.mean_acceleration(
+        p, body, yaw - 0.5 * h * r, vx, vy, r, command, lagged, around, h
+    )
+    c, s = math.cos(yaw), math.sin(yaw)
+    dx, dy = vx - around.water_x, vy - around.water_y
+    d_surge, d_sway, d_yaw = boat.damping(p, c * dx + s * dy, c * dy - s * dx, r)
+    m_surge, m_sway = body.surge + 0.5 * h * d_surge, body.sway + 0.5 * h * d_sway
+    m_yaw = body.yaw + 0.5 * h * d_yaw
+    ahead, aside = c * ax + s * ay, c * ay - s * ax
+    surge = m_surge * ahead - body.moment * r * r
+    sway = m_sway * aside + body.moment * ar
+    return surge, sway, m_yaw * ar + body.moment * aside, m_surge, m_sway, m_yaw
+
+
+@kernel
+def _instant(
+    state: State, v: int, p: Float64Array, around: boat.Surroundings, body: boat.Inertia
+) -> tuple[float, float, float, float, float, float]:
+    """Loads on boat `v` now, in body axes, and its inertia."""
+    i = v * VESSEL_DOFS
+    push, twist = thruster_force(p, state.act[2 * v], state.act[2 * v + 1])
+    surge, sway, turn = boat.loads(
+        p,
+        state.qpos[i + 2],
+        state.qvel[i],
+        state.qvel[i + 1],
+        state.qvel[i + 2],
+        push,
+        twist,
+        around,
+    )
+    return surge, sway, turn, body.surge, body.sway, body.yaw
+
+
+@kernel
 def _boat(state: State, v: int, p: Float64Array, averaged: bool) -> None:
     """Force and rows of M of boat `v`."""
-    qvel, userdata, mass, force = state.qvel, state.userdata, state.mass, state.force
-    h, i, at = state.step_s, v * VESSEL_DOFS, v * INPUT_WIDTH
-    yaw, vx, vy, r = state.qpos[i + 2], qvel[i], qvel[i + 1], qvel[i + 2]
+    userdata, mass, force, row = state.userdata, state.mass, state.force, state.row
+    i, at = v * VESSEL_DOFS, v * INPUT_WIDTH
     around = boat.Surroundings(
         userdata[at + WIND],
         userdata[at + WIND + 1],
@@ -66,29 +117,16 @@ def _boat(state: State, v: int, p: Float64Array, averaged: bool) -> None:
         userdata[at + LOAD],
     )
     body = boat.inertia(p, around.load)
-    port, starboard = state.act[2 * v], state.act[2 * v + 1]
-    c, s = math.cos(yaw), math.sin(yaw)
-    m_surge, m_sway, m_yaw = body.surge, body.sway, body.yaw
     if averaged:
-        command = state.ctrl[2 * v], state.ctrl[2 * v + 1]
-        ax, ay, ar = boat.mean_acceleration(
-            p, body, yaw - 0.5 * h * r, vx, vy, r, command, (port, starboard), around, h
-        )
-        dx, dy = vx - around.water_x, vy - around.water_y
-        d_surge, d_sway, d_yaw = boat.damping(p, c * dx + s * dy, c * dy - s * dx, r)
-        m_surge, m_sway = m_surge + 0.5 * h * d_surge, m_sway + 0.5 * h * d_sway
-        m_yaw += 0.5 * h * d_yaw
-        ahead, aside = c * ax + s * ay, c * ay - s * ax
-        surge = m_surge * ahead - body.moment * r * r
-        sway = m_sway * aside + body.moment * ar
-        turn = m_yaw * ar + body.moment * aside
+        loads = _averaged(state, v, p, around, body)
     else:
-        push, twist = thruster_force(p, port, starboard)
-        surge, sway, turn = boat.loads(p, yaw, vx, vy, r, push, twist, around)
+        loads = _instant(state, v, p, around, body)
+    surge, sway, turn, m_surge, m_sway, m_yaw = loads
+    c, s = math.cos(state.qpos[i + 2]), math.sin(state.qpos[i + 2])
     force[i] += c * surge - s * sway
     force[i + 1] += s * surge + c * sway
     force[i + 2] += turn
-    x, y, z = state.row[i], state.row[i + 1], state.row[i + 2]
+    x, y, z = row[i], row[i + 1], row[i + 2]
     mass[x] = c * c * m_surge + s * s * m_sway
     mass[y] = c * s * (m_surge - m_sway)
     mass[y + 1] = s * s * m_surge + c * c * m_sway
@@ -116,7 +154,7 @@ def _items(
     for k in range(items):
         i, at = first_dof + k * ITEM_DOFS, first_input + k * INPUT_WIDTH
         which = int(userdata[at + LOAD]) * CLASS_WIDTH
-        if which < 0:
+        if which < 0 or which >= classes.size:
             continue
         ax, ay = userdata[at + WIND] - qvel[i], userdata[at + WIND + 1] - qvel[i + 1]
         wx, wy = userdata[at + WATER] - qvel[i], userdata[at + WATER + 1] - qvel[i + 1]

@@ -133,8 +133,18 @@ class Simulation:
         ----------
         xy : (simulation, item, 2) [m], or what broadcasts to it
         classes : (simulation, item) class of each; a negative one parks the item
+
+        Raises
+        ------
+        UserError
+            If there is no such class.
         """
         chosen = self._every if ids is None else self._every[ids]
+        if np.max(classes, initial=-1) >= len(self.scene.classes):
+            raise UserError(
+                f"debris class {np.max(classes)}: the scene has {len(self.scene.classes)}, "
+                "counted from 0"
+            )
         self.item_class[chosen] = classes
         self._item_velocity[chosen] = 0.0
         parked = self.item_class[chosen] < 0

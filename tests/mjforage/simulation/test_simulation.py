@@ -141,6 +141,8 @@ def test_instability_names_seed_time_and_body(
 def test_numbers_out_of_range_are_named() -> None:
     with pytest.raises(UserError, match=r"step -0.1 s; give numbers above 0"):
         Simulation(PORT, step_s=-0.1)
+    with pytest.raises(UserError, match="debris class 5: the scene has 5, counted from 0"):
+        Simulation(PORT).place_items(PORT.parking, 5)
 
 
 def test_one_hull_moves_as_the_plain_equations_say() -> None:
