@@ -95,7 +95,6 @@ class Observation(NamedTuple):
     step: Int32Array  # (episode,) the decision about to be taken, 1 for the first
     keys: NDArray[np.uint64]  # (episode,) episode keys, for a policy's own randomness
     agent_node: Int32Array  # (episode, agent)
-    last_direction: NDArray[np.int8]  # (episode, agent) last move made, 8 at the start
     energy_left: NDArray[np.float64]  # (episode, agent) [node]
     belief: NDArray[np.int16]  # (episode, node) believed items
     last_seen: NDArray[np.int16]  # (episode, node) step, NEVER if not yet seen

@@ -71,12 +71,7 @@ class EpisodeLog(Observer):
         self.distance[at] = state.distance[episodes]
         self.energy[at] = state.energy[episodes]
         self.outcome[at] = state.outcome[episodes]
-        everyone = episodes.size == mission.step.size
-        truth, belief = (
-            (model.knowledge.truth, model.knowledge.belief)
-            if everyone
-            else (model.knowledge.truth[episodes], model.knowledge.belief[episodes])
-        )
+        truth, belief = model.knowledge.truth[episodes], model.knowledge.belief[episodes]
         rmse, rmse_columns = model_error(truth, belief, self._navigable)
         self.series["rmse"][at], self.series["rmse_columns"][at] = rmse, rmse_columns
         self.series["mi"][at] = mean_idleness(model.idleness(mission.step, episodes))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from graph_planner.fleet import Fleet
 from graph_planner.geodesics import Int32Array
 from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
-from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
+from graph_planner.navigation import NavigationGraph, navigation_graph
 from graph_planner.policies import Policy
 from graph_planner.randomness import UInt64Array, episode_keys
 from graph_planner.shared_model import SharedModel
@@ -153,8 +153,6 @@ class Mission:
         self.model.reset(self.state.agent_node, self.state.item_node)
         self.step = np.zeros(episodes.size, np.int32)
         self.active = np.ones(episodes.size, np.bool_)
-        self.last_direction = np.full(self.state.agent_node.shape, STAY, np.int8)
-        self.moves: Moves | None = None
 
     @property
     def observation(self) -> Observation:
@@ -164,7 +162,6 @@ class Mission:
             step=self.step + np.int32(1),
             keys=self.keys,
             agent_node=self.state.agent_node,
-            last_direction=self.last_direction,
             energy_left=self._energy - self.state.energy,
             belief=self.model.knowledge.belief,
             last_seen=self.model.knowledge.last_seen,
@@ -206,7 +203,6 @@ class Mission:
             self.state.item_node,
             self.state.collected_by,
         )
-        self.moves, self.last_direction = moves, moves.direction
         left = (self.state.item_node >= 0).any(axis=1)
         self.active = self.active & left & (self.step < self.setting.scenario.horizon)
         return self.state

@@ -36,7 +36,7 @@ class Replay:
     episode: int = 0
 
     def save(self, path: Path) -> None:
-        """Write a compressed npz without pickles."""
+        """Write a compressed npz of plain arrays."""
         np.savez_compressed(
             path,
             allow_pickle=False,

@@ -1,7 +1,6 @@
 """A run folder's logs, loaded strictly: what is missing, truncated or foreign is named."""
 
 import math
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -225,11 +224,5 @@ def pick_replay(logs: RunLogs) -> Replay:
             if path.stem.startswith(prefix) and path.stem.removeprefix(prefix).isdigit()
         }
         if found:
-            return _load_replay(found[min(found)])
+            return Replay.load(found[min(found)])
     raise UserError(f"{logs.folder / 'replay'}: holds no replay of this run; {REMEDY}")
-
-
-def _load_replay(path: Path) -> Replay:
-    if not zipfile.is_zipfile(path):
-        raise UserError(f"replay {path}: truncated or not a replay; delete it and {REMEDY}")
-    return Replay.load(path)

@@ -41,7 +41,6 @@ def observation_of(
         step=np.full(episodes, step, np.int32),
         keys=episode_keys(0, np.arange(episodes)),
         agent_node=nodes,
-        last_direction=np.full(nodes.shape, 8, np.int8),
         energy_left=np.full(nodes.shape, np.inf),
         belief=belief,
         last_seen=np.tile(seen, (episodes, 1)),
