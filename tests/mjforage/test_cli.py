@@ -13,7 +13,8 @@ from PIL import Image
 from rich.console import Console
 
 from graph_planner.policies import policy_names
-from mjforage import __version__, cli
+from mjforage import __version__
+from mjforage.cli import console
 from mjforage.report import terminal_table
 from mjforage.scenario_file import preset_names
 from mjforage.vocabulary import METRICS
@@ -30,7 +31,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "here"
     folder.mkdir()
     monkeypatch.chdir(folder)
-    monkeypatch.setattr(cli.output, "width", cli.PIPE_COLUMNS)  # the test runner sets COLUMNS
+    monkeypatch.setattr(console.output, "width", console.PIPE_COLUMNS)  # the test runner sets COLUMNS
     return folder
 
 

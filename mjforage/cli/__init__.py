@@ -1,0 +1,46 @@
+"""The command line: one function per command, thin over the library."""
+
+import logging
+import sys
+from collections.abc import Sequence
+
+import cyclopts
+from rich.logging import RichHandler
+
+from mjforage.cli import drawing, hulls, lists, runs, speeds  # they add their commands to the app
+from mjforage.cli.console import app, errors
+from mjforage.errors import UserError
+
+__all__ = ["drawing", "hulls", "lists", "main", "runs", "speeds"]
+
+BAD_INPUT = 2  # exit code of every error that a user can mend, an interruption included
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Entry point: one clear line and exit code 2 for everything that a user can mend."""
+    logging.basicConfig(
+        level=logging.WARNING,
+        format="%(message)s",
+        handlers=[RichHandler(console=errors, show_time=False, show_path=False)],
+    )
+    try:
+        app(arguments, exit_on_error=False, print_error=False)
+    except (UserError, cyclopts.CycloptsError) as error:
+        words = " ".join(str(error).split())
+        errors.print(f"mjforage: {words}", style="red", markup=False)
+        sys.exit(BAD_INPUT)
+    except OSError as error:  # of a file that is nobody's in particular, such as a compiler's cache
+        where, reason = error.filename or "a file", error.strerror or str(error)
+        errors.print(
+            f"mjforage: {where}: {reason}; free some space or mend its permissions, then run the "
+            "same command again",
+            style="red",
+            markup=False,
+        )
+        sys.exit(BAD_INPUT)
+    except KeyboardInterrupt:
+        errors.print(
+            "mjforage: interrupted; finished work is kept, run the same command again to resume",
+            style="red",
+        )
+        sys.exit(BAD_INPUT)

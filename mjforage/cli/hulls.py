@@ -1,0 +1,73 @@
+"""Commands about single hulls."""
+
+from pathlib import Path
+
+from rich.table import Table
+
+from mjforage.cli.console import app, output, print_list
+
+
+@app.command
+def manoeuvre(
+    vessel: str,
+    /,
+    *,
+    schedule: Path | None = None,
+    test: str | None = None,
+    current: str = "0@0",
+    wind: str = "0@0",
+    heading: float = 0.0,
+    duration: float | None = None,
+    dt: float = 0.05,
+    out: Path | None = None,
+    plot: Path | None = None,
+) -> None:
+    """Run one hull on open water in MuJoCo, from rest: a schedule of commands or a standard test.
+
+    Parameters
+    ----------
+    vessel
+        A vessel (see `mjforage vessels`) or path of a TOML file.
+    schedule
+        CSV with columns t_s,left,right: propeller rad/s or newtons, each row until the next.
+    test
+        turning-circle, turning-circle-starboard, zigzag, zigzag-20, straight, stop or drift.
+    current
+        SPEED@DIRECTION it flows to [m/s, degrees counter-clockwise from east].
+    wind
+        The same for the wind.
+    heading
+        At the start [degrees counter-clockwise from east].
+    duration
+        How long [s]; default the test's own, or 60 s beyond the schedule.
+    dt
+        Step of the integration, RK4 [s].
+    out
+        CSV to write: t_s,x_m,y_m,yaw_rad,surge_mps,sway_mps,yaw_rate_radps.
+    plot
+        Picture to write.
+    """
+    from mjforage.manoeuvre import key_figures, manoeuvre_figure, write_trajectory
+    from mjforage.manoeuvre import manoeuvre as run
+    from mjforage.simulation.hull import MujocoHull
+    from mjforage.storage import writing
+
+    path = run(vessel, schedule, test, current, wind, heading, duration, dt, MujocoHull)
+    if out is not None:
+        write_trajectory(path, out)
+    if plot is not None:
+        with writing(plot):
+            manoeuvre_figure(path).savefig(plot)
+    table = Table("figure", "value", "unit", "meaning")
+    for name, figure in key_figures(path).items():
+        table.add_row(name, f"{figure.value:.4g}", figure.unit, figure.meaning)
+    output.print(table)
+
+
+@app.command
+def vessels() -> None:
+    """List the vessels that ship with the package."""
+    from mjforage.vessels import load_vessel, vessel_names
+
+    hulls = [load_vessel(name) for name in vessel_names()]
+    print_list((v.name, f"{v.length_m:g} x {v.beam_m:g} m, {v.mass_kg:g} kg") for v in hulls)

@@ -1,0 +1,58 @@
+"""Commands that list what ships, and check maps."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from mjforage.cli.console import app, output, print_list
+
+
+@app.command
+def policies() -> None:
+    """List the policies."""
+    from graph_planner.policies.registry import policy_summary
+
+    print_list((name, policy_summary(name)) for name in _policy_names())
+
+
+def _policy_names() -> list[str]:
+    from graph_planner.policies import policy_names
+
+    return policy_names()
+
+
+@app.command
+def scenarios() -> None:
+    """List the scenarios that ship with the package."""
+    from mjforage.scenario_file import load_scenario, preset_names
+
+    print_list((name, load_scenario(name).description) for name in preset_names())
+
+
+@app.command
+def maps(
+    map: str | None = None,
+    /,
+    *,
+    output_file: Annotated[Path | None, Parameter(name=("--output", "-o"))] = None,
+) -> None:
+    """List the maps, or check one and draw it.
+
+    Parameters
+    ----------
+    map
+        Name of a shipped map, or path of a CSV file or image.
+    output_file
+        Picture to write, for example harbour.png.
+    """
+    from mjforage.map_files import shipped_maps
+    from mjforage.map_pictures import save_map_picture
+    from mjforage.maps import load_map
+
+    for name in (map,) if map else shipped_maps():
+        grid = load_map(name, corner_cutting=True)
+        rows, columns = grid.navigable.shape
+        output.print(f"{grid.name}: {rows} x {columns}, {grid.nodes} nodes")
+        if output_file is not None and map:
+            save_map_picture(grid, output_file)
