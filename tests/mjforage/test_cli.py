@@ -31,7 +31,8 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "here"
     folder.mkdir()
     monkeypatch.chdir(folder)
-    monkeypatch.setattr(console.output, "width", console.PIPE_COLUMNS)  # the test runner sets COLUMNS
+    width = console.PIPE_COLUMNS  # the test runner sets COLUMNS
+    monkeypatch.setattr(console.output, "width", width)
     return folder
 
 
