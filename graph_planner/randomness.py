@@ -42,6 +42,10 @@ class Stream(IntEnum):
     """Gusts of the wind, keyed by the level and index of an interval of time."""
     CURRENT = 8
     """Direction and slow wander of the current, the latter keyed like gusts."""
+    DETECTION = 9
+    """Whether an item in view is seen, keyed by item and step."""
+    SENSORS = 10
+    """Noise of measured positions and headings, keyed by vessel and control tick."""
 
 
 @kernel

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
+from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from graph_planner.task import NEVER, Task
 from graph_planner.visibility import NodeLists
 
@@ -26,6 +27,8 @@ class Knowledge(NamedTuple):
     known_at: Int32Array  # (episode, node) place of a node in `known`
     n_known: Int32Array  # (episode,)
     counted_node: Int32Array  # (episode, item) node in which `truth` counts it, -1 not at all
+    sighted: NDArray[np.int16]  # (episode, node) items that are seen if looked at; or `truth` itself
+    sighted_node: Int32Array  # (episode, item) the same for `counted_node`
     t_discovered: NDArray[np.int16]  # (episode, item) [step]
     discovered_by: NDArray[np.int16]  # (episode, item) agent
     t_collected: NDArray[np.int16]  # (episode, item) [step]
@@ -63,6 +66,31 @@ def _count(
 
 
 @kernel
+def _sight(
+    active: NDArray[np.bool_],
+    step: Int32Array,
+    keys: UInt64Array,
+    detection: float,
+    model: Knowledge,
+) -> None:
+    """Draw which items are seen if looked at in this step."""
+    counted_node, sighted, sighted_node = model.counted_node, model.sighted, model.sighted_node
+    for e in range(active.size):
+        if not active[e]:
+            continue
+        key = stream_key(keys[e], Stream.DETECTION)
+        for k in range(counted_node.shape[1]):
+            before, after = sighted_node[e, k], counted_node[e, k]
+            if after >= 0 and uniform(key, k, step[e]) >= detection:
+                after = np.int32(-1)
+            sighted_node[e, k] = after
+            if before >= 0:
+                sighted[e, before] -= 1
+            if after >= 0:
+                sighted[e, after] += 1
+
+
+@kernel
 def _look(
     active: NDArray[np.bool_],
     step: Int32Array,
@@ -73,7 +101,7 @@ def _look(
 ) -> None:
     """Idleness ends and belief becomes truth where an agent sees; the known nodes follow."""
     start, nodes = views.start, views.nodes
-    truth, belief, last_seen = model.truth, model.belief, model.last_seen
+    sighted, belief, last_seen = model.sighted, model.belief, model.last_seen
     known, known_at, n_known = model.known, model.known_at, model.n_known
     for e in range(active.size):
         if not active[e]:
@@ -84,7 +112,7 @@ def _look(
             for i in range(start[radius, viewer], start[radius, viewer + 1]):
                 node = nodes[i]
                 last_seen[e, node] = now
-                believed, there = belief[e, node], truth[e, node]
+                believed, there = belief[e, node], sighted[e, node]
                 if believed == there:
                     continue
                 belief[e, node] = there
@@ -104,7 +132,6 @@ def _discover(
     active: NDArray[np.bool_],
     step: Int32Array,
     agent_node: Int32Array,
-    item_node: Int32Array,
     views: NodeLists,
     radius_number: NDArray[np.int64],
     credit_order: NDArray[np.int64],
@@ -113,12 +140,13 @@ def _discover(
     """Credit each item's first sighting to the first agent in order that sees it."""
     start, nodes, last_seen = views.start, views.nodes, model.last_seen
     t_discovered, discovered_by = model.t_discovered, model.discovered_by
+    sighted_node = model.sighted_node
     for e in range(active.size):
         if not active[e]:
             continue
         now = step[e]
-        for k in range(item_node.shape[1]):
-            node = item_node[e, k]
+        for k in range(sighted_node.shape[1]):
+            node = sighted_node[e, k]
             if node < 0 or t_discovered[e, k] >= 0 or last_seen[e, node] != now:
                 continue
             t_discovered[e, k] = now
@@ -164,30 +192,43 @@ def _times_seen(
 class SharedModel:
     """Belief, idleness and discoveries of a batch of episodes; see `Knowledge` for the arrays."""
 
-    def __init__(self, task: Task) -> None:
+    def __init__(self, task: Task, detection: float = 1.0) -> None:
+        """Prepare.
+
+        Parameters
+        ----------
+        detection : probability that an item in view is seen, drawn per item and step
+        """
+        self._detection = detection
         self._forgetting = task.forgetting
         self._nodes = len(task.graph)
         self._views = task.views
         self._radius_number = task.radius_number
         self._credit_order = task.fleet.credit_order
 
-    def reset(self, agent_node: Int32Array, item_node: Int32Array) -> None:
+    def reset(self, agent_node: Int32Array, item_node: Int32Array, keys: UInt64Array) -> None:
         """Start a batch: everything unknown, then the first look at step 0, which removes nothing.
 
         Parameters
         ----------
         agent_node : (episode, agent)
         item_node : (episode, item), -1 for padding
+        keys : (episode,) episode keys
         """
         items, nodes = item_node.shape, (item_node.shape[0], self._nodes)
+        truth, counted_node = np.zeros(nodes, np.int16), np.full(items, -1, np.int32)
+        certain = self._detection >= 1.0
+        self._keys = keys
         self.knowledge = Knowledge(
-            truth=np.zeros(nodes, np.int16),
+            truth=truth,
             belief=np.zeros(nodes, np.int16),
             last_seen=np.full(nodes, NEVER, np.int16),
             known=np.zeros(nodes, np.int32),
             known_at=np.zeros(nodes, np.int32),
             n_known=np.zeros(nodes[0], np.int32),
-            counted_node=np.full(items, -1, np.int32),
+            counted_node=counted_node,
+            sighted=truth if certain else truth.copy(),
+            sighted_node=counted_node if certain else counted_node.copy(),
             t_discovered=np.full(items, -1, np.int16),
             discovered_by=np.full(items, -1, np.int16),
             t_collected=np.full(items, -1, np.int16),
@@ -215,8 +256,10 @@ class SharedModel:
         """
         views, radii, model = self._views, self._radius_number, self.knowledge
         _count(active, step, item_node, collected_by, model)
+        if self._detection < 1.0:
+            _sight(active, step, self._keys, self._detection, model)
         _look(active, step, agent_node, views, radii, model)
-        _discover(active, step, agent_node, item_node, views, radii, self._credit_order, model)
+        _discover(active, step, agent_node, views, radii, self._credit_order, model)
 
     def idleness(self, step: Int32Array, episodes: NDArray[np.int64]) -> NDArray[np.float64]:
         """Idleness in [0, 1] of some episodes of the batch.

@@ -17,6 +17,7 @@ class EpisodeLog(Observer):
     agent_node : (episode, T + 1, agent) int32
     agent_rc : (episode, T + 1, agent, 2) position (row, column) [node]
     yaw : (episode, T + 1, agent) [rad]; speed [node/step]; distance [node]; energy
+    collisions, impact, work : the same shape; so far, fastest in the step [m/s], so far [J]
     outcome : (episode, T + 1, agent) int8, see `mjforage.dynamics`; step 0 is not meaningful
     series : name of `STEP_METRICS` -> (episode, T + 1)
     length : (episode,) decisions made
@@ -58,6 +59,9 @@ class EpisodeLog(Observer):
         self.speed = np.zeros(shape, np.float32)
         self.distance = np.zeros(shape, np.float32)
         self.energy = np.zeros(shape, np.float32)
+        self.collisions = np.zeros(shape, np.int32)
+        self.impact = np.zeros(shape, np.float32)
+        self.work = np.zeros(shape, np.float32)
         self.outcome = np.zeros(shape, np.int8)
         self.series = {name: np.full((episodes, steps), np.nan) for name in STEP_METRICS}
 
@@ -70,6 +74,9 @@ class EpisodeLog(Observer):
         self.speed[at] = state.agent_speed[episodes]
         self.distance[at] = state.distance[episodes]
         self.energy[at] = state.energy[episodes]
+        self.collisions[at] = state.collisions[episodes]
+        self.impact[at] = state.impact[episodes]
+        self.work[at] = state.work[episodes]
         self.outcome[at] = state.outcome[episodes]
         truth, belief = model.knowledge.truth[episodes], model.knowledge.belief[episodes]
         rmse, rmse_columns = model_error(truth, belief, self._navigable)

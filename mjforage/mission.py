@@ -15,13 +15,11 @@ from graph_planner.randomness import UInt64Array, episode_keys
 from graph_planner.shared_model import SharedModel
 from graph_planner.task import Observation, Task
 from mjforage.dynamics import Dynamics, Transition
-from mjforage.dynamics.graph import GraphDynamics
+from mjforage.dynamics.worlds import WORLDS
+from mjforage.film import Film
 from mjforage.maps import GridMap, check_starts, load_map, load_starts, reachable_share
 from mjforage.scenario import Scenario
 from mjforage.world import World, create_world, nodes_around
-
-DYNAMICS = {"graph": GraphDynamics}
-"""Registry of the worlds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,12 +126,25 @@ class Mission:
     active : (episode,) bool, False once an episode is over
     """
 
-    def __init__(self, setting: Setting, world: str = "graph") -> None:
+    def __init__(self, setting: Setting, world: str = "graph", film: Film | None = None) -> None:
+        """Compose a mission.
+
+        Parameters
+        ----------
+        world : name in `WORLDS`
+        film : takes the frames of the batch's first episode
+
+        Raises
+        ------
+        UserError
+            If the scenario cannot be run in that world.
+        """
+        kind = WORLDS[world]
+        scenario = kind.adapt(setting.scenario)
         self.setting = setting
-        self.model = SharedModel(setting.task)
-        self._dynamics: Dynamics = DYNAMICS[world](
-            setting.graph, setting.fleet, setting.scenario.weather
-        )
+        detection = 1.0 if world == "graph" else scenario.sensors.detection
+        self.model = SharedModel(setting.task, detection)
+        self._dynamics: Dynamics = kind.dynamics(setting.graph, setting.fleet, scenario, film)
         self._resolver = Resolver(
             setting.graph, setting.fleet, setting.task.rules, setting.corruption
         )
@@ -150,7 +161,7 @@ class Mission:
         self.keys = episode_keys(seed, episodes)
         self.world = self.setting.create_world(self.keys)
         self.state: Transition = self._dynamics.reset(self.world, self.keys)
-        self.model.reset(self.state.agent_node, self.state.item_node)
+        self.model.reset(self.state.agent_node, self.state.item_node, self.keys)
         self.step = np.zeros(episodes.size, np.int32)
         self.active = np.ones(episodes.size, np.bool_)
 

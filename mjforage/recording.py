@@ -4,6 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.policies import create_policy
+from mjforage.dynamics.debris import draw_classes
+from mjforage.dynamics.fleet_scene import hull_names, item_choices
+from mjforage.film import Film
 from mjforage.mission import Mission, Observer, Setting
 from mjforage.replay import Replay
 
@@ -49,9 +52,12 @@ def record(setting: Setting, world: str, policy: str, seed: int, episode: int) -
     KeyError
         If there is no such policy or world.
     """
-    mission, recorder = Mission(setting, world), _Recorder()
+    film, recorder = Film(), _Recorder()
+    mission = Mission(setting, world, film)
     mission.reset(seed, np.array([episode], np.int64))
     mission.run(create_policy(policy), (recorder,))
+    choice = setting.scenario.physics
+    classes = draw_classes(mission.keys, mission.world.item_node, item_choices(choice))
     return Replay(
         navigable=setting.grid.navigable,
         pitch_m=setting.scenario.map.pitch_m,
@@ -66,6 +72,13 @@ def record(setting: Setting, world: str, policy: str, seed: int, episode: int) -
         belief=np.stack(recorder.belief),
         idleness=np.stack(recorder.idleness),
         in_view=np.stack(recorder.in_view),
+        vessels=hull_names(setting.fleet, choice),
+        item_class=classes[0].astype(np.int16),
+        frame_s=film.interval_s,
+        track_pose=film.pose,
+        track_items=film.items,
+        track_present=film.present,
+        track_wind=film.wind,
         world=world,
         policy=policy,
         seed=seed,

@@ -14,6 +14,9 @@ from mjforage.errors import UserError
 class Replay:
     """Everything visible in one episode. T' is its length; step 0 is the state before any move.
 
+    What decisions see is kept per step; where bodies are, per frame of a track, several to a step
+    in the physics world, one to a step at graph level.
+
     Positions are (row, column) in node units, row growing southwards; node centres are integers.
     """
 
@@ -30,6 +33,13 @@ class Replay:
     belief: NDArray[np.int16]  # (T'+1, row, column) believed items per node
     idleness: NDArray[np.float16]  # (T'+1, row, column) in [0, 1]; 0 on land
     in_view: NDArray[np.uint8]  # (T'+1, row, column) bit 0: a scout sees it, bit 1: a forager
+    vessels: tuple[str, ...]  # (agent,) parameter set of each hull
+    item_class: NDArray[np.int16]  # (item,) index into the debris classes that ship
+    frame_s: float  # time between frames of the track; frame 0 is t = 0 [s]
+    track_pose: NDArray[np.float32]  # (F, agent, 3) x, y [m], yaw [rad], ENU
+    track_items: NDArray[np.float32]  # (F, item, 2) x, y [m]; last position once removed
+    track_present: NDArray[np.bool_]  # (F, item) False once removed
+    track_wind: NDArray[np.float32]  # (F, 2) wind over ground, without place [m/s]
     world: str = "graph"
     policy: str = ""
     seed: int = 0
@@ -61,11 +71,12 @@ class Replay:
             raise UserError(
                 f"replay {path}: cannot be read ({error}); run evaluate again"
             ) from error
-        for name in ("pitch_m", "period_s"):
+        for name in ("pitch_m", "period_s", "frame_s"):
             values[name] = float(values[name])
         for name in ("horizon", "seed", "episode"):
             values[name] = int(values[name])
         for name in ("world", "policy"):
             values[name] = str(values[name])
-        values["team_names"] = tuple(str(name) for name in values["team_names"])
+        for name in ("team_names", "vessels"):
+            values[name] = tuple(str(word) for word in values[name])
         return cls(**values)

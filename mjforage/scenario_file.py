@@ -14,7 +14,6 @@ from pathlib import Path
 from types import MappingProxyType, UnionType
 from typing import Any, cast, get_args, get_origin, get_type_hints
 
-from graph_planner.fleet import Role
 from mjforage.assets import models_folder
 from mjforage.errors import UserError
 from mjforage.scenario import Scenario
@@ -131,6 +130,10 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
     if choice.team not in counts and (choice.team or choice.epsilon):
         teams = ", ".join(counts)
         raise UserError(f"{where}: corruption.team = {choice.team!r}; choose {teams}")
+    for name in scenario.physics.vessels:
+        if name not in counts:
+            teams = ", ".join(counts)
+            raise UserError(f"{where}: physics.vessels.{name}: no such team; known: {teams}")
     return scenario
 
 
@@ -179,11 +182,12 @@ def _value(hint: Any, metadata: Mapping[str, Any], value: object, where: str, ke
         return _table(cast(type[Any], hint), value, where, key + ".")
     if get_origin(hint) is tuple:
         return _list(hint, value, where, key)
-    if get_origin(hint) is not None and get_args(hint)[-1] is Role:
+    if get_origin(hint) is Mapping:
         if not isinstance(value, dict):
             raise UserError(f"{where}: {key} = {_shown(value)}, expected a table of teams")
-        teams = {name: _table(Role, role, where, f"{key}.{name}.") for name, role in value.items()}
-        return MappingProxyType(teams)
+        kind = get_args(hint)[-1]
+        entries = {n: _value(kind, {}, entry, where, f"{key}.{n}") for n, entry in value.items()}
+        return MappingProxyType(entries)
     return _scalar(hint, metadata, value, where, key)
 
 
@@ -211,6 +215,10 @@ def _scalar(hint: Any, metadata: Mapping[str, Any], value: object, where: str, k
             raise UserError(
                 f"{where}: {key} = {_shown(value)} is out of range; give {low:g} to {high:g}"
             )
+    if value not in metadata.get("choices", (value,)):
+        raise UserError(
+            f"{where}: {key} = {_shown(value)}; choose {', '.join(metadata['choices'])}"
+        )
     return value
 
 

@@ -27,7 +27,8 @@ SCHEMAS: dict[str, dict[str, type[pl.DataType]]] = {
     "agents": KEYS
     | dict.fromkeys(("step", "agent", "node", "row", "col"), pl.Int32)
     | dict.fromkeys(("x_m", "y_m", "yaw_rad", "speed_mps"), pl.Float32)
-    | {"outcome": pl.String, "distance_m": pl.Float32, "energy": pl.Float32},
+    | {"outcome": pl.String, "distance_m": pl.Float32, "energy": pl.Float32}
+    | {"collisions": pl.Int32, "impact_mps": pl.Float32, "work_j": pl.Float32},
 }
 """Table -> column -> type, in order."""
 
@@ -91,6 +92,9 @@ def _agents(episodes: NDArray[np.int64], log: EpisodeLog, setting: Setting) -> C
         "outcome": names[np.where(step == 0, 0, log.outcome[made] + 1)],
         "distance_m": log.distance[made] * pitch_m,
         "energy": log.energy[made],
+        "collisions": log.collisions[made],
+        "impact_mps": log.impact[made],
+        "work_j": log.work[made],
     }
 
 

@@ -97,6 +97,21 @@ def into_water(water: Water, row: float, col: float) -> tuple[float, float, int]
 
 
 @kernel
+def _nodes_of(water: Water, rc: NDArray[np.float64]) -> Int32Array:
+    nodes = np.empty(rc.shape[0], np.int32)
+    for i in range(rc.shape[0]):
+        _, _, nodes[i] = into_water(water, rc[i, 0], rc[i, 1])
+    return nodes
+
+
+def nearest_nodes(water: Water, rc: NDArray[np.float64]) -> Int32Array:
+    """(...,) node of each position (..., 2): its cell's, or the nearest one's on land [node]."""
+    flat = np.ascontiguousarray(rc.reshape(-1, 2))
+    nodes: Int32Array = _nodes_of(water, flat)
+    return nodes.reshape(rc.shape[:-1])
+
+
+@kernel
 def item_noise(key: np.uint64, item: int, step: int) -> tuple[float, float]:
     """Two uniforms in [-1, 1) for one item and step, from one draw: (row, column)."""
     draw = bits(key, item, step)

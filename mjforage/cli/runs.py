@@ -1,11 +1,14 @@
 """Commands that make, read and draw run folders."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from mjforage.cli.console import app, bar, errors, output
+
+if TYPE_CHECKING:
+    from mjforage.mission import Setting
 
 Policies = Annotated[list[str], Parameter(name="--policy", negative="")]
 Overrides = Annotated[tuple[str, ...], Parameter(name="--set", negative="")]
@@ -17,7 +20,7 @@ def evaluate(
     /,
     *,
     policy: Policies,
-    world: Literal["graph"] = "graph",
+    world: str = "graph",
     episodes: int = 100,
     seed: int = 0,
     map: str | None = None,
@@ -34,7 +37,7 @@ def evaluate(
     policy
         A policy (see `mjforage policies`); repeat the flag for several.
     world
-        Dynamics.
+        graph or physics, or a rung between: hulls, debris, intake (see `mjforage compare`).
     episodes
         Episodes per policy.
     seed
@@ -49,14 +52,73 @@ def evaluate(
         Run folder; default runs/SCENARIO. An unfinished run of the same settings is resumed.
     """
     from mjforage.mission import Setting
-    from mjforage.report import terminal_table, write_report
     from mjforage.scenario_file import load_scenario
-    from mjforage.studies.evaluate import check_policies
-    from mjforage.studies.evaluate import evaluate as run
 
-    check_policies(policy)
     setting = Setting.of(load_scenario(scenario, set, map))
     folder = out or Path("runs") / setting.scenario.name
+    _play(setting, policy, (world,), folder, episodes, seed, jobs)
+
+
+@app.command
+def compare(
+    scenario: str = "comb-port",
+    /,
+    *,
+    policy: Policies,
+    ladder: bool = False,
+    episodes: int = 20,
+    seed: int = 0,
+    map: str | None = None,
+    set: Overrides = (),
+    jobs: int = 1,
+    out: Path | None = None,
+) -> None:
+    """Run policies on the same episodes at graph level and in MuJoCo; report the reality gap.
+
+    Parameters
+    ----------
+    scenario
+        Name of a preset (see `mjforage scenarios`) or path of a TOML file.
+    policy
+        A policy (see `mjforage policies`); repeat the flag for several.
+    ladder
+        Also the worlds between, one piece of reality more in each: hulls, debris, intake.
+    episodes
+        Episodes per policy and world.
+    seed
+        Seed of the run; episode i is the same in every world and for every policy.
+    map
+        Map that replaces the scenario's grid: a name, CSV or image. Starts and all else stay.
+    set
+        Override KEY=VALUE in TOML syntax, for example weather.gust_intensity=0.2; repeatable.
+    jobs
+        Worker processes.
+    out
+        Run folder; default runs/SCENARIO-gap. An unfinished run of the same settings is resumed.
+    """
+    from mjforage.dynamics.worlds import rungs
+    from mjforage.mission import Setting
+    from mjforage.scenario_file import load_scenario
+
+    setting = Setting.of(load_scenario(scenario, set, map))
+    worlds = rungs(setting.scenario) if ladder else ("graph", "physics")
+    folder = out or Path("runs") / f"{setting.scenario.name}-gap"
+    _play(setting, policy, worlds, folder, episodes, seed, jobs)
+
+
+def _play(
+    setting: "Setting",
+    policies: list[str],
+    worlds: tuple[str, ...],
+    folder: Path,
+    episodes: int,
+    seed: int,
+    jobs: int,
+) -> None:
+    """Run, show the headline table and draw the report."""
+    from mjforage.report import terminal_table, write_report
+    from mjforage.studies.evaluate import evaluate as run
+
     shares = ", ".join(f"{n} reach {share:.0%}" for n, share in setting.reachable_shares.items())
     rows, columns = setting.graph.shape
     output.print(
@@ -66,12 +128,12 @@ def evaluate(
     with bar("episodes") as shown:
         summary = run(
             setting,
-            policy,
+            policies,
             folder,
             episodes=episodes,
             seed=seed,
             jobs=jobs,
-            worlds=(world,),
+            worlds=worlds,
             progress=shown,
         )
     output.print(terminal_table(summary))

@@ -27,7 +27,35 @@ class Transition(NamedTuple):
     collected_by: NDArray[np.int16]  # (episode, item) agent that has removed it, -1 nobody
     distance: NDArray[np.float64]  # (episode, agent) travelled so far [node]
     energy: NDArray[np.float64]  # (episode, agent) used so far, in the unit of `Role.energy`
-    collisions: Int32Array  # (episode, agent) so far
+    collisions: Int32Array  # (episode, agent) touches of quays and hulls so far
+    impact: NDArray[np.float64]  # (episode, agent) fastest approach to a touch in the period [m/s]
+    work: NDArray[np.float64]  # (episode, agent) energy of the propellers so far [J]; 0 in graphs
+
+
+def start_state(world: World, centres: NDArray[np.float64]) -> Transition:
+    """State at step 0: everybody at rest on the centre of a node.
+
+    Parameters
+    ----------
+    centres : (node, 2) row and column of each node
+    """
+    episodes, count = world.item_node.shape
+    agents = (episodes, world.agent_node.shape[1])
+    return Transition(
+        agent_node=world.agent_node.copy(),
+        agent_rc=centres[world.agent_node],
+        agent_yaw=np.zeros(agents),
+        agent_speed=np.zeros(agents),
+        outcome=np.full(agents, ARRIVED, np.int8),
+        item_rc=world.item_rc.copy(),
+        item_node=world.item_node.copy(),
+        collected_by=np.full((episodes, count), -1, np.int16),
+        distance=np.zeros(agents),
+        energy=np.zeros(agents),
+        collisions=np.zeros(agents, np.int32),
+        impact=np.zeros(agents),
+        work=np.zeros(agents),
+    )
 
 
 class Dynamics(Protocol):

@@ -4,7 +4,9 @@ from pathlib import Path
 
 from mjforage.report.comparison import comparison_table
 from mjforage.report.figures import draw_figures, save_figure
+from mjforage.report.gap import gap_table, ladder_table
 from mjforage.report.html import render, shown
+from mjforage.report.hulls import hulls_table
 from mjforage.report.logs import load_logs
 from mjforage.report.picture import write_bytes
 from mjforage.report.tables import full_table, headline_table, paper_tables, terminal_table
@@ -31,6 +33,7 @@ def write_report(folder: Path) -> Path:
     figures = [
         shown(picture, *save_figure(folder / "figures", picture)) for picture in draw_figures(logs)
     ]
+    gap_tables = (hulls_table(logs), ladder_table(logs), gap_table(logs))
     text = render(
         logs,
         figures,
@@ -38,6 +41,7 @@ def write_report(folder: Path) -> Path:
         paper_tables(logs),
         full_table(logs),
         comparison_table(logs),
+        [table for table in gap_tables if table is not None],
     )
     target = folder / "report.html"
     write_bytes(target, text.encode("utf-8"))

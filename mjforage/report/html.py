@@ -144,6 +144,7 @@ def render(
     papers: Sequence[Table],
     full: Table,
     paired: Table | None,
+    gap: Sequence[Table] = (),
 ) -> str:
     """Set the whole report as HTML."""
     context: dict[str, Any] = {
@@ -156,6 +157,7 @@ def render(
         "papers": papers,
         "full": full,
         "paired": paired,
+        "gap": gap,
         "pairs": len(groups(paired.rows)) if paired else 0,
         "notes": definition_notes(),
         "scenario_json": json.dumps(logs.run.scenario, indent=2, ensure_ascii=False),

@@ -18,7 +18,7 @@ from mjforage.vocabulary import METRICS, SERIES
 
 KEYS = ("world", "policy", "episode")
 ITEM_COLUMNS = ("item", "t_discovered", "discovered_by", "t_collected", "collected_by")
-AGENT_COLUMNS = ("step", "agent", "row", "col")
+AGENT_COLUMNS = ("step", "agent", "x_m", "y_m")
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,14 @@ def _scan(path: Path, columns: tuple[str, ...]) -> pl.LazyFrame:
     return frame.select(*KEYS, *columns)
 
 
-def _read(path: Path, columns: tuple[str, ...], lowest_only: bool = False) -> pl.DataFrame:
+def read_columns(path: Path, columns: tuple[str, ...], lowest_only: bool = False) -> pl.DataFrame:
+    """Columns of a table, beside world, policy and episode.
+
+    Raises
+    ------
+    UserError
+        If the file is missing, truncated, or lacks a column.
+    """
     try:
         frame = _scan(path, columns)
         if lowest_only:
@@ -198,13 +205,13 @@ def load_logs(folder: Path) -> RunLogs:
     summary = _summary(folder / "summary.json", run)
     path = folder / "episodes.parquet"
     scalars = ("items", *METRICS)
-    episodes = _numbers(path, _read(path, scalars), scalars)
+    episodes = _numbers(path, read_columns(path, scalars), scalars)
     _check_rows(path, episodes, run, run.episodes)
     path = folder / "steps.parquet"
-    steps = _numbers(path, _read(path, ("step", *SERIES)), SERIES)
+    steps = _numbers(path, read_columns(path, ("step", *SERIES)), SERIES)
     _check_rows(path, steps, run, run.episodes * (run.horizon + 1))
-    items = _read(folder / "items.parquet", ITEM_COLUMNS)
-    tracks = _read(folder / "agents.parquet", AGENT_COLUMNS, lowest_only=True)
+    items = read_columns(folder / "items.parquet", ITEM_COLUMNS)
+    tracks = read_columns(folder / "agents.parquet", AGENT_COLUMNS, lowest_only=True)
     return RunLogs(folder, run, summary, episodes, steps, items, tracks)
 
 

@@ -31,12 +31,15 @@ def _track(axes: Axes, line: NDArray[np.float64], colour: str, collects: bool) -
 def _draw(axes: Axes, logs: RunLogs, series: Series) -> None:
     rows = logs.select(logs.tracks, series).sort("agent", "step")
     collects = logs.collects()
-    offsets = np.linspace(-SPREAD / 2, SPREAD / 2, max(2, len(collects)))
+    port = logs.run.map
+    spread = SPREAD / 2 if series[0] == "graph" else 0.0  # hulls keep apart by themselves
+    offsets = np.linspace(-spread, spread, max(2, len(collects)))
     draw_port(axes, logs.run.map.navigable)
     for agent, colour in enumerate(style.agent_colours(collects)):
-        track = rows.filter(pl.col("agent") == agent).select("row", "col").to_numpy()
-        if len(track):
-            _track(axes, track.astype(np.float64) + offsets[agent], colour, collects[agent])
+        xy = rows.filter(pl.col("agent") == agent).select("x_m", "y_m").to_numpy() / port.pitch_m
+        if len(xy):
+            track = np.column_stack((port.navigable.shape[0] - 1 - xy[:, 1], xy[:, 0]))
+            _track(axes, track + offsets[agent], colour, collects[agent])
     world = f" · {series[0]}" if len(logs.run.worlds) > 1 else ""
     axes.set_title(f"{series[1]}{world}")
 
@@ -89,7 +92,8 @@ def tracks_figure(logs: RunLogs) -> Picture:
         _legend(figure, logs)
         lowest = logs.tracks.select(pl.col("episode").min()).item()
         words = (
-            f"Node tracks of episode {lowest}, the same items and starts for every policy. Tracks "
-            "over the same nodes are drawn side by side; an episode ends once no item is left."
+            f"Tracks of episode {lowest}, the same items and starts for every policy and world. At "
+            "graph level, tracks over the same nodes are drawn side by side; elsewhere they join "
+            "where midships was after each decision. An episode ends once no item is left."
         )
     return Picture("tracks", "Where the fleet went", words, figure, wide=True)

@@ -156,6 +156,13 @@ class Simulation:
         self._item_velocity[gone] = 0.0
         self._item_xy[gone] = np.broadcast_to(self.scene.parking, self._item_xy.shape)[gone]
 
+    def remove_items(self, which: NDArray[np.bool_]) -> None:
+        """Take items (simulation, item) off the water."""
+        _, items = np.nonzero(which)
+        self._item_xy[which] = self.scene.parking[items]
+        self._item_velocity[which] = 0.0
+        self.item_class[which] = -1.0
+
     @property
     def vessel_pose(self) -> Float64Array:
         """(simulation, vessel, 3) x, y [m], yaw [rad] of midships."""

@@ -17,8 +17,9 @@ import polars as pl
 
 import metrics
 from graph_planner.policies.registry import create_policy
+from mjforage.dynamics.worlds import WORLDS
 from mjforage.errors import UserError
-from mjforage.mission import DYNAMICS, Setting
+from mjforage.mission import Mission, Setting
 from mjforage.recording import record
 from mjforage.scenario_file import scenario_to_tree
 from mjforage.storage import Chunk, RunFolder, run_hash, write_json, writing
@@ -164,8 +165,9 @@ def evaluate(
     """
     check_policies(policies)
     for world in worlds:
-        if world not in DYNAMICS:
-            raise UserError(f"world {world}: unknown; choose {', '.join(DYNAMICS)}")
+        if world not in WORLDS:
+            raise UserError(f"world {world}: unknown; choose {', '.join(WORLDS)}")
+        Mission(setting, world)  # what cannot be run says so before anything is written
     if episodes < 1 or jobs < 1 or not 0 <= seed < 1 << 64:
         raise UserError(
             f"episodes {episodes}, jobs {jobs}, seed {seed}: give at least 1, 1 and 0 (below 2**64)"

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 
+from graph_planner.navigation import navigation_graph
 from mjforage.errors import UserError
 from mjforage.maps import GridMap, check_starts
 from mjforage.mission import Setting
@@ -50,7 +51,7 @@ def replay_of_run(folder: Path, world: str, policy: str | None, episode: int) ->
 
 
 def _check(replay: Replay, run: RunFolder) -> None:
-    """Compare the agents' nodes with the log."""
+    """Compare the agents' positions with the log, to the bit."""
     logged = (
         run.table("agents")
         .filter(
@@ -59,10 +60,11 @@ def _check(replay: Replay, run: RunFolder) -> None:
             & (pl.col("episode") == replay.episode)
         )
         .sort("step", "agent")
-        .select("row", "col")
+        .select("x_m", "y_m")
         .to_numpy()
     )
-    again = np.rint(replay.agent_rc).astype(np.int64).reshape(-1, 2)
+    graph = navigation_graph(replay.navigable, replay.pitch_m, corner_cutting=True)
+    again = graph.metres(replay.agent_rc).astype(np.float32).reshape(-1, 2)
     if logged.shape != again.shape or (logged != again).any():
         raise UserError(
             f"{run.path}: episode {replay.episode} of {replay.policy} does not come out as logged; "

@@ -85,12 +85,12 @@ class WeatherSettings:
             )
 
     @classmethod
-    def paper(cls, weather: Weather, pitch_m: float, period_s: float) -> "WeatherSettings":
-        """The paper's drift in metres: constant vector by wind, per-item noise by water.
+    def of_scenario(cls, weather: Weather, pitch_m: float, period_s: float) -> "WeatherSettings":
+        """A scenario's weather in metres: the paper's constant vector by wind, its noise by water.
 
         Parameters
         ----------
-        weather : drift and noise [node/step]
+        weather : drift and noise [node/step], gusts and currents [SI]
         pitch_m : length of a node [m]
         period_s : one decision [s]
 
@@ -104,6 +104,12 @@ class WeatherSettings:
             drawn_drift_mps=weather.drift_node_per_step * mps,
             item_noise_mps=weather.noise_node_per_step * mps,
             item_noise_period_s=period_s,
+            gust_intensity=weather.gust_intensity,
+            gust_tau_s=weather.gust_tau_s,
+            current_speed_mps=weather.current_speed_mps,
+            current_toward_deg=weather.current_toward_deg,
+            current_wander_mps=weather.current_wander_mps,
+            circulation_mps=weather.circulation_mps,
         )
 
 

@@ -172,7 +172,7 @@ def test_the_default_folder_has_the_name_of_the_scenario(
         (["evaluate", "--policy"], "--policy"),
         (["evaluate", "--policy", "gredy"], "policy gredy: unknown; did you mean greedy?"),
         (["evaluate", "--policy", "greedy", "--policy", "greedy"], "policy greedy: given twice"),
-        ([*EVALUATE, "--world", "moon"], 'Invalid value "moon" for --world. Choose from: "graph"'),
+        ([*EVALUATE, "--world", "moon"], "world moon: unknown; choose graph, hulls, debris"),
         ([*GREEDY, "--episodes", "0"], "episodes 0, jobs 1, seed 0: give at least 1"),
         ([*GREEDY, "--episodes", "many"], '--episodes: unable to convert "many" into int'),
         ([*EVALUATE, "--jobs", "0"], "jobs 0"),
@@ -340,7 +340,7 @@ def test_a_film_that_cannot_be_made_is_one_line(
 
 def test_render_refuses_a_tampered_log(refused: Refused, folder: Path) -> None:
     path = folder / "agents.parquet"
-    pl.read_parquet(path).with_columns(pl.col("row") + 1).write_parquet(path)
+    pl.read_parquet(path).with_columns(pl.col("x_m") + 1).write_parquet(path)
     assert "does not come out as logged" in refused("render", folder, "-o", "a.png")
     assert not Path("a.png").exists()
 

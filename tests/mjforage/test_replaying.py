@@ -72,9 +72,9 @@ def test_what_the_run_does_not_hold_is_named(
 def test_a_tampered_log_does_not_come_out(run_copy: Path) -> None:
     path = run_copy / "agents.parquet"
     frame = pl.read_parquet(path)
-    rows = frame["row"].to_list()
-    rows[-1] += 1
-    frame.with_columns(row=pl.Series(rows, dtype=pl.Int32)).write_parquet(path)
+    east = frame["x_m"].to_list()
+    east[-1] += 0.01
+    frame.with_columns(x_m=pl.Series(east, dtype=pl.Float32)).write_parquet(path)
     assert replay_of_run(run_copy, "graph", "levy", 0).episode == 0
     message = error_of(run_copy, policy="levy", episode=2)
     assert "episode 2 of levy does not come out as logged" in message

@@ -55,8 +55,14 @@ def test_preset_loads_onto_its_map_and_is_described(name: str) -> None:
     assert len(Setting.of(scenario).fleet) == 4
 
 
-def test_presets_are_the_four_of_the_project() -> None:
-    assert preset_names() == ["channels", "comb-port", "open-bay", "published"]
+def test_presets_are_the_five_of_the_project() -> None:
+    assert preset_names() == [
+        "channels",
+        "comb-port",
+        "comb-port-weather",
+        "open-bay",
+        "published",
+    ]
 
 
 def test_default_preset_has_the_numbers_of_the_paper() -> None:
@@ -221,7 +227,7 @@ def test_missing_keys_are_all_named(tmp_path: Path) -> None:
     ("reference", "words"),
     [
         ("comb-prot", "did you mean comb-port?"),
-        ("zzz", "choose channels, comb-port, open-bay, published"),
+        ("zzz", "choose channels, comb-port, comb-port-weather, open-bay, published"),
         ("missing.toml", "neither a preset nor a TOML file"),
         ("a" * 5000 + ".toml", "cannot be opened"),
     ],

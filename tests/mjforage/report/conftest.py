@@ -183,8 +183,8 @@ def _episode(plan: Plan, world: str, policy: str, episode: int, skill: float) ->
             "step": t,
             "agent": a,
             "node": 0,
-            "row": int(track[t, 0]),
-            "col": int(track[t, 1]),
+            "x_m": 4.0 * float(track[t, 1]),
+            "y_m": 4.0 * (mask.shape[0] - 1 - float(track[t, 0])),
             "outcome": "arrived" if t else "start",
         }
         for a, track in enumerate(tracks)
@@ -242,6 +242,13 @@ def _replay(
         belief=belief,
         idleness=np.repeat(idle[None], length + 1, 0),
         in_view=view,
+        vessels=("scout",) * plan.scouts + ("forager",) * plan.foragers,
+        item_class=np.zeros(len(start), np.int16),
+        frame_s=10.0,
+        track_pose=np.zeros((length + 1, agents, 3), np.float32),
+        track_items=np.zeros((length + 1, len(start), 2), np.float32),
+        track_present=~gone[: length + 1],
+        track_wind=np.zeros((length + 1, 2), np.float32),
         world=world,
         policy=policy,
         episode=episode,
@@ -352,8 +359,8 @@ def build(folder: Path, plan: Plan) -> Path:
         "episode": pl.Int64,
         "step": pl.Int64,
         "agent": pl.Int64,
-        "row": pl.Int64,
-        "col": pl.Int64,
+        "x_m": pl.Float64,
+        "y_m": pl.Float64,
     }
     frames.setdefault("agents", pl.DataFrame(schema=empty))
     for name, frame in frames.items():

@@ -16,6 +16,7 @@ from mjforage.dynamics.graph import GraphDynamics
 from mjforage.errors import UserError
 from mjforage.maps import load_map
 from mjforage.scenario import Items, Weather
+from mjforage.scenario_file import load_scenario
 from mjforage.weather import Field, WeatherSettings
 from mjforage.world import World, create_world
 
@@ -105,7 +106,7 @@ def paper_world(episodes: int) -> tuple[World, Field]:
     keys = episode_keys(3, np.arange(episodes))
     nobody = np.empty(0, np.int32)
     world = create_world(OPEN, Items(covariance_node2=4.0), Weather(), nobody, 1, keys)
-    return world, Field.create(WeatherSettings.paper(Weather(), PITCH, PERIOD), keys)
+    return world, Field.create(WeatherSettings.of_scenario(Weather(), PITCH, PERIOD), keys)
 
 
 def test_the_papers_drift_has_its_distribution_and_is_the_graphs() -> None:
@@ -122,7 +123,8 @@ def test_wind_and_noise_carry_items_as_the_graph_does() -> None:
     """Three decisions of the graph in open water against the integral of leeway and noise."""
     world, weather = paper_world(20)
     anchored = Fleet.of({"scouts": Role(count=1, moves=1, radius=1.0, collects=False)})
-    dynamics = GraphDynamics(OPEN, anchored, Weather())
+    scenario = load_scenario("comb-port")
+    dynamics = GraphDynamics(OPEN, anchored, scenario)
     state = dynamics.reset(world, episode_keys(3, np.arange(20)))
     zero = np.zeros((20, 1), np.int8)
     moves = Moves(zero + np.int8(STAY), world.agent_node, zero, zero.astype(np.bool_))

@@ -56,7 +56,7 @@ def test_integers_become_floats() -> None:
 
 
 def test_the_papers_drift_in_metres_per_second() -> None:
-    settings = WeatherSettings.paper(Weather(), pitch_m=4.0, period_s=10.0)
+    settings = WeatherSettings.of_scenario(Weather(), pitch_m=4.0, period_s=10.0)
     assert settings.drawn_drift_mps == pytest.approx(0.04, rel=1e-15)
     assert settings.item_noise_mps == pytest.approx(0.036, rel=1e-15)
     assert settings == WeatherSettings(

@@ -1,0 +1,130 @@
+"""Where hulls touch quays and each other, and how fast they closed: boxes in the plane.
+
+Two convex boxes touch unless one of their four axes separates them (separating axis theorem); the
+axis of least overlap is taken as the direction of the contact.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import inlined, kernel
+from graph_planner.geodesics import Int32Array
+
+TOLERANCE_M = 0.005  # a gap below this counts as a touch: MuJoCo's contacts are soft
+FloatArray = NDArray[np.float64]
+
+
+@inlined
+def _reach(ax: float, ay: float, yaw: float, half_length: float, half_beam: float) -> float:
+    """Half the width of a box along the unit axis (ax, ay)."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    return half_length * abs(c * ax + s * ay) + half_beam * abs(c * ay - s * ax)
+
+
+@inlined
+def _support(
+    x: float, y: float, yaw: float, half_length: float, half_beam: float, nx: float, ny: float
+) -> tuple[float, float]:
+    """Corner of a box that is farthest along (nx, ny)."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    along = half_length if c * nx + s * ny > 0.0 else -half_length
+    aside = half_beam if c * ny - s * nx > 0.0 else -half_beam
+    return x + c * along - s * aside, y + s * along + c * aside
+
+
+@kernel
+def contact(
+    a: FloatArray, b: FloatArray, size_a: FloatArray, size_b: FloatArray
+) -> tuple[bool, float, float, float, float]:
+    """Whether boxes a and b touch, the unit normal from b to a, and the point of contact.
+
+    Parameters
+    ----------
+    a, b : (3,) x, y [m], yaw [rad]
+    size_a, size_b : (2,) half length, half beam [m]
+    """
+    least, nx, ny, of_a = np.inf, 0.0, 0.0, True
+    dx, dy = a[0] - b[0], a[1] - b[1]
+    for axis in range(4):
+        angle = (a[2] if axis < 2 else b[2]) + 0.5 * math.pi * (axis % 2)
+        ux, uy = math.cos(angle), math.sin(angle)
+        apart = dx * ux + dy * uy
+        overlap = (
+            _reach(ux, uy, a[2], size_a[0], size_a[1])
+            + _reach(ux, uy, b[2], size_b[0], size_b[1])
+            - abs(apart)
+        )
+        if overlap < -TOLERANCE_M:
+            return False, 0.0, 0.0, 0.0, 0.0
+        if overlap < least:
+            sign = 1.0 if apart >= 0.0 else -1.0
+            least, nx, ny, of_a = overlap, sign * ux, sign * uy, axis < 2
+    if of_a:  # a corner of b at a side of a
+        px, py = _support(b[0], b[1], b[2], size_b[0], size_b[1], nx, ny)
+    else:
+        px, py = _support(a[0], a[1], a[2], size_a[0], size_a[1], -nx, -ny)
+    return True, nx, ny, px, py
+
+
+@inlined
+def _speed_at(pose: FloatArray, velocity: FloatArray, px: float, py: float) -> tuple[float, float]:
+    """Velocity of the hull's point at (px, py)."""
+    return (
+        velocity[0] - velocity[2] * (py - pose[1]),
+        velocity[1] + velocity[2] * (px - pose[0]),
+    )
+
+
+@kernel
+def touches(
+    pose: FloatArray,
+    velocity: FloatArray,
+    size: FloatArray,
+    framed: Int32Array,
+    pitch_m: float,
+    touching: NDArray[np.bool_],
+    closing: FloatArray,
+) -> None:
+    """Contacts of the hulls of one episode with quays, the map's edge and each other.
+
+    Parameters
+    ----------
+    pose : (vessel, 3) x, y [m], yaw [rad] now
+    velocity : (vessel, 3) over ground, world axes, before the contact acts [m/s], [rad/s]
+    size : (vessel, 2) half length, half beam [m]
+    framed : (row + 2, column + 2) cells in a frame of land, -1 on land (`Water.framed`)
+    touching, closing : (vessel,) written: in contact, and the fastest approach [m/s]
+    """
+    rows, cols = framed.shape
+    touching[:] = False
+    closing[:] = 0.0
+    cell, half = np.zeros(3), np.full(2, 0.5 * pitch_m)
+    for v in range(pose.shape[0]):
+        wide = math.hypot(size[v, 0], size[v, 1])
+        low_col = math.floor((pose[v, 0] - wide) / pitch_m + 0.5) + 1
+        high_col = math.floor((pose[v, 0] + wide) / pitch_m + 0.5) + 1
+        low_row = rows - 2 - math.floor((pose[v, 1] + wide) / pitch_m + 0.5)
+        high_row = rows - 2 - math.floor((pose[v, 1] - wide) / pitch_m + 0.5)
+        for r in range(max(0, low_row), min(rows, high_row + 1)):
+            for c in range(max(0, low_col), min(cols, high_col + 1)):
+                if framed[r, c] >= 0:
+                    continue
+                cell[0], cell[1] = (c - 1) * pitch_m, (rows - 2 - r) * pitch_m
+                hit, nx, ny, px, py = contact(pose[v], cell, size[v], half)
+                if hit:
+                    touching[v] = True
+                    ux, uy = _speed_at(pose[v], velocity[v], px, py)
+                    closing[v] = max(closing[v], -(ux * nx + uy * ny))
+        for w in range(v):
+            reach = wide + math.hypot(size[w, 0], size[w, 1])
+            if math.hypot(pose[v, 0] - pose[w, 0], pose[v, 1] - pose[w, 1]) > reach:
+                continue
+            hit, nx, ny, px, py = contact(pose[v], pose[w], size[v], size[w])
+            if hit:
+                touching[v] = touching[w] = True
+                ux, uy = _speed_at(pose[v], velocity[v], px, py)
+                tx, ty = _speed_at(pose[w], velocity[w], px, py)
+                speed = -((ux - tx) * nx + (uy - ty) * ny)
+                closing[v], closing[w] = max(closing[v], speed), max(closing[w], speed)

@@ -1,0 +1,98 @@
+"""The reality gap: the same episodes in several worlds, paired, and what each piece of it costs."""
+
+import itertools
+
+import numpy as np
+
+from metrics import paired_difference
+from mjforage.dynamics.worlds import WORLDS
+from mjforage.report.logs import RunLogs, Series
+from mjforage.report.tables import NOTHING, Row, Table, entry_of, number, plus_minus
+from mjforage.vocabulary import HEADLINE, METRICS, Metric, describe
+
+SEED = 0  # of the bootstrap: a report made twice must be the same
+
+
+class _Step:
+    """One world minus another in one metric, over the same episodes of a policy."""
+
+    def __init__(self, logs: RunLogs, here: Series, there: Series, metric: Metric) -> None:
+        x, y = (logs.scalar(series, metric.key) for series in (here, there))
+        self._gap, self._digits = paired_difference(x, y, SEED), metric.digits
+
+    @property
+    def value(self) -> str:
+        return number(float(self._gap.value), self._digits)
+
+    @property
+    def interval(self) -> str:
+        """Bootstrap 95 % interval."""
+        if not np.isfinite(self._gap.low):
+            return NOTHING
+        low, high = (number(float(end), self._digits) for end in (self._gap.low, self._gap.high))
+        return f"{low} to {high}"
+
+    @property
+    def n(self) -> int:
+        return int(self._gap.n)
+
+    @property
+    def apart(self) -> bool:
+        """Whether the interval leaves out zero."""
+        return bool(self._gap.low > 0 or self._gap.high < 0)
+
+
+def gap_table(logs: RunLogs) -> Table | None:
+    """Every metric at graph level and in the last world, with the paired difference.
+
+    None unless the run has the graph and another world.
+    """
+    worlds = logs.run.worlds
+    if len(worlds) < 2 or worlds[0] != "graph":
+        return None
+    first, last = worlds[0], worlds[-1]
+    rows = []
+    for policy in logs.policies:
+        for metric in METRICS.values():
+            pair = (last, policy), (first, policy)
+            means = (
+                plus_minus(entry_of(logs.summary, series, metric.key), metric.digits)
+                for series in reversed(pair)
+            )
+            step = _Step(logs, *pair, metric)
+            best = frozenset({2}) if step.apart else frozenset()
+            cells = (*means, step.value, step.interval, str(step.n))
+            rows.append(Row(metric.label, cells, group=policy, best=best))
+    notes = (
+        "The same episodes in both worlds: equal items, drift and starts. Difference: "
+        f"{last} minus {first}, mean over the episodes where both are defined, with the bootstrap "
+        "95 % interval; bold where it leaves out zero.",
+    )
+    columns = (first, last, "difference", "95 % interval", "n")
+    return Table("gap", "The reality gap", columns, tuple(rows), notes)
+
+
+def ladder_table(logs: RunLogs) -> Table | None:
+    """What each world adds to the one before it, in the headline metrics.
+
+    None with fewer than three worlds.
+    """
+    worlds = logs.run.worlds
+    if len(worlds) < 3:
+        return None
+    metrics = [describe(key) for key in HEADLINE]
+    rows = []
+    for policy in logs.policies:
+        for before, world in itertools.pairwise(worlds):
+            pair = (world, policy), (before, policy)
+            steps = [_Step(logs, *pair, metric) for metric in metrics]
+            cells = tuple(f"{step.value} ({step.interval})" for step in steps)
+            best = frozenset(place for place, step in enumerate(steps) if step.apart)
+            rows.append(Row(f"+ {world}", cells, group=policy, best=best))
+    words = "; ".join(f"{name}: {WORLDS[name].summary}" for name in worlds if name in WORLDS)
+    notes = (
+        "Each row adds one piece of reality to the row above, on the same episodes: paired mean "
+        f"difference and bootstrap 95 % interval; bold where it leaves out zero. {words}.",
+    )
+    columns = tuple(metric.label for metric in metrics)
+    return Table("ladder", "The gap ladder", columns, tuple(rows), notes)
