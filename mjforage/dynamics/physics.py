@@ -84,10 +84,12 @@ class PhysicsDynamics:
         pose = np.zeros((*world.agent_node.shape, 3))
         pose[..., :2] = self._centres_xy[world.agent_node]
         self._simulation.place_vessels(pose)
+        self._pose = self._simulation.vessel_pose
         self._velocity = self._simulation.vessel_velocity
         self._place_items(world)
         self._tick = np.zeros(episodes, np.int64)
         if self._film is not None:
+            self._film.interval_s = WEATHER_TICKS * CONTROL_S
             self._shoot()
         return self._state
 
@@ -117,23 +119,26 @@ class PhysicsDynamics:
         stay = moves.direction == STAY
         self._pilot.order(active, self._centres_xy[state.agent_node], target, stay)
         self._watched.begin(active)
+        filmed = self._film is not None and bool(active[0])
         for tick in range(self._ticks):
             if tick % WEATHER_TICKS == 0:
                 self._feel(active)
                 self._seek(active, target)
+                if filmed and tick:
+                    self._shoot()
             self._steer(active, ids, target)
             if self._bodies and self._choice.capture == "intake":
                 self._take(active)
-            if self._film is not None and (tick + 1) % WEATHER_TICKS == 0 and active[0]:
-                self._shoot()
         self._settle(active, step, moves)
+        if filmed:
+            self._shoot()
         simulation.load[active] = self._fleet.capacity - self._room_left[active]
         return state
 
     def _feel(self, active: NDArray[np.bool_]) -> None:
         """Give hulls and items the wind and the water of the moment."""
         simulation, now = self._simulation, self._tick * CONTROL_S
-        hulls = np.ascontiguousarray(simulation.vessel_pose[..., :2])
+        hulls = np.ascontiguousarray(self._pose[..., :2])
         simulation.vessel_wind[:] = self._field.wind(now, hulls)
         simulation.vessel_water[:] = self._field.current(now, hulls)
         if self._bodies:
@@ -152,7 +157,7 @@ class PhysicsDynamics:
             active,
             self._fleet.collects,
             self._room_left,
-            simulation.vessel_pose,
+            self._pose,
             simulation.item_xy,
             target,
             self._graph.pitch_m,
@@ -166,19 +171,21 @@ class PhysicsDynamics:
     ) -> None:
         """One control tick: measure, command, step, take note."""
         simulation, sensors = self._simulation, self._scenario.sensors
-        pose = simulation.vessel_pose
+        pose = self._pose
         seen = measured_poses(sensors, self._keys, self._tick, pose)
         commands = self._pilot.command(active, seen, self._velocity)
         simulation.commands[ids] = commands[ids]
         simulation.step(self._substeps, None if len(ids) == len(active) else ids)
-        before, self._velocity = self._velocity, simulation.vessel_velocity
+        velocity = self._velocity
+        self._pose, self._velocity = simulation.vessel_pose, simulation.vessel_velocity
         self._tick[ids] += 1
         watch(
             active,
             CONTROL_S,
-            simulation.vessel_pose,
+            self._pose,
             self._velocity,
-            before,
+            pose,
+            velocity,
             target,
             self._pilot.giving_way,
             simulation.vessel_water,
@@ -197,7 +204,7 @@ class PhysicsDynamics:
             active,
             self._fleet.collects,
             self._size,
-            simulation.vessel_pose,
+            self._pose,
             simulation.item_xy,
             self._room_left,
             self._items_in_node,
@@ -215,7 +222,7 @@ class PhysicsDynamics:
     def _settle(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> None:
         """Write the period's end into the state."""
         state, watched, graph = self._state, self._watched, self._graph
-        pose = self._simulation.vessel_pose[active]
+        pose = self._pose[active]
         way = watched.travelled_m[active] / graph.pitch_m
         state.agent_rc[active] = graph.row_column(pose[..., :2])
         state.agent_node[active] = nearest_nodes(graph.water, state.agent_rc[active])
@@ -243,7 +250,7 @@ class PhysicsDynamics:
         xy = simulation.item_xy[0, :items] if self._bodies else self._graph.metres(state.item_rc[0])
         now = self._tick * CONTROL_S
         wind = self._field.wind(now, np.zeros((len(now), 1, 2)))[0, 0]
-        self._film.shoot(simulation.vessel_pose[0], xy, state.item_node[0] >= 0, wind)
+        self._film.shoot(self._pose[0], xy, state.item_node[0] >= 0, wind)
 
 
 def _whole(total: float, part: float, name: str) -> int:

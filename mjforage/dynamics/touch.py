@@ -13,6 +13,8 @@ from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 
 TOLERANCE_M = 0.005  # a gap below this counts as a touch: MuJoCo's contacts are soft
+CORNER_M = 0.05  # corners this much farther than the deepest one are in the contact too
+PARALLEL_M = 1e-6
 FloatArray = NDArray[np.float64]
 
 
@@ -23,32 +25,21 @@ def _reach(ax: float, ay: float, yaw: float, half_length: float, half_beam: floa
     return half_length * abs(c * ax + s * ay) + half_beam * abs(c * ay - s * ax)
 
 
-@inlined
-def _support(
-    x: float, y: float, yaw: float, half_length: float, half_beam: float, nx: float, ny: float
-) -> tuple[float, float]:
-    """Corner of a box that is farthest along (nx, ny)."""
-    c, s = math.cos(yaw), math.sin(yaw)
-    along = half_length if c * nx + s * ny > 0.0 else -half_length
-    aside = half_beam if c * ny - s * nx > 0.0 else -half_beam
-    return x + c * along - s * aside, y + s * along + c * aside
-
-
 @kernel
 def contact(
     a: FloatArray, b: FloatArray, size_a: FloatArray, size_b: FloatArray
-) -> tuple[bool, float, float, float, float]:
-    """Whether boxes a and b touch, the unit normal from b to a, and the point of contact.
+) -> tuple[bool, float, float, bool]:
+    """Whether boxes a and b touch, the unit normal from b to a, and whether it is a side of a.
 
     Parameters
     ----------
     a, b : (3,) x, y [m], yaw [rad]
     size_a, size_b : (2,) half length, half beam [m]
     """
-    least, nx, ny, of_a = np.inf, 0.0, 0.0, True
+    least, nx, ny, of_a = np.inf, 0.0, 0.0, False
     dx, dy = a[0] - b[0], a[1] - b[1]
     for axis in range(4):
-        angle = (a[2] if axis < 2 else b[2]) + 0.5 * math.pi * (axis % 2)
+        angle = (b[2] if axis < 2 else a[2]) + 0.5 * math.pi * (axis % 2)
         ux, uy = math.cos(angle), math.sin(angle)
         apart = dx * ux + dy * uy
         overlap = (
@@ -57,15 +48,20 @@ def contact(
             - abs(apart)
         )
         if overlap < -TOLERANCE_M:
-            return False, 0.0, 0.0, 0.0, 0.0
-        if overlap < least:
+            return False, 0.0, 0.0, False
+        if overlap < least - PARALLEL_M:  # of parallel sides b's is taken
             sign = 1.0 if apart >= 0.0 else -1.0
-            least, nx, ny, of_a = overlap, sign * ux, sign * uy, axis < 2
-    if of_a:  # a corner of b at a side of a
-        px, py = _support(b[0], b[1], b[2], size_b[0], size_b[1], nx, ny)
-    else:
-        px, py = _support(a[0], a[1], a[2], size_a[0], size_a[1], -nx, -ny)
-    return True, nx, ny, px, py
+            least, nx, ny, of_a = overlap, sign * ux, sign * uy, axis >= 2
+    return True, nx, ny, of_a
+
+
+@inlined
+def _corner(box: FloatArray, size: FloatArray, number: int) -> tuple[float, float]:
+    """One of the four corners of a box."""
+    along = size[0] if number & 1 else -size[0]
+    aside = size[1] if number & 2 else -size[1]
+    c, s = math.cos(box[2]), math.sin(box[2])
+    return box[0] + c * along - s * aside, box[1] + s * along + c * aside
 
 
 @inlined
@@ -75,6 +71,39 @@ def _speed_at(pose: FloatArray, velocity: FloatArray, px: float, py: float) -> t
         velocity[0] - velocity[2] * (py - pose[1]),
         velocity[1] + velocity[2] * (px - pose[0]),
     )
+
+
+@kernel
+def closing_speed(
+    a: FloatArray,
+    b: FloatArray,
+    velocity_a: FloatArray,
+    velocity_b: FloatArray,
+    size_a: FloatArray,
+    size_b: FloatArray,
+    nx: float,
+    ny: float,
+    of_a: bool,
+) -> float:
+    """Fastest approach [m/s] of the corners that lie in the contact along the normal (nx, ny).
+
+    Parameters
+    ----------
+    velocity_a, velocity_b : (3,) world axes [m/s], [rad/s]
+    of_a : whether the normal belongs to a side of a: then corners of b touch, else those of a
+    """
+    deepest, fastest = np.inf, -np.inf
+    sign = -1.0 if of_a else 1.0  # towards the other box
+    for number in range(4):
+        px, py = _corner(b, size_b, number) if of_a else _corner(a, size_a, number)
+        deepest = min(deepest, sign * (px * nx + py * ny))
+    for number in range(4):
+        px, py = _corner(b, size_b, number) if of_a else _corner(a, size_a, number)
+        if sign * (px * nx + py * ny) < deepest + CORNER_M:
+            ux, uy = _speed_at(a, velocity_a, px, py)
+            vx, vy = _speed_at(b, velocity_b, px, py)
+            fastest = max(fastest, -((ux - vx) * nx + (uy - vy) * ny))
+    return fastest
 
 
 @kernel
@@ -100,7 +129,7 @@ def touches(
     rows, cols = framed.shape
     touching[:] = False
     closing[:] = 0.0
-    cell, half = np.zeros(3), np.full(2, 0.5 * pitch_m)
+    cell, half, still = np.zeros(3), np.full(2, 0.5 * pitch_m), np.zeros(3)
     for v in range(pose.shape[0]):
         wide = math.hypot(size[v, 0], size[v, 1])
         low_col = math.floor((pose[v, 0] - wide) / pitch_m + 0.5) + 1
@@ -112,19 +141,21 @@ def touches(
                 if framed[r, c] >= 0:
                     continue
                 cell[0], cell[1] = (c - 1) * pitch_m, (rows - 2 - r) * pitch_m
-                hit, nx, ny, px, py = contact(pose[v], cell, size[v], half)
+                hit, nx, ny, own = contact(pose[v], cell, size[v], half)
                 if hit:
                     touching[v] = True
-                    ux, uy = _speed_at(pose[v], velocity[v], px, py)
-                    closing[v] = max(closing[v], -(ux * nx + uy * ny))
+                    speed = closing_speed(
+                        pose[v], cell, velocity[v], still, size[v], half, nx, ny, own
+                    )
+                    closing[v] = max(closing[v], speed)
         for w in range(v):
             reach = wide + math.hypot(size[w, 0], size[w, 1])
             if math.hypot(pose[v, 0] - pose[w, 0], pose[v, 1] - pose[w, 1]) > reach:
                 continue
-            hit, nx, ny, px, py = contact(pose[v], pose[w], size[v], size[w])
+            hit, nx, ny, own = contact(pose[v], pose[w], size[v], size[w])
             if hit:
                 touching[v] = touching[w] = True
-                ux, uy = _speed_at(pose[v], velocity[v], px, py)
-                tx, ty = _speed_at(pose[w], velocity[w], px, py)
-                speed = -((ux - tx) * nx + (uy - ty) * ny)
+                speed = closing_speed(
+                    pose[v], pose[w], velocity[v], velocity[w], size[v], size[w], nx, ny, own
+                )
                 closing[v], closing[w] = max(closing[v], speed), max(closing[w], speed)

@@ -77,6 +77,7 @@ def watch(
     tick_s: float,
     pose: FloatArray,
     velocity: FloatArray,
+    pose_before: FloatArray,
     velocity_before: FloatArray,
     target: FloatArray,
     giving_way: NDArray[np.bool_],
@@ -93,7 +94,7 @@ def watch(
     Parameters
     ----------
     pose, velocity : (episode, vessel, 3) at its end, world axes
-    velocity_before : the same at its start
+    pose_before, velocity_before : the same at its start
     target : (episode, vessel, 2) [m]
     giving_way : (episode, vessel) whether the controller holds back for another hull
     water : (episode, vessel, 2) current at the hulls [m/s]
@@ -113,7 +114,9 @@ def watch(
         for v in range(vessels):
             vx, vy = velocity[e, v, 0], velocity[e, v, 1]
             speed = math.hypot(vx, vy)
-            travelled_m[e, v] += speed * tick_s
+            travelled_m[e, v] += math.hypot(
+                pose[e, v, 0] - pose_before[e, v, 0], pose[e, v, 1] - pose_before[e, v, 1]
+            )
             collisions[e, v] += now[v] and not touching[e, v]
             touching[e, v] = now[v]
             impact_mps[e, v] = max(impact_mps[e, v], closing[v])
