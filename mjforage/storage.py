@@ -30,7 +30,17 @@ try:
 except ImportError:  # not on this system: runs are then not kept apart
     fcntl = None  # type: ignore[assignment]
 
-IDENTITY = ("scenario", "map", "versions", "seed", "episodes", "worlds", "policies", "agents")
+IDENTITY = (
+    "scenario",
+    "map",
+    "versions",
+    "seed",
+    "episodes",
+    "worlds",
+    "policies",
+    "agents",
+    "hulls",
+)
 _COMPARED_VERSIONS = ("mjforage", "mujoco")
 _LONGEST = 60  # characters of a value in a message
 
@@ -97,9 +107,9 @@ def write_json(path: Path, value: object) -> None:
 
 
 def run_hash(info: Mapping[str, Any]) -> str:
-    """Hash of scenario, map and the package and MuJoCo versions: 16 hexadecimal digits."""
+    """Hash of scenario, map, vessels and the package and MuJoCo versions: 16 hexadecimal digits."""
     versions = {name: info["versions"][name] for name in _COMPARED_VERSIONS}
-    text = canonical_json([info["scenario"], info["map"], versions])
+    text = canonical_json([info["scenario"], info["map"], versions, info.get("hulls")])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 

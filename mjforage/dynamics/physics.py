@@ -48,8 +48,11 @@ class PhysicsDynamics:
         """
         self._graph, self._fleet, self._scenario, self._film = graph, fleet, scenario, film
         self._choice = scenario.physics
-        self._ticks = _whole(scenario.period_s, CONTROL_S, "period_s")
-        self._substeps = _whole(CONTROL_S, self._choice.step_s, "physics.step_s")
+        weather_s, step_s = WEATHER_TICKS * CONTROL_S, self._choice.step_s
+        self._ticks = WEATHER_TICKS * _times(
+            scenario.period_s, weather_s, f"period_s = {scenario.period_s:g} s"
+        )
+        self._substeps = _times(CONTROL_S, step_s, f"physics.step_s = {step_s:g} s")
         self._vessels = fleet_vessels(fleet, self._choice)
         self._classes = item_choices(self._choice)
         self._bodies = self._choice.items == "bodies"
@@ -253,18 +256,18 @@ class PhysicsDynamics:
         self._film.shoot(self._pose[0], xy, state.item_node[0] >= 0, wind)
 
 
-def _whole(total: float, part: float, name: str) -> int:
-    """How often a time goes into another.
+def _times(whole: float, part: float, name: str) -> int:
+    """How often a time [s] goes into another.
 
     Raises
     ------
     UserError
         If not a whole number of times.
     """
-    count = round(total / part)
-    if count < 1 or abs(count * part - total) > 1e-9 * total:
+    count = round(whole / part)
+    if count < 1 or abs(count * part - whole) > 1e-9 * whole:
         raise UserError(
-            f"scenario: {name} does not fit the control period of {CONTROL_S:g} s; {total:g} s is "
-            f"not a whole number of times {part:g} s"
+            f"scenario: {name} does not fit; {whole:g} s has to be a whole number of times "
+            f"{part:g} s"
         )
     return count

@@ -7,7 +7,7 @@ import sys
 import time
 import zipfile
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -61,6 +61,21 @@ def pinned(setting: Setting) -> Setting:
     return replace(setting, scenario=replace(setting.scenario, map=choice))
 
 
+def hull_facts(setting: Setting, worlds: Sequence[str]) -> dict[str, Any]:
+    """Parameters of every vessel and class of debris that the run needs; none at graph level."""
+    if set(worlds) <= {"graph"}:
+        return {}
+    from mjforage.dynamics.fleet_scene import fleet_vessels, hull_names  # MuJoCo where it is wanted
+    from mjforage.scene import load_debris
+
+    choice = setting.scenario.physics
+    names, vessels = hull_names(setting.fleet, choice), fleet_vessels(setting.fleet, choice)
+    return {
+        "vessels": {name: asdict(vessel) for name, vessel in zip(names, vessels, strict=True)},
+        "debris": [asdict(kind) for kind in load_debris() if kind.name in choice.item_classes],
+    }
+
+
 def run_info(
     setting: Setting, policies: Sequence[str], worlds: Sequence[str], episodes: int, seed: int
 ) -> dict[str, Any]:
@@ -89,6 +104,7 @@ def run_info(
                 setting.fleet.names, setting.fleet.team, setting.fleet.collects, strict=True
             )
         ],
+        "hulls": hull_facts(setting, worlds),
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "timings": {},
     }

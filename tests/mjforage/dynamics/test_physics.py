@@ -155,8 +155,8 @@ def test_a_collector_grows_heavier_and_capacity_ends_it() -> None:
 @pytest.mark.parametrize(
     ("overrides", "words"),
     [
-        (("period_s=0.25",), "period_s does not fit the control period of 0.1 s"),
-        (("physics.step_s=0.03",), "physics.step_s does not fit"),
+        (("period_s=9.8",), "period_s = 9.8 s does not fit; 9.8 s has to be a whole number"),
+        (("physics.step_s=0.03",), "physics.step_s = 0.03 s does not fit; 0.1 s has to be"),
         (("physics.vessels.scouts=skout",), "vessel skout: neither a shipped vessel"),
         (('physics.item_classes=["botle"]',), "physics.item_classes: 'botle'; choose from bottle"),
         (("physics.item_classes=[]",), "physics.item_classes is empty"),

@@ -186,6 +186,10 @@ def _episode(plan: Plan, world: str, policy: str, episode: int, skill: float) ->
             "x_m": 4.0 * float(track[t, 1]),
             "y_m": 4.0 * (mask.shape[0] - 1 - float(track[t, 0])),
             "outcome": "arrived" if t else "start",
+            "speed_mps": 0.4 * min(t, 1),
+            "collisions": 0,
+            "impact_mps": 0.0,
+            "work_j": 100.0 * t,
         }
         for a, track in enumerate(tracks)
         for t in range(length + 1)
@@ -361,6 +365,10 @@ def build(folder: Path, plan: Plan) -> Path:
         "agent": pl.Int64,
         "x_m": pl.Float64,
         "y_m": pl.Float64,
+        "speed_mps": pl.Float64,
+        "collisions": pl.Int64,
+        "impact_mps": pl.Float64,
+        "work_j": pl.Float64,
     }
     frames.setdefault("agents", pl.DataFrame(schema=empty))
     for name, frame in frames.items():
