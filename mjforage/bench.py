@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from graph_planner.policies import create_policy
+from mjforage.dynamics.speeds import mission_speeds
 from mjforage.episode_log import EpisodeLog
 from mjforage.maps import GridMap
 from mjforage.mission import Mission, Setting
@@ -37,6 +38,7 @@ LARGE_SHAPE = (1000, 1000)
 LARGE_STEPS = 20
 PHYSICS_S = 120.0  # simulated time of a run
 PHYSICS_BATCH = 4  # simulations
+MISSION = (25, 150)  # episodes and decisions of a mission in MuJoCo
 
 
 def _rate(work: Callable[[], float]) -> float:
@@ -134,12 +136,20 @@ def bench(progress: Progress = lambda name: None) -> Figures:
         measure(f"graph_large_{name}_steps_per_core_s", STEPS, _large_steps(large, name))
     figures["peak_memory_large"] = {"value": _peak_memory_mb(), "unit": "MB"}
     progress("physics")
-    for key, value in physics_speeds(PHYSICS_S, PHYSICS_BATCH).items():
+    speeds = physics_speeds(PHYSICS_S, PHYSICS_BATCH) | mission_speeds(*MISSION)
+    for key, value in speeds.items():
         figures[key] = {"value": value, "unit": _physics_unit(key)}
+    figures["peak_memory_physics"] = {"value": _peak_memory_mb(), "unit": "MB"}
     return figures
 
 
 def _physics_unit(key: str) -> str:
+    if "mission" in key:
+        return "simulated seconds per CPU second of one core, a logged mission of Greedy"
+    if "core_min" in key:
+        return "CPU minutes of one core for 100 episodes of 1500 s"
+    if "share" in key:
+        return "of the time of that mission"
     if "sim_s" in key:
         return "simulated seconds per CPU second of one core (4 vessels, 75 items)"
     if "steps" in key:

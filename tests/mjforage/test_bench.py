@@ -11,15 +11,20 @@ def test_bench_measures_every_promised_figure(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(bench, "LARGE_STEPS", 2)
     monkeypatch.setattr(bench, "PHYSICS_S", 10.0)
     monkeypatch.setattr(bench, "PHYSICS_BATCH", 1)
+    monkeypatch.setattr(bench, "MISSION", (2, 3))
     measured: list[str] = []
     figures = bench.bench(measured.append)
     promised = {
         *(f"graph_{name}_steps_per_core_s" for name in ("random", "greedy", "levy")),
         *("evaluate_greedy_steps_per_core_s", "metrics_episodes_per_s", "peak_memory"),
         *("physics_steps_per_core_s", "physics_sim_s_per_core_s", "physics_callback_overhead"),
+        *("physics_mission_sim_s_per_core_s", "physics_core_min_per_100_episodes"),
+        *(f"physics_share_{part}" for part in ("stepping", "control", "weather", "watching")),
     }
     assert promised <= set(figures)
     assert set(measured) - set(figures) == {"physics"}
+    shares = [float(figure["value"]) for key, figure in figures.items() if "share" in key]
+    assert 0.5 < sum(shares) <= 1.0
     for key, figure in figures.items():
         assert figure["unit"]
         assert float(figure["value"]) > (-0.9 if "overhead" in key else 0.0), key
