@@ -26,7 +26,8 @@ from mjforage.storage import Chunk, RunFolder, run_hash, write_json, writing
 from mjforage.studies.workers import run_chunks
 from mjforage.tables import SCALARS
 
-CHUNK = 25  # episodes per unit of work
+CHUNK = 25  # episodes per unit of work at graph level
+PHYSICS_CHUNK = 10  # the same with hulls, which take a second each
 BOOTSTRAP_SEED = 0
 
 Progress = Callable[[int, int], None]
@@ -113,11 +114,12 @@ def run_info(
 
 def plan(policies: Sequence[str], worlds: Sequence[str], episodes: int) -> list[Chunk]:
     """All chunks of a run, in the order of its tables."""
+    size = {world: CHUNK if world == "graph" else PHYSICS_CHUNK for world in worlds}
     return [
-        Chunk(world, policy, first, min(CHUNK, episodes - first))
+        Chunk(world, policy, first, min(size[world], episodes - first))
         for world in worlds
         for policy in policies
-        for first in range(0, episodes, CHUNK)
+        for first in range(0, episodes, size[world])
     ]
 
 

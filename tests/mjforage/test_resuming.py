@@ -30,7 +30,7 @@ def tell_missing(setting, seed, chunks, folder, jobs):
     print(json.dumps([chunk.name for chunk in chunks]))
     return run_chunks(setting, seed, chunks, folder, jobs)
 def tell_finished(run, chunks):
-    print(json.dumps({p.name: p.stat().st_ino for p in (run.path / "chunks").glob("g*")}))
+    print(json.dumps({p.name: p.stat().st_ino for p in (run.path / "chunks").glob("[gp]*-*")}))
     merge(run, chunks)
 evaluate.run_chunks, RunFolder.merge = tell_missing, tell_finished
 """
@@ -38,9 +38,13 @@ LIMIT = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({0}, {0}))"
 needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs /proc")
 
 
-def arguments(folder: Path, episodes: int, jobs: int) -> tuple[object, ...]:
+HORIZON = {"graph": 100, "physics": 5}
+
+
+def arguments(folder: Path, episodes: int, jobs: int, world: str = "graph") -> tuple[object, ...]:
     return (
-        *("evaluate", "comb-port", "--policy", "greedy", "--set", "horizon=100", "--seed", 3),
+        *("evaluate", "comb-port", "--policy", "greedy", "--world", world, "--seed", 3),
+        *("--set", f"horizon={HORIZON[world]}"),
         *("--episodes", episodes, "--jobs", jobs, "--out", folder),
     )
 
@@ -54,7 +58,7 @@ def wait_for(condition: Callable[[], object], what: str) -> None:
 
 def chunks(folder: Path) -> dict[str, int]:
     """Finished chunks and the inode of each."""
-    return {path.name: path.stat().st_ino for path in (folder / "chunks").glob("graph-*")}
+    return {path.name: path.stat().st_ino for path in (folder / "chunks").glob("[gp]*-*")}
 
 
 def children(pid: int) -> dict[int, str]:
@@ -85,16 +89,19 @@ def compiled(finished: Path) -> None:
     assert Setting.of(load_scenario("comb-port")).reachable_shares["scouts"] == 1.0
 
 
-def undisturbed(folder: Path, episodes: int) -> Path:
-    setting = Setting.of(load_scenario("comb-port", ["horizon=100"]))
-    evaluate(setting, ["greedy"], folder, episodes=episodes, seed=3)
+def undisturbed(folder: Path, episodes: int, world: str = "graph") -> Path:
+    setting = Setting.of(load_scenario("comb-port", [f"horizon={HORIZON[world]}"]))
+    evaluate(setting, ["greedy"], folder, episodes=episodes, seed=3, worlds=(world,))
     return folder
 
 
 @needs_proc
-def test_a_killed_run_resumes_to_the_same_bytes(start: Start, tmp_path: Path) -> None:
-    episodes, run = 600, tmp_path / "run"
-    killed = start(*arguments(run, episodes, 2))
+@pytest.mark.parametrize(("world", "episodes"), [("graph", 600), ("physics", 60)])
+def test_a_killed_run_resumes_to_the_same_bytes(
+    start: Start, tmp_path: Path, world: str, episodes: int
+) -> None:
+    run, everything = tmp_path / "run", len(plan(["greedy"], [world], episodes))
+    killed = start(*arguments(run, episodes, 2, world))
     wait_for(lambda: chunks(run), "a finished chunk")
     wait_for(lambda: len(workers(killed.pid)) == 2, "two workers")
     helpers = children(killed.pid)
@@ -102,17 +109,17 @@ def test_a_killed_run_resumes_to_the_same_bytes(start: Start, tmp_path: Path) ->
     killed.wait(PATIENCE_S)
     wait_for(lambda: not any(alive(pid) for pid in helpers), "the end of the workers")
     kept = chunks(run)
-    assert 1 <= len(kept) < len(plan(["greedy"], ["graph"], episodes))
+    assert 1 <= len(kept) < everything
     assert not (run / "summary.json").exists()
-    resumed = start(*arguments(run, episodes, 2), before=TELL_CHUNKS)
+    resumed = start(*arguments(run, episodes, 2, world), before=TELL_CHUNKS)
     out, err = resumed.communicate(timeout=PATIENCE_S)
     assert (resumed.returncode, err) == (0, "")
     computed, merged = (json.loads(line) for line in out.splitlines()[1:3])
     assert set(computed) == set(merged) - set(kept), "finished chunks were computed again"
-    assert len(merged) == episodes / 25
+    assert len(merged) == everything
     assert kept.items() <= merged.items(), "finished chunks were written again"
     assert not (run / "chunks").exists()
-    whole = undisturbed(tmp_path / "whole", episodes)
+    whole = undisturbed(tmp_path / "whole", episodes, world)
     for name in ("summary.json", *(f"{table}.parquet" for table in TABLES)):
         assert (run / name).read_bytes() == (whole / name).read_bytes(), name
 
