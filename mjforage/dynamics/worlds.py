@@ -4,6 +4,7 @@ Each world is the scenario with some pieces of reality left out, so that the dif
 neighbours say what each piece costs. A scenario that lacks a piece has the same world twice.
 """
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -69,9 +70,20 @@ WORLDS = {
     "hulls": WorldKind("hulls, thrusters, control and mean wind", _physics, _without_bodies),
     "debris": WorldKind("items as bodies in wind and current", _physics, _without_intake),
     "intake": WorldKind("items enter the collector's mouth", _physics, _without_noise),
-    "physics": WorldKind("gusts and sensor noise: all that the scenario has", _physics, _whole),
+    "physics": WorldKind("gusts and sensor noise", _physics, _whole),
 }
 """Name -> world, from the graph upwards."""
+
+
+def added(scenario: Scenario, before: str, world: str) -> tuple[str, ...]:
+    """Summaries of the pieces that a scenario's `world` has beyond the world `before`."""
+    names = list(WORLDS)
+    pieces = []
+    for below, name in itertools.pairwise(names[names.index(before) : names.index(world) + 1]):
+        new = below == "graph" or WORLDS[name].adapt(scenario) != WORLDS[below].adapt(scenario)
+        if new:
+            pieces.append(WORLDS[name].summary)
+    return tuple(pieces)
 
 
 def rungs(scenario: Scenario) -> tuple[str, ...]:

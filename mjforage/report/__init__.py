@@ -33,7 +33,7 @@ def write_report(folder: Path) -> Path:
     figures = [
         shown(picture, *save_figure(folder / "figures", picture)) for picture in draw_figures(logs)
     ]
-    gap_tables = (hulls_table(logs), ladder_table(logs), gap_table(logs))
+    gap_tables = (ladder_table(logs), hulls_table(logs), gap_table(logs))
     text = render(
         logs,
         figures,

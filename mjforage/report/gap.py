@@ -5,9 +5,10 @@ import itertools
 import numpy as np
 
 from metrics import paired_difference
-from mjforage.dynamics.worlds import WORLDS
+from mjforage.dynamics.worlds import added
 from mjforage.report.logs import RunLogs, Series
 from mjforage.report.tables import NOTHING, Row, Table, entry_of, number, plus_minus
+from mjforage.scenario_file import scenario_from_tree
 from mjforage.vocabulary import HEADLINE, METRICS, Metric, describe
 
 SEED = 0  # of the bootstrap: a report made twice must be the same
@@ -89,9 +90,13 @@ def ladder_table(logs: RunLogs) -> Table | None:
             cells = tuple(f"{step.value} ({step.interval})" for step in steps)
             best = frozenset(place for place, step in enumerate(steps) if step.apart)
             rows.append(Row(f"+ {world}", cells, group=policy, best=best))
-    words = "; ".join(f"{name}: {WORLDS[name].summary}" for name in worlds if name in WORLDS)
+    scenario = scenario_from_tree(dict(logs.run.scenario), str(logs.folder / "run.json"))
+    words = "; ".join(
+        f"+ {world}: {', '.join(added(scenario, before, world)) or 'nothing'}"
+        for before, world in itertools.pairwise(worlds)
+    )
     notes = (
-        "Each row adds one piece of reality to the row above, on the same episodes: paired mean "
+        "Each row adds a piece of reality to the row above, on the same episodes: paired mean "
         f"difference and bootstrap 95 % interval; bold where it leaves out zero. {words}.",
     )
     columns = tuple(metric.label for metric in metrics)
