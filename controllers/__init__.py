@@ -1,5 +1,12 @@
 """Guidance, heading and speed loops, thrust allocation and collision avoidance.
 
 Floor 1 of the house: pure functions on arrays, batched over (episode, vessel), knowing nobody.
-The controllers arrive together with the MuJoCo vessels; graph-level missions need none.
+`Pilot` turns decisions between nodes into thruster commands at 10 Hz; `Helm` is what it knows of a
+hull, `Chart` what it knows of the quays.
 """
+
+from controllers.chart import Chart
+from controllers.helm import Helm, Tuning
+from controllers.pilot import Pilot
+
+__all__ = ["Chart", "Helm", "Pilot", "Tuning"]

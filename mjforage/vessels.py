@@ -14,6 +14,7 @@ from mjforage.errors import UserError
 from mjforage.vessel_file import positive, quantity, read_vessel, vessel_names
 
 __all__ = [
+    "Control",
     "CrossFlow",
     "ForceThruster",
     "Load",
@@ -110,13 +111,41 @@ class Load:
     drag_per_item: float = field(metadata=quantity("N s2/m2", 0.0, 1e4))  # quadratic, in surge
 
 
+@dataclass(frozen=True)
+class Control:
+    """`[control]`: tuning of the hull's controllers (see `controllers`)."""
+
+    cruise_ahead_mps: float = field(metadata=positive("m/s", 100))  # over ground, on a long leg
+    cruise_astern_mps: float = field(metadata=positive("m/s", 100))
+    acceleration_mps2: float = field(metadata=positive("m/s2", 100))  # of the speed's reference
+    brake_mps2: float = field(metadata=positive("m/s2", 100))
+    """Deceleration that is always at hand; stopping distances count on it."""
+    yaw_rate_radps: float = field(metadata=positive("rad/s", 10))  # of the heading's reference
+    yaw_acceleration_radps2: float = field(metadata=positive("rad/s2", 100))
+    heading_bandwidth_radps: float = field(metadata=positive("rad/s", 10))
+    heading_damping: float = field(metadata=positive("1", 10))
+    heading_integral_s: float = field(metadata=positive("s", 1e4))
+    speed_bandwidth_radps: float = field(metadata=positive("rad/s", 10))
+    speed_integral_s: float = field(metadata=positive("s", 1e4))
+    lookahead_m: float = field(metadata=positive("m", 1e4))  # of the line-of-sight guidance
+    drift_gain_mps: float = field(metadata=positive("m/s", 100))  # kappa of its integral
+    hold_bandwidth_radps: float = field(metadata=positive("rad/s", 10))  # of keeping position
+    hold_integral_s: float = field(metadata=positive("s", 1e4))
+    hold_radius_m: float = field(metadata=positive("m", 1e3))
+    """How far beside its place a hull may lie before it turns."""
+    clearance_m: float = field(metadata=quantity("m", 0.0, 1e3))  # to other hulls and quays
+    filter_s: float = field(metadata=quantity("s", 0.0, 1e3))
+    """Time constant of the filters on measured position and heading."""
+
+
 NO_WINDAGE = Windage(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
 NO_LOAD = Load(0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class Vessel:
-    """One parameter set. Absent tables: no cross-flow drag, no wind load, no load."""
+    """One parameter set. Absent tables: no cross-flow drag, no wind load, no load, and a tuning that
+    `mjforage.helm` works out."""
 
     name: str
     description: str
@@ -143,6 +172,7 @@ class Vessel:
     crossflow: CrossFlow | None = None
     windage: Windage = NO_WINDAGE
     load: Load = NO_LOAD
+    control: Control | None = None
 
 
 def load_vessel(name_or_path: str | Path) -> Vessel:

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import cyclopts
 from rich.logging import RichHandler
 
-from mjforage.cli import drawing, hulls, lists, runs, speeds  # they add their commands to the app
+from mjforage.cli import drawing, hulls, lists, runs, speeds, validating  # they add their commands
 from mjforage.cli.console import app, errors
 from mjforage.errors import UserError
 
-__all__ = ["drawing", "hulls", "lists", "main", "runs", "speeds"]
+__all__ = ["drawing", "hulls", "lists", "main", "runs", "speeds", "validating"]
 
 BAD_INPUT = 2  # exit code of every error that a user can mend, an interruption included
 

@@ -1,11 +1,14 @@
-"""`mjforage render`: films and pictures of an episode."""
+"""`mjforage render` and `mjforage view`: films, pictures and a window on episodes."""
 
+import logging
 from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
 from mjforage.cli.console import app, bar, output
+
+Point = Literal["overview", "chase", "top", "scout"]
 
 
 @app.command
@@ -16,21 +19,26 @@ def render(
     output_file: Annotated[Path, Parameter(name=("--output", "-o"))],
     episode: int = 0,
     policy: str | None = None,
-    world: Literal["graph"] = "graph",
-    camera: Literal["top"] = "top",
+    world: str = "graph",
+    camera: Point | None = None,
+    follow: str | None = None,
     start: float = 0.0,
     duration: float | None = None,
     fps: float = 30.0,
     speed: float | None = None,
+    width: int | None = None,
+    height: int | None = None,
 ) -> None:
-    """Draw one episode of a run: MP4, GIF, or PNG (one frame, or a numbered series).
+    """Show one episode of a run: MP4, GIF, or PNG (one frame, or a numbered series).
 
-    The episode is simulated again from run.json and checked against the run's logs.
+    The episode is simulated again from run.json and checked against the run's logs. The graph world
+    from above is a plain drawing; everything else is drawn by MuJoCo through EGL or OSMesa, without
+    a display.
 
     Parameters
     ----------
     folder
-        Folder that evaluate wrote.
+        Folder that evaluate or compare wrote.
     output_file
         FILE.mp4, FILE.gif, FILE.png, or frames-%04d.png for a series.
     episode
@@ -38,9 +46,11 @@ def render(
     policy
         Policy; default the first one of the run.
     world
-        Dynamics.
+        Dynamics: graph or physics.
     camera
-        Point of view.
+        Point of view; default top for graph, else overview.
+    follow
+        Vessel of the cameras chase and scout, for example forager-1.
     start
         Where to begin [simulated s].
     duration
@@ -48,16 +58,26 @@ def render(
     fps
         Frames per second of the film.
     speed
-        Simulated seconds per second of film; default four decisions per second.
+        Simulated seconds per second of film; default four decisions per second, for chase and scout
+        one.
+    width
+        Of a frame [pixel]; default 1280.
+    height
+        Of a frame [pixel]; default 720.
     """
     from mjforage.render import render_replay
     from mjforage.studies.replaying import replay_of_run
 
+    logging.getLogger("mjforage.render").setLevel(logging.INFO)  # says what draws
     replay = replay_of_run(folder, world, policy, episode)
     with bar("frames") as shown:
         render_replay(
             replay,
             output_file,
+            camera=camera,
+            follow=follow,
+            width=width,
+            height=height,
             start_s=start,
             duration_s=duration,
             fps=fps,
@@ -65,3 +85,43 @@ def render(
             progress=shown,
         )
     output.print(f"film: {output_file}", soft_wrap=True)
+
+
+@app.command
+def view(
+    what: str = "comb-port",
+    /,
+    *,
+    episode: int = 0,
+    policy: str | None = None,
+    world: str = "graph",
+    speed: float = 10.0,
+    seed: int = 0,
+) -> None:
+    """Open MuJoCo's viewer on a scenario's scene, or on an episode of a run that it plays back.
+
+    Parameters
+    ----------
+    what
+        A scenario (see `mjforage scenarios`, or a TOML file), or a run folder.
+    episode
+        Number of the episode.
+    policy
+        Policy of the run; default its first one.
+    world
+        Dynamics of the run.
+    speed
+        Simulated seconds per second of playing back.
+    seed
+        Seed of a scenario's episode; a run has its own.
+    """
+    from mjforage.mission import Setting
+    from mjforage.render.viewer import check_display, view_replay, view_scenario
+    from mjforage.scenario_file import load_scenario
+    from mjforage.studies.replaying import replay_of_run
+
+    check_display()
+    if Path(what).is_dir():
+        view_replay(replay_of_run(Path(what), world, policy, episode), speed)
+    else:
+        view_scenario(Setting.of(load_scenario(what)), seed, episode)

@@ -47,11 +47,13 @@ def manoeuvre(
     plot
         Picture to write.
     """
-    from mjforage.manoeuvre import key_figures, manoeuvre_figure, write_trajectory
+    from mjforage.manoeuvre import check_plot, key_figures, manoeuvre_figure, write_trajectory
     from mjforage.manoeuvre import manoeuvre as run
     from mjforage.simulation.hull import MujocoHull
     from mjforage.storage import writing
 
+    if plot is not None:
+        check_plot(plot)
     path = run(vessel, schedule, test, current, wind, heading, duration, dt, MujocoHull)
     if out is not None:
         write_trajectory(path, out)

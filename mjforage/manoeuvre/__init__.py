@@ -3,7 +3,7 @@
 from mjforage.manoeuvre.command import manoeuvre
 from mjforage.manoeuvre.directions import parse_flow
 from mjforage.manoeuvre.figures import KeyFigure, key_figures
-from mjforage.manoeuvre.plot import manoeuvre_figure
+from mjforage.manoeuvre.plot import check_plot, manoeuvre_figure
 from mjforage.manoeuvre.run import run_manoeuvre, run_test
 from mjforage.manoeuvre.schedule import Schedule, read_schedule
 from mjforage.manoeuvre.standard import STANDARD_TESTS
@@ -14,6 +14,7 @@ __all__ = [
     "KeyFigure",
     "Schedule",
     "Trajectory",
+    "check_plot",
     "key_figures",
     "manoeuvre",
     "manoeuvre_figure",

@@ -12,6 +12,8 @@ from mjforage.manoeuvre.schedule import read_schedule
 from mjforage.manoeuvre.trajectory import Trajectory
 from mjforage.vessels import load_vessel
 
+MOST_DEG = 3600.0  # ten turns; far beyond, a heading has no exact sine
+
 
 def manoeuvre(
     vessel: str | Path,
@@ -43,8 +45,11 @@ def manoeuvre(
     """
     if (schedule is None) == (test is None):
         raise UserError("manoeuvre: give either --schedule FILE.csv or --test NAME")
-    if not math.isfinite(heading_deg):
-        raise UserError(f"--heading {heading_deg:g}: give degrees, counter-clockwise from east")
+    if not abs(heading_deg) <= MOST_DEG:  # also catches what is not a number
+        raise UserError(
+            f"--heading {heading_deg:g}: give degrees, counter-clockwise from east, "
+            f"{-MOST_DEG:g} to {MOST_DEG:g}"
+        )
     hull = load_vessel(vessel)
     conditions = Conditions(
         current_mps=parse_flow(current, "--current"),

@@ -1,6 +1,7 @@
 """One figure of a manoeuvre: track with hulls, speeds, heading and yaw rate, commands."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,12 +9,28 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from mjforage.errors import UserError
 from mjforage.manoeuvre.trajectory import Trajectory
 from mjforage.report import style
 from mjforage.report.figures import house_style
 
 HULLS = 12  # outlines along the track
+PICTURES = (".png", ".svg", ".pdf", ".jpg")
 PORT, STARBOARD = "#C2255C", "#0072B2"
+
+
+def check_plot(path: Path) -> None:
+    """Check before a run that its figure can be drawn into a file of that name.
+
+    Raises
+    ------
+    UserError
+        If no picture has that ending, or the folder is not there.
+    """
+    if path.suffix.lower() not in PICTURES:
+        raise UserError(f"--plot {path}: unknown kind of picture; give {', '.join(PICTURES)}")
+    if path.is_dir() or not path.parent.is_dir():
+        raise UserError(f"--plot {path}: cannot be written; name a file in a folder that exists")
 
 
 def manoeuvre_figure(trajectory: Trajectory) -> Figure:

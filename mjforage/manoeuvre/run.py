@@ -22,6 +22,7 @@ STEP_S = 0.05
 ROW_S = 0.05  # rows lie at most this far apart
 LONGEST_STEP_S = 1.0
 AFTERWARDS_S = 60.0  # how long a run goes on after the last row of its schedule
+SHORTEST_S = 1e-3
 MOST_STEPS = 10_000_000
 
 
@@ -92,10 +93,10 @@ def time_grid(
     Raises
     ------
     UserError
-        If duration or step is not above 0, not finite or too large.
+        If duration or step is too small, not finite or too large.
     """
-    if not (math.isfinite(duration_s) and duration_s > 0.0):
-        raise UserError(f"--duration {duration_s:g}: give seconds above 0")
+    if not (math.isfinite(duration_s) and duration_s >= SHORTEST_S):
+        raise UserError(f"--duration {duration_s:g}: give {SHORTEST_S:g} s or more")
     if not 0.0 < dt_s <= LONGEST_STEP_S:
         raise UserError(f"--dt {dt_s:g}: give seconds above 0, at most {LONGEST_STEP_S:g}")
     if duration_s / dt_s > MOST_STEPS:

@@ -15,6 +15,7 @@ from mjforage.report import style
 from mjforage.report.logs import RunLogs
 from mjforage.report.picture import Picture
 from mjforage.report.tables import Row, Table
+from mjforage.report.web_replay import web_replay
 
 _SUBSCRIPT = re.compile(r"\b(PTA|NT|RMSE|MI|IRR|CO|Gini|Throughput|ITL)_([A-Za-z0-9]+)")
 _CODE = re.compile(r"`([^`]+)`")
@@ -41,9 +42,12 @@ def rich_text(text: str) -> Markup:
 
 
 def interval_text(text: str) -> Markup:
-    """Escape, and set what follows ± smaller."""
-    mean, sign, half = text.partition(" ± ")
-    return Markup("{}<small> ± {}</small>").format(mean, half) if sign else escape(mean)
+    """Escape, and set what follows ± or an opening parenthesis smaller."""
+    for sign in (" ± ", " ("):
+        mean, found, rest = text.partition(sign)
+        if found:
+            return Markup("{}<small>{}{}</small>").format(mean, sign, rest)
+    return escape(text)
 
 
 def groups(rows: Sequence[Row]) -> list[tuple[Row, list[Row]]]:
@@ -160,6 +164,7 @@ def render(
         "gap": gap,
         "pairs": len(groups(paired.rows)) if paired else 0,
         "notes": definition_notes(),
+        "replay": web_replay(logs),
         "scenario_json": json.dumps(logs.run.scenario, indent=2, ensure_ascii=False),
         "stylesheet": Markup(_template("report.css.j2")),
     }

@@ -77,10 +77,13 @@ def build_scene(
     Raises
     ------
     UserError
-        If a hull cannot turn in the narrowest passage, or a part is malformed.
+        If a hull cannot turn in the narrowest passage, a part is malformed, or a number or name is
+        out of range.
     """
     if not vessels:
         raise UserError("scene: no vessel; give at least one")
+    if items < 0:
+        raise UserError(f"scene: {items} items; give 0 or more")
     if navigable is not None:
         check_passages(vessels, navigable, pitch_m)
     labels = vessel_labels(vessels, names)
@@ -105,8 +108,13 @@ def check_passages(vessels: Sequence[Vessel], navigable: NDArray[np.bool_], pitc
     Raises
     ------
     UserError
-        If one cannot.
+        If one cannot, or the map has no water.
     """
+    if not navigable.any():
+        raise UserError(
+            f"map of {navigable.shape[0]} x {navigable.shape[1]} cells: no water; "
+            "mark cells that hulls can use as navigable"
+        )
     cells = narrowest_passage(navigable)
     for vessel in vessels:
         needed = float(np.hypot(vessel.length_m, vessel.beam_m))

@@ -32,10 +32,13 @@ class Loop:
         size = mujoco.mj_stateSize(model, int(_SPEC.mjSTATE_INTEGRATION))
         self.state = np.zeros((simulations, size))
         self.warning = np.zeros((simulations, len(self._data.warning), 2), np.int32)
+        self._contact_force = np.zeros((simulations, model.nv))
         self.reset(np.arange(simulations))
 
     def bind(self, name: str) -> NDArray[np.float64]:
-        """Live (simulation, ...) view of a state field."""
+        """Live (simulation, ...) view of a state field, or of the last contact forces."""
+        if name == "qfrc_constraint":
+            return self._contact_force
         start = 0
         spec = int(_FIELDS[name])
         for bit in range(spec.bit_length() - 1):
@@ -62,6 +65,7 @@ class Loop:
             for _ in range(nstep):
                 mujoco.mj_step(self.model, data)
             mujoco.mj_getState(self.model, data, self.state[sim], spec)
+            self._contact_force[sim] = data.qfrc_constraint
             risen = data.warning.number - before
             self.warning[sim, :, 1] += risen
             self.warning[sim, risen > 0, 0] = data.warning.lastinfo[risen > 0]

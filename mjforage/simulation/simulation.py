@@ -76,6 +76,8 @@ class Simulation:
         self._shift_s = half_step_s(integrator, step_s)
         self._every = np.arange(simulations)
         self.seeds = np.array(self._every if seeds is None else seeds, np.uint64)
+        if self.seeds.shape != (simulations,):
+            raise UserError(f"simulation: {self.seeds.size} seeds, expected {simulations}")
         self._bind(len(scene.vessels))
         self.place_items(scene.parking, -1)
 

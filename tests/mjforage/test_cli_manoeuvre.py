@@ -62,6 +62,24 @@ def test_a_standard_test_prints_its_figures_and_draws(
         (("otter", "--schedule", "missing.csv"), "missing.csv"),
         (("otter", "--test", "stop", "--dt", "0"), "0"),
         (("otter", "--test", "stop", "--out", "no/where.csv"), "where.csv"),
+        (("otter", "--test", "stop", "--plot", "turn.xyz"), "--plot turn.xyz: unknown kind"),
+        (("otter", "--test", "stop", "--plot", "turn"), "--plot turn: unknown kind"),
+        (("otter", "--test", "stop", "--plot", "no/turn.png"), "--plot no/turn.png: cannot"),
+        (("otter", "--test", "stop", "--duration", "1e-12"), "--duration 1e-12"),
+        (("otter", "--test", "stop", "--heading", "1e300"), "--heading 1e+300"),
+        (
+            ("otter", "--test", "stop", "--current", "0.3"),
+            "--current 0.3: expected",
+        ),
+        (
+            ("otter", "--test", "stop", "--current=-0.3@0"),
+            "--current -0.3@0: speed",
+        ),
+        (("otter", "--test", "stop", "--wind", "nan@0"), "--wind nan@0"),
+        (
+            ("scout", "--test", "drift", "--wind", "100@0", "--current", "100@200", "--dt", "1"),
+            "scout",
+        ),
     ],
 )
 def test_bad_manoeuvres_are_refused(

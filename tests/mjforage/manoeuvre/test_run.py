@@ -91,7 +91,8 @@ def test_longer_steps_still_give_rows_every_0_05_s() -> None:
 @pytest.mark.parametrize(
     ("duration", "step", "message"),
     [
-        (0.0, 0.05, "--duration 0: give seconds above 0"),
+        (0.0, 0.05, "--duration 0: give 0.001 s or more"),
+        (1e-12, 0.05, "--duration 1e-12: give 0.001 s or more"),
         (-1.0, 0.05, "--duration -1"),
         (math.nan, 0.05, "--duration nan"),
         (math.inf, 0.05, "--duration inf"),
@@ -160,9 +161,12 @@ def test_either_a_schedule_or_a_test(both: dict[str, str]) -> None:
         manoeuvre("otter", both.get("schedule"), both.get("test"))
 
 
-def test_heading_must_be_finite() -> None:
-    with pytest.raises(UserError, match="--heading nan: give degrees"):
-        manoeuvre("otter", test="drift", heading_deg=math.nan)
+@pytest.mark.parametrize("heading", [math.nan, math.inf, -3601.0, 1e300])
+def test_headings_without_an_exact_sine_are_refused(heading: float) -> None:
+    with pytest.raises(
+        UserError, match=rf"--heading {heading:g}: give degrees".replace("+", r"\+")
+    ):
+        manoeuvre("otter", test="drift", heading_deg=heading)
 
 
 def test_figure_shows_the_track(tmp_path: Path) -> None:

@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
-from scipy.optimize import brentq, fsolve
+from scipy.optimize import brentq
 
 from mjforage.hydrodynamics.conditions import Conditions
 from mjforage.manoeuvre import STANDARD_TESTS, key_figures, run_test
 from mjforage.manoeuvre.figures import coast_time_s, crossing_s, last_turn_s, rise_time_s
 from mjforage.manoeuvre.standard import shares
 from mjforage.manoeuvre.zigzag import zigzag_figures
+from mjforage.validation.turning import steady_turn
 from mjforage.vessels import load_vessel
 
 OTTER, SCOUT, FORAGER = (load_vessel(name) for name in ("otter", "scout", "forager"))
@@ -70,26 +70,8 @@ def test_every_test_gives_finite_figures_with_unit_and_meaning(vessel: str, test
     assert all(math.isfinite(f.value) and f.unit and f.meaning for f in found.values())
 
 
-def steady_turn_of_the_otter() -> NDArray[np.float64]:
-    """(u, v, r) at which forces and moments balance, written out from physics.md section 2."""
-    left, right = 0.2 * 0.01108 * 103.94**2, 0.6 * 0.01108 * 103.94**2
-    strips = np.linspace(-1.0, 1.0, 21)
-
-    def forces(motion: NDArray[np.float64]) -> tuple[float, float, float]:
-        u, v, r = motion
-        flow = v + strips * r
-        drag = -0.5 * 1025.0 * 0.195 * np.abs(flow) * flow * 0.1
-        surge = left + right - 77.55 * u + (80.0 + 82.5) * v * r + 80.0 * 0.153 * r * r
-        sway = drag.sum() - 162.5 * v - (80.0 + 5.28) * u * r
-        yaw = 0.395 * (right - left) + (strips * drag).sum() - 40.05 * (1.0 + 10.0 * abs(r)) * r
-        yaw += -(82.5 - 5.28) * u * v - 80.0 * 0.153 * u * r
-        return float(surge), float(sway), float(yaw)
-
-    return np.asarray(fsolve(forces, [1.2, -0.1, 0.2]))
-
-
 def test_turning_circle_of_the_otter_balances_its_forces() -> None:
-    u, v, r = steady_turn_of_the_otter()
+    u, v, r = steady_turn()
     found = figures("otter", "turning-circle")
     assert found["turning_speed"] == pytest.approx(math.hypot(u, v), rel=1e-5)
     assert found["turning_rate"] == pytest.approx(r, rel=1e-5)

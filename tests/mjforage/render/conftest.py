@@ -1,13 +1,16 @@
 """Replays made up for drawing: wandering vessels, drifting items, honest beliefs and views."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from mjforage.render.opengl import choose_backend, egl_works, osmesa_works
 from mjforage.replay import Replay
 
+PITCH_M = 4.0
 RADII = (4.0, 1.0)  # scouts, foragers [node]
 
 
@@ -62,9 +65,11 @@ def make_replay(
         belief[t][view[t] > 0] = count[view[t] > 0]
         before = idleness[t - 1] + np.float16(1 / (0.9 * 150)) if t else np.float16(1)
         idleness[t] = np.where(navigable & (view[t] == 0), np.minimum(before, 1), 0)
+    rows, item_path = navigable.shape[0], np.array(item_rc)
+    pose = np.concatenate((_metres(places, rows), _yaws(places)[..., None]), axis=-1)
     return Replay(
         navigable=navigable,
-        pitch_m=4.0,
+        pitch_m=PITCH_M,
         horizon=max(150, steps),
         period_s=10.0,
         team_names=("scouts", "foragers"),
@@ -76,9 +81,52 @@ def make_replay(
         belief=belief,
         idleness=idleness,
         in_view=view,
+        vessels=tuple("forager" if collector else "scout" for collector in collects),
+        item_class=np.arange(items, dtype=np.int16) % 5,
+        frame_s=10.0,
+        track_pose=pose.astype(np.float32),
+        track_items=_metres(item_path, rows).astype(np.float32),
+        track_present=present,
+        track_wind=np.zeros((steps + 1, 2), np.float32),
         policy="greedy",
         episode=3,
     )
+
+
+def physics_like(replay: Replay, frames_per_step: int = 20) -> Replay:
+    """The same episode with a finer track, as the physics world has it."""
+    last = len(replay.track_pose) - 1
+    place = np.arange(last * frames_per_step + 1) / frames_per_step
+    before = np.minimum(place.astype(int), last - 1)
+    part = (place - before)[:, None, None]
+
+    def between(values: NDArray[np.float32]) -> NDArray[np.float32]:
+        mixed = values[before] + (values[before + 1] - values[before]) * part
+        return np.asarray(mixed, np.float32)
+
+    return replace(
+        replay,
+        world="physics",
+        frame_s=replay.period_s / frames_per_step,
+        track_pose=between(replay.track_pose),
+        track_items=between(replay.track_items),
+        track_present=replay.track_present[np.floor(place).astype(int)],
+        track_wind=np.zeros((len(place), 2), np.float32),
+    )
+
+
+def _metres(rc: NDArray[np.number], rows: int) -> NDArray[np.float64]:
+    x, y = rc[..., 1] * PITCH_M, (rows - 1 - rc[..., 0]) * PITCH_M
+    return np.stack((x, y), axis=-1).astype(np.float64)
+
+
+def _yaws(places: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Along the last move; at first east."""
+    yaw = np.zeros(places.shape[:2])
+    for step, move in enumerate(np.diff(places, axis=0), start=1):
+        moving = move.any(axis=1)
+        yaw[step] = np.where(moving, np.arctan2(-move[:, 0], move[:, 1]), yaw[step - 1])
+    return yaw
 
 
 def _on_water(rc: NDArray[np.float64], water: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -116,6 +164,20 @@ def _wander(
 def build() -> Callable[..., Replay]:
     """The builder `make_replay`."""
     return make_replay
+
+
+@pytest.fixture(scope="session")
+def refine() -> Callable[..., Replay]:
+    """The function `physics_like`."""
+    return physics_like
+
+
+@pytest.fixture(scope="session")
+def opengl() -> str:
+    """Skip where no OpenGL driver is installed, the one reason not to draw."""
+    if not egl_works() and not osmesa_works():
+        pytest.skip("no OpenGL driver: neither EGL nor OSMesa is installed")
+    return choose_backend()
 
 
 @pytest.fixture(scope="session")

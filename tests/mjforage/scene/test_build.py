@@ -5,6 +5,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from mjforage.assets import models_folder
 from mjforage.callback.layout import HEADER, MAGIC
 from mjforage.errors import UserError
 from mjforage.hydrodynamics.parameters import SIZE, pack
@@ -98,6 +99,26 @@ def test_malformed_models_are_named(tmp_path: Path) -> None:
         file.write_text(text)
         with pytest.raises(UserError, match=message):
             build_scene([SCOUT], parts={"scout": file})
+    good = (models_folder() / "otter.xml").read_text(encoding="utf-8")
+    for old, new, message in (
+        ('axis="1 0 0"', 'axis="0 1 0"', "joint x is no slide along x"),
+        ('name="yaw" type="hinge"', 'name="yaw" type="slide"', "joint yaw is no hinge along z"),
+        (
+            'name="x" type="slide"',
+            'name="x" damping="3" type="slide"',
+            "joint x has damping",
+        ),
+        ('name="collider"', 'name="box"', "no box named collider"),
+        (
+            "</body>",
+            '<body><joint/><geom size="1"/></body></body>',
+            "joints or actuators of its own",
+        ),
+    ):
+        assert old in good
+        file.write_text(good.replace(old, new, 1))
+        with pytest.raises(UserError, match=message):
+            build_scene([SCOUT], parts={"scout": file})
     with pytest.raises(UserError, match="no such file"):
         build_scene([SCOUT], parts={"scout": tmp_path / "none.xml"})
 
@@ -106,6 +127,15 @@ def test_names_are_counted_by_vessel_and_must_differ() -> None:
     assert build_scene([SCOUT, FORAGER, SCOUT]).names == ("scout-0", "forager-0", "scout-1")
     with pytest.raises(UserError, match="give 2 different ones"):
         build_scene([SCOUT, FORAGER], names=["a", "a"])
+    for name in ("", "a/b"):
+        with pytest.raises(
+            UserError, match=f"name '{name}' of a vessel: give text without a slash"
+        ):
+            build_scene([SCOUT], names=[name])
+    with pytest.raises(UserError, match="-1 items; give 0 or more"):
+        build_scene([SCOUT], items=-1)
+    with pytest.raises(UserError, match="map of 2 x 3 cells: no water"):
+        build_scene([SCOUT], navigable=np.zeros((2, 3), bool))
     with pytest.raises(UserError, match="no vessel"):
         build_scene([])
 

@@ -19,26 +19,6 @@ PORT = port_scene()
 BOTH = pytest.mark.parametrize("integrator", Integrator)
 
 
-def final(integrator: Integrator, simulations: int, threads: int = 1) -> np.ndarray:
-    """States of the first three simulations after a busy minute."""
-    simulation = Simulation(PORT, simulations, integrator=integrator, threads=threads)
-    model = port_simulation(PORT, integrator, 3)
-    for name in ("qpos", "qvel", "userdata"):
-        simulation.engine.bind(name)[:3] = model.engine.bind(name)
-    simulation.place_vessels(np.arange(12.0).reshape(4, 3) * 3, ids=np.arange(3, simulations))
-    for k in range(12):
-        simulation.commands[:] = 20.0 - 7.0 * (k % 4)
-        simulation.step(50)
-    return simulation.state[:3].copy()
-
-
-@BOTH
-def test_bitwise_the_same_over_repeats_threads_and_batch_sizes(integrator: Integrator) -> None:
-    once = final(integrator, 3)
-    for other in (final(integrator, 3), final(integrator, 3, threads=2), final(integrator, 5)):
-        np.testing.assert_array_equal(other, once)
-
-
 @BOTH
 def test_a_copied_state_resumes_to_the_bit(integrator: Integrator) -> None:
     first = port_simulation(PORT, integrator, 2)
@@ -141,6 +121,8 @@ def test_instability_names_seed_time_and_body(
 def test_numbers_out_of_range_are_named() -> None:
     with pytest.raises(UserError, match=r"step -0.1 s; give numbers above 0"):
         Simulation(PORT, step_s=-0.1)
+    with pytest.raises(UserError, match="2 seeds, expected 3"):
+        Simulation(PORT, 3, seeds=[1, 2])
     with pytest.raises(UserError, match="debris class 5: the scene has 5, counted from 0"):
         Simulation(PORT).place_items(PORT.parking, 5)
 

@@ -1,0 +1,38 @@
+"""The one place of this package where numba is configured."""
+
+import hashlib
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+from numba.core.caching import FunctionCache
+
+F = TypeVar("F", bound=Callable[..., object])
+
+
+@cache
+def _stamp() -> str:
+    """Changes whenever a source file of this package does: kernels call kernels of other files."""
+    files = sorted(Path(__file__).resolve().parent.rglob("*.py"))
+    found = [(file.name, file.stat().st_mtime_ns, file.stat().st_size) for file in files]
+    return hashlib.sha256(repr(found).encode()).hexdigest()
+
+
+class _Cache(FunctionCache):
+    """numba's disk cache, which by itself knows the kernel's own file only."""
+
+    def _index_key(self, sig: Any, codegen: Any) -> Any:
+        key = super()._index_key(sig, codegen)  # type: ignore[no-untyped-call]
+        return (*key, _stamp())
+
+
+def kernel(function: F) -> F:
+    """Compile `function` in nopython mode, cached on disk.
+
+    No fast-math: sums keep their order, so a result never depends on the batch it is in.
+    """
+    dispatcher = cast(Any, numba).njit(fastmath=False, nogil=True)(function)
+    dispatcher._cache = _Cache(dispatcher.py_func)  # type: ignore[no-untyped-call]
+    return cast(F, dispatcher)

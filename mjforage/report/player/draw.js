@@ -1,0 +1,376 @@
+// Draws one world at one time onto a canvas. Bow towards +x in hull lengths, as in the figures.
+const HULLS = {
+  scout: [[0.55, 0], [0.1, 0.23], [-0.45, 0.3], [-0.3, 0], [-0.45, -0.3], [0.1, -0.23]],
+  forager: [
+    [0.1, 0.15], [0.52, 0.2], [0.42, 0.4], [-0.36, 0.4], [-0.48, 0.26],
+    [-0.48, -0.26], [-0.36, -0.4], [0.42, -0.4], [0.52, -0.2], [0.1, -0.15],
+  ],
+};
+const LEAST_HULL_PX = { scout: 17, forager: 18 };
+const WAKE_S = 90, WAKE_PIECES = 36;
+const FLASH_S = 14;
+const FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
+
+const role = (agent) => (agent.collects ? "forager" : "scout");
+
+function rgb(hex) { return [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16)); }
+
+function bitmap(width, height) {
+  return Object.assign(document.createElement("canvas"), { width, height });
+}
+
+// What does not change: land, quay edges, and the bitmaps that layers are painted into.
+class Harbour {
+  constructor(stage) {
+    this.stage = stage;
+    this.beyond = Math.max(stage.rows, stage.columns); // cells drawn on past the map's edge
+    this.land = this.landBitmap();
+    this.edges = this.outline((row, column) => this.isWater(row, column), this.beyond);
+  }
+
+  isWater(row, column) {
+    const { rows, columns, water } = this.stage;
+    const inside = (at, count) => Math.min(Math.max(at, 0), count - 1);
+    return water[inside(row, rows) * columns + inside(column, columns)] === "1";
+  }
+
+  landBitmap() {
+    const { rows, columns, colours } = this.stage, { beyond } = this, wide = columns + 2 * beyond;
+    const canvas = bitmap(wide, rows + 2 * beyond), context = canvas.getContext("2d");
+    const image = context.createImageData(canvas.width, canvas.height), land = rgb(colours.land);
+    for (let row = 0; row < canvas.height; row++)
+      for (let column = 0; column < wide; column++)
+        if (!this.isWater(row - beyond, column - beyond))
+          image.data.set([...land, 255], 4 * (row * wide + column));
+    context.putImageData(image, 0, 0);
+    return canvas;
+  }
+
+  // Lines around the cells of a kind, in metres, each as long as it is straight.
+  outline(is, beyond) {
+    const { rows, columns, pitch_m: pitch } = this.stage, path = new Path2D();
+    const x = (column) => (column - 0.5) * pitch, y = (row) => (rows - row - 0.5) * pitch;
+    const line = (outer, inner, differs, point) => {
+      for (let o = -beyond; o <= outer + beyond; o++)
+        for (let i = -beyond, start = null; i <= inner + beyond; i++) {
+          const edge = i < inner + beyond && differs(o, i);
+          if (edge && start === null) start = i;
+          if (!edge && start !== null) {
+            path.moveTo(...point(o, start));
+            path.lineTo(...point(o, i));
+            start = null;
+          }
+        }
+    };
+    line(rows, columns, (r, c) => is(r - 1, c) !== is(r, c), (r, c) => [x(c), y(r)]);
+    line(columns, rows, (c, r) => is(r, c - 1) !== is(r, c), (c, r) => [x(c), y(r)]);
+    return path;
+  }
+}
+
+class Picture {
+  constructor(canvas, harbour) {
+    Object.assign(this, { canvas, harbour, stage: harbour.stage });
+    this.top = Math.max(4, ...this.stage.replays.map((entry) => entry.most_believed));
+    this.context = canvas.getContext("2d");
+    this.layers = {};
+    this.hulls = this.stage.agents.map((agent) => {
+      const path = new Path2D();
+      HULLS[role(agent)].forEach(([u, v], i) => path[i ? "lineTo" : "moveTo"](u, v));
+      path.closePath();
+      return path;
+    });
+  }
+
+  // CSS size of the canvas; its bitmap follows it and the screen's density.
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const density = Math.min(window.devicePixelRatio || 1, 3);
+    const [w, h] = [Math.round(width * density), Math.round(height * density)];
+    if (this.canvas.width !== w || this.canvas.height !== h)
+      Object.assign(this.canvas, { width: w, height: h });
+    this.density = density;
+    return { width, height };
+  }
+
+  draw(episode, time, lens, shown, vessel) {
+    const { context, stage } = this;
+    this.lens = lens;
+    context.setTransform(this.density, 0, 0, this.density, 0, 0);
+    context.fillStyle = stage.colours.water;
+    context.fillRect(0, 0, lens.width, lens.height);
+    if (episode) this.drawKnowledge(episode, episode.step(time), shown);
+    this.drawQuays();
+    if (!episode) return;
+    if (shown.belief) this.drawCounts(episode.belief.at(episode.step(time)));
+    if (shown.wakes) stage.agents.forEach((_, agent) => this.drawWake(episode, agent, time));
+    this.drawItems(episode, time);
+    stage.agents.forEach((_, agent) => this.drawHull(episode, agent, time, agent === vessel));
+    if (vessel >= 0) this.drawName(episode, vessel, time);
+    this.drawWind(episode.wind(time));
+    this.drawScale();
+  }
+
+  px(x, y) {
+    const { lens } = this;
+    return [lens.width / 2 + (x - lens.x) * lens.scale, lens.height / 2 - (y - lens.y) * lens.scale];
+  }
+
+  // Sets pixels so that what follows is in metres, y upwards.
+  metres() {
+    const { lens, density: d, context } = this, k = lens.scale;
+    context.setTransform(d * k, 0, 0, -d * k, d * (lens.width / 2 - lens.x * k),
+      d * (lens.height / 2 + lens.y * k));
+  }
+
+  pixels() { this.context.setTransform(this.density, 0, 0, this.density, 0, 0); }
+
+  // A bitmap of cells that starts `beyond` cells outside the map.
+  drawCells(cells, beyond) {
+    const { stage, context, lens } = this, k = lens.scale * stage.pitch_m;
+    const [left, top] = this.px(-(beyond + 0.5) * stage.pitch_m,
+      (stage.rows + beyond - 0.5) * stage.pitch_m);
+    context.imageSmoothingEnabled = false;
+    context.drawImage(cells, left, top, cells.width * k, cells.height * k);
+  }
+
+  // Cells by value, painted once a step: `paint` gives [red, green, blue, alpha 0..255] or nothing.
+  drawLayer(name, episode, step, paint) {
+    const { columns, rows } = this.stage;
+    const layer = this.layers[name] ||= { cells: bitmap(columns, rows), episode: null, step: -1 };
+    if (layer.episode !== episode || layer.step !== step) {
+      const context = layer.cells.getContext("2d"), image = context.createImageData(columns, rows);
+      episode[name].at(step).forEach((value, cell) => {
+        const colour = paint(value, cell);
+        if (colour) image.data.set(colour, 4 * cell);
+      });
+      context.putImageData(image, 0, 0);
+      Object.assign(layer, { episode, step });
+    }
+    this.drawCells(layer.cells, 0);
+  }
+
+  drawKnowledge(episode, step, shown) {
+    const { colours, idle_levels: levels, water } = this.stage, { top } = this;
+    if (shown.idleness)
+      this.drawLayer("idleness", episode, step, (level, cell) =>
+        (water[cell] === "1" ? [70, 96, 122, (165 * level) / levels] : null));
+    if (shown.view) this.drawLayer("view", episode, step, (bits) => bits && [255, 255, 255, 125]);
+    if (shown.belief) {
+      const heat = colours.heat.map((hex) => [...rgb(hex), 225]);
+      const place = (count) => Math.round((Math.log(count) / Math.log(top)) * (heat.length - 1));
+      this.drawLayer("belief", episode, step, (count) => count > 0 && heat[place(count)]);
+    }
+    if (shown.view) this.drawViews(episode, step);
+  }
+
+  // Frames around the nodes in view now, in the colour of the role that sees them.
+  drawViews(episode, step) {
+    const { context, lens, stage } = this, grid = episode.view.at(step);
+    const { rows, columns, colours } = stage;
+    if (this.viewed !== episode || this.viewStep !== step) {
+      this.viewPaths = [1, 2].map((bit) => this.harbour.outline((row, column) =>
+        row >= 0 && row < rows && column >= 0 && column < columns
+          && (grid[row * columns + column] & bit) > 0, 0));
+      Object.assign(this, { viewed: episode, viewStep: step });
+    }
+    [colours.scout, colours.forager].forEach((hex, role) => {
+      this.metres();
+      context.lineCap = "square";
+      context.strokeStyle = hex;
+      context.lineWidth = 1.5 / lens.scale;
+      context.stroke(this.viewPaths[role]);
+      this.pixels();
+    });
+  }
+
+  // Believed counts in figures, once their cells are large enough to hold them.
+  drawCounts(belief) {
+    const { stage, context, lens } = this, cell = lens.scale * stage.pitch_m;
+    if (cell < 15) return;
+    context.font = `600 ${Math.min(13, 0.5 * cell)}px ${FONT}`;
+    context.textAlign = "right";
+    context.textBaseline = "top";
+    belief.forEach((count, at) => {
+      if (!count) return;
+      const row = Math.floor(at / stage.columns), column = at % stage.columns;
+      const [x, y] = this.px((column + 0.5) * stage.pitch_m, (stage.rows - row - 0.5) * stage.pitch_m);
+      context.fillStyle = count > 3 ? "rgba(255,255,255,.95)" : "rgba(60,30,0,.8)";
+      context.fillText(count, x - 0.1 * cell, y + 0.08 * cell);
+    });
+  }
+
+  drawQuays() {
+    const { context, stage, lens } = this, cell = stage.pitch_m;
+    const stroke = (style, width) => {
+      context.strokeStyle = style;
+      context.lineWidth = width;
+      context.stroke(this.harbour.edges);
+    };
+    context.lineJoin = context.lineCap = "round";
+    this.metres();
+    stroke("rgba(38,84,110,.10)", 0.55 * cell);
+    stroke("rgba(38,84,110,.14)", 0.25 * cell);
+    this.pixels();
+    this.drawCells(this.harbour.land, this.harbour.beyond);
+    this.metres();
+    stroke(stage.colours.edge, Math.max(1.5 / lens.scale, 0.03 * cell));
+    this.pixels();
+  }
+
+  drawWake(episode, agent, time) {
+    const { context, stage } = this, { colour } = stage.agents[agent];
+    const start = Math.max(0, time - WAKE_S), pieces = WAKE_PIECES;
+    if (time <= start) return;
+    const length = this.hullLength(agent);
+    context.lineCap = "butt"; // round ends would show through each other
+    context.strokeStyle = colour;
+    let [x, y] = [null, null];
+    for (let i = 0; i <= pieces; i++) {
+      const at = start + ((time - start) * i) / pieces, pose = episode.pose(agent, at);
+      const [u, v] = this.px(pose.x, pose.y), age = 1 - (time - at) / WAKE_S;
+      if (x !== null && (u !== x || v !== y)) {
+        context.globalAlpha = 0.75 * age ** 1.4;
+        context.lineWidth = length * (0.05 + 0.1 * age);
+        context.beginPath();
+        context.moveTo(x, y);
+        context.lineTo(u, v);
+        context.stroke();
+      }
+      [x, y] = [u, v];
+    }
+    context.globalAlpha = 1;
+  }
+
+  drawItems(episode, time) {
+    const { context, stage, lens } = this;
+    const radius = Math.min(5.5, Math.max(2.3, 0.14 * stage.pitch_m * lens.scale));
+    for (let i = 0; i < episode.items; i++) {
+      const age = (time - episode.removedS[i]) / FLASH_S;
+      if (age >= 1) continue;
+      const place = episode.item(i, time), [x, y] = this.px(place.x, place.y);
+      context.beginPath();
+      if (age >= 0) {
+        context.arc(x, y, radius * (1 + 4 * age), 0, 7);
+        context.strokeStyle = `rgba(20,83,45,${0.9 * (1 - age)})`;
+        context.lineWidth = 2.2 * (1 - age) + 0.3;
+        context.stroke();
+        continue;
+      }
+      const known = episode.discoveredS[i] <= time + 1e-6;
+      context.arc(x, y, known ? radius : 0.85 * radius, 0, 7);
+      context.fillStyle = known ? stage.colours.item : "rgba(255,255,255,.75)";
+      context.strokeStyle = known ? "#fff" : stage.colours.item;
+      context.lineWidth = known ? 0.9 : 1;
+      context.fill();
+      context.stroke();
+    }
+  }
+
+  // On the screen: its true length once that is large enough to be seen.
+  hullLength(agent) {
+    const { stage, lens } = this, vessel = stage.agents[agent];
+    return Math.max(LEAST_HULL_PX[role(vessel)], vessel.length_m * lens.scale);
+  }
+
+  drawHull(episode, agent, time, followed) {
+    const { context, stage } = this, vessel = stage.agents[agent], pose = episode.pose(agent, time);
+    const [x, y] = this.px(pose.x, pose.y), length = this.hullLength(agent);
+    if (followed) {
+      context.beginPath();
+      context.arc(x, y, 0.85 * length, 0, 7);
+      context.strokeStyle = vessel.colour;
+      context.lineWidth = 1.5;
+      context.setLineDash([5, 4]);
+      context.stroke();
+      context.setLineDash([]);
+    }
+    context.save();
+    context.translate(x, y);
+    context.rotate(-pose.yaw);
+    context.scale(length, length);
+    context.lineJoin = "round";
+    for (const [style, width] of [["rgba(24,52,72,.55)", 4.6], ["#fff", 3]]) {
+      context.strokeStyle = style;
+      context.lineWidth = width / length;
+      context.stroke(this.hulls[agent]);
+    }
+    context.fillStyle = vessel.colour;
+    context.fill(this.hulls[agent]);
+    context.beginPath();
+    context.arc(vessel.collects ? -0.18 : -0.05, 0, 0.075, 0, 7);
+    context.fillStyle = "#fff";
+    context.fill();
+    context.restore();
+  }
+
+  drawName(episode, agent, time) {
+    const pose = episode.pose(agent, time), [x, y] = this.px(pose.x, pose.y);
+    const above = 0.85 * this.hullLength(agent) + 5;
+    this.label(this.stage.agents[agent].name, x, y - above, "center", "bottom");
+  }
+
+  label(text, x, y, align, baseline) {
+    const { context, stage } = this;
+    context.font = `600 12px ${FONT}`;
+    context.textAlign = align;
+    context.textBaseline = baseline;
+    context.lineJoin = "round";
+    context.strokeStyle = "rgba(255,255,255,.85)";
+    context.lineWidth = 3.5;
+    context.strokeText(text, x, y);
+    context.fillStyle = stage.colours.ink;
+    context.fillText(text, x, y);
+  }
+
+  // Arrow in the corner: where the wind blows to, and how fast.
+  drawWind(wind) {
+    const { context, lens, stage } = this, speed = Math.hypot(wind.x, wind.y);
+    const x = lens.width - 34, y = 34;
+    context.beginPath();
+    context.arc(x, y, 22, 0, 7);
+    context.fillStyle = "rgba(255,255,255,.88)";
+    context.strokeStyle = "rgba(31,41,51,.25)";
+    context.lineWidth = 1;
+    context.fill();
+    context.stroke();
+    if (speed > 0.005) {
+      context.save();
+      context.translate(x, y);
+      context.rotate(-Math.atan2(wind.y, wind.x));
+      context.beginPath();
+      context.moveTo(-14, 0);
+      context.lineTo(9, 0);
+      context.strokeStyle = context.fillStyle = stage.colours.ink;
+      context.lineWidth = 2.4;
+      context.stroke();
+      context.beginPath();
+      [[16, 0], [5, 6], [8, 0], [5, -6]].forEach(([u, v]) => context.lineTo(u, v));
+      context.fill();
+      context.restore();
+    }
+    const text = speed > 0.005 ? `wind ${speed.toFixed(1)} m/s` : "no wind";
+    this.label(text, lens.width - 10, 62, "right", "top");
+  }
+
+  // A bar of a round number of metres.
+  drawScale() {
+    const { context, lens, stage } = this, most = 110 / lens.scale;
+    const power = 10 ** Math.floor(Math.log10(most));
+    const metres = Math.max(...[1, 2, 5].map((f) => f * power).filter((m) => m <= most));
+    const [x, y, long] = [12, lens.height - 12, metres * lens.scale];
+    const bar = () => {
+      context.beginPath();
+      [[x, y - 6], [x, y], [x + long, y], [x + long, y - 6]].forEach(([u, v]) => context.lineTo(u, v));
+      context.stroke();
+    };
+    context.lineCap = context.lineJoin = "round";
+    context.strokeStyle = "rgba(255,255,255,.85)";
+    context.lineWidth = 5;
+    bar();
+    context.strokeStyle = stage.colours.ink;
+    context.lineWidth = 1.8;
+    bar();
+    this.label(`${metres} m`, x + long / 2, y - 5, "center", "bottom");
+  }
+}
