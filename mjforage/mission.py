@@ -160,7 +160,8 @@ class Mission:
         """
         self.keys = episode_keys(seed, episodes)
         self.world = self.setting.create_world(self.keys)
-        self.state: Transition = self._dynamics.reset(self.world, self.keys)
+        names = [f"{seed}, episode {episode}" for episode in episodes]
+        self.state: Transition = self._dynamics.reset(self.world, self.keys, names)
         self.model.reset(self.state.agent_node, self.state.item_node, self.keys)
         self.step = np.zeros(episodes.size, np.int32)
         self.active = np.ones(episodes.size, np.bool_)

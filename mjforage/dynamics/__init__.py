@@ -1,5 +1,6 @@
 """The one room in which worlds differ: how vessels move and items drift during one decision."""
 
+from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -61,8 +62,13 @@ def start_state(world: World, centres: NDArray[np.float64]) -> Transition:
 class Dynamics(Protocol):
     """How a world moves. Batched over episodes; one episode is a batch of one."""
 
-    def reset(self, world: World, keys: UInt64Array) -> Transition:
-        """Start a batch of episodes and return their state at step 0."""
+    def reset(self, world: World, keys: UInt64Array, names: Sequence[str]) -> Transition:
+        """Start a batch of episodes and return their state at step 0.
+
+        Parameters
+        ----------
+        keys, names : (episode,) what randomness hangs on, and what errors call them
+        """
         ...
 
     def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:

@@ -3,6 +3,8 @@
 Order (scenario section 1): all move; foragers remove every item in their node; the rest drift.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -63,7 +65,7 @@ class GraphDynamics:
         if film is not None:
             film.interval_s = scenario.period_s
 
-    def reset(self, world: World, keys: UInt64Array) -> Transition:
+    def reset(self, world: World, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0."""
         self._items.reset(world, keys)
         self._state = start_state(world, self._centres)

@@ -4,6 +4,8 @@ A decision becomes a waypoint; controllers steer at 10 Hz; what the period's end
 same `Transition` as at graph level. Physics section 1 defines arrived, late and blocked.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -67,7 +69,7 @@ class PhysicsDynamics:
         centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._centres, self._centres_xy = centres, graph.metres(centres)
 
-    def reset(self, world: World, keys: UInt64Array) -> Transition:
+    def reset(self, world: World, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0."""
         episodes, items = world.item_node.shape
         self._keys, self._state = keys, start_state(world, self._centres)
@@ -80,7 +82,7 @@ class PhysicsDynamics:
             episodes,
             integrator=Integrator(self._choice.integrator),
             step_s=self._choice.step_s,
-            seeds=keys,
+            seeds=names,
         )
         self._pilot = Pilot(self._helms, self._chart, episodes, CONTROL_S)
         self._watched = Watched.of(world.agent_node.shape)

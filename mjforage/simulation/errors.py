@@ -1,5 +1,7 @@
 """MuJoCo puts an unstable state back to the start without a word: here it becomes an error."""
 
+from collections.abc import Sequence
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +25,7 @@ def check_warnings(
     model: mujoco.MjModel,
     warnings: NDArray[np.int32],
     ids: NDArray[np.intp],
-    seeds: NDArray[np.uint64],
+    seeds: Sequence[int | str],
     time_s: NDArray[np.float64],
 ) -> None:
     """Fail if a simulation has a MuJoCo warning.

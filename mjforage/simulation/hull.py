@@ -40,7 +40,7 @@ class MujocoHull:
             mujoco.mj_step(self._model, data)
         warning = np.stack((data.warning.lastinfo, data.warning.number), axis=1)[None]
         only = np.zeros(1, np.intp)
-        check_warnings(self._model, warning, only, np.zeros(1, np.uint64), before)
+        check_warnings(self._model, warning, only, (0,), before)
 
     def state(self) -> State:
         """Position, yaw, velocity over ground in body axes, yaw rate."""

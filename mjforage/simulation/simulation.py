@@ -45,7 +45,7 @@ class Simulation:
         integrator: Integrator = Integrator.FAST,
         step_s: float = 0.1,
         threads: int = 1,
-        seeds: Sequence[int] | NDArray[np.integer[Any]] | None = None,
+        seeds: Sequence[int | str] | None = None,
     ) -> None:
         """Set up simulations.
 
@@ -53,7 +53,8 @@ class Simulation:
         ----------
         step_s : time step of the physics [s]
         threads : of MuJoCo; results do not depend on it
-        seeds : (simulation,) names of the runs in error messages, by default their numbers
+        seeds : (simulation,) names of the runs in error messages, by default their numbers; a text
+            may say more, such as "3, episode 12"
 
         Raises
         ------
@@ -75,9 +76,9 @@ class Simulation:
         )
         self._shift_s = half_step_s(integrator, step_s)
         self._every = np.arange(simulations)
-        self.seeds = np.array(self._every if seeds is None else seeds, np.uint64)
-        if self.seeds.shape != (simulations,):
-            raise UserError(f"simulation: {self.seeds.size} seeds, expected {simulations}")
+        self.seeds = tuple(range(simulations) if seeds is None else seeds)
+        if len(self.seeds) != simulations:
+            raise UserError(f"simulation: {len(self.seeds)} seeds, expected {simulations}")
         self._bind(len(scene.vessels))
         self.place_items(scene.parking, -1)
 

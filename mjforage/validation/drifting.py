@@ -17,8 +17,8 @@ from mjforage.validation.finding import (
     within,
 )
 from mjforage.validation.registry import Parts, check
-from mjforage.validation.runs import INTEGRATORS, SPEED_KIND, clock
-from mjforage.vessels import load_vessel, vessel_names
+from mjforage.validation.runs import INTEGRATORS, SPEED_KIND, VESSELS, clock
+from mjforage.vessels import load_vessel
 
 CURRENT = np.array([0.24, -0.18])  # [m/s]
 DRIFT_S = 600.0
@@ -33,7 +33,7 @@ def current() -> Parts:
     What is left of the speed through the water. Where drag is only quadratic, as for debris and
     ahead for the scout, it falls like m / (k t), no faster.
     """
-    names, measures = vessel_names(), []
+    names, measures = VESSELS, []
     for integrator in INTEGRATORS:
         slips = _slips(integrator)
         last = slips[-1]
@@ -52,7 +52,7 @@ def current() -> Parts:
 
 def _slips(integrator: Integrator) -> Float64Array:
     """(row, body) speed through the water: vessels, then one item of each class."""
-    hulls = [load_vessel(name) for name in vessel_names()]
+    hulls = [load_vessel(name) for name in VESSELS]
     scene = build_scene(hulls, items=5)
     simulation = Simulation(scene, integrator=integrator)
     pose = np.zeros((len(hulls), 3))

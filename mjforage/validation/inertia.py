@@ -15,8 +15,8 @@ from mjforage.validation.finding import (
     near_share,
 )
 from mjforage.validation.registry import Parts, check
-from mjforage.validation.runs import INTEGRATORS, SPEED_KIND, body_axes, row
-from mjforage.vessels import Vessel, load_vessel, vessel_names
+from mjforage.validation.runs import INTEGRATORS, SPEED_KIND, VESSELS, body_axes, row
+from mjforage.vessels import Vessel, load_vessel
 
 HEADINGS = np.linspace(0.0, 2.0 * np.pi, 25)[:-1] + 0.1
 STEP_S = 1e-4
@@ -32,7 +32,7 @@ def added_mass() -> Parts:
     """
     measures: list[Measure] = []
     lines: list[Line] = []
-    for colour, name in enumerate(vessel_names()):
+    for colour, name in enumerate(VESSELS):
         vessel = load_vessel(name)
         expected = _expected(vessel)
         for integrator in INTEGRATORS:

@@ -8,8 +8,8 @@ from mjforage.scene import build_scene
 from mjforage.simulation import Integrator, Simulation
 from mjforage.validation.finding import Float64Array, Line, Panel, at_most
 from mjforage.validation.registry import Parts, check
-from mjforage.validation.runs import INTEGRATORS, SPEED_KIND, STEP_S, body_axes, clock, row
-from mjforage.vessels import Vessel, load_vessel, vessel_names
+from mjforage.validation.runs import INTEGRATORS, SPEED_KIND, STEP_S, VESSELS, body_axes, clock, row
+from mjforage.vessels import Vessel, load_vessel
 
 REST_S = 300.0
 COAST_S = 15.0
@@ -30,7 +30,7 @@ STARTS = np.array(  # (run, 3) surge, sway [m/s], yaw rate [rad/s]
 def rest() -> Parts:
     """Hulls in still water and still air, thrusters stopped, at two headings, stay for 300 s."""
     measures = []
-    for name in vessel_names():
+    for name in VESSELS:
         far = max(_departure(load_vessel(name), integrator) for integrator in INTEGRATORS)
         measures.append(at_most(f"{name}: largest departure", far, 1e-9, "m or rad"))
     return tuple(measures), ()
@@ -55,7 +55,7 @@ def energy() -> Parts:
     The largest rise within one step, as a share of the energy at the start.
     """
     measures, lines = [], []
-    for colour, name in enumerate(vessel_names()):
+    for colour, name in enumerate(VESSELS):
         vessel = load_vessel(name)
         for integrator in INTEGRATORS:
             shares = _energies(vessel, integrator)

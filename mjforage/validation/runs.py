@@ -13,6 +13,7 @@ from mjforage.validation.independent import IndependentOtter
 from mjforage.vessels import Vessel, load_vessel
 
 Schedule = tuple[tuple[float, float, float], ...]  # from t [s] on: port, starboard [rad/s or N]
+VESSELS = ("forager", "otter", "scout")  # hulls of real boats
 INTEGRATORS = tuple(Integrator)
 STEP_S = 0.1
 SPEED_KIND = {Integrator.FAST: "fast", Integrator.REFERENCE: "reference"}

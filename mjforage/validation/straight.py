@@ -23,6 +23,7 @@ from mjforage.validation.runs import (
     INTEGRATORS,
     SPEED_KIND,
     STEP_S,
+    VESSELS,
     body_axes,
     clock,
     coasting,
@@ -30,7 +31,7 @@ from mjforage.validation.runs import (
     scheduled,
     straight_drag,
 )
-from mjforage.vessels import Vessel, load_vessel, vessel_names
+from mjforage.vessels import Vessel, load_vessel
 
 AHEAD_S = 15.0
 SHARE = 0.6  # of the highest command
@@ -48,7 +49,7 @@ def straight() -> Parts:
     measures: list[Measure] = []
     rising: list[Line] = []
     falling: list[Line] = []
-    for colour, name in enumerate(vessel_names()):
+    for colour, name in enumerate(VESSELS):
         vessel = load_vessel(name)
         command = SHARE * vessel.thruster.command_range[1]
         for integrator in INTEGRATORS:

@@ -8,12 +8,14 @@ from numpy.typing import NDArray
 
 from graph_planner.policies import create_policy
 from mjforage.dynamics import ARRIVED, BLOCKED, LATE
+from mjforage.dynamics.physics import PhysicsDynamics
 from mjforage.dynamics.worlds import WORLDS
 from mjforage.episode_log import EpisodeLog
 from mjforage.errors import UserError
 from mjforage.film import Film
 from mjforage.mission import Mission, Setting
 from mjforage.scenario_file import load_scenario
+from mjforage.simulation import InstabilityError
 
 SHORT = ("horizon=6",)
 IDEAL = (
@@ -182,3 +184,18 @@ def test_a_scenario_that_means_nothing_is_refused(override: str, words: str) -> 
     with pytest.raises(UserError) as caught:
         load_scenario("comb-port", [override])
     assert words in str(caught.value)
+
+
+def test_an_instability_names_seed_episode_time_and_body() -> None:
+    mission = Mission(setting_of("comb-port", *SHORT), "physics")
+    mission.reset(3, np.array([7, 12]))
+    dynamics = mission._dynamics
+    assert isinstance(dynamics, PhysicsDynamics)
+    preferences = np.zeros((2, 4, 9))
+    mission.advance(preferences)
+    speed = np.zeros((2, 4, 3))
+    speed[1, 2] = 1e12
+    dynamics._simulation.place_vessels(dynamics._simulation.vessel_pose, speed)
+    with pytest.raises(InstabilityError) as caught:
+        mission.advance(preferences)
+    assert "seed 3, episode 12, t = 10.00 s, body foragers-0" in str(caught.value)

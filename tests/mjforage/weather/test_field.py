@@ -125,7 +125,7 @@ def test_wind_and_noise_carry_items_as_the_graph_does() -> None:
     anchored = Fleet.of({"scouts": Role(count=1, moves=1, radius=1.0, collects=False)})
     scenario = load_scenario("comb-port")
     dynamics = GraphDynamics(OPEN, anchored, scenario)
-    state = dynamics.reset(world, episode_keys(3, np.arange(20)))
+    state = dynamics.reset(world, episode_keys(3, np.arange(20)), [""] * 20)
     zero = np.zeros((20, 1), np.int8)
     moves = Moves(zero + np.int8(STAY), world.agent_node, zero, zero.astype(np.bool_))
     inland = ((world.item_rc > 2) & (world.item_rc < 57)).all(axis=-1) & (world.item_node >= 0)

@@ -60,5 +60,8 @@ def test_the_papers_drift_in_metres_per_second() -> None:
     assert settings.drawn_drift_mps == pytest.approx(0.04, rel=1e-15)
     assert settings.item_noise_mps == pytest.approx(0.036, rel=1e-15)
     assert settings == WeatherSettings(
-        drawn_drift_mps=0.1 * 0.4, item_noise_mps=0.09 * 0.4, item_noise_period_s=10.0
+        drawn_drift_mps=0.1 * 0.4,
+        item_noise_mps=0.09 * 0.4,
+        item_noise_period_s=10.0,
+        current_toward_deg=None,
     )
