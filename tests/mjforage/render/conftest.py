@@ -1,5 +1,6 @@
 """Replays made up for drawing: wandering vessels, drifting items, honest beliefs and views."""
 
+import os
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -176,7 +177,8 @@ def refine() -> Callable[..., Replay]:
 def opengl() -> str:
     """Skip where no OpenGL driver is installed, the one reason not to draw."""
     if not egl_works() and not osmesa_works():
-        pytest.skip("no OpenGL driver: neither EGL nor OSMesa is installed")
+        reason = "no OpenGL driver: neither EGL nor OSMesa is installed"
+        (pytest.fail if "MJFORAGE_REQUIRE_OPENGL" in os.environ else pytest.skip)(reason)
     return choose_backend()
 
 
