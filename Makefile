@@ -1,4 +1,5 @@
-# `make demo`: the paper's two baselines on the default port, with a report. `make test`: everything CI runs.
+# `make demo`: the paper's two baselines at graph level and in MuJoCo, with a report and a film.
+# `make test`: everything CI runs.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -18,8 +19,8 @@ $(VENV)/.installed-dev: $(VENV)/.installed
 install: $(VENV)/.installed
 
 demo: $(VENV)/.installed
-	$(BIN)/mjforage evaluate comb-port --policy greedy --policy levy --episodes 100 --jobs 2 --out runs/demo
-	$(BIN)/mjforage render runs/demo --episode 3 --policy greedy -o runs/demo/episode-3.mp4
+	$(BIN)/mjforage compare comb-port --policy greedy --policy levy --episodes 20 --jobs 2 --out runs/demo
+	$(BIN)/mjforage render runs/demo --world physics --policy greedy --duration 600 --fps 15 --width 960 --height 540 -o runs/demo/port.mp4
 
 test: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
