@@ -7,6 +7,7 @@ and "Items Dynamics"; numbers of the published code where the paper gives none.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from graph_planner.belief_planner.settings import BeliefSettings
 from graph_planner.fleet import Role
 
 
@@ -42,6 +43,7 @@ class Items:
     mean: float = field(default=75.0, metadata=bounded(0, 20_000))  # number of items, mean
     std: float = field(default=10.0, metadata=bounded(0, 2_000))  # number of items, deviation
     covariance_node2: float = field(default=20.0, metadata=bounded(0, 1e9))  # per axis [node^2]
+    hotspots: int = field(default=1, metadata=bounded(1, 100))  # clusters, items dealt out in turn
 
 
 @dataclass(frozen=True)
@@ -79,3 +81,4 @@ class Scenario:
     items: Items = Items()
     weather: Weather = Weather()
     corruption: CorruptionChoice = CorruptionChoice()
+    belief: BeliefSettings = BeliefSettings()  # the policy `belief`'s own assumptions

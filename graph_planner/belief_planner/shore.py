@@ -1,0 +1,68 @@
+"""Where a position on land or off the map counts as: the nearest navigable node.
+
+The planner's own view of the items' rule (scenario section 1): items pushed out of the water are
+put back beside the nearest node's centre.
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy import ndimage
+
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import Int32Array
+from graph_planner.navigation import NavigationGraph
+
+INSET = 0.49  # an item put back keeps this far from the centre at most [node]
+STRIDE = 0.4  # longest stretch drifted at once, so that no quay is jumped over [node]
+
+
+class Shore(NamedTuple):
+    """The node of every cell of the map, land included."""
+
+    nearest: Int32Array  # (row, column) the cell's own node, or the nearest one
+    water: Int32Array  # (row, column) the cell's own node, -1 on land
+    rows: Int32Array  # (node,)
+    cols: Int32Array  # (node,)
+
+
+@lru_cache(maxsize=16)
+def shore_of(graph: NavigationGraph) -> Shore:
+    """The shore of a map, made once and kept."""
+    _, (row, col) = ndimage.distance_transform_edt(~graph.navigable, return_indices=True)
+    nearest = np.ascontiguousarray(graph.node_of_cell[row, col])
+    return Shore(nearest, graph.node_of_cell, graph.rows, graph.cols)
+
+
+@kernel
+def settled(shore: Shore, row: float, col: float) -> tuple[float, float, int]:
+    """A position with its node; out of the water it is moved to the nearest node's square."""
+    height, width = shore.nearest.shape
+    row, col = min(max(row, -0.499), height - 0.501), min(max(col, -0.499), width - 0.501)
+    r, c = int(row + 0.5), int(col + 0.5)
+    node = int(shore.nearest[r, c])
+    if shore.water[r, c] < 0:
+        row = min(max(row, shore.rows[node] - INSET), shore.rows[node] + INSET)
+        col = min(max(col, shore.cols[node] - INSET), shore.cols[node] + INSET)
+    return row, col, node
+
+
+@kernel
+def drifted(
+    shore: Shore, row: float, col: float, drift_row: float, drift_col: float, steps: float
+) -> tuple[float, float, int]:
+    """Position and node of an item after so many steps of a constant drift, along the quays.
+
+    Parameters
+    ----------
+    row, col : position [node]
+    drift_row, drift_col : [node/step]
+    steps : 0 or more
+    """
+    way_row, way_col = drift_row * steps, drift_col * steps
+    pieces = int(max(abs(way_row), abs(way_col)) / STRIDE) + 1
+    row, col, node = settled(shore, row, col)
+    for _ in range(pieces):
+        row, col, node = settled(shore, row + way_row / pieces, col + way_col / pieces)
+    return row, col, node
