@@ -36,15 +36,30 @@ def shore_of(graph: NavigationGraph) -> Shore:
 
 
 @kernel
+def _nearest(shore: Shore, row: float, col: float) -> int:
+    """Node nearest to a position on land: of the cells around, else by the position's cell."""
+    height, width = shore.water.shape
+    r, c = int(row + 0.5), int(col + 0.5)
+    best, best_squared = -1, np.inf
+    for i in range(max(0, r - 1), min(height, r + 2)):
+        for j in range(max(0, c - 1), min(width, c + 2)):
+            squared = (i - row) ** 2 + (j - col) ** 2
+            if shore.water[i, j] >= 0 and squared < best_squared:
+                best, best_squared = int(shore.water[i, j]), squared
+    return best if best >= 0 else int(shore.nearest[r, c])
+
+
+@kernel
 def settled(shore: Shore, row: float, col: float) -> tuple[float, float, int]:
     """A position with its node; out of the water it is moved to the nearest node's square."""
-    height, width = shore.nearest.shape
-    row, col = min(max(row, -0.499), height - 0.501), min(max(col, -0.499), width - 0.501)
-    r, c = int(row + 0.5), int(col + 0.5)
-    node = int(shore.nearest[r, c])
-    if shore.water[r, c] < 0:
-        row = min(max(row, shore.rows[node] - INSET), shore.rows[node] + INSET)
-        col = min(max(col, shore.cols[node] - INSET), shore.cols[node] + INSET)
+    height, width = shore.water.shape
+    inside = (row >= -0.5) & (row < height - 0.5) & (col >= -0.5) & (col < width - 0.5)
+    if inside and shore.water[int(row + 0.5), int(col + 0.5)] >= 0:
+        return row, col, int(shore.water[int(row + 0.5), int(col + 0.5)])
+    row, col = min(max(row, 0.0), height - 1.0), min(max(col, 0.0), width - 1.0)
+    node = _nearest(shore, row, col)
+    row = min(max(row, shore.rows[node] - INSET), shore.rows[node] + INSET)
+    col = min(max(col, shore.cols[node] - INSET), shore.cols[node] + INSET)
     return row, col, node
 
 
