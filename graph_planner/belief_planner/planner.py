@@ -1,0 +1,183 @@
+"""The belief planner for a batch: what each part finds out, and who asks it."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_planner import hotspots as hs
+from graph_planner.belief_planner import stragglers as st
+from graph_planner.belief_planner import tracks as tr
+from graph_planner.belief_planner import wind as wd
+from graph_planner.belief_planner.cloud import cloud_of
+from graph_planner.belief_planner.covers import hotspot_cover, landmarks_of
+from graph_planner.belief_planner.currents import currents_of
+from graph_planner.belief_planner.foraging import ForagerCrew
+from graph_planner.belief_planner.scouting import ScoutCrew
+from graph_planner.belief_planner.shore import shore_of
+from graph_planner.belief_planner.steering import towards
+from graph_planner.belief_planner.waiting import meeting_node
+from graph_planner.randomness import Stream, UInt64Array, stream_key
+from graph_planner.task import Observation, Task
+
+ROOM = 4  # tracks kept, in multiples of the number of items expected
+FEW = 5  # with so few tracks left, stragglers are simulated one by one
+PROBABLE = 40  # nodes of unseen items that foragers may go to
+LEAST = 0.02  # unseen items worth a forager's thought
+AGE_SHARE = 0.02  # what seeing a known item again is worth, per step unseen [item]
+GHOST_SHARE = 0.02  # what seeing an outdated belief again is worth, per step unseen [item]
+OLDEST = 30.0  # step at which those stop growing
+
+
+class BeliefPlanner:
+    """Knowledge and plans of a batch of episodes."""
+
+    def __init__(self, task: Task, keys: UInt64Array) -> None:
+        settings, graph, episodes = task.belief.widened(), task.graph, keys.size
+        if not settings.wind:
+            settings = replace(settings, drift_node_per_step=0.0)
+        self.settings, self._task = settings, task
+        capacity = int(ROOM * settings.items) + 128
+        self._keys = [np.uint64(stream_key(key, Stream.POLICY)) for key in keys]
+        self.tracks = tr.tracks(episodes, capacity)
+        self.wind = wd.wind(episodes, settings)
+        self._currents = currents_of(graph, settings.drift_node_per_step, task.horizon)
+        hypotheses = len(self._currents.drift)
+        self.spots = hs.hotspots(episodes, len(graph), hypotheses, capacity, settings)
+        self.stragglers = st.stragglers(
+            episodes, len(graph), task.horizon, settings.noise_node_per_step
+        )
+        self._cloud, self._shore = cloud_of(graph, settings.spread_node), shore_of(graph)
+        self._ways, self._scratch = tr.ended(4 * capacity), tr.scratch(len(graph))
+        self._foragers = ForagerCrew(task, settings)
+        self._scouts = ScoutCrew(task, settings)
+        self._landmarks, self._belongs = landmarks_of(graph)
+        self._blocks = [
+            hotspot_cover(task, int(a), settings) for a in self._scouts.agents
+        ]
+        self.expected = np.zeros((episodes, len(graph)))
+        self._nothing = np.zeros(len(graph))
+        self._preferences = np.zeros((episodes, len(task.fleet), 9))
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        """Preferences (episode, agent, 9)."""
+        for e in np.flatnonzero(observation.active).tolist():
+            self._learn(observation, e)
+            self._decide(observation, e)
+        return self._preferences
+
+    def _learn(self, seen: Observation, e: int) -> None:
+        now = int(seen.step[e]) - 1
+        belief, last_seen = seen.belief[e], seen.last_seen[e]
+        settings, shore, ways = self.settings, self._shore, self._ways
+        drift = self.wind.mean[e]
+        if now > 0:
+            foragers_at = seen.agent_node[e][self._foragers.crew.agents]
+            tr.collect(self.tracks, shore, e, foragers_at, ways)
+            if settings.advection:
+                tr.carry(self.tracks, shore, e, drift[0], drift[1])
+        wander = 2.0 * float(self.wind.deviation[e].max()) + 0.05
+        new = tr.reconcile(
+            self.tracks,
+            shore,
+            self._task.graph.neighbours,
+            e,
+            now,
+            belief,
+            last_seen,
+            wander,
+            self._scratch,
+            ways,
+        )
+        if settings.wind:
+            wd.settle(self.wind, e, ways)
+            wd.estimate(self.wind, self.tracks, shore, e)
+        ways.count[0] = 0
+        self._expect(seen, e, now, new)
+
+    def _expect(self, seen: Observation, e: int, now: int, new: int) -> None:
+        """Expected unseen items of an episode."""
+        spots, wind, last_seen = self.spots, self.wind, seen.last_seen[e]
+        nodes = self._currents.nodes(now)
+        hs.weigh(self._currents.axis, wind.grid, wind.chance[e], spots.share[e])
+        hs.look(spots, e, now, nodes, last_seen)
+        if new:
+            n = self.tracks.count[e]
+            sighted = self.tracks.node[e, n - new : n].copy()
+            hs.sight(
+                spots, self._cloud, self._shore, e, now, sighted, wind.mean[e, 0], wind.mean[e, 1]
+            )
+        if not self.settings.hotspot:
+            return
+        hs.expect(spots, self._cloud, e, nodes, self.expected[e])
+        if self.settings.particles:
+            self._expect_stragglers(seen, e, now)
+        self.expected[e][last_seen == now] = 0.0
+
+    def _expect_stragglers(self, seen: Observation, e: int, now: int) -> None:
+        particles, key = self.stragglers, self._keys[e]
+        st.remember(particles, e, now, seen.last_seen[e])
+        if particles.tried[e]:
+            st.advance(particles, self._shore, key, e, now)
+        if self.spots.count[e] and self.tracks.count[e] <= FEW:
+            spread = self.settings.spread_node
+            st.try_more(particles, self.spots, self.wind, self._shore, key, e, now, spread)
+            st.expect_stragglers(
+                particles, self._shore, e, self.spots.total[e], self.expected[e]
+            )
+
+    def _decide(self, seen: Observation, e: int) -> None:
+        at, preferences = seen.agent_node[e], self._preferences[e]
+        sighted = self.spots.count[e] > 0
+        self._list_items(e, sighted)
+        if not self._foragers.send(at, self.wind.mean[e], preferences):
+            self._wait(at, e, sighted, preferences)
+        if sighted or not self.settings.hotspot:
+            self._scouts.look(at, self._worth_seeing(seen, e), preferences)
+        else:
+            blocks = self._blocks[0].block if self._blocks else np.zeros(0, np.int32)
+            mass = np.bincount(blocks, self.spots.chance[e, 0], minlength=1)
+            self._scouts.look(at, mass, preferences, [b.cover for b in self._blocks])
+
+    def _list_items(self, e: int, sighted: bool) -> None:
+        """Tracks, and the nodes where most unseen items are expected, as things to collect."""
+        items, n = self._foragers.items, int(self.tracks.count[e])
+        items.row[:n], items.col[:n] = self.tracks.row[e, :n], self.tracks.col[e, :n]
+        items.weight[:n] = 1.0
+        if sighted and self.settings.hotspot:
+            best = np.argsort(-self.expected[e], kind="stable")[:PROBABLE]
+            best = best[self.expected[e, best] > LEAST]
+            m = best.size
+            items.row[n : n + m] = self._shore.rows[best]
+            items.col[n : n + m] = self._shore.cols[best]
+            items.weight[n : n + m] = self.expected[e, best]
+            n += m
+        items.count[0] = n
+
+    def _wait(
+        self, at: NDArray[np.int32], e: int, sighted: bool, preferences: NDArray[np.float64]
+    ) -> None:
+        """Send foragers without a stop to where they are near to what may come."""
+        crew = self._foragers.crew
+        field = self.expected[e] if sighted else self.spots.chance[e, 0]
+        mass = np.bincount(self._belongs, field, minlength=self._landmarks.size)
+        for f, agent in enumerate(crew.agents):
+            ways = crew.ways[crew.kind[f]]
+            node = at[agent]
+            if self.settings.preposition and mass.sum() > 0:
+                node = meeting_node(ways, self._landmarks, mass, at[agent])
+            towards(ways, at[agent], node, self._nothing, preferences[agent])
+
+    def _worth_seeing(self, seen: Observation, e: int) -> NDArray[np.float64]:
+        """What seeing each node is worth to the fleet (node,) [item]."""
+        now, mass = int(seen.step[e]) - 1, self.expected[e].copy()
+        if not self.settings.refresh:
+            return mass
+        n = int(self.tracks.count[e])
+        age = np.minimum(OLDEST, now - self.tracks.seen[e, :n])
+        np.add.at(mass, self.tracks.node[e, :n], AGE_SHARE * age)
+        known = seen.known[e, : seen.n_known[e]]
+        tracked = np.isin(known, self.tracks.node[e, :n])
+        age = np.minimum(OLDEST, now - seen.last_seen[e, known].astype(np.float64))
+        mass[known] += np.where(tracked, 0.0, GHOST_SHARE * age)
+        return mass
