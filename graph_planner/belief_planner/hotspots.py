@@ -193,16 +193,16 @@ def expect(
         box = np.array([0, 1 << 40, 0, 1 << 40])
         if sighted > 0:
             top = spots.log_starts[e, h].max()
-            for c in range(n):
-                log_weight[c] = spots.log_starts[e, h, c] - top + 40.0
-            box = bounds(cloud, log_weight, 10.0)
+            box = bounds(cloud, spots.log_starts[e, h], top - (a + sighted) * np.log1p(1.0 / b) - 9.0)
         else:
             box[1], box[3] = np.int64(cloud.rows.max()), np.int64(cloud.cols.max())
-        left[:] = 1.0
+        left[:] = -1.0
         gathered(cloud, mean, box, left)
         for c in range(n):
-            log_weight[c] = spots.log_starts[e, h, c]
-            log_weight[c] -= (a + sighted) * np.log(b + max(0.0, 1.0 - left[c]))
+            log_weight[c] = -np.inf
+            if left[c] >= 0.0:
+                log_weight[c] = spots.log_starts[e, h, c]
+                log_weight[c] -= (a + sighted) * np.log(b + max(0.0, 1.0 - left[c]))
         _normalise(log_weight, spots.chance[e, h])
         for c in range(n):
             total = (a + sighted) / (b + max(0.0, 1.0 - left[c]))

@@ -90,7 +90,7 @@ class BeliefPlanner:
             ways,
         )
         if settings.wind:
-            wd.settle(self.wind, e, ways)
+            wd.settle(self.wind, shore, e, ways)
             wd.estimate(self.wind, self.tracks, shore, e)
         ways.count[0] = 0
         self._expect(seen, e, now, new)

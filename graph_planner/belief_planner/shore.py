@@ -25,6 +25,23 @@ class Shore(NamedTuple):
     water: Int32Array  # (row, column) the cell's own node, -1 on land
     rows: Int32Array  # (node,)
     cols: Int32Array  # (node,)
+    room: Int32Array  # (node, axis, 2) free cells to the wall: up and down, left and right
+
+
+@kernel
+def _rooms(water: Int32Array, rows: Int32Array, cols: Int32Array) -> Int32Array:
+    height, width = water.shape
+    room = np.zeros((rows.size, 2, 2), np.int32)
+    for v in range(rows.size):
+        for axis in range(2):
+            for side in range(2):
+                down = (2 * side - 1) * (1 - axis)
+                right = (2 * side - 1) * axis
+                r, c = rows[v] + down, cols[v] + right
+                while 0 <= r < height and 0 <= c < width and water[r, c] >= 0:
+                    room[v, axis, side] += 1
+                    r, c = r + down, c + right
+    return room
 
 
 @lru_cache(maxsize=16)
@@ -32,7 +49,8 @@ def shore_of(graph: NavigationGraph) -> Shore:
     """The shore of a map, made once and kept."""
     _, (row, col) = ndimage.distance_transform_edt(~graph.navigable, return_indices=True)
     nearest = np.ascontiguousarray(graph.node_of_cell[row, col])
-    return Shore(nearest, graph.node_of_cell, graph.rows, graph.cols)
+    room = _rooms(graph.node_of_cell, graph.rows, graph.cols)
+    return Shore(nearest, graph.node_of_cell, graph.rows, graph.cols, room)
 
 
 @kernel

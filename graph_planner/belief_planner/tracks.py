@@ -29,7 +29,7 @@ class Tracks(NamedTuple):
     born: Int32Array  # (episode, track) step of the first sighting
     seen: Int32Array  # (episode, track) step of the last sighting
     seen_node: Int32Array  # (episode, track) node of the last sighting
-    base: Int32Array  # (episode, track, 2) per axis: step from which its way counts, -1 none
+    base: Int32Array  # (episode, track, 2) per axis: step from which its way counts
     base_node: Int32Array  # (episode, track, 2) and its node then
 
 
@@ -40,6 +40,7 @@ class Ended(NamedTuple):
     axis: NDArray[np.int64]  # (way,) 0 rows, 1 columns
     shift: NDArray[np.float64]  # (way,) [node]
     steps: NDArray[np.float64]  # (way,)
+    start: Int32Array  # (way,) node where it began
 
 
 class Scratch(NamedTuple):
@@ -56,14 +57,18 @@ def tracks(episodes: int, capacity: int) -> Tracks:
         np.zeros(both),
         np.zeros(both),
         *(np.zeros(both, np.int32) for _ in range(4)),
-        *(np.full((*both, 2), -1, np.int32) for _ in range(2)),
+        *(np.zeros((*both, 2), np.int32) for _ in range(2)),
     )
 
 
 def ended(capacity: int) -> Ended:
     """Room for so many ways."""
     return Ended(
-        np.zeros(1, np.int64), np.zeros(capacity, np.int64), np.zeros(capacity), np.zeros(capacity)
+        np.zeros(1, np.int64),
+        np.zeros(capacity, np.int64),
+        np.zeros(capacity),
+        np.zeros(capacity),
+        np.zeros(capacity, np.int32),
     )
 
 
@@ -73,19 +78,14 @@ def scratch(nodes: int) -> Scratch:
 
 
 @kernel
-def _report(
-    tracks: Tracks, shore: Shore, e: int, i: int, axis: int, until: int, ways: Ended
-) -> None:
+def _report(tracks: Tracks, shore: Shore, e: int, i: int, axis: int, ways: Ended) -> None:
     """Hand the way of a track along one axis over, from its base to its last sighting."""
-    since = tracks.base[e, i, axis]
-    if since < 0 or until <= since or ways.count[0] >= ways.axis.size:
+    steps, n = tracks.seen[e, i] - tracks.base[e, i, axis], ways.count[0]
+    if steps <= 0 or n >= ways.axis.size:
         return
-    places = shore.rows if axis == 0 else shore.cols
-    n = ways.count[0]
-    ways.axis[n], ways.steps[n] = axis, float(until - since)
-    ways.shift[n] = float(
-        places[tracks.seen_node[e, i]] - places[tracks.base_node[e, i, axis]]
-    )
+    places, start = shore.rows if axis == 0 else shore.cols, tracks.base_node[e, i, axis]
+    ways.axis[n], ways.steps[n], ways.start[n] = axis, float(steps), start
+    ways.shift[n] = float(places[tracks.seen_node[e, i]] - places[start])
     ways.count[0] = n + 1
 
 
@@ -104,21 +104,24 @@ def _copy(tracks: Tracks, e: int, source: int, goal: int) -> None:
 def drop(tracks: Tracks, shore: Shore, e: int, i: int, ways: Ended) -> None:
     """End track i; the last one takes its place."""
     for axis in range(2):
-        _report(tracks, shore, e, i, axis, tracks.seen[e, i], ways)
+        _report(tracks, shore, e, i, axis, ways)
     tracks.count[e] -= 1
     _copy(tracks, e, tracks.count[e], i)
 
 
 @inlined
-def _beside_wall(neighbours: Int32Array, node: int, axis: int) -> bool:
-    """Whether land (or the map's edge) stops drift along an axis here."""
-    return neighbours[node, 0 if axis == 0 else 2] < 0 or neighbours[node, 4 if axis == 0 else 6] < 0
+def _same_walls(shore: Shore, start: int, node: int, axis: int) -> bool:
+    """Whether drift along an axis ends at the same walls in two nodes."""
+    shift = (shore.rows[node] - shore.rows[start]) if axis == 0 else (
+        shore.cols[node] - shore.cols[start]
+    )
+    before, now = shore.room[start, axis], shore.room[node, axis]
+    return (now[0] - shift == before[0]) & (now[1] + shift == before[1])
 
 
 @kernel
 def _confirm(
-    tracks: Tracks, shore: Shore, neighbours: Int32Array, e: int, i: int, node: int, now: int,
-    ways: Ended,
+    tracks: Tracks, shore: Shore, e: int, i: int, node: int, now: int, ways: Ended
 ) -> None:
     """Put track i into a node in which it is seen now."""
     row, col = float(shore.rows[node]), float(shore.cols[node])
@@ -126,10 +129,8 @@ def _confirm(
     tracks.col[e, i] = min(max(tracks.col[e, i], col - INSET), col + INSET)
     tracks.node[e, i] = node
     for axis in range(2):
-        if _beside_wall(neighbours, node, axis):
-            _report(tracks, shore, e, i, axis, tracks.seen[e, i], ways)
-            tracks.base[e, i, axis] = -1
-        elif tracks.base[e, i, axis] < 0:
+        if not _same_walls(shore, tracks.base_node[e, i, axis], node, axis):
+            _report(tracks, shore, e, i, axis, ways)
             tracks.base[e, i, axis], tracks.base_node[e, i, axis] = now, node
     tracks.seen[e, i], tracks.seen_node[e, i] = now, node
 
@@ -237,7 +238,7 @@ def reconcile(
     settled_now = np.zeros(n, np.bool_)
     for i in range(n):
         if not is_loose[i] and last_seen[tracks.node[e, i]] == now:
-            _confirm(tracks, shore, neighbours, e, i, tracks.node[e, i], now, ways)
+            _confirm(tracks, shore, e, i, tracks.node[e, i], now, ways)
             settled_now[i] = True
     # Loose tracks, then unseen ones, go to the nearest lack within their gates.
     for unseen_too in range(2):
@@ -255,7 +256,7 @@ def reconcile(
                         best, best_track, best_lack = away, i, j
             if best_track < 0:
                 break
-            _confirm(tracks, shore, neighbours, e, best_track, lacking[best_lack], now, ways)
+            _confirm(tracks, shore, e, best_track, lacking[best_lack], now, ways)
             settled_now[best_track] = True
             n_lacking -= 1
             lacking[best_lack] = lacking[n_lacking]
@@ -286,8 +287,8 @@ def reconcile(
         tracks.row[e, i], tracks.col[e, i] = float(shore.rows[node]), float(shore.cols[node])
         tracks.born[e, i], tracks.seen[e, i] = now, now
         tracks.seen_node[e, i] = node
-        tracks.base[e, i] = -1
+        tracks.base[e, i], tracks.base_node[e, i] = now, node
         tracks.count[e] = i + 1
-        _confirm(tracks, shore, neighbours, e, i, node, now, ways)
+        _confirm(tracks, shore, e, i, node, now, ways)
         new += 1
     return new
