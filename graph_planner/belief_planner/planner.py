@@ -16,7 +16,7 @@ from graph_planner.belief_planner.foraging import ForagerCrew
 from graph_planner.belief_planner.scouting import ScoutCrew
 from graph_planner.belief_planner.shore import shore_of
 from graph_planner.belief_planner.steering import towards
-from graph_planner.belief_planner.waiting import meeting_node
+from graph_planner.belief_planner.waiting import approach, regrets
 from graph_planner.randomness import Stream, UInt64Array, stream_key
 from graph_planner.task import Observation, Task
 
@@ -26,6 +26,8 @@ PROBABLE = 40  # nodes of unseen items that foragers may go to
 LEAST = 0.02  # unseen items worth a forager's thought
 AGE_SHARE = 0.02  # what seeing a known item again is worth, per step unseen [item]
 GHOST_SHARE = 0.02  # what seeing an outdated belief again is worth, per step unseen [item]
+AHEAD = 6  # steps by which foragers' regret is judged
+CALM = 1.0  # worth of finding a hotspot by which they lose nothing yet
 OLDEST = 30.0  # step at which those stop growing
 
 
@@ -135,9 +137,21 @@ class BeliefPlanner:
         if sighted or not self.settings.hotspot:
             self._scouts.look(at, self._worth_seeing(seen, e), preferences)
         else:
-            blocks = self._blocks[0].block if self._blocks else np.zeros(0, np.int32)
-            mass = np.bincount(blocks, self.spots.chance[e, 0], minlength=1)
-            self._scouts.look(at, mass, preferences, [b.cover for b in self._blocks])
+            self._search(at, self.spots.chance[e, 0], preferences)
+
+    def _search(
+        self, at: NDArray[np.int32], chance: NDArray[np.float64], preferences: NDArray[np.float64]
+    ) -> None:
+        """Let the scouts look for the first hotspot, most of all where not knowing costs most."""
+        if not self._blocks:
+            return
+        crew = self._foragers.crew
+        if crew.agents.size and self.settings.preposition:
+            mass = np.bincount(self._belongs, chance, minlength=self._landmarks.size)
+            regret = regrets(crew.ways, self._landmarks, mass, crew.kind, at[crew.agents], AHEAD)
+            chance = chance * (CALM + regret)[self._belongs]
+        mass = np.bincount(self._blocks[0].block, chance, minlength=1)
+        self._scouts.look(at, mass, preferences, [b.cover for b in self._blocks])
 
     def _list_items(self, e: int, sighted: bool) -> None:
         """Tracks, and the nodes where most unseen items are expected, as things to collect."""
@@ -163,10 +177,10 @@ class BeliefPlanner:
         mass = np.bincount(self._belongs, field, minlength=self._landmarks.size)
         for f, agent in enumerate(crew.agents):
             ways = crew.ways[crew.kind[f]]
-            node = at[agent]
             if self.settings.preposition and mass.sum() > 0:
-                node = meeting_node(ways, self._landmarks, mass, at[agent])
-            towards(ways, at[agent], node, self._nothing, preferences[agent])
+                approach(ways, self._landmarks, mass, at[agent], preferences[agent])
+            else:
+                towards(ways, at[agent], at[agent], self._nothing, preferences[agent])
 
     def _worth_seeing(self, seen: Observation, e: int) -> NDArray[np.float64]:
         """What seeing each node is worth to the fleet (node,) [item]."""
