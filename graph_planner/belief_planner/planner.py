@@ -21,13 +21,17 @@ from graph_planner.randomness import Stream, UInt64Array, stream_key
 from graph_planner.task import Observation, Task
 
 ROOM = 4  # tracks kept, in multiples of the number of items expected
-FEW = 5  # with so few tracks left, stragglers are simulated one by one
+REAL, REAL_LATE = 0.1, 0.5  # worth of items given up, with many and with few tracks left
+FEW = 15  # with so few tracks left, stragglers are simulated one by one
+LATE = 8.0  # and no more than so many unseen items expected otherwise
+HOPELESS = 1e-3  # unseen items expected in all, below which the belief is given up
 PROBABLE = 40  # nodes of unseen items that foragers may go to
 LEAST = 0.02  # unseen items worth a forager's thought
 AGE_SHARE = 0.02  # what seeing a known item again is worth, per step unseen [item]
 GHOST_SHARE = 0.02  # what seeing an outdated belief again is worth, per step unseen [item]
 AHEAD = 6  # steps by which foragers' regret is judged
 CALM = 1.0  # worth of finding a hotspot by which they lose nothing yet
+IDLE, OLD = 0.05, 135.0  # without a belief: items in a node not seen for so many steps
 OLDEST = 30.0  # step at which those stop growing
 
 
@@ -47,10 +51,15 @@ class BeliefPlanner:
         hypotheses = len(self._currents.drift)
         self.spots = hs.hotspots(episodes, len(graph), hypotheses, capacity, settings)
         self.stragglers = st.stragglers(
-            episodes, len(graph), task.horizon, settings.noise_node_per_step
+            episodes,
+            len(graph),
+            task.horizon,
+            task.fleet.foragers.size,
+            settings.noise_node_per_step,
         )
         self._cloud, self._shore = cloud_of(graph, settings.spread_node), shore_of(graph)
         self._ways, self._scratch = tr.ended(4 * capacity), tr.scratch(len(graph))
+        self._lost = tr.losses(capacity)
         self._foragers = ForagerCrew(task, settings)
         self._scouts = ScoutCrew(task, settings)
         self._landmarks, self._belongs = landmarks_of(graph)
@@ -69,64 +78,80 @@ class BeliefPlanner:
         return self._preferences
 
     def _learn(self, seen: Observation, e: int) -> None:
-        now = int(seen.step[e]) - 1
+        """Bring tracks, drift and expectations of an episode up to date."""
+        now, shore, ways, lost = int(seen.step[e]) - 1, self._shore, self._ways, self._lost
         belief, last_seen = seen.belief[e], seen.last_seen[e]
-        settings, shore, ways = self.settings, self._shore, self._ways
-        drift = self.wind.mean[e]
+        settings, drift = self.settings, self.wind.mean[e]
+        ways.count[0] = lost.count[0] = 0
+        foragers_at = seen.agent_node[e][self._foragers.crew.agents]
         if now > 0:
-            foragers_at = seen.agent_node[e][self._foragers.crew.agents]
-            tr.collect(self.tracks, shore, e, foragers_at, ways)
+            tr.collect(self.tracks, shore, e, now, foragers_at, ways, lost)
             if settings.advection:
                 tr.carry(self.tracks, shore, e, drift[0], drift[1])
         wander = 2.0 * float(self.wind.deviation[e].max()) + 0.05
+        edges, memory = self._task.graph.neighbours, self._scratch
         new = tr.reconcile(
-            self.tracks,
-            shore,
-            self._task.graph.neighbours,
-            e,
-            now,
-            belief,
-            last_seen,
-            wander,
-            self._scratch,
-            ways,
+            self.tracks, shore, edges, e, now, belief, last_seen, wander, memory, ways, lost
         )
         if settings.wind:
             wd.settle(self.wind, shore, e, ways)
             wd.estimate(self.wind, self.tracks, shore, e)
-        ways.count[0] = 0
-        self._expect(seen, e, now, new)
+        n = int(self.tracks.count[e])
+        sighted = self.tracks.node[e, n - new : n].copy()
+        if settings.particles:
+            st.remember(self.stragglers, e, now, last_seen, foragers_at)
+            sighted = self._settle_losses(e, now, sighted)
+        self._expect(seen, e, now, sighted)
 
-    def _expect(self, seen: Observation, e: int, now: int, new: int) -> None:
+    def _settle_losses(
+        self, e: int, now: int, sighted: NDArray[np.int32]
+    ) -> NDArray[np.int32]:
+        """Take in what was lost and found; those of the new sightings that are really new."""
+        particles, key, lost = self.stragglers, self._keys[e], self._lost
+        if particles.count[e]:
+            new = [not st.find(particles, self._shore, e, node) for node in sighted]
+            sighted = sighted[np.array(new, np.bool_)]
+            st.advance(particles, self._shore, key, e, now)
+        for i in range(lost.count[0]):
+            st.lose(
+                particles, self.wind, self._shore, key, e, lost.node[i], int(lost.step[i]), now
+            )
+        return sighted
+
+    def _expect(
+        self, seen: Observation, e: int, now: int, sighted: NDArray[np.int32]
+    ) -> None:
         """Expected unseen items of an episode."""
         spots, wind, last_seen = self.spots, self.wind, seen.last_seen[e]
-        nodes = self._currents.nodes(now)
+        nodes, expected = self._currents.nodes(now), self.expected[e]
         hs.weigh(self._currents.axis, wind.grid, wind.chance[e], spots.share[e])
         hs.look(spots, e, now, nodes, last_seen)
-        if new:
-            n = self.tracks.count[e]
-            sighted = self.tracks.node[e, n - new : n].copy()
-            hs.sight(
-                spots, self._cloud, self._shore, e, now, sighted, wind.mean[e, 0], wind.mean[e, 1]
-            )
+        if sighted.size:
+            drift = wind.mean[e]
+            hs.sight(spots, self._cloud, self._shore, e, now, sighted, drift[0], drift[1])
         if not self.settings.hotspot:
+            self.expected[e] = IDLE * np.minimum(1.0, (now - last_seen.astype(np.float64)) / OLD)
             return
-        hs.expect(spots, self._cloud, e, nodes, self.expected[e])
-        if self.settings.particles:
-            self._expect_stragglers(seen, e, now)
-        self.expected[e][last_seen == now] = 0.0
+        hs.expect(spots, self._cloud, e, nodes, expected)
+        if self.settings.particles and spots.count[e]:
+            self._expect_stragglers(e, now)
+        expected[last_seen == now] = 0.0
+        if self.tracks.count[e] == 0 and spots.count[e] and expected.sum() < 1.0:
+            # The episode goes on, so there is something left: if not where it should be, then
+            # where nobody has looked for long.
+            if expected.sum() < HOPELESS:
+                expected += np.minimum(now - last_seen.astype(np.float64), 2.0 * now + 1.0)
+            expected /= max(1e-9, expected.sum())
 
-    def _expect_stragglers(self, seen: Observation, e: int, now: int) -> None:
-        particles, key = self.stragglers, self._keys[e]
-        st.remember(particles, e, now, seen.last_seen[e])
-        if particles.tried[e]:
-            st.advance(particles, self._shore, key, e, now)
-        if self.spots.count[e] and self.tracks.count[e] <= FEW:
+    def _expect_stragglers(self, e: int, now: int) -> None:
+        particles, key, expected = self.stragglers, self._keys[e], self.expected[e]
+        total, real = 0.0, REAL
+        if self.tracks.count[e] <= FEW and expected.sum() < LATE:
             spread = self.settings.spread_node
             st.try_more(particles, self.spots, self.wind, self._shore, key, e, now, spread)
-            st.expect_stragglers(
-                particles, self._shore, e, self.spots.total[e], self.expected[e]
-            )
+            expected[:] = 0.0
+            total, real = float(self.spots.total[e]), REAL_LATE
+        st.expect_stragglers(particles, self._shore, e, total, real, expected)
 
     def _decide(self, seen: Observation, e: int) -> None:
         at, preferences = seen.agent_node[e], self._preferences[e]
@@ -173,6 +198,7 @@ class BeliefPlanner:
     ) -> None:
         """Send foragers without a stop to where they are near to what may come."""
         crew = self._foragers.crew
+        sighted = sighted or not self.settings.hotspot
         field = self.expected[e] if sighted else self.spots.chance[e, 0]
         mass = np.bincount(self._belongs, field, minlength=self._landmarks.size)
         for f, agent in enumerate(crew.agents):

@@ -43,6 +43,14 @@ class Ended(NamedTuple):
     start: Int32Array  # (way,) node where it began
 
 
+class Lost(NamedTuple):
+    """Tracks that were given up although nobody is known to have collected the item."""
+
+    count: NDArray[np.int64]  # (1,)
+    node: Int32Array  # (loss,) of the last sighting
+    step: Int32Array  # (loss,) of the last sighting
+
+
 class Scratch(NamedTuple):
     """Memory between the parts of a reconciliation, all zero between calls."""
 
@@ -70,6 +78,11 @@ def ended(capacity: int) -> Ended:
         np.zeros(capacity),
         np.zeros(capacity, np.int32),
     )
+
+
+def losses(capacity: int) -> Lost:
+    """Room for so many losses."""
+    return Lost(np.zeros(1, np.int64), np.zeros(capacity, np.int32), np.zeros(capacity, np.int32))
 
 
 def scratch(nodes: int) -> Scratch:
@@ -109,6 +122,14 @@ def drop(tracks: Tracks, shore: Shore, e: int, i: int, ways: Ended) -> None:
     _copy(tracks, e, tracks.count[e], i)
 
 
+@kernel
+def _lose(tracks: Tracks, e: int, i: int, lost: Lost) -> None:
+    n = lost.count[0]
+    if n < lost.node.size:
+        lost.node[n], lost.step[n] = tracks.seen_node[e, i], tracks.seen[e, i]
+        lost.count[0] = n + 1
+
+
 @inlined
 def _same_walls(shore: Shore, start: int, node: int, axis: int) -> bool:
     """Whether drift along an axis ends at the same walls in two nodes."""
@@ -137,24 +158,27 @@ def _confirm(
 
 @kernel
 def collect(
-    tracks: Tracks, shore: Shore, e: int, foragers_at: Int32Array, ways: Ended
-) -> int:
+    tracks: Tracks, shore: Shore, e: int, now: int, foragers_at: Int32Array, ways: Ended, lost: Lost
+) -> None:
     """End the tracks in the nodes that foragers are in now: items are removed before they drift.
 
-    Returns
-    -------
-    How many
+    Of those not seen just before it is not certain that they were there: they count as lost.
+
+    Parameters
+    ----------
+    now : the step just made
+    foragers_at : (forager,) nodes
+    ways, lost : displacements and losses, added to
     """
-    gone = 0
     for f in range(foragers_at.size):
         i = 0
         while i < tracks.count[e]:
             if tracks.node[e, i] == foragers_at[f]:
+                if tracks.seen[e, i] < now - 1:
+                    _lose(tracks, e, i, lost)
                 drop(tracks, shore, e, i, ways)
-                gone += 1
             else:
                 i += 1
-    return gone
 
 
 @kernel
@@ -184,6 +208,7 @@ def reconcile(
     wander: float,
     memory: Scratch,
     ways: Ended,
+    lost: Lost,
 ) -> int:
     """Make the tracks agree with the counts in view.
 
@@ -193,7 +218,7 @@ def reconcile(
     e : episode
     now : step whose counts are in view: `last_seen` (node,) equals it, `belief` (node,) holds them
     wander : how uncertain an unseen track gets [node/step]
-    ways : displacements that ended, filled
+    ways, lost : displacements that ended and items given up, added to
 
     Returns
     -------
@@ -277,6 +302,7 @@ def reconcile(
             tracks.col[e, i] = min(max(col, c - INSET), c + INSET)
             tracks.node[e, i] = hidden
         else:
+            _lose(tracks, e, i, lost)
             drop(tracks, shore, e, i, ways)
     new = 0
     for j in range(n_lacking):
