@@ -22,6 +22,7 @@ from graph_planner.task import Observation, Task
 
 ROOM = 4  # tracks kept, in multiples of the number of items expected
 REAL, REAL_LATE = 0.1, 0.5  # worth of items given up, with many and with few tracks left
+TRIES, TRIES_FAST = 200, 60  # particles of unseen items tried in one decision
 FEW = 15  # with so few tracks left, stragglers are simulated one by one
 LATE = 8.0  # and no more than so many unseen items expected otherwise
 HOPELESS = 1e-3  # unseen items expected in all, below which the belief is given up
@@ -61,7 +62,10 @@ class BeliefPlanner:
         self._ways, self._scratch = tr.ended(4 * capacity), tr.scratch(len(graph))
         self._lost = tr.losses(capacity)
         self._foragers = ForagerCrew(task, settings)
-        self._scouts = ScoutCrew(task, settings)
+        # Without scouts, foragers look around when they know of nothing to collect.
+        self._lone = task.fleet.scouts.size == 0
+        lookers = task.fleet.foragers if self._lone else task.fleet.scouts
+        self._scouts = ScoutCrew(task, settings, lookers)
         self._landmarks, self._belongs = landmarks_of(graph)
         self._blocks = [
             hotspot_cover(task, int(a), settings) for a in self._scouts.agents
@@ -148,7 +152,8 @@ class BeliefPlanner:
         total, real = 0.0, REAL
         if self.tracks.count[e] <= FEW and expected.sum() < LATE:
             spread = self.settings.spread_node
-            st.try_more(particles, self.spots, self.wind, self._shore, key, e, now, spread)
+            tries = TRIES_FAST if self.settings.fast else TRIES
+            st.try_more(particles, self.spots, self.wind, self._shore, key, e, now, spread, tries)
             expected[:] = 0.0
             total, real = float(self.spots.total[e]), REAL_LATE
         st.expect_stragglers(particles, self._shore, e, total, real, expected)
@@ -157,7 +162,10 @@ class BeliefPlanner:
         at, preferences = seen.agent_node[e], self._preferences[e]
         sighted = self.spots.count[e] > 0
         self._list_items(e, sighted)
-        if not self._foragers.send(at, self.wind.mean[e], preferences):
+        busy = self._foragers.send(at, self.wind.mean[e], preferences) > 0
+        if self._lone and busy:
+            return
+        if not busy:
             self._wait(at, e, sighted, preferences)
         if sighted or not self.settings.hotspot:
             self._scouts.look(at, self._worth_seeing(seen, e), preferences)
@@ -215,9 +223,10 @@ class BeliefPlanner:
             return mass
         n = int(self.tracks.count[e])
         age = np.minimum(OLDEST, now - self.tracks.seen[e, :n])
-        np.add.at(mass, self.tracks.node[e, :n], AGE_SHARE * age)
+        mass += np.bincount(self.tracks.node[e, :n], AGE_SHARE * age, minlength=mass.size)
         known = seen.known[e, : seen.n_known[e]]
-        tracked = np.isin(known, self.tracks.node[e, :n])
+        tracked = np.zeros(mass.size, np.bool_)
+        tracked[self.tracks.node[e, :n]] = True
         age = np.minimum(OLDEST, now - seen.last_seen[e, known].astype(np.float64))
-        mass[known] += np.where(tracked, 0.0, GHOST_SHARE * age)
+        mass[known] += np.where(tracked[known], 0.0, GHOST_SHARE * age)
         return mass

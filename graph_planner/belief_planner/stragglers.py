@@ -19,7 +19,6 @@ from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.randomness import bits, normal, uniform
 
-TRIES = 250  # particles of unseen items tried in one decision
 UNSEEN = 200  # of them kept
 LOSSES = 32  # items lost at a time
 TRIES_LOST = 80  # particles tried for each
@@ -209,7 +208,7 @@ def _drawn(chances: NDArray[np.float64], draw: float) -> int:
 @kernel
 def try_more(
     stragglers: Stragglers, spots: Hotspots, wind: Wind, shore: Shore, key: np.uint64, e: int,
-    now: int, spread: float,
+    now: int, spread: float, tries: int,
 ) -> None:
     """Draw particles of unseen items, and keep those that no view up to step `now` has met.
 
@@ -217,6 +216,7 @@ def try_more(
     ----------
     key : of the policy's random stream
     spread : standard deviation of a hotspot per axis [node]
+    tries : particles tried
     """
     many, kept = 0, 0
     for h in range(spots.sighted.shape[1]):
@@ -228,7 +228,7 @@ def try_more(
     running = np.empty((many, spots.chance.shape[2]))
     for h in range(many):
         running[h] = np.cumsum(spots.chance[e, h])
-    for _ in range(TRIES):
+    for _ in range(tries):
         if kept == UNSEEN:
             break
         label = stragglers.labels[e]
