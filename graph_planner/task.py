@@ -1,6 +1,6 @@
 """What a policy is told before an episode, and what it sees at every step."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
@@ -48,7 +48,7 @@ class Task:
     fleet: Fleet
     rules: MoveRules
     horizon: int
-    belief: BeliefSettings = BeliefSettings()
+    belief: BeliefSettings = field(default_factory=BeliefSettings)
 
     @property
     def forgetting(self) -> float:

@@ -81,4 +81,6 @@ class Scenario:
     items: Items = Items()
     weather: Weather = Weather()
     corruption: CorruptionChoice = CorruptionChoice()
-    belief: BeliefSettings = BeliefSettings()  # the policy `belief`'s own assumptions
+    belief: BeliefSettings = field(
+        default_factory=BeliefSettings
+    )  # the policy `belief`'s own assumptions

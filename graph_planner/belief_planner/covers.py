@@ -24,8 +24,13 @@ NOTICED = 0.8  # chance of seeing an item with which a hotspot counts as seen
 @lru_cache(maxsize=16)
 def landmarks_of(graph: NavigationGraph) -> tuple[Int32Array, Int32Array]:
     """Nodes spread over a map, each the farthest from those before: (landmark,), and the nearest
-    one's number for every node: (node,)."""
-    marks = [int(np.argmin((graph.rows - graph.rows.mean()) ** 2 + (graph.cols - graph.cols.mean()) ** 2))]
+    one's number for every node: (node,).
+    """
+    marks = [
+        int(
+            np.argmin((graph.rows - graph.rows.mean()) ** 2 + (graph.cols - graph.cols.mean()) ** 2)
+        )
+    ]
     nearest = graph.distances_from(np.array(marks, np.int32)).copy()
     belongs = np.zeros(len(graph), np.int32)
     while len(marks) < min(LANDMARKS, len(graph)):
@@ -101,7 +106,7 @@ def _noticed(
 ) -> None:
     """Blocks of which half the hotspots would show at least a share `least` in a view."""
     n, total = block.size, 0
-    chances, mass = np.empty(n), np.empty(n)
+    mass = np.empty(n)
     noticed = np.zeros(size.size, np.int64)
     reach, width = cloud.reach, cloud.node.shape[1]
     for v in range(n):

@@ -16,8 +16,12 @@ MEMORY = 1 << 28  # bytes of tables; time is taken in longer strides where they 
 
 @kernel
 def _carried(
-    shore: Shore, drift: NDArray[np.float64], row: NDArray[np.float64], col: NDArray[np.float64],
-    steps: float, node: Int32Array,
+    shore: Shore,
+    drift: NDArray[np.float64],
+    row: NDArray[np.float64],
+    col: NDArray[np.float64],
+    steps: float,
+    node: Int32Array,
 ) -> None:
     for w in range(row.shape[0]):
         for x in range(row.shape[1]):

@@ -59,7 +59,7 @@ def send_foragers(
     """
     at = agent_node[agents]
     gather_stops(items, shore, ways, kind, at, drift_row, drift_col, found)
-    n = found.count[0]
+    n = found.number[0]
     if n == 0 or at.size == 0:
         return 0
     first, between = decisions_between(found, ways, kind, at, stay)
@@ -67,12 +67,12 @@ def send_foragers(
         target = search_routes(found.weight[:n], first, between, kind, beam, choices, depth)
     else:
         target = np.full(at.size, NOWHERE, np.int64)
-    for i in range(items.count[0]):
+    for i in range(items.number[0]):
         worth[shore.nearest[int(items.row[i] + 0.5), int(items.col[i] + 0.5)]] += items.weight[i]
     for f in range(at.size):
         goal = target[f] if target[f] != NOWHERE else _nearest(first, f)
         towards(ways[kind[f]], at[f], found.node[goal], worth, preferences[agents[f]])
-    for i in range(items.count[0]):
+    for i in range(items.number[0]):
         worth[shore.nearest[int(items.row[i] + 0.5), int(items.col[i] + 0.5)]] = 0.0
     return int(n)
 
@@ -91,7 +91,10 @@ class ForagerCrew:
         self._depth = (8 if settings.fast else 14) * max(1, self.crew.agents.size)
 
     def send(
-        self, agent_node: Int32Array, drift_rc: NDArray[np.float64], preferences: NDArray[np.float64]
+        self,
+        agent_node: Int32Array,
+        drift_rc: NDArray[np.float64],
+        preferences: NDArray[np.float64],
     ) -> int:
         """Overwrite the foragers' rows of preferences (agent, 9) by the way to what is in `items`.
 

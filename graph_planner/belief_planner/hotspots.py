@@ -38,7 +38,7 @@ class Hotspots(NamedTuple):
     log_starts: NDArray[np.float64]  # (episode, hotspot, node) sum of log P0 over its sightings
     chance: NDArray[np.float64]  # (episode, hotspot, node) posterior
     sighted: NDArray[np.int64]  # (episode, hotspot) sightings
-    count: NDArray[np.int64]  # (episode,) sightings of all hotspots
+    number: NDArray[np.int64]  # (episode,) sightings of all hotspots
     node: Int32Array  # (episode, sighting)
     step: Int32Array  # (episode, sighting)
     used: NDArray[np.float64]  # (episode, 2) drift by which the starts were worked out
@@ -59,7 +59,7 @@ def hotspots(
         log_starts=np.zeros((episodes, n, nodes)),
         chance=np.full((episodes, n, nodes), 1.0 / nodes),
         sighted=np.zeros((episodes, n), np.int64),
-        count=np.zeros(episodes, np.int64),
+        number=np.zeros(episodes, np.int64),
         node=np.zeros((episodes, capacity), np.int32),
         step=np.zeros((episodes, capacity), np.int32),
         used=np.zeros((episodes, 2)),
@@ -69,7 +69,9 @@ def hotspots(
 
 @kernel
 def weigh(
-    axis: NDArray[np.float64], grid: NDArray[np.float64], chance: NDArray[np.float64],
+    axis: NDArray[np.float64],
+    grid: NDArray[np.float64],
+    chance: NDArray[np.float64],
     share: NDArray[np.float64],
 ) -> None:
     """Weights (hypothesis,) of the drifts, from the wind's posterior (2, point) on its grid."""
@@ -87,7 +89,9 @@ def weigh(
 
 
 @kernel
-def look(spots: Hotspots, e: int, now: int, nodes: Int32Array, last_seen: NDArray[np.int16]) -> None:
+def look(
+    spots: Hotspots, e: int, now: int, nodes: Int32Array, last_seen: NDArray[np.int16]
+) -> None:
     """Note which starts are in view at step `now`; `nodes` (hypothesis, node) is where they are."""
     unseen, share = spots.unseen, spots.share
     hidden = np.empty(last_seen.size, np.uint8)
@@ -138,18 +142,24 @@ def _normalise(log_weight: NDArray[np.float64], chance: NDArray[np.float64]) -> 
 
 @kernel
 def sight(
-    spots: Hotspots, cloud: Cloud, shore: Shore, e: int, now: int, nodes: Int32Array,
-    drift_row: float, drift_col: float,
+    spots: Hotspots,
+    cloud: Cloud,
+    shore: Shore,
+    e: int,
+    now: int,
+    nodes: Int32Array,
+    drift_row: float,
+    drift_col: float,
 ) -> None:
     """Take in new sightings (sighting,) of step `now`, worked back to their starts.
 
     All starts are worked out again when the estimated drift has changed much.
     """
-    known = spots.count[e]
+    known = spots.number[e]
     for i in range(nodes.size):
-        if spots.count[e] < spots.node.shape[1]:
-            spots.node[e, spots.count[e]], spots.step[e, spots.count[e]] = nodes[i], now
-            spots.count[e] += 1
+        if spots.number[e] < spots.node.shape[1]:
+            spots.node[e, spots.number[e]], spots.step[e, spots.number[e]] = nodes[i], now
+            spots.number[e] += 1
     off = max(abs(drift_row - spots.used[e, 0]), abs(drift_col - spots.used[e, 1]))
     longest = 0
     for i in range(known):
@@ -161,7 +171,7 @@ def sight(
         spots.sighted[e] = 0
         first = 0
     chances = np.empty(spots.chance.shape[2])
-    for i in range(first, spots.count[e]):
+    for i in range(first, spots.number[e]):
         _add_start(spots, cloud, shore, e, i, chances)
 
 
@@ -193,7 +203,9 @@ def expect(
         box = np.array([0, 1 << 40, 0, 1 << 40])
         if sighted > 0:
             top = spots.log_starts[e, h].max()
-            box = bounds(cloud, spots.log_starts[e, h], top - (a + sighted) * np.log1p(1.0 / b) - 9.0)
+            box = bounds(
+                cloud, spots.log_starts[e, h], top - (a + sighted) * np.log1p(1.0 / b) - 9.0
+            )
         else:
             box[1], box[3] = np.int64(cloud.rows.max()), np.int64(cloud.cols.max())
         left[:] = -1.0

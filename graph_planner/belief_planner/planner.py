@@ -17,6 +17,7 @@ from graph_planner.belief_planner.scouting import ScoutCrew
 from graph_planner.belief_planner.shore import shore_of
 from graph_planner.belief_planner.steering import towards
 from graph_planner.belief_planner.waiting import approach, regrets
+from graph_planner.geodesics import Int32Array
 from graph_planner.randomness import Stream, UInt64Array, stream_key
 from graph_planner.task import Observation, Task
 
@@ -34,6 +35,11 @@ AHEAD = 6  # steps by which foragers' regret is judged
 CALM = 1.0  # worth of finding a hotspot by which they lose nothing yet
 IDLE, OLD = 0.05, 135.0  # without a belief: items in a node not seen for so many steps
 OLDEST = 30.0  # step at which those stop growing
+
+
+def _summed(place: Int32Array, value: NDArray[np.float64], size: int) -> NDArray[np.float64]:
+    """(size,) sum of the values at each place."""
+    return np.bincount(place, value, minlength=size).astype(np.float64)
 
 
 class BeliefPlanner:
@@ -67,9 +73,7 @@ class BeliefPlanner:
         lookers = task.fleet.foragers if self._lone else task.fleet.scouts
         self._scouts = ScoutCrew(task, settings, lookers)
         self._landmarks, self._belongs = landmarks_of(graph)
-        self._blocks = [
-            hotspot_cover(task, int(a), settings) for a in self._scouts.agents
-        ]
+        self._blocks = [hotspot_cover(task, int(a), settings) for a in self._scouts.agents]
         self.expected = np.zeros((episodes, len(graph)))
         self._nothing = np.zeros(len(graph))
         self._preferences = np.zeros((episodes, len(task.fleet), 9))
@@ -86,7 +90,7 @@ class BeliefPlanner:
         now, shore, ways, lost = int(seen.step[e]) - 1, self._shore, self._ways, self._lost
         belief, last_seen = seen.belief[e], seen.last_seen[e]
         settings, drift = self.settings, self.wind.mean[e]
-        ways.count[0] = lost.count[0] = 0
+        ways.number[0] = lost.number[0] = 0
         foragers_at = seen.agent_node[e][self._foragers.crew.agents]
         if now > 0:
             tr.collect(self.tracks, shore, e, now, foragers_at, ways, lost)
@@ -100,31 +104,25 @@ class BeliefPlanner:
         if settings.wind:
             wd.settle(self.wind, shore, e, ways)
             wd.estimate(self.wind, self.tracks, shore, e)
-        n = int(self.tracks.count[e])
+        n = int(self.tracks.number[e])
         sighted = self.tracks.node[e, n - new : n].copy()
         if settings.particles:
             st.remember(self.stragglers, e, now, last_seen, foragers_at)
             sighted = self._settle_losses(e, now, sighted)
         self._expect(seen, e, now, sighted)
 
-    def _settle_losses(
-        self, e: int, now: int, sighted: NDArray[np.int32]
-    ) -> NDArray[np.int32]:
+    def _settle_losses(self, e: int, now: int, sighted: Int32Array) -> Int32Array:
         """Take in what was lost and found; those of the new sightings that are really new."""
         particles, key, lost = self.stragglers, self._keys[e], self._lost
-        if particles.count[e]:
+        if particles.number[e]:
             new = [not st.find(particles, self._shore, e, node) for node in sighted]
             sighted = sighted[np.array(new, np.bool_)]
             st.advance(particles, self._shore, key, e, now)
-        for i in range(lost.count[0]):
-            st.lose(
-                particles, self.wind, self._shore, key, e, lost.node[i], int(lost.step[i]), now
-            )
+        for i in range(lost.number[0]):
+            st.lose(particles, self.wind, self._shore, key, e, lost.node[i], int(lost.step[i]), now)
         return sighted
 
-    def _expect(
-        self, seen: Observation, e: int, now: int, sighted: NDArray[np.int32]
-    ) -> None:
+    def _expect(self, seen: Observation, e: int, now: int, sighted: Int32Array) -> None:
         """Expected unseen items of an episode."""
         spots, wind, last_seen = self.spots, self.wind, seen.last_seen[e]
         nodes, expected = self._currents.nodes(now), self.expected[e]
@@ -137,10 +135,10 @@ class BeliefPlanner:
             self.expected[e] = IDLE * np.minimum(1.0, (now - last_seen.astype(np.float64)) / OLD)
             return
         hs.expect(spots, self._cloud, e, nodes, expected)
-        if self.settings.particles and spots.count[e]:
+        if self.settings.particles and spots.number[e]:
             self._expect_stragglers(e, now)
         expected[last_seen == now] = 0.0
-        if self.tracks.count[e] == 0 and spots.count[e] and expected.sum() < 1.0:
+        if self.tracks.number[e] == 0 and spots.number[e] and expected.sum() < 1.0:
             # The episode goes on, so there is something left: if not where it should be, then
             # where nobody has looked for long.
             if expected.sum() < HOPELESS:
@@ -150,7 +148,7 @@ class BeliefPlanner:
     def _expect_stragglers(self, e: int, now: int) -> None:
         particles, key, expected = self.stragglers, self._keys[e], self.expected[e]
         total, real = 0.0, REAL
-        if self.tracks.count[e] <= FEW and expected.sum() < LATE:
+        if self.tracks.number[e] <= FEW and expected.sum() < LATE:
             spread = self.settings.spread_node
             tries = TRIES_FAST if self.settings.fast else TRIES
             st.try_more(particles, self.spots, self.wind, self._shore, key, e, now, spread, tries)
@@ -160,7 +158,7 @@ class BeliefPlanner:
 
     def _decide(self, seen: Observation, e: int) -> None:
         at, preferences = seen.agent_node[e], self._preferences[e]
-        sighted = self.spots.count[e] > 0
+        sighted = self.spots.number[e] > 0
         self._list_items(e, sighted)
         busy = self._foragers.send(at, self.wind.mean[e], preferences) > 0
         if self._lone and busy:
@@ -173,22 +171,22 @@ class BeliefPlanner:
             self._search(at, self.spots.chance[e, 0], preferences)
 
     def _search(
-        self, at: NDArray[np.int32], chance: NDArray[np.float64], preferences: NDArray[np.float64]
+        self, at: Int32Array, chance: NDArray[np.float64], preferences: NDArray[np.float64]
     ) -> None:
         """Let the scouts look for the first hotspot, most of all where not knowing costs most."""
         if not self._blocks:
             return
         crew = self._foragers.crew
         if crew.agents.size and self.settings.preposition:
-            mass = np.bincount(self._belongs, chance, minlength=self._landmarks.size)
+            mass = _summed(self._belongs, chance, self._landmarks.size)
             regret = regrets(crew.ways, self._landmarks, mass, crew.kind, at[crew.agents], AHEAD)
             chance = chance * (CALM + regret)[self._belongs]
-        mass = np.bincount(self._blocks[0].block, chance, minlength=1)
+        mass = _summed(self._blocks[0].block, chance, 1)
         self._scouts.look(at, mass, preferences, [b.cover for b in self._blocks])
 
     def _list_items(self, e: int, sighted: bool) -> None:
         """Tracks, and the nodes where most unseen items are expected, as things to collect."""
-        items, n = self._foragers.items, int(self.tracks.count[e])
+        items, n = self._foragers.items, int(self.tracks.number[e])
         items.row[:n], items.col[:n] = self.tracks.row[e, :n], self.tracks.col[e, :n]
         items.weight[:n] = 1.0
         if sighted and self.settings.hotspot:
@@ -199,16 +197,16 @@ class BeliefPlanner:
             items.col[n : n + m] = self._shore.cols[best]
             items.weight[n : n + m] = self.expected[e, best]
             n += m
-        items.count[0] = n
+        items.number[0] = n
 
     def _wait(
-        self, at: NDArray[np.int32], e: int, sighted: bool, preferences: NDArray[np.float64]
+        self, at: Int32Array, e: int, sighted: bool, preferences: NDArray[np.float64]
     ) -> None:
         """Send foragers without a stop to where they are near to what may come."""
         crew = self._foragers.crew
         sighted = sighted or not self.settings.hotspot
         field = self.expected[e] if sighted else self.spots.chance[e, 0]
-        mass = np.bincount(self._belongs, field, minlength=self._landmarks.size)
+        mass = _summed(self._belongs, field, self._landmarks.size)
         for f, agent in enumerate(crew.agents):
             ways = crew.ways[crew.kind[f]]
             if self.settings.preposition and mass.sum() > 0:
@@ -218,12 +216,13 @@ class BeliefPlanner:
 
     def _worth_seeing(self, seen: Observation, e: int) -> NDArray[np.float64]:
         """What seeing each node is worth to the fleet (node,) [item]."""
-        now, mass = int(seen.step[e]) - 1, self.expected[e].copy()
+        now = int(seen.step[e]) - 1
+        mass: NDArray[np.float64] = self.expected[e].copy()
         if not self.settings.refresh:
             return mass
-        n = int(self.tracks.count[e])
+        n = int(self.tracks.number[e])
         age = np.minimum(OLDEST, now - self.tracks.seen[e, :n])
-        mass += np.bincount(self.tracks.node[e, :n], AGE_SHARE * age, minlength=mass.size)
+        mass += _summed(self.tracks.node[e, :n], AGE_SHARE * age, mass.size)
         known = seen.known[e, : seen.n_known[e]]
         tracked = np.zeros(mass.size, np.bool_)
         tracked[self.tracks.node[e, :n]] = True

@@ -15,9 +15,9 @@ FAR = 1e6  # decisions to a place that cannot be reached
 
 
 class Floating(NamedTuple):
-    """Items, certain or probable, by position. Only the first `count` entries count."""
+    """Items, certain or probable, by position. Only the first `number` entries count."""
 
-    count: NDArray[np.int64]  # (1,)
+    number: NDArray[np.int64]  # (1,)
     row: NDArray[np.float64]  # (item,) [node]
     col: NDArray[np.float64]  # (item,)
     weight: NDArray[np.float64]  # (item,) expected number of items
@@ -26,7 +26,7 @@ class Floating(NamedTuple):
 class Stops(NamedTuple):
     """Nodes worth going to and the decisions between them."""
 
-    count: NDArray[np.int64]  # (1,)
+    number: NDArray[np.int64]  # (1,)
     node: Int32Array  # (stop,)
     weight: NDArray[np.float64]  # (stop,) expected items
     place: Int32Array  # (node,) scratch: stop of a node, all -1 between calls
@@ -52,10 +52,10 @@ def stops(capacity: int, nodes: int) -> Stops:
 @kernel
 def float_item(items: Floating, row: float, col: float, weight: float) -> None:
     """Add an item while there is room."""
-    n = items.count[0]
+    n = items.number[0]
     if n < items.row.size:
         items.row[n], items.col[n], items.weight[n] = row, col, weight
-        items.count[0] = n + 1
+        items.number[0] = n + 1
 
 
 @kernel
@@ -94,10 +94,10 @@ def gather_stops(
     found : filled
     """
     place = found.place
-    node, worth = np.empty(items.count[0], np.int32), np.empty(items.count[0])
-    delay = np.empty(items.count[0])
+    node, worth = np.empty(items.number[0], np.int32), np.empty(items.number[0])
+    delay = np.empty(items.number[0])
     n = 0
-    for i in range(items.count[0]):
+    for i in range(items.number[0]):
         row, col, here = drifted(shore, items.row[i], items.col[i], 0.0, 0.0, 0.0)
         wait = soonest(ways, kind, at, here)
         if wait >= FAR:
@@ -115,7 +115,7 @@ def gather_stops(
     n = min(n, found.node.size)
     for i in range(n):
         found.node[i], found.weight[i] = node[order[i]], worth[order[i]]
-    found.count[0] = n
+    found.number[0] = n
 
 
 @kernel
@@ -127,7 +127,7 @@ def decisions_between(
     Collecting needs a decision that ends in the node: where one already is, it takes one decision
     of staying, or two of going away and coming back.
     """
-    n, again = found.count[0], 1.0 if stay else 2.0
+    n, again = found.number[0], 1.0 if stay else 2.0
     first = np.empty((at.size, n))
     between = np.empty((len(ways), n, n))
     for j in range(n):

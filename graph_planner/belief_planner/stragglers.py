@@ -34,7 +34,7 @@ class Stragglers(NamedTuple):
 
     views: NDArray[np.uint64]  # (episode, step, word) a bit per node
     foragers: Int32Array  # (episode, step, forager) nodes
-    count: NDArray[np.int64]  # (episode,) particles
+    number: NDArray[np.int64]  # (episode,) particles
     tried: NDArray[np.int64]  # (episode,) of unseen items
     labels: NDArray[np.int64]  # (episode,) particles ever drawn
     source: NDArray[np.int64]  # (episode, particle) lost item, or NEVER_SEEN
@@ -46,20 +46,22 @@ class Stragglers(NamedTuple):
     noise: float  # largest own drift per axis [node/step]
 
 
-def stragglers(
-    episodes: int, nodes: int, horizon: int, foragers: int, noise: float
-) -> Stragglers:
+def stragglers(episodes: int, nodes: int, horizon: int, foragers: int, noise: float) -> Stragglers:
     """Nothing lost and no particles yet."""
     both = (episodes, UNSEEN + LOSSES * TRIES_LOST // 4)
     return Stragglers(
         np.zeros((episodes, horizon + 1, nodes // 64 + 1), np.uint64),
         np.full((episodes, horizon + 1, foragers), -1, np.int32),
-        *(np.zeros(episodes, np.int64) for _ in range(3)),
-        *(np.zeros(both, np.int64) for _ in range(2)),
-        *(np.zeros(both) for _ in range(2)),
-        np.zeros((*both, 2)),
-        np.zeros((episodes, LOSSES), np.int64),
-        noise,
+        number=np.zeros(episodes, np.int64),
+        tried=np.zeros(episodes, np.int64),
+        labels=np.zeros(episodes, np.int64),
+        source=np.zeros(both, np.int64),
+        label=np.zeros(both, np.int64),
+        row=np.zeros(both),
+        col=np.zeros(both),
+        drift=np.zeros((*both, 2)),
+        lost=np.zeros((episodes, LOSSES), np.int64),
+        noise=noise,
     )
 
 
@@ -81,7 +83,7 @@ def remember(
 
 @inlined
 def _met(views: NDArray[np.uint64], step: int, node: int) -> bool:
-    return (views[step, node >> 6] >> np.uint64(node & 63)) & np.uint64(1) != 0
+    return bool((views[step, node >> 6] >> np.uint64(node & 63)) & np.uint64(1) != 0)
 
 
 @kernel
@@ -108,8 +110,8 @@ def _survives(
 
 @kernel
 def _remove(stragglers: Stragglers, e: int, i: int) -> None:
-    stragglers.count[e] -= 1
-    last = stragglers.count[e]
+    stragglers.number[e] -= 1
+    last = stragglers.number[e]
     stragglers.source[e, i] = stragglers.source[e, last]
     stragglers.label[e, i] = stragglers.label[e, last]
     stragglers.row[e, i] = stragglers.row[e, last]
@@ -121,7 +123,7 @@ def _remove(stragglers: Stragglers, e: int, i: int) -> None:
 def advance(stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, now: int) -> None:
     """Let the particles drift into step `now`, and throw away those that are in view."""
     i = 0
-    while i < stragglers.count[e]:
+    while i < stragglers.number[e]:
         if _survives(stragglers, shore, key, e, i, now):
             i += 1
         else:
@@ -130,14 +132,22 @@ def advance(stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, now: i
 
 @kernel
 def _run(
-    stragglers: Stragglers, wind: Wind, shore: Shore, key: np.uint64, e: int, source: int,
-    row: float, col: float, since: int, now: int,
+    stragglers: Stragglers,
+    wind: Wind,
+    shore: Shore,
+    key: np.uint64,
+    e: int,
+    source: int,
+    row: float,
+    col: float,
+    since: int,
+    now: int,
 ) -> bool:
     """Run a new particle from where it was at step `since` through the views; keep it if it lives.
 
     Its number must have been counted in `labels` already.
     """
-    i, label = stragglers.count[e], stragglers.labels[e] - 1
+    i, label = stragglers.number[e], stragglers.labels[e] - 1
     if i == stragglers.row.shape[1]:
         return False
     row, col, _ = settled(shore, row, col)
@@ -149,14 +159,20 @@ def _run(
     for step in range(since + 1, now + 1):
         if not _survives(stragglers, shore, key, e, i, step):
             return False
-    stragglers.count[e] = i + 1
+    stragglers.number[e] = i + 1
     return True
 
 
 @kernel
 def lose(
-    stragglers: Stragglers, wind: Wind, shore: Shore, key: np.uint64, e: int, node: int,
-    since: int, now: int,
+    stragglers: Stragglers,
+    wind: Wind,
+    shore: Shore,
+    key: np.uint64,
+    e: int,
+    node: int,
+    since: int,
+    now: int,
 ) -> None:
     """Draw particles for an item that was last seen in a node at step `since`, and is not found."""
     place = -1
@@ -181,7 +197,7 @@ def lose(
 def find(stragglers: Stragglers, shore: Shore, e: int, node: int) -> bool:
     """Whether a newly seen item is a lost one, by the nearest particle; that loss is then over."""
     nearest, best = FOUND_GATE**2, NEVER_SEEN
-    for i in range(stragglers.count[e]):
+    for i in range(stragglers.number[e]):
         if stragglers.source[e, i] != NEVER_SEEN:
             down = shore.rows[node] - stragglers.row[e, i]
             right = shore.cols[node] - stragglers.col[e, i]
@@ -190,7 +206,7 @@ def find(stragglers: Stragglers, shore: Shore, e: int, node: int) -> bool:
     if best == NEVER_SEEN:
         return False
     i = 0
-    while i < stragglers.count[e]:
+    while i < stragglers.number[e]:
         if stragglers.source[e, i] == best:
             _remove(stragglers, e, i)
         else:
@@ -202,13 +218,20 @@ def find(stragglers: Stragglers, shore: Shore, e: int, node: int) -> bool:
 @kernel
 def _drawn(chances: NDArray[np.float64], draw: float) -> int:
     """First index at which the running sum (ending in 1) exceeds the draw."""
-    return min(np.searchsorted(chances, draw, side="right"), chances.size - 1)
+    return min(int(np.searchsorted(chances, draw, side="right")), chances.size - 1)
 
 
 @kernel
 def try_more(
-    stragglers: Stragglers, spots: Hotspots, wind: Wind, shore: Shore, key: np.uint64, e: int,
-    now: int, spread: float, tries: int,
+    stragglers: Stragglers,
+    spots: Hotspots,
+    wind: Wind,
+    shore: Shore,
+    key: np.uint64,
+    e: int,
+    now: int,
+    spread: float,
+    tries: int,
 ) -> None:
     """Draw particles of unseen items, and keep those that no view up to step `now` has met.
 
@@ -221,7 +244,7 @@ def try_more(
     many, kept = 0, 0
     for h in range(spots.sighted.shape[1]):
         many += spots.sighted[e, h] > 0
-    for i in range(stragglers.count[e]):
+    for i in range(stragglers.number[e]):
         kept += stragglers.source[e, i] == NEVER_SEEN
     if many == 0 or kept >= UNSEEN:
         return
@@ -259,7 +282,7 @@ def expect_stragglers(
     total : items of all hotspots; 0 leaves those out that were never seen
     real : chance that an item given up was there at all
     """
-    for i in range(stragglers.count[e]):
+    for i in range(stragglers.number[e]):
         source = stragglers.source[e, i]
         _, _, node = settled(shore, stragglers.row[e, i], stragglers.col[e, i])
         if source == NEVER_SEEN:

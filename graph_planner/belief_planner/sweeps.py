@@ -120,7 +120,7 @@ def search_sweep(
                     if rest[mark] > 1e-9:
                         steps = LONGEST
                         if decisions[mark, end] != UNREACHED:
-                            steps = float(k + max(1, np.int64(decisions[mark, end])))
+                            steps = float(k + max(1, int(decisions[mark, end])))
                         price += rest[mark] * min(steps, elsewhere[mark])
                 if k == 1:
                     preferences[move] = -price

@@ -20,9 +20,9 @@ IN_VIEW_GATE = 2.3  # between two places in view [node]
 
 
 class Tracks(NamedTuple):
-    """Tracks of a batch; those of an episode are its first `count`."""
+    """Tracks of a batch; those of an episode are its first `number`."""
 
-    count: NDArray[np.int64]  # (episode,)
+    number: NDArray[np.int64]  # (episode,)
     row: NDArray[np.float64]  # (episode, track) [node]
     col: NDArray[np.float64]
     node: Int32Array  # (episode, track)
@@ -36,7 +36,7 @@ class Tracks(NamedTuple):
 class Ended(NamedTuple):
     """Ways of the tracks that a reconciliation ended or started anew, for the wind estimate."""
 
-    count: NDArray[np.int64]  # (1,)
+    number: NDArray[np.int64]  # (1,)
     axis: NDArray[np.int64]  # (way,) 0 rows, 1 columns
     shift: NDArray[np.float64]  # (way,) [node]
     steps: NDArray[np.float64]  # (way,)
@@ -46,7 +46,7 @@ class Ended(NamedTuple):
 class Lost(NamedTuple):
     """Tracks that were given up although nobody is known to have collected the item."""
 
-    count: NDArray[np.int64]  # (1,)
+    number: NDArray[np.int64]  # (1,)
     node: Int32Array  # (loss,) of the last sighting
     step: Int32Array  # (loss,) of the last sighting
 
@@ -93,13 +93,13 @@ def scratch(nodes: int) -> Scratch:
 @kernel
 def _report(tracks: Tracks, shore: Shore, e: int, i: int, axis: int, ways: Ended) -> None:
     """Hand the way of a track along one axis over, from its base to its last sighting."""
-    steps, n = tracks.seen[e, i] - tracks.base[e, i, axis], ways.count[0]
+    steps, n = tracks.seen[e, i] - tracks.base[e, i, axis], ways.number[0]
     if steps <= 0 or n >= ways.axis.size:
         return
     places, start = shore.rows if axis == 0 else shore.cols, tracks.base_node[e, i, axis]
     ways.axis[n], ways.steps[n], ways.start[n] = axis, float(steps), start
     ways.shift[n] = float(places[tracks.seen_node[e, i]] - places[start])
-    ways.count[0] = n + 1
+    ways.number[0] = n + 1
 
 
 @kernel
@@ -118,26 +118,28 @@ def drop(tracks: Tracks, shore: Shore, e: int, i: int, ways: Ended) -> None:
     """End track i; the last one takes its place."""
     for axis in range(2):
         _report(tracks, shore, e, i, axis, ways)
-    tracks.count[e] -= 1
-    _copy(tracks, e, tracks.count[e], i)
+    tracks.number[e] -= 1
+    _copy(tracks, e, tracks.number[e], i)
 
 
 @kernel
 def _lose(tracks: Tracks, e: int, i: int, lost: Lost) -> None:
-    n = lost.count[0]
+    n = lost.number[0]
     if n < lost.node.size:
         lost.node[n], lost.step[n] = tracks.seen_node[e, i], tracks.seen[e, i]
-        lost.count[0] = n + 1
+        lost.number[0] = n + 1
 
 
 @inlined
 def _same_walls(shore: Shore, start: int, node: int, axis: int) -> bool:
     """Whether drift along an axis ends at the same walls in two nodes."""
-    shift = (shore.rows[node] - shore.rows[start]) if axis == 0 else (
-        shore.cols[node] - shore.cols[start]
+    shift = (
+        (shore.rows[node] - shore.rows[start])
+        if axis == 0
+        else (shore.cols[node] - shore.cols[start])
     )
     before, now = shore.room[start, axis], shore.room[node, axis]
-    return (now[0] - shift == before[0]) & (now[1] + shift == before[1])
+    return bool((now[0] - shift == before[0]) & (now[1] + shift == before[1]))
 
 
 @kernel
@@ -172,7 +174,7 @@ def collect(
     """
     for f in range(foragers_at.size):
         i = 0
-        while i < tracks.count[e]:
+        while i < tracks.number[e]:
             if tracks.node[e, i] == foragers_at[f]:
                 if tracks.seen[e, i] < now - 1:
                     _lose(tracks, e, i, lost)
@@ -184,7 +186,7 @@ def collect(
 @kernel
 def carry(tracks: Tracks, shore: Shore, e: int, drift_row: float, drift_col: float) -> None:
     """Let all tracks drift for one step [node/step]."""
-    for i in range(tracks.count[e]):
+    for i in range(tracks.number[e]):
         row, col, node = drifted(
             shore, tracks.row[e, i], tracks.col[e, i], drift_row, drift_col, 1.0
         )
@@ -225,7 +227,7 @@ def reconcile(
     New tracks; they are the last ones
     """
     tracked = memory.tracked
-    n = tracks.count[e]
+    n = tracks.number[e]
     loose = np.empty(n, np.int64)  # tracks in view where too few items are
     n_loose = 0
     for i in range(n):
@@ -306,7 +308,7 @@ def reconcile(
             drop(tracks, shore, e, i, ways)
     new = 0
     for j in range(n_lacking):
-        i = tracks.count[e]
+        i = tracks.number[e]
         if i == tracks.row.shape[1]:
             break
         node = lacking[j]
@@ -314,7 +316,7 @@ def reconcile(
         tracks.born[e, i], tracks.seen[e, i] = now, now
         tracks.seen_node[e, i] = node
         tracks.base[e, i], tracks.base_node[e, i] = now, node
-        tracks.count[e] = i + 1
+        tracks.number[e] = i + 1
         _confirm(tracks, shore, e, i, node, now, ways)
         new += 1
     return new

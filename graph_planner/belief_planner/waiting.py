@@ -71,10 +71,10 @@ def regrets(
     regret = np.zeros(landmarks.size)
     preferences = np.empty(9)
     for f in range(at.size):
-        mine, here = ways[kind[f]], np.int64(at[f])
+        mine, here = ways[kind[f]], int(at[f])
         for _ in range(ahead):
             approach(mine, landmarks, mass, here, preferences)
-            here = np.int64(mine.ends[here, np.argmax(preferences)])
+            here = int(mine.ends[here, np.argmax(preferences)])
         for i in range(landmarks.size):
             row = mine.decisions[row_to(mine, landmarks[i])]
             lost = float(ahead) + float(row[here]) - float(row[at[f]])

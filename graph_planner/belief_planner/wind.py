@@ -54,7 +54,12 @@ def wind(episodes: int, settings: BeliefSettings) -> Wind:
 
 @kernel
 def log_likelihood(
-    shift: float, steps: float, up: int, down: int, noise: float, grid: NDArray[np.float64],
+    shift: float,
+    steps: float,
+    up: int,
+    down: int,
+    noise: float,
+    grid: NDArray[np.float64],
     total: NDArray[np.float64],
 ) -> None:
     """Add the log-likelihood of a way under every drift of a grid (point,), up to a constant.
@@ -78,7 +83,7 @@ def log_likelihood(
 @kernel
 def settle(wind: Wind, shore: Shore, e: int, ways: Ended) -> None:
     """Keep what ended ways say for good, and empty the list."""
-    for i in range(ways.count[0]):
+    for i in range(ways.number[0]):
         axis, room = ways.axis[i], shore.room[ways.start[i], ways.axis[i]]
         log_likelihood(
             ways.shift[i],
@@ -89,7 +94,7 @@ def settle(wind: Wind, shore: Shore, e: int, ways: Ended) -> None:
             wind.grid,
             wind.settled[e, axis],
         )
-    ways.count[0] = 0
+    ways.number[0] = 0
 
 
 @kernel
@@ -99,7 +104,7 @@ def estimate(wind: Wind, tracks: Tracks, shore: Shore, e: int) -> None:
     for axis in range(2):
         places = shore.rows if axis == 0 else shore.cols
         total = wind.prior + wind.settled[e, axis]
-        for i in range(tracks.count[e]):
+        for i in range(tracks.number[e]):
             start = tracks.base_node[e, i, axis]
             steps = float(tracks.seen[e, i] - tracks.base[e, i, axis])
             if steps < 1.0:

@@ -41,7 +41,7 @@ class OraclePolicy:
             present = truth.item_node[e] >= 0
             counts = np.bincount(truth.item_node[e][present], minlength=self._nodes)
             n = min(int(present.sum()), floating.row.size)
-            floating.count[0] = n
+            floating.number[0] = n
             floating.row[:n], floating.col[:n] = truth.item_rc[e][present][:n].T
             floating.weight[:n] = 1.0
             self._foragers.send(at, truth.drift_rc[e], preferences)
