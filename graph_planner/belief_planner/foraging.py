@@ -87,7 +87,7 @@ class ForagerCrew:
         self._stops = stops(MOST, len(task.graph))
         self._worth = np.zeros(len(task.graph))
         self._stay, self._settings = task.rules.stay, settings
-        self._beam, self._choices = (6, 5) if settings.fast else (24, 8)
+        self._beam, self._choices = (6, 5) if settings.fast else (32, 10)
         self._depth = (8 if settings.fast else 14) * max(1, self.crew.agents.size)
 
     def send(
