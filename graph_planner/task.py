@@ -1,12 +1,13 @@
 """What a policy is told before an episode, and what it sees at every step."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.belief_planner.settings import BeliefSettings
 from graph_planner.fleet import Fleet
 from graph_planner.geodesics import Float32Array, Int32Array
 from graph_planner.moves import MoveRules
@@ -40,12 +41,14 @@ class Task:
     ----------
     graph, fleet, rules : map, agents and what they may do
     horizon : decisions in an episode
+    belief : what the belief planner assumes and how hard it searches
     """
 
     graph: NavigationGraph
     fleet: Fleet
     rules: MoveRules
     horizon: int
+    belief: BeliefSettings = field(default_factory=BeliefSettings)
 
     @property
     def forgetting(self) -> float:
@@ -100,3 +103,14 @@ class Observation(NamedTuple):
     last_seen: NDArray[np.int16]  # (episode, node) step, NEVER if not yet seen
     known: Int32Array  # (episode, node) nodes with belief > 0, in no particular order
     n_known: Int32Array  # (episode,) how many entries of `known` count
+
+
+class Truth(NamedTuple):
+    """Where the items are and how they drift: for bounds only, never for a policy in a comparison.
+
+    Live views, like an observation.
+    """
+
+    item_rc: NDArray[np.float64]  # (episode, item, 2) [node]
+    item_node: Int32Array  # (episode, item) node, -1 once removed or for padding
+    drift_rc: NDArray[np.float64]  # (episode, 2) constant drift [node/step]

@@ -29,6 +29,7 @@ Progress = Callable[[str], None]
 BATCH = 400  # episodes
 REPEATS = 3
 POLICIES = ("random", "greedy", "levy", "lawnmower", "wanderer", "pso")
+DECISIONS = "decisions of the whole fleet per CPU second of one core, full setting"
 STEPS = "environment steps per CPU second of one core"
 LARGE = (
     *("team.scouts.count=32", "team.foragers.count=32", "items.mean=5000", "items.std=0"),
@@ -36,6 +37,9 @@ LARGE = (
 )
 LARGE_SHAPE = (1000, 1000)
 LARGE_STEPS = 20
+BELIEF_BATCH = 40  # episodes
+BELIEF_FLEETS = (4, 8, 16)  # agents, half of them scouts
+BELIEF_HORIZON = 60  # decisions of those
 PHYSICS_S = 120.0  # simulated time of a run
 PHYSICS_BATCH = 4  # simulations
 MISSION = (25, 150)  # episodes and decisions of a mission in MuJoCo
@@ -106,6 +110,24 @@ def _large_steps(setting: Setting, policy_name: str) -> Callable[[], float]:
     return work
 
 
+def _belief_setting(agents: int, fast: bool) -> Setting:
+    """The default mission with so many agents, cut where most of the work is done."""
+    half = agents // 2
+    teams = (f"team.scouts.count={half}", f"team.foragers.count={agents - half}")
+    overrides = (*teams, f"horizon={BELIEF_HORIZON}", f"belief.fast={str(fast).lower()}")
+    return Setting.of(load_scenario("comb-port", overrides))
+
+
+def _belief_speeds(measure: Callable[[str, str, Callable[[], float]], None]) -> None:
+    """The belief planner: speed of both settings, and what a decision of a fleet costs."""
+    for name, fast in (("belief", False), ("belief_fast", True)):
+        setting = Setting.of(load_scenario("comb-port", (f"belief.fast={str(fast).lower()}",)))
+        measure(f"graph_{name}_steps_per_core_s", STEPS, _steps(setting, "belief", BELIEF_BATCH))
+    for agents in BELIEF_FLEETS:
+        steps = _steps(_belief_setting(agents, False), "belief", BELIEF_BATCH // 4)
+        measure(f"belief_decisions_{agents}_agents_per_core_s", DECISIONS, steps)
+
+
 def _peak_memory_mb() -> float:
     """Peak resident memory of this process [MB]."""
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -128,6 +150,7 @@ def bench(progress: Progress = lambda name: None) -> Figures:
 
     for name in POLICIES:
         measure(f"graph_{name}_steps_per_core_s", STEPS, _steps(setting, name, BATCH))
+    _belief_speeds(measure)
     measure("evaluate_greedy_steps_per_core_s", STEPS, _evaluation(setting, BATCH))
     measure("metrics_episodes_per_s", "episodes per CPU second", _scoring(setting, BATCH))
     figures["peak_memory"] = {"value": _peak_memory_mb(), "unit": "MB"}

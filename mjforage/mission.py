@@ -10,10 +10,10 @@ from graph_planner.fleet import Fleet
 from graph_planner.geodesics import Int32Array
 from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
 from graph_planner.navigation import NavigationGraph, navigation_graph
-from graph_planner.policies import Policy
+from graph_planner.policies import Bound, Policy
 from graph_planner.randomness import UInt64Array, episode_keys
 from graph_planner.shared_model import SharedModel
-from graph_planner.task import Observation, Task
+from graph_planner.task import Observation, Task, Truth
 from mjforage.dynamics import Dynamics, Transition
 from mjforage.dynamics.worlds import WORLDS
 from mjforage.film import Film
@@ -87,7 +87,7 @@ class Setting:
     def task(self) -> Task:
         """What policies are told."""
         rules = MoveRules(self.scenario.rules.stay, self.scenario.rules.shorten)
-        return Task(self.graph, self.fleet, rules, self.scenario.horizon)
+        return Task(self.graph, self.fleet, rules, self.scenario.horizon, self.scenario.belief)
 
     @cached_property
     def start_nodes(self) -> Int32Array:
@@ -181,6 +181,17 @@ class Mission:
             n_known=self.model.knowledge.n_known,
         )
 
+    @property
+    def truth(self) -> Truth:
+        """What no policy may see but a bound."""
+        return Truth(self.state.item_rc, self.state.item_node, self.world.drift_rc)
+
+    def ask(self, policy: Policy) -> NDArray[np.float64]:
+        """The preferences of a policy, which sees the observation, or the truth too if a bound."""
+        if isinstance(policy, Bound):
+            policy.reveal(self.truth)
+        return policy.act(self.observation)
+
     def decide(self, preferences: NDArray[np.float64]) -> Moves:
         """Resolve preferences (episode, agent, 9) into moves without making them."""
         return self._resolver(
@@ -225,7 +236,7 @@ class Mission:
         for observer in observers:
             observer.see(self)
         while self.active.any():
-            self.advance(policy.act(self.observation))
+            self.advance(self.ask(policy))
             for observer in observers:
                 observer.see(self)
 

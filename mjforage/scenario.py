@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
+from graph_planner.belief_planner.settings import BeliefSettings
 from graph_planner.fleet import Role
 
 
@@ -48,6 +49,7 @@ class Items:
     mean: float = field(default=75.0, metadata=bounded(0, 20_000))  # number of items, mean
     std: float = field(default=10.0, metadata=bounded(0, 2_000))  # number of items, deviation
     covariance_node2: float = field(default=20.0, metadata=bounded(0, 1e9))  # per axis [node^2]
+    hotspots: int = field(default=1, metadata=bounded(1, 100))  # clusters, items dealt out in turn
 
 
 @dataclass(frozen=True)
@@ -126,3 +128,6 @@ class Scenario:
     physics: Physics = Physics()
     sensors: Sensors = Sensors()
     corruption: CorruptionChoice = CorruptionChoice()
+    belief: BeliefSettings = field(
+        default_factory=BeliefSettings
+    )  # the policy `belief`'s own assumptions

@@ -134,13 +134,15 @@ def _scatter_items(
     water: Water,
     counts: Int32Array,
     spread: float,
+    hotspots: int,
     item_rc: NDArray[np.float64],
     item_node: Int32Array,
 ) -> None:
     for e in range(keys.size):
         key = stream_key(keys[e], Stream.ITEMS)
-        hotspot = int(uniform(key, 1, 1) * water.rows.size)
         for k in range(counts[e]):
+            cluster = k % hotspots
+            hotspot = int(uniform(key, 1 + cluster, 1) * water.rows.size)
             row = water.rows[hotspot] + spread * normal(key, 2 * k, 2)
             col = water.cols[hotspot] + spread * normal(key, 2 * k + 1, 2)
             row, col, node = into_water(water, row, col)
@@ -155,7 +157,7 @@ def _place_items(
     item_rc = np.zeros((*padded, 2))
     item_node = np.full(padded, -1, np.int32)
     spread = items.covariance_node2**0.5
-    _scatter_items(keys, graph.water, counts, spread, item_rc, item_node)
+    _scatter_items(keys, graph.water, counts, spread, items.hotspots, item_rc, item_node)
     return counts, item_rc, item_node
 
 

@@ -7,9 +7,16 @@ then known to the command line, the evaluator and the report.
 import importlib
 import pkgutil
 
-from graph_planner.policies.registry import Policy, create_policy, policy_names, register
+from graph_planner.policies.registry import (
+    Bound,
+    Policy,
+    create_policy,
+    is_bound,
+    policy_names,
+    register,
+)
 
 for _module in pkgutil.iter_modules(__path__):
     importlib.import_module(f"{__name__}.{_module.name}")
 
-__all__ = ["Policy", "create_policy", "policy_names", "register"]
+__all__ = ["Bound", "Policy", "create_policy", "is_bound", "policy_names", "register"]

@@ -2,13 +2,13 @@
 
 import difflib
 from collections.abc import Callable
-from typing import Protocol, TypeVar
+from typing import Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task
+from graph_planner.task import Observation, Task, Truth
 
 
 class Policy(Protocol):
@@ -30,6 +30,18 @@ class Policy(Protocol):
         The resolver takes each agent's largest legal one. No NaN; rows of inactive episodes are
         ignored.
         """
+        ...
+
+
+@runtime_checkable
+class Bound(Policy, Protocol):
+    """A policy that is shown the truth: no policy to compare with, but a bound on what is possible.
+
+    Every table marks it as a bound.
+    """
+
+    def reveal(self, truth: Truth) -> None:
+        """Take in where the items are, before every `act`."""
         ...
 
 
@@ -78,3 +90,8 @@ def create_policy(name: str) -> Policy:
 def policy_summary(name: str) -> str:
     """First line of a policy's docstring."""
     return (_POLICIES[name].__doc__ or "").strip().splitlines()[0]
+
+
+def is_bound(name: str) -> bool:
+    """Whether the policy of a name is shown the truth; unknown names are not."""
+    return hasattr(_POLICIES.get(name), "reveal")

@@ -8,7 +8,7 @@ import numpy as np
 
 from metrics import paired_difference, probability_of_improvement
 from mjforage.report.logs import RunLogs
-from mjforage.report.tables import NOTHING, Row, Table, number
+from mjforage.report.tables import NOTHING, Row, Table, number, policy_name
 from mjforage.vocabulary import COMPARED, Metric, describe
 
 SEED = 0  # of the bootstrap: a report made twice must be the same
@@ -57,7 +57,7 @@ def comparison_table(logs: RunLogs) -> Table | None:
         suffix = f" · {world}" if len(logs.run.worlds) > 1 else ""
         for metric in map(describe, COMPARED):
             pair = compare(logs, world, first, second, metric)
-            group = f"{first} − {second}{suffix}"
+            group = f"{policy_name(first)} − {policy_name(second)}{suffix}"
             best = frozenset({0}) if _resolved(pair) else frozenset()
             rows.append(Row(metric.label, _cells(pair, metric), group=group, best=best))
     if not rows:

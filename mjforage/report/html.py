@@ -112,6 +112,8 @@ def definition_notes() -> list[str]:
         "excludes that distance, its runs include it.",
         "Staying put is a legal action unless the scenario switches it off; the paper's runs had "
         "no such action.",
+        "A policy marked (bound) is shown where the items are and how they drift: it tells how far "
+        "from the possible the others are, and is left out where the best is picked.",
         "Episode i has the same items, weather and starts for every policy, so differences can be "
         "paired. In the paper's code the drift noise shared a stream with the policies' own draws.",
         "Undefined values (–) are left out of means and intervals; n counts what is left. With one "

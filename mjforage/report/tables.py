@@ -8,6 +8,7 @@ from typing import Any
 from rich.table import Table as RichTable
 from rich.text import Text
 
+from graph_planner.policies import is_bound
 from mjforage.report import style
 from mjforage.report.logs import RunLogs, Series, Summaries, Summary, parse_summary
 from mjforage.report.published import LABEL, Published, published_for
@@ -64,9 +65,15 @@ def mean_only(entry: Summary, digits: int) -> str:
     return number(entry.mean, digits)
 
 
+def policy_name(policy: str) -> str:
+    """Policy, marked where it is shown the truth and is therefore only a bound."""
+    return f"{policy} (bound)" if is_bound(policy) else policy
+
+
 def row_name(series: Series, worlds: Sequence[str]) -> str:
     """Policy, with its world where there are several."""
-    return series[1] if len(worlds) == 1 else f"{series[1]} · {series[0]}"
+    name = policy_name(series[1])
+    return name if len(worlds) == 1 else f"{name} · {series[0]}"
 
 
 def entry_of(summary: Summaries, series: Series, key: str) -> Summary:
@@ -76,7 +83,10 @@ def entry_of(summary: Summaries, series: Series, key: str) -> Summary:
 
 
 def _best(summary: Summaries, series: Sequence[Series], metric: Metric) -> set[Series]:
-    """World and policy with the best shown mean, per world; none where it has no direction."""
+    """World and policy with the best shown mean, per world, bounds aside; none where it has no
+    direction.
+    """
+    series = [s for s in series if not is_bound(s[1])]
     winners: set[Series] = set()
     for world in dict.fromkeys(s[0] for s in series):
         means = {s: entry_of(summary, s, metric.key).mean for s in series if s[0] == world}

@@ -6,9 +6,9 @@ from numpy.typing import NDArray
 from graph_planner.fleet import Fleet, Role
 from graph_planner.moves import MoveRules
 from graph_planner.navigation import NavigationGraph
-from graph_planner.policies import create_policy
+from graph_planner.policies import Bound, create_policy
 from graph_planner.randomness import episode_keys
-from graph_planner.task import NEVER, Observation, Task
+from graph_planner.task import NEVER, Observation, Task, Truth
 
 FREE = MoveRules(stay=True, shorten=True)
 
@@ -49,8 +49,18 @@ def observation_of(
     )
 
 
+def truth_of(task: Task, observation: Observation) -> Truth:
+    """A truth in which one item lies in the middle of every node that is known to hold some."""
+    count = int(observation.n_known[0])
+    node = observation.known[:, :count].astype(np.int32)
+    places = np.stack((task.graph.rows[node], task.graph.cols[node]), axis=-1).astype(np.float64)
+    return Truth(places, node, np.zeros((node.shape[0], 2)))
+
+
 def preferences(name: str, task: Task, observation: Observation) -> NDArray[np.float64]:
     """What a fresh policy prefers."""
     policy = create_policy(name)
     policy.reset(task, observation.keys)
+    if isinstance(policy, Bound):
+        policy.reveal(truth_of(task, observation))
     return policy.act(observation).copy()

@@ -100,3 +100,20 @@ def test_a_world_is_the_same_alone_and_in_company(seed: int) -> None:
     k = int(alone.n_items[0])
     np.testing.assert_array_equal(alone.item_rc[0], whole.item_rc[17, :k])
     np.testing.assert_array_equal(alone.agent_node[0], whole.agent_node[17])
+
+
+def test_several_hotspots_share_the_items_and_one_is_the_default() -> None:
+    starts = np.arange(4, dtype=np.int32)
+    one, two = (
+        create_world(OPEN, Items(hotspots=n, covariance_node2=1.0), Weather(), starts, 4, KEYS[:50])
+        for n in (1, 2)
+    )
+    np.testing.assert_array_equal(one.n_items, two.n_items)
+    np.testing.assert_array_equal(one.item_rc[:, ::2], two.item_rc[:, ::2])
+    inland = (one.item_rc[:, :30] > 5).all(axis=(1, 2)) & (one.item_rc[:, :30] < 54).all(
+        axis=(1, 2)
+    )
+    assert inland.sum() > 10
+    assert one.item_rc[inland, :60].std(axis=1).max() < 1.6
+    apart = np.abs(two.item_rc[:, 0:60:2].mean(axis=1) - two.item_rc[:, 1:60:2].mean(axis=1))
+    assert np.median(apart.max(axis=1)) > 10

@@ -1,0 +1,181 @@
+"""Covers of a map: what each kind of scout sees, cell by cell, and how far off it is."""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_planner.cloud import Cloud, cloud_of
+from graph_planner.belief_planner.settings import BeliefSettings
+from graph_planner.belief_planner.sweeps import Cover
+from graph_planner.belief_planner.ways import UInt16Array, Ways, search_back, ways_of
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import Int32Array
+from graph_planner.navigation import TABLE_LIMIT, NavigationGraph
+from graph_planner.task import Task
+from graph_planner.visibility import NodeLists
+
+LANDMARKS = 40
+BLOCK = 2  # nodes across a block of possible hotspots
+NOTICED = 0.8  # chance of seeing an item with which a hotspot counts as seen
+
+
+@lru_cache(maxsize=16)
+def landmarks_of(graph: NavigationGraph) -> tuple[Int32Array, Int32Array]:
+    """Nodes spread over a map, each the farthest from those before: (landmark,), and the nearest
+    one's number for every node: (node,).
+    """
+    marks = [
+        int(
+            np.argmin((graph.rows - graph.rows.mean()) ** 2 + (graph.cols - graph.cols.mean()) ** 2)
+        )
+    ]
+    nearest = graph.distances_from(np.array(marks, np.int32)).copy()
+    belongs = np.zeros(len(graph), np.int32)
+    while len(marks) < min(LANDMARKS, len(graph)):
+        far = int(np.argmax(np.where(np.isfinite(nearest), nearest, -1.0)))
+        away = graph.distances_from(np.array([far], np.int32))
+        closer = away < nearest
+        belongs[closer], nearest = len(marks), np.minimum(nearest, away)
+        marks.append(far)
+    return np.array(marks, np.int32), belongs
+
+
+@kernel
+def _until_seen(
+    ways: Ways, start: NDArray[np.int64], cells: Int32Array, wanted: Int32Array
+) -> UInt16Array:
+    """(landmark, node) decisions until some node is reached that sees a landmark's cell."""
+    nodes = ways.ends.shape[0]
+    rows = np.empty((wanted.size, nodes), np.uint16)
+    seers = np.empty(nodes, np.int32)
+    for mark in range(wanted.size):
+        n = 0
+        for v in range(nodes):
+            for i in range(start[v], start[v + 1]):
+                if cells[i] == wanted[mark]:
+                    seers[n] = v
+                    n += 1
+                    break
+        search_back(ways.before_start, ways.before, seers[:n], rows[mark])
+    return rows
+
+
+@lru_cache(maxsize=32)
+def view_cover(
+    graph: NavigationGraph,
+    radii: tuple[float, ...],
+    radius: int,
+    moves: int,
+    stay: bool,
+    shorten: bool,
+) -> Cover:
+    """Cover by plain sight: cells are nodes, seen within a radius.
+
+    Parameters
+    ----------
+    radii, radius : the fleet's radii, and the number of the one that is meant
+    moves, stay, shorten : how the scout moves, see `MoveRules`
+    """
+    lists = graph.views(radii)
+    marks, belongs = landmarks_of(graph)
+    ways = ways_of(graph, moves, stay, shorten)
+    start = lists.start[radius]
+    return Cover(start, lists.nodes, belongs, _until_seen(ways, start, lists.nodes, marks))
+
+
+class BlockCover(NamedTuple):
+    """Cover by what would be noticed: cells are blocks of nodes in which a hotspot may be."""
+
+    cover: Cover
+    block: Int32Array  # (node,) the block of a hotspot's node
+
+
+@kernel
+def _noticed(
+    lists: NodeLists,
+    radius: int,
+    cloud: Cloud,
+    block: Int32Array,
+    size: NDArray[np.int64],
+    least: float,
+    start: NDArray[np.int64],
+    cells: Int32Array,
+    fill: bool,
+) -> None:
+    """Blocks of which half the hotspots would show at least a share `least` in a view."""
+    n, total = block.size, 0
+    mass = np.empty(n)
+    noticed = np.zeros(size.size, np.int64)
+    reach, width = cloud.reach, cloud.node.shape[1]
+    for v in range(n):
+        start[v] = total
+        mass[:] = 0.0
+        for i in range(lists.start[radius, v], lists.start[radius, v + 1]):
+            x = lists.nodes[i]
+            for k in range(cloud.cell_start[x], cloud.cell_start[x + 1]):
+                row, col = cloud.cells[k] // width - reach, cloud.cells[k] % width - reach
+                for c in range(n):
+                    down, right = row - cloud.rows[c] + reach, col - cloud.cols[c] + reach
+                    if 0 <= down <= 2 * reach and 0 <= right <= 2 * reach:
+                        mass[c] += cloud.shares[down] * cloud.shares[right]
+        noticed[:] = 0
+        for c in range(n):
+            if mass[c] >= least:
+                noticed[block[c]] += 1
+        for b in range(size.size):
+            if 2 * noticed[b] >= size[b]:
+                if fill:
+                    cells[total] = b
+                total += 1
+    start[n] = total
+
+
+@lru_cache(maxsize=32)
+def _block_cover(
+    graph: NavigationGraph,
+    radii: tuple[float, ...],
+    radius: int,
+    moves: int,
+    stay: bool,
+    shorten: bool,
+    spread: float,
+    least: float,
+) -> BlockCover:
+    if len(graph) > TABLE_LIMIT:  # plain sight, one block per node
+        plain = view_cover(graph, radii, radius, moves, stay, shorten)
+        return BlockCover(plain, np.arange(len(graph), dtype=np.int32))
+    across = graph.shape[1] // BLOCK + 1
+    names = graph.rows // BLOCK * across + graph.cols // BLOCK
+    found, block = np.unique(names, return_inverse=True)
+    block, size = block.astype(np.int32), np.bincount(block).astype(np.int64)
+    lists, cloud = graph.views(radii), cloud_of(graph, spread)
+    start = np.zeros(len(graph) + 1, np.int64)
+    arguments = (lists, radius, cloud, block, size, least, start)
+    _noticed(*arguments, np.empty(0, np.int32), False)
+    cells = np.empty(int(start[-1]), np.int32)
+    _noticed(*arguments, cells, True)
+    marks, belongs = landmarks_of(graph)
+    landmark = np.zeros(found.size, np.int32)
+    landmark[block[::-1]] = belongs[::-1]
+    ways = ways_of(graph, moves, stay, shorten)
+    cover = Cover(start, cells, landmark, _until_seen(ways, start, cells, block[marks]))
+    return BlockCover(cover, block)
+
+
+def hotspot_cover(task: Task, agent: int, settings: BeliefSettings) -> BlockCover:
+    """What an agent would notice of hotspots from every node: `NOTICED` sure to see an item."""
+    shape = (settings.items / settings.items_sd) ** 2
+    rate = shape * settings.hotspots / settings.items
+    least = rate * ((1.0 - NOTICED) ** (-1.0 / shape) - 1.0)
+    return _block_cover(
+        task.graph,
+        task.view_radii,
+        int(task.radius_number[agent]),
+        int(task.fleet.moves[agent]),
+        task.rules.stay,
+        task.rules.shorten,
+        settings.spread_node,
+        least,
+    )

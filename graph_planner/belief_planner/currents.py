@@ -1,0 +1,70 @@
+"""Where an item from each start node would be by now, under a few hypotheses of the drift."""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_planner.shore import Shore, drifted, shore_of
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import Int32Array
+from graph_planner.navigation import TABLE_LIMIT, NavigationGraph
+
+PER_AXIS = 5
+MEMORY = 1 << 28  # bytes of tables; time is taken in longer strides where they would take more
+
+
+@kernel
+def _carried(
+    shore: Shore,
+    drift: NDArray[np.float64],
+    row: NDArray[np.float64],
+    col: NDArray[np.float64],
+    steps: float,
+    node: Int32Array,
+) -> None:
+    for w in range(row.shape[0]):
+        for x in range(row.shape[1]):
+            row[w, x], col[w, x], node[w, x] = drifted(
+                shore, row[w, x], col[w, x], drift[w, 0], drift[w, 1], steps
+            )
+
+
+class Currents:
+    """Tables of drifted nodes, made as time goes on and shared by all episodes.
+
+    Attributes
+    ----------
+    drift : (hypothesis, 2) [node/step]
+    axis : (value,) the drifts per axis that the hypotheses combine, ascending
+    """
+
+    def __init__(self, graph: NavigationGraph, largest: float, horizon: int) -> None:
+        n = len(graph)
+        many = PER_AXIS if n <= TABLE_LIMIT and largest > 0 else 1
+        self.axis = largest * (np.arange(many) - (many - 1) / 2) * 2.0 / many
+        self.drift = np.array([(r, c) for r in self.axis for c in self.axis])
+        hypotheses = many * many
+        self._stride = max(1, int(np.ceil(4.0 * hypotheses * n * horizon / MEMORY)))
+        self._row = np.tile(graph.rows.astype(np.float64), (hypotheses, 1))
+        self._col = np.tile(graph.cols.astype(np.float64), (hypotheses, 1))
+        self._tables = [np.tile(np.arange(n, dtype=np.int32), (hypotheses, 1))]
+        self._shore, self._still = shore_of(graph), many == 1
+
+    def nodes(self, step: int) -> Int32Array:
+        """(hypothesis, node) where an item that started in a node is after so many steps."""
+        if self._still:
+            return self._tables[0]
+        number = step // self._stride
+        while len(self._tables) <= number:
+            table = np.empty_like(self._tables[0])
+            stride = float(self._stride)
+            _carried(self._shore, self.drift, self._row, self._col, stride, table)
+            self._tables.append(table)
+        return self._tables[number]
+
+
+@lru_cache(maxsize=8)
+def currents_of(graph: NavigationGraph, largest: float, horizon: int) -> Currents:
+    """The currents of a map for drifts of up to `largest` per axis, made once and kept."""
+    return Currents(graph, largest, horizon)

@@ -1,0 +1,128 @@
+"""The foragers' part of a decision: items to stops, stops to routes, routes to moves."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_planner.crew import Crew
+from graph_planner.belief_planner.routes import NOWHERE, search_routes
+from graph_planner.belief_planner.settings import BeliefSettings
+from graph_planner.belief_planner.shore import Shore, shore_of
+from graph_planner.belief_planner.steering import towards
+from graph_planner.belief_planner.stops import (
+    MOST,
+    Floating,
+    Stops,
+    decisions_between,
+    floating,
+    gather_stops,
+    stops,
+)
+from graph_planner.belief_planner.ways import Ways
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import Int32Array
+from graph_planner.task import Task
+
+
+@kernel
+def _nearest(first: NDArray[np.float64], forager: int) -> int:
+    best = NOWHERE
+    for j in range(first.shape[1]):
+        if best == NOWHERE or first[forager, j] < first[forager, best]:
+            best = j
+    return best
+
+
+@kernel
+def send_foragers(
+    items: Floating,
+    shore: Shore,
+    ways: tuple[Ways, ...],
+    agents: NDArray[np.int64],
+    kind: NDArray[np.int64],
+    agent_node: Int32Array,
+    drift_row: float,
+    drift_col: float,
+    stay: bool,
+    joint: bool,
+    beam: int,
+    choices: int,
+    depth: int,
+    found: Stops,
+    worth: NDArray[np.float64],
+    preferences: NDArray[np.float64],
+) -> int:
+    """Plan routes and overwrite the foragers' rows of preferences (agent, 9).
+
+    Returns
+    -------
+    Number of stops; with none nothing is written
+    """
+    at = agent_node[agents]
+    gather_stops(items, shore, ways, kind, at, drift_row, drift_col, found)
+    n = found.number[0]
+    if n == 0 or at.size == 0:
+        return 0
+    first, between = decisions_between(found, ways, kind, at, stay)
+    if joint:
+        target = search_routes(found.weight[:n], first, between, kind, beam, choices, depth)
+    else:
+        target = np.full(at.size, NOWHERE, np.int64)
+    for i in range(items.number[0]):
+        worth[shore.nearest[int(items.row[i] + 0.5), int(items.col[i] + 0.5)]] += items.weight[i]
+    for f in range(at.size):
+        goal = target[f] if target[f] != NOWHERE else _nearest(first, f)
+        towards(ways[kind[f]], at[f], found.node[goal], worth, preferences[agents[f]])
+    for i in range(items.number[0]):
+        worth[shore.nearest[int(items.row[i] + 0.5), int(items.col[i] + 0.5)]] = 0.0
+    return int(n)
+
+
+class ForagerCrew:
+    """Those who collect: given items and a drift, where each goes now."""
+
+    def __init__(self, task: Task, settings: BeliefSettings) -> None:
+        self.crew = Crew.of(task, task.fleet.foragers)
+        self.shore = shore_of(task.graph)
+        self.items = floating(4096)
+        self._stops = stops(MOST, len(task.graph))
+        self._worth = np.zeros(len(task.graph))
+        self._stay, self._settings = task.rules.stay, settings
+        self._beam, self._choices = (6, 5) if settings.fast else (32, 10)
+        self._depth = (8 if settings.fast else 14) * max(1, self.crew.agents.size)
+
+    def send(
+        self,
+        agent_node: Int32Array,
+        drift_rc: NDArray[np.float64],
+        preferences: NDArray[np.float64],
+    ) -> int:
+        """Overwrite the foragers' rows of preferences (agent, 9) by the way to what is in `items`.
+
+        Parameters
+        ----------
+        agent_node : (agent,)
+        drift_rc : (2,) [node/step]
+
+        Returns
+        -------
+        Number of stops; with none nothing is written
+        """
+        crew = self.crew
+        return send_foragers(
+            self.items,
+            self.shore,
+            crew.ways,
+            crew.agents,
+            crew.kind,
+            agent_node,
+            drift_rc[0],
+            drift_rc[1],
+            self._stay,
+            self._settings.joint,
+            self._beam,
+            self._choices,
+            self._depth,
+            self._stops,
+            self._worth,
+            preferences,
+        )

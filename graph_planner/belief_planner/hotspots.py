@@ -1,0 +1,234 @@
+"""Where the items came from, and what of them is still unseen.
+
+Each of a given number of hotspots has a position (uniform over the nodes) and a number of items
+(gamma distributed). Under every hypothesis of the drift it is known which start nodes have been in
+view at some step; U(c) is the share of a hotspot c that has not. With n items seen at starts s_i
+the posterior is, by Poisson thinning,
+
+    log p(c) = sum_i log P0[c, s_i] - (a + n) log(b + 1 - U(c)) + constant,
+
+and the hotspot has (a + n) / (b + 1 - U(c)) items in all, of which P0[c, x] start in x. What was
+never in view of that is carried on by the drift.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_planner.cloud import Cloud, bounds, gathered, scattered, start_chances
+from graph_planner.belief_planner.settings import BeliefSettings
+from graph_planner.belief_planner.shore import Shore, settled
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import Int32Array
+
+STRAY = 1e-5  # chance of a start anywhere, for tracks that are mistaken
+FOREIGN = 2e-4  # below this chance a sighting belongs to another hotspot
+NEGLIGIBLE = 1e-3  # hypotheses of the drift with less weight are let go
+STALE = 0.8  # starts are worked out again when the drift's estimate moved them so far [node]
+
+
+class Hotspots(NamedTuple):
+    """Memory of a batch."""
+
+    shape: float  # a of the number of items
+    rate: float  # b
+    unseen: NDArray[np.uint8]  # (episode, hypothesis, node) starts never in view
+    share: NDArray[np.float64]  # (episode, hypothesis) weight of each drift
+    log_starts: NDArray[np.float64]  # (episode, hotspot, node) sum of log P0 over its sightings
+    chance: NDArray[np.float64]  # (episode, hotspot, node) posterior
+    sighted: NDArray[np.int64]  # (episode, hotspot) sightings
+    number: NDArray[np.int64]  # (episode,) sightings of all hotspots
+    node: Int32Array  # (episode, sighting)
+    step: Int32Array  # (episode, sighting)
+    used: NDArray[np.float64]  # (episode, 2) drift by which the starts were worked out
+    total: NDArray[np.float64]  # (episode,) items of all hotspots together, expected
+
+
+def hotspots(
+    episodes: int, nodes: int, hypotheses: int, capacity: int, settings: BeliefSettings
+) -> Hotspots:
+    """Nothing seen yet, for assumptions as in `settings` and room for `capacity` sightings."""
+    shape = (settings.items / settings.items_sd) ** 2
+    n = settings.hotspots
+    return Hotspots(
+        shape=shape,
+        rate=shape * n / settings.items,
+        unseen=np.ones((episodes, hypotheses, nodes), np.uint8),
+        share=np.full((episodes, hypotheses), 1.0 / hypotheses),
+        log_starts=np.zeros((episodes, n, nodes)),
+        chance=np.full((episodes, n, nodes), 1.0 / nodes),
+        sighted=np.zeros((episodes, n), np.int64),
+        number=np.zeros(episodes, np.int64),
+        node=np.zeros((episodes, capacity), np.int32),
+        step=np.zeros((episodes, capacity), np.int32),
+        used=np.zeros((episodes, 2)),
+        total=np.full(episodes, settings.items),
+    )
+
+
+@kernel
+def weigh(
+    axis: NDArray[np.float64],
+    grid: NDArray[np.float64],
+    chance: NDArray[np.float64],
+    share: NDArray[np.float64],
+) -> None:
+    """Weights (hypothesis,) of the drifts, from the wind's posterior (2, point) on its grid."""
+    per_axis = np.zeros((2, axis.size))
+    for a in range(2):
+        for p in range(grid.size):
+            nearest = 0
+            for k in range(1, axis.size):
+                if abs(axis[k] - grid[p]) < abs(axis[nearest] - grid[p]):
+                    nearest = k
+            per_axis[a, nearest] += chance[a, p]
+    for r in range(axis.size):
+        for c in range(axis.size):
+            share[r * axis.size + c] = per_axis[0, r] * per_axis[1, c]
+
+
+@kernel
+def look(
+    spots: Hotspots, e: int, now: int, nodes: Int32Array, last_seen: NDArray[np.int16]
+) -> None:
+    """Note which starts are in view at step `now`; `nodes` (hypothesis, node) is where they are."""
+    unseen, share = spots.unseen, spots.share
+    hidden = np.empty(last_seen.size, np.uint8)
+    for v in range(last_seen.size):
+        hidden[v] = last_seen[v] != now
+    for w in range(nodes.shape[0]):
+        if share[e, w] > NEGLIGIBLE:
+            for x in range(last_seen.size):
+                unseen[e, w, x] &= hidden[nodes[w, x]]
+
+
+@kernel
+def _add_start(
+    spots: Hotspots, cloud: Cloud, shore: Shore, e: int, i: int, chances: NDArray[np.float64]
+) -> None:
+    """Credit sighting i to the hotspot that it fits best."""
+    node, step = spots.node[e, i], float(spots.step[e, i])
+    row = shore.rows[node] - spots.used[e, 0] * step
+    col = shore.cols[node] - spots.used[e, 1] * step
+    _, _, start = settled(shore, row, col)
+    start_chances(cloud, start, chances)
+    best, fit = 0, -1.0
+    for h in range(spots.sighted.shape[1]):
+        if spots.sighted[e, h] == 0:
+            if fit < FOREIGN:
+                best = h
+            break
+        here = 0.0
+        for c in range(chances.size):
+            here += chances[c] * spots.chance[e, h, c]
+        if here > fit:
+            best, fit = h, here
+    fresh = spots.sighted[e, best] == 0
+    spots.sighted[e, best] += 1
+    for c in range(chances.size):
+        spots.log_starts[e, best, c] += np.log(STRAY + chances[c])
+    if fresh:  # so that the next ones can be told apart
+        _normalise(spots.log_starts[e, best], spots.chance[e, best])
+
+
+@kernel
+def _normalise(log_weight: NDArray[np.float64], chance: NDArray[np.float64]) -> None:
+    top = log_weight.max()
+    for c in range(chance.size):
+        chance[c] = np.exp(max(-80.0, log_weight[c] - top))
+    chance /= chance.sum()
+
+
+@kernel
+def sight(
+    spots: Hotspots,
+    cloud: Cloud,
+    shore: Shore,
+    e: int,
+    now: int,
+    nodes: Int32Array,
+    drift_row: float,
+    drift_col: float,
+) -> None:
+    """Take in new sightings (sighting,) of step `now`, worked back to their starts.
+
+    All starts are worked out again when the estimated drift has changed much.
+    """
+    known = spots.number[e]
+    for i in range(nodes.size):
+        if spots.number[e] < spots.node.shape[1]:
+            spots.node[e, spots.number[e]], spots.step[e, spots.number[e]] = nodes[i], now
+            spots.number[e] += 1
+    off = max(abs(drift_row - spots.used[e, 0]), abs(drift_col - spots.used[e, 1]))
+    longest = 0
+    for i in range(known):
+        longest = max(longest, spots.step[e, i])
+    first = known
+    if off * longest > STALE or known == 0:
+        spots.used[e, 0], spots.used[e, 1] = drift_row, drift_col
+        spots.log_starts[e] = 0.0
+        spots.sighted[e] = 0
+        first = 0
+    chances = np.empty(spots.chance.shape[2])
+    for i in range(first, spots.number[e]):
+        _add_start(spots, cloud, shore, e, i, chances)
+
+
+@kernel
+def expect(
+    spots: Hotspots, cloud: Cloud, e: int, nodes: Int32Array, expected: NDArray[np.float64]
+) -> None:
+    """Update the posterior and fill expected (node,): unseen items in every node now.
+
+    Parameters
+    ----------
+    nodes : (hypothesis, node) where an item of each start is now
+    """
+    n = expected.size
+    share, unseen, a, b = spots.share[e], spots.unseen[e], spots.shape, spots.rate
+    mean = np.zeros(n)
+    for w in range(share.size):
+        if share[w] > NEGLIGIBLE:
+            weight = share[w]
+            for x in range(n):
+                mean[x] += weight * unseen[w, x]
+    starts, left, log_weight = np.zeros(n), np.zeros(n), np.empty(n)
+    many = spots.sighted.shape[1]
+    spots.total[e] = 0.0
+    for h in range(many):
+        sighted, multiple = spots.sighted[e, h], 1.0
+        if sighted == 0:
+            multiple = float(many - h)  # those never sighted are alike
+        box = np.array([0, 1 << 40, 0, 1 << 40])
+        if sighted > 0:
+            top = spots.log_starts[e, h].max()
+            box = bounds(
+                cloud, spots.log_starts[e, h], top - (a + sighted) * np.log1p(1.0 / b) - 9.0
+            )
+        else:
+            box[1], box[3] = np.int64(cloud.rows.max()), np.int64(cloud.cols.max())
+        left[:] = -1.0
+        gathered(cloud, mean, box, left)
+        for c in range(n):
+            log_weight[c] = -np.inf
+            if left[c] >= 0.0:
+                log_weight[c] = spots.log_starts[e, h, c]
+                log_weight[c] -= (a + sighted) * np.log(b + max(0.0, 1.0 - left[c]))
+        _normalise(log_weight, spots.chance[e, h])
+        for c in range(n):
+            total = (a + sighted) / (b + max(0.0, 1.0 - left[c]))
+            log_weight[c] = multiple * spots.chance[e, h, c] * total
+            spots.total[e] += log_weight[c]
+        scattered(cloud, log_weight, box, starts)
+        if sighted == 0:
+            for other in range(h + 1, many):
+                spots.chance[e, other] = spots.chance[e, h]
+            break
+    expected[:] = 0.0
+    for w in range(share.size):
+        if share[w] > NEGLIGIBLE:
+            weight = share[w]
+            for x in range(n):
+                if unseen[w, x]:
+                    expected[nodes[w, x]] += weight * starts[x]

@@ -1,0 +1,231 @@
+"""The belief planner for a batch: what each part finds out, and who asks it."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_planner import hotspots as hs
+from graph_planner.belief_planner import stragglers as st
+from graph_planner.belief_planner import tracks as tr
+from graph_planner.belief_planner import wind as wd
+from graph_planner.belief_planner.cloud import cloud_of
+from graph_planner.belief_planner.covers import hotspot_cover, landmarks_of
+from graph_planner.belief_planner.currents import currents_of
+from graph_planner.belief_planner.foraging import ForagerCrew
+from graph_planner.belief_planner.scouting import ScoutCrew
+from graph_planner.belief_planner.shore import shore_of
+from graph_planner.belief_planner.steering import towards
+from graph_planner.belief_planner.waiting import approach, regrets
+from graph_planner.geodesics import Int32Array
+from graph_planner.randomness import Stream, UInt64Array, stream_key
+from graph_planner.task import Observation, Task
+
+ROOM = 4  # tracks kept, in multiples of the number of items expected
+REAL, REAL_LATE = 0.1, 0.5  # worth of items given up, with many and with few tracks left
+TRIES, TRIES_FAST = 200, 60  # particles of unseen items tried in one decision
+FEW = 15  # with so few tracks left, stragglers are simulated one by one
+LATE = 8.0  # and no more than so many unseen items expected otherwise
+HOPELESS = 1e-3  # unseen items expected in all, below which the belief is given up
+PROBABLE = 40  # nodes of unseen items that foragers may go to
+LEAST = 0.02  # unseen items worth a forager's thought
+AGE_SHARE = 0.02  # what seeing a known item again is worth, per step unseen [item]
+GHOST_SHARE = 0.02  # what seeing an outdated belief again is worth, per step unseen [item]
+AHEAD = 6  # steps by which foragers' regret is judged
+CALM = 1.0  # worth of finding a hotspot by which they lose nothing yet
+IDLE, OLD = 0.05, 135.0  # without a belief: items in a node not seen for so many steps
+OLDEST = 30.0  # step at which those stop growing
+
+
+def _summed(place: Int32Array, value: NDArray[np.float64], size: int) -> NDArray[np.float64]:
+    """(size,) sum of the values at each place."""
+    return np.bincount(place, value, minlength=size).astype(np.float64)
+
+
+class BeliefPlanner:
+    """Knowledge and plans of a batch of episodes."""
+
+    def __init__(self, task: Task, keys: UInt64Array) -> None:
+        settings, graph, episodes = task.belief.widened(), task.graph, keys.size
+        if not settings.wind:
+            settings = replace(settings, drift_node_per_step=0.0)
+        self.settings, self._task = settings, task
+        capacity = int(ROOM * settings.items) + 128
+        self._keys = [np.uint64(stream_key(key, Stream.POLICY)) for key in keys]
+        self.tracks = tr.tracks(episodes, capacity)
+        self.wind = wd.wind(episodes, settings)
+        self._currents = currents_of(graph, settings.drift_node_per_step, task.horizon)
+        hypotheses = len(self._currents.drift)
+        self.spots = hs.hotspots(episodes, len(graph), hypotheses, capacity, settings)
+        self.stragglers = st.stragglers(
+            episodes,
+            len(graph),
+            task.horizon,
+            task.fleet.foragers.size,
+            settings.noise_node_per_step,
+        )
+        self._cloud, self._shore = cloud_of(graph, settings.spread_node), shore_of(graph)
+        self._ways, self._scratch = tr.ended(4 * capacity), tr.scratch(len(graph))
+        self._lost = tr.losses(capacity)
+        self._foragers = ForagerCrew(task, settings)
+        # Without scouts, foragers look around when they know of nothing to collect.
+        self._lone = task.fleet.scouts.size == 0
+        lookers = task.fleet.foragers if self._lone else task.fleet.scouts
+        self._scouts = ScoutCrew(task, settings, lookers)
+        self._landmarks, self._belongs = landmarks_of(graph)
+        self._blocks = [hotspot_cover(task, int(a), settings) for a in self._scouts.agents]
+        self.expected = np.zeros((episodes, len(graph)))
+        self._nothing = np.zeros(len(graph))
+        self._preferences = np.zeros((episodes, len(task.fleet), 9))
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        """Preferences (episode, agent, 9)."""
+        for e in np.flatnonzero(observation.active).tolist():
+            self._learn(observation, e)
+            self._decide(observation, e)
+        return self._preferences
+
+    def _learn(self, seen: Observation, e: int) -> None:
+        """Bring tracks, drift and expectations of an episode up to date."""
+        now, shore, ways, lost = int(seen.step[e]) - 1, self._shore, self._ways, self._lost
+        belief, last_seen = seen.belief[e], seen.last_seen[e]
+        settings, drift = self.settings, self.wind.mean[e]
+        ways.number[0] = lost.number[0] = 0
+        foragers_at = seen.agent_node[e][self._foragers.crew.agents]
+        if now > 0:
+            tr.collect(self.tracks, shore, e, now, foragers_at, ways, lost)
+            if settings.advection:
+                tr.carry(self.tracks, shore, e, drift[0], drift[1])
+        wander = 2.0 * float(self.wind.deviation[e].max()) + 0.05
+        edges, memory = self._task.graph.neighbours, self._scratch
+        new = tr.reconcile(
+            self.tracks, shore, edges, e, now, belief, last_seen, wander, memory, ways, lost
+        )
+        if settings.wind:
+            wd.settle(self.wind, shore, e, ways)
+            wd.estimate(self.wind, self.tracks, shore, e)
+        n = int(self.tracks.number[e])
+        sighted = self.tracks.node[e, n - new : n].copy()
+        if settings.particles:
+            st.remember(self.stragglers, e, now, last_seen, foragers_at)
+            sighted = self._settle_losses(e, now, sighted)
+        self._expect(seen, e, now, sighted)
+
+    def _settle_losses(self, e: int, now: int, sighted: Int32Array) -> Int32Array:
+        """Take in what was lost and found; those of the new sightings that are really new."""
+        particles, key, lost = self.stragglers, self._keys[e], self._lost
+        if particles.number[e]:
+            new = [not st.find(particles, self._shore, e, node) for node in sighted]
+            sighted = sighted[np.array(new, np.bool_)]
+            st.advance(particles, self._shore, key, e, now)
+        for i in range(lost.number[0]):
+            st.lose(particles, self.wind, self._shore, key, e, lost.node[i], int(lost.step[i]), now)
+        return sighted
+
+    def _expect(self, seen: Observation, e: int, now: int, sighted: Int32Array) -> None:
+        """Expected unseen items of an episode."""
+        spots, wind, last_seen = self.spots, self.wind, seen.last_seen[e]
+        nodes, expected = self._currents.nodes(now), self.expected[e]
+        hs.weigh(self._currents.axis, wind.grid, wind.chance[e], spots.share[e])
+        hs.look(spots, e, now, nodes, last_seen)
+        if sighted.size:
+            drift = wind.mean[e]
+            hs.sight(spots, self._cloud, self._shore, e, now, sighted, drift[0], drift[1])
+        if not self.settings.hotspot:
+            self.expected[e] = IDLE * np.minimum(1.0, (now - last_seen.astype(np.float64)) / OLD)
+            return
+        hs.expect(spots, self._cloud, e, nodes, expected)
+        if self.settings.particles and spots.number[e]:
+            self._expect_stragglers(e, now)
+        expected[last_seen == now] = 0.0
+        if self.tracks.number[e] == 0 and spots.number[e] and expected.sum() < 1.0:
+            # The episode goes on, so there is something left: if not where it should be, then
+            # where nobody has looked for long.
+            if expected.sum() < HOPELESS:
+                expected += np.minimum(now - last_seen.astype(np.float64), 2.0 * now + 1.0)
+            expected /= max(1e-9, expected.sum())
+
+    def _expect_stragglers(self, e: int, now: int) -> None:
+        particles, key, expected = self.stragglers, self._keys[e], self.expected[e]
+        total, real = 0.0, REAL
+        if self.tracks.number[e] <= FEW and expected.sum() < LATE:
+            spread = self.settings.spread_node
+            tries = TRIES_FAST if self.settings.fast else TRIES
+            st.try_more(particles, self.spots, self.wind, self._shore, key, e, now, spread, tries)
+            expected[:] = 0.0
+            total, real = float(self.spots.total[e]), REAL_LATE
+        st.expect_stragglers(particles, self._shore, e, total, real, expected)
+
+    def _decide(self, seen: Observation, e: int) -> None:
+        at, preferences = seen.agent_node[e], self._preferences[e]
+        sighted = self.spots.number[e] > 0
+        self._list_items(e, sighted)
+        busy = self._foragers.send(at, self.wind.mean[e], preferences) > 0
+        if self._lone and busy:
+            return
+        if not busy:
+            self._wait(at, e, sighted, preferences)
+        if sighted or not self.settings.hotspot:
+            self._scouts.look(at, self._worth_seeing(seen, e), preferences)
+        else:
+            self._search(at, self.spots.chance[e, 0], preferences)
+
+    def _search(
+        self, at: Int32Array, chance: NDArray[np.float64], preferences: NDArray[np.float64]
+    ) -> None:
+        """Let the scouts look for the first hotspot, most of all where not knowing costs most."""
+        if not self._blocks:
+            return
+        crew = self._foragers.crew
+        if crew.agents.size and self.settings.preposition:
+            mass = _summed(self._belongs, chance, self._landmarks.size)
+            regret = regrets(crew.ways, self._landmarks, mass, crew.kind, at[crew.agents], AHEAD)
+            chance = chance * (CALM + regret)[self._belongs]
+        mass = _summed(self._blocks[0].block, chance, 1)
+        self._scouts.look(at, mass, preferences, [b.cover for b in self._blocks])
+
+    def _list_items(self, e: int, sighted: bool) -> None:
+        """Tracks, and the nodes where most unseen items are expected, as things to collect."""
+        items, n = self._foragers.items, int(self.tracks.number[e])
+        items.row[:n], items.col[:n] = self.tracks.row[e, :n], self.tracks.col[e, :n]
+        items.weight[:n] = 1.0
+        if sighted and self.settings.hotspot:
+            best = np.argsort(-self.expected[e], kind="stable")[:PROBABLE]
+            best = best[self.expected[e, best] > LEAST]
+            m = best.size
+            items.row[n : n + m] = self._shore.rows[best]
+            items.col[n : n + m] = self._shore.cols[best]
+            items.weight[n : n + m] = self.expected[e, best]
+            n += m
+        items.number[0] = n
+
+    def _wait(
+        self, at: Int32Array, e: int, sighted: bool, preferences: NDArray[np.float64]
+    ) -> None:
+        """Send foragers without a stop to where they are near to what may come."""
+        crew = self._foragers.crew
+        sighted = sighted or not self.settings.hotspot
+        field = self.expected[e] if sighted else self.spots.chance[e, 0]
+        mass = _summed(self._belongs, field, self._landmarks.size)
+        for f, agent in enumerate(crew.agents):
+            ways = crew.ways[crew.kind[f]]
+            if self.settings.preposition and mass.sum() > 0:
+                approach(ways, self._landmarks, mass, at[agent], preferences[agent])
+            else:
+                towards(ways, at[agent], at[agent], self._nothing, preferences[agent])
+
+    def _worth_seeing(self, seen: Observation, e: int) -> NDArray[np.float64]:
+        """What seeing each node is worth to the fleet (node,) [item]."""
+        now = int(seen.step[e]) - 1
+        mass: NDArray[np.float64] = self.expected[e].copy()
+        if not self.settings.refresh:
+            return mass
+        n = int(self.tracks.number[e])
+        age = np.minimum(OLDEST, now - self.tracks.seen[e, :n])
+        mass += _summed(self.tracks.node[e, :n], AGE_SHARE * age, mass.size)
+        known = seen.known[e, : seen.n_known[e]]
+        tracked = np.zeros(mass.size, np.bool_)
+        tracked[self.tracks.node[e, :n]] = True
+        age = np.minimum(OLDEST, now - seen.last_seen[e, known].astype(np.float64))
+        mass[known] += np.where(tracked[known], 0.0, GHOST_SHARE * age)
+        return mass

@@ -1,0 +1,101 @@
+"""Where a position on land or off the map counts as: the nearest navigable node.
+
+The planner's own view of the items' rule (scenario section 1): items pushed out of the water are
+put back beside the nearest node's centre.
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy import ndimage
+
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import Int32Array
+from graph_planner.navigation import NavigationGraph
+
+INSET = 0.49  # an item put back keeps this far from the centre at most [node]
+STRIDE = 0.4  # longest stretch drifted at once, so that no quay is jumped over [node]
+
+
+class Shore(NamedTuple):
+    """The node of every cell of the map, land included."""
+
+    nearest: Int32Array  # (row, column) the cell's own node, or the nearest one
+    water: Int32Array  # (row, column) the cell's own node, -1 on land
+    rows: Int32Array  # (node,)
+    cols: Int32Array  # (node,)
+    room: Int32Array  # (node, axis, 2) free cells to the wall: up and down, left and right
+
+
+@kernel
+def _rooms(water: Int32Array, rows: Int32Array, cols: Int32Array) -> Int32Array:
+    height, width = water.shape
+    room = np.zeros((rows.size, 2, 2), np.int32)
+    for v in range(rows.size):
+        for axis in range(2):
+            for side in range(2):
+                down = (2 * side - 1) * (1 - axis)
+                right = (2 * side - 1) * axis
+                r, c = rows[v] + down, cols[v] + right
+                while 0 <= r < height and 0 <= c < width and water[r, c] >= 0:
+                    room[v, axis, side] += 1
+                    r, c = r + down, c + right
+    return room
+
+
+@lru_cache(maxsize=16)
+def shore_of(graph: NavigationGraph) -> Shore:
+    """The shore of a map, made once and kept."""
+    _, (row, col) = ndimage.distance_transform_edt(~graph.navigable, return_indices=True)
+    nearest = np.ascontiguousarray(graph.node_of_cell[row, col])
+    room = _rooms(graph.node_of_cell, graph.rows, graph.cols)
+    return Shore(nearest, graph.node_of_cell, graph.rows, graph.cols, room)
+
+
+@kernel
+def _nearest(shore: Shore, row: float, col: float) -> int:
+    """Node nearest to a position on land: of the cells around, else by the position's cell."""
+    height, width = shore.water.shape
+    r, c = int(row + 0.5), int(col + 0.5)
+    best, best_squared = -1, np.inf
+    for i in range(max(0, r - 1), min(height, r + 2)):
+        for j in range(max(0, c - 1), min(width, c + 2)):
+            squared = (i - row) ** 2 + (j - col) ** 2
+            if shore.water[i, j] >= 0 and squared < best_squared:
+                best, best_squared = int(shore.water[i, j]), squared
+    return best if best >= 0 else int(shore.nearest[r, c])
+
+
+@kernel
+def settled(shore: Shore, row: float, col: float) -> tuple[float, float, int]:
+    """A position with its node; out of the water it is moved to the nearest node's square."""
+    height, width = shore.water.shape
+    inside = (row >= -0.5) & (row < height - 0.5) & (col >= -0.5) & (col < width - 0.5)
+    if inside and shore.water[int(row + 0.5), int(col + 0.5)] >= 0:
+        return row, col, int(shore.water[int(row + 0.5), int(col + 0.5)])
+    row, col = min(max(row, 0.0), height - 1.0), min(max(col, 0.0), width - 1.0)
+    node = _nearest(shore, row, col)
+    row = min(max(row, shore.rows[node] - INSET), shore.rows[node] + INSET)
+    col = min(max(col, shore.cols[node] - INSET), shore.cols[node] + INSET)
+    return row, col, node
+
+
+@kernel
+def drifted(
+    shore: Shore, row: float, col: float, drift_row: float, drift_col: float, steps: float
+) -> tuple[float, float, int]:
+    """Position and node of an item after so many steps of a constant drift, along the quays.
+
+    Parameters
+    ----------
+    row, col : position [node]
+    drift_row, drift_col : [node/step]
+    steps : 0 or more
+    """
+    way_row, way_col = drift_row * steps, drift_col * steps
+    pieces = int(max(abs(way_row), abs(way_col)) / STRIDE) + 1
+    row, col, node = settled(shore, row, col)
+    for _ in range(pieces):
+        row, col, node = settled(shore, row + way_row / pieces, col + way_col / pieces)
+    return row, col, node

@@ -1,0 +1,149 @@
+"""From floating items to stops: nodes where a forager would meet them, with what they are worth."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_planner.shore import Shore, drifted
+from graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import Int32Array
+
+MOST = 64  # stops of one search: its states keep the visited ones in one 64-bit word
+FAR = 1e6  # decisions to a place that cannot be reached
+
+
+class Floating(NamedTuple):
+    """Items, certain or probable, by position. Only the first `number` entries count."""
+
+    number: NDArray[np.int64]  # (1,)
+    row: NDArray[np.float64]  # (item,) [node]
+    col: NDArray[np.float64]  # (item,)
+    weight: NDArray[np.float64]  # (item,) expected number of items
+
+
+class Stops(NamedTuple):
+    """Nodes worth going to and the decisions between them."""
+
+    number: NDArray[np.int64]  # (1,)
+    node: Int32Array  # (stop,)
+    weight: NDArray[np.float64]  # (stop,) expected items
+    place: Int32Array  # (node,) scratch: stop of a node, all -1 between calls
+
+
+def floating(capacity: int) -> Floating:
+    """Room for so many items."""
+    return Floating(
+        np.zeros(1, np.int64), np.zeros(capacity), np.zeros(capacity), np.zeros(capacity)
+    )
+
+
+def stops(capacity: int, nodes: int) -> Stops:
+    """Room for so many stops on a map of so many nodes."""
+    return Stops(
+        np.zeros(1, np.int64),
+        np.zeros(capacity, np.int32),
+        np.zeros(capacity),
+        np.full(nodes, -1, np.int32),
+    )
+
+
+@kernel
+def float_item(items: Floating, row: float, col: float, weight: float) -> None:
+    """Add an item while there is room."""
+    n = items.number[0]
+    if n < items.row.size:
+        items.row[n], items.col[n], items.weight[n] = row, col, weight
+        items.number[0] = n + 1
+
+
+@kernel
+def soonest(ways: tuple[Ways, ...], kind: NDArray[np.int64], at: Int32Array, node: int) -> float:
+    """Decisions until the first forager can be in a node; `FAR` if none can."""
+    best = FAR
+    for f in range(at.size):
+        mine = ways[kind[f]]
+        decisions = mine.decisions[row_to(mine, node), at[f]]
+        if decisions != UNREACHED:
+            best = min(best, float(decisions))
+    return best
+
+
+@kernel
+def gather_stops(
+    items: Floating,
+    shore: Shore,
+    ways: tuple[Ways, ...],
+    kind: NDArray[np.int64],
+    at: Int32Array,
+    drift_row: float,
+    drift_col: float,
+    found: Stops,
+) -> None:
+    """Put items that will share a node into one stop; keep the `MOST` that are soonest per worth.
+
+    Where an item is met depends on when: it is carried on for as long as the nearest forager needs
+    to its present node, less the last decision, because collecting comes before drifting.
+
+    Parameters
+    ----------
+    ways : one per kind of forager
+    kind, at : (forager,) which of them, and its node
+    drift_row, drift_col : [node/step]
+    found : filled
+    """
+    place = found.place
+    node, worth = np.empty(items.number[0], np.int32), np.empty(items.number[0])
+    delay = np.empty(items.number[0])
+    n = 0
+    for i in range(items.number[0]):
+        row, col, here = drifted(shore, items.row[i], items.col[i], 0.0, 0.0, 0.0)
+        wait = soonest(ways, kind, at, here)
+        if wait >= FAR:
+            continue
+        if wait > 1.0:
+            row, col, here = drifted(shore, row, col, drift_row, drift_col, wait - 1.0)
+        if place[here] < 0:
+            place[here] = n
+            node[n], worth[n], delay[n] = here, 0.0, max(wait, 1.0)
+            n += 1
+        worth[place[here]] += items.weight[i]
+    for i in range(n):
+        place[node[i]] = -1
+    order = np.argsort(delay[:n] / worth[:n], kind="mergesort")
+    n = min(n, found.node.size)
+    for i in range(n):
+        found.node[i], found.weight[i] = node[order[i]], worth[order[i]]
+    found.number[0] = n
+
+
+@kernel
+def decisions_between(
+    found: Stops, ways: tuple[Ways, ...], kind: NDArray[np.int64], at: Int32Array, stay: bool
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Decisions from every forager to every stop (forager, stop), and (kind, stop, stop) between.
+
+    Collecting needs a decision that ends in the node: where one already is, it takes one decision
+    of staying, or two of going away and coming back.
+    """
+    n, again = found.number[0], 1.0 if stay else 2.0
+    first = np.empty((at.size, n))
+    between = np.empty((len(ways), n, n))
+    for j in range(n):
+        for k in range(len(ways)):
+            mine = ways[k]
+            row = mine.decisions[row_to(mine, found.node[j])]
+            for i in range(n):
+                between[k, i, j] = _counted(row[found.node[i]], again)
+            for f in range(at.size):
+                if kind[f] == k:
+                    first[f, j] = _counted(row[at[f]], again)
+    return first, between
+
+
+@kernel
+def _counted(decisions: np.uint16, again: float) -> float:
+    if decisions == UNREACHED:
+        return FAR
+    return float(decisions) if decisions > 0 else again

@@ -1,0 +1,291 @@
+"""The last unseen items, one by one: particles that no view of the episode has met.
+
+A particle is an item that may exist: either one that was never seen, drawn from the belief about
+the hotspots, or one that was seen and lost, drawn from where it was last. It drifts near the
+estimate with noise of its own, is run through all the views of the episode since, and is thrown
+away if one of them would have shown it or a forager would have collected it. Those left over are
+where unseen items can be. Each of the first kind stands for (items in all) / (particles tried).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_planner.hotspots import Hotspots
+from graph_planner.belief_planner.shore import Shore, settled
+from graph_planner.belief_planner.wind import Wind
+from graph_planner.compiled import inlined, kernel
+from graph_planner.geodesics import Int32Array
+from graph_planner.randomness import bits, normal, uniform
+
+UNSEEN = 200  # of them kept
+LOSSES = 32  # items lost at a time
+TRIES_LOST = 80  # particles tried for each
+EVERY = 3  # steps whose noise is drawn at once
+FOUND_GATE = 2.0  # a new track so near to a lost item's particle is that item [node]
+NEVER_SEEN = -1
+_DRAWS = 16  # numbers that a particle may draw per step
+_TO_SYMMETRIC = 2.0 / (1 << 32)
+
+
+class Stragglers(NamedTuple):
+    """Memory of a batch: all views and ways so far, lost items, and particles."""
+
+    views: NDArray[np.uint64]  # (episode, step, word) a bit per node
+    foragers: Int32Array  # (episode, step, forager) nodes
+    number: NDArray[np.int64]  # (episode,) particles
+    tried: NDArray[np.int64]  # (episode,) of unseen items
+    labels: NDArray[np.int64]  # (episode,) particles ever drawn
+    source: NDArray[np.int64]  # (episode, particle) lost item, or NEVER_SEEN
+    label: NDArray[np.int64]  # (episode, particle) its number, which its random draws go by
+    row: NDArray[np.float64]  # (episode, particle) [node]
+    col: NDArray[np.float64]
+    drift: NDArray[np.float64]  # (episode, particle, 2) [node/step]
+    lost: NDArray[np.int64]  # (episode, loss) particles it began with, 0 free
+    noise: float  # largest own drift per axis [node/step]
+
+
+def stragglers(episodes: int, nodes: int, horizon: int, foragers: int, noise: float) -> Stragglers:
+    """Nothing lost and no particles yet."""
+    both = (episodes, UNSEEN + LOSSES * TRIES_LOST // 4)
+    return Stragglers(
+        np.zeros((episodes, horizon + 1, nodes // 64 + 1), np.uint64),
+        np.full((episodes, horizon + 1, foragers), -1, np.int32),
+        number=np.zeros(episodes, np.int64),
+        tried=np.zeros(episodes, np.int64),
+        labels=np.zeros(episodes, np.int64),
+        source=np.zeros(both, np.int64),
+        label=np.zeros(both, np.int64),
+        row=np.zeros(both),
+        col=np.zeros(both),
+        drift=np.zeros((*both, 2)),
+        lost=np.zeros((episodes, LOSSES), np.int64),
+        noise=noise,
+    )
+
+
+@kernel
+def remember(
+    stragglers: Stragglers,
+    e: int,
+    now: int,
+    last_seen: NDArray[np.int16],
+    foragers_at: Int32Array,
+) -> None:
+    """Keep the view and the foragers' nodes (forager,) of step `now`."""
+    words = stragglers.views[e, now]
+    for node in range(last_seen.size):
+        if last_seen[node] == now:
+            words[node >> 6] |= np.uint64(1) << np.uint64(node & 63)
+    stragglers.foragers[e, now] = foragers_at
+
+
+@inlined
+def _met(views: NDArray[np.uint64], step: int, node: int) -> bool:
+    return bool((views[step, node >> 6] >> np.uint64(node & 63)) & np.uint64(1) != 0)
+
+
+@kernel
+def _survives(
+    stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, i: int, step: int
+) -> bool:
+    """Let particle i drift into `step`; False if it is collected before or seen then."""
+    row, col = stragglers.row[e, i], stragglers.col[e, i]
+    row, col, node = settled(shore, row, col)
+    for f in range(stragglers.foragers.shape[2]):
+        if stragglers.foragers[e, step, f] == node:
+            return False
+    row += stragglers.drift[e, i, 0]
+    col += stragglers.drift[e, i, 1]
+    if step % EVERY == 0:
+        noise = stragglers.noise * np.sqrt(EVERY)
+        draw = bits(key, _DRAWS * stragglers.label[e, i], step)
+        row += noise * (np.float64(draw >> np.uint64(32)) * _TO_SYMMETRIC - 1.0)
+        col += noise * (np.float64(draw & np.uint64(0xFFFFFFFF)) * _TO_SYMMETRIC - 1.0)
+    row, col, node = settled(shore, row, col)
+    stragglers.row[e, i], stragglers.col[e, i] = row, col
+    return not _met(stragglers.views[e], step, node)
+
+
+@kernel
+def _remove(stragglers: Stragglers, e: int, i: int) -> None:
+    stragglers.number[e] -= 1
+    last = stragglers.number[e]
+    stragglers.source[e, i] = stragglers.source[e, last]
+    stragglers.label[e, i] = stragglers.label[e, last]
+    stragglers.row[e, i] = stragglers.row[e, last]
+    stragglers.col[e, i] = stragglers.col[e, last]
+    stragglers.drift[e, i] = stragglers.drift[e, last]
+
+
+@kernel
+def advance(stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, now: int) -> None:
+    """Let the particles drift into step `now`, and throw away those that are in view."""
+    i = 0
+    while i < stragglers.number[e]:
+        if _survives(stragglers, shore, key, e, i, now):
+            i += 1
+        else:
+            _remove(stragglers, e, i)
+
+
+@kernel
+def _run(
+    stragglers: Stragglers,
+    wind: Wind,
+    shore: Shore,
+    key: np.uint64,
+    e: int,
+    source: int,
+    row: float,
+    col: float,
+    since: int,
+    now: int,
+) -> bool:
+    """Run a new particle from where it was at step `since` through the views; keep it if it lives.
+
+    Its number must have been counted in `labels` already.
+    """
+    i, label = stragglers.number[e], stragglers.labels[e] - 1
+    if i == stragglers.row.shape[1]:
+        return False
+    row, col, _ = settled(shore, row, col)
+    stragglers.row[e, i], stragglers.col[e, i] = row, col
+    stragglers.label[e, i], stragglers.source[e, i] = label, source
+    for axis in range(2):
+        draw = normal(key, _DRAWS // 2 * label + 4 + axis, 0)
+        stragglers.drift[e, i, axis] = wind.mean[e, axis] + wind.deviation[e, axis] * draw
+    for step in range(since + 1, now + 1):
+        if not _survives(stragglers, shore, key, e, i, step):
+            return False
+    stragglers.number[e] = i + 1
+    return True
+
+
+@kernel
+def lose(
+    stragglers: Stragglers,
+    wind: Wind,
+    shore: Shore,
+    key: np.uint64,
+    e: int,
+    node: int,
+    since: int,
+    now: int,
+) -> None:
+    """Draw particles for an item that was last seen in a node at step `since`, and is not found."""
+    place = -1
+    for k in range(LOSSES):
+        if stragglers.lost[e, k] == 0:
+            place = k
+            break
+    if place < 0:
+        return
+    for _ in range(TRIES_LOST):
+        if stragglers.lost[e, place] == TRIES_LOST // 4:
+            break
+        stragglers.labels[e] += 1
+        first = _DRAWS * (stragglers.labels[e] - 1)
+        row = shore.rows[node] + uniform(key, first + 2, 0) - 0.5
+        col = shore.cols[node] + uniform(key, first + 3, 0) - 0.5
+        if _run(stragglers, wind, shore, key, e, place, row, col, since, now):
+            stragglers.lost[e, place] += 1
+
+
+@kernel
+def find(stragglers: Stragglers, shore: Shore, e: int, node: int) -> bool:
+    """Whether a newly seen item is a lost one, by the nearest particle; that loss is then over."""
+    nearest, best = FOUND_GATE**2, NEVER_SEEN
+    for i in range(stragglers.number[e]):
+        if stragglers.source[e, i] != NEVER_SEEN:
+            down = shore.rows[node] - stragglers.row[e, i]
+            right = shore.cols[node] - stragglers.col[e, i]
+            if down * down + right * right < nearest:
+                nearest, best = down * down + right * right, stragglers.source[e, i]
+    if best == NEVER_SEEN:
+        return False
+    i = 0
+    while i < stragglers.number[e]:
+        if stragglers.source[e, i] == best:
+            _remove(stragglers, e, i)
+        else:
+            i += 1
+    stragglers.lost[e, best] = 0
+    return True
+
+
+@kernel
+def _drawn(chances: NDArray[np.float64], draw: float) -> int:
+    """First index at which the running sum (ending in 1) exceeds the draw."""
+    return min(int(np.searchsorted(chances, draw, side="right")), chances.size - 1)
+
+
+@kernel
+def try_more(
+    stragglers: Stragglers,
+    spots: Hotspots,
+    wind: Wind,
+    shore: Shore,
+    key: np.uint64,
+    e: int,
+    now: int,
+    spread: float,
+    tries: int,
+) -> None:
+    """Draw particles of unseen items, and keep those that no view up to step `now` has met.
+
+    Parameters
+    ----------
+    key : of the policy's random stream
+    spread : standard deviation of a hotspot per axis [node]
+    tries : particles tried
+    """
+    many, kept = 0, 0
+    for h in range(spots.sighted.shape[1]):
+        many += spots.sighted[e, h] > 0
+    for i in range(stragglers.number[e]):
+        kept += stragglers.source[e, i] == NEVER_SEEN
+    if many == 0 or kept >= UNSEEN:
+        return
+    running = np.empty((many, spots.chance.shape[2]))
+    for h in range(many):
+        running[h] = np.cumsum(spots.chance[e, h])
+    for _ in range(tries):
+        if kept == UNSEEN:
+            break
+        label = stragglers.labels[e]
+        stragglers.labels[e] += 1
+        stragglers.tried[e] += 1
+        first = _DRAWS * label
+        hotspot = _drawn(running[label % many], uniform(key, first + 2, 0))
+        row = shore.rows[hotspot] + spread * normal(key, first // 2 + 2, 0)
+        col = shore.cols[hotspot] + spread * normal(key, first // 2 + 3, 0)
+        _, _, node = settled(shore, row, col)
+        if not _met(stragglers.views[e], 0, node):
+            kept += _run(stragglers, wind, shore, key, e, NEVER_SEEN, row, col, 0, now)
+
+
+@kernel
+def expect_stragglers(
+    stragglers: Stragglers,
+    shore: Shore,
+    e: int,
+    total: float,
+    real: float,
+    expected: NDArray[np.float64],
+) -> None:
+    """Add unseen and lost items to expected (node,).
+
+    Parameters
+    ----------
+    total : items of all hotspots; 0 leaves those out that were never seen
+    real : chance that an item given up was there at all
+    """
+    for i in range(stragglers.number[e]):
+        source = stragglers.source[e, i]
+        _, _, node = settled(shore, stragglers.row[e, i], stragglers.col[e, i])
+        if source == NEVER_SEEN:
+            expected[node] += total / stragglers.tried[e]
+        else:
+            expected[node] += real / stragglers.lost[e, source]

@@ -1,0 +1,82 @@
+"""Where foragers wait before anything is known: near to where the hotspot may be."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import Int32Array
+
+UNREACHABLE = 500.0  # decisions charged for a landmark out of reach
+
+
+@kernel
+def approach(
+    ways: Ways,
+    landmarks: Int32Array,
+    mass: NDArray[np.float64],
+    at: int,
+    preferences: NDArray[np.float64],
+) -> None:
+    """Prefer moves after which the landmarks are fewest decisions away, weighted by mass.
+
+    Step by step that is better than heading for the best place of all: the hotspot may be found
+    at any moment.
+
+    Parameters
+    ----------
+    landmarks : (landmark,) nodes
+    mass : (landmark,)
+    at : node of the forager
+    preferences : (9,) filled; -inf where a move is illegal
+    """
+    preferences[:] = -np.inf
+    for move in range(9):
+        if ways.ends[at, move] >= 0:
+            preferences[move] = 0.0
+    for i in range(landmarks.size):
+        if mass[i] <= 0.0:
+            continue
+        row = ways.decisions[row_to(ways, landmarks[i])]
+        for move in range(9):
+            end = ways.ends[at, move]
+            if end >= 0:
+                there = UNREACHABLE if row[end] == UNREACHED else float(row[end])
+                preferences[move] -= mass[i] * there
+
+
+@kernel
+def regrets(
+    ways: tuple[Ways, ...],
+    landmarks: Int32Array,
+    mass: NDArray[np.float64],
+    kind: NDArray[np.int64],
+    at: Int32Array,
+    ahead: int,
+) -> NDArray[np.float64]:
+    """What a step of not knowing costs the foragers if the hotspot is at a landmark.
+
+    While it is not found they go on as `approach` says. A forager that comes nearer to the hotspot
+    all the same loses nothing, one that goes the other way two steps in each.
+
+    Parameters
+    ----------
+    kind, at : (forager,) its number in `ways`, and its node
+    ahead : steps looked at
+
+    Returns
+    -------
+    (landmark,) lost steps per forager and step, 0 to 2
+    """
+    regret = np.zeros(landmarks.size)
+    preferences = np.empty(9)
+    for f in range(at.size):
+        mine, here = ways[kind[f]], int(at[f])
+        for _ in range(ahead):
+            approach(mine, landmarks, mass, here, preferences)
+            here = int(mine.ends[here, np.argmax(preferences)])
+        for i in range(landmarks.size):
+            row = mine.decisions[row_to(mine, landmarks[i])]
+            lost = float(ahead) + float(row[here]) - float(row[at[f]])
+            regret[i] += min(2.0, max(0.0, lost / ahead)) / at.size
+    return regret

@@ -1,0 +1,134 @@
+"""Decisions that an agent needs from node to node, for each number of nodes per decision.
+
+A two-node mover's ways are not symmetric and may not reach every node, so they are searched
+backwards from the target over the moves themselves. Rows are searched when first asked for and
+kept; on a map too large for a table of all nodes, the oldest row makes room.
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import Int32Array
+from graph_planner.moves import free_move
+from graph_planner.navigation import STAY, TABLE_LIMIT, NavigationGraph
+
+UInt16Array = NDArray[np.uint16]
+
+UNREACHED = np.uint16(65535)
+MEMORY = 1 << 27  # bytes of rows on a map beyond `TABLE_LIMIT`
+FEWEST_ROWS = 160
+
+
+class Ways(NamedTuple):
+    """Moves of one kind of mover, and rows of decisions to the targets asked for so far."""
+
+    ends: Int32Array  # (node, 9) where a move ends, -1 illegal
+    before_start: NDArray[np.int64]  # (node + 1,) the moves that end in a node come from
+    before: Int32Array  # (move,) `before[before_start[v]:before_start[v + 1]]`
+    slot: Int32Array  # (node,) row of a target, -1 none yet
+    target: Int32Array  # (row,) whose row it is, -1 free
+    following: NDArray[np.int64]  # (1,) row to be filled next
+    decisions: UInt16Array  # (row, node) decisions from a node to the row's target
+
+
+@kernel
+def _ends(neighbours: Int32Array, moves: int, stay: bool, shorten: bool) -> Int32Array:
+    ends = np.full((neighbours.shape[0], 9), np.int32(-1), np.int32)
+    nobody = np.empty(0, np.int64)
+    for node in range(neighbours.shape[0]):
+        for move in range(9):
+            end, _ = free_move(neighbours, nobody, -1, node, move, moves, stay, shorten)
+            ends[node, move] = end
+    return ends
+
+
+@kernel
+def _reversed(ends: Int32Array) -> tuple[NDArray[np.int64], Int32Array]:
+    """Compressed lists of the nodes from which a move ends in each node."""
+    n = ends.shape[0]
+    start = np.zeros(n + 1, np.int64)
+    for node in range(n):
+        for move in range(STAY):
+            if ends[node, move] >= 0:
+                start[ends[node, move] + 1] += 1
+    for node in range(n):
+        start[node + 1] += start[node]
+    place, before = start.copy(), np.empty(start[n], np.int32)
+    for node in range(n):
+        for move in range(STAY):
+            end = ends[node, move]
+            if end >= 0:
+                before[place[end]] = node
+                place[end] += 1
+    return start, before
+
+
+@kernel
+def search_back(
+    before_start: NDArray[np.int64], before: Int32Array, targets: Int32Array, row: UInt16Array
+) -> None:
+    """Fill a row (node,) with the decisions to the nearest of the targets, breadth first."""
+    row[:] = UNREACHED
+    queue = np.empty(row.size, np.int32)
+    first, last = 0, 0
+    for target in targets:
+        if row[target] != 0:
+            row[target] = 0
+            queue[last] = target
+            last += 1
+    while first < last:
+        node = queue[first]
+        first += 1
+        there = min(np.int64(row[node]) + 1, np.int64(UNREACHED) - 1)
+        for i in range(before_start[node], before_start[node + 1]):
+            if row[before[i]] == UNREACHED:
+                row[before[i]] = there
+                queue[last] = before[i]
+                last += 1
+
+
+@kernel
+def row_to(ways: Ways, node: int) -> int:
+    """Number of the row of `decisions` that leads to a node; searched if it is not kept.
+
+    It stays valid until as many other targets were asked for as there are rows.
+    """
+    slot, target, following = ways.slot, ways.target, ways.following
+    if slot[node] < 0:
+        row = following[0]
+        following[0] = (row + 1) % target.size
+        if target[row] >= 0:
+            slot[target[row]] = -1
+        target[row], slot[node] = node, row
+        goal = np.empty(1, np.int32)
+        goal[0] = node
+        search_back(ways.before_start, ways.before, goal, ways.decisions[row])
+    return int(slot[node])
+
+
+@lru_cache(maxsize=16)
+def ways_of(graph: NavigationGraph, moves: int, stay: bool, shorten: bool) -> Ways:
+    """Ways of a mover on a map, made once and kept.
+
+    Parameters
+    ----------
+    graph : map
+    moves : nodes per decision
+    stay, shorten : see `MoveRules`
+    """
+    ends, n = _ends(graph.neighbours, moves, stay, shorten), len(graph)
+    start, before = _reversed(ends)
+    rows = n if n <= TABLE_LIMIT else min(n, max(FEWEST_ROWS, MEMORY // (2 * n)))
+    return Ways(
+        ends=ends,
+        before_start=start,
+        before=before,
+        slot=np.full(n, -1, np.int32),
+        target=np.full(rows, -1, np.int32),
+        following=np.zeros(1, np.int64),
+        decisions=np.empty((rows, n), np.uint16),
+    )

@@ -1,0 +1,26 @@
+"""The belief planner: plans on what can be known, see `graph_planner.belief_planner`.
+
+It uses the shared belief map, the agents' nodes, the step and the map, its own memory, and the
+assumptions of the scenario's `[belief]` table; never the truth.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_planner.planner import BeliefPlanner
+from graph_planner.policies.registry import register
+from graph_planner.randomness import UInt64Array
+from graph_planner.task import Observation, Task
+
+
+@register("belief")
+class BeliefPolicy:
+    """Plans on a belief: tracks, drift, hotspots, joint routes and planned sweeps."""
+
+    def reset(self, task: Task, keys: UInt64Array) -> None:
+        """Get ready for a batch of episodes (episode,)."""
+        self.planner = BeliefPlanner(task, keys)
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        """Preferences (episode, agent, 9)."""
+        return self.planner.act(observation)

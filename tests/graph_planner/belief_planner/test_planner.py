@@ -1,0 +1,156 @@
+"""The planner as a whole, through the policy's own door."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from graph_planner.belief_planner.settings import BeliefSettings
+from graph_planner.belief_planner.waiting import approach, regrets
+from graph_planner.belief_planner.ways import ways_of
+from graph_planner.fleet import Role
+from graph_planner.navigation import TABLE_LIMIT, NavigationGraph, navigation_graph
+from graph_planner.policies import create_policy, is_bound
+from graph_planner.policies.belief import BeliefPolicy
+from graph_planner.task import Task
+from tests.graph_planner.driver import observation_of, preferences, task_of
+
+N, NE, E, SE, S, SW, W, NW, STAY = range(9)
+SEA = navigation_graph(np.ones((30, 30), np.bool_), 1.0, False)
+FAST = BeliefSettings(fast=True)
+
+
+def with_settings(task: Task, settings: BeliefSettings) -> Task:
+    return replace(task, belief=settings)
+
+
+def test_the_oracle_is_a_bound_and_the_belief_planner_is_not() -> None:
+    assert is_bound("oracle") and not is_bound("belief") and not is_bound("nothing")
+
+
+def test_the_oracle_goes_where_the_item_is_and_not_where_it_is_believed() -> None:
+    task = task_of(SEA, foragers=Role(1, 1, 1.0, True))
+    observation = observation_of(task, [(10, 10)], {(10, 20): 1})
+    assert int(preferences("oracle", task, observation)[0, 0].argmax()) in (NE, E, SE)
+    observation.belief[:] = 0
+    observation.belief[0, SEA.node_of_cell[20, 10]] = 1
+    assert int(preferences("oracle", task, observation)[0, 0].argmax()) in (NE, E, SE)
+
+
+@pytest.mark.parametrize("settings", [FAST, BeliefSettings(), BeliefSettings(robust=True)])
+def test_a_forager_takes_the_item_beside_it(settings: BeliefSettings) -> None:
+    task = with_settings(task_of(SEA, foragers=Role(1, 1, 1.0, True)), settings)
+    seen = np.full(len(SEA), 0, np.int16)
+    observation = observation_of(task, [(10, 10)], {(10, 11): 1}, seen)
+    assert int(preferences("belief", task, observation)[0, 0].argmax()) == E
+
+
+def test_a_late_or_blocked_move_does_not_confuse_it() -> None:
+    """The agents never move whatever is asked; items go by; it keeps asking for the right thing."""
+    task = task_of(SEA, scouts=Role(1, 2, 4.0, False), foragers=Role(1, 1, 1.0, True))
+    task = with_settings(task, FAST)
+    policy, cells = BeliefPolicy(), [(10, 8), (10, 10)]
+    for step in range(1, 40):
+        item = (10, 12 + step // 10)
+        seen = np.full(len(SEA), step - 1, np.int16)
+        observation = observation_of(task, cells, {item: 6}, seen, step)
+        if step == 1:
+            policy.reset(task, observation.keys)
+        forager = policy.act(observation)[0, 1]
+        assert int(forager.argmax()) in (NE, E, SE), step
+    tracks = policy.planner.tracks
+    assert tracks.number[0] == 6 and (tracks.born[0, :6] == 0).all()
+    assert policy.planner.wind.mean[0] == pytest.approx([0.0, 0.1], abs=0.03)
+
+
+def test_knowledge_is_forgotten_at_a_reset() -> None:
+    task = with_settings(task_of(SEA, foragers=Role(1, 1, 1.0, True)), FAST)
+    full = observation_of(task, [(10, 10)], {(10, 20): 3}, np.zeros(len(SEA), np.int16))
+    empty = observation_of(task, [(10, 10)], {}, None)
+    policy = create_policy("belief")
+    policy.reset(task, full.keys)
+    policy.act(full)
+    policy.reset(task, empty.keys)
+    np.testing.assert_array_equal(policy.act(empty), preferences("belief", task, empty))
+
+
+@pytest.mark.parametrize("scouts", [0, 1, 8])
+@pytest.mark.parametrize("foragers", [0, 1, 8])
+def test_any_fleet_gets_moves(ragged_coast: NavigationGraph, scouts: int, foragers: int) -> None:
+    if scouts + foragers == 0:
+        return
+    scout, forager = Role(scouts, 2, 4.0, False), Role(foragers, 1, 1.0, True)
+    task = with_settings(task_of(ragged_coast, s=scout, f=forager), FAST)
+    nodes = np.linspace(0, len(ragged_coast) - 1, scouts + foragers).astype(int)
+    cells = [(int(ragged_coast.rows[v]), int(ragged_coast.cols[v])) for v in nodes]
+    for known in ({}, {cells[0]: 2}):
+        observation = observation_of(task, cells, known, np.zeros(len(ragged_coast), np.int16))
+        moves = preferences("belief", task, observation)
+        assert moves.shape == (1, scouts + foragers, 9)
+        assert not np.isnan(moves).any() and np.isfinite(moves.max(axis=2)).all()
+
+
+def test_roles_of_several_speeds_and_ranges_work_together(ragged_coast: NavigationGraph) -> None:
+    task = task_of(
+        ragged_coast,
+        drone=Role(1, 3, 5.0, False),
+        scout=Role(1, 2, 3.0, False),
+        tug=Role(1, 2, 1.0, True, capacity=3),
+        boat=Role(1, 1, 0.0, True, energy=50.0),
+    )
+    task = with_settings(task, FAST)
+    nodes = (3, 90, 140, 200)
+    cells = [(int(ragged_coast.rows[v]), int(ragged_coast.cols[v])) for v in nodes]
+    observation = observation_of(task, cells, {cells[0]: 1}, np.zeros(len(ragged_coast), np.int16))
+    assert np.isfinite(preferences("belief", task, observation).max(axis=2)).all()
+
+
+def test_a_map_beyond_the_distance_table_works() -> None:
+    side = int(TABLE_LIMIT**0.5) + 2
+    large = navigation_graph(np.ones((side, side), np.bool_), 1.0, False)
+    assert len(large) > TABLE_LIMIT and large.distances.size == 0
+    task = task_of(large, s=Role(1, 2, 4.0, False), f=Role(1, 1, 1.0, True))
+    task = with_settings(task, FAST)
+    seen = np.full(len(large), -32768, np.int16)
+    observation = observation_of(task, [(40, 30), (40, 40)], {(40, 50): 1}, seen)
+    observation.last_seen[0, large.node_of_cell[40, 50]] = 0
+    moves = preferences("belief", task, observation)
+    assert int(moves[0, 1].argmax()) in (NE, E, SE)
+
+
+PARTS = [f.name for f in fields(BeliefSettings) if f.type is bool or f.type == "bool"]
+
+
+@pytest.mark.parametrize("part", [p for p in PARTS if p not in ("fast", "robust")])
+def test_every_part_can_be_switched_off(part: str) -> None:
+    task = task_of(SEA, s=Role(2, 2, 4.0, False), f=Role(2, 1, 1.0, True))
+    task = with_settings(task, replace(FAST, **{part: False}))
+    cells = [(3, 3), (3, 6), (5, 5), (6, 6)]
+    for known in ({}, {(10, 20): 2}):
+        observation = observation_of(task, cells, known, np.zeros(len(SEA), np.int16))
+        assert np.isfinite(preferences("belief", task, observation).max(axis=2)).all()
+
+
+def test_robust_assumptions_are_wide() -> None:
+    wide = BeliefSettings(robust=True).widened()
+    assert (wide.hotspots, wide.drift_node_per_step, wide.items_sd) == (3, 0.2, 37.5)
+    assert BeliefSettings().widened() == BeliefSettings()
+
+
+def test_waiting_foragers_go_to_where_they_are_near_to_everything() -> None:
+    ways = ways_of(SEA, 1, True, True)
+    marks = SEA.node_of_cell[[5, 25], [15, 15]].astype(np.int32)
+    move, at = np.zeros(9), int(SEA.node_of_cell[15, 3])
+    approach(ways, marks, np.array([1.0, 1.0]), at, move)
+    assert int(move.argmax()) in (NE, E, SE)
+    approach(ways, marks, np.array([1.0, 9.0]), int(SEA.node_of_cell[15, 15]), move)
+    assert int(move.argmax()) in (SE, S, SW)
+
+
+def test_what_lies_behind_the_foragers_is_regretted_most() -> None:
+    """One forager half-way between two places goes to the likelier; the other costs two a step."""
+    ways = (ways_of(SEA, 1, True, True),)
+    marks = SEA.node_of_cell[[15, 15], [1, 29]].astype(np.int32)
+    at, kind = SEA.node_of_cell[15:16, 15].copy(), np.zeros(1, np.int64)
+    regret = regrets(ways, marks, np.array([1.0, 2.0]), kind, at, 6)
+    np.testing.assert_allclose(regret, [2.0, 0.0])

@@ -1,0 +1,42 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from graph_planner.belief_planner.shore import drifted, settled, shore_of
+from graph_planner.compiled import kernel
+from graph_planner.navigation import Water, navigation_graph
+from mjforage.world import into_water
+from tests.graph_planner.charts import grid
+
+MAP = navigation_graph(grid("..##....", ".###..#.", "....#...", "##......"), 1.0, False)
+SHORE = shore_of(MAP)
+
+
+@kernel
+def pushed(water: Water, row: float, col: float) -> tuple[float, float, int]:
+    return into_water(water, row, col)
+
+
+@given(row=st.floats(-6, 9), col=st.floats(-6, 13))
+def test_items_are_put_where_the_world_puts_them(row: float, col: float) -> None:
+    assert settled(SHORE, row, col) == pytest.approx(pushed(MAP.water, row, col))
+
+
+def test_drift_goes_along_a_quay_and_not_through_a_pier() -> None:
+    """South-east of (0, 0) is land: the item slides down and then into the bay, step by step."""
+    row, col, node = drifted(SHORE, 0.0, 1.0, 0.0, 0.1, 40)
+    assert (row, node) == (0.0, MAP.node_of_cell[0, 1]) and col == pytest.approx(1.49)
+    row, col, node = drifted(SHORE, 0.0, 0.0, 0.1, 0.0, 100)
+    assert node == MAP.node_of_cell[2, 0] and row == pytest.approx(2.49)
+    assert drifted(SHORE, 2.2, 6.1, -0.1, 0.1, 3.0)[:2] == pytest.approx((1.9, 6.51), abs=0.4)
+
+
+def test_free_drift_is_a_straight_line() -> None:
+    open_water = shore_of(navigation_graph(np.ones((30, 30), np.bool_), 1.0, False))
+    assert drifted(open_water, 3.2, 4.1, 0.07, 0.11, 90)[:2] == pytest.approx((9.5, 14.0))
+
+
+def test_rooms_are_free_cells_to_the_walls() -> None:
+    node = MAP.node_of_cell[2, 2]
+    assert SHORE.room[node].tolist() == [[0, 1], [2, 1]]
