@@ -16,6 +16,8 @@ _SMOOTH_SAMPLES = 151
 _LEAST_SMOOTH_S = 1.5  # of the moving cameras [s]
 _SMOOTH_FILM_S = 0.45  # the same in seconds of film, for fast films
 _CHASE_BACK_M, _CHASE_HEIGHT_M, _CHASE_AHEAD_M = 6.6, 3.1, 1.8
+_LIFE_SIZE_M = 54.0  # longer side of an area seen as a whole up to which hulls have their size
+_NEAR_ITEMS, _FAR_ITEMS = 1.5, 2.0  # how much larger debris is drawn than hulls
 _MAST_PITCH_RAD = np.radians(7.0)  # the scout's camera looks down by this
 
 
@@ -57,6 +59,11 @@ class Area:
         """(4, 3) on the water."""
         x, y = (self.west, self.east, self.east, self.west), (self.south,) * 2 + (self.north,) * 2
         return np.column_stack((x, y, np.zeros(4)))
+
+    def grown(self, margin: float) -> "Area":
+        """With a margin all around [m]."""
+        south, north = self.south - margin, self.north + margin
+        return Area(self.west - margin, south, self.east + margin, north)
 
     @property
     def centre(self) -> Floats:
@@ -196,7 +203,6 @@ class Camera:
     ----------
     view : where it is at a simulated time [s]
     follows : whether it belongs to one vessel
-    hull_scale, item_scale : how much larger than life hulls and debris are drawn
     near_m : nearest thing that it sees [m]
     ground_m : side of the square around the followed hull whose water shows wakes; None for all
     steps_per_film_s : decisions per second of film, where no speed is asked for
@@ -204,17 +210,24 @@ class Camera:
 
     view: Callable[[Circumstances, float], View]
     follows: bool
-    hull_scale: float
-    item_scale: float
     near_m: float
     ground_m: float | None
     steps_per_film_s: float
 
 
 CAMERAS = {
-    "overview": Camera(overview, False, 4.0, 8.0, 5.0, None, 4.0),
-    "chase": Camera(chase, True, 1.0, 1.5, 0.3, 72.0, 1.0),
-    "top": Camera(top, False, 4.0, 8.0, 50.0, None, 4.0),
-    "scout": Camera(scout, True, 1.0, 1.5, 0.05, 72.0, 1.0),
+    "overview": Camera(overview, False, 5.0, None, 4.0),
+    "chase": Camera(chase, True, 0.3, 72.0, 1.0),
+    "top": Camera(top, False, 50.0, None, 4.0),
+    "scout": Camera(scout, True, 0.05, 72.0, 1.0),
 }
 """Registry of the points of view."""
+
+
+def magnified(camera: Camera, area: Area) -> tuple[float, float]:
+    """How much larger than life hulls and debris are drawn, so that they can be seen."""
+    if camera.follows:
+        return 1.0, _NEAR_ITEMS
+    longer = max(area.east - area.west, area.north - area.south)
+    hulls = max(1.0, longer / _LIFE_SIZE_M)
+    return hulls, _FAR_ITEMS * hulls

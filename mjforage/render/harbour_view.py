@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.errors import UserError
-from mjforage.render.cameras import CAMERAS, Area, Camera, Circumstances, View
+from mjforage.render.cameras import CAMERAS, Area, Camera, Circumstances, View, magnified
 from mjforage.render.harbour import Ground
 from mjforage.render.markings import lay_hull, lay_rings
 from mjforage.render.opengl import Canvas
@@ -23,6 +23,7 @@ from mjforage.replay import Replay
 Floats = NDArray[np.float64]
 Image = NDArray[np.uint8]
 _CALM_FILM = 2.0  # faster films slow their waves down to so many times their pace
+_MARGIN_M = 3.0  # beyond the water where hulls of life size leave no marks
 _FINEST_M = 0.09  # texel of the sheet near a hull
 _MIRROR_SHARE = 2  # the mirrored picture is so many times smaller
 
@@ -62,12 +63,14 @@ class HarbourView:
         self._camera = _camera_named(camera)
         kind = self._camera
         self._replay, self._track, self._story = replay, Track.of(replay), tell_story(replay)
-        self._look = build_look(replay, kind.hull_scale, kind.item_scale)
+        area = water_area(replay)
+        self._scales = magnified(kind, area)
+        self._look = build_look(replay, *self._scales)
         self._followed = followed_agent(replay, self._look.labels, camera, follow)
-        self._stage = Stage(self._look, kind.hull_scale, kind.item_scale)
+        self._stage = Stage(self._look, self._scales[1])
         self._circumstances = Circumstances(
             self._track,
-            water_area(replay),
+            area,
             width / height,
             speed,
             self._followed,
@@ -140,9 +143,10 @@ class HarbourView:
         self, time_s: float, hulls: Floats, items: Floats, known: NDArray[np.bool_]
     ) -> Sheet:
         """Everything that lies on the water now."""
+        hull_scale, item_scale = self._scales
         camera, lasting = self._camera, TRAIL_STEPS * self._replay.period_s
         if camera.ground_m is None:
-            area = self._circumstances.area
+            area = self._circumstances.area.grown(_MARGIN_M * hull_scale)
         else:
             x, y = hulls[self._followed, :2].tolist()
             half = 0.5 * camera.ground_m
@@ -152,16 +156,14 @@ class HarbourView:
         for agent, vessel in enumerate(self._look.vessels):
             team = int(self._replay.agent_team[agent])
             colour = None if camera.follows else self._overlay.colours[team]
-            lay_hull(sheet, self._track, agent, vessel, time_s, camera.hull_scale, colour, lasting)
-        lay_rings(
-            sheet, items, known, time_s - self._track.removed_s, camera.item_scale, camera.follows
-        )
+            lay_hull(sheet, self._track, agent, vessel, time_s, hull_scale, colour, lasting)
+        lay_rings(sheet, items, known, time_s - self._track.removed_s, item_scale, camera.follows)
         return sheet
 
     def _write(self, image: Image, view: View, time: float, hulls: Floats) -> None:
         """Names, figures and the belief map."""
         height, width = self._size
-        scale = self._camera.hull_scale
+        scale = self._scales[0]
         if not self._camera.follows:
             points = np.column_stack((hulls[:, :2], np.full(len(hulls), 0.9 * scale)))
             x, y, ahead = view.project(points, width / height).T
@@ -178,7 +180,8 @@ class HarbourView:
         """What a viewer cannot know from the picture."""
         camera = self._camera
         if not camera.follows:
-            return f"hulls {camera.hull_scale:g} x, debris {camera.item_scale:g} x life size"
+            hulls, items = self._scales
+            return f"hulls {hulls:.2g} x, debris {items:.2g} x life size"
         time_s = time * self._replay.period_s
         way = self._track.way(self._followed, time_s + np.array([-0.5, 0.5]))
         speed = float(np.linalg.norm(way[1, :2] - way[0, :2]))

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import inlined, kernel
+from mjforage.render.bands import in_bands
 
 Image = NDArray[np.uint8]
 _LEAST_CONTRAST = 14.0  # of brightness 0..255
@@ -33,13 +34,17 @@ def _sample(image: Image, y: float, x: float, k: int) -> float:
     return float((1.0 - ty) * upper + ty * lower)
 
 
-@kernel
 def smooth_edges(image: Image, result: Image) -> None:
     """Write the softened `image` (h, w, 3) into `result` of the same shape."""
+    in_bands(len(image), lambda first, end: _smooth(image, result, first, end))
+
+
+@kernel
+def _smooth(image: Image, result: Image, first: int, end: int) -> None:
     height, width = image.shape[:2]
     near, far = np.empty(3), np.empty(3)
-    result[:] = image
-    for i in range(1, height - 1):
+    result[first:end] = image[first:end]
+    for i in range(max(first, 1), min(end, height - 1)):
         for j in range(1, width - 1):
             middle = _bright(image, i, j)
             north, south = _bright(image, i - 1, j), _bright(image, i + 1, j)

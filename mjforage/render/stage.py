@@ -200,8 +200,8 @@ def _add_shape(
 class Stage:
     """Poses of a look, and the scenes that MuJoCo draws of it."""
 
-    def __init__(self, look: Look, hull_scale: float, item_scale: float) -> None:
-        self.look, self._hull_scale, self._item_scale = look, hull_scale, item_scale
+    def __init__(self, look: Look, item_scale: float) -> None:
+        self.look, self._item_scale = look, item_scale
         self._lift = _LIFT_M * (item_scale - 1.0)
         self._data = mujoco.MjData(look.model)
         self._scene = mujoco.MjvScene(look.model, look.model.ngeom + 64)

@@ -139,8 +139,10 @@ def paint_surface(
     small: Field,
     broad: Field,
     camera: NDArray[np.float64],
+    first: int,
+    end: int,
 ) -> None:
-    """Paint water, sky and haze into `image` (h, w, 3), row 0 on top.
+    """Paint water, sky and haze into rows `first` to `end` of `image` (h, w, 3), row 0 on top.
 
     Parameters
     ----------
@@ -157,7 +159,7 @@ def paint_surface(
     pixel = 2.0 * np.sqrt(up[0] ** 2 + up[1] ** 2 + up[2] ** 2) / height  # [m] one metre ahead
     scale_x, scale_y = mirror_ahead.shape[1] / width, mirror_ahead.shape[0] / height
     laid = np.zeros(5)
-    for i in range(height):
+    for i in range(first, end):
         v = 1.0 - 2.0 * (i + 0.5) / height
         for j in range(width):
             u = (2.0 * (j + 0.5) / width - 1.0) * aspect

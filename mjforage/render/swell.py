@@ -27,9 +27,10 @@ class Swell:
         self._omega = np.sqrt(GRAVITY_MPS2 * k)
         random = np.random.Generator(np.random.PCG64(_SEED))
         phase = random.uniform(0.0, 2.0 * np.pi, k.shape)
-        self._start = self._spectrum(k) * np.exp(1j * phase)
+        self._start = (self._spectrum(k) * np.exp(1j * phase)).astype(np.complex64)
+        self._along = (1j * self._kx - self._ky).astype(np.complex64)
         slopes = self.slopes(0.0)
-        self._start *= slope_rms / float(np.sqrt((slopes**2).mean()))
+        self._start *= np.float32(slope_rms / float(np.sqrt((slopes**2).mean())))
 
     def _spectrum(self, k: NDArray[np.float64]) -> NDArray[np.float64]:
         """Amplitudes: slopes even over the wavelengths kept, running mostly with the wind."""
@@ -42,8 +43,9 @@ class Swell:
 
     def slopes(self, time_s: float) -> NDArray[np.float32]:
         """(size, size, 2) slopes along x and y; row along y, column along x, from the corner."""
-        turned = self._start * np.exp(-1j * self._omega * time_s)
+        phase = np.remainder(self._omega * time_s, 2.0 * np.pi).astype(np.float32)
+        turned = self._start * (np.cos(phase) - 1j * np.sin(phase))
         # Both slopes of a real surface in one transform: x in the real, y in the imaginary part.
         height = turned + np.conj(np.roll(turned[::-1, ::-1], 1, axis=(0, 1)))
-        both = fft.ifft2(1j * self._kx * height - self._ky * height) * self.size**2
-        return np.stack((both.real, both.imag), axis=-1).astype(np.float32)
+        both = fft.ifft2(self._along * height, norm="forward", overwrite_x=True)
+        return both.view(np.float32).reshape(self.size, self.size, 2)

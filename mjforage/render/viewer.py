@@ -2,6 +2,7 @@
 
 import os
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -21,6 +22,7 @@ from mjforage.vessels import load_vessel
 
 Floats = NDArray[np.float64]
 _FRAME_S = 1.0 / 50.0  # of a screen
+_CLOSING_S = 10.0  # how long a window may take to close
 
 
 def check_display() -> None:
@@ -97,12 +99,15 @@ def view_replay(replay: Replay, speed: float) -> None:
     track, scene = Track.of(replay), scene_of(replay)
     data = mujoco.MjData(scene.model)
     with _window(scene.model, data, track.hulls_at(0.0)) as window:
-        begin = time.monotonic()
+        begin, before = time.monotonic(), track.hulls_at(0.0)
         while window.is_running():
             time_s = (time.monotonic() - begin) * speed % (track.end_s + _FRAME_S)
+            hulls = track.hulls_at(time_s)
             with window.lock():
-                put(scene, data, track.hulls_at(time_s), track.items_at(time_s))
+                put(scene, data, hulls, track.items_at(time_s))
                 data.time = time_s
+                window.cam.lookat[:2] += (hulls - before).mean(axis=0)[:2]  # goes with the fleet
+            before = hulls
             window.sync()
             time.sleep(_FRAME_S)
 
@@ -134,12 +139,17 @@ def _window(model: mujoco.MjModel, data: Any, hulls: Floats) -> Iterator[Any]:
     """MuJoCo's viewer over the fleet."""
     from mujoco import viewer
 
+    others = set(threading.enumerate())
     try:
         window = viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False)
     except (RuntimeError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split())
         raise UserError(f"view: the viewer does not open ({reason}); see DISPLAY") from error
-    with window:
+    try:
         window.cam.lookat[:] = (*hulls[:, :2].mean(axis=0), 0.0)
         window.cam.distance, window.cam.elevation, window.cam.azimuth = 40.0, -35.0, 90.0
         yield window
+    finally:
+        window.close()
+        for thread in set(threading.enumerate()) - others:
+            thread.join(_CLOSING_S)  # the window's own, before its library ends under it

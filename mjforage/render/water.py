@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from mjforage.render.bands import in_bands
 from mjforage.render.cameras import View
 from mjforage.render.harbour import Ground
 from mjforage.render.sheet import Sheet
@@ -76,7 +77,7 @@ class Water:
         """
         shore = self._shore
         half = np.tan(0.5 * view.fov_rad)
-        paint_surface(
+        arguments = (
             image,
             ahead,
             mirror,
@@ -89,3 +90,4 @@ class Water:
             self._broad.slopes(surface_s / np.sqrt(BROAD)),
             np.stack((view.eye, view.forward, view.right * half, view.up * half)),
         )
+        in_bands(len(image), lambda first, end: paint_surface(*arguments, first, end))

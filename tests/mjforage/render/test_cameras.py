@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.render import cameras
-from mjforage.render.cameras import CAMERAS, Area, Circumstances, View, fitted, looking
+from mjforage.render.cameras import CAMERAS, Area, Circumstances, View, fitted, looking, magnified
 from mjforage.render.track import Track
 from mjforage.replay import Replay
 
@@ -111,3 +111,10 @@ def test_cameras_are_functions_of_the_time_and_never_upside_down(
         assert np.linalg.det(basis) == pytest.approx(1.0)
         assert one.up[2] >= -1e-9
         assert one.eye[2] > 0.5
+
+
+def test_what_is_seen_as_a_whole_is_drawn_larger_the_larger_it_is() -> None:
+    assert magnified(CAMERAS["overview"], TALL) == (4.0, 8.0)
+    assert magnified(CAMERAS["top"], Area(0.0, 0.0, 12.0, 16.0)) == (1.0, 2.0)
+    assert magnified(CAMERAS["chase"], TALL)[0] == magnified(CAMERAS["scout"], TALL)[0] == 1.0
+    assert TALL.grown(2.0) == Area(-2.0, -2.0, 152.0, 218.0)

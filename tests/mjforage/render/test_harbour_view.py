@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image as PilImage
 
+from mjforage.callback.installation import uninstall
 from mjforage.errors import UserError
 from mjforage.render import palette, render_replay
 from mjforage.render.cameras import CAMERAS
@@ -21,7 +22,7 @@ from mjforage.vessels import load_vessel
 
 pytestmark = pytest.mark.usefixtures("opengl")
 Image = NDArray[np.uint8]
-SIZE = (160, 120)
+SIZE, LARGE = (160, 120), (400, 300)
 
 
 @pytest.fixture(scope="module")
@@ -37,8 +38,10 @@ def physics(replay: Replay, refine: Callable[..., Replay]) -> Replay:
     return refine(replay)
 
 
-def frame(replay: Replay, camera: str, time: float, **options: Any) -> Image:
-    with HarbourView(replay, camera, *SIZE, **options) as view:
+def frame(
+    replay: Replay, camera: str, time: float, size: tuple[int, int] = SIZE, **options: Any
+) -> Image:
+    with HarbourView(replay, camera, *size, **options) as view:
         return view.frame(time)
 
 
@@ -65,11 +68,11 @@ def test_frames_of_both_worlds_have_the_size_asked_for_and_repeat_to_the_bit(
 
 def test_hulls_are_drawn_in_their_teams_colours_and_behind_them_nothing(replay: Replay) -> None:
     colours = palette.team_colours([False, True])
-    image = frame(replay, "top", 0.0)
+    image = frame(replay, "top", 0.0, LARGE)
     assert all(close_to(image, colour, 30.0) > 2 for colour in colours)
     far = replay.track_pose.copy()
     far[..., :2] += 5000.0
-    image = frame(replace(replay, track_pose=far), "top", 0.0)
+    image = frame(replace(replay, track_pose=far), "top", 0.0, LARGE)
     assert all(close_to(image, colour, 30.0) == 0 for colour in colours)
 
 
@@ -80,7 +83,7 @@ def test_taken_items_are_gone(replay: Replay) -> None:
     )
     left = replace(still, item_present=~none, track_present=~none)
     sun = (240.0, 205.0, 60.0)
-    shown, taken = (close_to(frame(one, "top", 5.0), sun, 45.0) for one in (left, still))
+    shown, taken = (close_to(frame(one, "top", 5.0, LARGE), sun, 45.0) for one in (left, still))
     assert shown > taken
 
 
@@ -120,13 +123,9 @@ def test_times_outside_the_episode_are_refused(replay: Replay) -> None:
 @pytest.fixture
 def alarm() -> Iterator[list[str]]:
     """A passive callback that notes every call."""
-    calls: list[str] = []
-    before = mujoco.get_mjcb_passive()
+    uninstall()
+    yield []
     mujoco.set_mjcb_passive(None)
-    try:
-        yield calls
-    finally:
-        mujoco.set_mjcb_passive(before)
 
 
 def test_drawing_calls_no_physics_and_changes_no_simulation(
@@ -143,6 +142,7 @@ def test_drawing_calls_no_physics_and_changes_no_simulation(
 
     np.testing.assert_array_equal(run(draw=True), run(draw=False))
     with HarbourView(physics, "chase", *SIZE) as view:
+        uninstall()
         mujoco.set_mjcb_passive(lambda model, data: alarm.append("called"))
         view.frame(1.0)
         mujoco.set_mjcb_passive(None)
