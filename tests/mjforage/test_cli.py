@@ -285,7 +285,7 @@ def test_one_map_is_checked_and_drawn(command: Callable[..., Any]) -> None:
 def test_version_and_help(command: Callable[..., Any]) -> None:
     assert command("--version").out.strip() == __version__
     text = command("--help").out
-    for name in ("bench", "evaluate", "maps", "policies", "render", "report", "scenarios"):
+    for name in ("bench", "compare", "evaluate", "maps", "policies", "render", "validate", "view"):
         assert name in text
         assert "Usage" in command(name, "--help").out
     assert command().out == text
@@ -318,7 +318,7 @@ def test_render_draws_a_frame_a_series_and_films(
         (["-o", "a.png", "--episode", 2], "it holds episodes 0 to 1 of greedy, lawnmower"),
         (["-o", "a.png", "--policy", "pso"], "no episode 0 of pso"),
         (["-o", "a.png", "--camera", "front"], 'Invalid value "front" for --camera'),
-        (["-o", "a.png", "--world", "moon"], 'Invalid value "moon" for --world'),
+        (["-o", "a.png", "--world", "moon"], "no episode 0 of greedy in world moon"),
         (["-o", "a.doc"], "a.doc: unknown kind of file"),
         (["-o", "nowhere/a.png"], "folder nowhere does not exist"),
         (["-o", "a.png", "--start", 81], "start 81 s: the episode lasts from 0 to 80 s"),
