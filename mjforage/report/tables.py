@@ -255,9 +255,7 @@ def terminal_table(summary: Mapping[str, Any]) -> RichTable:
             plus_minus(entry_of(parsed, (world, policy), m.key), m.digits).replace(" ± ", "\n± ")
             for m in metrics
         ]
-        words = row_name((world, policy), list(parsed)).replace(" (bound)", "*")
-        name = Text(words, style=style.policy_colour(policy))
-        table.add_row(name, *(Text(cell) for cell in cells))
-    if any(is_bound(policy) for _, policy in series):
-        table.caption, table.caption_justify = "* a bound: it is shown the truth", "left"
+        name = row_name((world, policy), list(parsed)).replace(" (bound)", "\n(bound)")
+        shown = Text(name, style=style.policy_colour(policy))
+        table.add_row(shown, *(Text(cell) for cell in cells))
     return table

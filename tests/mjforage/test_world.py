@@ -114,6 +114,6 @@ def test_several_hotspots_share_the_items_and_one_is_the_default() -> None:
         axis=(1, 2)
     )
     assert inland.sum() > 10
-    assert one.item_rc[inland, :60].std(axis=1).max() < 1.6
-    apart = np.abs(two.item_rc[:, 0:60:2].mean(axis=1) - two.item_rc[:, 1:60:2].mean(axis=1))
+    assert one.item_rc[inland, :40].std(axis=1).max() < 1.6
+    apart = np.abs(two.item_rc[:, 0:40:2].mean(axis=1) - two.item_rc[:, 1:40:2].mean(axis=1))
     assert np.median(apart.max(axis=1)) > 10

@@ -12,7 +12,7 @@ from rich.console import Console
 
 from mjforage.errors import UserError
 from mjforage.report import published, style, terminal_table, write_report
-from mjforage.report.tables import number
+from mjforage.report.tables import number, policy_name
 from mjforage.vocabulary import METRICS
 
 MakeRun = Callable[..., Path]
@@ -183,7 +183,8 @@ def test_unusual_runs(make_run: MakeRun, settings: dict[str, Any], phrase: str) 
 def test_ten_policies(make_run: MakeRun) -> None:
     shipped = list(style.POLICY_COLOURS)[:9]
     page = written(make_run(policies=("mine", *reversed(shipped)), episodes=2))
-    assert list(table_rows(page, "headline")) == [*shipped, "mine"]
+    heads = [policy_name(name) for name in (*shipped, "mine")]
+    assert list(table_rows(page, "headline")) == heads and "oracle (bound)" in heads
     assert "45 pairs of policies" in page
 
 
