@@ -2,7 +2,6 @@
 
 import hashlib
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -12,7 +11,6 @@ from numba.core.caching import FunctionCache
 F = TypeVar("F", bound=Callable[..., object])
 
 
-@cache
 def _stamp() -> str:
     """Changes whenever a source file of this package does: kernels call kernels of other files."""
     files = sorted(Path(__file__).resolve().parent.rglob("*.py"))
@@ -20,12 +18,15 @@ def _stamp() -> str:
     return hashlib.sha256(repr(found).encode()).hexdigest()
 
 
+_STAMP = _stamp()  # taken before any other file of this package is read
+
+
 class _Cache(FunctionCache):
     """numba's disk cache, which by itself knows the kernel's own file only."""
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:
         key = super()._index_key(sig, codegen)  # type: ignore[no-untyped-call]
-        return (*key, _stamp())
+        return (*key, _STAMP)
 
 
 def kernel(function: F) -> F:

@@ -61,7 +61,7 @@ def thrust_of(p: FloatArray, command: float) -> float:
     if abs(command) < p[DEAD]:
         return 0.0
     k = p[K_AHEAD] if command > 0.0 else p[K_ASTERN]
-    return k * command * (1.0 if p[EXPONENT] == 1.0 else abs(command))
+    return float(k * command * (1.0 if p[EXPONENT] == 1.0 else abs(command)))
 
 
 @kernel

@@ -47,7 +47,7 @@ SLOW_MPS = 0.4  # above this, the hull's unknown load spoils the drift along it
 def surge_after(p: FloatArray, surge: float, force: float, step_s: float) -> float:
     """Speed ahead through the water [m/s] after a step: m u' = T - d(u), drag taken implicitly."""
     drag = p[LIN_SURGE] + p[QUAD_SURGE] * abs(surge)
-    return (p[M_SURGE] * surge + step_s * force) / (p[M_SURGE] + step_s * drag)
+    return float((p[M_SURGE] * surge + step_s * force) / (p[M_SURGE] + step_s * drag))
 
 
 @kernel
@@ -59,7 +59,7 @@ def sway_after(p: FloatArray, sway: float, surge: float, rate: float, step_s: fl
     """
     drag = p[LIN_SWAY] + p[QUAD_SWAY] * abs(sway)
     pushed = p[M_SWAY] * sway - step_s * p[M_SURGE] * surge * rate
-    return pushed / (p[M_SWAY] + step_s * drag)
+    return float(pushed / (p[M_SWAY] + step_s * drag))
 
 
 @kernel

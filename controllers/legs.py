@@ -9,6 +9,7 @@ from controllers.guidance import (
     ilos_course,
     ilos_integral,
     ilos_rate,
+    los_course,
     stopping_speed,
 )
 from controllers.helm import (
@@ -48,6 +49,8 @@ ASTERN_HANDICAP_S = 0.5  # ahead is preferred by so much
 REACTION_S = 0.1  # of a loop at 10 Hz, added to the thruster's lag
 LEAST_SPEED_MPS = 0.2  # through the water, at which the line-of-sight integral learns
 LEAST_LOOKAHEAD_M = 1.0  # near its end the line is left for the end itself, down to here
+FERRY_MPS = 0.1  # a drift from which a leg is ferried
+LONG_M = 20.0  # a leg of this length is followed by its integral, which knows no model
 VIA_SPEED = 0.6  # of cruise, at which a via point is passed
 
 
@@ -94,22 +97,68 @@ def lay_leg(
 
 
 @kernel
+def stemming_speed(s: FloatArray, wanted: float, error: float, steer: float) -> float:
+    """Speed through the water along the way [m/s] that lets no drift across the course.
+
+    While the hull turns, its way m gives U (m . n) to port n of the course, which shall undo the
+    drift D . n.
+
+    Parameters
+    ----------
+    wanted : speed through the water once it has turned [m/s]
+    error : of the heading [rad]
+    steer : course over ground [rad]
+    """
+    c, t = s[WAY] * math.cos(s[YAW]), s[WAY] * math.sin(s[YAW])
+    across = c * math.sin(steer) * -1.0 + t * math.cos(steer)
+    drift = math.cos(steer) * s[DRIFT_Y] - math.sin(steer) * s[DRIFT_X]
+    if across * drift >= 0.0 or abs(error) > 0.5 * math.pi:
+        return 0.0
+    return float(min(-drift / across, wanted))
+
+
+@kernel
+def follow_in_drift(
+    s: FloatArray, p: FloatArray, across: float, left: float, speed: float
+) -> tuple[float, float]:
+    """Heading [rad] and signed speed over ground along the hull [m/s] for a speed along the leg.
+
+    Ferrying: through the water the hull must make what it shall make over ground less the drift.
+    """
+    lookahead = min(p[LOOKAHEAD], max(left, LEAST_LOOKAHEAD_M))
+    steer = los_course(s[COURSE], across, lookahead)
+    wx = speed * math.cos(steer) - s[DRIFT_X]
+    wy = speed * math.sin(steer) - s[DRIFT_Y]
+    through = math.sqrt(wx * wx + wy * wy)
+    heading = math.atan2(wy, wx) if s[WAY] > 0.0 else math.atan2(-wy, -wx)
+    error = wrapped(heading - s[YAW])
+    free = max(turning_limit(p, math.cos(error)), stemming_speed(s, through, error, steer))
+    made = s[WAY] * min(through, free)
+    along = math.cos(s[YAW]) * s[DRIFT_X] + math.sin(s[YAW]) * s[DRIFT_Y]
+    return heading, made + along
+
+
+@kernel
 def follow_leg(s: FloatArray, p: FloatArray, step_s: float) -> tuple[float, float, float]:
     """Heading [rad] and signed speed [m/s] wanted, and the distance left along the leg [m]."""
     along, across = along_and_across(s[X], s[Y], s[LEG_X], s[LEG_Y], s[COURSE])
     left = s[LEG_LENGTH] - along
+    cruise = p[CRUISE_AHEAD] if s[WAY] > 0.0 else p[CRUISE_ASTERN]
+    room = left if s[VIA] == 0.0 else left + 0.5 * (VIA_SPEED * cruise) ** 2 / p[BRAKE]
+    speed = min(cruise, stopping_speed(room, p[BRAKE], p[LAG] + REACTION_S))
+    if s[VIA] == 0.0 and s[CLOCK] < s[WAIT]:
+        speed = 0.0
+    drift = math.sqrt(s[DRIFT_X] ** 2 + s[DRIFT_Y] ** 2)
+    if drift > FERRY_MPS and s[LEG_LENGTH] < LONG_M:
+        heading, wanted = follow_in_drift(s, p, across, left, speed)
+        return heading, wanted, left
     lookahead = min(p[LOOKAHEAD], max(left, LEAST_LOOKAHEAD_M))
     steer = ilos_course(s[COURSE], across, s[ACROSS_INTEGRAL], p[KAPPA], lookahead)
     made = s[WAY] * (math.cos(s[YAW]) * s[VX] + math.sin(s[YAW]) * s[VY])
     heading = steer if s[WAY] > 0.0 else steer + math.pi
     error = wrapped(heading - s[YAW])
-    cruise = p[CRUISE_AHEAD] if s[WAY] > 0.0 else p[CRUISE_ASTERN]
-    room = left if s[VIA] == 0.0 else left + 0.5 * (VIA_SPEED * cruise) ** 2 / p[BRAKE]
-    speed = min(cruise, stopping_speed(room, p[BRAKE], p[LAG] + REACTION_S))
     straight = abs(error) < 0.2 and abs(s[RATE]) < 0.15 and abs(across) < 0.3 * p[LOOKAHEAD]
     if straight and made > LEAST_SPEED_MPS:
         rate = ilos_rate(across, s[ACROSS_INTEGRAL], p[KAPPA], p[LOOKAHEAD])
         s[ACROSS_INTEGRAL] += step_s * rate
-    if s[VIA] == 0.0 and s[CLOCK] < s[WAIT]:
-        speed = 0.0
     return heading, s[WAY] * min(speed, turning_limit(p, math.cos(error))), left

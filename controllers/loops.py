@@ -46,19 +46,17 @@ MOST_LEAD_S = 0.6  # of the speed reference before the hull, in seconds of its a
 @kernel
 def surge_drag(p: FloatArray, speed: float) -> float:
     """Drag along the hull [N] at `speed` [m/s]."""
-    return (p[LIN_SURGE] + p[QUAD_SURGE] * abs(speed)) * speed
+    return float((p[LIN_SURGE] + p[QUAD_SURGE] * abs(speed)) * speed)
 
 
 @kernel
 def yaw_drag(p: FloatArray, rate: float) -> float:
     """Moment of drag [N m] at `rate` [rad/s]."""
-    return (p[LIN_YAW] + p[QUAD_YAW] * abs(rate)) * rate
+    return float((p[LIN_YAW] + p[QUAD_YAW] * abs(rate)) * rate)
 
 
 @kernel
-def integrated(
-    integral: float, rate: float, wanted: float, given: float, step_s: float
-) -> float:
+def integrated(integral: float, rate: float, wanted: float, given: float, step_s: float) -> float:
     """Integral after a step, with anti-windup: it stands still where more would change nothing.
 
     That is where the thrusters gave less than `wanted`, or more, and `rate` asks for still more of
@@ -88,7 +86,7 @@ def heading_moment(
     spring = w * w * wrapped(s[HEADING_REF] - s[YAW])
     free = p[M_YAW] * (acceleration + damping + spring)
     munk = p[MUNK] * s[SWAY] * (math.cos(s[YAW]) * s[VX] + math.sin(s[YAW]) * s[VY])
-    return yaw_drag(p, s[RATE_REF]) + free + munk + s[MOMENT_INTEGRAL]
+    return float(yaw_drag(p, s[RATE_REF]) + free + munk + s[MOMENT_INTEGRAL])
 
 
 @kernel
@@ -102,15 +100,13 @@ def heading_windup(
 
 
 @kernel
-def surge_force(
-    s: FloatArray, p: FloatArray, speed: float, wanted: float, step_s: float
-) -> float:
+def surge_force(s: FloatArray, p: FloatArray, speed: float, wanted: float, step_s: float) -> float:
     """Force [N] that brings the hull from `speed` to `wanted` [m/s] along its reference."""
     reach = MOST_LEAD_S * p[ACCELERATION]
     before = clipped(s[SPEED_REF], speed - reach, speed + reach)
     s[SPEED_REF] = speed_reference(before, wanted, p[ACCELERATION], p[BRAKE], step_s)
     acceleration = (s[SPEED_REF] - before) / step_s + p[SPEED_W] * (s[SPEED_REF] - speed)
-    return surge_drag(p, s[SPEED_REF]) + p[M_SURGE] * acceleration + s[SURGE_INTEGRAL]
+    return float(surge_drag(p, s[SPEED_REF]) + p[M_SURGE] * acceleration + s[SURGE_INTEGRAL])
 
 
 @kernel
@@ -135,4 +131,4 @@ def turning_limit(p: FloatArray, cosine: float) -> float:
     """
     if cosine <= 0.0:
         return 0.0
-    return ASIDE * p[LENGTH] * p[YAW_RATE] / max(1.0 - cosine, 1e-3)
+    return float(ASIDE * p[LENGTH] * p[YAW_RATE] / max(1.0 - cosine, 1e-3))

@@ -23,7 +23,7 @@ AIM = 0.6  # share of the half beam within which the item must lie to be taken s
 @kernel
 def in_room(s: FloatArray, room: float) -> bool:
     """Whether midships is within `room` [m] of the target on each axis."""
-    return max(abs(s[X] - s[TARGET_X]), abs(s[Y] - s[TARGET_Y])) < room + SLACK_M
+    return bool(max(abs(s[X] - s[TARGET_X]), abs(s[Y] - s[TARGET_Y])) < room + SLACK_M)
 
 
 @kernel
@@ -31,7 +31,7 @@ def leaves_room(s: FloatArray, speed: float, room: float) -> bool:
     """Whether going on at `speed` takes midships farther than `room` [m] from the target."""
     dx, dy = s[X] - s[TARGET_X], s[Y] - s[TARGET_Y]
     mx, my = speed * math.cos(s[YAW]), speed * math.sin(s[YAW])
-    return (abs(dx) > room and dx * mx > 0.0) or (abs(dy) > room and dy * my > 0.0)
+    return bool((abs(dx) > room and dx * mx > 0.0) or (abs(dy) > room and dy * my > 0.0))
 
 
 @kernel

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from controllers import state as at
 from controllers._compiled import kernel
 from controllers.chart import Chart, LandArray
+from controllers.conflicts import Traffic
 from controllers.estimate import estimate
 from controllers.helm import FloatArray, Helm, packed
 from controllers.prediction import NEVER_S, SAMPLES
@@ -60,7 +61,7 @@ def _command(
             if arrived:
                 fleet[v, RANK] = NEVER_S + v
         if clock[e] % rhythm == 0 and helms.shape[0] > 1:
-            plan_fleet(fleet, helms, land, pitch, paths, met)
+            plan_fleet(Traffic(fleet, helms, paths, met, land, pitch))
         clock[e] += 1
         for v in range(helms.shape[0]):
             limit_speeds(fleet, helms, land, pitch, v)

@@ -106,5 +106,7 @@ def predict(
         half = angle * angle / 2.0
         cosine, sine = 1.0 - half + half * half / 6.0, angle * (1.0 - half / 3.0)
         c, t = c * cosine - t * sine, t * cosine + c * sine
-        x, y = x + c * speed * SAMPLE_S, y + t * speed * SAMPLE_S
+        aside = c * s[DRIFT_Y] - t * s[DRIFT_X]  # the speed loop takes care of the rest
+        x += (c * speed - t * aside) * SAMPLE_S
+        y += (t * speed + c * aside) * SAMPLE_S
     return arrival

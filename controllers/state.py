@@ -27,6 +27,8 @@ CLOCK, PLACE_X, PLACE_Y, STUCK, PROMOTED = range(42, 47)
 SURGE = 47
 # 1 astern, -1 ahead: getting clear of the item to pick up.
 BACKING = 48
-SIZE = 49
+# How far up the drift of its place it lies, where a quay is to leeward [m].
+UP = 49
+SIZE = 50
 
 HOLD, TRANSIT, START = 0.0, 1.0, 2.0  # modes; START: a decision not yet begun

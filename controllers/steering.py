@@ -6,7 +6,17 @@ from controllers._compiled import kernel
 from controllers.allocation import allocate, command_for, lagged, led_command
 from controllers.angles import clipped
 from controllers.guidance import along_and_across
-from controllers.helm import LEVER, M_SURGE, SPEED_W, THRUST_HIGH, THRUST_LOW, YAW_RATE, FloatArray
+from controllers.helm import (
+    LEVER,
+    LIN_SURGE,
+    M_SURGE,
+    QUAD_SURGE,
+    SPEED_W,
+    THRUST_HIGH,
+    THRUST_LOW,
+    YAW_RATE,
+    FloatArray,
+)
 from controllers.holding import hold_force, hold_windup
 from controllers.legs import follow_leg, lay_leg
 from controllers.loops import (
@@ -21,6 +31,8 @@ from controllers.state import (
     ARRIVED,
     CLOCK,
     COURSE,
+    DRIFT_X,
+    DRIFT_Y,
     END_X,
     END_Y,
     HOLD,
@@ -47,6 +59,7 @@ from controllers.state import (
     TARGET_X,
     TARGET_Y,
     TRANSIT,
+    UP,
     VIA,
     VX,
     VY,
@@ -60,6 +73,7 @@ from controllers.state import (
 AT_M = 0.3  # from its place: there
 PAST_M = 0.75  # beside the target when passing it: there
 LEAVE_M = 1.5  # from its place: no longer there
+SAFE_SHARE = 0.3  # of the moment that is left to a hull that brakes for something
 SLOW_MPS = 0.15  # a hull slower than this is not braking
 ON_LINE_M = 0.4  # from the line between nodes: follow that line, else one of its own
 
@@ -67,7 +81,7 @@ ON_LINE_M = 0.4  # from the line between nodes: follow that line, else one of it
 @kernel
 def surge_speed(s: FloatArray) -> float:
     """Speed over ground along the hull [m/s]."""
-    return math.cos(s[YAW]) * s[VX] + math.sin(s[YAW]) * s[VY]
+    return float(math.cos(s[YAW]) * s[VX] + math.sin(s[YAW]) * s[VY])
 
 
 @kernel
@@ -87,10 +101,12 @@ def start_transit(s: FloatArray, p: FloatArray, x: float, y: float, via: bool) -
 
 
 @kernel
-def start_hold(s: FloatArray) -> None:
-    """Keep position from now on, with the heading of now."""
+def start_hold(s: FloatArray, p: FloatArray) -> None:
+    """Keep position from now on, with the heading of now and the force that the drift takes."""
     if s[MODE] != HOLD:
         s[WANTED] = s[YAW]
+        drag = p[LIN_SURGE] + p[QUAD_SURGE] * math.sqrt(s[DRIFT_X] ** 2 + s[DRIFT_Y] ** 2)
+        s[HOLD_FX], s[HOLD_FY] = -drag * s[DRIFT_X], -drag * s[DRIFT_Y]
     s[MODE] = HOLD
 
 
@@ -103,10 +119,10 @@ def start_decision(s: FloatArray, p: FloatArray, room: float) -> None:
     stay = s[ORIGIN_X] == x and s[ORIGIN_Y] == y
     if stay and not math.isnan(s[ITEM_X]) and in_room(s, room):
         s[ARRIVED] = 1.0  # it may be off its place for picking up
-        start_hold(s)
+        start_hold(s, p)
         return
     if stay and distance_to(s, x, y) < LEAVE_M:
-        start_hold(s)
+        start_hold(s, p)
         return
     start_transit(s, p, x, y, False)
     course = math.atan2(y - s[ORIGIN_Y], x - s[ORIGIN_X])
@@ -133,7 +149,7 @@ def change_mode(s: FloatArray, p: FloatArray) -> None:
         if passed or distance_to(s, s[END_X], s[END_Y]) < AT_M:
             start_transit(s, p, x, y, False)
     elif far < AT_M or (passed and abs(across) < PAST_M):
-        start_hold(s)
+        start_hold(s, p)
     elif passed:
         start_transit(s, p, x, y, False)
 
@@ -151,14 +167,24 @@ def commands(
 
 
 @kernel
-def braking_moment(p: FloatArray, surge: float, speed: float, moment: float) -> float:
-    """The moment [N m], less where the hull brakes: turning must leave half the thrust astern.
+def too_fast(s: FloatArray, speed: float) -> bool:
+    """Whether the hull goes faster than it safely may."""
+    return bool(speed > s[MOST_AHEAD] or speed < -s[MOST_ASTERN])
 
-    Yaw has priority in the allocation, and a hull that turns at full moment does not stop.
+
+@kernel
+def braking_moment(
+    s: FloatArray, p: FloatArray, surge: float, speed: float, moment: float
+) -> float:
+    """The moment [N m], less where the hull brakes.
+
+    Yaw has priority in the allocation, and a hull that turns at full moment does not stop: turning
+    must leave half the thrust for braking, and most of it where the hull is too fast to be safe.
     """
     if surge * speed >= 0.0 or abs(speed) < SLOW_MPS:
         return moment
-    most = p[LEVER] * (-p[THRUST_LOW] if speed > 0.0 else p[THRUST_HIGH])
+    share = SAFE_SHARE if too_fast(s, speed) else 1.0
+    most = share * p[LEVER] * (-p[THRUST_LOW] if speed > 0.0 else p[THRUST_HIGH])
     return clipped(moment, -most, most)
 
 
@@ -169,9 +195,11 @@ def drive(
     """Commands towards a heading [rad] at a signed speed [m/s]."""
     now = surge_speed(s)
     wanted = clipped(speed, -s[MOST_ASTERN], s[MOST_AHEAD])
+    if too_fast(s, now):
+        s[SPEED_REF] = wanted  # braking for something does not wait for the reference
     surge = surge_force(s, p, now, wanted, step_s)
     moment = heading_moment(s, p, heading, min(p[YAW_RATE], s[MOST_RATE]), step_s)
-    port, starboard = allocate(p, surge, braking_moment(p, surge, now, moment))
+    port, starboard = allocate(p, surge, braking_moment(s, p, surge, now, moment))
     surge_windup(s, p, now, surge, port + starboard, step_s)
     heading_windup(s, p, moment, (starboard - port) * p[LEVER], step_s)
     return commands(s, p, port, starboard, step_s)
@@ -186,7 +214,7 @@ def keep(s: FloatArray, p: FloatArray, x: float, y: float, step_s: float) -> tup
     least = -surge_drag(p, s[MOST_ASTERN]) - stiff * (s[MOST_ASTERN] + now)
     limited = clipped(surge, least, most)
     moment = heading_moment(s, p, heading, min(p[YAW_RATE], s[MOST_RATE]), step_s)
-    port, starboard = allocate(p, limited, braking_moment(p, limited, now, moment))
+    port, starboard = allocate(p, limited, braking_moment(s, p, limited, now, moment))
     hold_windup(s, p, ahead, surge, port + starboard, step_s)
     heading_windup(s, p, moment, (starboard - port) * p[LEVER], step_s)
     return commands(s, p, port, starboard, step_s)
@@ -208,4 +236,8 @@ def steer(s: FloatArray, p: FloatArray, room: float, step_s: float) -> tuple[flo
         heading, speed = pick_up(s, p, room)
         s[WANTED] = s[YAW]
         return drive(s, p, heading, speed, step_s)
+    if s[UP] > 0.0:
+        shift = s[UP] / math.sqrt(s[DRIFT_X] ** 2 + s[DRIFT_Y] ** 2)
+        x, y = s[PLACE_X] - shift * s[DRIFT_X], s[PLACE_Y] - shift * s[DRIFT_Y]
+        return keep(s, p, x, y, step_s)
     return keep(s, p, s[PLACE_X], s[PLACE_Y], step_s)

@@ -32,6 +32,12 @@ def positive(unit: str, high: float) -> dict[str, object]:
     return {"unit": unit, "low": math.ulp(0.0), "high": high}
 
 
+def range_words(about: Mapping[str, Any]) -> str:
+    """The range of a number's metadata, for messages: `0 to 10`, or `above 0 to 10`."""
+    least = "above 0" if about["low"] == math.ulp(0.0) else f"{about['low']:g}"
+    return f"{least} to {about['high']:g}"
+
+
 def vessel_names() -> list[str]:
     """Names of the vessels that ship with the package."""
     return sorted(path.stem for path in (models_folder() / "vessels").glob("*.toml"))
@@ -88,7 +94,10 @@ def _table(
             raise UserError(f"{where}: unknown key {prefix}{key}; {hint}")
     missing = [prefix + key for key, f in known.items() if f.default is MISSING and key not in tree]
     if missing:
-        raise UserError(f"{where}: missing {', '.join(missing)}")
+        them = "it" if len(missing) == 1 else "them"
+        raise UserError(
+            f"{where}: missing {', '.join(missing)}; add {them} as the shipped vessels have {them}"
+        )
     return {key: _value(hints[key], known[key], tree[key], where, prefix + key) for key in tree}
 
 
@@ -132,9 +141,8 @@ def _number(entry: Tree, about: Mapping[str, Any], where: str, key: str) -> floa
         raise UserError(f"{where}: {key} = {_shown(value)}, expected a number")
     low, high = about["low"], about["high"]
     if not low <= value <= high:
-        least = "above 0" if 0 < low < 1e-300 else f"{low:g}"
         raise UserError(
-            f"{where}: {key} = {_shown(value)} is out of range; give {least} to {high:g}"
+            f"{where}: {key} = {_shown(value)} is out of range; give {range_words(about)}"
         )
     return float(value)
 

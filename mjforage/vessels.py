@@ -144,8 +144,11 @@ NO_LOAD = Load(0.0, 0.0)
 
 @dataclass(frozen=True)
 class Vessel:
-    """One parameter set. Absent tables: no cross-flow drag, no wind load, no load, and a tuning that
-    `mjforage.helm` works out."""
+    """One parameter set.
+
+    Absent tables: no cross-flow drag, no wind load, no load, and a tuning that `mjforage.helm`
+    works out.
+    """
 
     name: str
     description: str
@@ -208,7 +211,7 @@ def _check(vessel: Vessel, where: str) -> None:
         raise UserError(
             f"{where}: inertia_z_kgm2 = {vessel.inertia_z_kgm2:g} is indefinite inertia: a mass of "
             f"{vessel.mass_kg:g} kg at {vessel.cog_x_m:g} m needs more than {least:.6g} kg m2 "
-            "about midships"
+            "about midships; raise inertia_z_kgm2 or bring cog_x_m nearer to 0"
         )
     if abs(vessel.cog_x_m) >= 0.5 * vessel.length_m:
         raise UserError(

@@ -13,10 +13,11 @@ from typing import NamedTuple
 
 from graph_planner.compiled import kernel
 from mjforage.hydrodynamics import parameters as P  # noqa: N812 - a table of index constants
+from mjforage.hydrodynamics.crossflow import cross_flow_slope
 from mjforage.hydrodynamics.hull import hull_force_inertial, load_drag, load_mass
 from mjforage.hydrodynamics.parameters import Float64Array
 from mjforage.hydrodynamics.thruster import saturated, thruster_force
-from mjforage.hydrodynamics.wind import wind_force
+from mjforage.hydrodynamics.wind import wind_force, wind_slope
 
 
 class Surroundings(NamedTuple):
@@ -151,10 +152,25 @@ def mean_acceleration(
 
 
 @kernel
-def damping(p: Float64Array, u_r: float, v_r: float, r: float) -> tuple[float, float, float]:
-    """Slope of the damping in surge [N s/m], sway [N s/m] and yaw [N m s], without cross-flow."""
+def damping(
+    p: Float64Array, yaw: float, vx: float, vy: float, r: float, around: Surroundings
+) -> tuple[float, float, float]:
+    """Slope of all drag, of water, air and load, in surge, sway [N s/m] and yaw [N m s], each >= 0.
+
+    Parameters
+    ----------
+    vx, vy, r : velocity over ground, world axes [m/s], yaw rate [rad/s]
+    """
+    c, s = math.cos(yaw), math.sin(yaw)
+    dx, dy = vx - around.water_x, vy - around.water_y
+    u_r, v_r = c * dx + s * dy, c * dy - s * dx
+    dx, dy = around.wind_x - vx, around.wind_y - vy
+    air = wind_slope(p, c * dx + s * dy, c * dy - s * dx)
+    cross = cross_flow_slope(p, v_r, r)
+    quadratic = p[P.QUAD_SURGE] + p[P.LOAD_DRAG] * around.load
+    growth = p[P.LINEAR_YAW] * p[P.YAW_GROWTH] + p[P.QUAD_YAW]
     return (
-        p[P.LINEAR_SURGE] + 2 * p[P.QUAD_SURGE] * abs(u_r),
-        p[P.LINEAR_SWAY] + 2 * p[P.QUAD_SWAY] * abs(v_r),
-        p[P.LINEAR_YAW] * (1 + 2 * p[P.YAW_GROWTH] * abs(r)) + 2 * p[P.QUAD_YAW] * abs(r),
+        p[P.LINEAR_SURGE] + 2 * quadratic * abs(u_r) + air[0],
+        p[P.LINEAR_SWAY] + 2 * p[P.QUAD_SWAY] * abs(v_r) + cross[0] + air[1],
+        p[P.LINEAR_YAW] + 2 * growth * abs(r) + cross[1],
     )

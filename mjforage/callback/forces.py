@@ -64,7 +64,9 @@ def _averaged(
 
     Positions run half a step ahead of velocities, so the heading is taken back by that much. Half a
     step of damping joins the inertia: a contact that stops the hull then meets the full load at
-    rest, not the load that the free hull would have had on average. Free motion is the same.
+    rest, not the load that the free hull would have had on average. For quadratic drag that is
+    exact with the slope at a third of the step: the mean of (v + a t)^2 over h is
+    v^2 + h a (v + a h/3). Free motion is the same.
     """
     h, i = state.step_s, v * VESSEL_DOFS
     yaw, vx, vy, r = state.qpos[i + 2], state.qvel[i], state.qvel[i + 1], state.qvel[i + 2]
@@ -74,8 +76,9 @@ def _averaged(
         p, body, yaw - 0.5 * h * r, vx, vy, r, command, lagged, around, h
     )
     c, s = math.cos(yaw), math.sin(yaw)
-    dx, dy = vx - around.water_x, vy - around.water_y
-    d_surge, d_sway, d_yaw = boat.damping(p, c * dx + s * dy, c * dy - s * dx, r)
+    d_surge, d_sway, d_yaw = boat.damping(
+        p, yaw, vx + h / 3 * ax, vy + h / 3 * ay, r + h / 3 * ar, around
+    )
     m_surge, m_sway = body.surge + 0.5 * h * d_surge, body.sway + 0.5 * h * d_sway
     m_yaw = body.yaw + 0.5 * h * d_yaw
     ahead, aside = c * ax + s * ay, c * ay - s * ax

@@ -1,10 +1,14 @@
 """Commands about single hulls."""
 
 from pathlib import Path
+from typing import Annotated
 
+from cyclopts import Parameter
 from rich.table import Table
 
 from mjforage.cli.console import app, output, print_list
+
+Flow = Parameter(allow_leading_hyphen=True)  # so that a speed below 0 gets an error of its own
 
 
 @app.command
@@ -14,8 +18,8 @@ def manoeuvre(
     *,
     schedule: Path | None = None,
     test: str | None = None,
-    current: str = "0@0",
-    wind: str = "0@0",
+    current: Annotated[str, Flow] = "0@0",
+    wind: Annotated[str, Flow] = "0@0",
     heading: float = 0.0,
     duration: float | None = None,
     dt: float = 0.05,
@@ -33,7 +37,7 @@ def manoeuvre(
     test
         turning-circle, turning-circle-starboard, zigzag, zigzag-20, straight, stop or drift.
     current
-        SPEED@DIRECTION it flows to [m/s, degrees counter-clockwise from east].
+        SPEED@DIRECTION it flows to [m/s, 0 or more; degrees counter-clockwise from east].
     wind
         The same for the wind.
     heading
@@ -41,17 +45,25 @@ def manoeuvre(
     duration
         How long [s]; default the test's own, or 60 s beyond the schedule.
     dt
-        Step of the integration, RK4 [s].
+        Step of the integration [s], RK4 in parts of at most 0.05 s and the thrusters' lag.
     out
         CSV to write: t_s,x_m,y_m,yaw_rad,surge_mps,sway_mps,yaw_rate_radps.
     plot
         Picture to write.
     """
-    from mjforage.manoeuvre import check_plot, key_figures, manoeuvre_figure, write_trajectory
+    from mjforage.manoeuvre import (
+        check_file,
+        check_plot,
+        key_figures,
+        manoeuvre_figure,
+        write_trajectory,
+    )
     from mjforage.manoeuvre import manoeuvre as run
     from mjforage.simulation.hull import MujocoHull
     from mjforage.storage import writing
 
+    if out is not None:
+        check_file(out, "--out")
     if plot is not None:
         check_plot(plot)
     path = run(vessel, schedule, test, current, wind, heading, duration, dt, MujocoHull)

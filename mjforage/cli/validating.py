@@ -33,8 +33,9 @@ def validate(
     runs
         Runs of 900 s in the check endurance.
     """
-    from mjforage.validation import run_checks, write_validation
+    from mjforage.validation import check_folder, run_checks, write_validation
 
+    check_folder(out)
     with bar("checks") as shown:
         findings = run_checks(check, runs, shown)
     with errors.status("drawing the report"):

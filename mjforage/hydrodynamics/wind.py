@@ -17,6 +17,23 @@ from mjforage.hydrodynamics.parameters import (
 
 
 @kernel
+def wind_slope(p: Float64Array, wind_u: float, wind_v: float) -> tuple[float, float]:
+    """How fast the wind load falls as the hull gives way: -dX/du, -dY/dv [N s/m], never below 0.
+
+    Slopes of V u and V v; that of Blendermann's denominator is left out. Parameters as in
+    `wind_force`.
+    """
+    speed = math.sqrt(wind_u * wind_u + wind_v * wind_v)
+    if speed == 0.0:
+        return 0.0, 0.0
+    cdl = p[WIND_CDL_BOW] if wind_u <= 0.0 else p[WIND_CDL_STERN]
+    return (
+        p[WIND_FRONT] * cdl * (speed + wind_u * wind_u / speed),
+        p[WIND_SIDE] * p[WIND_CDT] * (speed + wind_v * wind_v / speed),
+    )
+
+
+@kernel
 def wind_force(p: Float64Array, wind_u: float, wind_v: float) -> tuple[float, float, float]:
     """Wind load in body axes; mirror-symmetric, zero for zero areas.
 

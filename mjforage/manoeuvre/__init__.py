@@ -7,13 +7,19 @@ from mjforage.manoeuvre.plot import check_plot, manoeuvre_figure
 from mjforage.manoeuvre.run import run_manoeuvre, run_test
 from mjforage.manoeuvre.schedule import Schedule, read_schedule
 from mjforage.manoeuvre.standard import STANDARD_TESTS
-from mjforage.manoeuvre.trajectory import Trajectory, read_trajectory, write_trajectory
+from mjforage.manoeuvre.trajectory import (
+    Trajectory,
+    check_file,
+    read_trajectory,
+    write_trajectory,
+)
 
 __all__ = [
     "STANDARD_TESTS",
     "KeyFigure",
     "Schedule",
     "Trajectory",
+    "check_file",
     "check_plot",
     "key_figures",
     "manoeuvre",

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from mjforage.errors import UserError
-from mjforage.manoeuvre.trajectory import Trajectory
+from mjforage.manoeuvre.trajectory import Trajectory, check_file
 from mjforage.report import style
 from mjforage.report.figures import house_style
 
@@ -25,12 +25,11 @@ def check_plot(path: Path) -> None:
     Raises
     ------
     UserError
-        If no picture has that ending, or the folder is not there.
+        If no picture has that ending, or the file cannot be written.
     """
     if path.suffix.lower() not in PICTURES:
         raise UserError(f"--plot {path}: unknown kind of picture; give {', '.join(PICTURES)}")
-    if path.is_dir() or not path.parent.is_dir():
-        raise UserError(f"--plot {path}: cannot be written; name a file in a folder that exists")
+    check_file(path, "--plot")
 
 
 def manoeuvre_figure(trajectory: Trajectory) -> Figure:

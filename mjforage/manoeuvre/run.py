@@ -95,7 +95,9 @@ def time_grid(
     UserError
         If duration or step is too small, not finite or too large.
     """
-    if not (math.isfinite(duration_s) and duration_s >= SHORTEST_S):
+    if not math.isfinite(duration_s):
+        raise UserError(f"--duration {duration_s:g}: give a finite number of seconds")
+    if duration_s < SHORTEST_S:
         raise UserError(f"--duration {duration_s:g}: give {SHORTEST_S:g} s or more")
     if not 0.0 < dt_s <= LONGEST_STEP_S:
         raise UserError(f"--dt {dt_s:g}: give seconds above 0, at most {LONGEST_STEP_S:g}")
@@ -126,8 +128,8 @@ def _record(
         state = hull.state()
         if not all(math.isfinite(value) for value in state):
             raise UserError(
-                f"vessel {vessel.name}: motion is not finite at t = {after:g} s; give a shorter "
-                "step (--dt), or check the parameters"
+                f"physics: motion of {vessel.name} is not finite at t = {after:g} s; give a "
+                "shorter step (--dt), or check the vessel's parameters, wind and current"
             )
         states.append(state)
         commands.append(helm(after, state))

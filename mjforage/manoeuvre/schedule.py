@@ -38,7 +38,10 @@ def read_schedule(path: str | Path, vessel: Vessel) -> Schedule:
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
     except (OSError, ValueError) as error:
-        raise UserError(f"{where}: cannot be read ({error})") from error
+        raise UserError(
+            f"{where}: cannot be read ({error}); give a CSV file with the columns "
+            f"{','.join(COLUMNS)}"
+        ) from error
     lines = [(i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip()]
     if not lines:
         raise UserError(f"{where}: is empty; expected the columns {','.join(COLUMNS)}")

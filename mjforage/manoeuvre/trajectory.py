@@ -2,6 +2,7 @@
 
 import csv
 import io
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,6 +37,22 @@ class Trajectory:
         return self.states[:, 3:5] - np.stack((forward, to_port), axis=1)
 
 
+def check_file(path: Path, option: str) -> None:
+    """Check before a run that a file of that name can be written.
+
+    Raises
+    ------
+    UserError
+        If it is a folder, its folder is not there, or either may not be written.
+    """
+    there = path if path.exists() else path.parent
+    if path.is_dir() or not path.parent.is_dir() or not os.access(there, os.W_OK):
+        raise UserError(
+            f"{option} {path}: cannot be written; name a file in a folder that exists and that you "
+            "may write to"
+        )
+
+
 def write_trajectory(trajectory: Trajectory, path: str | Path) -> None:
     """Write the CSV table, in numbers that read back bit by bit.
 
@@ -51,7 +68,10 @@ def write_trajectory(trajectory: Trajectory, path: str | Path) -> None:
     try:
         Path(path).write_text(text.getvalue(), encoding="utf-8")
     except OSError as error:
-        raise UserError(f"trajectory {path}: cannot be written ({error})") from error
+        raise UserError(
+            f"trajectory {path}: cannot be written ({error}); name a file in a folder that exists, "
+            "with room"
+        ) from error
 
 
 def read_trajectory(path: str | Path) -> NDArray[np.float64]:
@@ -68,7 +88,9 @@ def read_trajectory(path: str | Path) -> NDArray[np.float64]:
         header, rows = tuple(lines[0].split(",")), [line.split(",") for line in lines[1:]]
         table = np.array(rows, np.float64).reshape(len(rows), -1)
     except (OSError, ValueError, IndexError) as error:
-        raise UserError(f"{where}: cannot be read as a table ({error})") from error
+        raise UserError(
+            f"{where}: cannot be read as a table ({error}); give a file of manoeuvre --out"
+        ) from error
     if header != COLUMNS or table.shape[1:] != (len(COLUMNS),):
         raise UserError(f"{where}: has columns {','.join(header)}; expected {','.join(COLUMNS)}")
     return table

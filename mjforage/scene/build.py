@@ -82,19 +82,20 @@ def build_scene(
     """
     if not vessels:
         raise UserError("scene: no vessel; give at least one")
-    if items < 0:
-        raise UserError(f"scene: {items} items; give 0 or more")
+    kinds = tuple(load_debris() if classes is None else classes)
+    _check_pitch(pitch_m)
+    _check_items(items, kinds)
+    shown = _item_looks(items, kinds, looks)
     if navigable is not None:
         check_passages(vessels, navigable, pitch_m)
     labels = vessel_labels(vessels, names)
-    kinds = tuple(load_debris() if classes is None else classes)
     spec = shipped_part("scene")
     _numbers(spec, vessels, items, kinds)
     hulls = {v.name: hull_part(v, (parts or {}).get(v.name)) for v in vessels}
     for vessel, label in zip(vessels, labels, strict=True):
         add_vessel(spec, vessel, label, hulls[vessel.name], looks=looks is not False)
     if items:
-        add_items(spec, shipped_part("debris"), _item_looks(items, kinds, looks))
+        add_items(spec, shipped_part("debris"), shown)
     if navigable is not None:
         add_quays(spec, navigable, pitch_m)
     model = compiled(spec, "scene")
@@ -108,8 +109,9 @@ def check_passages(vessels: Sequence[Vessel], navigable: NDArray[np.bool_], pitc
     Raises
     ------
     UserError
-        If one cannot, or the map has no water.
+        If one cannot, the map has no water, or the pitch is no length.
     """
+    _check_pitch(pitch_m)
     if not navigable.any():
         raise UserError(
             f"map of {navigable.shape[0]} x {navigable.shape[1]} cells: no water; "
@@ -124,6 +126,22 @@ def check_passages(vessels: Sequence[Vessel], navigable: NDArray[np.bool_], pitc
                 f"needs {needed:.2f} m to turn, the narrowest corridor is {cells * pitch_m:g} m "
                 f"wide; raise the pitch above {needed / cells:.2f} m or take a smaller vessel"
             )
+
+
+def _whole(number: object) -> bool:
+    return isinstance(number, int | np.integer) and not isinstance(number, bool)
+
+
+def _check_pitch(pitch_m: float) -> None:
+    if not 0.0 < pitch_m < np.inf:  # also catches what is not a number
+        raise UserError(f"scene: pitch {pitch_m:g} m; give a finite number above 0")
+
+
+def _check_items(items: int, classes: Sequence[DebrisClass]) -> None:
+    if not _whole(items) or items < 0:
+        raise UserError(f"scene: {items} items; give a whole number, 0 or more")
+    if items and not classes:
+        raise UserError(f"scene: {items} items and no debris class; give a class")
 
 
 def _numbers(
@@ -148,7 +166,12 @@ def _item_looks(
     if looks is False:
         return [None] * items
     if looks is True:
-        return [classes[0].name] * items
+        return [classes[0].name if classes else None] * items
+    if len(looks) != items:
+        raise UserError(f"scene: {len(looks)} looks for {items} items; give one for each")
+    for k in looks:
+        if not _whole(k) or not 0 <= k < len(classes):
+            raise UserError(f"scene: look {k}; give classes from 0 to {len(classes) - 1}")
     return [classes[k].name for k in looks]
 
 

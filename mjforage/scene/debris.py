@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from mjforage.assets import models_folder
 from mjforage.errors import UserError
 from mjforage.hydrodynamics.parameters import AIR_DENSITY_KGPM3
-from mjforage.vessel_file import positive, quantity
+from mjforage.vessel_file import positive, quantity, range_words
 
 WATER_DENSITY_KGPM3 = 1025.0  # sea water
 PARKING_PITCH_M = 1.0  # distance between parked items
@@ -64,7 +64,8 @@ def load_debris(path: str | Path | None = None) -> tuple[DebrisClass, ...]:
     Raises
     ------
     UserError
-        If the file is not readable, has no class, or a class is not as `DebrisClass` says.
+        If the file is not readable, has no class, or a class is not as `DebrisClass` says or
+        drifts outside its own published range.
     """
     file = models_folder() / "debris.toml" if path is None else Path(path)
     where = f"debris {file.name}"
@@ -87,7 +88,22 @@ def _read(name: str, entry: object, where: str) -> DebrisClass:
     numbers = {
         key: _number(entry[key], about, f"{where}.{key}") for key, about in known.items() if about
     }
-    return DebrisClass(name=name, description=entry["description"], **numbers)
+    kind = DebrisClass(name=name, description=entry["description"], **numbers)
+    _check_leeway(kind, where)
+    return kind
+
+
+def _check_leeway(kind: DebrisClass, where: str) -> None:
+    low, high = kind.leeway_low, kind.leeway_high
+    if low > high:
+        raise UserError(
+            f"{where}.leeway_low = {low:g} is above leeway_high = {high:g}; exchange them"
+        )
+    if not low <= kind.leeway <= high:
+        raise UserError(
+            f"{where}: leeway {kind.leeway:.5f} of the wind lies outside {low:g} to {high:g}; "
+            "change areas or drags, or the published range"
+        )
 
 
 def _number(entry: object, about: Any, where: str) -> float:
@@ -99,7 +115,7 @@ def _number(entry: object, about: Any, where: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise UserError(f"{where} = {value!r}, expected a number")
     if not about["low"] <= value <= about["high"]:
-        raise UserError(f"{where} = {value!r}; give {about['low']:g} to {about['high']:g}")
+        raise UserError(f"{where} = {value!r}; give {range_words(about)}")
     return float(value)
 
 

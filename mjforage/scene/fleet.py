@@ -4,17 +4,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import mujoco
-import numpy as np
 
 from mjforage.assets import models_folder
 from mjforage.errors import UserError
+from mjforage.scene.hull_checks import check_hull
 from mjforage.scene.parts import read_part
 from mjforage.vessels import Vessel
 
-LEAST_OFFSET_M = 1e-6  # a centre of gravity exactly at midships would keep only the diagonal of M
-SLIDE, HINGE = mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_HINGE
-JOINTS = {"x": (SLIDE, 0), "y": (SLIDE, 1), "yaw": (HINGE, 2)}  # type and axis of each, in order
 DEFAULT_LOOK = "otter"  # of vessels without an MJCF part of their own
+LEAST_OFFSET_M = 1e-6  # a centre of gravity exactly at midships would keep only the diagonal of M
 
 
 def hull_part(vessel: Vessel, path: Path | None = None) -> mujoco.MjSpec:
@@ -23,43 +21,14 @@ def hull_part(vessel: Vessel, path: Path | None = None) -> mujoco.MjSpec:
     Raises
     ------
     UserError
-        If it is malformed, or lacks the body `hull`, its joints x, y, yaw or its box `collider`, or
-        if a joint is of another kind, axis, or has forces of its own.
+        If it is malformed, or not a hull that moves and touches as ours do (see `check_hull`).
     """
     if path is None:
         path = models_folder() / f"{vessel.name}.xml"
         path = path if path.is_file() else models_folder() / f"{DEFAULT_LOOK}.xml"
     part = read_part(path)
-    body = part.body("hull")
-    if body is None:
-        raise UserError(f"model {path.name}: no body named hull; name the vessel's body so")
-    joints = tuple(joint.name for joint in body.joints)
-    if joints != tuple(JOINTS):
-        raise UserError(
-            f"model {path.name}: joints of hull are {', '.join(joints) or 'none'}; give x, y, yaw"
-        )
-    for joint in body.joints:
-        _check_joint(joint, path.name)
-    collider = part.geom("collider")
-    if collider is None or collider.type != mujoco.mjtGeom.mjGEOM_BOX:
-        raise UserError(f"model {path.name}: no box named collider; add one for contacts")
+    check_hull(part, f"model {path.name}")
     return part
-
-
-def _check_joint(joint: mujoco.MjsJoint, name: str) -> None:
-    """Refuse joints that would turn the hull's axes or add forces of their own."""
-    kind, axis = JOINTS[joint.name]
-    if joint.type != kind or not np.array_equal(joint.axis, np.eye(3)[axis]):
-        words = "slide" if kind == SLIDE else "hinge"
-        raise UserError(
-            f"model {name}: joint {joint.name} is no {words} along {'xyz'[axis]}; "
-            f'give type="{words}" and that axis'
-        )
-    if np.any(joint.damping) or np.any(joint.stiffness) or joint.armature or joint.frictionloss:
-        raise UserError(
-            f"model {name}: joint {joint.name} has damping, stiffness, armature or friction; "
-            "remove them, the water's forces come from the vessel's parameters"
-        )
 
 
 def add_vessel(

@@ -1,10 +1,13 @@
 """One hull on open water in MuJoCo, for manoeuvres: the same interface as the plain equations."""
 
+import math
+
 import mujoco
 import numpy as np
 
 from mjforage.callback import calling
 from mjforage.callback.layout import WATER, WIND
+from mjforage.errors import UserError
 from mjforage.hydrodynamics.conditions import Conditions, State, to_body
 from mjforage.scene import build_scene
 from mjforage.simulation.errors import check_warnings
@@ -12,12 +15,29 @@ from mjforage.simulation.integrators import Integrator, prepared
 from mjforage.simulation.quiet import silent
 from mjforage.vessels import Vessel
 
+LONGEST_S = 0.05  # of one Runge-Kutta step
+SHORTEST_LAG_S = 1e-3  # below it, a minute would take 60,000 steps
+ROUNDING = 1e-6  # share by which a step may be longer: differences of times are not exact
+
 
 class MujocoHull:
     """A `Hull` moved by MuJoCo's Runge-Kutta integrator and the force callback."""
 
     def __init__(self, vessel: Vessel, conditions: Conditions) -> None:
-        self._model = prepared(build_scene([vessel]).model, Integrator.REFERENCE, 0.05)
+        """Put the hull at its start.
+
+        Raises
+        ------
+        UserError
+            If the thrusters' lag is too short for steps that follow it.
+        """
+        if vessel.lag_s < SHORTEST_LAG_S:
+            raise UserError(
+                f"vessel {vessel.name}: lag_s = {vessel.lag_s:g} s is too short to step in MuJoCo; "
+                f"give {SHORTEST_LAG_S:g} s or more"
+            )
+        self._longest_s = min(LONGEST_S, vessel.lag_s)
+        self._model = prepared(build_scene([vessel]).model, Integrator.REFERENCE, self._longest_s)
         self._data = data = mujoco.MjData(self._model)
         data.userdata[WIND : WIND + 2] = conditions.wind_mps
         data.userdata[WATER : WATER + 2] = conditions.current_mps
@@ -25,8 +45,16 @@ class MujocoHull:
         data.qpos[:] = x, y, yaw
         data.qvel[:] = *to_body((u, v), -yaw), r
 
+    def substeps(self, step_s: float) -> int:
+        """How many equal Runge-Kutta steps make one of `step_s`.
+
+        None is longer than 0.05 s or than the thrusters' lag: from 2.785 lags on, Runge-Kutta of
+        order 4 lets the lag oscillate between the thrusters' limits, and no warning would tell.
+        """
+        return max(1, math.ceil(step_s / self._longest_s - ROUNDING))
+
     def step(self, port: float, starboard: float, step_s: float) -> None:
-        """Advance by one Runge-Kutta step under constant commands [rad/s or N].
+        """Advance under constant commands [rad/s or N].
 
         Raises
         ------
@@ -34,10 +62,12 @@ class MujocoHull:
             If the hull's motion became unstable.
         """
         data, before = self._data, np.array([self._data.time])
-        self._model.opt.timestep = step_s
+        parts = self.substeps(step_s)
+        self._model.opt.timestep = step_s / parts
         data.ctrl[:] = port, starboard
         with calling(), silent():
-            mujoco.mj_step(self._model, data)
+            for _ in range(parts):
+                mujoco.mj_step(self._model, data)
         warning = np.stack((data.warning.lastinfo, data.warning.number), axis=1)[None]
         only = np.zeros(1, np.intp)
         check_warnings(self._model, warning, only, (0,), before)

@@ -51,7 +51,8 @@ class Simulation:
 
         Parameters
         ----------
-        step_s : time step of the physics [s]
+        step_s : time step of the physics [s]; of the reference integrator at most twice the
+            shortest lag of the vessels' thrusters
         threads : of MuJoCo; results do not depend on it
         seeds : (simulation,) names of the runs in error messages, by default their numbers; a text
             may say more, such as "3, episode 12"
@@ -67,6 +68,8 @@ class Simulation:
                 "give numbers above 0"
             )
         self.scene, self.simulations, self.step_s = scene, simulations, step_s
+        if integrator is Integrator.REFERENCE:
+            _check_lags(scene, step_s)
         self.route = install()
         self.model = prepared(scene.model, integrator, step_s)
         self.engine: Any = (
@@ -205,3 +208,18 @@ class Simulation:
         with calling(), silent():
             self.engine.step(None if ids is None else chosen, nstep=steps)
         check_warnings(self.model, self.engine.warning, chosen, self.seeds, before)
+
+
+def _check_lags(scene: Scene, step_s: float) -> None:
+    """Refuse steps on which Runge-Kutta of order 4 would make a lag oscillate without a warning.
+
+    It is unstable from 2.785 time constants on, and the command's range hides it. The fast
+    integrator solves the lag exactly.
+    """
+    lag_s, name = min((v.lag_s, n) for v, n in zip(scene.vessels, scene.names, strict=True))
+    if step_s > 2.0 * lag_s:
+        raise UserError(
+            f"simulation: step {step_s:g} s of the reference integrator is too long for "
+            f"lag_s = {lag_s:g} s of {name}; give a step of at most {2.0 * lag_s:g} s or take the "
+            "fast integrator"
+        )

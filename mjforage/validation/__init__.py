@@ -2,6 +2,6 @@
 
 from mjforage.validation.finding import Finding, Measure
 from mjforage.validation.running import run_checks
-from mjforage.validation.writing import write_validation
+from mjforage.validation.writing import check_folder, write_validation
 
-__all__ = ["Finding", "Measure", "run_checks", "write_validation"]
+__all__ = ["Finding", "Measure", "check_folder", "run_checks", "write_validation"]

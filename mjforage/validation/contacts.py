@@ -15,6 +15,7 @@ from mjforage.vessels import Vessel, load_vessel
 BASIN = np.vstack((np.zeros((1, 9), bool), np.ones((4, 9), bool)))  # a quay along the north
 QUAY_Y_M, PITCH_M = 14.0, 4.0
 LOAD_N = 237.6
+WIND_MPS, CURRENT_MPS = 12.0, 0.3  # both abeam, towards the quay
 SHOWN = 60  # steps in the figure
 SPEED_MPS = 2.0
 GAPS_M = (0.05, 0.12, 0.19)  # to be run through within one step, and two
@@ -25,14 +26,21 @@ HEADINGS = (0.0, 0.9)
 def quay_force() -> Parts:
     """A beam wind presses the forager on a quay with 237.6 N, bow to the east and to the west.
 
-    Mean force between hull and quay over the last 10 of 60 s, and where the hull's side comes to
-    rest.
+    Then 12 m/s of wind and 0.3 m/s of current together. Mean force between hull and quay over the
+    last 10 of 60 s, and where the hull's side comes to rest.
     """
     measures: list[Measure] = []
     lines: list[Line] = []
+    forager = load_vessel("forager")
+    strong = math.sqrt(LOAD_N / _air(forager))
+    both = _air(forager) * WIND_MPS**2 + _water(forager, CURRENT_MPS)
     for colour, integrator in enumerate(INTEGRATORS):
+        force, _ = _pressed(integrator, 0.0, WIND_MPS, CURRENT_MPS)
+        label = f"{SPEED_KIND[integrator]}, wind and current: force"
+        last = force[-round(10.0 / STEP_S) :]
+        measures.append(near_share(label, float(last.mean()), both, 0.03, "N"))
         for yaw in (0.0, math.pi):
-            force, gap = _pressed(integrator, yaw)
+            force, gap = _pressed(integrator, yaw, strong)
             bow = "east" if yaw == 0.0 else "west"
             label = f"{SPEED_KIND[integrator]}, bow {bow}"
             last = force[-round(10.0 / STEP_S) :]
@@ -45,15 +53,28 @@ def quay_force() -> Parts:
     return tuple(measures), (Panel("Force on the quay, first 6 s", "time (s)", "N", tuple(lines)),)
 
 
-def _pressed(integrator: Integrator, yaw: float) -> tuple[Float64Array, float]:
+def _air(vessel: Vessel) -> float:
+    """Beam wind load at rest over the square of the wind [N s2/m2]."""
+    return 0.5 * 1.224 * vessel.windage.area_side_m2 * vessel.windage.cdt
+
+
+def _water(vessel: Vessel, current_mps: float) -> float:
+    """Load of a current abeam at rest [N]."""
+    flow = vessel.crossflow
+    assert flow is not None
+    drag = 0.5 * flow.water_density_kgpm3 * flow.coefficient * flow.draft_m * flow.length_m
+    return (vessel.linear_sway + (vessel.quadratic_sway + drag) * current_mps) * current_mps
+
+
+def _pressed(
+    integrator: Integrator, yaw: float, wind_mps: float, current_mps: float = 0.0
+) -> tuple[Float64Array, float]:
     """(row,) force on the quay [N], and the gap between hull and quay at the end [m]."""
     forager = load_vessel("forager")
     scene = build_scene([forager], navigable=BASIN, pitch_m=PITCH_M)
     simulation = Simulation(scene, integrator=integrator)
-    windage = forager.windage
-    wind = math.sqrt(LOAD_N / (0.5 * 1.224 * windage.area_side_m2 * windage.cdt))
     simulation.place_vessels(np.array([16.0, QUAY_Y_M - 1.0, yaw]))
-    simulation.vessel_wind[:] = 0.0, wind
+    simulation.vessel_wind[:], simulation.vessel_water[:] = (0.0, wind_mps), (0.0, current_mps)
     force = []
     for _ in range(round(60.0 / STEP_S)):
         simulation.step()

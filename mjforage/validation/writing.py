@@ -1,6 +1,7 @@
 """The report folder: `report.html`, `validation.json`, `figures/*.png|svg`."""
 
 import math
+import os
 import platform
 from collections.abc import Sequence
 from importlib import resources
@@ -12,6 +13,7 @@ import jinja2
 from markupsafe import Markup
 
 from mjforage.callback import install
+from mjforage.errors import UserError
 from mjforage.report.figures import save_figure
 from mjforage.report.html import Shown, rich_text
 from mjforage.report.html import shown as embedded
@@ -21,7 +23,22 @@ from mjforage.validation.drawing import draw
 from mjforage.validation.finding import FAILED, PASSED, Finding, Measure, shown
 
 CHIP_COLOURS = {PASSED: "#009E73", FAILED: "#C2255C"}
+REPORT = "report.html"
 OTHER_COLOUR = "#9AA5B1"
+
+
+def check_folder(folder: Path) -> None:
+    """Check before the run that the report folder can be written; makes nothing.
+
+    Raises
+    ------
+    UserError
+        If a file is in the way, or a folder may not be written to.
+    """
+    there = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+    writable = there.is_dir() and os.access(there, os.W_OK | os.X_OK)
+    if not writable or (folder / REPORT).is_dir():
+        raise UserError(f"--out {folder}: cannot be written; give a folder that you may write to")
 
 
 def write_validation(findings: Sequence[Finding], folder: Path) -> Path:
@@ -37,7 +54,7 @@ def write_validation(findings: Sequence[Finding], folder: Path) -> Path:
     UserError
         If a file cannot be written.
     """
-    target = folder / "report.html"
+    target = folder / REPORT
     figures: dict[str, Shown] = {}
     for finding in findings:
         if finding.panels:

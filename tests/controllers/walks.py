@@ -1,21 +1,22 @@
-"""Random legal walks of a crew on a map, steered by the pilot on the real simulation."""
+"""Walks of a crew from node to node, steered by the pilot on the real simulation."""
 
-import dataclasses
 import math
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers import Chart, Helm, Pilot
+from controllers import Chart, Pilot
+from controllers._compiled import kernel
 from controllers.boxes import box_gap
 from controllers.chart import quay_gap
-from controllers._compiled import kernel
 from graph_planner.fleet import Fleet, Role
-from graph_planner.moves import Corruption, MoveRules, Resolver
-from graph_planner.navigation import NavigationGraph, STAY
+from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
+from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
 from graph_planner.randomness import episode_keys
 from mjforage.helm import helm_of
+from mjforage.maps import load_map
 from mjforage.scene import build_scene
 from mjforage.simulation import Simulation
 from mjforage.vessels import Vessel, load_vessel
@@ -23,150 +24,231 @@ from mjforage.weather.field import Field
 from mjforage.weather.settings import WeatherSettings
 
 FloatArray = NDArray[np.float64]
-CONTROL_S, PERIOD_S = 0.1, 10.0
+NodeArray = NDArray[np.int32]
+Record = Callable[[int, Simulation, Pilot, FloatArray], None]
+
+CONTROL_S, PERIOD_S, PITCH_M = 0.1, 10.0, 4.0
 ARRIVAL_M = 1.0
-NEAR_M = 0.25
+NEAR_M = 0.25  # gap below which an approach counts as the one before a contact
+STARTS = ((10, 7), (12, 7), (14, 7), (16, 7))
+
+CALM = WeatherSettings()
+DEFAULT = WeatherSettings(drawn_drift_mps=0.04)  # comb-port: wind up to 1.9 m/s, no current
+GUSTS = WeatherSettings(wind_speed_mps=6.0, wind_toward_deg=None, gust_intensity=0.15)
+STRONG = WeatherSettings(
+    wind_speed_mps=6.0,
+    wind_toward_deg=None,
+    gust_intensity=0.15,
+    current_speed_mps=0.3,
+    current_toward_deg=None,
+)
 
 
-@kernel
-def closing_speeds(
-    pose: FloatArray, velocity: FloatArray, size: FloatArray, land: NDArray[np.bool_], pitch: float
-) -> FloatArray:
-    """(episode, vessel) fastest approach [m/s] to anything within `NEAR_M`."""
-    out = np.zeros(pose.shape[:2])
-    h = 0.01
-    for e in range(pose.shape[0]):
-        for i in range(pose.shape[1]):
-            x, y, a = pose[e, i]
-            vx, vy, r = velocity[e, i]
-            c, s, cn, sn = math.cos(a), math.sin(a), math.cos(a + h * r), math.sin(a + h * r)
-            l, b = size[i]
-            now = quay_gap(land, pitch, x, y, c, s, l, b, 1.0)
-            then = quay_gap(land, pitch, x + h * vx, y + h * vy, cn, sn, l, b, 1.0)
-            if now < NEAR_M:
-                out[e, i] = max(out[e, i], (now - then) / h)
-            for j in range(pose.shape[1]):
-                if j == i:
-                    continue
-                dx, dy, q = pose[e, j, 0] - x, pose[e, j, 1] - y, pose[e, j, 2]
-                if dx * dx + dy * dy > 25.0:
-                    continue
-                ux, uy, w = velocity[e, j]
-                now = box_gap(dx, dy, c, s, l, b, math.cos(q), math.sin(q), size[j, 0], size[j, 1])
-                then = box_gap(dx + h * (ux - vx), dy + h * (uy - vy), cn, sn, l, b,
-                    math.cos(q + h * w), math.sin(q + h * w), size[j, 0], size[j, 1])
-                if now < NEAR_M:
-                    out[e, i] = max(out[e, i], (now - then) / h)
-    return out
+def crew() -> list[Vessel]:
+    """Two scouts and two foragers."""
+    scout, forager = load_vessel("scout"), load_vessel("forager")
+    return [scout, scout, forager, forager]
+
+
+def comb_port() -> NavigationGraph:
+    return navigation_graph(load_map("comb_port").navigable, PITCH_M, False)
 
 
 @dataclass
 class Outcome:
     """What happened in a batch of walks."""
 
-    moves: NDArray[np.int64]  # (vessel,) decisions other than to stay
+    moves: NDArray[np.int64]  # (vessel,) decisions to move
     arrived: NDArray[np.int64]  # (vessel,) of those
-    impacts_mps: list[float]  # normal speed at each new contact
-    where: list[tuple[int, int, int, float]]  # (period, episode, vessel, speed)
-    late: list[tuple[int, int, int]]
+    impacts: list[tuple[int, int, int, float]] = field(default_factory=list)
+    """Of each new contact: period, episode, vessel, normal speed before it [m/s]."""
+    late: list[tuple[int, int, int]] = field(default_factory=list)  # period, episode, vessel
+
+    @property
+    def share(self) -> FloatArray:
+        """(vessel,) share of the moves that arrived."""
+        return np.asarray(self.arrived / self.moves)
+
+    @property
+    def speeds(self) -> FloatArray:
+        """(contact,) normal speeds before contacts [m/s]."""
+        return np.array([impact[3] for impact in self.impacts])
 
 
-def crowd(
-    graph: NavigationGraph, nodes: NDArray[np.int32], goal: NDArray[np.int32], rng: np.random.Generator,
-    strides: NDArray[np.int64],
+@kernel
+def _gap(a: FloatArray, b: FloatArray, size_a: FloatArray, size_b: FloatArray) -> float:
+    """Gap of two hulls at poses x, y, yaw."""
+    return box_gap(
+        b[0] - a[0],
+        b[1] - a[1],
+        math.cos(a[2]),
+        math.sin(a[2]),
+        size_a[0],
+        size_a[1],
+        math.cos(b[2]),
+        math.sin(b[2]),
+        size_b[0],
+        size_b[1],
+    )
+
+
+@kernel
+def closing_speeds(
+    pose: FloatArray, velocity: FloatArray, size: FloatArray, land: NDArray[np.bool_], pitch: float
 ) -> FloatArray:
-    """Preferences of agents that all want to be at one node of their episode."""
-    out = np.full((*nodes.shape, 9), -1e9)
+    """(episode, vessel) fastest normal approach [m/s] to anything nearer than `NEAR_M`."""
+    fastest, h = np.zeros(pose.shape[:2]), 0.01
+    soon = pose + h * velocity
+    for e in range(pose.shape[0]):
+        for i in range(pose.shape[1]):
+            a, b, half = pose[e, i], soon[e, i], size[i]
+            now = quay_gap(
+                land, pitch, a[0], a[1], math.cos(a[2]), math.sin(a[2]), half[0], half[1], 1.0
+            )
+            then = quay_gap(
+                land, pitch, b[0], b[1], math.cos(b[2]), math.sin(b[2]), half[0], half[1], 1.0
+            )
+            if now < NEAR_M:
+                fastest[e, i] = max(fastest[e, i], (now - then) / h)
+            for j in range(pose.shape[1]):
+                if j == i or np.abs(pose[e, j, :2] - pose[e, i, :2]).max() > 5.0:
+                    continue
+                now = _gap(pose[e, i], pose[e, j], size[i], size[j])
+                then = _gap(soon[e, i], soon[e, j], size[i], size[j])
+                if now < NEAR_M:
+                    fastest[e, i] = max(fastest[e, i], (now - then) / h)
+    return fastest
+
+
+def crowding(
+    graph: NavigationGraph,
+    nodes: NodeArray,
+    goal: NodeArray,
+    strides: NDArray[np.int64],
+    rng: np.random.Generator,
+) -> FloatArray:
+    """Preferences of agents that are all drawn to one node of their episode."""
+    out = np.empty((*nodes.shape, 9))
     for d in range(9):
         end = nodes.copy()
-        if d != STAY:
-            for k in range(int(strides.max())):
-                following = graph.neighbours[end, d]
-                end = np.where((following >= 0) & (k < strides), following, end)
-        far = graph.distances[end, goal[:, None]]
-        out[..., d] = np.where((end == nodes) & (d != STAY), -1e9, -far)
+        for step in range(int(strides.max()) if d != STAY else 0):
+            following = graph.neighbours[end, d]
+            end = np.where((following >= 0) & (step < strides), following, end).astype(np.int32)
+        nearer = -graph.distances[end, goal[:, None]]
+        out[..., d] = np.where((end == nodes) & (d != STAY), -1e9, nearer)
     return out + 0.3 * rng.random(out.shape)
 
 
-def walk(
-    graph: NavigationGraph,
-    vessels: list[Vessel],
-    starts: list[tuple[int, int]],
-    *,
-    episodes: int = 16,
-    periods: int = 30,
-    crowded: bool = False,
-    weather: WeatherSettings | None = None,
-    noise: tuple[float, float] = (0.0, 0.0),
-    seed: int = 0,
-    helms: list[Helm] | None = None,
-    record=None,
-) -> Outcome:
-    """Let crews walk: `vessels` are scouts (two nodes per decision) unless named forager."""
-    v = len(vessels)
-    collects = np.array(["forager" in vessel.name or i >= 2 for i, vessel in enumerate(vessels)])
-    roles = {
-        "scouts": Role(count=int((~collects).sum()), moves=2, radius=4.0, collects=False),
-        "foragers": Role(count=int(collects.sum()), moves=1, radius=1.0, collects=True),
-    }
-    fleet = Fleet.of(roles)
-    resolver = Resolver(graph, fleet, MoveRules(stay=True, shorten=True), Corruption(np.zeros(v)))
-    simulation = Simulation(
-        build_scene(vessels, navigable=graph.navigable, pitch_m=graph.pitch_m), episodes
-    )
-    chart = Chart(graph.navigable, graph.pitch_m)
-    pilot = Pilot(helms or [helm_of(vessel) for vessel in vessels], chart, episodes)
-    rng, keys = np.random.default_rng(seed), episode_keys(seed, np.arange(episodes))
-    field = Field.create(weather or WeatherSettings(), keys)
-    node = np.tile([graph.node_of_cell[rc] for rc in starts], (episodes, 1)).astype(np.int32)
-    rc = np.stack((graph.rows, graph.cols), axis=1).astype(float)
-    centres = graph.metres(rc)
-    pose = np.concatenate((centres[node], rng.uniform(-3, 3, (episodes, v, 1))), axis=2)
-    simulation.place_vessels(pose)
-    active = np.ones(episodes, bool)
-    force = simulation.engine.bind("qfrc_constraint")[:, : 3 * v].reshape(episodes, v, 3)
-    size = np.array([[0.5 * vessel.length_m, 0.5 * vessel.beam_m] for vessel in vessels])
-    touching = np.zeros((episodes, v), bool)
-    result = Outcome(np.zeros(v, int), np.zeros(v, int), [], [], [])
-    goal = rng.integers(len(graph), size=episodes).astype(np.int32)
-    t = 0.0
-    for period in range(periods):
+class Walk:
+    """A batch of crews on one map; `vessels` are scouts (two nodes a decision), then foragers."""
+
+    def __init__(
+        self,
+        graph: NavigationGraph,
+        vessels: Sequence[Vessel],
+        starts: Sequence[tuple[int, int]] = STARTS,
+        *,
+        scouts: int = 2,
+        episodes: int = 8,
+        weather: WeatherSettings = DEFAULT,
+        noise: tuple[float, float] = (0.0, 0.0),
+        seed: int = 0,
+    ) -> None:
+        v = len(vessels)
+        self.graph, self.episodes, self.noise = graph, episodes, noise
+        self.rng, self.keys = np.random.default_rng(seed), episode_keys(seed, np.arange(episodes))
+        roles = {
+            "scouts": Role(count=scouts, moves=2, radius=4.0, collects=False),
+            "foragers": Role(count=v - scouts, moves=1, radius=1.0, collects=True),
+        }
+        self.fleet = Fleet.of(roles)
+        free = Corruption(np.zeros(v))
+        self.resolver = Resolver(graph, self.fleet, MoveRules(stay=True, shorten=True), free)
+        scene = build_scene(vessels, navigable=graph.navigable, pitch_m=graph.pitch_m)
+        self.simulation = Simulation(scene, episodes)
+        self.chart = Chart(graph.navigable, graph.pitch_m)
+        self.pilot = Pilot([helm_of(vessel) for vessel in vessels], self.chart, episodes)
+        self.field = Field.create(weather, self.keys)
+        self.size = np.array([[0.5 * vessel.length_m, 0.5 * vessel.beam_m] for vessel in vessels])
+        self.centres = graph.metres(np.stack((graph.rows, graph.cols), axis=1).astype(np.float64))
+        first = [graph.node_of_cell[rc] for rc in starts]
+        self.node: NodeArray = np.tile(first, (episodes, 1)).astype(np.int32)
+        self.goal = self.rng.integers(len(graph), size=episodes).astype(np.int32)
+        yaw = self.rng.uniform(-np.pi, np.pi, (episodes, v, 1))
+        self.simulation.place_vessels(np.concatenate((self.centres[self.node], yaw), axis=2))
+        self.touching = np.zeros((episodes, v), np.bool_)
+        self.ticks = 0
+
+    def decide(self, period: int, crowded: bool) -> Moves:
+        """Resolve random preferences, or those of a crowd."""
+        shape = self.node.shape
+        preferences = self.rng.random((*shape, 9))
         if crowded:
-            redraw = rng.random(episodes) < 0.08
-            goal = np.where(redraw, rng.integers(len(graph), size=episodes), goal).astype(np.int32)
-            preferences = crowd(graph, node, goal, rng, fleet.moves)
-        else:
-            preferences = rng.random((episodes, v, 9))
-        moves = resolver(active, preferences, node, np.full((episodes, v), np.inf),
-            np.zeros((episodes, len(graph)), np.int16), np.full(episodes, period + 1, np.int32), keys)
-        target, stay = centres[moves.target], moves.direction == STAY
-        pilot.order(active, centres[node], target, stay)
-        arrived = np.zeros((episodes, v), bool)
-        for _ in range(round(PERIOD_S / CONTROL_S)):
-            measured = simulation.vessel_pose
-            velocity = simulation.vessel_velocity
-            speeds = closing_speeds(measured, velocity, size, chart.land, graph.pitch_m)
-            if record is not None:
-                record(period, t, measured, velocity, target, stay, pilot)
-            if any(noise):
-                measured = measured + rng.normal(size=measured.shape) * [noise[0], noise[0], noise[1]]
-            simulation.vessel_wind[:] = field.wind(t, simulation.vessel_pose[..., :2])
-            simulation.vessel_water[:] = field.current(t, simulation.vessel_pose[..., :2])
-            simulation.commands[:] = pilot.command(active, measured, velocity)
-            simulation.step(round(CONTROL_S / simulation.step_s))
-            t += CONTROL_S
-            now = (force != 0.0).any(axis=2)
-            for e, i in zip(*np.nonzero(now & ~touching)):
-                result.impacts_mps.append(float(speeds[e, i]))
-                result.where.append((period, int(e), int(i), float(speeds[e, i])))
-            touching = now
-            xy = simulation.vessel_pose[..., :2]
-            arrived |= np.hypot(*np.moveaxis(xy - target, -1, 0)) < ARRIVAL_M
-        moving = ~stay
-        result.moves += moving.sum(axis=0)
-        result.arrived += (moving & arrived).sum(axis=0)
-        result.late += [(period, int(e), int(i)) for e, i in zip(*np.nonzero(moving & ~arrived))]
-        cells = np.rint(graph.row_column(simulation.vessel_pose[..., :2])).astype(int)
-        held = graph.node_of_cell[cells[..., 0].clip(0, graph.shape[0] - 1), cells[..., 1].clip(0, graph.shape[1] - 1)]
-        node = np.where(arrived, moves.target, np.where(held >= 0, held, node)).astype(np.int32)
-    return result
+            other = self.rng.integers(len(self.graph), size=self.episodes)
+            again = self.rng.random(self.episodes) < 0.08
+            self.goal = np.where(again, other, self.goal).astype(np.int32)
+            strides = self.fleet.moves
+            preferences = crowding(self.graph, self.node, self.goal, strides, self.rng)
+        return self.resolver(
+            np.ones(self.episodes, np.bool_),
+            preferences,
+            self.node,
+            np.full(shape, np.inf),
+            np.zeros((self.episodes, len(self.graph)), np.int16),
+            np.full(self.episodes, period + 1, np.int32),
+            self.keys,
+        )
+
+    def tick(self) -> FloatArray:
+        """One control step; (episode, vessel) normal speed of new contacts, NaN for none."""
+        simulation, v = self.simulation, self.node.shape[1]
+        pose, velocity = simulation.vessel_pose, simulation.vessel_velocity
+        before = closing_speeds(pose, velocity, self.size, self.chart.land, self.graph.pitch_m)
+        t = self.ticks * CONTROL_S
+        simulation.vessel_wind[:] = self.field.wind(t, pose[..., :2])
+        simulation.vessel_water[:] = self.field.current(t, pose[..., :2])
+        if any(self.noise):
+            sigma = (self.noise[0], self.noise[0], self.noise[1])
+            pose = pose + self.rng.normal(size=pose.shape) * sigma
+        active = np.ones(self.episodes, np.bool_)
+        simulation.commands[:] = self.pilot.command(active, pose, velocity)
+        simulation.step(round(CONTROL_S / simulation.step_s))
+        self.ticks += 1
+        force = simulation.engine.bind("qfrc_constraint")[:, : 3 * v]
+        touching = (force.reshape(self.episodes, v, 3) != 0.0).any(axis=2)
+        new = touching & ~self.touching
+        self.touching = touching
+        return np.where(new, before, np.nan)
+
+    def run(self, periods: int, *, crowded: bool = False, record: Record | None = None) -> Outcome:
+        """Walk, and count what arrived in time and what touched."""
+        v = self.node.shape[1]
+        outcome = Outcome(np.zeros(v, np.int64), np.zeros(v, np.int64))
+        for period in range(periods):
+            moves = self.decide(period, crowded)
+            target, stay = self.centres[moves.target], moves.direction == STAY
+            active = np.ones(self.episodes, np.bool_)
+            self.pilot.order(active, self.centres[self.node], target, stay)
+            arrived = np.zeros_like(stay)
+            for _ in range(round(PERIOD_S / CONTROL_S)):
+                if record is not None:
+                    record(period, self.simulation, self.pilot, target)
+                speed = self.tick()
+                for e, i in np.argwhere(~np.isnan(speed)):
+                    outcome.impacts.append((period, int(e), int(i), float(speed[e, i])))
+                off = self.simulation.vessel_pose[..., :2] - target
+                arrived |= np.hypot(off[..., 0], off[..., 1]) < ARRIVAL_M
+            outcome.moves += (~stay).sum(axis=0)
+            outcome.arrived += (~stay & arrived).sum(axis=0)
+            late = np.argwhere(~stay & ~arrived)
+            outcome.late += [(period, int(e), int(i)) for e, i in late]
+            self.node = np.where(arrived, moves.target, self._held()).astype(np.int32)
+        return outcome
+
+    def _held(self) -> NodeArray:
+        """(episode, vessel) node that holds each hull, or the one before if it is over a quay."""
+        rc = np.rint(self.graph.row_column(self.simulation.vessel_pose[..., :2])).astype(np.int64)
+        rows, cols = self.graph.shape
+        cells = self.graph.node_of_cell
+        held = cells[rc[..., 0].clip(0, rows - 1), rc[..., 1].clip(0, cols - 1)]
+        return np.where(held >= 0, held, self.node).astype(np.int32)

@@ -59,13 +59,16 @@ def test_a_standard_test_prints_its_figures_and_draws(
         (("otter",), "--schedule"),
         (("otter", "--test", "loop"), "loop"),
         (("otter", "--test", "stop", "--current", "fast"), "--current"),
-        (("otter", "--schedule", "missing.csv"), "missing.csv"),
+        (("otter", "--schedule", "missing.csv"), "; give a CSV file with the columns t_s,left"),
         (("otter", "--test", "stop", "--dt", "0"), "0"),
-        (("otter", "--test", "stop", "--out", "no/where.csv"), "where.csv"),
+        (("otter", "--test", "stop", "--out", "no/where.csv"), "--out no/where.csv: cannot be"),
         (("otter", "--test", "stop", "--plot", "turn.xyz"), "--plot turn.xyz: unknown kind"),
         (("otter", "--test", "stop", "--plot", "turn"), "--plot turn: unknown kind"),
         (("otter", "--test", "stop", "--plot", "no/turn.png"), "--plot no/turn.png: cannot"),
         (("otter", "--test", "stop", "--duration", "1e-12"), "--duration 1e-12"),
+        (("otter", "--test", "stop", "--duration", "inf"), "--duration inf: give a finite"),
+        (("otter", "--test", "stop", "--current", "-1@0"), "--current -1@0: speed is out of"),
+        (("otter", "--test", "stop", "--wind", "-1@0"), "--wind -1@0: speed is out of range"),
         (("otter", "--test", "stop", "--heading", "1e300"), "--heading 1e+300"),
         (
             ("otter", "--test", "stop", "--current", "0.3"),
@@ -86,6 +89,21 @@ def test_bad_manoeuvres_are_refused(
     refused: Callable[..., str], words: tuple[str, ...], named: str
 ) -> None:
     assert named in refused("manoeuvre", *words)
+
+
+@pytest.mark.parametrize("option", ["--out", "--plot"])
+def test_files_are_checked_before_the_run(
+    refused: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, option: str
+) -> None:
+    def run(*_: object) -> None:
+        raise AssertionError("ran")
+
+    monkeypatch.setattr("mjforage.manoeuvre.manoeuvre", run)
+    (tmp_path / "folder.png").mkdir()
+    (tmp_path / "file").touch()
+    for name in ("none/a.png", "folder.png", "file/a.png"):
+        said = refused("manoeuvre", "otter", "--test", "stop", option, tmp_path / name)
+        assert f"{name}: cannot be written; name a file in a folder" in said
 
 
 def test_schedules_out_of_order_or_range_are_refused(

@@ -4,8 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from mjforage.assets import models_folder
 from mjforage.errors import UserError
 from mjforage.vessels import (
+    Control,
     ForceThruster,
     Propeller,
     Vessel,
@@ -58,11 +60,19 @@ def changed(key: str, value: str) -> str:
     return "\n".join(lines)
 
 
-def test_three_vessels_ship_and_load() -> None:
-    assert vessel_names() == ["forager", "otter", "scout"]
+def test_four_vessels_ship_and_load() -> None:
+    assert vessel_names() == ["forager", "ideal", "otter", "scout"]
     for name in vessel_names():
-        assert load_vessel(name).name == name
-        assert load_vessel(name).description
+        vessel = load_vessel(name)
+        assert vessel.name == name
+        assert vessel.description
+        assert vessel.control is not None
+
+
+def test_the_ideal_hull_feels_no_wind_and_is_strong() -> None:
+    ideal, scout = load_vessel("ideal"), load_vessel("scout")
+    assert ideal.windage.area_front_m2 == ideal.windage.area_side_m2 == 0.0
+    assert ideal.thruster.thrust_range[1] / ideal.mass_kg > 5.0 * 33.6 / scout.mass_kg
 
 
 def test_a_file_of_ones_own_loads(tmp_path: Path) -> None:
@@ -73,6 +83,13 @@ def test_a_file_of_ones_own_loads(tmp_path: Path) -> None:
     assert raft.crossflow is None
     assert raft.windage.area_side_m2 == 0.0
     assert raft.thruster == ForceThruster(20.0, 10.0, 0.0)
+    assert raft.control is None
+
+
+def test_a_tuning_of_ones_own_loads(tmp_path: Path) -> None:
+    shipped = (models_folder() / "vessels" / "scout.toml").read_text(encoding="utf-8")
+    table = shipped[shipped.index("[control]") :]
+    assert load(tmp_path, GOOD + table).control == load_vessel("scout").control
 
 
 def test_otter_is_the_published_one() -> None:
@@ -118,7 +135,7 @@ def test_forager_is_an_otter_that_its_load_slows() -> None:
         (changed("mass_kg", '"heavy"'), "mass_kg = 'heavy', expected a number"),
         (changed("mass_kg", "true"), "mass_kg = True, expected a number"),
         (changed("mass_kg", "1" + "0" * 400), "is out of range"),
-        (changed("inertia_z_kgm2", "0.5"), "inertia_z_kgm2 = 0.5 is indefinite inertia: a mass"),
+        (changed("inertia_z_kgm2", "0.5"), "about midships; raise inertia_z_kgm2 or bring"),
         (changed("cog_x_m", "0.6"), "is indefinite inertia"),
         (
             changed("cog_x_m", "1.0").replace("value = 9.0", "value = 99.0", 1),
@@ -130,11 +147,13 @@ def test_forager_is_an_otter_that_its_load_slows() -> None:
         (GOOD.replace(', source = "test" }\nbeam', " }\nbeam"), "length_m has value, unit; give"),
         (GOOD.replace('"test" }\nbeam', '" " }\nbeam'), "length_m has no source; say where 2"),
         (GOOD.replace("length_m", "lenght_m"), "unknown key lenght_m; did you mean length_m?"),
-        (GOOD.replace("lag_s", "# lag_s"), "missing lag_s"),
+        (GOOD.replace("lag_s", "# lag_s"), "missing lag_s; add it as the shipped vessels have it"),
         (GOOD.replace('"force"', '"sail"'), "thruster.kind = 'sail'; choose propeller, force"),
         (GOOD.replace('kind = "force"\n', ""), "thruster.kind = ''; choose propeller, force"),
         (GOOD.replace('"force"', '"propeller"'), "unknown key thruster.max_ahead_newton"),
         (GOOD.replace('"a raft"', "3"), "description = 3, expected text"),
+        (GOOD + "[control]\n", "missing control.cruise_ahead_mps, control.cruise_astern_mps"),
+        (GOOD + "[control]\nbrake = 1\n", "unknown key control.brake; did you mean control.brake_"),
         (GOOD + "[windage]\n", "missing windage.area_front_m2, windage.area_side_m2"),
         (GOOD + '[crossflow]\nkind = "guess"\n', "missing crossflow.coefficient"),
         ("mass_kg = 3\n" + GOOD.replace("mass_kg", "# mass_kg", 1), "mass_kg = 3, expected a tab"),
@@ -157,7 +176,7 @@ def test_unknown_vessels_are_refused(name: str) -> None:
 
 def test_every_number_of_the_shipped_files_is_checked_by_its_field() -> None:
     """No float field lacks a unit, so that none can be read unchecked."""
-    for schema in (Vessel, Propeller, ForceThruster):
+    for schema in (Vessel, Propeller, ForceThruster, Control):
         for field in dataclasses.fields(schema):
             if field.type in (float, "float"):
                 assert field.metadata["unit"]

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from mjforage.hydrodynamics.crossflow import cross_flow
+from mjforage.hydrodynamics.crossflow import cross_flow, cross_flow_slope
 from mjforage.hydrodynamics.parameters import pack
 from mjforage.vessels import load_vessel
 
@@ -28,6 +28,17 @@ def test_integral_agrees_with_quadrature(v: float, r: float) -> None:
 
     expected = (-FACTOR * integral(0), -FACTOR * integral(1))
     np.testing.assert_allclose(cross_flow(INTEGRAL, v, r), expected, rtol=1e-6, atol=1e-6)
+
+
+@given(SPEEDS, SPEEDS)
+def test_slopes_are_the_derivatives(v: float, r: float) -> None:
+    step = 1e-5
+    (side, _), (other, _) = (cross_flow(INTEGRAL, v + h, r) for h in (step, -step))
+    (_, turn), (_, back) = (cross_flow(INTEGRAL, v, r + h) for h in (step, -step))
+    expected = (other - side) / (2 * step), (back - turn) / (2 * step)
+    slopes = cross_flow_slope(INTEGRAL, v, r)
+    np.testing.assert_allclose(slopes, expected, rtol=1e-4, atol=1e-2)
+    assert min(slopes) >= 0.0
 
 
 @given(SPEEDS, SPEEDS)
@@ -55,4 +66,4 @@ def test_pure_yaw_by_hand() -> None:
 
 def test_no_table_no_drag() -> None:
     bare = pack(dataclasses.replace(OTTER, crossflow=None))
-    assert cross_flow(bare, 1.0, 1.0) == (0.0, 0.0)
+    assert cross_flow(bare, 1.0, 1.0) == cross_flow_slope(bare, 1.0, 1.0) == (0.0, 0.0)

@@ -66,7 +66,7 @@ def test_range_is_the_vessels_own_in_its_own_unit(tmp_path: Path) -> None:
 
 
 def test_files_that_are_not_there_or_not_text_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match=r"schedule none\.csv: cannot be read"):
+    with pytest.raises(UserError, match=r"schedule none\.csv: cannot be read .*; give a CSV file"):
         read_schedule(tmp_path / "none.csv", OTTER)
     (tmp_path / "raw.csv").write_bytes(b"\xff\xfe\x00\x80")
     with pytest.raises(UserError, match=r"schedule raw\.csv: cannot be read"):

@@ -1,5 +1,7 @@
 import dataclasses
+import re
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -15,6 +17,7 @@ from mjforage.vessels import load_vessel, vessel_names
 
 SCOUT, FORAGER = load_vessel("scout"), load_vessel("forager")
 PORT = load_map("comb_port").navigable
+HULL, COLLIDER = '<body name="hull">', 'name="collider" class="vessel"'
 
 
 @pytest.fixture(scope="module")
@@ -100,7 +103,7 @@ def test_malformed_models_are_named(tmp_path: Path) -> None:
         with pytest.raises(UserError, match=message):
             build_scene([SCOUT], parts={"scout": file})
     good = (models_folder() / "otter.xml").read_text(encoding="utf-8")
-    for old, new, message in (
+    for old, new, message in (  # what the file has, what is put there, what the error says
         ('axis="1 0 0"', 'axis="0 1 0"', "joint x is no slide along x"),
         ('name="yaw" type="hinge"', 'name="yaw" type="slide"', "joint yaw is no hinge along z"),
         (
@@ -109,10 +112,26 @@ def test_malformed_models_are_named(tmp_path: Path) -> None:
             "joint x has damping",
         ),
         ('name="collider"', 'name="box"', "no box named collider"),
+        (HULL, '<body name="hull" pos="0 0.1 0">', "body hull is moved or turned"),
+        (HULL, '<body name="hull" euler="0 0 5">', "body hull is moved or turned"),
+        ("</body>", '<body><geom size="1"/></body></body>', "hull holds bodies of its own"),
+        ("</body>", '<body><joint/><geom size="1"/></body></body>', "bodies of its own"),
+        ('name="x" type', 'name="x" pos="0 0.1 0" type', "joint x has a pos or ref"),
+        ('name="yaw" type', 'name="yaw" ref="90" type', "joint yaw has a pos or ref"),
+        ('name="y" type', 'name="y" range="-5 5" limited="true" type', "joint y is limited"),
+        (COLLIDER, f'{COLLIDER} pos="0 0 0.1"', "collider is moved or turned"),
+        (COLLIDER, f'{COLLIDER} euler="0 0 90"', "collider is moved or turned"),
+        (COLLIDER, f'{COLLIDER} contype="1"', "collider has contype 1 and conaffinity 7; give"),
+        (COLLIDER, f'{COLLIDER} conaffinity="0"', "contype 2 and conaffinity 0; give 2 and 7"),
         (
             "</body>",
-            '<body><joint/><geom size="1"/></body></body>',
-            "joints or actuators of its own",
+            '<geom name="bowsprit" size="1" contype="2"/></body>',
+            "geom bowsprit touches things; give it contype",
+        ),
+        (
+            "</mujoco>",
+            '<actuator><motor joint="x"/></actuator></mujoco>',
+            "has actuators, tendons, equalities or contact pairs; remove them",
         ),
     ):
         assert old in good
@@ -132,12 +151,38 @@ def test_names_are_counted_by_vessel_and_must_differ() -> None:
             UserError, match=f"name '{name}' of a vessel: give text without a slash"
         ):
             build_scene([SCOUT], names=[name])
-    with pytest.raises(UserError, match="-1 items; give 0 or more"):
+    with pytest.raises(UserError, match="-1 items; give a whole number, 0 or more"):
         build_scene([SCOUT], items=-1)
     with pytest.raises(UserError, match="map of 2 x 3 cells: no water"):
         build_scene([SCOUT], navigable=np.zeros((2, 3), bool))
     with pytest.raises(UserError, match="no vessel"):
         build_scene([])
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"items": 2.5}, "2.5 items; give a whole number, 0 or more"),
+        ({"items": True}, "True items; give a whole number"),
+        ({"items": 2, "looks": [0]}, "1 looks for 2 items; give one for each"),
+        ({"items": 2, "looks": [0, 5]}, "look 5; give classes from 0 to 4"),
+        ({"items": 2, "looks": [0, -1]}, "look -1; give classes from 0 to 4"),
+        ({"items": 2, "looks": [0, 0.5]}, "look 0.5; give classes from 0 to 4"),
+        ({"items": 2, "classes": []}, "2 items and no debris class; give a class"),
+        *(
+            ({"pitch_m": pitch}, f"pitch {pitch:g} m; give a finite number above 0")
+            for pitch in (0.0, -4.0, np.nan, np.inf)
+        ),
+    ],
+)
+def test_bad_settings_of_a_scene_are_named(settings: dict[str, Any], message: str) -> None:
+    with pytest.raises(UserError, match=f"scene: {re.escape(message)}"):
+        build_scene([SCOUT], navigable=PORT, **settings)
+
+
+def test_a_scene_without_items_needs_no_class() -> None:
+    assert build_scene([SCOUT], classes=[], looks=[]).items == 0
+    assert build_scene([SCOUT], items=np.int64(2), looks=np.array([0, 1])).items == 2  # type: ignore[arg-type]
 
 
 def test_a_vessel_without_a_part_of_its_own_borrows_looks() -> None:

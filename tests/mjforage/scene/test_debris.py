@@ -37,6 +37,21 @@ def test_the_papers_item_drifts_at_3_percent() -> None:
         ('value = 0.03, unit = "kg"', 'value = -0.03, unit = "kg"', "mass_kg = -0.03; give"),
         ('value = 0.03, unit = "kg"', 'value = 0.03, unit = "g"', 'expected "kg"'),
         ('value = 0.03, unit = "kg"', 'value = "a", unit = "kg"', "expected a number"),
+        (
+            'value = 0.03, unit = "kg"',
+            'value = 0, unit = "kg"',
+            "mass_kg = 0; give above 0 to 10000",
+        ),
+        (
+            'value = 0.04, unit = "1"',
+            'value = 0.06, unit = "1"',
+            "leeway_low = 0.06 is above leeway",
+        ),
+        (
+            'value = 0.04, unit = "1"',
+            'value = 0.047, unit = "1"',
+            "bottle: leeway 0.04499 of the wind lies outside 0.047 to 0.05; change areas or drags",
+        ),
         ("drag_air", "drag_of_air", "give description, mass_kg"),
         ("[bottle]", "[bottle", "not readable as TOML"),
         (TEXT, "", "no class"),

@@ -1,3 +1,6 @@
+import dataclasses
+import math
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -61,7 +64,7 @@ def test_the_python_route_agrees(integrator: Integrator) -> None:
 @BOTH
 @pytest.mark.parametrize("step_s", [0.05, 0.2, 1.0])
 def test_items_reach_leeway_at_any_step(integrator: Integrator, step_s: float) -> None:
-    scene = build_scene([OTTER], items=5)
+    scene = build_scene([dataclasses.replace(OTTER, lag_s=0.5)], items=5)
     simulation = Simulation(scene, integrator=integrator, step_s=step_s)
     simulation.place_items(np.arange(10.0).reshape(5, 2) * 10, np.arange(5))
     simulation.place_vessels(np.array([-50.0, -50.0, 0.0]))
@@ -98,9 +101,33 @@ def test_reset_by_mask_leaves_the_others_alone() -> None:
     assert simulation.time_s[1] == pytest.approx(1.0)
 
 
+def far(simulation: Simulation) -> None:
+    """Beyond MuJoCo's largest position."""
+    simulation.place_vessels(np.array([[0.0, 0.0, 0.0], [1e11, 0.0, 0.0]]), ids=np.array([1]))
+
+
+def fast(simulation: Simulation) -> None:
+    """Beyond MuJoCo's largest velocity, at a place within."""
+    at = np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]])
+    simulation.place_vessels(at, at * (1.5e10 / 9.0), ids=np.array([1]))
+
+
+def pulled(simulation: Simulation) -> None:
+    """Water of a speed that no number holds the square of."""
+    simulation.vessel_water[1, 1] = 1e160, 0.0
+
+
 @pytest.mark.parametrize("route", Route)
+@pytest.mark.parametrize(
+    ("spoil", "label"), [(far, "BADQPOS"), (fast, "BADQVEL"), (pulled, "BADQACC")]
+)
 def test_instability_names_seed_time_and_body(
-    route: Route, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+    route: Route,
+    spoil: Callable[[Simulation], None],
+    label: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     callback.install(route)
@@ -109,13 +136,36 @@ def test_instability_names_seed_time_and_body(
         simulation = Simulation(scene, 3, step_s=0.1, seeds=[11, 22, 33])
         simulation.place_vessels(np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]]))
         simulation.step(10)
-        simulation.vessel_water[1, 1] = 1e160, 0.0
-        with pytest.raises(InstabilityError, match=r"seed 22, t = 1.00 s, body wild"):
+        spoil(simulation)
+        named = rf"seed 22, t = 1.00 s, body wild \({label}\)"
+        with pytest.raises(InstabilityError, match=named):
             simulation.step(10)
     finally:
         callback.install(Route.NATIVE)
     assert not list(tmp_path.iterdir())
     assert capfd.readouterr().out == ""
+
+
+@pytest.mark.parametrize("step_s", [0.05, 0.1, 0.5])
+def test_the_fast_integrator_solves_the_lag_exactly(step_s: float) -> None:
+    """After a step of h, c (1 - exp(-h / lag)): Euler's c h / lag overshoots from h = lag on."""
+    crew = [OTTER, load_vessel("scout")]
+    simulation = Simulation(build_scene(crew), step_s=step_s)
+    simulation.commands[0] = command = np.array([[60.0, -40.0], [20.0, -10.0]])
+    simulation.place_vessels(np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]]))
+    simulation.step()
+    risen = np.array([[1.0 - math.exp(-step_s / vessel.lag_s)] for vessel in crew])
+    np.testing.assert_allclose(simulation.thruster_state[0], risen * command, rtol=1e-12)
+
+
+def test_steps_that_runge_kutta_cannot_take_are_named() -> None:
+    """Twice the lag is the limit; Runge-Kutta of order 4 is unstable from 2.785 on."""
+    quick = dataclasses.replace(load_vessel("scout"), lag_s=0.04)
+    scene = build_scene([OTTER, quick])
+    Simulation(scene, integrator=Integrator.REFERENCE, step_s=0.08)
+    Simulation(scene, integrator=Integrator.FAST, step_s=0.5)
+    with pytest.raises(UserError, match=r"step 0.1 s .* lag_s = 0.04 s of scout-0; .* 0.08 s"):
+        Simulation(scene, integrator=Integrator.REFERENCE, step_s=0.1)
 
 
 def test_numbers_out_of_range_are_named() -> None:

@@ -83,6 +83,21 @@ def test_a_failed_check_is_exit_code_1(
     assert (tmp_path / "v" / "report.html").is_file()
 
 
+def test_the_folder_is_checked_before_the_checks_run(
+    refused: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def run(*_: object) -> list[Finding]:
+        raise AssertionError("ran")
+
+    monkeypatch.setattr("mjforage.validation.run_checks", run)
+    (tmp_path / "file").touch()
+    (tmp_path / "full" / "report.html").mkdir(parents=True)
+    for name in ("file", "file/v", "file/v/w", "full"):
+        said = refused("validate", "--out", tmp_path / name)
+        assert f"--out {tmp_path / name}: cannot be written; give a folder" in said
+    assert not (tmp_path / "v").exists()
+
+
 @pytest.mark.parametrize(
     ("words", "named"),
     [

@@ -1,0 +1,90 @@
+"""Hulls on open water under the pilot, one per episode, all with the same order."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers import Pilot
+from graph_planner.randomness import episode_keys
+from mjforage.helm import helm_of
+from mjforage.scene import build_scene
+from mjforage.simulation import Simulation
+from mjforage.vessels import Vessel
+from mjforage.weather.field import Field
+from mjforage.weather.settings import WeatherSettings
+
+FloatArray = NDArray[np.float64]
+
+CONTROL_S = 0.1
+CALM = WeatherSettings()
+CURRENT_MPS = 0.3
+
+
+def beam_gusts(current: bool = False) -> WeatherSettings:
+    """6 m/s of gusty wind to the north, and a current with it."""
+    return WeatherSettings(
+        wind_speed_mps=6.0,
+        wind_toward_deg=90.0,
+        gust_intensity=0.15,
+        current_speed_mps=CURRENT_MPS if current else 0.0,
+        current_toward_deg=90.0,
+    )
+
+
+def cross_current() -> WeatherSettings:
+    return WeatherSettings(current_speed_mps=CURRENT_MPS, current_toward_deg=90.0)
+
+
+@dataclass(frozen=True)
+class Track:
+    """What hulls did: poses (tick, episode, 3) and velocities over ground, world axes."""
+
+    pose: FloatArray
+    velocity: FloatArray
+
+    def off(self, target: tuple[float, float]) -> FloatArray:
+        """(tick, episode) distance from a point [m]."""
+        return np.hypot(self.pose[..., 0] - target[0], self.pose[..., 1] - target[1])
+
+    def first_within(self, target: tuple[float, float], radius_m: float) -> FloatArray:
+        """(episode,) time of first coming that near [s], infinite if never."""
+        near = self.off(target) < radius_m
+        return np.where(near.any(axis=0), near.argmax(axis=0) * CONTROL_S, np.inf)
+
+
+def sail(
+    vessel: Vessel,
+    yaws: FloatArray,
+    target: tuple[float, float],
+    seconds: float,
+    *,
+    stay: bool = False,
+    weather: WeatherSettings = CALM,
+    noise_m: float = 0.0,
+    start: tuple[float, float] = (0.0, 0.0),
+) -> Track:
+    """Start at rest at each heading [rad], get one order (or one to stay every 10 s), and go."""
+    n = yaws.size
+    simulation = Simulation(build_scene([vessel]), n)
+    pilot, rng = Pilot([helm_of(vessel)], None, n), np.random.default_rng(5)
+    field = Field.create(weather, episode_keys(3, np.arange(n)))
+    pose = np.zeros((n, 1, 3))
+    pose[:, 0, :2], pose[:, 0, 2] = start, yaws
+    simulation.place_vessels(pose)
+    active, order = np.ones(n, np.bool_), np.full((n, 1), stay)
+    to = np.broadcast_to(np.array(target), (n, 1, 2)).copy()
+    origin = to if stay else pose[..., :2].copy()
+    poses, velocities = [], []
+    for tick in range(round(seconds / CONTROL_S)):
+        if tick == 0 or (stay and tick % 100 == 0):
+            pilot.order(active, origin, to, order)
+        t, where = tick * CONTROL_S, simulation.vessel_pose
+        simulation.vessel_wind[:] = field.wind(t, where[..., :2])
+        simulation.vessel_water[:] = field.current(t, where[..., :2])
+        seen = where + noise_m * rng.normal(size=where.shape) * (1.0, 1.0, 0.12)
+        simulation.commands[:] = pilot.command(active, seen, simulation.vessel_velocity)
+        simulation.step()
+        poses.append(simulation.vessel_pose[:, 0])
+        velocities.append(simulation.vessel_velocity[:, 0])
+    return Track(np.array(poses), np.array(velocities))

@@ -1,0 +1,109 @@
+"""The long runs behind the quick tests: `python -m tests.controllers.proving_ground [--episodes N]`.
+
+Straight legs, station keeping, walks in every weather with a histogram of contact speeds, and the
+time that a command takes.
+"""
+
+import argparse
+import sys
+import time
+
+import numpy as np
+
+from mjforage.vessels import load_vessel
+from mjforage.weather.settings import WeatherSettings
+from tests.controllers.plant import CALM, Track, beam_gusts, cross_current, sail
+from tests.controllers.walks import DEFAULT, GUSTS, STRONG, Outcome, Walk, comb_port, crew
+
+WEATHERS = {
+    "calm": CALM,
+    "0.3 m/s current": cross_current(),
+    "6 m/s gusts": beam_gusts(),
+    "both": beam_gusts(current=True),
+}
+EDGES_MPS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.6, 10.0)
+NOISE = (0.3, 0.035)  # m, rad
+
+
+def say(*words: object) -> None:
+    """Write a line."""
+    sys.stdout.write(" ".join(str(word) for word in words) + "\n")
+
+
+def leg_rmse(track: Track) -> float:
+    """Worst cross-track RMSE of the episodes after the first 20 m of 100 m."""
+    x, y = track.pose[..., 0], track.pose[..., 1]
+    there = (x > 20.0) & (x < 99.5)
+    return float(np.sqrt((y**2 * there).sum(axis=0) / there.sum(axis=0)).max())
+
+
+def tracking(name: str) -> None:
+    """Legs and station keeping of one vessel."""
+    vessel, yaws = load_vessel(name), np.radians(np.arange(-180.0, 180.0, 15.0))
+    for label, weather in WEATHERS.items():
+        leg = sail(vessel, np.zeros(20), (100.0, 0.0), 100.0, weather=weather)
+        kept = sail(vessel, yaws, (0.0, 0.0), 120.0, stay=True, weather=weather)
+        rms = np.sqrt((kept.off((0.0, 0.0))[300:] ** 2).mean(axis=0))
+        say(f"{name:8} {label:16} leg RMSE {leg_rmse(leg):.3f} m, keeping RMS {rms.max():.3f} m")
+
+
+def tell(label: str, outcome: Outcome) -> None:
+    """One walk: shares per vessel, contacts by speed."""
+    shares = " ".join(f"{100.0 * share:.2f}" for share in outcome.share)
+    counts = np.histogram(outcome.speeds.clip(0.0), EDGES_MPS)[0]
+    say(f"{label:20} {outcome.moves.sum()} moves, arrived {shares} %")
+    bins = zip(EDGES_MPS, EDGES_MPS[1:], counts.tolist(), strict=False)
+    told = ", ".join(f"{low:g}-{high:g}: {n}" for low, high, n in bins if n)
+    fastest = outcome.speeds.max(initial=0.0)
+    say(f"{'':20} contacts by normal speed [m/s]: {told or 'none'}; fastest {fastest:.2f}")
+
+
+def walks(episodes: int, periods: int) -> None:
+    """Random walks and crowds in every weather."""
+    cases: dict[str, tuple[WeatherSettings, bool, tuple[float, float]]] = {
+        "random": (DEFAULT, False, (0.0, 0.0)),
+        "crowd": (DEFAULT, True, (0.0, 0.0)),
+        "crowd, noise": (DEFAULT, True, NOISE),
+        "random, gusts": (GUSTS, False, (0.0, 0.0)),
+        "crowd, gusts": (GUSTS, True, (0.0, 0.0)),
+        "random, both": (STRONG, False, (0.0, 0.0)),
+    }
+    for label, (weather, crowded, noise) in cases.items():
+        walk = Walk(comb_port(), crew(), episodes=episodes, weather=weather, noise=noise)
+        tell(label, walk.run(periods, crowded=crowded))
+    ideal = Walk(comb_port(), [load_vessel("ideal")] * 4, episodes=episodes)
+    tell("ideal crowd", ideal.run(periods, crowded=True))
+
+
+def speed(crowded: bool) -> None:
+    """Time of a command per vessel, on states as they come up in a walk."""
+    walk, spent = Walk(comb_port(), crew(), episodes=64), []
+    inner = walk.pilot.command
+
+    def timed(*arguments: object) -> object:
+        start = time.perf_counter()
+        result = inner(*arguments)  # type: ignore[arg-type]
+        spent.append(time.perf_counter() - start)
+        return result
+
+    walk.pilot.command = timed  # type: ignore[method-assign, assignment]
+    walk.run(20, crowded=crowded)
+    each = 1e6 * np.array(spent) / (64 * 4)
+    say(f"command: {each.mean():.2f} us per vessel and tick, median {np.median(each):.2f}")
+
+
+def main() -> None:
+    """Run everything and say it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--episodes", type=int, default=64)
+    parser.add_argument("--periods", type=int, default=60)
+    chosen = parser.parse_args()
+    speed(crowded=False)
+    speed(crowded=True)
+    for name in ("scout", "forager"):
+        tracking(name)
+    walks(chosen.episodes, chosen.periods)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,92 @@
+"""The pilot as the mission sees it: shapes, ranges, reset, and no bit that depends on the batch."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from controllers import Chart, Pilot
+from mjforage.helm import helm_of
+from mjforage.vessels import load_vessel
+
+HELMS = [helm_of(load_vessel(name)) for name in ("scout", "forager")]
+CHART = Chart(np.ones((6, 6), np.bool_), 4.0)
+Commands = NDArray[np.float64]
+
+
+def cases(episodes: int) -> dict[str, NDArray[np.float64]]:
+    """Poses, velocities and orders of two hulls that get in each other's way, by episode."""
+    rng = np.random.default_rng(0)
+    pose = rng.uniform((6.0, 6.0, -3.0), (14.0, 14.0, 3.0), (episodes, 2, 3))
+    return {
+        "pose": pose,
+        "velocity": rng.uniform(-0.3, 0.3, (episodes, 2, 3)),
+        "target": np.rint(rng.uniform(1.0, 4.0, (episodes, 2, 2))) * 4.0,
+        "origin": np.rint(pose[..., :2] / 4.0) * 4.0,
+    }
+
+
+def commands(pilot: Pilot, case: dict[str, NDArray[np.float64]], ticks: int = 25) -> Commands:
+    """(tick, episode, vessel, 2) commands while the hulls move on at their speed."""
+    n = case["pose"].shape[0]
+    active = np.ones(n, np.bool_)
+    pilot.order(active, case["origin"], case["target"], np.zeros((n, 2), np.bool_))
+    rows = []
+    for tick in range(ticks):
+        pose = case["pose"] + 0.1 * tick * case["velocity"]
+        rows.append(pilot.command(active, pose, case["velocity"]).copy())
+    return np.array(rows)
+
+
+def test_commands_are_in_range_and_not_all_the_same() -> None:
+    found = commands(Pilot(HELMS, CHART, 40), cases(40))
+    for v, helm in enumerate(HELMS):
+        assert helm.command_low <= found[..., v, :].min() < -0.2 * helm.command_high
+        assert 0.5 * helm.command_high < found[..., v, :].max() <= helm.command_high
+
+
+def test_an_episode_is_the_same_alone_and_in_any_batch() -> None:
+    every = cases(40)
+    together = commands(Pilot(HELMS, CHART, 40), every)
+    for e in (0, 7, 39):
+        alone = commands(Pilot(HELMS, CHART, 1), {k: a[e : e + 1] for k, a in every.items()})
+        np.testing.assert_array_equal(alone[:, 0], together[:, e])
+    back = commands(Pilot(HELMS, CHART, 40), {k: a[::-1] for k, a in every.items()})
+    np.testing.assert_array_equal(back[:, ::-1], together)
+
+
+def test_reset_forgets() -> None:
+    pilot, case = Pilot(HELMS, CHART, 4), cases(4)
+    first = commands(pilot, case)
+    assert (commands(pilot, case) != first).any()
+    pilot.reset(np.array([1, 3]))
+    again = commands(pilot, case)
+    np.testing.assert_array_equal(again[:, [1, 3]], first[:, [1, 3]])
+    pilot.reset()
+    np.testing.assert_array_equal(commands(pilot, case), first)
+
+
+def test_inactive_episodes_get_nothing_and_keep_what_they_know() -> None:
+    pilot, case = Pilot(HELMS, CHART, 2), cases(2)
+    first = commands(pilot, case)
+    still = pilot.command(np.array([True, False]), case["pose"], case["velocity"])
+    assert not still[1].any()
+    assert still[0].any()
+    assert first.any()
+
+
+def test_a_stay_at_the_place_needs_no_thrust() -> None:
+    pilot, here = Pilot(HELMS, None, 1), np.array([[[0.0, 0.0], [8.0, 0.0]]])
+    pilot.order(np.ones(1, np.bool_), here, here, np.ones((1, 2), np.bool_))
+    pose = np.concatenate((here, np.zeros((1, 2, 1))), axis=2)
+    assert not pilot.command(np.ones(1, np.bool_), pose, np.zeros((1, 2, 3))).any()
+
+
+@pytest.mark.parametrize(("helms", "episodes", "control_s"), [([], 1, 0.1), (HELMS, 0, 0.1)])
+def test_nothing_to_steer_is_refused(helms: list[object], episodes: int, control_s: float) -> None:
+    with pytest.raises(ValueError, match="pilot: "):
+        Pilot(helms, None, episodes, control_s)  # type: ignore[arg-type]
+
+
+def test_a_time_step_of_nothing_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"control_s 0\.0"):
+        Pilot(HELMS, None, 1, 0.0)

@@ -1,0 +1,81 @@
+"""Legs and heading steps with the simulation as plant; limits as in the project's requirements."""
+
+import math
+
+import numpy as np
+import pytest
+
+from controllers import state as at
+from controllers.estimate import estimate
+from controllers.helm import packed
+from controllers.steering import drive
+from mjforage.helm import helm_of
+from mjforage.scene import build_scene
+from mjforage.simulation import Simulation
+from mjforage.vessels import load_vessel
+from mjforage.weather.settings import WeatherSettings
+from tests.controllers.plant import CALM, FloatArray, beam_gusts, cross_current, sail
+
+LEG_M, SETTLED_M = 100.0, 20.0
+EPISODES = 6
+
+
+def rmse(name: str, weather: WeatherSettings) -> FloatArray:
+    """(episode,) cross-track error of a leg of 100 m to the east, after its first 20 m."""
+    track = sail(load_vessel(name), np.zeros(EPISODES), (LEG_M, 0.0), 90.0, weather=weather)
+    x, y = track.pose[..., 0], track.pose[..., 1]
+    assert (x[-1] > LEG_M - 1.0).all()
+    there = (x > SETTLED_M) & (x < LEG_M - 0.5)
+    return np.asarray(np.sqrt((y**2 * there).sum(axis=0) / there.sum(axis=0)))
+
+
+@pytest.mark.parametrize("name", ["scout", "forager", "otter"])
+@pytest.mark.parametrize(
+    ("weather", "limit_m"),
+    [(CALM, 0.1), (cross_current(), 0.15), (beam_gusts(), 0.5)],
+    ids=["calm", "current", "gusts"],
+)
+def test_straight_legs(name: str, weather: WeatherSettings, limit_m: float) -> None:
+    assert rmse(name, weather).max() <= limit_m
+
+
+def heading_step(name: str, speed: float) -> FloatArray:
+    """(tick,) heading [deg] of a hull told to turn by 90 degrees at a speed, after 5 s of that."""
+    vessel = load_vessel(name)
+    p, s = packed(helm_of(vessel)), np.zeros(at.SIZE)
+    s[at.MOST_AHEAD] = s[at.MOST_ASTERN] = s[at.MOST_RATE] = 1e3
+    simulation, headings = Simulation(build_scene([vessel])), []
+    for tick in range(250):
+        pose, velocity = simulation.vessel_pose[0, 0], simulation.vessel_velocity[0, 0]
+        estimate(s, p, pose, velocity, 0.1)
+        wanted = 0.5 * np.pi if tick >= 50 else 0.0
+        simulation.commands[0, 0] = drive(s, p, wanted, speed, 0.1)
+        simulation.step()
+        headings.append(np.degrees(pose[2]))
+    return np.array(headings[50:])
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.8])
+@pytest.mark.parametrize("name", ["scout", "forager", "otter", "ideal"])
+def test_heading_step_of_90_degrees_overshoots_at_most_5_percent(name: str, speed: float) -> None:
+    heading = heading_step(name, speed)
+    assert heading.max() <= 90.0 * 1.05
+    assert heading[-1] == pytest.approx(90.0, abs=1.0)
+    assert np.argmax(heading > 81.0) * 0.1 < 6.5
+
+
+def test_a_leg_is_reached_and_kept() -> None:
+    track = sail(load_vessel("scout"), np.zeros(1), (12.0, 5.0), 20.0)
+    assert track.off((12.0, 5.0))[-1, 0] < 0.5
+    assert np.abs(track.velocity[-1, 0, :2]).max() < 0.05
+
+
+def test_going_astern_is_chosen_where_it_is_sooner() -> None:
+    track = sail(load_vessel("forager"), np.zeros(1), (-4.0, 0.0), 8.0)
+    assert np.abs(np.degrees(track.pose[..., 2])).max() < 5.0
+    assert track.first_within((-4.0, 0.0), 1.0)[0] < 6.0
+
+
+def test_a_long_leg_behind_is_worth_a_turn() -> None:
+    track = sail(load_vessel("forager"), np.zeros(1), (-40.0, 0.0), 15.0)
+    assert math.cos(track.pose[-1, 0, 2]) < -0.98

@@ -1,0 +1,62 @@
+"""Crews of two scouts and two foragers on the comb port: arrivals, contacts and their speeds.
+
+The long runs are `python -m tests.controllers.proving_ground`.
+"""
+
+import numpy as np
+import pytest
+
+from graph_planner.navigation import navigation_graph
+from mjforage.vessels import load_vessel
+from tests.controllers.walks import Outcome, Walk, comb_port, crew
+from tests.graph_planner.charts import grid
+
+HARD_MPS = 0.3
+PERIODS = 12
+
+
+def checked(outcome: Outcome, share: float) -> None:
+    assert outcome.speeds.max(initial=0.0) <= HARD_MPS
+    assert outcome.arrived.sum() >= share * outcome.moves.sum()
+
+
+def test_random_walks() -> None:
+    walk = Walk(comb_port(), crew(), episodes=20)
+    checked(walk.run(PERIODS), 0.99)
+
+
+def test_crowds() -> None:
+    walk = Walk(comb_port(), crew(), episodes=20)
+    checked(walk.run(PERIODS, crowded=True), 0.97)
+
+
+def test_crowds_with_noisy_measurements() -> None:
+    walk = Walk(comb_port(), crew(), episodes=10, noise=(0.3, 0.035), seed=1)
+    checked(walk.run(PERIODS, crowded=True), 0.95)
+
+
+def test_ideal_crews_are_never_late() -> None:
+    ideal = load_vessel("ideal")
+    outcome = Walk(comb_port(), [ideal] * 4, episodes=20).run(PERIODS, crowded=True)
+    assert not outcome.late
+    assert not outcome.impacts
+
+
+@pytest.mark.parametrize("name", ["scout", "forager"])
+def test_two_meet_in_a_corridor_of_one_cell(name: str) -> None:
+    """Head-on, they pass each other or one waits: no hard contact, and nobody sails through."""
+    graph = navigation_graph(grid("........"), 4.0, False)
+    vessel = load_vessel(name)
+    walk = Walk(graph, [vessel, vessel], [(0, 2), (0, 5)], scouts=0, episodes=12, seed=3)
+    outcome = walk.run(15, crowded=True)
+    assert outcome.speeds.max(initial=0.0) <= HARD_MPS
+    assert outcome.arrived.sum() > 0.5 * outcome.moves.sum()
+
+
+def test_walks_repeat_to_the_bit() -> None:
+    poses = []
+    for _ in range(2):
+        walk = Walk(comb_port(), crew(), episodes=3, seed=4)
+        walk.run(3)
+        poses.append(walk.simulation.vessel_pose)
+    np.testing.assert_array_equal(poses[0], poses[1])
