@@ -1,4 +1,4 @@
-"""The long runs behind the quick tests: `python -m tests.controllers.proving_ground [--episodes N]`.
+"""The long runs behind the quick tests: `python -m tests.controllers.proving_ground`.
 
 Straight legs, station keeping, walks in every weather with a histogram of contact speeds, and the
 time that a command takes.
