@@ -12,9 +12,11 @@ from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
 from graph_planner.navigation import NavigationGraph, navigation_graph
 from graph_planner.policies import Policy
 from graph_planner.randomness import UInt64Array, episode_keys
+from graph_planner.rows import put_rows
 from graph_planner.shared_model import SharedModel
 from graph_planner.task import Observation, Task
 from mjforage.dynamics import Dynamics, Transition
+from mjforage.dynamics.graph import GraphDynamics
 from mjforage.dynamics.worlds import WORLDS
 from mjforage.film import Film
 from mjforage.maps import GridMap, check_starts, load_map, load_starts, reachable_share
@@ -158,12 +160,30 @@ class Mission:
         seed : the run's seed
         episodes : (episode,) their numbers; each is the same world whatever else is in the batch
         """
-        self.keys = episode_keys(seed, episodes)
+        self.start(episode_keys(seed, episodes))
+
+    def start(self, keys: UInt64Array) -> None:
+        """Start the episodes with the given keys (episode,)."""
+        self.keys = keys
         self.world = self.setting.create_world(self.keys)
         self.state: Transition = self._dynamics.reset(self.world, self.keys)
         self.model.reset(self.state.agent_node, self.state.item_node, self.keys)
-        self.step = np.zeros(episodes.size, np.int32)
-        self.active = np.ones(episodes.size, np.bool_)
+        self.step = np.zeros(keys.size, np.int32)
+        self.active = np.ones(keys.size, np.bool_)
+
+    def adopt(self, rows: NDArray[np.int64], other: "Mission") -> None:
+        """Replace episodes (row,) of the batch by those of another mission; in the graph world only.
+
+        So a batch goes on while some of its episodes are over: see `mjforage.environments`. The
+        initial `world` stays that of the first episodes.
+        """
+        assert isinstance(self._dynamics, GraphDynamics) and isinstance(
+            other._dynamics, GraphDynamics
+        )
+        self.state = self._dynamics.adopt(rows, other._dynamics)
+        self.model.adopt(rows, other.model)
+        for name in ("keys", "step", "active"):
+            setattr(self, name, put_rows(getattr(self, name), rows, getattr(other, name)))
 
     @property
     def observation(self) -> Observation:

@@ -1,0 +1,371 @@
+"""What one agent sees around itself, roughly everywhere, and of each of its moves.
+
+Unlike the paper's channels its size does not depend on the map, so weights fit every map.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import inlined, kernel
+from graph_planner.geodesics import (
+    FAR,
+    Float32Array,
+    Int32Array,
+    Workspace,
+    distances_to_nearest,
+    spread,
+)
+from graph_planner.navigation import STAY
+from graph_planner.perception.base import (
+    TOP,
+    TRAIL,
+    Levels,
+    Shapes,
+    item_level,
+    remember_places,
+    trail_level,
+)
+from graph_planner.perception.moves import MOVE_FEATURES, Sample, describe_moves, take_sample
+from graph_planner.seeking import longest_move, possible_targets
+from graph_planner.task import Ground, Observation, Task
+from graph_planner.visibility import NodeLists
+
+REACH = 7  # nodes to each side in the crop
+SIDE = 2 * REACH + 1
+COARSE = 16  # cells per side of the coarse map
+CROP = ("water", "idleness", "belief", "way to items", "scouts", "foragers", "trail")
+GLOBE = ("water", "idleness", "belief", "self", "scouts", "foragers")
+SELF = (
+    *("collects", "time", "known nodes", "unseen share", "energy left", "number in team"),
+    *("way to items", "way to unseen", "team size", "others", "moves", "radius"),
+)
+MOST_ROWS = 300  # of the table of distances that are compared; beyond it a search is quicker
+WAY_LEVELS = 2.0  # levels per node of distance: 0 from 127.5 nodes on
+
+
+class Chart(NamedTuple):
+    """The map as the kernels here read it."""
+
+    framed: Int32Array  # (row + 2 REACH, column + 2 REACH) node of each cell, -1 on land
+    coarse: Int32Array  # (node,) cell of the coarse map
+    cell_nodes: Int32Array  # (COARSE^2,) nodes in each
+    water: Levels  # (COARSE^2,) level of the share of water
+    views: NodeLists
+    disc: NDArray[np.int64]  # (radius,) nodes in view on open water
+
+
+class Fields(NamedTuple):
+    """What the agents of one episode share; scratch memory, written for every episode."""
+
+    idle: NDArray[np.float64]  # (node,) idleness
+    way: Float32Array  # (node,) distance to the nearest known item [node], or inf
+    targets: Int32Array  # (agent, 9) where moves would end, -1 if illegal; the last: its own node
+    gap: NDArray[np.float64]  # (agent, 9) from there to the nearest unseen node [node], or inf
+    unseen: Int32Array  # (node,) the first `n` are the nodes of idleness 1
+    cell_idle: NDArray[np.float64]  # (COARSE^2,) sum of idleness
+    cell_items: NDArray[np.int64]  # (COARSE^2,) believed items
+
+
+@inlined
+def _way_level(distance: float) -> int:
+    return int(max(0.0, TOP - WAY_LEVELS * distance)) if distance < FAR else 0
+
+
+@kernel
+def _ways(
+    neighbours: Int32Array,
+    table: Float32Array,
+    known: Int32Array,
+    workspace: Workspace,
+    way: Float32Array,
+) -> None:
+    """Distance of every node to the nearest known item: from the table, or by a search."""
+    way[:] = np.float32(np.inf)
+    if table.shape[0] > 0 and known.size <= MOST_ROWS:
+        for item in known:
+            row = table[item]
+            for node in range(way.size):
+                way[node] = row[node] if row[node] < way[node] else way[node]
+        return
+    distance, touched = workspace.distance, workspace.touched
+    count = spread(neighbours, known, np.empty(0, np.int32), workspace)
+    for i in range(count):
+        way[touched[i]] = np.float32(distance[touched[i]])
+        distance[touched[i]] = FAR
+
+
+@kernel
+def _share(e: int, seen: Observation, ground: Ground, chart: Chart, fields: Fields, workspace: Workspace) -> int:  # fmt: skip  # noqa: E501
+    """Fill the fields of one episode; the number of unseen nodes."""
+    idle, unseen, coarse = fields.idle, fields.unseen, chart.coarse
+    cell_idle, cell_items = fields.cell_idle, fields.cell_items
+    last_seen, belief, now = seen.last_seen[e], seen.belief[e], seen.step[e] - 1
+    forgetting = ground.forgetting
+    cell_idle[:] = 0.0
+    cell_items[:] = 0
+    count = 0
+    for node in range(idle.size):
+        idle[node] = min(1.0, (now - np.int64(last_seen[node])) * forgetting)
+        cell_idle[coarse[node]] += idle[node]
+        cell_items[coarse[node]] += belief[node]
+        if idle[node] >= 1.0:
+            unseen[count] = node
+            count += 1
+    neighbours, table, targets = ground.neighbours, ground.distances, fields.targets
+    agent_node = seen.agent_node[e]
+    _ways(neighbours, table, seen.known[e, : seen.n_known[e]], workspace, fields.way)
+    possible_targets(ground, agent_node, targets)
+    targets[:, STAY] = agent_node
+    slack = longest_move(ground.moves)
+    distances_to_nearest(
+        neighbours, table, unseen[:count], agent_node, targets, slack, workspace, fields.gap
+    )
+    return count
+
+
+@kernel
+def _paint_crop(
+    e: int,
+    a: int,
+    seen: Observation,
+    ground: Ground,
+    framed: Int32Array,
+    fields: Fields,
+    trail: Int32Array,
+    crop: Levels,
+) -> None:
+    """The neighbourhood of one agent, (channel, SIDE, SIDE), north up."""
+    rows, cols, collects = ground.rows, ground.cols, ground.collects
+    belief, agent_node, idle, way = seen.belief[e], seen.agent_node[e], fields.idle, fields.way
+    top, left = rows[agent_node[a]], cols[agent_node[a]]  # the frame adds REACH
+    for i in range(SIDE):
+        for j in range(SIDE):
+            node = framed[top + i, left + j]
+            wet = node >= 0
+            crop[0, i, j] = TOP if wet else 0
+            crop[1, i, j] = np.uint8(TOP * idle[node]) if wet else 0
+            crop[2, i, j] = item_level(belief[node]) if wet else 0
+            crop[3, i, j] = _way_level(way[node]) if wet else 0
+    crop[4:] = 0
+    for other in range(agent_node.size):
+        i, j = rows[agent_node[other]] - top + REACH, cols[agent_node[other]] - left + REACH
+        if other != a and 0 <= i < SIDE and 0 <= j < SIDE:
+            crop[5 if collects[other] else 4, i, j] = TOP
+    for k in range(TRAIL - 1, -1, -1):
+        node = trail[a, k]
+        if node >= 0:
+            i, j = rows[node] - top + REACH, cols[node] - left + REACH
+            if 0 <= i < SIDE and 0 <= j < SIDE:
+                crop[6, i, j] = trail_level(k)
+
+
+@kernel
+def _paint_globe(
+    a: int,
+    agent_node: Int32Array,
+    collects: NDArray[np.bool_],
+    chart: Chart,
+    fields: Fields,
+    globe: Levels,
+) -> None:
+    """The whole map in COARSE x COARSE cells, (channel, COARSE^2)."""
+    cell_nodes, water, coarse = chart.cell_nodes, chart.water, chart.coarse
+    cell_idle, cell_items = fields.cell_idle, fields.cell_items
+    for cell in range(water.size):
+        nodes = max(1, cell_nodes[cell])
+        globe[0, cell] = water[cell]
+        globe[1, cell] = np.uint8(TOP * min(1.0, cell_idle[cell] / nodes))
+        globe[2, cell] = item_level(cell_items[cell])
+    globe[3:] = 0
+    for other in range(agent_node.size):
+        channel = 3 if other == a else (5 if collects[other] else 4)
+        globe[channel, coarse[agent_node[other]]] = TOP
+
+
+@kernel
+def _paint_self(
+    e: int,
+    a: int,
+    seen: Observation,
+    ground: Ground,
+    horizon: int,
+    radius: float,
+    energy: float,
+    unseen: int,
+    fields: Fields,
+    out: Levels,
+) -> None:
+    """What an agent knows of itself and the time, in the order of `SELF`."""
+    collects, node = ground.collects, seen.agent_node[e, a]
+    number, team = 0, 0
+    for other in range(collects.size):
+        if collects[other] == collects[a]:
+            number += other < a
+            team += 1
+    out[0] = TOP if collects[a] else 0
+    out[1] = min(TOP, TOP * (seen.step[e] - 1) // horizon)
+    out[2] = min(TOP, 2 * seen.n_known[e])
+    out[3] = TOP * unseen // fields.idle.size
+    share = seen.energy_left[e, a] / energy if energy < FAR else 1.0
+    out[4] = np.uint8(TOP * min(1.0, max(0.0, share)))
+    out[5] = TOP * number // team
+    out[6] = _way_level(fields.way[node])
+    out[7] = _way_level(fields.gap[a, STAY])
+    out[8] = min(TOP, 32 * team)
+    out[9] = min(TOP, 32 * (collects.size - team))
+    out[10] = min(TOP, 32 * ground.moves[a])
+    out[11] = min(TOP, int(16 * radius))
+
+
+@kernel
+def _look_around(
+    rows: NDArray[np.int64],
+    seen: Observation,
+    ground: Ground,
+    chart: Chart,
+    radius: NDArray[np.float64],
+    energy: NDArray[np.float64],
+    horizon: int,
+    trail: Int32Array,
+    fields: Fields,
+    items: Sample,
+    gaps: Sample,
+    workspace: Workspace,
+    crop: Levels,
+    globe: Levels,
+    moves: Levels,
+    own: Levels,
+) -> None:
+    collects, distances, radius_number = ground.collects, ground.distances, ground.radius_number
+    unseen = fields.unseen
+    for e in rows:
+        count = _share(e, seen, ground, chart, fields, workspace)
+        nodes = seen.agent_node[e]
+        take_sample(seen.known[e, : seen.n_known[e]], nodes, collects, distances, items)
+        take_sample(unseen[:count], nodes, collects, distances, gaps)
+        for a in range(nodes.size):
+            _paint_crop(e, a, seen, ground, chart.framed, fields, trail[e], crop[e, a])
+            _paint_globe(a, nodes, collects, chart, fields, globe[e, a])
+            _paint_self(
+                e, a, seen, ground, horizon, radius[a], energy[a], count, fields, own[e, a]
+            )
+            describe_moves(
+                a,
+                nodes[a],
+                seen.energy_left[e, a],
+                ground,
+                seen.belief[e],
+                fields.idle,
+                fields.way,
+                fields.gap[a],
+                chart.views,
+                chart.disc[radius_number[a]],
+                items,
+                gaps,
+                moves[e, a],
+            )
+
+
+class Egocentric:
+    """`egocentric`: four arrays per agent, of the same size on every map.
+
+    `crop` (7, 15, 15): the nodes around the agent, itself in the middle, north up.
+
+    | channel | meaning | level |
+    |---|---|---|
+    | 0 | water | 255 |
+    | 1 | idleness I | 255 I |
+    | 2 | believed items | 25.5 per item, full at 10 |
+    | 3 | geodesic distance d [node] to the nearest known item | 255 - 2 d, 0 if none |
+    | 4, 5 | scouts, foragers, without itself | 255 |
+    | 6 | own trail | 255, then 25.5 less per step back |
+
+    `globe` (6, 16, 16): the whole map in 16 x 16 cells.
+
+    | channel | meaning | level |
+    |---|---|---|
+    | 0 | share of water | 255 x share |
+    | 1 | mean idleness of its nodes | 255 I |
+    | 2 | believed items in the cell | 25.5 per item |
+    | 3, 4, 5 | itself, scouts, foragers | 255 |
+
+    `moves` (9, 9): a row per move 0-7 compass, 8 stay; see `graph_planner.perception.moves`.
+
+    `self` (12,): see `SELF`: whether it collects, share of the horizon gone, known nodes (2 each),
+    share of the nodes with idleness 1, energy left, number in its team, distance to the nearest
+    known item and to the nearest node of idleness 1 (255 - 2 d), size of the team and number of
+    the others (32 each), moves per decision (32 each), sensing radius (16 per node).
+    """
+
+    def __init__(self, task: Task) -> None:
+        self._task = task
+        graph = task.graph
+        height, width = graph.shape
+        coarse = (graph.rows * COARSE // height) * COARSE + graph.cols * COARSE // width
+        cells = np.arange(height)[:, None] * COARSE // height * COARSE
+        cells = cells + np.arange(width)[None, :] * COARSE // width
+        area = np.bincount(cells.reshape(-1), minlength=COARSE**2)
+        nodes = np.bincount(coarse, minlength=COARSE**2)
+        discs = task.graph.discs(task.view_radii)
+        self._chart = Chart(
+            framed=np.pad(graph.node_of_cell, REACH, constant_values=-1),
+            coarse=coarse.astype(np.int32),
+            cell_nodes=nodes.astype(np.int32),
+            water=(TOP * nodes // np.maximum(area, 1)).astype(np.uint8),
+            views=task.views,
+            disc=np.diff(discs.start, axis=1).max(axis=1).astype(np.int64),
+        )
+        self._fields = Fields(
+            np.zeros(len(graph)),
+            np.zeros(len(graph), np.float32),
+            np.zeros((len(task.fleet), 9), np.int32),
+            np.zeros((len(task.fleet), 9)),
+            np.zeros(len(graph), np.int32),
+            np.zeros(COARSE**2),
+            np.zeros(COARSE**2, np.int64),
+        )
+        self._items, self._gaps = Sample.empty(), Sample.empty()
+        self._workspace = Workspace.of(len(graph))
+
+    @property
+    def shapes(self) -> Shapes:
+        """Name -> shape of one agent's array."""
+        return {
+            "crop": (len(CROP), SIDE, SIDE),
+            "globe": (len(GLOBE), COARSE, COARSE),
+            "moves": (9, len(MOVE_FEATURES)),
+            "self": (len(SELF),),
+        }
+
+    def reset(self, episodes: int) -> None:
+        """Forget everything; get ready for a batch of so many episodes."""
+        lead = (episodes, len(self._task.fleet))
+        self._seen_at = np.zeros(episodes, np.int32)
+        self._trail = np.full((*lead, TRAIL), -1, np.int32)
+        self._out = {k: np.zeros((*lead, *shape), np.uint8) for k, shape in self.shapes.items()}
+
+    def see(self, seen: Observation, rows: NDArray[np.int64]) -> dict[str, Levels]:
+        """Look at the episodes `rows` of the batch."""
+        task, out = self._task, self._out
+        remember_places(rows, seen.step, seen.agent_node, self._seen_at, self._trail)
+        _look_around(
+            rows,
+            seen,
+            task.ground,
+            self._chart,
+            task.fleet.radius,
+            task.fleet.energy,
+            task.horizon,
+            self._trail,
+            self._fields,
+            self._items,
+            self._gaps,
+            self._workspace,
+            out["crop"],
+            out["globe"].reshape(*out["globe"].shape[:3], -1),
+            out["moves"],
+            out["self"],
+        )
+        return out
