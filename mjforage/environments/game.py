@@ -25,6 +25,7 @@ class Outcome:
     truncated: NDArray[np.bool_]  # (lane,) the horizon is reached with items left
     exhausted: NDArray[np.bool_]  # (lane, agent) has not the energy for another move
     illegal: NDArray[np.int64]  # (lane,) chosen moves that were not legal, or taken by another
+    taken: NDArray[np.int8]  # (lane, agent) moves that were made
 
 
 class Game:
@@ -69,22 +70,35 @@ class Game:
         actions : (lane, agent) moves 0-8; an illegal one, or one that another agent took first,
             becomes staying put where that is legal, else the first legal compass move
         """
-        mission, played = self.mission, self.mission.active.copy()
         preferences = np.zeros((*actions.shape, 9))
         preferences[..., STAY] = OTHERWISE_STAY
         np.put_along_axis(preferences, actions[..., None], CHOSEN, axis=-1)
+        return self.play(preferences, actions)
+
+    def play(
+        self, preferences: NDArray[np.float64], wanted: NDArray[np.int64] | None = None
+    ) -> Outcome:
+        """Play one decision by preferences (lane, agent, 9), see `Resolver`.
+
+        Parameters
+        ----------
+        wanted : (lane, agent) moves that count as illegal where another is made; absent: those of
+            the largest preferences
+        """
+        mission, played = self.mission, self.mission.active.copy()
+        wanted = preferences.argmax(axis=-1) if wanted is None else wanted
         taken = mission.decide(preferences).direction
-        illegal = ((taken != actions) & played[:, None]).sum(axis=1)
+        illegal = ((taken != wanted) & played[:, None]).sum(axis=1)
         self._terms.before(mission)
         mission.advance(preferences)
         raw = self._terms.after(mission, played)
         terms = {name: self._weights[name] * value for name, value in raw.items()}
-        rewards = sum(terms.values(), np.zeros(actions.shape))
+        rewards = sum(terms.values(), np.zeros(taken.shape))
         left = (mission.state.item_node >= 0).any(axis=1)
         exhausted = self.exhausted
         terminated = played & (~left | exhausted.all(axis=1))
         truncated = played & ~terminated & ~mission.active
-        return Outcome(terms, rewards, terminated, truncated, exhausted, illegal)
+        return Outcome(terms, rewards, terminated, truncated, exhausted, illegal, taken)
 
     @property
     def exhausted(self) -> NDArray[np.bool_]:
