@@ -14,7 +14,7 @@
 """
 
 import difflib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -207,10 +207,16 @@ def checked_weights(weights: Mapping[str, float]) -> dict[str, float]:
     UserError
         If a term is not known or a weight is no finite number.
     """
+    return checked_names(weights, TERMS)
+
+
+def checked_names(weights: Mapping[str, float], known: Iterable[str]) -> dict[str, float]:
+    """The weights that are not 0, all of known terms; raises `UserError` as above."""
+    names = list(known)
     for name, weight in weights.items():
-        if name not in TERMS:
-            close = difflib.get_close_matches(name, TERMS, n=1)
-            hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(TERMS)}"
+        if name not in names:
+            close = difflib.get_close_matches(name, names, n=1)
+            hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names)}"
             raise UserError(f"reward {name}: unknown term; {hint}")
         if not isinstance(weight, int | float) or not np.isfinite(weight):
             raise UserError(f"reward {name} = {weight!r}: give a finite number")
