@@ -5,7 +5,7 @@ never asks where they came from. Order within a step (scenario section 1): discr
 visibility; idleness; belief <- Y where seen; first discoveries credited, a tie to the scout.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ class Knowledge(NamedTuple):
     known_at: Int32Array  # (episode, node) place of a node in `known`
     n_known: Int32Array  # (episode,)
     counted_node: Int32Array  # (episode, item) node in which `truth` counts it, -1 not at all
-    sighted: NDArray[np.int16]  # (episode, node) items that are seen if looked at; or `truth` itself
+    sighted: NDArray[np.int16]  # (episode, node) items seen if looked at; or `truth` itself
     sighted_node: Int32Array  # (episode, item) the same for `counted_node`
     t_discovered: NDArray[np.int16]  # (episode, item) [step]
     discovered_by: NDArray[np.int16]  # (episode, item) agent
@@ -241,9 +241,9 @@ class SharedModel:
         """Replace episodes (row,) of the batch by those of another model."""
         nobody = {"counted_node", "sighted_node", "t_discovered", "discovered_by", "t_collected"}
         mine, theirs = self.knowledge, other.knowledge
-        mixed = {
-            name: put_rows(old, rows, new, -1 if name in nobody else 0)
-            for name, old, new in zip(mine._fields, mine, theirs, strict=True)
+        mixed: dict[str, Any] = {
+            name: put_rows(getattr(mine, name), rows, getattr(theirs, name), -(name in nobody))
+            for name in mine._fields
         }
         if mine.sighted is mine.truth:  # everything is seen: they stay one array
             mixed |= {"sighted": mixed["truth"], "sighted_node": mixed["counted_node"]}

@@ -172,7 +172,7 @@ class Mission:
         self.active = np.ones(keys.size, np.bool_)
 
     def adopt(self, rows: NDArray[np.int64], other: "Mission") -> None:
-        """Replace episodes (row,) of the batch by those of another mission; in the graph world only.
+        """Replace episodes (row,) of the batch by another mission's; in the graph world only.
 
         So a batch goes on while some of its episodes are over: see `mjforage.environments`. The
         initial `world` stays that of the first episodes.

@@ -35,13 +35,16 @@ from graph_planner.visibility import NodeLists
 REACH = 7  # nodes to each side in the crop
 SIDE = 2 * REACH + 1
 COARSE = 16  # cells per side of the coarse map
-CROP = ("water", "idleness", "belief", "way to items", "scouts", "foragers", "trail")
-GLOBE = ("water", "idleness", "belief", "self", "scouts", "foragers")
+CROP = ("water", "idleness", "belief", "way to items", "haunts", "scouts", "foragers", "trail")
+GLOBE = ("water", "idleness", "belief", "haunts", "self", "scouts", "foragers")
 SELF = (
     *("collects", "time", "known nodes", "unseen share", "energy left", "number in team"),
     *("way to items", "way to unseen", "team size", "others", "moves", "radius"),
 )
 MOST_ROWS = 300  # of the table of distances that are compared; beyond it a search is quicker
+HAUNT_RADIUS = 4.0  # nodes around a believed item to which it may drift unseen
+STALE = 4.0  # a haunt counts in full from idleness 1 / STALE on
+SUSPECT = 0.5  # from this level on a haunt is one to look at again
 WAY_LEVELS = 2.0  # levels per node of distance: 0 from 127.5 nodes on
 
 
@@ -64,7 +67,10 @@ class Fields(NamedTuple):
     targets: Int32Array  # (agent, 9) where moves would end, -1 if illegal; the last: its own node
     gap: NDArray[np.float64]  # (agent, 9) from there to the nearest unseen node [node], or inf
     unseen: Int32Array  # (node,) the first `n` are the nodes of idleness 1
+    haunt: NDArray[np.float64]  # (node,) 0-1: items have been near, and nobody has looked since
+    suspects: Int32Array  # (node,) the first `n` are haunts to look at again
     cell_idle: NDArray[np.float64]  # (COARSE^2,) sum of idleness
+    cell_haunt: NDArray[np.float64]  # (COARSE^2,) sum of haunts
     cell_items: NDArray[np.int64]  # (COARSE^2,) believed items
 
 
@@ -97,22 +103,66 @@ def _ways(
 
 
 @kernel
-def _share(e: int, seen: Observation, ground: Ground, chart: Chart, fields: Fields, workspace: Workspace) -> int:  # fmt: skip  # noqa: E501
-    """Fill the fields of one episode; the number of unseen nodes."""
+def _remember_haunts(
+    rows: NDArray[np.int64],
+    step: Int32Array,
+    known: Int32Array,
+    n_known: Int32Array,
+    around: NodeLists,
+    believed: NDArray[np.bool_],
+    haunts: NDArray[np.bool_],
+) -> None:
+    """Mark the surroundings of every node at which an item has ever been believed.
+
+    Parameters
+    ----------
+    believed, haunts : (episode, node) the nodes themselves, and all around them; written
+    """
+    start, nodes = around.start, around.nodes
+    for e in rows:
+        if step[e] <= 1:
+            believed[e] = False
+            haunts[e] = False
+        for i in range(n_known[e]):
+            node = known[e, i]
+            if not believed[e, node]:
+                believed[e, node] = True
+                for k in range(start[0, node], start[0, node + 1]):
+                    haunts[e, nodes[k]] = True
+
+
+@kernel
+def _share(
+    e: int,
+    seen: Observation,
+    ground: Ground,
+    chart: Chart,
+    haunts: NDArray[np.bool_],
+    fields: Fields,
+    workspace: Workspace,
+) -> tuple[int, int]:
+    """Fill the fields of one episode; the numbers of unseen nodes and of suspects."""
     idle, unseen, coarse = fields.idle, fields.unseen, chart.coarse
+    haunt, suspects, cell_haunt = fields.haunt, fields.suspects, fields.cell_haunt
     cell_idle, cell_items = fields.cell_idle, fields.cell_items
     last_seen, belief, now = seen.last_seen[e], seen.belief[e], seen.step[e] - 1
     forgetting = ground.forgetting
     cell_idle[:] = 0.0
+    cell_haunt[:] = 0.0
     cell_items[:] = 0
-    count = 0
+    count, suspected = 0, 0
     for node in range(idle.size):
         idle[node] = min(1.0, (now - np.int64(last_seen[node])) * forgetting)
+        haunt[node] = min(1.0, STALE * idle[node]) if haunts[node] else 0.0
         cell_idle[coarse[node]] += idle[node]
+        cell_haunt[coarse[node]] += haunt[node]
         cell_items[coarse[node]] += belief[node]
         if idle[node] >= 1.0:
             unseen[count] = node
             count += 1
+        if haunt[node] >= SUSPECT:
+            suspects[suspected] = node
+            suspected += 1
     neighbours, table, targets = ground.neighbours, ground.distances, fields.targets
     agent_node = seen.agent_node[e]
     _ways(neighbours, table, seen.known[e, : seen.n_known[e]], workspace, fields.way)
@@ -122,7 +172,7 @@ def _share(e: int, seen: Observation, ground: Ground, chart: Chart, fields: Fiel
     distances_to_nearest(
         neighbours, table, unseen[:count], agent_node, targets, slack, workspace, fields.gap
     )
-    return count
+    return count, suspected
 
 
 @kernel
@@ -138,7 +188,8 @@ def _paint_crop(
 ) -> None:
     """The neighbourhood of one agent, (channel, SIDE, SIDE), north up."""
     rows, cols, collects = ground.rows, ground.cols, ground.collects
-    belief, agent_node, idle, way = seen.belief[e], seen.agent_node[e], fields.idle, fields.way
+    belief, agent_node = seen.belief[e], seen.agent_node[e]
+    idle, way, haunt = fields.idle, fields.way, fields.haunt
     top, left = rows[agent_node[a]], cols[agent_node[a]]  # the frame adds REACH
     for i in range(SIDE):
         for j in range(SIDE):
@@ -148,17 +199,18 @@ def _paint_crop(
             crop[1, i, j] = np.uint8(TOP * idle[node]) if wet else 0
             crop[2, i, j] = item_level(belief[node]) if wet else 0
             crop[3, i, j] = _way_level(way[node]) if wet else 0
-    crop[4:] = 0
+            crop[4, i, j] = np.uint8(TOP * haunt[node]) if wet else 0
+    crop[5:] = 0
     for other in range(agent_node.size):
         i, j = rows[agent_node[other]] - top + REACH, cols[agent_node[other]] - left + REACH
         if other != a and 0 <= i < SIDE and 0 <= j < SIDE:
-            crop[5 if collects[other] else 4, i, j] = TOP
+            crop[6 if collects[other] else 5, i, j] = TOP
     for k in range(TRAIL - 1, -1, -1):
         node = trail[a, k]
         if node >= 0:
             i, j = rows[node] - top + REACH, cols[node] - left + REACH
             if 0 <= i < SIDE and 0 <= j < SIDE:
-                crop[6, i, j] = trail_level(k)
+                crop[7, i, j] = trail_level(k)
 
 
 @kernel
@@ -172,15 +224,16 @@ def _paint_globe(
 ) -> None:
     """The whole map in COARSE x COARSE cells, (channel, COARSE^2)."""
     cell_nodes, water, coarse = chart.cell_nodes, chart.water, chart.coarse
-    cell_idle, cell_items = fields.cell_idle, fields.cell_items
+    cell_idle, cell_items, cell_haunt = fields.cell_idle, fields.cell_items, fields.cell_haunt
     for cell in range(water.size):
         nodes = max(1, cell_nodes[cell])
         globe[0, cell] = water[cell]
         globe[1, cell] = np.uint8(TOP * min(1.0, cell_idle[cell] / nodes))
         globe[2, cell] = item_level(cell_items[cell])
-    globe[3:] = 0
+        globe[3, cell] = np.uint8(TOP * min(1.0, cell_haunt[cell] / nodes))
+    globe[4:] = 0
     for other in range(agent_node.size):
-        channel = 3 if other == a else (5 if collects[other] else 4)
+        channel = 4 if other == a else (6 if collects[other] else 5)
         globe[channel, coarse[agent_node[other]]] = TOP
 
 
@@ -230,8 +283,10 @@ def _look_around(
     horizon: int,
     trail: Int32Array,
     fields: Fields,
+    haunts: NDArray[np.bool_],
     items: Sample,
     gaps: Sample,
+    lost: Sample,
     workspace: Workspace,
     crop: Levels,
     globe: Levels,
@@ -239,18 +294,17 @@ def _look_around(
     own: Levels,
 ) -> None:
     collects, distances, radius_number = ground.collects, ground.distances, ground.radius_number
-    unseen = fields.unseen
+    unseen, suspects = fields.unseen, fields.suspects
     for e in rows:
-        count = _share(e, seen, ground, chart, fields, workspace)
+        count, suspected = _share(e, seen, ground, chart, haunts[e], fields, workspace)
         nodes = seen.agent_node[e]
         take_sample(seen.known[e, : seen.n_known[e]], nodes, collects, distances, items)
         take_sample(unseen[:count], nodes, collects, distances, gaps)
+        take_sample(suspects[:suspected], nodes, collects, distances, lost)
         for a in range(nodes.size):
             _paint_crop(e, a, seen, ground, chart.framed, fields, trail[e], crop[e, a])
             _paint_globe(a, nodes, collects, chart, fields, globe[e, a])
-            _paint_self(
-                e, a, seen, ground, horizon, radius[a], energy[a], count, fields, own[e, a]
-            )
+            _paint_self(e, a, seen, ground, horizon, radius[a], energy[a], count, fields, own[e, a])
             describe_moves(
                 a,
                 nodes[a],
@@ -264,6 +318,7 @@ def _look_around(
                 chart.disc[radius_number[a]],
                 items,
                 gaps,
+                lost,
                 moves[e, a],
             )
 
@@ -271,7 +326,7 @@ def _look_around(
 class Egocentric:
     """`egocentric`: four arrays per agent, of the same size on every map.
 
-    `crop` (7, 15, 15): the nodes around the agent, itself in the middle, north up.
+    `crop` (8, 15, 15): the nodes around the agent, itself in the middle, north up.
 
     | channel | meaning | level |
     |---|---|---|
@@ -279,19 +334,21 @@ class Egocentric:
     | 1 | idleness I | 255 I |
     | 2 | believed items | 25.5 per item, full at 10 |
     | 3 | geodesic distance d [node] to the nearest known item | 255 - 2 d, 0 if none |
-    | 4, 5 | scouts, foragers, without itself | 255 |
-    | 6 | own trail | 255, then 25.5 less per step back |
+    | 4 | haunts: within 4 nodes items were believed; not seen for a while | 1020 I, at most 255 |
+    | 5, 6 | scouts, foragers, without itself | 255 |
+    | 7 | own trail | 255, then 25.5 less per step back |
 
-    `globe` (6, 16, 16): the whole map in 16 x 16 cells.
+    `globe` (7, 16, 16): the whole map in 16 x 16 cells.
 
     | channel | meaning | level |
     |---|---|---|
     | 0 | share of water | 255 x share |
     | 1 | mean idleness of its nodes | 255 I |
     | 2 | believed items in the cell | 25.5 per item |
-    | 3, 4, 5 | itself, scouts, foragers | 255 |
+    | 3 | mean of its nodes' haunt levels | 255 |
+    | 4, 5, 6 | itself, scouts, foragers | 255 |
 
-    `moves` (9, 9): a row per move 0-7 compass, 8 stay; see `graph_planner.perception.moves`.
+    `moves` (9, 11): a row per move 0-7 compass, 8 stay; see `graph_planner.perception.moves`.
 
     `self` (12,): see `SELF`: whether it collects, share of the horizon gone, known nodes (2 each),
     share of the nodes with idleness 1, energy left, number in its team, distance to the nearest
@@ -323,10 +380,14 @@ class Egocentric:
             np.zeros((len(task.fleet), 9), np.int32),
             np.zeros((len(task.fleet), 9)),
             np.zeros(len(graph), np.int32),
+            np.zeros(len(graph)),
+            np.zeros(len(graph), np.int32),
+            np.zeros(COARSE**2),
             np.zeros(COARSE**2),
             np.zeros(COARSE**2, np.int64),
         )
-        self._items, self._gaps = Sample.empty(), Sample.empty()
+        self._samples = Sample.empty(), Sample.empty(), Sample.empty()
+        self._around = graph.views((HAUNT_RADIUS,))
         self._workspace = Workspace.of(len(graph))
 
     @property
@@ -344,12 +405,23 @@ class Egocentric:
         lead = (episodes, len(self._task.fleet))
         self._seen_at = np.zeros(episodes, np.int32)
         self._trail = np.full((*lead, TRAIL), -1, np.int32)
+        self._believed = np.zeros((episodes, len(self._task.graph)), np.bool_)
+        self._haunts = np.zeros((episodes, len(self._task.graph)), np.bool_)
         self._out = {k: np.zeros((*lead, *shape), np.uint8) for k, shape in self.shapes.items()}
 
     def see(self, seen: Observation, rows: NDArray[np.int64]) -> dict[str, Levels]:
         """Look at the episodes `rows` of the batch."""
         task, out = self._task, self._out
         remember_places(rows, seen.step, seen.agent_node, self._seen_at, self._trail)
+        _remember_haunts(
+            rows,
+            seen.step,
+            seen.known,
+            seen.n_known,
+            self._around,
+            self._believed,
+            self._haunts,
+        )
         _look_around(
             rows,
             seen,
@@ -360,8 +432,8 @@ class Egocentric:
             task.horizon,
             self._trail,
             self._fields,
-            self._items,
-            self._gaps,
+            self._haunts,
+            *self._samples,
             self._workspace,
             out["crop"],
             out["globe"].reshape(*out["globe"].shape[:3], -1),

@@ -14,8 +14,10 @@ Features per legal move (an illegal one is 0 throughout); differences are "neare
 | 6 | nearer to the nodes of idleness 1, on average | 128 + 40 per node |
 | 7 | nearer to the nearest known item to which no teammate of the same kind is nearer | likewise |
 | 8 | more of the attraction sum(0.85^d) over known items | 128 + 32 per unit |
+| 9 | nearer to the haunts to look at again, on average | 128 + 40 per node |
+| 10 | nearer to the nearest of them to which no teammate of the same kind is nearer | likewise |
 
-5 to 8 look at up to 96 evenly chosen nodes and need the table of distances: on maps too large for
+5 to 10 look at up to 96 evenly chosen nodes and need the table of distances: on maps too large for
 one they stay at 128.
 """
 
@@ -35,6 +37,7 @@ from graph_planner.visibility import NodeLists
 MOVE_FEATURES = (
     *("legal", "items", "nearer item", "idleness", "nearer unseen", "nearer items on average"),
     *("nearer unseen on average", "nearer own item", "attraction"),
+    *("nearer haunts on average", "nearer own haunt"),
 )
 MOST_SAMPLES = 96
 MIDDLE, PER_NODE, PER_ATTRACTION = 128, 40.0, 32.0
@@ -46,7 +49,7 @@ class Sample(NamedTuple):
 
     nodes: Int32Array  # (MOST_SAMPLES,)
     nearest: Int32Array  # (2, MOST_SAMPLES) agent: of those that do not collect, of those that do
-    count: Int32Array  # (1,) how many there are
+    size: Int32Array  # (1,) how many there are
 
     @classmethod
     def empty(cls) -> "Sample":
@@ -67,11 +70,12 @@ def take_sample(
     sample: Sample,
 ) -> None:
     """Choose evenly among the candidates (candidate,); none without a table of distances."""
-    nodes, nearest, count = sample.nodes, sample.nearest, sample.count
+    nodes, nearest, size = sample.nodes, sample.nearest, sample.size
     total = candidates.size if distances.shape[0] else 0
-    count[0] = min(total, MOST_SAMPLES)
-    for i in range(count[0]):
-        nodes[i] = candidates[i * total // count[0]]
+    count = min(total, MOST_SAMPLES)
+    size[0] = count
+    for i in range(count):
+        nodes[i] = candidates[i * total // count]
         for kind in range(2):
             best, shortest = -1, np.float32(np.inf)
             for a in range(agent_node.size):
@@ -88,18 +92,18 @@ def _changed(gain: float, per_unit: float) -> int:
 @kernel
 def _mean_gain(here: Float32Array, there: Float32Array, sample: Sample) -> float:
     """By how much nearer `there` is to the sample than `here`, on average [node]."""
-    nodes, count = sample.nodes, sample.count[0]
+    nodes, count = sample.nodes, sample.size[0]
     total = 0.0
     for i in range(count):
         total += here[nodes[i]] - there[nodes[i]]
-    return total / max(1, count)
+    return float(total / max(1, count))
 
 
 @kernel
 def _own_item(row: Float32Array, kind: int, agent: int, sample: Sample) -> float:
     """Distance to the nearest node of the sample that is this agent's, or inf."""
     nodes, nearest, shortest = sample.nodes, sample.nearest, np.inf
-    for i in range(sample.count[0]):
+    for i in range(sample.size[0]):
         if nearest[kind, i] == agent:
             shortest = min(shortest, np.float64(row[nodes[i]]))
     return shortest
@@ -108,14 +112,14 @@ def _own_item(row: Float32Array, kind: int, agent: int, sample: Sample) -> float
 @kernel
 def _attraction(row: Float32Array, powers: NDArray[np.float64], sample: Sample) -> float:
     nodes, total = sample.nodes, 0.0
-    for i in range(sample.count[0]):
+    for i in range(sample.size[0]):
         distance = int(row[nodes[i]])
         if distance < powers.size:
             total += powers[distance]
     return total
 
 
-_POWERS = FADING ** np.arange(40)
+_POWERS = np.power(FADING, np.arange(40)).astype(np.float64)
 
 
 @kernel
@@ -132,6 +136,7 @@ def describe_moves(
     disc: int,
     items: Sample,
     gaps: Sample,
+    lost: Sample,
     out: Levels,
 ) -> None:
     """Fill the features (9, feature) of one agent's moves.
@@ -142,15 +147,16 @@ def describe_moves(
     belief, idle, way : (node,) believed items, idleness, distance to the nearest known item [node]
     gap : (9,) distance of each move's target to the nearest node of idleness 1 [node]
     disc : nodes in view on open water
-    items, gaps : samples of the known nodes and of those of idleness 1
+    items, gaps, lost : samples of the known nodes, of those of idleness 1, of haunts
     """
     neighbours, moves, distances = ground.neighbours, ground.moves, ground.distances
     radius, start, nodes = ground.radius_number[agent], views.start, views.nodes
     nobody, kind = np.empty(0, np.int64), int(ground.collects[agent])
     table = distances.shape[0] > 0
-    here_own, here_attraction = np.inf, 0.0
+    here_own, here_lost, here_attraction = np.inf, np.inf, 0.0
     if table:
         here_own = _own_item(distances[node], kind, agent, items)
+        here_lost = _own_item(distances[node], kind, agent, lost)
         here_attraction = _attraction(distances[node], _POWERS, items)
     out[:] = 0
     for move in range(9):
@@ -177,3 +183,7 @@ def describe_moves(
                 out[move, 7] = _changed(gain, PER_NODE)
             gain = _attraction(there, _POWERS, items) - here_attraction
             out[move, 8] = _changed(gain, PER_ATTRACTION)
+            out[move, 9] = _changed(_mean_gain(here, there, lost), PER_NODE)
+            if here_lost < FAR:
+                gain = here_lost - _own_item(there, kind, agent, lost)
+                out[move, 10] = _changed(gain, PER_NODE)

@@ -1,4 +1,4 @@
-"""The Double DQN's policies: shipped weights, one network per team (paper, "Experimental Study")."""
+"""The Double DQN: shipped weights, a network per team (paper, "Experimental Study")."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar

@@ -79,8 +79,8 @@ class GraphDynamics:
         mine, theirs = self._state, other._state
         self._state = Transition(
             *(
-                put_rows(old, rows, new, -1 if name in nobody else 0)
-                for name, old, new in zip(mine._fields, mine, theirs, strict=True)
+                put_rows(getattr(mine, name), rows, getattr(theirs, name), -(name in nobody))
+                for name in mine._fields
             )
         )
         self._items.adopt(rows, other._items)

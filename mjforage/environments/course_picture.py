@@ -30,7 +30,9 @@ def draw_course(course: Course, way: list[tuple[float, float]]) -> NDArray[np.ui
             pixel(x + REACHED_M, y - REACHED_M),
         )
         colour = DONE if i < course.reached else AHEAD
-        pen.ellipse((left, top, right, bottom), outline=colour, width=4 if i == course.reached else 2)
+        pen.ellipse(
+            (left, top, right, bottom), outline=colour, width=4 if i == course.reached else 2
+        )
     half, beam = 0.5 * course.vessel.length_m, 0.5 * course.vessel.beam_m
     corners = [(half, 0.0), (0.4 * half, beam), (-half, beam), (-half, -beam), (0.4 * half, -beam)]
     c, s = math.cos(yaw), math.sin(yaw)

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from mjforage.environments.choice import RENDER_MODES, Choice, Options
 from mjforage.environments.game import Episodes, Game
 from mjforage.environments.pictures import Picture
-from mjforage.environments.spaces import MASK, picture_space, values
+from mjforage.environments.spaces import MASK, Pictures, picture_space, values
 
-Pictures = dict[str, NDArray[Any]]
 LANE = np.zeros(1, np.int64)
 
 
@@ -26,11 +25,11 @@ class ForagingEnv(gymnasium.Env[Pictures, NDArray[np.int64]]):
 
     | kind | arrays per agent | table |
     |---|---|---|
-    | egocentric | crop (7, 15, 15), globe (6, 16, 16), moves (9, 9), self (12,) | `Egocentric` |
+    | egocentric | crop (8, 15, 15), globe (7, 16, 16), moves (9, 11), self (12,) | `Egocentric` |
     | paper | map (6, rows, columns) | `PaperChannels` |
 
-    and `action_mask` (agents, 9) int8, 1 where a move is legal before anybody has chosen. The tables
-    are in `graph_planner.perception`; a value is level / 255.
+    and `action_mask` (agents, 9) int8, 1 where a move is legal before anybody has chosen. The
+    tables are in `graph_planner.perception`; a value is level / 255.
 
     **Reward** the sum over agents and terms; `info["reward/<term>"]` has each weighted term's.
     **End** terminated when no item is left or nobody has energy; truncated at the horizon.
@@ -70,9 +69,7 @@ class ForagingEnv(gymnasium.Env[Pictures, NDArray[np.int64]]):
         self._note()
         return self._observed(), self._game.facts()
 
-    def step(
-        self, action: NDArray[np.int64]
-    ) -> tuple[Pictures, float, bool, bool, dict[str, Any]]:
+    def step(self, action: NDArray[np.int64]) -> tuple[Pictures, float, bool, bool, dict[str, Any]]:
         """One decision of the fleet."""
         outcome = self._game.step(np.asarray(action, np.int64)[None])
         self._note()

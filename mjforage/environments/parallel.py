@@ -5,21 +5,19 @@ from typing import Any, ClassVar, Unpack
 
 import gymnasium
 import numpy as np
-from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from graph_planner.navigation import STAY
 from mjforage.environments.choice import RENDER_MODES, Choice, Options
 from mjforage.environments.game import Episodes, Game
 from mjforage.environments.pictures import Picture
-from mjforage.environments.spaces import MASK, picture_space, values
+from mjforage.environments.spaces import MASK, Pictures, picture_space, values
 
-Pictures = dict[str, NDArray[Any]]
 LANE = np.zeros(1, np.int64)
 
 
-class ForagingParallelEnv(ParallelEnv[str, Pictures, int]):
-    """Agents `scouts-0`, `foragers-0`, ... decide at once; the highest index goes first in conflicts.
+class ForagingParallelEnv(ParallelEnv[str, Pictures, int]):  # type: ignore[misc]
+    """Agents `scouts-0`, `foragers-0`, ... decide at once; in conflicts the highest index wins.
 
     **Action** `Discrete(9)`, **observation** and masks per agent as in `mjforage/SharedPolicy-v0`,
     except that a mask cannot know what others choose at the same time; it is in the observation and
@@ -28,7 +26,7 @@ class ForagingParallelEnv(ParallelEnv[str, Pictures, int]):
     still sees); all are truncated at the horizon.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {  # type: ignore[misc]
+    metadata: ClassVar[dict[str, Any]] = {
         "name": "mjforage_v0",
         "render_modes": RENDER_MODES,
         "render_fps": 10,
@@ -51,18 +49,20 @@ class ForagingParallelEnv(ParallelEnv[str, Pictures, int]):
         return self._game
 
     @cached_property
-    def _spaces(self) -> dict[str, tuple[gymnasium.spaces.Dict, gymnasium.spaces.Discrete]]:
+    def _spaces(
+        self,
+    ) -> dict[str, tuple[gymnasium.spaces.Space[Pictures], gymnasium.spaces.Discrete]]:
         shapes = self._game.shapes
         return {
             agent: (picture_space(shapes), gymnasium.spaces.Discrete(9))
             for agent in self.possible_agents
         }
 
-    def observation_space(self, agent: str) -> gymnasium.spaces.Dict:
+    def observation_space(self, agent: str) -> gymnasium.spaces.Space[Pictures]:
         """Space of an agent's observations, always the same object."""
         return self._spaces[agent][0]
 
-    def action_space(self, agent: str) -> gymnasium.spaces.Discrete:  # type: ignore[override]
+    def action_space(self, agent: str) -> gymnasium.spaces.Discrete:
         """Space of an agent's actions, always the same object."""
         return self._spaces[agent][1]
 
@@ -114,9 +114,7 @@ class ForagingParallelEnv(ParallelEnv[str, Pictures, int]):
         if self._picture is not None:
             self._picture.see(self._game.mission)
 
-    def _observed(
-        self, agents: list[str]
-    ) -> tuple[dict[str, Pictures], dict[str, dict[str, Any]]]:
+    def _observed(self, agents: list[str]) -> tuple[dict[str, Pictures], dict[str, dict[str, Any]]]:
         levels, masks, facts = self._game.see(LANE), self._game.masks[0], self._game.facts()
         observations: dict[str, Pictures] = {}
         infos: dict[str, dict[str, Any]] = {}

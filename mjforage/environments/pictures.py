@@ -45,7 +45,9 @@ class Picture:
         from mjforage.render import TopView  # matplotlib-free, but slow to import
 
         items = self._steps[0]["item_present"]  # padding of other lanes is left out
-        arrays = {name: np.stack([step[name] for step in self._steps]) for name in self._steps[0]}
+        arrays: dict[str, Any] = {
+            name: np.stack([step[name] for step in self._steps]) for name in self._steps[0]
+        }
         for name in ("item_rc", "item_present"):
             arrays[name] = arrays[name][:, : items.size][:, items]
         setting, fleet = mission.setting, mission.setting.fleet

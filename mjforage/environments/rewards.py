@@ -103,7 +103,8 @@ def _nearest_known(
 
 def _count(agent: NDArray[np.int16], now: NDArray[np.bool_], agents: int) -> Amounts:
     """How many items (episode, item) an event gives to each agent now."""
-    return np.stack([((agent == a) & now).sum(axis=1) for a in range(agents)], axis=1) * 1.0
+    counts = [((agent == a) & now).sum(axis=1) for a in range(agents)]
+    return np.stack(counts, axis=1).astype(np.float64)
 
 
 class RewardTerms:
@@ -156,7 +157,8 @@ class RewardTerms:
         """Idleness, before the look, of the nodes in view of agents that do not collect."""
         unseen_for = mission.step[:, None] - self._before.last_seen.astype(np.int64)
         idle = np.minimum(1.0, unseen_for * self._task.forgetting)
-        return self._seen(mission, idle, shared=False) * ~self._task.fleet.collects
+        looks = (~self._task.fleet.collects).astype(np.float64)
+        return self._seen(mission, idle, shared=False) * looks
 
     def distance(self, mission: "Mission") -> Amounts:
         """Distance to the nearest known item, 0 if none is known."""
@@ -171,12 +173,12 @@ class RewardTerms:
 
     def blocked(self, mission: "Mission") -> Amounts:
         """1 where an agent had no legal move."""
-        return (mission.state.outcome == BLOCKED) * 1.0
+        return np.asarray(mission.state.outcome == BLOCKED, np.float64)
 
     def time(self, mission: "Mission") -> Amounts:
         """1 for every step until the episode is over."""
-        left = (mission.state.item_node >= 0).any(axis=1)
-        return np.repeat(left[:, None] * 1.0, self._agents, axis=1)
+        left = np.asarray((mission.state.item_node >= 0).any(axis=1), np.float64)
+        return np.repeat(left[:, None], self._agents, axis=1)
 
     def _seen(self, mission: "Mission", worth: Amounts, shared: bool) -> Amounts:
         out = np.empty(mission.state.agent_node.shape)

@@ -11,9 +11,8 @@ from graph_planner.perception.masks import legal_of_agent
 from mjforage.environments.choice import RENDER_MODES, Choice, Options
 from mjforage.environments.game import CHOSEN, OTHERWISE_STAY, Episodes, Game
 from mjforage.environments.pictures import Picture
-from mjforage.environments.spaces import MASK, picture_space, values
+from mjforage.environments.spaces import MASK, Pictures, picture_space, values
 
-Pictures = dict[str, NDArray[Any]]
 LANE = np.zeros(1, np.int64)
 
 

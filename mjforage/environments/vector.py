@@ -11,10 +11,8 @@ from numpy.typing import NDArray
 from mjforage.environments.choice import RENDER_MODES, Choice, Options
 from mjforage.environments.game import Episodes, Game, Outcome
 from mjforage.environments.pictures import Picture
-from mjforage.environments.spaces import MASK, picture_space, values
+from mjforage.environments.spaces import MASK, Pictures, picture_space, values
 from mjforage.errors import UserError
-
-Pictures = dict[str, NDArray[Any]]
 
 
 class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
@@ -67,18 +65,18 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         """Start the next episode of all lanes, or of those in `options["reset_mask"]`."""
         whole = seed if isinstance(seed, int) else None
         super().reset(seed=whole)
-        seeds = [None if seed is None else seed + i for i in range(self.num_envs)] if not isinstance(
-            seed, list
-        ) else seed
+        seeds = (
+            [None if seed is None else seed + i for i in range(self.num_envs)]
+            if not isinstance(seed, list)
+            else seed
+        )
         mask = np.asarray((options or {}).get("reset_mask", np.ones(self.num_envs)), np.bool_)
         self._start(np.flatnonzero(mask), seeds)
         return self._observed(), self._facts()
 
     def step(
         self, actions: NDArray[np.int64]
-    ) -> tuple[
-        Pictures, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]
-    ]:
+    ) -> tuple[Pictures, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """One decision of every fleet."""
         again = self._ended.copy() if self.autoreset_mode is AutoresetMode.NEXT_STEP else None
         parts = self._play(np.asarray(actions, np.int64))

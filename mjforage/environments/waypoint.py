@@ -49,9 +49,9 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
     | 13, 14 | current, forward and to port | 1 m/s |
     | 15 | share of the time left | 1 |
 
-    **Reward** named terms with weights, see `REWARD`; `info["reward/<term>"]` has each weighted one.
-    **End** terminated when all 8 waypoints, 4 to 12 m from one to the next, have been reached within
-    1 m; truncated after 150 s.
+    **Reward** named terms with weights, see `REWARD`; `info["reward/<term>"]` has each.
+    **End** terminated when all 8 waypoints, 4 to 12 m from one to the next, have been reached
+    within 1 m; truncated after 150 s.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 2}  # type: ignore[misc]

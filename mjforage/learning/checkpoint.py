@@ -90,9 +90,11 @@ def _check(found: dict[str, Any], wanted: dict[str, Any], path: Path) -> None:
     wanted = json.loads(json.dumps(wanted))
     for part in ("seed", "settings", "scenario"):
         if found[part] != wanted[part]:
-            keys = [k for k in wanted[part] if found[part].get(k) != wanted[part][k]] if isinstance(
-                wanted[part], dict
-            ) else []
+            keys = (
+                [k for k in wanted[part] if found[part].get(k) != wanted[part][k]]
+                if isinstance(wanted[part], dict)
+                else []
+            )
             where = f"{part} {keys[0]}" if keys else part
             old = found[part].get(keys[0]) if keys else found[part]
             raise UserError(

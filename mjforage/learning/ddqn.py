@@ -16,7 +16,7 @@ from torch import Tensor
 from graph_planner.inference import one_thread, values_of
 from graph_planner.perception import Shapes
 from graph_planner.q_network import DuelingNetwork
-from mjforage.learning.replay import NOT_SHOWN, Replay
+from mjforage.learning.replay import NOT_SHOWN, Batch, Replay
 from mjforage.learning.settings import Settings
 
 GRADIENT_LIMIT = 10.0
@@ -55,19 +55,13 @@ class Learner:
         """(row, 9) values of pictures (row, ...)."""
         return values_of(self.online, levels)
 
-    def learn(self, random: np.random.Generator, correction: float) -> dict[str, float]:
-        """One update from a drawn batch.
-
-        Parameters
-        ----------
-        random : draws the batch
-        correction : beta, how far weights make up for the uneven draw
+    def learn(self, batch: Batch) -> tuple[dict[str, float], NDArray[np.float32]]:
+        """One update from a batch that was drawn from the replay.
 
         Returns
         -------
-        loss, mean value, mean size of the error
+        loss, mean value and mean size of the errors; and the errors (row,), the new priorities
         """
-        batch = self.replay.draw(self.settings.batch, correction, random)
         moves, shown = self._tensor(batch.moves), self._tensor(batch.shown)
         legal, weights = self._tensor(batch.legal), self._tensor(batch.weights)
         rewards, discount = self._tensor(batch.rewards), self._tensor(batch.discount)
@@ -88,14 +82,14 @@ class Learner:
             torch.nn.utils.clip_grad_norm_(self.online.parameters(), GRADIENT_LIMIT)
             self.optimiser.step()
             self._follow()
-        errors = error.detach().cpu().numpy()
-        self.replay.reprioritise(batch.rows, errors, self.settings.priority)
+        errors: NDArray[np.float32] = error.detach().cpu().numpy()
         self.updates += 1
-        return {
+        facts = {
             "loss": float(loss.detach()),
             "value": float(chosen.detach().mean()),
             "error": float(np.abs(errors).mean()),
         }
+        return facts, errors
 
     def _margin(self, values: Tensor, shown: Tensor) -> Tensor:
         """(row,) by how much a shown move fails to be better than all others by the margin."""

@@ -25,7 +25,7 @@ class Logs:
             path = folder / f"{name}.parquet"
             old = pl.read_parquet(path).to_dicts() if path.is_file() else []
             self._rows[name] = [row for row in old if row["updates"] <= updates]
-        self._board = SummaryWriter(  # type: ignore[no-untyped-call]
+        self._board = SummaryWriter(
             str(folder / "tensorboard"), purge_step=updates + 1 if updates else None
         )
 
@@ -34,7 +34,7 @@ class Logs:
         self._rows[table].append(row)
         for name, value in row.items():
             if name not in ("updates", "seconds"):
-                self._board.add_scalar(f"{table}/{name}", value, int(row["updates"]))  # type: ignore[no-untyped-call]
+                self._board.add_scalar(f"{table}/{name}", value, int(row["updates"]))
 
     def last(self, table: str) -> Row | None:
         """The latest row, if there is one."""
@@ -42,7 +42,7 @@ class Logs:
 
     def write(self) -> None:
         """Put the tables on disk, each through a temporary file."""
-        self._board.flush()  # type: ignore[no-untyped-call]
+        self._board.flush()
         for name, rows in self._rows.items():
             path = self._folder / f"{name}.parquet"
             beside = path.with_suffix(".part")
@@ -53,4 +53,4 @@ class Logs:
     def close(self) -> None:
         """Write and let go."""
         self.write()
-        self._board.close()  # type: ignore[no-untyped-call]
+        self._board.close()

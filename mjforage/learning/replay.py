@@ -92,7 +92,9 @@ def _look_ahead(
 class Replay:
     """Memory of one team. All arrays but the tree of priorities are (row, ...)."""
 
-    def __init__(self, shapes: Shapes, lanes: int, capacity: int, n_step: int, gamma: float) -> None:
+    def __init__(
+        self, shapes: Shapes, lanes: int, capacity: int, n_step: int, gamma: float
+    ) -> None:
         self.lanes, self.n_step, self.gamma = lanes, n_step, gamma
         self.blocks = max(capacity // max(lanes, 1), 2 * n_step + 2)
         rows = self.blocks * lanes
@@ -113,7 +115,10 @@ class Replay:
         return slice(first, first + self.lanes)
 
     def open(
-        self, levels: dict[str, NDArray[np.uint8]], legal: NDArray[np.bool_], kind: NDArray[np.uint8]
+        self,
+        levels: dict[str, NDArray[np.uint8]],
+        legal: NDArray[np.bool_],
+        kind: NDArray[np.uint8],
     ) -> None:
         """Begin a block with what the lanes see: pictures (lane, ...), legal (lane, 9), kind."""
         block = self._block(self.written)

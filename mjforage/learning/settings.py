@@ -11,9 +11,16 @@ from mjforage.errors import UserError
 from mjforage.scenario import bounded
 
 REWARD = MappingProxyType(
-    {"removed": 1.0, "discovered": 0.5, "idleness": 0.02, "approach": 0.05, "time": -0.02}
+    {
+        "removed": 0.5,
+        "team_removed": 2.0,
+        "discovered": 0.5,
+        "idleness": 0.01,
+        "approach": 0.05,
+        "time": -0.02,
+    }
 )
-"""Weights that we train with: items count, and what leads to them; the clock ticks."""
+"""Weights that we train with: items count, for all, and what leads to them; the clock ticks."""
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ the same weights whatever happened between them.
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -112,8 +113,8 @@ class Trainer:
 
     @property
     def networks(self) -> "dict[str, DuelingNetwork]":
-        """Team -> network as it is now."""
-        return {team: learner.online for team, learner in self.learners.items()}
+        """Team -> network to use: the target, a moving average and so steadier than the online one."""
+        return {team: learner.target for team, learner in self.learners.items()}
 
     def play_round(self) -> Row:
         """Play one episode in every lane to its end, and learn on the way."""
@@ -125,11 +126,9 @@ class Trainer:
         teacher, taught = self._teacher(keys)
         returns = np.zeros((lanes, game.agents))
         learned: list[dict[str, float]] = []
-        steps = 0
         while game.mission.active.any():
             outcome = self._step(teacher, taught)
             returns += outcome.rewards
-            steps += int((game.mission.step == game.mission.step.max()).sum())
             learned += self._learn()
         self._open(np.where(self._present, FINAL, NOTHING))
         for learner in self.learners.values():
@@ -200,7 +199,7 @@ class Trainer:
             levels = {n: v[:, ids].reshape(-1, *v.shape[2:]) for n, v in self._levels.items()}
             rows = np.repeat(kind, ids.size).astype(np.uint8)
             legal = self._legal[:, ids].reshape(-1, 9)
-            self.clock("replay", lambda r=learner.replay, v=levels, m=legal, k=rows: r.open(v, m, k))
+            self.clock("replay", partial(learner.replay.open, levels, legal, rows))
 
     @property
     def _explore(self) -> float:
@@ -221,17 +220,16 @@ class Trainer:
             lane, number = np.nonzero(wanted)
             if lane.size:
                 levels = {name: v[lane, ids[number]] for name, v in self._levels.items()}
-                values = self.clock("network", lambda m=learner, v=levels: m.values(v))
-                preferences[lane, ids[number]] = values
+                preferences[lane, ids[number]] = self.clock(
+                    "network", partial(learner.values, levels)
+                )
         return preferences
 
     def _learn(self) -> list[dict[str, float]]:
         """The updates that this step has earned."""
         settings, progress = self.settings, self.progress
         learners = self.learners.values()
-        if any(learner.replay.tree[1] == 0.0 for learner in learners):
-            return []
-        if min(len(learner.replay) for learner in learners) < settings.warmup:
+        if min(len(learner.replay) for learner in learners) < max(1, settings.warmup):
             return []
         progress.due += settings.updates_per_step * float(self._present.mean())
         learned = []
@@ -241,10 +239,16 @@ class Trainer:
         while progress.due >= 1.0:
             progress.due -= 1.0
             progress.updates += 1
-            for learner in learners:
-                work = self.clock("network", lambda m=learner: m.learn(self.random, beta))
-                learned.append(work)
+            learned += [self.update(learner, beta) for learner in learners]
         return learned
+
+    def update(self, learner: Learner, beta: float) -> dict[str, float]:
+        """Draw, learn, and put the new priorities back."""
+        replay, settings, clock = learner.replay, self.settings, self.clock
+        batch = clock("replay", lambda: replay.draw(settings.batch, beta, self.random))
+        facts, errors = clock("network", lambda: learner.learn(batch))
+        clock("replay", lambda: replay.reprioritise(batch.rows, errors, settings.priority))
+        return dict(facts)
 
     def evaluate(self) -> Row:
         """Scores on held-out episodes, without exploration; `rank` is better when lower."""
