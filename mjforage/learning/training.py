@@ -258,9 +258,15 @@ class Trainer:
         log = EpisodeLog(mission)
         mission.run(LearnersPolicy(self.networks, settings.observation), (log,))
         scores = score(log, setting.fleet, setting.scenario.horizon).scalars
-        row = {name: float(np.nanmean(scores[name])) for name in SCORES}
+        row = {name: _mean(scores[name]) for name in SCORES}
         row["rank"] = row["nt50"] + row["nt90"] + (100.0 - row["pta_c"]) / 20.0
         return {"updates": float(self.progress.updates), "seconds": self.progress.seconds, **row}
+
+
+def _mean(values: NDArray[np.float64]) -> float:
+    """Mean of the defined values; NaN without any."""
+    defined = values[np.isfinite(values)]
+    return float(defined.mean()) if defined.size else float("nan")
 
 
 def save_weights(trainer: Trainer, path: Path) -> None:

@@ -35,24 +35,24 @@ def batch(legal: list[int], discount: float = 0.5, shown: int = NOT_SHOWN) -> Ba
 
 @pytest.mark.parametrize("legal", [[0], [4, 7], list(range(9))])
 def test_the_goal_masks_both_argmaxes(legal: list[int]) -> None:
-    """Q_target(s', argmax over legal of Q_online(s')): the online net chooses, the target values."""
+    """The online network chooses among the legal moves, the target values the choice."""
     one = learner()
     with torch.no_grad():
         for parameter in one.target.parameters():
             parameter.add_(0.1)
     b = batch(legal)
     following = {"x": torch.from_numpy(b.following["x"])}
-    online, target = one.online(following)[0], one.target(following)[0]
+    online, target = one.online(following)[0].detach(), one.target(following)[0]
     best = max(legal, key=lambda move: float(online[move]))
     goal = 1.0 + 0.5 * float(target[best])
-    value = float(one.online({"x": torch.from_numpy(b.levels["x"])})[0, 3])
+    value = float(one.online({"x": torch.from_numpy(b.levels["x"])}).detach()[0, 3])
     _, errors = one.learn(b)
     assert errors[0] == pytest.approx(value - goal, abs=1e-5)
 
 
 def test_nothing_is_hoped_for_after_the_end() -> None:
     one = learner()
-    value = float(one.online({"x": torch.tensor([[255, 0]], dtype=torch.uint8)})[0, 3])
+    value = float(one.online({"x": torch.tensor([[255, 0]], dtype=torch.uint8)}).detach()[0, 3])
     _, errors = one.learn(batch([0], discount=0.0))
     assert errors[0] == pytest.approx(value - 1.0, abs=1e-5)
 
