@@ -20,8 +20,8 @@ class ForagingParallelEnv(ParallelEnv[str, Pictures, int]):  # type: ignore[misc
     """Agents `scouts-0`, `foragers-0`, ... decide at once; in conflicts the highest index wins.
 
     **Action** `Discrete(9)`, **observation** and masks per agent as in `mjforage/SharedPolicy-v0`,
-    except that a mask cannot know what others choose at the same time; it is in the observation and
-    in `info["action_mask"]`. **Reward** each agent's own terms. **End** all are terminated when no
+    except that a mask cannot know what others choose at the same time. Infos have the same keys at
+    every step. **Reward** each agent's own terms. **End** all are terminated when no
     item is left, one when it has not the energy for another move (it then stays where it is, and
     still sees); all are truncated at the horizon.
     """
@@ -118,9 +118,10 @@ class ForagingParallelEnv(ParallelEnv[str, Pictures, int]):  # type: ignore[misc
         levels, masks, facts = self._game.see(LANE), self._game.masks[0], self._game.facts()
         observations: dict[str, Pictures] = {}
         infos: dict[str, dict[str, Any]] = {}
+        nothing = {f"reward/{name}": 0.0 for name in self._game.choice.weights}
         for i, agent in enumerate(self.possible_agents):
             if agent in agents:
                 seen: Pictures = {name: values(level[0, i]) for name, level in levels.items()}
                 observations[agent] = {**seen, MASK: masks[i].copy()}
-                infos[agent] = {**facts, MASK: masks[i].copy()}
+                infos[agent] = {**nothing, **facts}
         return observations, infos

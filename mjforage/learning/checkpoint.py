@@ -52,6 +52,7 @@ def save_checkpoint(trainer: Trainer, path: Path) -> None:
     beside = path.with_suffix(".part")
     with writing(path):
         save_file(tensors, beside, metadata=notes)
+        beside.chmod(0o644)  # safetensors leaves it to the owner alone
         beside.replace(path)
 
 

@@ -285,4 +285,5 @@ def save_weights(trainer: Trainer, path: Path) -> None:
     header = WeightsHeader(trainer.settings.observation, shapes)
     beside = path.with_suffix(".part")
     save_file(tensors, beside, metadata=header_notes(header))
+    beside.chmod(0o644)  # safetensors leaves it to the owner alone
     beside.replace(path)

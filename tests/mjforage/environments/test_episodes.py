@@ -225,13 +225,12 @@ def test_ends_are_told_apart() -> None:
 
 def test_an_agent_without_energy_is_over_and_the_others_go_on() -> None:
     env = mjforage.parallel_env(set=("team.foragers.energy=3", "horizon=12"))
-    env.reset(seed=0)
+    seen, _ = env.reset(seed=0)
     gone = 0
     while env.agents:
         before = set(env.agents)
-        masks = env._observed(env.agents)[1]
-        actions = {a: int(np.flatnonzero(masks[a]["action_mask"])[0]) for a in env.agents}
-        _, _, terminated, truncated, _ = env.step(actions)
+        actions = {a: int(np.flatnonzero(seen[a]["action_mask"])[0]) for a in env.agents}
+        seen, _, terminated, truncated, _ = env.step(actions)
         gone += sum(terminated.values())
         assert before - set(env.agents) == {a for a in before if terminated[a] or truncated[a]}
     assert gone == 2  # both foragers, of four agents
