@@ -10,12 +10,16 @@ the PettingZoo view. Install them first: `pip install stable-baselines3 torchrl`
 
 import sys
 import time
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium
 import numpy as np
+from rich.console import Console
 
 import mjforage
+
+output = Console(highlight=False)
 
 EPISODES = 20
 SHARED_REWARD = {"removed": 1.0, "discovered": 0.5, "idleness": 0.02, "approach": 0.05}
@@ -55,14 +59,14 @@ def waypoint(steps: int) -> None:
 
     env = gymnasium.make("mjforage/Waypoint-v0")
     random, builtin = mean_return(env), builtin_return(env.unwrapped)
-    print(f"random {random:.1f}, built-in controller {builtin:.1f}")
+    output.print(f"random {random:.1f}, built-in controller {builtin:.1f}")
     model = PPO(
         "MlpPolicy", env, seed=0, device="cpu", n_steps=1024, batch_size=128, learning_rate=1e-3
     )
     started = time.perf_counter()
     model.learn(steps)
     minutes = (time.perf_counter() - started) / 60
-    print(f"PPO after {steps} steps, {minutes:.1f} min: {mean_return(env, model):.1f}")
+    output.print(f"PPO after {steps} steps, {minutes:.1f} min: {mean_return(env, model):.1f}")
 
 
 def shared(steps: int) -> None:
@@ -70,12 +74,12 @@ def shared(steps: int) -> None:
     from stable_baselines3 import PPO
 
     env = gymnasium.make("mjforage/SharedPolicy-v0", reward=SHARED_REWARD)
-    print(f"random {mean_return(env):.1f}")
+    output.print(f"random {mean_return(env):.1f}")
     model = PPO("MultiInputPolicy", env, seed=0, device="cpu", n_steps=2400, batch_size=240)
     started = time.perf_counter()
     model.learn(steps)
     minutes = (time.perf_counter() - started) / 60
-    print(f"PPO after {steps} steps, {minutes:.1f} min: {mean_return(env, model):.1f}")
+    output.print(f"PPO after {steps} steps, {minutes:.1f} min: {mean_return(env, model):.1f}")
 
 
 def torchrl() -> None:
@@ -91,9 +95,14 @@ def torchrl() -> None:
     for team in env.group_map:
         rewards = episode["next", team, "reward"]
         mean = float(rewards.sum(0).mean())
-        print(f"{team}: {rewards.shape[0]} steps, return per agent {mean:.1f}")
+        output.print(f"{team}: {rewards.shape[0]} steps, return per agent {mean:.1f}")
 
 
 if __name__ == "__main__":
     what, *numbers = sys.argv[1:] or ["torchrl"]
-    {"waypoint": waypoint, "shared": shared, "torchrl": torchrl}[what](*map(int, numbers))
+    lessons: dict[str, Callable[..., None]] = {
+        "waypoint": waypoint,
+        "shared": shared,
+        "torchrl": torchrl,
+    }
+    lessons[what](*map(int, numbers))

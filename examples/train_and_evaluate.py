@@ -10,6 +10,8 @@ on where it stopped.
 import sys
 from pathlib import Path
 
+from rich.console import Console
+
 from graph_planner.policies.ddqn import QPolicy
 from graph_planner.policies.registry import register
 from mjforage.learning.run import train
@@ -21,6 +23,7 @@ from mjforage.report import write_report
 from mjforage.scenario_file import load_scenario
 from mjforage.studies.evaluate import evaluate
 
+output = Console(highlight=False, soft_wrap=True)
 FOLDER = Path("runs") / "tutorial"
 WEIGHTS = FOLDER / "training" / "best.safetensors"
 
@@ -36,7 +39,9 @@ class MyPolicy(QPolicy):
 def main(hours: float) -> None:
     """Train, evaluate, film."""
     scenario = load_scenario("comb-port")
-    print(f"training for {hours} hours; look with: tensorboard --logdir {FOLDER / 'training'}")
+    output.print(
+        f"training for {hours} hours; look with: tensorboard --logdir {FOLDER / 'training'}"
+    )
     train(scenario, Settings(), FOLDER / "training", hours=hours)
     run = FOLDER / f"run-{hours:g}h"
     summary = evaluate(
@@ -45,11 +50,11 @@ def main(hours: float) -> None:
     for world, policies in summary.items():
         for name, scores in policies.items():
             figures = ", ".join(f"{k} {scores[k]['mean']:.3f}" for k in ("pta_c", "nt50", "nt90"))
-            print(f"{world}, {name}: {figures}")
-    print(f"report: {write_report(run)}")
+            output.print(f"{world}, {name}: {figures}")
+    output.print(f"report: {write_report(run)}")
     film = FOLDER / "physics.mp4"
     render_replay(Replay.load(run / "replay" / "physics-mine-0.npz"), film, duration_s=600.0)
-    print(f"film: {film}")
+    output.print(f"film: {film}")
 
 
 if __name__ == "__main__":

@@ -113,7 +113,7 @@ class Trainer:
 
     @property
     def networks(self) -> "dict[str, DuelingNetwork]":
-        """Team -> network to use: the target, a moving average and so steadier than the online one."""
+        """Team -> network to use: the target, a moving average, steadier than the online one."""
         return {team: learner.target for team, learner in self.learners.items()}
 
     def play_round(self) -> Row:

@@ -30,7 +30,9 @@ def task(rows: int = 9, columns: int = 12) -> Task:
     return task_of(graph, scouts=Role(2, 2, 4.0, False), foragers=Role(1, 1, 1.0, True))
 
 
-def write(path: Path, kind: str = "egocentric", **changes: torch.Tensor) -> Path:
+def write(
+    path: Path, kind: str = "egocentric", changes: dict[str, torch.Tensor] | None = None
+) -> Path:
     torch.manual_seed(0)
     shapes = PERCEPTIONS[kind](task()).shapes
     tensors = {
@@ -38,7 +40,7 @@ def write(path: Path, kind: str = "egocentric", **changes: torch.Tensor) -> Path
         for team in TEAMS
         for name, value in DuelingNetwork(shapes).state_dict().items()
     }
-    save_file(tensors | changes, path, metadata=header_notes(WeightsHeader(kind, shapes)))
+    save_file(tensors | (changes or {}), path, metadata=header_notes(WeightsHeader(kind, shapes)))
     return path
 
 
@@ -81,7 +83,7 @@ def test_what_is_no_weight_file_is_named(tmp_path: Path) -> None:
 
 
 def test_tensors_of_another_shape_and_cut_files_are_named(tmp_path: Path) -> None:
-    wrong = write(tmp_path / "w.safetensors", **{"scout.value.2.bias": torch.zeros(7)})
+    wrong = write(tmp_path / "w.safetensors", changes={"scout.value.2.bias": torch.zeros(7)})
     with pytest.raises(WeightsError, match=r"scout.value.2.bias has shape \(7,\), expected \(1,\)"):
         load_networks(wrong, task())
     cut = tmp_path / "cut.safetensors"
@@ -113,7 +115,7 @@ def test_the_network_is_dueling() -> None:
     levels = {name: torch.randint(0, 256, (4, *s), dtype=torch.uint8) for name, s in shapes.items()}
     before = network(levels)
     with torch.no_grad():
-        network.value[2].bias += 3.0
+        network.get_parameter("value.2.bias").add_(3.0)
     torch.testing.assert_close(network(levels), before + 3.0)
 
 

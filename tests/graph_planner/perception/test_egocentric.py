@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from graph_planner.fleet import Role
 from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
 from graph_planner.perception import Egocentric
+from graph_planner.perception.base import Levels
 from graph_planner.perception.egocentric import COARSE, REACH, SELF
 from graph_planner.perception.moves import MOVE_FEATURES
 from graph_planner.task import Task
@@ -30,7 +31,7 @@ def harbour() -> tuple[NavigationGraph, Task]:
 
 def look(
     task: Task, cells: list[tuple[int, int]], known: dict[tuple[int, int], int], step: int = 1
-):  # type: ignore[no-untyped-def]
+) -> dict[str, Levels]:
     view = Egocentric(task)
     view.reset(1)
     return {

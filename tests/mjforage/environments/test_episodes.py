@@ -151,7 +151,7 @@ def test_no_observation_leaves_its_space(data: st.DataObject) -> None:
             action = action.reshape(shape)
         observation, reward, terminated, truncated, _ = env.step(action)
         assert env.observation_space.contains(observation)
-        assert np.isfinite(reward)
+        assert np.isfinite(float(reward))
         if terminated or truncated:
             break
 

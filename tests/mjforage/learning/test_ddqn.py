@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 import torch
 
+from graph_planner.perception import Shapes
 from mjforage.learning.ddqn import Learner
 from mjforage.learning.replay import FINAL, NOT_SHOWN, PLAYED, Batch
 from mjforage.learning.settings import Settings, changed
 
-SHAPES = {"x": (2,)}
+SHAPES: Shapes = {"x": (2,)}
 
 
 def learner(**changes: object) -> Learner:
