@@ -15,6 +15,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+import torch
 from rich.console import Console
 
 import mjforage
@@ -99,6 +100,7 @@ def torchrl() -> None:
 
 
 if __name__ == "__main__":
+    torch.set_num_threads(1)  # the networks are small: more threads only wait for each other
     what, *numbers = sys.argv[1:] or ["torchrl"]
     lessons: dict[str, Callable[..., None]] = {
         "waypoint": waypoint,
