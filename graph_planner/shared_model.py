@@ -28,7 +28,7 @@ class Knowledge(NamedTuple):
     known_at: Int32Array  # (episode, node) place of a node in `known`
     n_known: Int32Array  # (episode,)
     counted_node: Int32Array  # (episode, item) node in which `truth` counts it, -1 not at all
-    sighted: NDArray[np.int16]  # (episode, node) items seen if looked at; or `truth` itself
+    sighted: NDArray[np.int16]  # (episode, node) items seen if looked at; or `truth`
     sighted_node: Int32Array  # (episode, item) the same for `counted_node`
     t_discovered: NDArray[np.int16]  # (episode, item) [step]
     discovered_by: NDArray[np.int16]  # (episode, item) agent
