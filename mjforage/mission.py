@@ -1,5 +1,6 @@
 """The mission loop: decide -> move -> collect -> drift -> see -> log, for a batch of episodes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -160,12 +161,20 @@ class Mission:
         seed : the run's seed
         episodes : (episode,) their numbers; each is the same world whatever else is in the batch
         """
-        self.start(episode_keys(seed, episodes))
+        names = [f"{seed}, episode {episode}" for episode in episodes]
+        self.start(episode_keys(seed, episodes), names)
 
-    def start(self, keys: UInt64Array) -> None:
-        """Start the episodes with the given keys (episode,)."""
+    def start(self, keys: UInt64Array, names: Sequence[str] = ()) -> None:
+        """Start episodes.
+
+        Parameters
+        ----------
+        keys : (episode,) which decide them
+        names : (episode,) for messages; absent: their keys
+        """
         self.keys = keys
         self.world = self.setting.create_world(self.keys)
+        names = names or [f"key {key}" for key in keys]
         self.state: Transition = self._dynamics.reset(self.world, self.keys)
         self.model.reset(self.state.agent_node, self.state.item_node, self.keys)
         self.step = np.zeros(keys.size, np.int32)
