@@ -78,6 +78,7 @@ class Learner:
             losses = losses + self.settings.margin_weight * self._margin(values, shown)
             loss = (weights * losses).mean()
             self.optimiser.zero_grad(set_to_none=True)
+            self.optimiser.param_groups[0]["lr"] = self._rate
             loss.backward()  # type: ignore[no-untyped-call]
             torch.nn.utils.clip_grad_norm_(self.online.parameters(), GRADIENT_LIMIT)
             self.optimiser.step()
@@ -90,6 +91,12 @@ class Learner:
             "error": float(np.abs(errors).mean()),
         }
         return facts, errors
+
+    @property
+    def _rate(self) -> float:
+        """Learning rate now."""
+        gone = min(1.0, self.updates / self.settings.rate_updates)
+        return self.settings.learning_rate * (1.0 - 0.9 * gone)
 
     def _margin(self, values: Tensor, shown: Tensor) -> Tensor:
         """(row,) by how much a shown move fails to be better than all others by the margin."""

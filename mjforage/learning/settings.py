@@ -33,6 +33,8 @@ class Settings:
     n_step: int = field(default=3, metadata=bounded(1, 50))
     batch: int = field(default=128, metadata=bounded(1, 65536))  # paper
     learning_rate: float = field(default=3e-4, metadata=bounded(0, 1))  # paper: 1e-4
+    rate_updates: int = field(default=30_000, metadata=bounded(1, 1_000_000_000))
+    """Updates over which the learning rate falls to a tenth, in a straight line."""
     capacity: int = field(default=60_000, metadata=bounded(1000, 10_000_000))
     """Decisions in the replay of each team."""
     priority: float = field(default=0.6, metadata=bounded(0, 1))  # alpha of the replay

@@ -100,3 +100,11 @@ def test_it_learns_the_values_of_a_chain() -> None:
     assert values.argmax(axis=1).tolist() == [1, 2]
     assert values[1, 2] == pytest.approx(2.0, abs=0.25)
     assert values[0, 1] == pytest.approx(1.0 + 0.5 * 2.0, abs=0.3)
+
+
+def test_the_learning_rate_falls_to_a_tenth() -> None:
+    one = learner(rate_updates=10, learning_rate=1e-3)
+    for updates, rate in ((0, 1e-3), (5, 5.5e-4), (10, 1e-4), (99, 1e-4)):
+        one.updates = updates
+        one.learn(batch([0]))
+        assert one.optimiser.param_groups[0]["lr"] == pytest.approx(rate)
