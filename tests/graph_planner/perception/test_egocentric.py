@@ -7,7 +7,8 @@ from graph_planner.fleet import Role
 from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
 from graph_planner.perception import Egocentric
 from graph_planner.perception.base import Levels
-from graph_planner.perception.egocentric import COARSE, REACH, SELF
+from graph_planner.perception.egocentric import SELF
+from graph_planner.perception.fields import COARSE, REACH
 from graph_planner.perception.moves import MOVE_FEATURES
 from graph_planner.task import Task
 from tests.graph_planner.charts import grid
