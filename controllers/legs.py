@@ -110,7 +110,7 @@ def stemming_speed(s: FloatArray, wanted: float, error: float, steer: float) -> 
     steer : course over ground [rad]
     """
     c, t = s[WAY] * math.cos(s[YAW]), s[WAY] * math.sin(s[YAW])
-    across = c * math.sin(steer) * -1.0 + t * math.cos(steer)
+    across = t * math.cos(steer) - c * math.sin(steer)
     drift = math.cos(steer) * s[DRIFT_Y] - math.sin(steer) * s[DRIFT_X]
     if across * drift >= 0.0 or abs(error) > 0.5 * math.pi:
         return 0.0
@@ -139,8 +139,8 @@ def follow_in_drift(
 
 
 @kernel
-def follow_leg(s: FloatArray, p: FloatArray, step_s: float) -> tuple[float, float, float]:
-    """Heading [rad] and signed speed [m/s] wanted, and the distance left along the leg [m]."""
+def follow_leg(s: FloatArray, p: FloatArray, step_s: float) -> tuple[float, float]:
+    """Heading [rad] and signed speed over ground along the hull [m/s] wanted."""
     along, across = along_and_across(s[X], s[Y], s[LEG_X], s[LEG_Y], s[COURSE])
     left = s[LEG_LENGTH] - along
     cruise = p[CRUISE_AHEAD] if s[WAY] > 0.0 else p[CRUISE_ASTERN]
@@ -150,8 +150,7 @@ def follow_leg(s: FloatArray, p: FloatArray, step_s: float) -> tuple[float, floa
         speed = 0.0
     drift = math.sqrt(s[DRIFT_X] ** 2 + s[DRIFT_Y] ** 2)
     if drift > FERRY_MPS and s[LEG_LENGTH] < LONG_M:
-        heading, wanted = follow_in_drift(s, p, across, left, speed)
-        return heading, wanted, left
+        return follow_in_drift(s, p, across, left, speed)
     lookahead = min(p[LOOKAHEAD], max(left, LEAST_LOOKAHEAD_M))
     steer = ilos_course(s[COURSE], across, s[ACROSS_INTEGRAL], p[KAPPA], lookahead)
     made = s[WAY] * (math.cos(s[YAW]) * s[VX] + math.sin(s[YAW]) * s[VY])
@@ -161,4 +160,4 @@ def follow_leg(s: FloatArray, p: FloatArray, step_s: float) -> tuple[float, floa
     if straight and made > LEAST_SPEED_MPS:
         rate = ilos_rate(across, s[ACROSS_INTEGRAL], p[KAPPA], p[LOOKAHEAD])
         s[ACROSS_INTEGRAL] += step_s * rate
-    return heading, s[WAY] * min(speed, turning_limit(p, math.cos(error))), left
+    return heading, s[WAY] * min(speed, turning_limit(p, math.cos(error)))

@@ -14,14 +14,13 @@ from controllers.estimate import estimate
 from controllers.helm import FloatArray, Helm, packed
 from controllers.prediction import NEVER_S, SAMPLES
 from controllers.safety import limit_speeds
-from controllers.state import CLOCK, HOLD, MODE, RANK, START
+from controllers.state import CLOCK, HOLD, IDLE, MODE, RANK, START
 from controllers.steering import change_mode, start_decision, steer
 from controllers.traffic import plan_fleet, rank_fleet
 
 OPEN_PITCH_M = 4.0  # side of a node where there is no chart
 ROOM = 0.32  # of a node's side: farthest that midships goes from the centre to pick up
 PLAN_S = 0.5  # between two looks at the traffic
-
 HELD_MPS = 0.1  # slower than this at most counts as held back
 
 
@@ -50,6 +49,8 @@ def _command(
         for v in range(helms.shape[0]):
             estimate(fleet[v], helms[v], pose[e, v], velocity[e, v], step_s)
             fleet[v, CLOCK] += step_s
+        if fleet[0, MODE] == IDLE:
+            continue
         if fleet[0, MODE] == START:
             clock[e] = 0
             for v in range(helms.shape[0]):
@@ -57,9 +58,8 @@ def _command(
             rank_fleet(fleet, helms, paths[helms.shape[0]])
         for v in range(helms.shape[0]):
             change_mode(fleet[v], helms[v])
-            arrived = fleet[v, MODE] == HOLD and fleet[v, RANK] < NEVER_S
-            if arrived:
-                fleet[v, RANK] = NEVER_S + v
+            if fleet[v, MODE] == HOLD and fleet[v, RANK] < NEVER_S:
+                fleet[v, RANK] = NEVER_S + v  # who has arrived makes room
         if clock[e] % rhythm == 0 and helms.shape[0] > 1:
             plan_fleet(Traffic(fleet, helms, paths, met, land, pitch))
         clock[e] += 1
@@ -114,6 +114,7 @@ class Pilot:
         """Forget episodes (indices or mask, all by default)."""
         chosen = self._every if ids is None else self._every[ids]
         self._state[chosen] = 0.0
+        self._state[chosen, :, at.MODE] = at.IDLE
         self._state[chosen, :, at.ITEM_X : at.ITEM_Y + 1] = np.nan
         self._state[chosen, :, at.TARGET_X : at.TARGET_Y + 1] = np.nan
 
@@ -162,8 +163,8 @@ class Pilot:
 
         Returns
         -------
-        (episode, vessel, 2) port, starboard, in the thruster's unit and range; valid until the
-        next call
+        (episode, vessel, 2) port, starboard, in the thruster's unit and range, 0 before the first
+        order; valid until the next call
         """
         _command(
             np.ascontiguousarray(active, np.bool_),
@@ -187,5 +188,5 @@ class Pilot:
         state = self._state
         ahead, astern = state[..., at.MOST_AHEAD], state[..., at.MOST_ASTERN]
         most = np.where(state[..., at.WAY] > 0.0, ahead, astern)
-        held = (state[..., at.WAIT] > 0.0) | (most < HELD_MPS)
-        return np.asarray((state[..., at.MODE] != at.HOLD) & held)
+        held = (state[..., at.WAIT] > state[..., at.CLOCK]) | (most < HELD_MPS)
+        return np.asarray((state[..., at.MODE] == at.TRANSIT) & held)

@@ -31,4 +31,5 @@ BACKING = 48
 UP = 49
 SIZE = 50
 
-HOLD, TRANSIT, START = 0.0, 1.0, 2.0  # modes; START: a decision not yet begun
+# Modes; START: a decision not yet begun, IDLE: none yet.
+HOLD, TRANSIT, START, IDLE = 0.0, 1.0, 2.0, 3.0

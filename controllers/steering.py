@@ -226,10 +226,10 @@ def steer(s: FloatArray, p: FloatArray, room: float, step_s: float) -> tuple[flo
 
     Parameters
     ----------
-    room : half the side of the node, less a margin, to pick up items in [m]
+    room : how far from the target on each axis midships may go to pick up an item [m]
     """
     if s[MODE] == TRANSIT:
-        heading, speed, _ = follow_leg(s, p, step_s)
+        heading, speed = follow_leg(s, p, step_s)
         return drive(s, p, heading, speed, step_s)
     at_target = s[PLACE_X] == s[TARGET_X] and s[PLACE_Y] == s[TARGET_Y]
     if not math.isnan(s[ITEM_X]) and s[ARRIVED] != 0.0 and at_target:

@@ -10,7 +10,14 @@ right of way by the vessel it meets, once in a decision.
 import math
 
 from controllers._compiled import kernel
-from controllers.conflicts import NONE, Traffic, first_conflict, ways_meet
+from controllers.conflicts import (
+    NONE,
+    Traffic,
+    conflict,
+    first_conflict,
+    runs_aground,
+    ways_meet,
+)
 from controllers.detours import (
     BAD_S,
     Plan,
@@ -37,12 +44,16 @@ from controllers.state import (
     TRANSIT,
     VIA,
     WAIT,
+    X,
+    Y,
 )
 from controllers.steering import distance_to, start_transit
 
 RETURN_M = 0.15  # margin more for giving up a detour
 KEEP_M = 0.1  # margin less for keeping on as before
 PATIENCE_S = 3.0  # a detour around a vessel that stays may take so much longer
+PASSING_M = (0.7, 0.9, 1.2, -0.7, -0.9, -1.2)  # how far to starboard of the middle two pass
+PASSING = 2.0  # stuck, but passing with the other's help
 RINGS_M = (0.9, 1.3, 1.8)  # how far beside its target a vessel makes room
 
 
@@ -80,13 +91,51 @@ def plan_of(s: FloatArray) -> Plan:
 def take_plan(traffic: Traffic, v: int, plan: Plan) -> None:
     """Let vessel `v` follow a new plan."""
     s, p = traffic.fleet[v], traffic.helms[v]
-    s[WAIT] = s[CLOCK] + plan.wait_s
+    s[WAIT] = s[CLOCK] + plan.wait_s if plan.wait_s > 0.0 else 0.0
     try_plan(traffic, v, plan)
     keep_path(traffic, v)
     if not math.isnan(plan.via_x):
         start_transit(s, p, plan.via_x, plan.via_y, True)
     elif s[VIA] != 0.0:
         start_transit(s, p, plan.end_x, plan.end_y, False)
+
+
+@kernel
+def passing_plan(s: FloatArray, x: float, y: float, aside: float) -> Plan:
+    """The way through the point `aside` metres to starboard of (x, y)."""
+    dx, dy = s[PLACE_X] - s[X], s[PLACE_Y] - s[Y]
+    far = max(math.sqrt(dx * dx + dy * dy), 1e-6)
+    return Plan(x + aside * dy / far, y - aside * dx / far, 0.0, s[PLACE_X], s[PLACE_Y])
+
+
+@kernel
+def pass_each_other(traffic: Traffic, v: int, u: int) -> bool:
+    """Let two vessels that meet head-on both give way, to starboard if they can.
+
+    Neither could go round the other alone. The second, who should have given way, counts as stuck,
+    so that the first goes on heeding it.
+    """
+    fleet, helms, paths = traffic.fleet, traffic.helms, traffic.paths
+    a, b = fleet[v], fleet[u]
+    x, y = 0.5 * (a[X] + b[X]), 0.5 * (a[Y] + b[Y])
+    for aside in PASSING_M:
+        plan_a, plan_b = passing_plan(a, x, y, aside), passing_plan(b, x, y, aside)
+        if (plan_a.via_x - plan_b.via_x) ** 2 + (plan_a.via_y - plan_b.via_y) ** 2 < aside * aside:
+            return False  # they do not meet head-on
+        try_plan(traffic, u, plan_b)
+        if runs_aground(paths[-1], helms[u], traffic.land, traffic.pitch):
+            continue
+        keep_path(traffic, u)
+        try_plan(traffic, v, plan_a)
+        free = not runs_aground(paths[-1], helms[v], traffic.land, traffic.pitch)
+        if free and conflict(paths[-1], paths[u], helms[v], helms[u], -KEEP_M) == NONE:
+            take_plan(traffic, u, plan_b)
+            take_plan(traffic, v, plan_a)
+            a[STUCK] = PASSING
+            return True
+    try_plan(traffic, u, plan_of(b))
+    keep_path(traffic, u)
+    return False
 
 
 @kernel
@@ -98,9 +147,12 @@ def goes_on(traffic: Traffic, v: int) -> bool:
     first, _ = first_conflict(traffic, v, True, RETURN_M if planned else -KEEP_M)
     if first == NONE:
         take_plan(traffic, v, straight_on(s))
+        s[STUCK] = 0.0
         return True
     if planned and plan_cost(traffic, v, plan_of(s), True, -KEEP_M) < BAD_S:
         keep_path(traffic, v)
+        if s[STUCK] != PASSING:
+            s[STUCK] = 0.0
         return True
     return False
 
@@ -110,9 +162,9 @@ def plan_mover(traffic: Traffic, v: int) -> bool:
     """Choose the plan of a vessel under way; whether it has taken over another's right of way."""
     fleet = traffic.fleet
     s = fleet[v]
-    s[STUCK] = 0.0
     if goes_on(traffic, v):
         return False
+    s[STUCK] = 0.0
     straight = straight_on(s)
     direct = try_plan(traffic, v, straight)
     first, _ = first_conflict(traffic, v, True, -KEEP_M)
@@ -127,6 +179,8 @@ def plan_mover(traffic: Traffic, v: int) -> bool:
                 s[RANK], fleet[other, RANK] = fleet[other, RANK], s[RANK]
                 s[PROMOTED] = 1.0
                 return True
+            if fleet[other, RANK] < NEVER_S and pass_each_other(traffic, v, other):
+                return False
             cost, plan = search_detour(traffic, v, first, False)
     s[STUCK] = 1.0 if cost > BAD_S else 0.0
     take_plan(traffic, v, plan)

@@ -5,7 +5,7 @@ never asks where they came from. Order within a step (scenario section 1): discr
 visibility; idleness; belief <- Y where seen; first discoveries credited, a tie to the scout.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
+from graph_planner.rows import put_rows
 from graph_planner.task import NEVER, Task
 from graph_planner.visibility import NodeLists
 
@@ -235,6 +236,19 @@ class SharedModel:
         )
         everyone, start = np.ones(nodes[0], np.bool_), np.zeros(nodes[0], np.int32)
         self.update(everyone, start, agent_node, item_node, np.full(items, -1, np.int16))
+
+    def adopt(self, rows: NDArray[np.int64], other: "SharedModel") -> None:
+        """Replace episodes (row,) of the batch by those of another model."""
+        nobody = {"counted_node", "sighted_node", "t_discovered", "discovered_by", "t_collected"}
+        mine, theirs = self.knowledge, other.knowledge
+        mixed: dict[str, Any] = {
+            name: put_rows(getattr(mine, name), rows, getattr(theirs, name), -(name in nobody))
+            for name in mine._fields
+        }
+        if mine.sighted is mine.truth:  # everything is seen: they stay one array
+            mixed |= {"sighted": mixed["truth"], "sighted_node": mixed["counted_node"]}
+        self.knowledge = Knowledge(**mixed)
+        self._keys = put_rows(self._keys, rows, other._keys)
 
     def update(
         self,

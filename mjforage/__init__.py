@@ -3,6 +3,10 @@
 import importlib.util
 from importlib.metadata import version
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mjforage.environments.parallel import ForagingParallelEnv
 
 __version__ = version("mjforage")
 
@@ -24,3 +28,30 @@ def _check_floors() -> None:
 
 
 _check_floors()
+
+
+def parallel_env(**options: Any) -> "ForagingParallelEnv":
+    """The PettingZoo view of a mission.
+
+    Parameters
+    ----------
+    options : scenario, world, observation, reward, map, set, render_mode; see
+        `mjforage.environments.choice.Choice`
+
+    Raises
+    ------
+    UserError
+        If one is not valid.
+    """
+    from mjforage.environments.parallel import ForagingParallelEnv
+
+    return ForagingParallelEnv(**options)
+
+
+def _register() -> None:
+    from mjforage.environments.registration import register_all
+
+    register_all()
+
+
+_register()

@@ -16,6 +16,7 @@ import numpy as np
 from graph_planner.policies import create_policy
 from mjforage.dynamics.speeds import mission_speeds
 from mjforage.episode_log import EpisodeLog
+from mjforage.learning.speeds import learning_speeds
 from mjforage.maps import GridMap
 from mjforage.mission import Mission, Setting
 from mjforage.scenario_file import load_scenario
@@ -162,8 +163,19 @@ def bench(progress: Progress = lambda name: None) -> Figures:
     speeds = physics_speeds(PHYSICS_S, PHYSICS_BATCH) | mission_speeds(*MISSION)
     for key, value in speeds.items():
         figures[key] = {"value": value, "unit": _physics_unit(key)}
+    progress("learning")
+    for key, value in learning_speeds().items():
+        figures[key] = {"value": value, "unit": _learning_unit(key)}
     figures["peak_memory_physics"] = {"value": _peak_memory_mb(), "unit": "MB"}
     return figures
+
+
+def _learning_unit(key: str) -> str:
+    if "obs_steps" in key:
+        return "agent observations per CPU second of one core, environment included"
+    if "updates" in key:
+        return "updates of one team's network per CPU second of one core"
+    return "of the time of training"
 
 
 def _physics_unit(key: str) -> str:

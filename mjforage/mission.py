@@ -1,5 +1,6 @@
 """The mission loop: decide -> move -> collect -> drift -> see -> log, for a batch of episodes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,9 +13,11 @@ from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
 from graph_planner.navigation import NavigationGraph, navigation_graph
 from graph_planner.policies import Bound, Policy
 from graph_planner.randomness import UInt64Array, episode_keys
+from graph_planner.rows import put_rows
 from graph_planner.shared_model import SharedModel
 from graph_planner.task import Observation, Task, Truth
 from mjforage.dynamics import Dynamics, Transition
+from mjforage.dynamics.graph import GraphDynamics
 from mjforage.dynamics.worlds import WORLDS
 from mjforage.film import Film
 from mjforage.maps import GridMap, check_starts, load_map, load_starts, reachable_share
@@ -158,13 +161,38 @@ class Mission:
         seed : the run's seed
         episodes : (episode,) their numbers; each is the same world whatever else is in the batch
         """
-        self.keys = episode_keys(seed, episodes)
-        self.world = self.setting.create_world(self.keys)
         names = [f"{seed}, episode {episode}" for episode in episodes]
+        self.start(episode_keys(seed, episodes), names)
+
+    def start(self, keys: UInt64Array, names: Sequence[str] = ()) -> None:
+        """Start episodes.
+
+        Parameters
+        ----------
+        keys : (episode,) which decide them
+        names : (episode,) for messages; absent: their keys
+        """
+        self.keys = keys
+        self.world = self.setting.create_world(self.keys)
+        names = names or [f"key {key}" for key in keys]
         self.state: Transition = self._dynamics.reset(self.world, self.keys, names)
         self.model.reset(self.state.agent_node, self.state.item_node, self.keys)
-        self.step = np.zeros(episodes.size, np.int32)
-        self.active = np.ones(episodes.size, np.bool_)
+        self.step = np.zeros(keys.size, np.int32)
+        self.active = np.ones(keys.size, np.bool_)
+
+    def adopt(self, rows: NDArray[np.int64], other: "Mission") -> None:
+        """Replace episodes (row,) of the batch by another mission's; in the graph world only.
+
+        So a batch goes on while some of its episodes are over: see `mjforage.environments`. The
+        initial `world` stays that of the first episodes.
+        """
+        assert isinstance(self._dynamics, GraphDynamics) and isinstance(
+            other._dynamics, GraphDynamics
+        )
+        self.state = self._dynamics.adopt(rows, other._dynamics)
+        self.model.adopt(rows, other.model)
+        for name in ("keys", "step", "active"):
+            setattr(self, name, put_rows(getattr(self, name), rows, getattr(other, name)))
 
     @property
     def observation(self) -> Observation:

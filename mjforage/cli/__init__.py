@@ -7,11 +7,20 @@ from collections.abc import Sequence
 import cyclopts
 from rich.logging import RichHandler
 
-from mjforage.cli import drawing, hulls, lists, runs, speeds, validating  # they add their commands
+from graph_planner.errors import WeightsError
+from mjforage.cli import (  # they add their commands
+    drawing,
+    hulls,
+    lists,
+    runs,
+    speeds,
+    training,
+    validating,
+)
 from mjforage.cli.console import app, errors
 from mjforage.errors import UserError
 
-__all__ = ["drawing", "hulls", "lists", "main", "runs", "speeds", "validating"]
+__all__ = ["drawing", "hulls", "lists", "main", "runs", "speeds", "training", "validating"]
 
 BAD_INPUT = 2  # exit code of every error that a user can mend, an interruption included
 
@@ -25,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     )
     try:
         app(arguments, exit_on_error=False, print_error=False)
-    except (UserError, cyclopts.CycloptsError) as error:
+    except (UserError, WeightsError, cyclopts.CycloptsError) as error:
         words = " ".join(str(error).split())
         errors.print(f"mjforage: {words}", style="red", markup=False)
         sys.exit(BAD_INPUT)

@@ -14,6 +14,7 @@ from graph_planner.geodesics import Int32Array
 from graph_planner.moves import Moves, move_length
 from graph_planner.navigation import OFFSETS, STAY, NavigationGraph
 from graph_planner.randomness import UInt64Array
+from graph_planner.rows import put_rows
 from mjforage.dynamics import ARRIVED, BLOCKED, Transition, start_state
 from mjforage.dynamics.item_rule import ItemRule
 from mjforage.film import Film
@@ -72,6 +73,19 @@ class GraphDynamics:
         drift = world.drift_rc[0] * self._mps / LEEWAY
         self._wind = np.array((drift[1], -drift[0]))
         self._shoot()
+        return self._state
+
+    def adopt(self, rows: NDArray[np.int64], other: "GraphDynamics") -> Transition:
+        """Replace episodes (row,) of the batch by those of another one; returns the new state."""
+        nobody = {"item_node", "collected_by"}
+        mine, theirs = self._state, other._state
+        self._state = Transition(
+            *(
+                put_rows(getattr(mine, name), rows, getattr(theirs, name), -(name in nobody))
+                for name in mine._fields
+            )
+        )
+        self._items.adopt(rows, other._items)
         return self._state
 
     def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:

@@ -11,6 +11,7 @@ from graph_planner.fleet import Fleet
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import NavigationGraph, Water
 from graph_planner.randomness import Stream, UInt64Array, stream_key
+from graph_planner.rows import put_rows
 from mjforage.dynamics import Transition
 from mjforage.world import INSET, World, into_water, item_noise
 
@@ -146,6 +147,11 @@ class ItemRule:
         self._n_gone = np.empty(episodes, np.int32)
         present = world.item_node >= 0
         np.add.at(self._items_in_node, (np.nonzero(present)[0], world.item_node[present]), 1)
+
+    def adopt(self, rows: NDArray[np.int64], other: "ItemRule") -> None:
+        """Replace episodes (row,) of the batch by those of another one."""
+        for name in ("_keys", "_drift_rc", "_room_left", "_items_in_node", "_gone", "_n_gone"):
+            setattr(self, name, put_rows(getattr(self, name), rows, getattr(other, name)))
 
     def advance(self, active: NDArray[np.bool_], step: Int32Array, state: Transition) -> None:
         """One step once all have moved: collect, then drift."""

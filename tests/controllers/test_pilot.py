@@ -81,6 +81,28 @@ def test_a_stay_at_the_place_needs_no_thrust() -> None:
     assert not pilot.command(np.ones(1, np.bool_), pose, np.zeros((1, 2, 3))).any()
 
 
+def test_before_the_first_order_nothing_moves() -> None:
+    pilot, case = Pilot(HELMS, CHART, 3), cases(3)
+    assert not pilot.command(np.ones(3, np.bool_), case["pose"], case["velocity"]).any()
+
+
+def test_nobody_gives_way_on_open_water_alone() -> None:
+    pilot, case = Pilot(HELMS[:1], None, 5), {k: a[:, :1] for k, a in cases(5).items()}
+    pilot.order(np.ones(5, np.bool_), case["origin"], case["target"], np.zeros((5, 1), np.bool_))
+    pilot.command(np.ones(5, np.bool_), case["pose"], case["velocity"])
+    assert not pilot.giving_way.any()
+
+
+def test_who_waits_gives_way() -> None:
+    """Bow to bow at a metre, both told to go on: at least one is held back."""
+    pilot, to = Pilot(HELMS[:1] * 2, None, 1), np.array([[[8.0, 0.0], [-8.0, 0.0]]])
+    pose = np.array([[[-1.2, 0.0, 0.0], [1.2, 0.0, np.pi]]])
+    active = np.ones(1, np.bool_)
+    pilot.order(active, pose[..., :2].copy(), to, np.zeros((1, 2), np.bool_))
+    pilot.command(active, pose, np.array([[[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]]))
+    assert pilot.giving_way.any()
+
+
 @pytest.mark.parametrize(("helms", "episodes", "control_s"), [([], 1, 0.1), (HELMS, 0, 0.1)])
 def test_nothing_to_steer_is_refused(helms: list[object], episodes: int, control_s: float) -> None:
     with pytest.raises(ValueError, match="pilot: "):

@@ -1,0 +1,61 @@
+"""Train the Double DQN, evaluate it beside Greedy in both worlds, and film an episode.
+
+    python examples/train_and_evaluate.py 0.1
+
+trains for 0.1 hours (the default; a quarter of an hour beats Greedy) and leaves `runs/tutorial/`:
+the training run, an evaluated run of both worlds with its report, and a film. The same command goes
+on where it stopped.
+"""
+
+import sys
+from pathlib import Path
+
+from rich.console import Console
+
+from graph_planner.policies.ddqn import QPolicy
+from graph_planner.policies.registry import register
+from mjforage.learning.run import train
+from mjforage.learning.settings import Settings
+from mjforage.mission import Setting
+from mjforage.render import render_replay
+from mjforage.replay import Replay
+from mjforage.report import write_report
+from mjforage.scenario_file import load_scenario
+from mjforage.studies.evaluate import evaluate
+
+output = Console(highlight=False, soft_wrap=True)
+FOLDER = Path("runs") / "tutorial"
+WEIGHTS = FOLDER / "training" / "best.safetensors"
+
+
+@register("mine")
+class MyPolicy(QPolicy):
+    """The weights that this script has trained."""
+
+    def __init__(self) -> None:
+        super().__init__(WEIGHTS)
+
+
+def main(hours: float) -> None:
+    """Train, evaluate, film."""
+    scenario = load_scenario("comb-port")
+    output.print(
+        f"training for {hours} hours; look with: tensorboard --logdir {FOLDER / 'training'}"
+    )
+    train(scenario, Settings(), FOLDER / "training", hours=hours)
+    run = FOLDER / f"run-{hours:g}h"
+    summary = evaluate(
+        Setting.of(scenario), ["mine", "greedy"], run, episodes=20, worlds=("graph", "physics")
+    )
+    for world, policies in summary.items():
+        for name, scores in policies.items():
+            figures = ", ".join(f"{k} {scores[k]['mean']:.3f}" for k in ("pta_c", "nt50", "nt90"))
+            output.print(f"{world}, {name}: {figures}")
+    output.print(f"report: {write_report(run)}")
+    film = FOLDER / "physics.mp4"
+    render_replay(Replay.load(run / "replay" / "physics-mine-0.npz"), film, duration_s=600.0)
+    output.print(f"film: {film}")
+
+
+if __name__ == "__main__":
+    main(float(sys.argv[1]) if len(sys.argv) > 1 else 0.1)

@@ -1,0 +1,290 @@
+"""What one agent sees around itself, roughly everywhere, and of each of its moves.
+
+Unlike the paper's channels its size does not depend on the map, so weights fit every map.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import inlined, kernel
+from graph_planner.geodesics import (
+    FAR,
+    Int32Array,
+    Workspace,
+)
+from graph_planner.navigation import STAY
+from graph_planner.perception.base import (
+    TOP,
+    TRAIL,
+    Levels,
+    Shapes,
+    item_level,
+    remember_places,
+    trail_level,
+)
+from graph_planner.perception.fields import (
+    COARSE,
+    HAUNT_RADIUS,
+    REACH,
+    Chart,
+    Fields,
+    remember_haunts,
+    share_fields,
+)
+from graph_planner.perception.moves import MOVE_FEATURES, Sample, describe_moves, take_sample
+from graph_planner.task import Ground, Observation, Task
+
+SIDE = 2 * REACH + 1
+CROP = ("water", "idleness", "belief", "way to items", "haunts", "scouts", "foragers", "trail")
+GLOBE = ("water", "idleness", "belief", "haunts", "self", "scouts", "foragers")
+SELF = (
+    *("collects", "time", "known nodes", "unseen share", "energy left", "number in team"),
+    *("way to items", "way to unseen", "team size", "others", "moves", "radius"),
+)
+WAY_LEVELS = 2.0  # levels per node of distance: 0 from 127.5 nodes on
+
+
+@inlined
+def _way_level(distance: float) -> int:
+    return int(max(0.0, TOP - WAY_LEVELS * distance)) if distance < FAR else 0
+
+
+@kernel
+def _paint_crop(
+    e: int,
+    a: int,
+    seen: Observation,
+    ground: Ground,
+    framed: Int32Array,
+    fields: Fields,
+    trail: Int32Array,
+    crop: Levels,
+) -> None:
+    """The neighbourhood of one agent, (channel, SIDE, SIDE), north up."""
+    rows, cols, collects = ground.rows, ground.cols, ground.collects
+    belief, agent_node = seen.belief[e], seen.agent_node[e]
+    idle, way, haunt = fields.idle, fields.way, fields.haunt
+    top, left = rows[agent_node[a]], cols[agent_node[a]]  # the frame adds REACH
+    for i in range(SIDE):
+        for j in range(SIDE):
+            node = framed[top + i, left + j]
+            wet = node >= 0
+            crop[0, i, j] = TOP if wet else 0
+            crop[1, i, j] = np.uint8(TOP * idle[node]) if wet else 0
+            crop[2, i, j] = item_level(belief[node]) if wet else 0
+            crop[3, i, j] = _way_level(way[node]) if wet else 0
+            crop[4, i, j] = np.uint8(TOP * haunt[node]) if wet else 0
+    crop[5:] = 0
+    for other in range(agent_node.size):
+        i, j = rows[agent_node[other]] - top + REACH, cols[agent_node[other]] - left + REACH
+        if other != a and 0 <= i < SIDE and 0 <= j < SIDE:
+            crop[6 if collects[other] else 5, i, j] = TOP
+    for k in range(TRAIL - 1, -1, -1):
+        node = trail[a, k]
+        if node >= 0:
+            i, j = rows[node] - top + REACH, cols[node] - left + REACH
+            if 0 <= i < SIDE and 0 <= j < SIDE:
+                crop[7, i, j] = trail_level(k)
+
+
+@kernel
+def _paint_globe(
+    a: int,
+    agent_node: Int32Array,
+    collects: NDArray[np.bool_],
+    chart: Chart,
+    fields: Fields,
+    globe: Levels,
+) -> None:
+    """The whole map in COARSE x COARSE cells, (channel, COARSE^2)."""
+    cell_nodes, water, coarse = chart.cell_nodes, chart.water, chart.coarse
+    cell_idle, cell_items, cell_haunt = fields.cell_idle, fields.cell_items, fields.cell_haunt
+    for cell in range(water.size):
+        nodes = max(1, cell_nodes[cell])
+        globe[0, cell] = water[cell]
+        globe[1, cell] = np.uint8(TOP * min(1.0, cell_idle[cell] / nodes))
+        globe[2, cell] = item_level(cell_items[cell])
+        globe[3, cell] = np.uint8(TOP * min(1.0, cell_haunt[cell] / nodes))
+    globe[4:] = 0
+    for other in range(agent_node.size):
+        channel = 4 if other == a else (6 if collects[other] else 5)
+        globe[channel, coarse[agent_node[other]]] = TOP
+
+
+@kernel
+def _paint_self(
+    e: int,
+    a: int,
+    seen: Observation,
+    ground: Ground,
+    horizon: int,
+    radius: float,
+    energy: float,
+    unseen: int,
+    fields: Fields,
+    out: Levels,
+) -> None:
+    """What an agent knows of itself and the time, in the order of `SELF`."""
+    collects, node = ground.collects, seen.agent_node[e, a]
+    number, team = 0, 0
+    for other in range(collects.size):
+        if collects[other] == collects[a]:
+            number += other < a
+            team += 1
+    out[0] = TOP if collects[a] else 0
+    out[1] = min(TOP, TOP * (seen.step[e] - 1) // horizon)
+    out[2] = min(TOP, 2 * seen.n_known[e])
+    out[3] = TOP * unseen // fields.idle.size
+    share = seen.energy_left[e, a] / energy if energy < FAR else 1.0
+    out[4] = np.uint8(TOP * min(1.0, max(0.0, share)))
+    out[5] = TOP * number // team
+    out[6] = _way_level(fields.way[node])
+    out[7] = _way_level(fields.gap[a, STAY])
+    out[8] = min(TOP, 32 * team)
+    out[9] = min(TOP, 32 * (collects.size - team))
+    out[10] = min(TOP, 32 * ground.moves[a])
+    out[11] = min(TOP, int(16 * radius))
+
+
+@kernel
+def _look_around(
+    rows: NDArray[np.int64],
+    seen: Observation,
+    ground: Ground,
+    chart: Chart,
+    radius: NDArray[np.float64],
+    energy: NDArray[np.float64],
+    horizon: int,
+    trail: Int32Array,
+    fields: Fields,
+    haunts: NDArray[np.bool_],
+    items: Sample,
+    gaps: Sample,
+    lost: Sample,
+    workspace: Workspace,
+    crop: Levels,
+    globe: Levels,
+    moves: Levels,
+    own: Levels,
+) -> None:
+    collects, distances, radius_number = ground.collects, ground.distances, ground.radius_number
+    unseen, suspects = fields.unseen, fields.suspects
+    for e in rows:
+        count, suspected = share_fields(e, seen, ground, chart, haunts[e], fields, workspace)
+        nodes = seen.agent_node[e]
+        take_sample(seen.known[e, : seen.n_known[e]], nodes, collects, distances, items)
+        take_sample(unseen[:count], nodes, collects, distances, gaps)
+        take_sample(suspects[:suspected], nodes, collects, distances, lost)
+        for a in range(nodes.size):
+            _paint_crop(e, a, seen, ground, chart.framed, fields, trail[e], crop[e, a])
+            _paint_globe(a, nodes, collects, chart, fields, globe[e, a])
+            _paint_self(e, a, seen, ground, horizon, radius[a], energy[a], count, fields, own[e, a])
+            describe_moves(
+                a,
+                nodes[a],
+                seen.energy_left[e, a],
+                ground,
+                seen.belief[e],
+                fields.idle,
+                fields.way,
+                fields.gap[a],
+                chart.views,
+                chart.disc[radius_number[a]],
+                items,
+                gaps,
+                lost,
+                moves[e, a],
+            )
+
+
+class Egocentric:
+    """`egocentric`: four arrays per agent, of the same size on every map.
+
+    `crop` (8, 15, 15): the nodes around the agent, itself in the middle, north up.
+
+    | channel | meaning | level |
+    |---|---|---|
+    | 0 | water | 255 |
+    | 1 | idleness I | 255 I |
+    | 2 | believed items | 25.5 per item, full at 10 |
+    | 3 | geodesic distance d [node] to the nearest known item | 255 - 2 d, 0 if none |
+    | 4 | haunts: within 4 nodes items were believed; not seen for a while | 1020 I, at most 255 |
+    | 5, 6 | scouts, foragers, without itself | 255 |
+    | 7 | own trail | 255, then 25.5 less per step back |
+
+    `globe` (7, 16, 16): the whole map in 16 x 16 cells.
+
+    | channel | meaning | level |
+    |---|---|---|
+    | 0 | share of water | 255 x share |
+    | 1 | mean idleness of its nodes | 255 I |
+    | 2 | believed items in the cell | 25.5 per item |
+    | 3 | mean of its nodes' haunt levels | 255 |
+    | 4, 5, 6 | itself, scouts, foragers | 255 |
+
+    `moves` (9, 11): a row per move 0-7 compass, 8 stay; see `graph_planner.perception.moves`.
+
+    `self` (12,): see `SELF`: whether it collects, share of the horizon gone, known nodes (2 each),
+    share of the nodes with idleness 1, energy left, number in its team, distance to the nearest
+    known item and to the nearest node of idleness 1 (255 - 2 d), size of the team and number of
+    the others (32 each), moves per decision (32 each), sensing radius (16 per node).
+    """
+
+    def __init__(self, task: Task) -> None:
+        self._task = task
+        self._chart, self._fields = Chart.of(task), Fields.of(task)
+        self._samples = Sample.empty(), Sample.empty(), Sample.empty()
+        self._around = task.graph.views((HAUNT_RADIUS,))
+        self._workspace = Workspace.of(len(task.graph))
+
+    @property
+    def shapes(self) -> Shapes:
+        """Name -> shape of one agent's array."""
+        return {
+            "crop": (len(CROP), SIDE, SIDE),
+            "globe": (len(GLOBE), COARSE, COARSE),
+            "moves": (9, len(MOVE_FEATURES)),
+            "self": (len(SELF),),
+        }
+
+    def reset(self, episodes: int) -> None:
+        """Forget everything; get ready for a batch of so many episodes."""
+        lead = (episodes, len(self._task.fleet))
+        self._seen_at = np.zeros(episodes, np.int32)
+        self._trail = np.full((*lead, TRAIL), -1, np.int32)
+        self._believed = np.zeros((episodes, len(self._task.graph)), np.bool_)
+        self._haunts = np.zeros((episodes, len(self._task.graph)), np.bool_)
+        self._out = {k: np.zeros((*lead, *shape), np.uint8) for k, shape in self.shapes.items()}
+
+    def see(self, seen: Observation, rows: NDArray[np.int64]) -> dict[str, Levels]:
+        """Look at the episodes `rows` of the batch."""
+        task, out = self._task, self._out
+        remember_places(rows, seen.step, seen.agent_node, self._seen_at, self._trail)
+        remember_haunts(
+            rows,
+            seen.step,
+            seen.known,
+            seen.n_known,
+            self._around,
+            self._believed,
+            self._haunts,
+        )
+        _look_around(
+            rows,
+            seen,
+            task.ground,
+            self._chart,
+            task.fleet.radius,
+            task.fleet.energy,
+            task.horizon,
+            self._trail,
+            self._fields,
+            self._haunts,
+            *self._samples,
+            self._workspace,
+            out["crop"],
+            out["globe"].reshape(*out["globe"].shape[:3], -1),
+            out["moves"],
+            out["self"],
+        )
+        return out

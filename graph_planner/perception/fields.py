@@ -1,0 +1,187 @@
+"""What the agents of one episode share in the egocentric perception: idleness, ways, haunts."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import (
+    FAR,
+    Float32Array,
+    Int32Array,
+    Workspace,
+    distances_to_nearest,
+    spread,
+)
+from graph_planner.navigation import STAY
+from graph_planner.perception.base import TOP, Levels
+from graph_planner.seeking import longest_move, possible_targets
+from graph_planner.task import Ground, Observation, Task
+from graph_planner.visibility import NodeLists
+
+REACH = 7  # nodes to each side in the crop
+COARSE = 16  # cells per side of the coarse map
+MOST_ROWS = 300  # of the table of distances that are compared; beyond it a search is quicker
+HAUNT_RADIUS = 4.0  # nodes around a believed item to which it may drift unseen
+STALE = 4.0  # a haunt counts in full from idleness 1 / STALE on
+SUSPECT = 0.5  # from this level on a haunt is one to look at again
+
+
+class Chart(NamedTuple):
+    """The map as the kernels here read it."""
+
+    framed: Int32Array  # (row + 2 REACH, column + 2 REACH) node of each cell, -1 on land
+    coarse: Int32Array  # (node,) cell of the coarse map
+    cell_nodes: Int32Array  # (COARSE^2,) nodes in each
+    water: Levels  # (COARSE^2,) level of the share of water
+    views: NodeLists
+    disc: NDArray[np.int64]  # (radius,) nodes in view on open water
+
+    @classmethod
+    def of(cls, task: Task) -> "Chart":
+        """The chart of a task's map."""
+        graph = task.graph
+        height, width = graph.shape
+        coarse = (graph.rows * COARSE // height) * COARSE + graph.cols * COARSE // width
+        cells = np.arange(height)[:, None] * COARSE // height * COARSE
+        cells = cells + np.arange(width)[None, :] * COARSE // width
+        area = np.bincount(cells.reshape(-1), minlength=COARSE**2)
+        nodes = np.bincount(coarse, minlength=COARSE**2)
+        discs = graph.discs(task.view_radii)
+        return cls(
+            framed=np.pad(graph.node_of_cell, REACH, constant_values=-1),
+            coarse=coarse.astype(np.int32),
+            cell_nodes=nodes.astype(np.int32),
+            water=(TOP * nodes // np.maximum(area, 1)).astype(np.uint8),
+            views=task.views,
+            disc=np.diff(discs.start, axis=1).max(axis=1).astype(np.int64),
+        )
+
+
+class Fields(NamedTuple):
+    """What the agents of one episode share; scratch memory, written for every episode."""
+
+    idle: NDArray[np.float64]  # (node,) idleness
+    way: Float32Array  # (node,) distance to the nearest known item [node], or inf
+    targets: Int32Array  # (agent, 9) where moves would end, -1 if illegal; the last: its own node
+    gap: NDArray[np.float64]  # (agent, 9) from there to the nearest unseen node [node], or inf
+    unseen: Int32Array  # (node,) the first `n` are the nodes of idleness 1
+    haunt: NDArray[np.float64]  # (node,) 0-1: items have been near, and nobody has looked since
+    suspects: Int32Array  # (node,) the first `n` are haunts to look at again
+    cell_idle: NDArray[np.float64]  # (COARSE^2,) sum of idleness
+    cell_haunt: NDArray[np.float64]  # (COARSE^2,) sum of haunts
+    cell_items: NDArray[np.int64]  # (COARSE^2,) believed items
+
+    @classmethod
+    def of(cls, task: Task) -> "Fields":
+        """Memory for a task."""
+        nodes, agents = len(task.graph), len(task.fleet)
+        return cls(
+            idle=np.zeros(nodes),
+            way=np.zeros(nodes, np.float32),
+            targets=np.zeros((agents, 9), np.int32),
+            gap=np.zeros((agents, 9)),
+            unseen=np.zeros(nodes, np.int32),
+            haunt=np.zeros(nodes),
+            suspects=np.zeros(nodes, np.int32),
+            cell_idle=np.zeros(COARSE**2),
+            cell_haunt=np.zeros(COARSE**2),
+            cell_items=np.zeros(COARSE**2, np.int64),
+        )
+
+
+@kernel
+def _ways(
+    neighbours: Int32Array,
+    table: Float32Array,
+    known: Int32Array,
+    workspace: Workspace,
+    way: Float32Array,
+) -> None:
+    """Distance of every node to the nearest known item: from the table, or by a search."""
+    way[:] = np.float32(np.inf)
+    if table.shape[0] > 0 and known.size <= MOST_ROWS:
+        for item in known:
+            row = table[item]
+            for node in range(way.size):
+                way[node] = row[node] if row[node] < way[node] else way[node]
+        return
+    distance, touched = workspace.distance, workspace.touched
+    count = spread(neighbours, known, np.empty(0, np.int32), workspace)
+    for i in range(count):
+        way[touched[i]] = np.float32(distance[touched[i]])
+        distance[touched[i]] = FAR
+
+
+@kernel
+def remember_haunts(
+    rows: NDArray[np.int64],
+    step: Int32Array,
+    known: Int32Array,
+    n_known: Int32Array,
+    around: NodeLists,
+    believed: NDArray[np.bool_],
+    haunts: NDArray[np.bool_],
+) -> None:
+    """Mark the surroundings of every node at which an item has ever been believed.
+
+    Parameters
+    ----------
+    believed, haunts : (episode, node) the nodes themselves, and all around them; written
+    """
+    start, nodes = around.start, around.nodes
+    for e in rows:
+        if step[e] <= 1:
+            believed[e] = False
+            haunts[e] = False
+        for i in range(n_known[e]):
+            node = known[e, i]
+            if not believed[e, node]:
+                believed[e, node] = True
+                for k in range(start[0, node], start[0, node + 1]):
+                    haunts[e, nodes[k]] = True
+
+
+@kernel
+def share_fields(
+    e: int,
+    seen: Observation,
+    ground: Ground,
+    chart: Chart,
+    haunts: NDArray[np.bool_],
+    fields: Fields,
+    workspace: Workspace,
+) -> tuple[int, int]:
+    """Fill the fields of one episode; the numbers of unseen nodes and of suspects."""
+    idle, unseen, coarse = fields.idle, fields.unseen, chart.coarse
+    haunt, suspects, cell_haunt = fields.haunt, fields.suspects, fields.cell_haunt
+    cell_idle, cell_items = fields.cell_idle, fields.cell_items
+    last_seen, belief, now = seen.last_seen[e], seen.belief[e], seen.step[e] - 1
+    forgetting = ground.forgetting
+    cell_idle[:] = 0.0
+    cell_haunt[:] = 0.0
+    cell_items[:] = 0
+    count, suspected = 0, 0
+    for node in range(idle.size):
+        idle[node] = min(1.0, (now - np.int64(last_seen[node])) * forgetting)
+        haunt[node] = min(1.0, STALE * idle[node]) if haunts[node] else 0.0
+        cell_idle[coarse[node]] += idle[node]
+        cell_haunt[coarse[node]] += haunt[node]
+        cell_items[coarse[node]] += belief[node]
+        if idle[node] >= 1.0:
+            unseen[count] = node
+            count += 1
+        if haunt[node] >= SUSPECT:
+            suspects[suspected] = node
+            suspected += 1
+    neighbours, table, targets = ground.neighbours, ground.distances, fields.targets
+    agent_node = seen.agent_node[e]
+    _ways(neighbours, table, seen.known[e, : seen.n_known[e]], workspace, fields.way)
+    possible_targets(ground, agent_node, targets)
+    targets[:, STAY] = agent_node
+    slack = longest_move(ground.moves)
+    distances_to_nearest(
+        neighbours, table, unseen[:count], agent_node, targets, slack, workspace, fields.gap
+    )
+    return count, suspected

@@ -1,0 +1,67 @@
+"""Which moves an agent may choose before anybody else has decided."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import Int32Array
+from graph_planner.moves import free_move, move_length
+from graph_planner.navigation import STAY
+from graph_planner.task import Ground, Task
+
+NOBODY = -1
+
+
+@kernel
+def legal_of_agent(
+    ground: Ground, claimed: NDArray[np.int64], token: int, agent: int, node: int, energy: float
+) -> NDArray[np.bool_]:
+    """(9,) legal moves of one agent; only staying where none is, which counts as blocked.
+
+    Parameters
+    ----------
+    claimed, token : nodes chosen by others, see `free_move`; the token -1 for none
+    energy : distance that it can still travel [node]
+    """
+    neighbours, moves = ground.neighbours, ground.moves
+    legal = np.zeros(9, np.bool_)
+    for move in range(9):
+        end, steps = free_move(
+            neighbours, claimed, token, node, move, moves[agent], ground.stay, ground.shorten
+        )
+        legal[move] = end >= 0 and move_length(move, steps) <= energy
+    if not legal.any():
+        legal[STAY] = True
+    return legal
+
+
+@kernel
+def _legal(
+    ground: Ground,
+    agent_node: Int32Array,
+    energy_left: NDArray[np.float64],
+    out: NDArray[np.bool_],
+) -> None:
+    nobody = np.empty(0, np.int64)
+    for e in range(agent_node.shape[0]):
+        for a in range(agent_node.shape[1]):
+            out[e, a] = legal_of_agent(
+                ground, nobody, NOBODY, a, agent_node[e, a], energy_left[e, a]
+            )
+
+
+def legal_moves(
+    task: Task, agent_node: Int32Array, energy_left: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """(episode, agent, 9) moves that are legal whatever the others choose.
+
+    An agent without any has staying put marked: that is what the resolver makes it do.
+
+    Parameters
+    ----------
+    agent_node : (episode, agent)
+    energy_left : (episode, agent) distance that can still be travelled [node]
+    """
+    out = np.empty((*agent_node.shape, 9), np.bool_)
+    _legal(task.ground, agent_node, energy_left, out)
+    return out

@@ -1,0 +1,79 @@
+"""The Double DQN: shipped weights, a network per team (paper, "Experimental Study")."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.perception import PERCEPTIONS
+from graph_planner.policies.registry import register
+from graph_planner.randomness import UInt64Array
+from graph_planner.task import Observation, Task
+from graph_planner.weights import TEAMS, load_networks, read_header, shipped_weights
+
+if TYPE_CHECKING:
+    from graph_planner.q_network import DuelingNetwork
+
+
+class QPolicy:
+    """Values of a weight file's networks as preferences.
+
+    Raises
+    ------
+    WeightsError
+        If the file is missing or of another kind; on `reset`, if it does not fit the task.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._header = read_header(path)
+        self._networks: dict[str, DuelingNetwork] = {}
+
+    def reset(self, task: Task, keys: UInt64Array) -> None:
+        """Get ready for a batch of episodes (episode,)."""
+        self._networks = self._load(task)
+        self._teams = (task.fleet.scouts, task.fleet.foragers)
+        self._perception = PERCEPTIONS[self._header.perception](task)
+        self._perception.reset(keys.size)
+        self._preferences = np.zeros((keys.size, len(task.fleet), 9))
+
+    def _load(self, task: Task) -> "dict[str, DuelingNetwork]":
+        return load_networks(self._path, task)  # and thereby torch
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        """Values (episode, agent, 9) of all moves."""
+        from graph_planner.inference import values_of
+
+        rows = np.flatnonzero(observation.active)
+        levels = self._perception.see(observation, rows)
+        for team, agents in zip(TEAMS, self._teams, strict=True):
+            if agents.size:
+                chosen = np.ix_(rows, agents)
+                flat = {n: v[chosen].reshape(-1, *v.shape[2:]) for n, v in levels.items()}
+                values = values_of(self._networks[team], flat)
+                self._preferences[chosen] = values.reshape(rows.size, agents.size, 9)
+        return self._preferences
+
+
+class ShippedPolicy(QPolicy):
+    """A `QPolicy` with weights that ship under a name."""
+
+    name: ClassVar[str]
+
+    def __init__(self) -> None:
+        super().__init__(shipped_weights(self.name))
+
+
+@register("ddqn")
+class DdqnPolicy(ShippedPolicy):
+    """Double dueling DQN, the best shipped weights."""
+
+    name = "ddqn"
+
+
+@register("ddqn-reward")
+class DdqnRewardPolicy(ShippedPolicy):
+    """Double dueling DQN, trained from reward alone as in the paper."""
+
+    name = "ddqn-reward"

@@ -1,0 +1,28 @@
+"""Putting some episodes of one batch into another."""
+
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+T = TypeVar("T", bound=np.generic)
+
+
+def put_rows(
+    into: NDArray[T], rows: NDArray[np.int64], values: NDArray[T], fill: int = 0
+) -> NDArray[T]:
+    """A copy of `into` (episode, ...) with `values` (row, ...) at `rows`.
+
+    Where the second axes differ in size (items, padded to the largest episode), the narrower side
+    is padded with `fill`.
+    """
+    if into.ndim > 1 and into.shape[1] != values.shape[1]:
+        width = max(into.shape[1], values.shape[1])
+        result = np.full((into.shape[0], width, *into.shape[2:]), fill, into.dtype)
+        result[:, : into.shape[1]] = into
+        result[rows] = fill
+        result[rows, : values.shape[1]] = values
+        return result
+    result = into.copy()
+    result[rows] = values
+    return result

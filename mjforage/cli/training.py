@@ -1,0 +1,105 @@
+"""Commands that train policies."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import App, Parameter
+
+from mjforage.cli.console import app, errors, output
+from mjforage.errors import UserError
+
+if TYPE_CHECKING:
+    from mjforage.learning.training import Row
+
+train = App(name="train", help="Train policies.", help_format="plaintext")
+app.command(train)
+
+Pairs = Annotated[tuple[str, ...], Parameter(negative="")]
+
+
+@train.command
+def ddqn(
+    *,
+    scenario: str = "published",
+    hours: float | None = None,
+    updates: int | None = None,
+    seed: int = 0,
+    map: str | None = None,
+    set: Pairs = (),
+    learning: Pairs = (),
+    teacher: str = "",
+    device: str = "auto",
+    out: Path | None = None,
+) -> None:
+    """Train the Double DQN; the same command resumes a run that was stopped.
+
+    Parameters
+    ----------
+    scenario
+        Name of a preset (see `mjforage scenarios`) or path of a TOML file.
+    hours
+        Stop when the run has lasted so long.
+    updates
+        Stop when each network has been updated so often.
+    seed
+        Seed of the run.
+    map
+        Map that replaces the scenario's grid: a name, CSV or image.
+    set
+        Override KEY=VALUE of the scenario; repeatable.
+    learning
+        Override KEY=VALUE of the learning settings, such as lanes=32 or reward.removed=2;
+        repeatable.
+    teacher
+        Policy that shows moves at first; give also --learning teacher_updates=N.
+    device
+        auto, cpu or cuda.
+    out
+        Folder of the run; default runs/ddqn-SCENARIO.
+    """
+    from mjforage.learning.run import train as run
+    from mjforage.learning.settings import Settings, changed
+    from mjforage.scenario_file import load_scenario
+
+    chosen = load_scenario(scenario, set, map)
+    changes = dict(_pair(text) for text in learning) | ({"teacher": teacher} if teacher else {})
+    settings = changed(Settings(), changes)
+    folder = out or Path("runs") / f"ddqn-{chosen.name}"
+    run(
+        chosen,
+        settings,
+        folder,
+        seed=seed,
+        hours=hours,
+        updates=updates,
+        device=device,
+        report=_report,
+    )
+    output.print(f"run: {folder}", soft_wrap=True)
+
+
+def _pair(text: str) -> tuple[str, Any]:
+    """KEY=VALUE as TOML has it; a bare word is text."""
+    import tomllib
+
+    key, separator, value = text.partition("=")
+    if not separator or not key.strip():
+        raise UserError(f"--learning {text}: expected KEY=VALUE, for example lanes=32")
+    try:
+        return key.strip(), tomllib.loads(f"value = {value}")["value"]
+    except ValueError:
+        return key.strip(), value.strip()
+
+
+def _report(table: str, row: "Row") -> None:
+    if table == "evaluations":
+        output.print(
+            f"{row['updates']:>8.0f} updates {row['seconds'] / 60:6.1f} min: "
+            f"PTA_C {row['pta_c']:.2f} %, NT50 {row['nt50']:.3f}, NT90 {row['nt90']:.3f}, "
+            f"RMSE columns {row['rmse_columns']:.4f}, CSR {row['csr']:.3f}"
+        )
+    elif errors.is_terminal:
+        errors.print(
+            f"round {row['rounds']:.0f}: {row['updates']:.0f} updates, PTA_C {row['pta_c']:.1f} %, "
+            f"loss {row['loss']:.4f}, exploring {row['explore']:.2f}"
+        )

@@ -1,0 +1,127 @@
+"""The PettingZoo view: every agent for itself, all at once."""
+
+from functools import cached_property
+from typing import Any, ClassVar, Unpack
+
+import gymnasium
+import numpy as np
+from pettingzoo import ParallelEnv
+
+from graph_planner.navigation import STAY
+from mjforage.environments.choice import RENDER_MODES, Choice, Options
+from mjforage.environments.game import Episodes, Game
+from mjforage.environments.pictures import Picture
+from mjforage.environments.spaces import MASK, Pictures, picture_space, values
+
+LANE = np.zeros(1, np.int64)
+
+
+class ForagingParallelEnv(ParallelEnv[str, Pictures, int]):  # type: ignore[misc]
+    """Agents `scouts-0`, `foragers-0`, ... decide at once; in conflicts the highest index wins.
+
+    **Action** `Discrete(9)`, **observation** and masks per agent as in `mjforage/SharedPolicy-v0`,
+    except that a mask cannot know what others choose at the same time. Infos have the same keys at
+    every step. **Reward** each agent's own terms. **End** all are terminated when no
+    item is left, one when it has not the energy for another move (it then stays where it is, and
+    still sees); all are truncated at the horizon.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {
+        "name": "mjforage_v0",
+        "render_modes": RENDER_MODES,
+        "render_fps": 10,
+        "is_parallelizable": True,
+    }
+
+    def __init__(self, **options: Unpack[Options]) -> None:
+        choice = Choice(**options)
+        self.render_mode = choice.render_mode
+        self._game = Game(choice)
+        self._episodes = Episodes()
+        self._entropy = np.random.default_rng()
+        self._picture = Picture() if choice.render_mode else None
+        self.possible_agents = list(choice.setting.fleet.names)
+        self.agents: list[str] = []
+
+    @property
+    def game(self) -> Game:
+        """The mission and all about it."""
+        return self._game
+
+    @cached_property
+    def _spaces(
+        self,
+    ) -> dict[str, tuple[gymnasium.spaces.Space[Pictures], gymnasium.spaces.Discrete]]:
+        shapes = self._game.shapes
+        return {
+            agent: (picture_space(shapes), gymnasium.spaces.Discrete(9))
+            for agent in self.possible_agents
+        }
+
+    def observation_space(self, agent: str) -> gymnasium.spaces.Space[Pictures]:
+        """Space of an agent's observations, always the same object."""
+        return self._spaces[agent][0]
+
+    def action_space(self, agent: str) -> gymnasium.spaces.Discrete:
+        """Space of an agent's actions, always the same object."""
+        return self._spaces[agent][1]
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Pictures], dict[str, dict[str, Any]]]:
+        """Start the next episode; with a seed, the first one of that seed."""
+        self._game.start(LANE, self._episodes.following(seed, self._entropy))
+        self.agents = list(self.possible_agents)
+        self._note()
+        return self._observed(self.agents)
+
+    def step(
+        self, actions: dict[str, int]
+    ) -> tuple[
+        dict[str, Pictures],
+        dict[str, float],
+        dict[str, bool],
+        dict[str, bool],
+        dict[str, dict[str, Any]],
+    ]:
+        """One decision of all agents that are not over."""
+        chosen = np.array([int(actions.get(a, STAY)) for a in self.possible_agents])
+        outcome = self._game.step(chosen[None])
+        self._note()
+        present = self.agents
+        index = {agent: i for i, agent in enumerate(self.possible_agents)}
+        ended, late = bool(outcome.terminated[0]), bool(outcome.truncated[0])
+        observations, infos = self._observed(present)
+        rewards = {a: float(outcome.rewards[0, index[a]]) for a in present}
+        terminated = {a: ended or bool(outcome.exhausted[0, index[a]]) for a in present}
+        truncated = dict.fromkeys(present, late)
+        for a in present:
+            for name, term in outcome.terms.items():
+                infos[a][f"reward/{name}"] = float(term[0, index[a]])
+        self.agents = [a for a in present if not (terminated[a] or truncated[a])]
+        return observations, rewards, terminated, truncated, infos
+
+    def render(self) -> Any:
+        """The map from above, (height, width, 3) uint8, or None without a render mode."""
+        if self._picture is None:
+            return None
+        return self._picture.draw(self._game.mission, self._game.choice.world)
+
+    def close(self) -> None:
+        """Nothing to let go."""
+
+    def _note(self) -> None:
+        if self._picture is not None:
+            self._picture.see(self._game.mission)
+
+    def _observed(self, agents: list[str]) -> tuple[dict[str, Pictures], dict[str, dict[str, Any]]]:
+        levels, masks, facts = self._game.see(LANE), self._game.masks[0], self._game.facts()
+        observations: dict[str, Pictures] = {}
+        infos: dict[str, dict[str, Any]] = {}
+        nothing = {f"reward/{name}": 0.0 for name in self._game.choice.weights}
+        for i, agent in enumerate(self.possible_agents):
+            if agent in agents:
+                seen: Pictures = {name: values(level[0, i]) for name, level in levels.items()}
+                observations[agent] = {**seen, MASK: masks[i].copy()}
+                infos[agent] = {**nothing, **facts}
+        return observations, infos

@@ -1,0 +1,137 @@
+"""`gymnasium.make_vec("mjforage/Foraging-v0")`: episodes side by side in one batched mission."""
+
+from typing import Any, ClassVar, Unpack
+
+import numpy as np
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from mjforage.environments.choice import RENDER_MODES, Choice, Options
+from mjforage.environments.game import Episodes, Game, Outcome
+from mjforage.environments.pictures import Picture
+from mjforage.environments.spaces import MASK, Pictures, picture_space, values
+from mjforage.errors import UserError
+
+
+class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
+    """A batch of `ForagingEnv`; lane i is to the bit the environment seeded with `seed + i`.
+
+    In the graph world one batched mission plays all lanes; in the others each lane has its own.
+
+    Parameters
+    ----------
+    num_envs : lanes
+    autoreset_mode : `NEXT_STEP` (Gymnasium's default: the step after the end ignores its action
+        and returns the new episode's first observation, with reward 0), `SAME_STEP` (the new first
+        observation comes at once; the last of the old episode is `info["final_obs"]`), or
+        `DISABLED` (nothing starts again but by `reset(options={"reset_mask": lanes})`)
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": RENDER_MODES, "render_fps": 10}  # type: ignore[misc]
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        **options: Unpack[Options],
+    ) -> None:
+        if num_envs < 1:
+            raise UserError(f"num_envs = {num_envs}: give 1 or more")
+        choice = Choice(**options)
+        self.num_envs, self.render_mode = num_envs, choice.render_mode
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.metadata = {**type(self).metadata, "autoreset_mode": self.autoreset_mode}  # type: ignore[misc]
+        batched = choice.world == "graph"
+        sizes = [num_envs] if batched else [1] * num_envs
+        self._games = [Game(choice, size) for size in sizes]
+        self._where = [(0, i) if batched else (i, 0) for i in range(num_envs)]
+        self._episodes = [Episodes() for _ in range(num_envs)]
+        self._ended = np.zeros(num_envs, np.bool_)
+        self._pictures = [Picture(lane) for _, lane in self._where] if self.render_mode else []
+        agents = self._games[0].agents
+        self.single_observation_space = picture_space(self._games[0].shapes, (agents,))
+        self.single_action_space = spaces.MultiDiscrete([9] * agents)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+
+    def reset(
+        self,
+        *,
+        seed: int | list[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[Pictures, dict[str, Any]]:
+        """Start the next episode of all lanes, or of those in `options["reset_mask"]`."""
+        whole = seed if isinstance(seed, int) else None
+        super().reset(seed=whole)
+        seeds = (
+            [None if seed is None else seed + i for i in range(self.num_envs)]
+            if not isinstance(seed, list)
+            else seed
+        )
+        mask = np.asarray((options or {}).get("reset_mask", np.ones(self.num_envs)), np.bool_)
+        self._start(np.flatnonzero(mask), seeds)
+        return self._observed(), self._facts()
+
+    def step(
+        self, actions: NDArray[np.int64]
+    ) -> tuple[Pictures, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        """One decision of every fleet."""
+        again = self._ended.copy() if self.autoreset_mode is AutoresetMode.NEXT_STEP else None
+        parts = self._play(np.asarray(actions, np.int64))
+        rewards = np.concatenate([part.rewards.sum(axis=1) for part in parts])
+        terminated = np.concatenate([part.terminated for part in parts])
+        truncated = np.concatenate([part.truncated for part in parts])
+        info: dict[str, Any] = {"illegal": np.concatenate([part.illegal for part in parts])}
+        for name in parts[0].terms:
+            info[f"reward/{name}"] = np.concatenate([p.terms[name].sum(axis=1) for p in parts])
+        self._ended |= terminated | truncated
+        if again is not None and again.any():
+            self._start(np.flatnonzero(again), [None] * self.num_envs)
+        for picture, (game, _) in zip(self._pictures, self._where, strict=False):
+            picture.see(self._games[game].mission)
+        info |= self._facts()
+        over = terminated | truncated
+        if self.autoreset_mode is AutoresetMode.SAME_STEP and over.any():
+            info |= {"final_obs": self._observed(), "_final_obs": over.copy()}
+            info |= {"final_info": self._facts(), "_final_info": over.copy()}
+            self._start(np.flatnonzero(over), [None] * self.num_envs)
+        return self._observed(), rewards, terminated, truncated, info
+
+    def render(self) -> tuple[Any, ...] | None:
+        """A picture (height, width, 3) uint8 per lane, or None without a render mode."""
+        if not self.render_mode:
+            return None
+        return tuple(
+            picture.draw(self._games[game].mission, self._games[game].choice.world)
+            for picture, (game, _) in zip(self._pictures, self._where, strict=True)
+        )
+
+    def _play(self, actions: NDArray[np.int64]) -> list[Outcome]:
+        if len(self._games) == 1:
+            return [self._games[0].step(actions)]
+        return [game.step(actions[i : i + 1]) for i, game in enumerate(self._games)]
+
+    def _start(self, lanes: NDArray[np.intp], seeds: list[int | None]) -> None:
+        keys = [self._episodes[i].following(seeds[i], self.np_random) for i in lanes]
+        if len(self._games) == 1 and lanes.size:
+            self._games[0].start(lanes.astype(np.int64), np.concatenate(keys))
+        elif lanes.size:
+            for i, key in zip(lanes, keys, strict=True):
+                self._games[i].start(np.zeros(1, np.int64), key)
+        self._ended[lanes] = False
+        for i in lanes:
+            if self._pictures:
+                self._pictures[i].see(self._games[self._where[i][0]].mission)
+
+    def _observed(self) -> Pictures:
+        parts = [game.see(np.arange(game.lanes)) for game in self._games]
+        seen: Pictures = {
+            name: values(np.concatenate([part[name] for part in parts])) for name in parts[0]
+        }
+        return {**seen, MASK: np.concatenate([game.masks for game in self._games])}
+
+    def _facts(self) -> dict[str, Any]:
+        facts = [self._games[game].facts(lane) for game, lane in self._where]
+        return {name: np.array([fact[name] for fact in facts]) for name in facts[0]}

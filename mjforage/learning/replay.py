@@ -1,0 +1,221 @@
+"""Prioritised replay (Schaul et al. 2016) of lanes that run side by side.
+
+Blocks are written in turn: block b has one row for every lane, so the row after a row of a lane is
+`lanes` places on, and following pictures need no memory of their own. A row can be drawn when its
+n-step successor has been written.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel
+from graph_planner.perception import Shapes
+
+NOTHING, PLAYED, LAST, FINAL = 0, 1, 2, 3
+"""What a row is: empty; a decision; the decision that ends the task, with nothing after it to hope
+for; the picture after a lane's last decision."""
+NOT_SHOWN = 255
+LEAST = 1e-2  # added to errors, so that no decision is forgotten
+
+
+class Batch(NamedTuple):
+    """Rows drawn for one update."""
+
+    rows: NDArray[np.int64]
+    levels: dict[str, NDArray[np.uint8]]
+    moves: NDArray[np.int64]
+    shown: NDArray[np.int64]  # the teacher's move, or NOT_SHOWN
+    rewards: NDArray[np.float32]  # discounted sum until the successor
+    discount: NDArray[np.float32]  # of the successor's value; 0 where there is none
+    following: dict[str, NDArray[np.uint8]]
+    legal: NDArray[np.bool_]  # (row, 9) of the successor
+    weights: NDArray[np.float32]  # importance
+
+
+@kernel
+def _put(tree: NDArray[np.float64], rows: NDArray[np.int64], values: NDArray[np.float64]) -> None:
+    """Set leaves of a tree of sums; leaf i of a tree of size 2 n is at n + i."""
+    leaves = tree.size // 2
+    for k in range(rows.size):
+        i = leaves + rows[k]
+        tree[i] = values[k]
+        while i > 1:
+            i //= 2
+            tree[i] = tree[2 * i] + tree[2 * i + 1]
+
+
+@kernel
+def _find(tree: NDArray[np.float64], marks: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Leaf in which each mark, between 0 and the sum of all, falls."""
+    leaves = tree.size // 2
+    found = np.empty(marks.size, np.int64)
+    for k in range(marks.size):
+        i, mark = 1, marks[k]
+        while i < leaves:
+            i *= 2
+            if mark >= tree[i] and tree[i + 1] > 0.0:
+                mark -= tree[i]
+                i += 1
+        found[k] = i - leaves
+    return found
+
+
+@kernel
+def _look_ahead(
+    rows: NDArray[np.int64],
+    kind: NDArray[np.uint8],
+    rewards: NDArray[np.float32],
+    lanes: int,
+    n_step: int,
+    gamma: float,
+    sums: NDArray[np.float32],
+    discount: NDArray[np.float32],
+    successor: NDArray[np.int64],
+) -> None:
+    """n-step returns, cut short where a lane ends."""
+    for k in range(rows.size):
+        row, total, factor = rows[k], 0.0, 1.0
+        for _ in range(n_step):
+            total += factor * rewards[row]
+            factor *= gamma
+            ended = kind[row] == LAST
+            row = (row + lanes) % kind.size
+            if ended:
+                factor = 0.0
+            if ended or kind[row] == FINAL:
+                break
+        sums[k], discount[k], successor[k] = total, factor, row
+
+
+class Replay:
+    """Memory of one team. All arrays but the tree of priorities are (row, ...)."""
+
+    def __init__(
+        self, shapes: Shapes, lanes: int, capacity: int, n_step: int, gamma: float
+    ) -> None:
+        self.lanes, self.n_step, self.gamma = lanes, n_step, gamma
+        self.blocks = max(capacity // max(lanes, 1), 2 * n_step + 2)
+        rows = self.blocks * lanes
+        self.levels = {name: np.zeros((rows, *shape), np.uint8) for name, shape in shapes.items()}
+        self.legal = np.zeros((rows, 9), np.bool_)
+        self.moves = np.zeros(rows, np.uint8)
+        self.shown = np.full(rows, NOT_SHOWN, np.uint8)
+        self.rewards = np.zeros(rows, np.float32)
+        self.kind = np.zeros(rows, np.uint8)
+        self.tree = np.zeros(2 << max(rows - 1, 1).bit_length())
+        self.written, self.ready, self.most = 0, 0, 1.0  # blocks; blocks; largest priority
+
+    def __len__(self) -> int:
+        return int((self.tree[self.tree.size // 2 :] > 0).sum())
+
+    def _block(self, number: int) -> slice:
+        first = number % self.blocks * self.lanes
+        return slice(first, first + self.lanes)
+
+    def open(
+        self,
+        levels: dict[str, NDArray[np.uint8]],
+        legal: NDArray[np.bool_],
+        kind: NDArray[np.uint8],
+    ) -> None:
+        """Begin a block with what the lanes see: pictures (lane, ...), legal (lane, 9), kind."""
+        block = self._block(self.written)
+        rows = np.arange(block.start, block.stop)
+        _put(self.tree, rows, np.zeros(self.lanes))
+        for name, level in levels.items():
+            self.levels[name][block] = level
+        self.legal[block], self.kind[block] = legal, kind
+        self.shown[block], self.rewards[block] = NOT_SHOWN, 0.0
+        self.written += 1
+        if self.written - self.ready > self.n_step:
+            self._release()
+
+    def close(
+        self,
+        moves: NDArray[np.int64],
+        shown: NDArray[np.int64],
+        rewards: NDArray[np.float64],
+        over: NDArray[np.bool_],
+    ) -> None:
+        """Complete the block with what happened; `over` (lane,) where the task came to its end."""
+        block = self._block(self.written - 1)
+        self.moves[block], self.shown[block], self.rewards[block] = moves, shown, rewards
+        self.kind[block][over] = LAST
+
+    def finish(self) -> None:
+        """All lanes have ended: what is left can be drawn, too."""
+        while self.ready < self.written:
+            self._release()
+
+    def _release(self) -> None:
+        block = self._block(self.ready)
+        rows = np.arange(block.start, block.stop)
+        playable = (self.kind[block] == PLAYED) | (self.kind[block] == LAST)
+        _put(self.tree, rows, np.where(playable, self.most, 0.0))
+        self.ready += 1
+
+    def draw(self, size: int, correction: float, random: np.random.Generator) -> Batch:
+        """Draw rows in proportion to their priorities, one per equal share of the sum."""
+        total = self.tree[1]
+        marks = (np.arange(size) + random.random(size)) / size * total
+        rows = _find(self.tree, marks)
+        share = self.tree[self.tree.size // 2 + rows] / total
+        weights = (share * len(self)) ** -correction
+        sums, discount = np.empty(size, np.float32), np.empty(size, np.float32)
+        successor = np.empty(size, np.int64)
+        _look_ahead(
+            rows,
+            self.kind,
+            self.rewards,
+            self.lanes,
+            self.n_step,
+            self.gamma,
+            sums,
+            discount,
+            successor,
+        )
+        return Batch(
+            rows=rows,
+            levels={name: level[rows] for name, level in self.levels.items()},
+            moves=self.moves[rows].astype(np.int64),
+            shown=self.shown[rows].astype(np.int64),
+            rewards=sums,
+            discount=discount,
+            following={name: level[successor] for name, level in self.levels.items()},
+            legal=self.legal[successor],
+            weights=(weights / weights.max()).astype(np.float32),
+        )
+
+    def reprioritise(
+        self, rows: NDArray[np.int64], errors: NDArray[np.float32], power: float
+    ) -> None:
+        """Priorities of drawn rows from the size of their errors."""
+        values = (np.abs(errors.astype(np.float64)) + LEAST) ** power
+        self.most = max(self.most, float(values.max()))
+        _put(self.tree, rows, values)
+
+    def arrays(self) -> dict[str, NDArray[np.generic]]:
+        """All memory, for a checkpoint; `restore` takes it back."""
+        rows = min(self.written, self.blocks) * self.lanes
+        leaves = self.tree.size // 2
+        own = {"legal", "moves", "shown", "rewards", "kind"}
+        return {
+            **{f"levels.{name}": level[:rows] for name, level in self.levels.items()},
+            **{name: getattr(self, name)[:rows] for name in sorted(own)},
+            "priorities": self.tree[leaves : leaves + rows],
+            "counters": np.array([self.written, self.ready, self.most]),
+        }
+
+    def restore(self, arrays: dict[str, NDArray[np.generic]]) -> None:
+        """Take back what `arrays` gave."""
+        for name, values in arrays.items():
+            if name.startswith("levels."):
+                self.levels[name.removeprefix("levels.")][: len(values)] = values
+            elif name == "priorities":
+                _put(self.tree, np.arange(values.size), np.asarray(values, np.float64))
+            elif name != "counters":
+                getattr(self, name)[: len(values)] = values
+        counters = np.asarray(arrays["counters"], np.float64)
+        self.written, self.ready, self.most = int(counters[0]), int(counters[1]), counters[2].item()

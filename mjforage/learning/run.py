@@ -1,0 +1,119 @@
+"""`mjforage train ddqn`: a run in a folder, from its checkpoint if there is one, to its end.
+
+Folder: `train.json` (command, scenario, settings, seed, versions), `training.parquet`,
+`evaluations.parquet`, `tensorboard/`, `checkpoint.safetensors`, `weights.safetensors` (latest) and
+`best.safetensors` (of the best evaluation).
+"""
+
+import platform
+import shlex
+import sys
+import time
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+
+import torch
+
+from mjforage.errors import UserError
+from mjforage.learning.checkpoint import identity, restore_checkpoint, save_checkpoint
+from mjforage.learning.logs import Logs
+from mjforage.learning.settings import Settings
+from mjforage.learning.training import Row, Trainer, save_weights
+from mjforage.scenario import Scenario
+from mjforage.storage import write_json, writing
+
+CHECKPOINT_S = 300.0  # between two checkpoints
+
+Report = Callable[[str, Row], None]
+
+
+def train(
+    scenario: Scenario,
+    settings: Settings,
+    folder: Path,
+    *,
+    seed: int = 0,
+    hours: float | None = None,
+    updates: int | None = None,
+    device: str = "auto",
+    report: Report = lambda table, row: None,
+) -> Trainer:
+    """Train until the run has lasted so long, or its networks have had so many updates.
+
+    Both count from the run's beginning, over all processes that worked on it. The end of a round is
+    awaited. A run is deterministic on the CPU; on a GPU it is not to the bit.
+
+    Parameters
+    ----------
+    folder : of the run; a run of the same scenario, settings and seed in it goes on
+    hours, updates : where to stop; at least one
+    device : auto, cpu or cuda
+    report : called with every row that is logged, and its table's name
+
+    Raises
+    ------
+    UserError
+        If there is no end, the device is missing, or the folder holds another run.
+    """
+    if hours is None and updates is None:
+        raise UserError("train: no end given; add --hours 2 or --updates 10000")
+    trainer = Trainer(scenario, settings, seed, _device(device))
+    checkpoint = folder / "checkpoint.safetensors"
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    if checkpoint.is_file():
+        restore_checkpoint(trainer, checkpoint)
+    write_json(folder / "train.json", _facts(trainer))
+    logs, progress = Logs(folder, trainer.progress.updates), trainer.progress
+    saved = time.perf_counter()
+    while not _over(trainer, hours, updates):
+        row = trainer.play_round()
+        logs.add("training", row)
+        report("training", row)
+        over = _over(trainer, hours, updates)
+        last = logs.last("evaluations")
+        if over or progress.updates >= settings.evaluate_every + (last["updates"] if last else 0):
+            found = trainer.evaluate()
+            logs.add("evaluations", found)
+            report("evaluations", found)
+            if found["rank"] < progress.best:
+                progress.best = found["rank"]
+                save_weights(trainer, folder / "best.safetensors")
+        if over or time.perf_counter() - saved > CHECKPOINT_S:
+            save_weights(trainer, folder / "weights.safetensors")
+            save_checkpoint(trainer, checkpoint)
+            logs.write()
+            saved = time.perf_counter()
+    logs.close()
+    return trainer
+
+
+def _over(trainer: Trainer, hours: float | None, updates: int | None) -> bool:
+    progress = trainer.progress
+    late = hours is not None and progress.seconds >= 3600.0 * hours
+    return late or (updates is not None and progress.updates >= updates)
+
+
+def _device(name: str) -> str:
+    """The device to use.
+
+    Raises
+    ------
+    UserError
+        If there is none of that name.
+    """
+    if name not in ("auto", "cpu", "cuda"):
+        raise UserError(f"--device {name}: choose auto, cpu or cuda")
+    if name == "cuda" and not torch.cuda.is_available():
+        raise UserError("--device cuda: torch finds no GPU here; use --device cpu")
+    return ("cuda" if torch.cuda.is_available() else "cpu") if name == "auto" else name
+
+
+def _facts(trainer: Trainer) -> dict[str, object]:
+    return {
+        "command": shlex.join(["mjforage", *sys.argv[1:]]),
+        **identity(trainer),
+        "versions": {name: version(name) for name in ("mjforage", "numpy", "numba", "torch")}
+        | {"python": platform.python_version()},
+    }

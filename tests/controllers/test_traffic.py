@@ -1,0 +1,174 @@
+"""Predictions, conflicts, right of way, and the braking that stands behind them."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from controllers import state as at
+from controllers.chart import Chart
+from controllers.conflicts import NONE, Traffic, conflict, runs_aground
+from controllers.detours import straight_on
+from controllers.helm import BRAKE, CLEARANCE, LAG, packed
+from controllers.prediction import SAMPLE_S, SAMPLES, predict
+from controllers.safety import REACTION_S, UNLIMITED, limit_speeds
+from controllers.steering import start_decision
+from controllers.traffic import plan_fleet, rank_fleet
+from mjforage.helm import helm_of
+from mjforage.vessels import load_vessel
+from tests.controllers.plant import sail
+from tests.graph_planner.charts import grid
+
+FORAGER, SCOUT = packed(helm_of(load_vessel("forager"))), packed(helm_of(load_vessel("scout")))
+OPEN = np.zeros((0, 0), np.bool_)
+FloatArray = NDArray[np.float64]
+
+
+def hull(x: float, y: float, yaw: float = 0.0, speed: float = 0.0) -> FloatArray:
+    s = np.zeros(at.SIZE)
+    s[at.X], s[at.Y], s[at.YAW] = x, y, yaw
+    s[at.VX], s[at.VY] = speed * math.cos(yaw), speed * math.sin(yaw)
+    s[[at.ITEM_X, at.ITEM_Y]] = np.nan
+    return s
+
+
+def ordered(s: FloatArray, p: FloatArray, x: float, y: float) -> FloatArray:
+    """The hull at the start of its decision to go to (x, y), or to stay there."""
+    s[at.ORIGIN_X], s[at.ORIGIN_Y], s[at.TARGET_X], s[at.TARGET_Y] = s[at.X], s[at.Y], x, y
+    start_decision(s, p, 1.3)
+    return s
+
+
+def traffic(*hulls: FloatArray, helm: FloatArray = FORAGER, land: object = OPEN) -> Traffic:
+    fleet, n = np.array(hulls), len(hulls)
+    helms = np.array([helm] * n)
+    rank_fleet(fleet, helms, np.zeros((SAMPLES, 4)))
+    paths = np.zeros((n + 1, SAMPLES, 4))
+    return Traffic(fleet, helms, paths, np.zeros((n, n)), np.asarray(land, np.bool_), 4.0)
+
+
+@pytest.mark.parametrize("name", ["scout", "forager"])
+def test_predicted_arrivals_are_those_of_the_hull_within_a_second_or_so(name: str) -> None:
+    vessel, yaws, path = load_vessel(name), np.radians([0.0, 70.0, 140.0]), np.zeros((SAMPLES, 4))
+    true = sail(vessel, yaws, (4.0, 4.0), 12.0).first_within((4.0, 4.0), 1.0)
+    p = packed(helm_of(vessel))
+    for yaw, arrival in zip(yaws, true, strict=True):
+        said = predict(hull(0.0, 0.0, yaw), p, math.nan, math.nan, 0.0, 4.0, 4.0, path)
+        assert arrival - 1.3 < said < arrival + 0.5
+
+
+def test_waiting_and_via_points_are_predicted() -> None:
+    path = np.zeros((SAMPLES, 4))
+    predict(hull(0.0, 0.0), FORAGER, math.nan, math.nan, 3.0, 8.0, 0.0, path)
+    assert path[int(3.0 / SAMPLE_S), 0] == 0.0
+    assert path[-1, 0] == pytest.approx(8.0, abs=0.5)
+    predict(hull(0.0, 0.0), FORAGER, 4.0, 1.5, 0.0, 8.0, 0.0, path)
+    assert np.hypot(path[:, 0] - 4.0, path[:, 1] - 1.5).min() < 0.6
+
+
+def test_conflicts_of_paths() -> None:
+    a, b = np.zeros((SAMPLES, 4)), np.zeros((SAMPLES, 4))
+    here, s = hull(0.0, 0.0), hull(8.0, 0.0, math.pi)
+    predict(here, FORAGER, math.nan, math.nan, 0.0, 8.0, 0.0, a)
+    predict(s, FORAGER, math.nan, math.nan, 0.0, 0.0, 0.0, b)
+    k = conflict(a, b, FORAGER, FORAGER, 0.0)
+    assert 1.0 < k * SAMPLE_S < 3.5  # head-on, they meet halfway
+    predict(hull(8.0, 2.5, math.pi), FORAGER, math.nan, math.nan, 0.0, 0.0, 2.5, b)
+    assert conflict(a, b, FORAGER, FORAGER, 0.0) == NONE
+
+
+def test_paths_over_quays() -> None:
+    chart, path = Chart(grid("..", ".#"), 4.0), np.zeros((SAMPLES, 4))
+    predict(hull(0.0, 4.0), FORAGER, math.nan, math.nan, 0.0, 4.0, 4.0, path)
+    assert not runs_aground(path, FORAGER, chart.land, 4.0)
+    predict(hull(0.0, 0.0), FORAGER, math.nan, math.nan, 0.0, 4.0, 4.0, path)
+    assert runs_aground(path, FORAGER, chart.land, 4.0)
+
+
+def test_who_arrives_last_goes_first_and_who_stays_comes_last() -> None:
+    near = ordered(hull(0.0, 0.0), FORAGER, 4.0, 0.0)
+    far = ordered(hull(0.0, 20.0, 1.5), FORAGER, 8.0, 20.0)
+    stays = ordered(hull(0.0, 40.0), FORAGER, 0.0, 40.0)
+    rank = traffic(near, far, stays).fleet[:, at.RANK]
+    assert rank[1] < rank[0] < rank[2]
+
+
+@pytest.mark.parametrize(("helm", "far"), [(FORAGER, 8.0), (SCOUT, 4.0), (SCOUT, 8.0)])
+def test_a_swap_is_planned_round_each_other(helm: FloatArray, far: float) -> None:
+    now = traffic(
+        ordered(hull(0.0, 0.0), helm, far, 0.0),
+        ordered(hull(far, 0.0, math.pi), helm, 0.0, 0.0),
+        helm=helm,
+    )
+    plan_fleet(now)
+    assert now.fleet[:, at.VIA].any()
+    assert conflict(now.paths[0], now.paths[1], helm, helm, 0.0) == NONE
+
+
+def test_who_cannot_pass_alone_is_met_halfway() -> None:
+    """Two scouts a node apart, bow to bow: both go to starboard of the middle."""
+    now = traffic(
+        ordered(hull(0.0, 0.0), SCOUT, 4.0, 0.0),
+        ordered(hull(4.0, 0.0, math.pi), SCOUT, 0.0, 0.0),
+        helm=SCOUT,
+    )
+    plan_fleet(now)
+    assert now.fleet[:, at.VIA].all()
+    assert now.fleet[0, at.END_Y] == -now.fleet[1, at.END_Y] < 0.0
+
+
+def test_who_meets_nobody_goes_straight_on() -> None:
+    now = traffic(
+        ordered(hull(0.0, 0.0), FORAGER, 4.0, 0.0), ordered(hull(0.0, 30.0), FORAGER, 4.0, 30.0)
+    )
+    plan_fleet(now)
+    assert not now.fleet[:, [at.VIA, at.WAIT, at.STUCK]].any()
+    assert straight_on(now.fleet[0]).end_x == 4.0
+
+
+def test_a_hull_at_rest_makes_room_in_a_corridor() -> None:
+    """One cell wide: the mover cannot go round, so the other moves aside."""
+    land = Chart(grid("......"), 4.0).land
+    now = traffic(
+        ordered(hull(0.0, 0.0), SCOUT, 8.0, 0.0),
+        ordered(hull(4.0, 0.0), SCOUT, 4.0, 0.0),
+        helm=SCOUT,
+        land=land,
+    )
+    plan_fleet(now)
+    mover, other = now.fleet
+    aside = math.hypot(other[at.PLACE_X] - 4.0, other[at.PLACE_Y])
+    assert aside > 0.5 or mover[at.VIA] == 1.0
+
+
+def limits(*hulls: FloatArray) -> FloatArray:
+    """Fastest safe speeds ahead and astern of the first scout, on open water."""
+    fleet = np.array(hulls)
+    limit_speeds(fleet, np.array([SCOUT] * len(hulls)), OPEN, 4.0, 0)
+    return fleet[0, [at.MOST_AHEAD, at.MOST_ASTERN]]
+
+
+def test_nothing_near_no_limit() -> None:
+    assert (limits(hull(0.0, 0.0), hull(30.0, 0.0)) == UNLIMITED).all()
+
+
+def test_a_hull_ahead_limits_to_what_stops_before_it() -> None:
+    ahead, astern = limits(hull(0.0, 0.0), hull(3.0, 0.0))
+    room = 3.0 - 1.35 - SCOUT[CLEARANCE]
+    reaction = SCOUT[LAG] + REACTION_S
+    assert ahead * reaction + ahead**2 / (2.0 * SCOUT[BRAKE]) <= room + 1e-9
+    assert ahead > 0.5
+    assert astern == UNLIMITED
+
+
+def test_a_hull_that_comes_nearer_limits_more() -> None:
+    still = limits(hull(0.0, 0.0), hull(3.5, 0.0, math.pi))[0]
+    coming = limits(hull(0.0, 0.0), hull(3.5, 0.0, math.pi, speed=1.0))[0]
+    assert coming < 0.8 * still
+
+
+def test_too_near_it_may_go_away_only() -> None:
+    ahead, astern = limits(hull(0.0, 0.0), hull(1.4, 0.0))
+    assert ahead < 0.15
+    assert astern == UNLIMITED

@@ -1,0 +1,166 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from graph_planner.fleet import Role
+from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
+from graph_planner.perception import Egocentric
+from graph_planner.perception.base import Levels
+from graph_planner.perception.egocentric import SELF
+from graph_planner.perception.fields import COARSE, REACH
+from graph_planner.perception.moves import MOVE_FEATURES
+from graph_planner.task import Task
+from tests.graph_planner.charts import grid
+from tests.graph_planner.driver import observation_of, task_of
+
+ROW = np.zeros(1, np.int64)
+SCOUT, FORAGER = Role(1, 2, 4.0, False), Role(2, 1, 1.0, True)
+HARBOUR = grid(
+    "..........",
+    ".####.###.",
+    "..........",
+    ".#.#######",
+    "..........",
+)
+
+
+def harbour() -> tuple[NavigationGraph, Task]:
+    graph = navigation_graph(HARBOUR, 1.0, False)
+    return graph, task_of(graph, scouts=SCOUT, foragers=FORAGER)
+
+
+def look(
+    task: Task, cells: list[tuple[int, int]], known: dict[tuple[int, int], int], step: int = 1
+) -> dict[str, Levels]:
+    view = Egocentric(task)
+    view.reset(1)
+    return {
+        name: v[0]
+        for name, v in view.see(observation_of(task, cells, known, step=step), ROW).items()
+    }
+
+
+def test_the_crop_is_the_map_around_the_agent() -> None:
+    graph, task = harbour()
+    known = {(2, 2): 2, (4, 9): 1}
+    crop = look(task, [(2, 4), (0, 0), (4, 1)], known)["crop"][0]
+    for i in range(15):
+        for j in range(15):
+            row, col = 2 + i - REACH, 4 + j - REACH
+            inside = 0 <= row < 5 and 0 <= col < 10
+            wet = inside and bool(HARBOUR[row, col])
+            assert (crop[0, i, j] == 255) == wet
+            if not wet:
+                assert not crop[1:4, i, j].any()
+                continue
+            node = graph.node_of_cell[row, col]
+            way = min(graph.distances[node, graph.node_of_cell[rc]] for rc in known)
+            assert crop[1, i, j] == 255  # never seen
+            assert crop[2, i, j] == 255 * known.get((row, col), 0) // 10
+            assert crop[3, i, j] == int(255 - 2 * way)
+    assert np.argwhere(crop[5]).tolist() == []  # no other scout
+    assert np.argwhere(crop[6]).tolist() == [[REACH - 2, REACH - 4], [REACH + 2, REACH - 3]]
+    assert np.argwhere(crop[7]).tolist() == [[REACH, REACH]]
+
+
+def test_the_globe_counts_every_cell_once() -> None:
+    _, task = harbour()
+    globe = look(task, [(2, 4), (0, 0), (4, 1)], {(2, 2): 2})["globe"]
+    assert globe.shape == (3, 7, COARSE, COARSE)
+    cells = 5 * 10
+    assert (globe[0, 0] == 255).sum() == HARBOUR.sum() < cells  # smaller than the coarse grid
+    assert (globe[0, 2] > 0).sum() == 1
+    assert globe[:, 4].reshape(3, -1).astype(bool).sum(axis=1).tolist() == [1, 1, 1]
+    assert (globe[0, 6] > 0).sum() == 2
+    assert (globe[1, 6] > 0).sum() == 1
+
+
+def test_features_of_moves_by_their_definitions() -> None:
+    graph, task = harbour()
+    known = {(2, 0): 1, (4, 4): 3}
+    cells = [(2, 5), (2, 2), (4, 9)]
+    moves = look(task, cells, known)["moves"]
+    items = [graph.node_of_cell[rc] for rc in known]
+    at, north, west, east = (graph.node_of_cell[rc] for rc in ((2, 2), (1, 2), (2, 1), (2, 3)))
+    assert north < 0
+    assert not moves[1, 0].any()  # north is land
+    for move, end in ((6, west), (2, east), (STAY, at)):
+        here, there = graph.distances[at, items], graph.distances[end, items]
+        assert moves[1, move, 0] == 255
+        assert moves[1, move, 2] == int(128 + 40 * (here.min() - there.min()))
+        assert moves[1, move, 5] == pytest.approx(128 + 40 * (here - there).mean(), abs=1)
+        gain = (0.85 ** there.astype(int)).sum() - (0.85 ** here.astype(int)).sum()
+        assert moves[1, move, 8] == pytest.approx(128 + 32 * gain, abs=1)
+    assert moves[1, 5, 1] == 0 and moves[2, 6, 1] == 0
+    nearest = graph.distances[[at, graph.node_of_cell[4, 9]]][:, items]
+    assert nearest[0].argmin() == 0 and nearest[0, 1] < nearest[1, 1]  # both are the first one's
+    assert (moves[2, :, 7][moves[2, :, 0] == 255] == 128).all()  # nothing is left to the other
+
+
+def test_no_level_without_a_table_of_distances(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("graph_planner.navigation.TABLE_LIMIT", 3)
+    graph = NavigationGraph(HARBOUR, 1.0, False)
+    far = task_of(graph, scouts=SCOUT, foragers=FORAGER)
+    _, near = harbour()
+    known, cells = {(2, 2): 2, (4, 9): 1}, [(2, 4), (0, 0), (4, 1)]
+    with_table, without = look(near, cells, known), look(far, cells, known)
+    for name in ("crop", "globe", "self"):
+        np.testing.assert_array_equal(with_table[name], without[name])
+    np.testing.assert_array_equal(with_table["moves"][..., :5], without["moves"][..., :5])
+    legal = without["moves"][..., 0] == 255
+    assert (without["moves"][..., 5:][legal] == 128).all()
+
+
+def test_the_agent_knows_itself() -> None:
+    _, task = harbour()
+    own = look(task, [(2, 4), (0, 0), (4, 1)], {(2, 4): 1}, step=76)["self"]
+    facts = dict(zip(SELF, own[0], strict=True))
+    assert facts["collects"] == 0 and own[1, 0] == 255
+    assert facts["time"] == 127  # 75 of 150
+    assert facts["known nodes"] == 2 and facts["energy left"] == 255
+    assert facts["way to items"] == 255
+    assert own[:, SELF.index("number in team")].tolist() == [0, 0, 127]
+    assert facts["moves"] == 64 and facts["radius"] == 64
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_the_batch_changes_no_level(seed: int) -> None:
+    graph, task = harbour()
+    random = np.random.default_rng(seed)
+    nodes = random.integers(0, len(graph), (5, 3))
+    alone, together = Egocentric(task), Egocentric(task)
+    together.reset(5)
+    cells = [[(int(graph.rows[n]), int(graph.cols[n])) for n in row] for row in nodes]
+    states = [observation_of(task, c, {c[0]: 1}, step=3) for c in cells]
+    joined = type(states[0])(*(np.concatenate(parts) for parts in zip(*states, strict=True)))
+    all_at_once = together.see(joined, np.arange(5))
+    for e, state in enumerate(states):
+        alone.reset(1)
+        for name, level in alone.see(state, ROW).items():
+            np.testing.assert_array_equal(level[0], all_at_once[name][e])
+
+
+def test_every_feature_has_a_name() -> None:
+    _, task = harbour()
+    shapes = Egocentric(task).shapes
+    assert shapes["moves"] == (9, len(MOVE_FEATURES))
+    assert shapes["self"] == (len(SELF),)
+
+
+def test_haunts_are_where_items_were_and_nobody_has_looked_since() -> None:
+    graph, task = harbour()
+    view, cells = Egocentric(task), [(4, 9), (4, 8), (4, 7)]
+    view.reset(1)
+    last_seen = np.full(len(graph), 30, np.int16)
+    last_seen[graph.node_of_cell[0, 1]] = 0
+    view.see(observation_of(task, cells, {(0, 2): 1}, last_seen, step=31), ROW)
+    lost = view.see(observation_of(task, cells, {}, last_seen, step=61), ROW)  # it is not there
+    moves = lost["moves"][0, 0].copy()
+    haunt = {name: graph.node_of_cell[rc] for name, rc in (("near", (0, 1)), ("far", (0, 9)))}
+    assert view._haunts[0, haunt["near"]] and not view._haunts[0, haunt["far"]]
+    assert not view._haunts[0, graph.node_of_cell[2, 2]]  # the pier hides it
+    crop = view.see(observation_of(task, [(0, 3), *cells[1:]], {}, last_seen, step=62), ROW)["crop"]
+    assert crop[0, 0, 4, REACH, REACH - 2] == 255  # idle for longer than a quarter of 0.9 T
+    assert crop[0, 0, 4, REACH, REACH - 1] == int(255 * 4 * 31 / 135)
+    assert moves[6, 0] == 255 and moves[6, 9] > 128  # west leads nearer to it

@@ -1,0 +1,124 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from safetensors.torch import save_file
+
+from graph_planner.errors import WeightsError
+from graph_planner.fleet import Role
+from graph_planner.inference import BLOCK, values_of
+from graph_planner.navigation import navigation_graph
+from graph_planner.perception import PERCEPTIONS
+from graph_planner.policies.ddqn import QPolicy
+from graph_planner.q_network import DuelingNetwork
+from graph_planner.task import Task
+from graph_planner.weights import (
+    TEAMS,
+    WeightsHeader,
+    header_notes,
+    load_networks,
+    read_header,
+    shipped_weights,
+)
+from tests.graph_planner.driver import observation_of, task_of
+
+
+def task(rows: int = 9, columns: int = 12) -> Task:
+    graph = navigation_graph(np.ones((rows, columns), np.bool_), 1.0, True)
+    return task_of(graph, scouts=Role(2, 2, 4.0, False), foragers=Role(1, 1, 1.0, True))
+
+
+def write(
+    path: Path, kind: str = "egocentric", changes: dict[str, torch.Tensor] | None = None
+) -> Path:
+    torch.manual_seed(0)
+    shapes = PERCEPTIONS[kind](task()).shapes
+    tensors = {
+        f"{team}.{name}": value.clone()
+        for team in TEAMS
+        for name, value in DuelingNetwork(shapes).state_dict().items()
+    }
+    save_file(tensors | (changes or {}), path, metadata=header_notes(WeightsHeader(kind, shapes)))
+    return path
+
+
+@pytest.mark.parametrize("kind", sorted(PERCEPTIONS))
+def test_a_policy_reads_what_was_written(tmp_path: Path, kind: str) -> None:
+    policy = QPolicy(write(tmp_path / "w.safetensors", kind))
+    state = observation_of(task(), [(0, 0), (3, 3), (5, 5)], {(2, 2): 1}, episodes=3)
+    policy.reset(task(), state.keys)
+    values = policy.act(state)
+    assert values.shape == (3, 3, 9)
+    assert np.isfinite(values).all()
+    np.testing.assert_array_equal(values[0], values[1])
+    assert np.ptp(values[0, 0]) > 0.0
+
+
+def test_egocentric_weights_fit_another_map(tmp_path: Path) -> None:
+    assert load_networks(write(tmp_path / "w.safetensors"), task(20, 31)).keys() == set(TEAMS)
+
+
+def test_paper_weights_of_another_map_are_refused(tmp_path: Path) -> None:
+    path = write(tmp_path / "w.safetensors", "paper")
+    with pytest.raises(WeightsError, match=r"made for paper arrays of .*\(6, 9, 12\).*this sc"):
+        load_networks(path, task(20, 31))
+
+
+def test_what_is_no_weight_file_is_named(tmp_path: Path) -> None:
+    missing = tmp_path / "none.safetensors"
+    with pytest.raises(WeightsError, match=r"none.safetensors: cannot be read \(No such file"):
+        QPolicy(missing)
+    pickled = tmp_path / "model.pt"
+    torch.save({"a": torch.zeros(1)}, pickled)
+    with pytest.raises(WeightsError, match=r"model.pt: not a safetensors file"):
+        QPolicy(pickled)
+    other = tmp_path / "other.safetensors"
+    save_file({"a": torch.zeros(1)}, other)
+    with pytest.raises(WeightsError, match=r"other.safetensors: format None"):
+        QPolicy(other)
+    with pytest.raises(WeightsError, match=r"weights nobody: not found as .* train some with"):
+        shipped_weights("nobody")
+
+
+def test_tensors_of_another_shape_and_cut_files_are_named(tmp_path: Path) -> None:
+    wrong = write(tmp_path / "w.safetensors", changes={"scout.value.2.bias": torch.zeros(7)})
+    with pytest.raises(WeightsError, match=r"scout.value.2.bias has shape \(7,\), expected \(1,\)"):
+        load_networks(wrong, task())
+    cut = tmp_path / "cut.safetensors"
+    cut.write_bytes(write(tmp_path / "v.safetensors").read_bytes()[:-100])
+    with pytest.raises(WeightsError, match=r"cut.safetensors: damaged"):
+        load_networks(cut, task())
+    assert read_header(cut).perception == "egocentric"
+
+
+def test_the_batch_changes_no_bit_of_a_value() -> None:
+    torch.manual_seed(1)
+    shapes = PERCEPTIONS["egocentric"](task()).shapes
+    network, random = DuelingNetwork(shapes), np.random.default_rng(0)
+    rows = 2 * BLOCK + 5
+    levels = {n: random.integers(0, 256, (rows, *s)).astype(np.uint8) for n, s in shapes.items()}
+    whole, order = values_of(network, levels), random.permutation(rows)
+    shuffled = values_of(network, {name: level[order] for name, level in levels.items()})
+    assert whole[order].tobytes() == shuffled.tobytes()
+    for i in (0, 31, 32, rows - 1):
+        one = values_of(network, {name: level[i : i + 1] for name, level in levels.items()})
+        assert one.tobytes() == whole[i : i + 1].tobytes()
+
+
+def test_the_network_is_dueling() -> None:
+    """Q less its mean over moves is the advantage less its mean: the value shifts all alike."""
+    torch.manual_seed(0)
+    shapes = PERCEPTIONS["egocentric"](task()).shapes
+    network = DuelingNetwork(shapes)
+    levels = {name: torch.randint(0, 256, (4, *s), dtype=torch.uint8) for name, s in shapes.items()}
+    before = network(levels)
+    with torch.no_grad():
+        network.get_parameter("value.2.bias").add_(3.0)
+    torch.testing.assert_close(network(levels), before + 3.0)
+
+
+def test_headers_are_plain_json() -> None:
+    notes = header_notes(WeightsHeader("paper", {"map": (6, 4, 5)}))
+    assert json.loads(notes["shapes"]) == {"map": [6, 4, 5]}

@@ -1,0 +1,191 @@
+"""Whole training runs, tiny ones: determinism, resuming, what they leave behind, errors."""
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pytest
+import torch
+from safetensors import safe_open
+
+from graph_planner.policies.ddqn import QPolicy
+from mjforage.errors import UserError
+from mjforage.learning.run import train
+from mjforage.learning.settings import Settings, changed
+from mjforage.learning.training import Trainer
+from mjforage.mission import Mission, Setting
+from mjforage.scenario import Scenario
+from mjforage.scenario_file import load_scenario
+
+TINY = {
+    "lanes": 3,
+    "capacity": 1000,
+    "batch": 16,
+    "warmup": 40,
+    "explore_updates": 20,
+    "evaluate_every": 15,
+    "evaluate_episodes": 2,
+}
+
+
+def scenario() -> Scenario:
+    return load_scenario("published", ("horizon=12",))
+
+
+def settings(**changes: object) -> Settings:
+    return changed(Settings(), TINY | changes)
+
+
+def state(trainer: Trainer) -> dict[str, torch.Tensor]:
+    return {
+        f"{team}.{name}": value
+        for team, learner in trainer.learners.items()
+        for name, value in learner.tensors().items()
+    }
+
+
+def assert_same(one: Trainer, other: Trainer) -> None:
+    first, second = state(one), state(other)
+    assert first.keys() == second.keys()
+    for name, value in first.items():
+        assert torch.equal(value, second[name]), name
+    assert one.random.bit_generator.state == other.random.bit_generator.state
+    assert one.progress.updates == other.progress.updates > 0
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Trainer]:
+    folder = tmp_path_factory.mktemp("train") / "run"
+    return folder, train(scenario(), settings(), folder, seed=3, updates=40)
+
+
+def test_one_seed_gives_the_same_weights(finished: tuple[Path, Trainer], tmp_path: Path) -> None:
+    again = train(scenario(), settings(), tmp_path / "again", seed=3, updates=40)
+    assert_same(finished[1], again)
+    other = train(scenario(), settings(), tmp_path / "other", seed=4, updates=15)
+    assert not torch.equal(
+        state(other)["scout.online.trunk.0.bias"], state(again)["scout.online.trunk.0.bias"]
+    )
+
+
+def test_n_and_m_updates_are_n_stop_resume_m(
+    finished: tuple[Path, Trainer], tmp_path: Path
+) -> None:
+    folder = tmp_path / "run"
+    train(scenario(), settings(), folder, seed=3, updates=20)
+    resumed = train(scenario(), settings(), folder, seed=3, updates=40)
+    assert_same(finished[1], resumed)
+    for name in ("training", "evaluations"):
+        whole, parts = (pl.read_parquet(f / f"{name}.parquet") for f in (finished[0], folder))
+        known = [c for c in whole.columns if c != "seconds"]
+        if name == "training":
+            assert whole.select(known).equals(parts.select(known), null_equal=True)
+        assert parts["updates"].is_sorted()
+
+
+def test_a_killed_run_goes_on_from_its_checkpoint(
+    finished: tuple[Path, Trainer], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("mjforage.learning.run.CHECKPOINT_S", 0.0)
+    original, rounds = Trainer.play_round, [0]
+
+    def dying(trainer: Trainer) -> dict[str, float]:
+        rounds[0] += 1
+        if rounds[0] == 4:
+            raise KeyboardInterrupt
+        return original(trainer)
+
+    folder = tmp_path / "run"
+    with monkeypatch.context() as patch:
+        patch.setattr(Trainer, "play_round", dying)
+        with pytest.raises(KeyboardInterrupt):
+            train(scenario(), settings(), folder, seed=3, updates=40)
+    assert_same(finished[1], train(scenario(), settings(), folder, seed=3, updates=40))
+
+
+def test_what_a_run_leaves_behind(finished: tuple[Path, Trainer]) -> None:
+    folder, trainer = finished
+    names = {path.name for path in folder.iterdir()}
+    assert names == {
+        *("train.json", "training.parquet", "evaluations.parquet", "tensorboard"),
+        *("checkpoint.safetensors", "weights.safetensors", "best.safetensors"),
+    }
+    facts = json.loads((folder / "train.json").read_text())
+    assert facts["seed"] == 3 and facts["settings"]["lanes"] == 3
+    rows = pl.read_parquet(folder / "training.parquet")
+    assert rows.height == trainer.progress.rounds
+    assert {"return_scout", "return_forager", "loss", "pta_c", "seconds"} <= set(rows.columns)
+    assert any((folder / "tensorboard").iterdir())
+    with safe_open(folder / "checkpoint.safetensors", "pt") as file:
+        assert json.loads(file.metadata()["progress"])["updates"] == trainer.progress.updates
+    policy = QPolicy(folder / "weights.safetensors")
+    mission = Mission(Setting.of(scenario()))
+    mission.reset(0, np.arange(2))
+    mission.run(policy)
+    assert not mission.active.any()
+
+
+def test_a_teacher_is_followed(tmp_path: Path) -> None:
+    """Shown moves are stored for every decision, and its lanes play them."""
+    trainer = Trainer(scenario(), settings(teacher="greedy", teacher_updates=1000), seed=0)
+    trainer.play_round()
+    for learner in trainer.learners.values():
+        replay = learner.replay
+        rows = replay.tree[replay.tree.size // 2 :][: replay.kind.size] > 0
+        assert (replay.shown[rows] < 9).all()
+        same = replay.shown[rows] == replay.moves[rows]
+        assert same.mean() > 0.8  # the first lanes are all the teacher's
+
+
+def test_ends_and_folders_are_checked(finished: tuple[Path, Trainer], tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="no end given; add --hours 2 or --updates 10000"):
+        train(scenario(), settings(), tmp_path)
+    copy = tmp_path / "copy"
+    shutil.copytree(finished[0], copy)
+    with pytest.raises(UserError, match="was written with another seed"):
+        train(scenario(), settings(), copy, seed=5, updates=1)
+    with pytest.raises(UserError, match="was written with another settings batch"):
+        train(scenario(), settings(batch=8), copy, seed=3, updates=1)
+    with pytest.raises(UserError, match="another scenario horizon"):
+        train(load_scenario("published", ("horizon=13",)), settings(), copy, seed=3, updates=1)
+    shutil.copy(copy / "weights.safetensors", copy / "checkpoint.safetensors")
+    with pytest.raises(UserError, match="format 'mjforage dueling q-network 1', expected"):
+        train(scenario(), settings(), copy, seed=3, updates=1)
+    (copy / "checkpoint.safetensors").write_bytes(b"none")
+    with pytest.raises(UserError, match="cannot be read"):
+        train(scenario(), settings(), copy, seed=3, updates=1)
+    with pytest.raises(UserError, match="--device tpu: choose auto, cpu or cuda"):
+        train(scenario(), settings(), tmp_path, updates=1, device="tpu")
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"batchsize": 3}, "batchsize: unknown setting"),
+        ({"batch": 1.5}, "batch = 1.5: expected int"),
+        ({"gamma": 2}, "gamma = 2.0: out of range; give 0 to 1"),
+        ({"reward.removd": 2.0}, "reward removd: unknown term; did you mean removed"),
+    ],
+)
+def test_settings_are_checked(changes: dict[str, object], words: str) -> None:
+    with pytest.raises(UserError, match=words):
+        changed(Settings(), changes)
+
+
+def test_the_command_line_trains(command: Callable[..., object], tmp_path: Path) -> None:
+    words = [f"--learning={key}={value}" for key, value in TINY.items()]
+    out = tmp_path / "run"
+    done = command("train", "ddqn", "--set", "horizon=6", "--updates", 1, "--out", out, *words)
+    assert done.code == 0, done  # type: ignore[attr-defined]
+    assert "PTA_C" in done.out  # type: ignore[attr-defined]
+    assert (out / "best.safetensors").is_file()
+
+
+def test_the_command_line_names_what_is_wrong(refused: Callable[..., str], tmp_path: Path) -> None:
+    assert "no end given" in refused("train", "ddqn", "--out", tmp_path)
+    assert "expected KEY=VALUE" in refused(
+        "train", "ddqn", "--learning", "lanes", "--out", tmp_path
+    )

@@ -1,0 +1,70 @@
+"""The weights that ship."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from graph_planner.policies import create_policy
+from graph_planner.weights import shipped_weights
+from mjforage.episode_log import EpisodeLog
+from mjforage.mission import Mission, Setting
+from mjforage.scenario_file import load_scenario
+from mjforage.scoring import score
+
+SHIPPED = ("ddqn", "ddqn-reward")
+
+
+@pytest.fixture(scope="module")
+def published() -> Setting:
+    return Setting.of(load_scenario("published"))
+
+
+def scores(setting: Setting, policy: str, episodes: int) -> dict[str, float]:
+    mission = Mission(setting)
+    mission.reset(11, np.arange(episodes))
+    log = EpisodeLog(mission)
+    mission.run(create_policy(policy), (log,))
+    found = score(log, setting.fleet, setting.scenario.horizon).scalars
+    return {name: float(found[name].mean()) for name in ("pta_c", "nt50", "nt90")}
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_they_beat_greedy_by_the_published_rules(published: Setting, name: str) -> None:
+    learned, greedy = scores(published, name, 40), scores(published, "greedy", 40)
+    assert learned["pta_c"] > greedy["pta_c"]
+    assert learned["nt50"] < greedy["nt50"]
+    assert learned["nt90"] < greedy["nt90"]
+
+
+def test_they_work_on_other_maps_and_fleets() -> None:
+    crew = ("team.scouts.count=1", "team.foragers.count=3", "map.starts=[]")
+    for map_file in ("open_bay", "channels"):
+        setting = Setting.of(load_scenario("comb-port", ("horizon=40", *crew), map_file))
+        assert scores(setting, "ddqn-reward", 4)["pta_c"] > scores(setting, "random", 4)["pta_c"]
+
+
+def test_decisions_do_not_depend_on_the_batch(published: Setting) -> None:
+    nodes = []
+    for episodes in (np.arange(5), np.array([3])):
+        mission = Mission(published)
+        mission.reset(2, episodes)
+        log = EpisodeLog(mission)
+        mission.run(create_policy("ddqn-reward"), (log,))
+        nodes.append(log.agent_node[int(np.flatnonzero(episodes == 3)[0])])
+    assert nodes[0].tobytes() == nodes[1].tobytes()
+
+
+def test_they_are_small() -> None:
+    for name in SHIPPED:
+        assert shipped_weights(name).stat().st_size < 5_000_000
+
+
+def test_the_command_line_names_missing_weights(
+    refused: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("graph_planner.weights._PLACES", (tmp_path,))
+    words = refused("evaluate", "--policy", "ddqn", "--out", tmp_path / "run")
+    assert "weights ddqn: not found as" in words
+    assert not (tmp_path / "run").exists()
