@@ -195,6 +195,14 @@ class Mission:
             setattr(self, name, put_rows(getattr(self, name), rows, getattr(other, name)))
 
     @property
+    def energy_left(self) -> NDArray[np.float64]:
+        """(episode, agent) distance that can still be travelled [node].
+
+        A hull can overdraw its budget by the way it makes beyond a straight line; then it stays.
+        """
+        return np.maximum(self._energy - self.state.energy, 0.0)
+
+    @property
     def observation(self) -> Observation:
         """What the fleet sees before the next decision."""
         return Observation(
@@ -202,7 +210,7 @@ class Mission:
             step=self.step + np.int32(1),
             keys=self.keys,
             agent_node=self.state.agent_node,
-            energy_left=self._energy - self.state.energy,
+            energy_left=self.energy_left,
             belief=self.model.knowledge.belief,
             last_seen=self.model.knowledge.last_seen,
             known=self.model.knowledge.known,
@@ -226,7 +234,7 @@ class Mission:
             self.active,
             preferences,
             self.state.agent_node,
-            self._energy - self.state.energy,
+            self.energy_left,
             self.model.knowledge.belief,
             self.step + np.int32(1),
             self.keys,

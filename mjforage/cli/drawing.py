@@ -19,7 +19,7 @@ def render(
     output_file: Annotated[Path, Parameter(name=("--output", "-o"))],
     episode: int = 0,
     policy: str | None = None,
-    world: str = "graph",
+    world: str | None = None,
     camera: Point | None = None,
     follow: str | None = None,
     start: float = 0.0,
@@ -46,7 +46,7 @@ def render(
     policy
         Policy; default the first one of the run.
     world
-        Dynamics: graph or physics.
+        A world of the run; default its first.
     camera
         Point of view; default top for graph, else overview.
     follow
@@ -94,7 +94,7 @@ def view(
     *,
     episode: int = 0,
     policy: str | None = None,
-    world: str = "graph",
+    world: str | None = None,
     speed: float = 10.0,
     seed: int = 0,
 ) -> None:

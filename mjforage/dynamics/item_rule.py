@@ -141,7 +141,7 @@ class ItemRule:
         """Start a batch of episodes."""
         episodes, items = world.item_node.shape
         self._keys, self._drift_rc = keys, world.drift_rc
-        self._room_left = np.tile(self._fleet.capacity, (episodes, 1))
+        self.room_left = np.tile(self._fleet.capacity, (episodes, 1))  # (episode, agent) items
         self._items_in_node = np.zeros((episodes, len(self._graph)), np.int16)
         self._gone = np.empty((episodes, items), np.int32)
         self._n_gone = np.empty(episodes, np.int32)
@@ -150,13 +150,13 @@ class ItemRule:
 
     def adopt(self, rows: NDArray[np.int64], other: "ItemRule") -> None:
         """Replace episodes (row,) of the batch by those of another one."""
-        for name in ("_keys", "_drift_rc", "_room_left", "_items_in_node", "_gone", "_n_gone"):
+        for name in ("_keys", "_drift_rc", "room_left", "_items_in_node", "_gone", "_n_gone"):
             setattr(self, name, put_rows(getattr(self, name), rows, getattr(other, name)))
 
     def advance(self, active: NDArray[np.bool_], step: Int32Array, state: Transition) -> None:
         """One step once all have moved: collect, then drift."""
         collects, water = self._fleet.collects, self._graph.water
-        collect(active, collects, self._room_left, self._items_in_node, state)
+        collect(active, collects, self.room_left, self._items_in_node, state)
         _drift(
             active,
             step,

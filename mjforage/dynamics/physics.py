@@ -105,6 +105,7 @@ class PhysicsDynamics:
             noise = self._scenario.weather.noise_node_per_step
             self._rule = ItemRule(self._graph, self._fleet, noise)
             self._rule.reset(world, self._keys)
+            self._room_left = self._rule.room_left
             return
         episodes, items = world.item_node.shape
         self._items_in_node = np.zeros((episodes, len(self._graph)), np.int16)

@@ -17,6 +17,7 @@ import polars as pl
 
 import metrics
 from graph_planner.policies.registry import create_policy
+from mjforage.dynamics.fleet_scene import item_choices
 from mjforage.dynamics.worlds import WORLDS
 from mjforage.errors import UserError
 from mjforage.mission import Mission, Setting
@@ -190,6 +191,7 @@ def evaluate(
         raise UserError(
             f"episodes {episodes}, jobs {jobs}, seed {seed}: give at least 1, 1 and 0 (below 2**64)"
         )
+    item_choices(setting.scenario.physics)  # which replays need, also at graph level
     started, setting = time.perf_counter(), pinned(setting)
     info = run_info(setting, policies, worlds, episodes, seed)
     run = RunFolder(folder)

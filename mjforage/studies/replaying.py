@@ -17,14 +17,13 @@ from mjforage.storage import RunFolder
 from mjforage.studies.evaluate import check_policies
 
 
-def replay_of_run(folder: Path, world: str, policy: str | None, episode: int) -> Replay:
+def replay_of_run(folder: Path, world: str | None, policy: str | None, episode: int) -> Replay:
     """Simulate one logged episode again.
 
     Parameters
     ----------
     folder : complete run folder
-    world : name
-    policy : name; None for the run's first
+    world, policy : names; None for the run's first
     episode : number
 
     Raises
@@ -33,7 +32,7 @@ def replay_of_run(folder: Path, world: str, policy: str | None, episode: int) ->
         If the run does not hold that episode, or the episode does not come out as it was logged.
     """
     run = load_run(folder / "run.json")
-    policy = policy or run.policies[0]
+    policy, world = policy or run.policies[0], world or run.worlds[0]
     if policy not in run.policies or world not in run.worlds or not 0 <= episode < run.episodes:
         raise UserError(
             f"{folder}: no episode {episode} of {policy} in world {world}; it holds episodes 0 to "

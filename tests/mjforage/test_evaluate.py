@@ -293,7 +293,7 @@ def test_numbers_out_of_range_are_refused_before_anything_is_written(
         ([], "no policy given"),
         (["greedy", "greedy"], "policy greedy: given twice"),
         (["greedyy"], "policy greedyy: unknown; did you mean greedy?"),
-        (["Q"], "policy Q: unknown; choose belief, greedy"),
+        (["Q"], "policy Q: unknown; choose belief, ddqn"),
     ],
 )
 def test_policies_are_checked(policies: list[str], words: str) -> None:

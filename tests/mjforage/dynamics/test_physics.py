@@ -199,3 +199,23 @@ def test_an_instability_names_seed_episode_time_and_body() -> None:
     with pytest.raises(InstabilityError) as caught:
         mission.advance(preferences)
     assert "seed 3, episode 12, t = 10.00 s, body foragers-0" in str(caught.value)
+
+
+@pytest.mark.parametrize("world", ["hulls", "debris", "intake", "physics"])
+def test_what_was_collected_is_carried(world: str) -> None:
+    mission = Mission(setting_of("comb-port-weather", "horizon=25"), world)
+    mission.reset(3, np.arange(4))
+    mission.run(create_policy("greedy"))
+    dynamics = mission._dynamics
+    assert isinstance(dynamics, PhysicsDynamics)
+    taken = (mission.state.collected_by[..., None] == np.arange(4)).sum(axis=1)
+    assert taken.sum() > 0
+    assert (dynamics._simulation.load == taken).all()
+
+
+@pytest.mark.parametrize("world", ["graph", "physics"])
+def test_without_energy_a_hull_stays_and_that_is_no_hindrance(world: str) -> None:
+    setting = setting_of("comb-port", "horizon=8", "team.scouts.energy=2", "team.foragers.energy=1")
+    log = played(setting, [0, 1], world)
+    assert (log.outcome[:, 4:] == ARRIVED).all()
+    assert (log.energy[:, -1] < 4.0).all()
