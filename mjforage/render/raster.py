@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 
 @kernel
-def _span(low: float, high: float, size: int) -> tuple[int, int]:
+def span(low: float, high: float, size: int) -> tuple[int, int]:
     """Pixels of an axis of `size` that [low, high] touches, as a half-open range."""
     return max(0, int(np.floor(low))), min(size, int(np.ceil(high)) + 1)
 
@@ -34,8 +34,8 @@ def paint_discs(
     """Fill discs; `radius` [pixel] and `alpha` are (n,), `points` (n, 2)."""
     for i in range(points.shape[0]):
         x, y, reach = points[i, 0], points[i, 1], radius[i] + 1.0
-        first_row, last_row = _span(y - reach, y + reach, image.shape[0])
-        first_column, last_column = _span(x - reach, x + reach, image.shape[1])
+        first_row, last_row = span(y - reach, y + reach, image.shape[0])
+        first_column, last_column = span(x - reach, x + reach, image.shape[1])
         for row in range(first_row, last_row):
             for column in range(first_column, last_column):
                 distance = np.hypot(column + 0.5 - x, row + 0.5 - y)
@@ -51,8 +51,8 @@ def paint_rings(
     """Stroke circles of `radius` with line `width` [pixel]; arrays are (n,), `points` (n, 2)."""
     for i in range(points.shape[0]):
         x, y, reach = points[i, 0], points[i, 1], radius[i] + width[i] + 1.0
-        first_row, last_row = _span(y - reach, y + reach, image.shape[0])
-        first_column, last_column = _span(x - reach, x + reach, image.shape[1])
+        first_row, last_row = span(y - reach, y + reach, image.shape[0])
+        first_column, last_column = span(x - reach, x + reach, image.shape[1])
         for row in range(first_row, last_row):
             for column in range(first_column, last_column):
                 distance = abs(np.hypot(column + 0.5 - x, row + 0.5 - y) - radius[i])
@@ -62,7 +62,7 @@ def paint_rings(
 
 
 @kernel
-def _to_segment(x: float, y: float, start: Floats, end: Floats) -> tuple[float, float]:
+def to_segment(x: float, y: float, start: Floats, end: Floats) -> tuple[float, float]:
     """Distance to a segment [pixel] and where along it, 0 at its start, 1 at its end."""
     along_x, along_y = end[0] - start[0], end[1] - start[1]
     square = along_x * along_x + along_y * along_y
@@ -97,8 +97,8 @@ def paint_polygon(
 ) -> None:
     """Fill a polygon (n, 2) widened by `grow`, its edge blurred over `softness` >= 1 [pixel]."""
     reach = max(0.0, grow) + softness
-    rows = _span(corners[:, 1].min() - reach, corners[:, 1].max() + reach, image.shape[0])
-    columns = _span(corners[:, 0].min() - reach, corners[:, 0].max() + reach, image.shape[1])
+    rows = span(corners[:, 1].min() - reach, corners[:, 1].max() + reach, image.shape[0])
+    columns = span(corners[:, 0].min() - reach, corners[:, 0].max() + reach, image.shape[1])
     for row in range(rows[0], rows[1]):
         for column in range(columns[0], columns[1]):
             distance = _polygon_distance(column + 0.5, row + 0.5, corners) - grow
@@ -108,33 +108,43 @@ def paint_polygon(
 
 
 @kernel
-def paint_stroke(
-    image: Image, points: Floats, width: Floats, alpha: Floats, colour: Colour
-) -> None:
-    """Stroke a polyline (n, 2) whose `width` [pixel] and `alpha` (n,) vary along it.
+def stroke_cover(
+    height: int, width_px: int, points: Floats, width: Floats, alpha: Floats
+) -> tuple[int, int, NDArray[np.float32]]:
+    """How much a polyline (n, 2) covers each pixel, from a first row and column on.
 
-    Overlapping parts take the stronger cover, so joints and crossings do not darken.
+    `width` [pixel] and `alpha` (n,) vary along it. Overlapping parts take the stronger cover, so
+    joints and crossings do not darken.
     """
     reach = 0.5 * width.max() + 1.0
-    rows = _span(points[:, 1].min() - reach, points[:, 1].max() + reach, image.shape[0])
-    columns = _span(points[:, 0].min() - reach, points[:, 0].max() + reach, image.shape[1])
+    rows = span(points[:, 1].min() - reach, points[:, 1].max() + reach, height)
+    columns = span(points[:, 0].min() - reach, points[:, 0].max() + reach, width_px)
     cover = np.zeros((max(0, rows[1] - rows[0]), max(0, columns[1] - columns[0])), np.float32)
     for i in range(points.shape[0] - 1):
         a, b = points[i], points[i + 1]
-        first_row, last_row = _span(min(a[1], b[1]) - reach, max(a[1], b[1]) + reach, rows[1])
-        first, last = _span(min(a[0], b[0]) - reach, max(a[0], b[0]) + reach, columns[1])
+        first_row, last_row = span(min(a[1], b[1]) - reach, max(a[1], b[1]) + reach, rows[1])
+        first, last = span(min(a[0], b[0]) - reach, max(a[0], b[0]) + reach, columns[1])
         for row in range(first_row, last_row):
             for column in range(first, last):
-                distance, part = _to_segment(column + 0.5, row + 0.5, a, b)
+                distance, part = to_segment(column + 0.5, row + 0.5, a, b)
                 half = 0.5 * (width[i] + part * (width[i + 1] - width[i]))
                 strength = alpha[i] + part * (alpha[i + 1] - alpha[i])
                 strength *= min(1.0, max(0.0, half - distance + 0.5))
                 old = cover[row - rows[0], column - columns[0]]
                 cover[row - rows[0], column - columns[0]] = max(old, np.float32(strength))
+    return rows[0], columns[0], cover
+
+
+@kernel
+def paint_stroke(
+    image: Image, points: Floats, width: Floats, alpha: Floats, colour: Colour
+) -> None:
+    """Stroke a polyline (n, 2), see `stroke_cover`."""
+    top, left, cover = stroke_cover(image.shape[0], image.shape[1], points, width, alpha)
     for row in range(cover.shape[0]):
         for column in range(cover.shape[1]):
             if cover[row, column] > 0.0:
-                _blend(image, row + rows[0], column + columns[0], colour, cover[row, column])
+                _blend(image, row + top, column + left, colour, cover[row, column])
 
 
 @kernel
@@ -148,8 +158,8 @@ def paint_box(
 ) -> None:
     """Fill the rounded rectangle (left, top, right, bottom), or stroke it where `line` > 0."""
     left, top, right, bottom = box
-    rows = _span(top - line - 1.0, bottom + line + 1.0, image.shape[0])
-    columns = _span(left - line - 1.0, right + line + 1.0, image.shape[1])
+    rows = span(top - line - 1.0, bottom + line + 1.0, image.shape[0])
+    columns = span(left - line - 1.0, right + line + 1.0, image.shape[1])
     for row in range(rows[0], rows[1]):
         for column in range(columns[0], columns[1]):
             over_x = abs(column + 0.5 - 0.5 * (left + right)) - 0.5 * (right - left) + radius

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from graph_planner.compiled import kernel
 from mjforage.render.cameras import Area
 from mjforage.render.palette import Colour
-from mjforage.render.raster import _to_segment
+from mjforage.render.raster import span, stroke_cover, to_segment
 
 Floats = NDArray[np.float64]
 FOAM = 4  # channel of foam; 0 to 2 are colour times cover, 3 is cover
@@ -67,21 +67,16 @@ def blank_sheet(area: Area, finest_m: float) -> Sheet:
 
 
 @kernel
-def _range(low: float, high: float, size: int) -> tuple[int, int]:
-    return max(0, int(np.floor(low))), min(size, int(np.ceil(high)) + 1)
-
-
-@kernel
 def _lay_foam(texels: NDArray[np.float32], points: Floats, width: Floats, strength: Floats) -> None:
     """Foam fades to the sides of its line."""
     for i in range(points.shape[0] - 1):
         a, b = points[i], points[i + 1]
         reach = 0.5 * max(width[i], width[i + 1], 1.5)
-        rows = _range(min(a[1], b[1]) - reach, max(a[1], b[1]) + reach, texels.shape[0])
-        columns = _range(min(a[0], b[0]) - reach, max(a[0], b[0]) + reach, texels.shape[1])
+        rows = span(min(a[1], b[1]) - reach, max(a[1], b[1]) + reach, texels.shape[0])
+        columns = span(min(a[0], b[0]) - reach, max(a[0], b[0]) + reach, texels.shape[1])
         for row in range(rows[0], rows[1]):
             for column in range(columns[0], columns[1]):
-                distance, part = _to_segment(column + 0.5, row + 0.5, a, b)
+                distance, part = to_segment(column + 0.5, row + 0.5, a, b)
                 half = 0.5 * max(1.5, width[i] + part * (width[i + 1] - width[i]))
                 side = distance / half
                 if side < 1.0:
@@ -103,27 +98,11 @@ def _over(texels: NDArray[np.float32], row: int, column: int, colour: Colour, al
 def _lay_stroke(
     texels: NDArray[np.float32], points: Floats, width: Floats, alpha: Floats, colour: Colour
 ) -> None:
-    """Overlapping parts of one line take the stronger cover, so joints do not darken."""
-    reach = 0.5 * width.max() + 1.0
-    rows = _range(points[:, 1].min() - reach, points[:, 1].max() + reach, texels.shape[0])
-    columns = _range(points[:, 0].min() - reach, points[:, 0].max() + reach, texels.shape[1])
-    cover = np.zeros((max(0, rows[1] - rows[0]), max(0, columns[1] - columns[0])), np.float32)
-    for i in range(points.shape[0] - 1):
-        a, b = points[i], points[i + 1]
-        first_row, last_row = _range(min(a[1], b[1]) - reach, max(a[1], b[1]) + reach, rows[1])
-        first, last = _range(min(a[0], b[0]) - reach, max(a[0], b[0]) + reach, columns[1])
-        for row in range(max(first_row, rows[0]), last_row):
-            for column in range(max(first, columns[0]), last):
-                distance, part = _to_segment(column + 0.5, row + 0.5, a, b)
-                half = 0.5 * (width[i] + part * (width[i + 1] - width[i]))
-                strength = alpha[i] + part * (alpha[i + 1] - alpha[i])
-                strength *= min(1.0, max(0.0, half - distance + 0.5))
-                old = cover[row - rows[0], column - columns[0]]
-                cover[row - rows[0], column - columns[0]] = max(old, np.float32(strength))
+    top, left, cover = stroke_cover(texels.shape[0], texels.shape[1], points, width, alpha)
     for row in range(cover.shape[0]):
         for column in range(cover.shape[1]):
             if cover[row, column] > 0.0:
-                _over(texels, row + rows[0], column + columns[0], colour, cover[row, column])
+                _over(texels, row + top, column + left, colour, cover[row, column])
 
 
 @kernel
@@ -137,8 +116,8 @@ def _lay_rings(
 ) -> None:
     for i in range(points.shape[0]):
         x, y, reach = points[i, 0], points[i, 1], radius[i] + width[i] + 1.0
-        rows = _range(y - reach, y + reach, texels.shape[0])
-        columns = _range(x - reach, x + reach, texels.shape[1])
+        rows = span(y - reach, y + reach, texels.shape[0])
+        columns = span(x - reach, x + reach, texels.shape[1])
         for row in range(rows[0], rows[1]):
             for column in range(columns[0], columns[1]):
                 distance = abs(np.hypot(column + 0.5 - x, row + 0.5 - y) - radius[i])
