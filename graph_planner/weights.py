@@ -137,5 +137,5 @@ def load_networks(path: Path, task: Task) -> "dict[str, DuelingNetwork]":
                 f"{expected.get(wrong)}; train again with this version"
             )
         network.load_state_dict(own)
-        networks[team] = network.eval().requires_grad_(False)
+        networks[team] = network.train(False).requires_grad_(False)
     return networks

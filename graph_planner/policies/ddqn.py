@@ -57,23 +57,23 @@ class QPolicy:
 
 
 class ShippedPolicy(QPolicy):
-    """A `QPolicy` with weights that ship under a name."""
+    """A `QPolicy` with weights that ship."""
 
-    name: ClassVar[str]
+    weights: ClassVar[str]  # name of the file in `models/weights`
 
     def __init__(self) -> None:
-        super().__init__(shipped_weights(self.name))
-
-
-@register("ddqn")
-class DdqnPolicy(ShippedPolicy):
-    """Double dueling DQN, the best shipped weights."""
-
-    name = "ddqn"
+        super().__init__(shipped_weights(self.weights))
 
 
 @register("ddqn-reward")
 class DdqnRewardPolicy(ShippedPolicy):
     """Double dueling DQN, trained from reward alone as in the paper."""
 
-    name = "ddqn-reward"
+    weights = "ddqn-reward"
+
+
+@register("ddqn")
+class DdqnPolicy(ShippedPolicy):
+    """Double dueling DQN, the best shipped weights: those of `ddqn-reward` so far."""
+
+    weights = "ddqn-reward"

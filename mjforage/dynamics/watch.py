@@ -96,7 +96,7 @@ def watch(
     pose, velocity : (episode, vessel, 3) at its end, world axes
     pose_before, velocity_before : the same at its start
     target : (episode, vessel, 2) [m]
-    giving_way : (episode, vessel) whether the controller holds back for another hull
+    giving_way : (episode, vessel) whether the controller holds back for another hull or a quay
     water : (episode, vessel, 2) current at the hulls [m/s]
     lagged : (episode, vessel, 2) state of the thrusters [rad/s] or [N]
     parameters : (vessel, SIZE) of `hydrodynamics.parameters.pack`

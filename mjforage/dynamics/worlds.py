@@ -68,7 +68,9 @@ def _without_bodies(scenario: Scenario) -> Scenario:
 WORLDS = {
     "graph": WorldKind("moves succeed, items follow the paper's rule", GraphDynamics, _whole),
     "hulls": WorldKind("hulls, thrusters, control and mean wind", _physics, _without_bodies),
-    "debris": WorldKind("items as bodies in wind and current", _physics, _without_intake),
+    "debris": WorldKind(
+        "items as bodies in wind and water; current on items and hulls", _physics, _without_intake
+    ),
     "intake": WorldKind("items enter the collector's mouth", _physics, _without_noise),
     "physics": WorldKind("gusts and sensor noise", _physics, _whole),
 }

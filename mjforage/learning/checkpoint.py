@@ -1,4 +1,4 @@
-"""Checkpoints: one safetensors file with all that later rounds depend on. No pickle.
+"""Checkpoints: one safetensors file with all that later rounds depend on.
 
 Tensors are networks, optimisers and replays; counters, settings, scenario and the state of the
 random generator are JSON in the file's header, so a checkpoint is whole or absent.

@@ -57,14 +57,13 @@ def test_decisions_do_not_depend_on_the_batch(published: Setting) -> None:
 
 
 def test_they_are_small() -> None:
-    for name in SHIPPED:
-        assert shipped_weights(name).stat().st_size < 5_000_000
+    assert shipped_weights("ddqn-reward").stat().st_size < 5_000_000
 
 
 def test_the_command_line_names_missing_weights(
     refused: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("graph_planner.weights._PLACES", (tmp_path,))
-    words = refused("evaluate", "--policy", "ddqn", "--out", tmp_path / "run")
-    assert "weights ddqn: not found as" in words
+    words = refused("evaluate", "--policy", "ddqn-reward", "--out", tmp_path / "run")
+    assert "weights ddqn-reward: not found as" in words
     assert not (tmp_path / "run").exists()

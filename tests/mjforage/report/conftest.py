@@ -357,19 +357,10 @@ def build(folder: Path, plan: Plan) -> Path:
         for name, rows in tables.items()
         if rows
     }
-    empty = {
-        "world": pl.String,
-        "policy": pl.String,
-        "episode": pl.Int64,
-        "step": pl.Int64,
-        "agent": pl.Int64,
-        "x_m": pl.Float64,
-        "y_m": pl.Float64,
-        "speed_mps": pl.Float64,
-        "collisions": pl.Int64,
-        "impact_mps": pl.Float64,
-        "work_j": pl.Float64,
-    }
+    whole, number = ("episode", "step", "agent", "collisions"), ("x_m", "y_m", "speed_mps")
+    empty: dict[str, type[pl.DataType]] = dict.fromkeys(("world", "policy"), pl.String)
+    empty |= dict.fromkeys(whole, pl.Int64)
+    empty |= dict.fromkeys((*number, "impact_mps", "work_j"), pl.Float64)
     frames.setdefault("agents", pl.DataFrame(schema=empty))
     for name, frame in frames.items():
         frame.write_parquet(folder / f"{name}.parquet")

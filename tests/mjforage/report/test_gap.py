@@ -56,7 +56,7 @@ def test_each_rung_is_measured_against_the_one_below(logs: RunLogs) -> None:
     ):
         step = logs.scalar((world, "greedy"), "pta_c") - logs.scalar((before, "greedy"), "pta_c")
         assert cell(row.cells[1]) == pytest.approx(step.mean(), abs=0.006)
-    assert "+ physics: items as bodies in wind and current" in table.notes[0]
+    assert "+ physics: items as bodies in wind and water" in table.notes[0]
     assert "gusts" not in table.notes[0]
 
 
