@@ -330,6 +330,7 @@ def _run_json(plan: Plan) -> dict[str, Any]:
             "navigable": ["".join(str(int(cell)) for cell in row) for row in mask],
         },
         "started": "2025-01-01T12:00:00+00:00",
+        "hulls": {},
         "timings": {"wall_s": 12.5, "cpu_s": 20.25},
     }
 
