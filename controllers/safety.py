@@ -38,8 +38,8 @@ from controllers.state import (
 
 REACTION_S = 0.1
 GIVE_WAY_S = 1.0  # by how much longer the path ahead of a vessel with right of way is kept free
-TOUCH_QUAY_MPS, TOUCH_HULL_MPS = 0.25, 0.13  # of a bow that swings where it may touch
-SWING_S = 0.5  # for which another that turns is taken to turn on
+TOUCH_QUAY_MPS, TOUCH_HULL_MPS = 0.25, 0.15  # of a bow that swings where it may touch
+SWING_S = 0.25  # for which another that turns is taken to turn on
 HULL_SHARE = 0.6  # of the brake that is counted on before other hulls, which move
 STEP_M = 0.25  # of looking ahead
 SLACK_M = 0.02  # by which a gap may shrink that is already too small
