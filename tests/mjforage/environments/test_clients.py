@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 from pettingzoo.test import parallel_api_test
-from stable_baselines3 import DQN, PPO
+from stable_baselines3 import DQN
 from stable_baselines3.common import env_checker
 
 import mjforage
@@ -61,14 +61,8 @@ def test_registration_imports_neither_torch_nor_mujoco_nor_numba() -> None:
 
 
 @pytest.mark.parametrize("name", ["mjforage/SharedPolicy-v0", "mjforage/Waypoint-v0"])
-def test_stable_baselines3_accepts_and_trains(name: str) -> None:
-    env = gymnasium.make(name)
-    env_checker.check_env(env, warn=False)  # it takes maps in [0, 1] for pictures
-    policy = "MlpPolicy" if name.endswith("Waypoint-v0") else "MultiInputPolicy"
-    model = PPO(policy, env, n_steps=32, batch_size=32, n_epochs=1, seed=0, device="cpu")
-    model.learn(64)
-    observation, _ = env.reset(seed=1)
-    assert env.action_space.contains(model.predict(observation)[0])
+def test_stable_baselines3_accepts(name: str) -> None:
+    env_checker.check_env(gymnasium.make(name), warn=False)  # it takes maps in [0, 1] for pictures
 
 
 def test_stable_baselines3_has_its_dqn_too() -> None:
