@@ -1,8 +1,8 @@
 """The Double DQN of one team, nothing hidden.
 
 Double DQN: van Hasselt, Guez and Silver (2016); dueling network: Wang et al. (2016); prioritised
-replay: Schaul et al. (2016); shown moves: after Hester et al. (2018), see `surprise`. Action masks
-act before both argmaxes: that of the policy and that of the target.
+replay: Schaul et al. (2016); large margin for shown moves: Hester et al. (2018). Action masks act
+before both argmaxes: that of the policy and that of the target.
 """
 
 from collections.abc import Mapping
@@ -22,20 +22,16 @@ from mjforage.learning.settings import Settings
 GRADIENT_LIMIT = 10.0
 
 
-def surprise(values: Tensor, shown: Tensor, temperature: float) -> Tensor:
-    """(row,) temperature x -log of the chance that a softmax policy takes one of the shown moves.
-
-    A large margin (Hester et al. 2018) would be met best by equal values for all moves where none
-    is shown more often than not; this is met by the logarithms of how often each is.
+def lead_lacking(values: Tensor, shown: Tensor, margin: float) -> Tensor:
+    """(row,) by how much the best shown move fails to lead all that are not shown by the margin.
 
     Parameters
     ----------
     values, shown : (row, 9); rows without a shown move give 0
     """
-    either = shown | ~shown.any(dim=1, keepdim=True)
-    scaled = values / temperature
-    wanted = scaled.masked_fill(~either, -torch.inf)
-    return temperature * (scaled.logsumexp(dim=1) - wanted.logsumexp(dim=1))
+    best = values.masked_fill(~shown, -torch.inf).max(dim=1).values
+    raised = (values + margin * ~shown).max(dim=1).values
+    return torch.where(shown.any(dim=1), raised - best, 0.0)
 
 
 class Learner:
@@ -81,7 +77,6 @@ class Learner:
         moves, shown = self._tensor(batch.moves), self._tensor(batch.shown)
         legal, weights = self._tensor(batch.legal), self._tensor(batch.weights)
         rewards, discount = self._tensor(batch.rewards), self._tensor(batch.discount)
-        settings = self.settings
         with one_thread():
             following = self._tensors(batch.following)
             with torch.no_grad():
@@ -92,8 +87,8 @@ class Learner:
             chosen = values.gather(1, moves[:, None])[:, 0]
             error = chosen - goal
             losses = torch.nn.functional.smooth_l1_loss(chosen, goal, reduction="none")
-            losses = losses + settings.teacher_weight * surprise(
-                values, shown, settings.teacher_temperature
+            losses = losses + self.settings.margin_weight * lead_lacking(
+                values, shown, self.settings.margin
             )
             loss = (weights * losses).mean()
             self.optimiser.zero_grad(set_to_none=True)
