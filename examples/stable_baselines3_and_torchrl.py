@@ -3,7 +3,7 @@
 Stable-Baselines3 trains PPO on `mjforage/SharedPolicy-v0` and `mjforage/Waypoint-v0`; TorchRL plays
 the PettingZoo view. Install them first: `pip install stable-baselines3 torchrl`. Then
 
-    python examples/stable_baselines3_and_torchrl.py waypoint 60000
+    python examples/stable_baselines3_and_torchrl.py waypoint 10000
     python examples/stable_baselines3_and_torchrl.py shared 40000
     python examples/stable_baselines3_and_torchrl.py torchrl
 """
@@ -61,9 +61,8 @@ def waypoint(steps: int) -> None:
     env = gymnasium.make("mjforage/Waypoint-v0")
     random, builtin = mean_return(env), builtin_return(env.unwrapped)
     output.print(f"random {random:.1f}, built-in controller {builtin:.1f}")
-    model = PPO(
-        "MlpPolicy", env, seed=0, device="cpu", n_steps=1024, batch_size=128, learning_rate=1e-3
-    )
+    settings: dict[str, Any] = {"n_steps": 512, "batch_size": 64, "learning_rate": 1e-3}
+    model = PPO("MlpPolicy", env, seed=0, device="cpu", gamma=0.95, **settings)
     started = time.perf_counter()
     model.learn(steps)
     minutes = (time.perf_counter() - started) / 60

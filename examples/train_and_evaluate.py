@@ -2,9 +2,11 @@
 
     python examples/train_and_evaluate.py 0.1
 
-trains for 0.1 hours (the default; a quarter of an hour beats Greedy) and leaves `runs/tutorial/`:
-the training run, an evaluated run of both worlds with its report, and a film. The same command goes
-on where it stopped.
+trains for 0.1 hours (the default), with the belief planner showing moves, and leaves
+`runs/tutorial/`: the training run, an evaluated run of both worlds with its report, and a film. The
+same command goes on where it stopped. Without `teacher` it learns from reward alone. A busy core
+came to 1,001 updates in that time: NT50 .28, NT90 .49 over 48 held-out episodes, where Greedy has
+.40 and .72 over 20; 0.03 hours and 225 updates were far too few.
 """
 
 import sys
@@ -15,7 +17,7 @@ from rich.console import Console
 from graph_planner.policies.ddqn import QPolicy
 from graph_planner.policies.registry import register
 from mjforage.learning.run import train
-from mjforage.learning.settings import Settings
+from mjforage.learning.settings import Settings, changed
 from mjforage.mission import Setting
 from mjforage.render import render_replay
 from mjforage.replay import Replay
@@ -26,6 +28,10 @@ from mjforage.studies.evaluate import evaluate
 output = Console(highlight=False, soft_wrap=True)
 FOLDER = Path("runs") / "tutorial"
 WEIGHTS = FOLDER / "training" / "best.safetensors"
+SETTINGS = changed(
+    Settings(),
+    {"teacher": "belief", "teacher_updates": 6000, "explore_from": 0.05, "evaluate_every": 1000},
+)
 
 
 @register("mine")
@@ -42,7 +48,7 @@ def main(hours: float) -> None:
     output.print(
         f"training for {hours} hours; look with: tensorboard --logdir {FOLDER / 'training'}"
     )
-    train(scenario, Settings(), FOLDER / "training", hours=hours)
+    train(scenario, SETTINGS, FOLDER / "training", hours=hours)
     run = FOLDER / f"run-{hours:g}h"
     summary = evaluate(
         Setting.of(scenario), ["mine", "greedy"], run, episodes=20, worlds=("graph", "physics")

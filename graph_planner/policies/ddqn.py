@@ -74,6 +74,6 @@ class DdqnRewardPolicy(ShippedPolicy):
 
 @register("ddqn")
 class DdqnPolicy(ShippedPolicy):
-    """Double dueling DQN, the best shipped weights: those of `ddqn-reward` so far."""
+    """Double dueling DQN, the best shipped weights: shown moves by the belief planner at first."""
 
-    weights = "ddqn-reward"
+    weights = "ddqn"

@@ -2,6 +2,7 @@
 
 import difflib
 from collections.abc import Callable
+from pathlib import Path
 from typing import Protocol, TypeVar, runtime_checkable
 
 import numpy as np
@@ -73,13 +74,20 @@ def policy_names() -> list[str]:
 
 
 def create_policy(name: str) -> Policy:
-    """A fresh policy.
+    """A fresh policy: a registered one, or the weights `NAME.safetensors` of the present folder.
 
     Raises
     ------
     KeyError
         If there is none of that name; the message offers the nearest.
+    WeightsError
+        If the present folder has such a file, but no weights of ours are in it.
     """
+    weights = Path(f"{name}.safetensors")
+    if name not in _POLICIES and weights.name == str(weights) and weights.is_file():
+        from graph_planner.policies.ddqn import QPolicy  # it registers policies itself
+
+        return QPolicy(weights.resolve())
     if name not in _POLICIES:
         close = difflib.get_close_matches(name, _POLICIES, n=1)
         hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(policy_names())}"

@@ -10,6 +10,7 @@ from mjforage.errors import UserError
 
 if TYPE_CHECKING:
     from mjforage.learning.training import Row
+    from mjforage.scenario import Scenario
 
 train = App(name="train", help="Train policies.", help_format="plaintext")
 app.command(train)
@@ -26,6 +27,7 @@ def ddqn(
     seed: int = 0,
     map: str | None = None,
     set: Pairs = (),
+    also: Pairs = (),
     learning: Pairs = (),
     teacher: str = "",
     device: str = "auto",
@@ -47,6 +49,8 @@ def ddqn(
         Map that replaces the scenario's grid: a name, CSV or image.
     set
         Override KEY=VALUE of the scenario; repeatable.
+    also
+        Train on this SCENARIO, or SCENARIO:MAP, in turn; repeatable. A map has its own starts.
     learning
         Override KEY=VALUE of the learning settings, such as lanes=32 or reward.removed=2;
         repeatable.
@@ -69,6 +73,7 @@ def ddqn(
         chosen,
         settings,
         folder,
+        also=[_other(text) for text in also],
         seed=seed,
         hours=hours,
         updates=updates,
@@ -76,6 +81,19 @@ def ddqn(
         report=_report,
     )
     output.print(f"run: {folder}", soft_wrap=True)
+
+
+def _other(text: str) -> "Scenario":
+    """SCENARIO or SCENARIO:MAP; the map's own starts, or a random cluster."""
+    from dataclasses import replace
+
+    from mjforage.scenario_file import load_scenario
+
+    name, separator, file = text.partition(":")
+    scenario = load_scenario(name)
+    if not separator:
+        return scenario
+    return replace(scenario, map=replace(scenario.map, file=file, starts=None))
 
 
 def _pair(text: str) -> tuple[str, Any]:

@@ -12,8 +12,6 @@ from mjforage.mission import Setting
 from mjforage.scenario import Scenario
 from mjforage.scenario_file import load_scenario
 
-RENDER_MODES = ["rgb_array"]
-
 
 class Options(TypedDict, total=False):
     """Keyword arguments of the foraging environments, see `Choice`."""
@@ -60,11 +58,9 @@ class Choice:
         for word, value, known in (
             ("world", self.world, list(WORLDS)),
             ("observation", self.observation, list(PERCEPTIONS)),
-            ("render_mode", self.render_mode, [None, *RENDER_MODES]),
         ):
             if value not in known:
-                names = ", ".join(map(str, known))
-                raise UserError(f"{word} = {value!r}: unknown; choose {names}")
+                raise UserError(f"{word} = {value!r}: unknown; choose {', '.join(known)}")
         scenario = self.scenario
         if isinstance(scenario, str):
             scenario = load_scenario(scenario, self.set, self.map)

@@ -8,15 +8,12 @@ import numpy as np
 from pettingzoo import ParallelEnv
 
 from graph_planner.navigation import STAY
-from mjforage.environments.choice import RENDER_MODES, Choice, Options
-from mjforage.environments.game import Episodes, Game
-from mjforage.environments.pictures import Picture
+from mjforage.environments.choice import Options
+from mjforage.environments.one_lane import METADATA, OneLane
 from mjforage.environments.spaces import MASK, Pictures, picture_space, values
 
-LANE = np.zeros(1, np.int64)
 
-
-class ForagingParallelEnv(ParallelEnv[str, Pictures, int]):  # type: ignore[misc]
+class ForagingParallelEnv(OneLane, ParallelEnv[str, Pictures, int]):  # type: ignore[misc]
     """Agents `scouts-0`, `foragers-0`, ... decide at once; in conflicts the highest index wins.
 
     **Action** `Discrete(9)`, **observation** and masks per agent as in `mjforage/SharedPolicy-v0`,
@@ -28,25 +25,15 @@ class ForagingParallelEnv(ParallelEnv[str, Pictures, int]):  # type: ignore[misc
 
     metadata: ClassVar[dict[str, Any]] = {
         "name": "mjforage_v0",
-        "render_modes": RENDER_MODES,
-        "render_fps": 10,
         "is_parallelizable": True,
+        **METADATA,
     }
 
     def __init__(self, **options: Unpack[Options]) -> None:
-        choice = Choice(**options)
-        self.render_mode = choice.render_mode
-        self._game = Game(choice)
-        self._episodes = Episodes()
+        OneLane.__init__(self, options)
         self._entropy = np.random.default_rng()
-        self._picture = Picture() if choice.render_mode else None
-        self.possible_agents = list(choice.setting.fleet.names)
+        self.possible_agents = list(self._game.setting.fleet.names)
         self.agents: list[str] = []
-
-    @property
-    def game(self) -> Game:
-        """The mission and all about it."""
-        return self._game
 
     @cached_property
     def _spaces(
@@ -70,9 +57,8 @@ class ForagingParallelEnv(ParallelEnv[str, Pictures, int]):  # type: ignore[misc
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Pictures], dict[str, dict[str, Any]]]:
         """Start the next episode; with a seed, the first one of that seed."""
-        self._game.start(LANE, self._episodes.following(seed, self._entropy))
+        self._start(seed, self._entropy)
         self.agents = list(self.possible_agents)
-        self._note()
         return self._observed(self.agents)
 
     def step(
@@ -86,8 +72,7 @@ class ForagingParallelEnv(ParallelEnv[str, Pictures, int]):  # type: ignore[misc
     ]:
         """One decision of all agents that are not over."""
         chosen = np.array([int(actions.get(a, STAY)) for a in self.possible_agents])
-        outcome = self._game.step(chosen[None])
-        self._note()
+        outcome = self._play(chosen)
         present = self.agents
         index = {agent: i for i, agent in enumerate(self.possible_agents)}
         ended, late = bool(outcome.terminated[0]), bool(outcome.truncated[0])
@@ -101,27 +86,14 @@ class ForagingParallelEnv(ParallelEnv[str, Pictures, int]):  # type: ignore[misc
         self.agents = [a for a in present if not (terminated[a] or truncated[a])]
         return observations, rewards, terminated, truncated, infos
 
-    def render(self) -> Any:
-        """The map from above, (height, width, 3) uint8, or None without a render mode."""
-        if self._picture is None:
-            return None
-        return self._picture.draw(self._game.mission, self._game.choice.world)
-
-    def close(self) -> None:
-        """Nothing to let go."""
-
-    def _note(self) -> None:
-        if self._picture is not None:
-            self._picture.see(self._game.mission)
-
     def _observed(self, agents: list[str]) -> tuple[dict[str, Pictures], dict[str, dict[str, Any]]]:
-        levels, masks, facts = self._game.see(LANE), self._game.masks[0], self._game.facts()
+        levels, masks, facts = self._seen(), self._game.masks[0], self._game.facts()
         observations: dict[str, Pictures] = {}
         infos: dict[str, dict[str, Any]] = {}
         nothing = {f"reward/{name}": 0.0 for name in self._game.choice.weights}
         for i, agent in enumerate(self.possible_agents):
             if agent in agents:
-                seen: Pictures = {name: values(level[0, i]) for name, level in levels.items()}
+                seen: Pictures = {name: values(level[i]) for name, level in levels.items()}
                 observations[agent] = {**seen, MASK: masks[i].copy()}
                 infos[agent] = {**nothing, **facts}
         return observations, infos

@@ -8,15 +8,13 @@ from numpy.typing import NDArray
 
 from graph_planner.navigation import STAY
 from graph_planner.perception.masks import legal_of_agent
-from mjforage.environments.choice import RENDER_MODES, Choice, Options
-from mjforage.environments.game import CHOSEN, OTHERWISE_STAY, Episodes, Game
-from mjforage.environments.pictures import Picture
+from mjforage.environments.choice import Options
+from mjforage.environments.game import CHOSEN, OTHERWISE_STAY
+from mjforage.environments.one_lane import METADATA, OneLane, summed
 from mjforage.environments.spaces import MASK, Pictures, picture_space, values
 
-LANE = np.zeros(1, np.int64)
 
-
-class SharedPolicyEnv(gymnasium.Env[Pictures, np.int64]):
+class SharedPolicyEnv(OneLane, gymnasium.Env[Pictures, np.int64]):
     """One decision of one agent per step; when all have decided, the mission moves on.
 
     Agents decide in the mission's order, the highest index (foragers) first, so `action_mask` also
@@ -31,37 +29,21 @@ class SharedPolicyEnv(gymnasium.Env[Pictures, np.int64]):
     **Reward, end, episode** as in `Foraging-v0`.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": RENDER_MODES, "render_fps": 10}  # type: ignore[misc]
+    metadata: ClassVar[dict[str, Any]] = METADATA  # type: ignore[misc]
 
     def __init__(self, **options: Unpack[Options]) -> None:
-        """See `mjforage.environments.choice.Choice` for the options.
-
-        Raises
-        ------
-        UserError
-            If one is not valid.
-        """
-        choice = Choice(**options)
-        self.render_mode = choice.render_mode
-        self._game = Game(choice)
-        self._episodes = Episodes()
-        self._picture = Picture() if choice.render_mode else None
-        self._claimed = np.zeros(len(choice.setting.graph), np.int64)
+        OneLane.__init__(self, options)
+        self._claimed = np.zeros(len(self._game.setting.graph), np.int64)
         self._round = 0
         self.observation_space = picture_space(self._game.shapes)
         self.action_space = gymnasium.spaces.Discrete(9)
-
-    @property
-    def game(self) -> Game:
-        """The mission and all about it."""
-        return self._game
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Pictures, dict[str, Any]]:
         """Start the next episode; with a seed, the first one of that seed."""
         super().reset(seed=seed)
-        self._game.start(LANE, self._episodes.following(seed, self.np_random))
+        self._start(seed, self.np_random)
         self._begin_round()
         return self._observed(), self._info()
 
@@ -71,13 +53,9 @@ class SharedPolicyEnv(gymnasium.Env[Pictures, np.int64]):
         if self._turn > 0:
             self._turn -= 1
             return self._observed(), 0.0, False, False, self._info()
-        outcome = self._game.step(self._actions[None])
+        reward, ended, late, info = summed(self._play(self._actions))
         self._begin_round()
-        info = self._info() | {"illegal": int(outcome.illegal[0])}
-        for name, term in outcome.terms.items():
-            info[f"reward/{name}"] = float(term[0].sum())
-        ended = bool(outcome.terminated[0]), bool(outcome.truncated[0])
-        return self._observed(), float(outcome.rewards[0].sum()), *ended, info
+        return self._observed(), reward, ended, late, self._info() | info
 
     def action_masks(self) -> NDArray[np.bool_]:
         """(9,) legal moves of the agent whose turn it is."""
@@ -91,19 +69,11 @@ class SharedPolicyEnv(gymnasium.Env[Pictures, np.int64]):
             seen.energy_left[0, agent],
         )
 
-    def render(self) -> Any:
-        """The map from above, (height, width, 3) uint8, or None without a render mode."""
-        if self._picture is None:
-            return None
-        return self._picture.draw(self._game.mission, self._game.choice.world)
-
     def _begin_round(self) -> None:
         self._round += 1
         self._turn = self._game.agents - 1
         self._actions = np.full(self._game.agents, STAY, np.int64)
-        if self._picture is not None:
-            self._picture.see(self._game.mission)
-        self._levels = self._game.see(LANE)
+        self._levels = self._seen()
 
     def _choose(self, action: int) -> None:
         """Take note of a decision and of the node that it claims."""
@@ -118,7 +88,5 @@ class SharedPolicyEnv(gymnasium.Env[Pictures, np.int64]):
         return {"agent": self._turn, **self._game.facts()}
 
     def _observed(self) -> Pictures:
-        seen: Pictures = {
-            name: values(level[0, self._turn]) for name, level in self._levels.items()
-        }
+        seen: Pictures = {name: values(level[self._turn]) for name, level in self._levels.items()}
         return {**seen, MASK: self.action_masks().astype(np.int8)}

@@ -8,11 +8,15 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from mjforage.environments.choice import RENDER_MODES, Choice, Options
+from mjforage.environments.choice import Choice, Options
 from mjforage.environments.game import Episodes, Game, Outcome
+from mjforage.environments.one_lane import METADATA
 from mjforage.environments.pictures import Picture
+from mjforage.environments.screen import check_mode
 from mjforage.environments.spaces import MASK, Pictures, picture_space, values
 from mjforage.errors import UserError
+
+MODES = ["rgb_array"]
 
 
 class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
@@ -29,7 +33,7 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         `DISABLED` (nothing starts again but by `reset(options={"reset_mask": lanes})`)
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": RENDER_MODES, "render_fps": 10}  # type: ignore[misc]
+    metadata: ClassVar[dict[str, Any]] = METADATA | {"render_modes": MODES}  # type: ignore[misc]
 
     def __init__(
         self,
@@ -40,6 +44,7 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         if num_envs < 1:
             raise UserError(f"num_envs = {num_envs}: give 1 or more")
         choice = Choice(**options)
+        check_mode(choice.render_mode, MODES)
         self.num_envs, self.render_mode = num_envs, choice.render_mode
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {**type(self).metadata, "autoreset_mode": self.autoreset_mode}  # type: ignore[misc]

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from controllers import Pilot
 from mjforage.environments.course import TICK_S, Course
 from mjforage.environments.rewards import checked_names
-from mjforage.errors import UserError
+from mjforage.environments.screen import Screen
+from mjforage.environments.window import RENDER_MODES
 from mjforage.helm import helm_of
 from mjforage.vessels import load_vessel
 from mjforage.weather import WeatherSettings
@@ -54,7 +55,7 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
     within 1 m; truncated after 150 s.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 2}  # type: ignore[misc]
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": RENDER_MODES, "render_fps": 2}  # type: ignore[misc]
 
     def __init__(
         self,
@@ -79,8 +80,6 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
         UserError
             If an argument is not valid.
         """
-        if render_mode not in (None, "rgb_array"):
-            raise UserError(f"render_mode = {render_mode!r}: unknown; choose rgb_array")
         weather = WeatherSettings(
             wind_speed_mps=wind_mps,
             wind_toward_deg=None,
@@ -88,7 +87,7 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
             current_speed_mps=current_mps,
             current_toward_deg=None,
         )
-        self.render_mode = render_mode
+        self.render_mode, self._screen = render_mode, Screen(render_mode, self._drawn)
         self._weights = checked_names(REWARD if reward is None else reward, REWARD)
         self._course = Course(load_vessel(vessel), weather, WAYPOINTS)
         self._low, self._high = self._course.vessel.thruster.command_range
@@ -108,7 +107,8 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
         super().reset(seed=seed)
         self._course.start(self.np_random)
         self._steps = 0
-        self._way = [(float(self._course.pose[0]), float(self._course.pose[1]))]
+        self._way = []
+        self._note()
         return self._observed(), {"reached": 0}
 
     def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
@@ -158,7 +158,7 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
         self, amounts: dict[str, float]
     ) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
         self._steps += 1
-        self._way.append((float(self._course.pose[0]), float(self._course.pose[1])))
+        self._note()
         terms = {name: w * ({"time": 1.0} | amounts)[name] for name, w in self._weights.items()}
         info: dict[str, Any] = {f"reward/{name}": value for name, value in terms.items()}
         info |= {"reached": self._course.reached, "distance_m": self._course.distance_m}
@@ -192,10 +192,19 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
         c, s = math.cos(self._course.pose[2]), math.sin(self._course.pose[2])
         return np.array([c * vector[0] + s * vector[1], c * vector[1] - s * vector[0]])
 
-    def render(self) -> Any:
-        """Track, hull and waypoints from above, north up, (480, 480, 3) uint8; or None."""
-        if self.render_mode is None:
-            return None
+    def _note(self) -> None:
+        self._way.append((float(self._course.pose[0]), float(self._course.pose[1])))
+        self._screen.refresh()
+
+    def _drawn(self) -> NDArray[np.uint8]:
         from mjforage.environments.course_picture import draw_course
 
         return draw_course(self._course, self._way)
+
+    def render(self) -> Any:
+        """Track, hull and waypoints from above, north up, (480, 480, 3) uint8; or None."""
+        return self._screen.render()
+
+    def close(self) -> None:
+        """Close the window of `human`, if there is one."""
+        self._screen.close()

@@ -23,8 +23,10 @@ FORMAT = "mjforage training checkpoint 1"
 
 def identity(trainer: Trainer) -> dict[str, Any]:
     """What two runs must share for one to go on where the other stopped."""
+    first, *others = (game.setting.scenario for game in trainer.games)
     return {
-        "scenario": scenario_to_tree(trainer.game.setting.scenario),
+        "scenario": scenario_to_tree(first),
+        "also": [scenario_to_tree(scenario) for scenario in others],
         "settings": trainer.settings.tree(),
         "seed": trainer.seed,
     }
@@ -89,7 +91,7 @@ def restore_checkpoint(trainer: Trainer, path: Path) -> None:
 
 def _check(found: dict[str, Any], wanted: dict[str, Any], path: Path) -> None:
     wanted = json.loads(json.dumps(wanted))
-    for part in ("seed", "settings", "scenario"):
+    for part in ("seed", "settings", "scenario", "also"):
         if found[part] != wanted[part]:
             keys = (
                 [k for k in wanted[part] if found[part].get(k) != wanted[part][k]]

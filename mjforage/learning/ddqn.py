@@ -16,10 +16,22 @@ from torch import Tensor
 from graph_planner.inference import one_thread, values_of
 from graph_planner.perception import Shapes
 from graph_planner.q_network import DuelingNetwork
-from mjforage.learning.replay import NOT_SHOWN, Batch, Replay
+from mjforage.learning.replay import Batch, Replay
 from mjforage.learning.settings import Settings
 
 GRADIENT_LIMIT = 10.0
+
+
+def lead_lacking(values: Tensor, shown: Tensor, margin: float) -> Tensor:
+    """(row,) by how much the best shown move fails to lead all that are not shown by the margin.
+
+    Parameters
+    ----------
+    values, shown : (row, 9); rows without a shown move give 0
+    """
+    best = values.masked_fill(~shown, -torch.inf).max(dim=1).values
+    raised = (values + margin * ~shown).max(dim=1).values
+    return torch.where(shown.any(dim=1), raised - best, 0.0)
 
 
 class Learner:
@@ -75,7 +87,9 @@ class Learner:
             chosen = values.gather(1, moves[:, None])[:, 0]
             error = chosen - goal
             losses = torch.nn.functional.smooth_l1_loss(chosen, goal, reduction="none")
-            losses = losses + self.settings.margin_weight * self._margin(values, shown)
+            losses = losses + self.settings.margin_weight * lead_lacking(
+                values, shown, self.settings.margin
+            )
             loss = (weights * losses).mean()
             self.optimiser.zero_grad(set_to_none=True)
             self.optimiser.param_groups[0]["lr"] = self._rate
@@ -97,15 +111,6 @@ class Learner:
         """Learning rate now."""
         gone = min(1.0, self.updates / self.settings.rate_updates)
         return self.settings.learning_rate * (1.0 - 0.9 * gone)
-
-    def _margin(self, values: Tensor, shown: Tensor) -> Tensor:
-        """(row,) by how much a shown move fails to be better than all others by the margin."""
-        there = shown != NOT_SHOWN
-        move = torch.where(there, shown, 0)[:, None]
-        raised = (values + self.settings.margin).scatter_add(
-            1, move, torch.full_like(values[:, :1], -self.settings.margin)
-        )
-        return (raised.max(dim=1).values - values.gather(1, move)[:, 0]) * there
 
     @torch.no_grad()
     def _follow(self) -> None:

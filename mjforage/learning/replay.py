@@ -16,7 +16,6 @@ from graph_planner.perception import Shapes
 NOTHING, PLAYED, LAST, FINAL = 0, 1, 2, 3
 """What a row is: empty; a decision; the decision that ends the task, with nothing after it to hope
 for; the picture after a lane's last decision."""
-NOT_SHOWN = 255
 LEAST = 1e-2  # added to errors, so that no decision is forgotten
 
 
@@ -26,7 +25,7 @@ class Batch(NamedTuple):
     rows: NDArray[np.int64]
     levels: dict[str, NDArray[np.uint8]]
     moves: NDArray[np.int64]
-    shown: NDArray[np.int64]  # the teacher's move, or NOT_SHOWN
+    shown: NDArray[np.bool_]  # (row, 9) the teacher's moves; none where it was not asked
     rewards: NDArray[np.float32]  # discounted sum until the successor
     discount: NDArray[np.float32]  # of the successor's value; 0 where there is none
     following: dict[str, NDArray[np.uint8]]
@@ -101,7 +100,7 @@ class Replay:
         self.levels = {name: np.zeros((rows, *shape), np.uint8) for name, shape in shapes.items()}
         self.legal = np.zeros((rows, 9), np.bool_)
         self.moves = np.zeros(rows, np.uint8)
-        self.shown = np.full(rows, NOT_SHOWN, np.uint8)
+        self.shown = np.zeros((rows, 9), np.bool_)
         self.rewards = np.zeros(rows, np.float32)
         self.kind = np.zeros(rows, np.uint8)
         self.tree = np.zeros(2 << max(rows - 1, 1).bit_length())
@@ -127,7 +126,7 @@ class Replay:
         for name, level in levels.items():
             self.levels[name][block] = level
         self.legal[block], self.kind[block] = legal, kind
-        self.shown[block], self.rewards[block] = NOT_SHOWN, 0.0
+        self.shown[block], self.rewards[block] = False, 0.0
         self.written += 1
         if self.written - self.ready > self.n_step:
             self._release()
@@ -135,11 +134,19 @@ class Replay:
     def close(
         self,
         moves: NDArray[np.int64],
-        shown: NDArray[np.int64],
+        shown: NDArray[np.bool_],
         rewards: NDArray[np.float64],
         over: NDArray[np.bool_],
     ) -> None:
-        """Complete the block with what happened; `over` (lane,) where the task came to its end."""
+        """Complete the block with what happened.
+
+        Parameters
+        ----------
+        moves : (lane,) taken
+        shown : (lane, 9) the teacher's
+        rewards : (lane,)
+        over : (lane,) where the task came to its end
+        """
         block = self._block(self.written - 1)
         self.moves[block], self.shown[block], self.rewards[block] = moves, shown, rewards
         self.kind[block][over] = LAST
@@ -180,7 +187,7 @@ class Replay:
             rows=rows,
             levels={name: level[rows] for name, level in self.levels.items()},
             moves=self.moves[rows].astype(np.int64),
-            shown=self.shown[rows].astype(np.int64),
+            shown=self.shown[rows],
             rewards=sums,
             discount=discount,
             following={name: level[successor] for name, level in self.levels.items()},

@@ -9,7 +9,7 @@ import platform
 import shlex
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from pathlib import Path
 
@@ -33,6 +33,7 @@ def train(
     settings: Settings,
     folder: Path,
     *,
+    also: Sequence[Scenario] = (),
     seed: int = 0,
     hours: float | None = None,
     updates: int | None = None,
@@ -46,6 +47,7 @@ def train(
 
     Parameters
     ----------
+    also : scenarios that rounds take in turn with the first
     folder : of the run; a run of the same scenario, settings and seed in it goes on
     hours, updates : where to stop; at least one
     device : auto, cpu or cuda
@@ -58,7 +60,7 @@ def train(
     """
     if hours is None and updates is None:
         raise UserError("train: no end given; add --hours 2 or --updates 10000")
-    trainer = Trainer(scenario, settings, seed, _device(device))
+    trainer = Trainer([scenario, *also], settings, seed, _device(device))
     checkpoint = folder / "checkpoint.safetensors"
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)

@@ -53,9 +53,9 @@ class Settings:
     """Policy that shows moves; empty: reward alone."""
     teacher_updates: int = field(default=0, metadata=bounded(0, 1_000_000_000))
     """Updates during which there are shown moves; the share of lanes it plays falls to 0."""
-    margin: float = field(default=0.1, metadata=bounded(0, 100))
+    margin: float = field(default=0.3, metadata=bounded(0, 100))
     """By how much a shown move has to be better than the others (Hester et al. 2018)."""
-    margin_weight: float = field(default=1.0, metadata=bounded(0, 100))
+    margin_weight: float = field(default=3.0, metadata=bounded(0, 100))
     evaluate_every: int = field(default=2000, metadata=bounded(1, 1_000_000_000))  # updates
     evaluate_episodes: int = field(default=48, metadata=bounded(1, 100_000))
     reward: Mapping[str, float] = field(default_factory=lambda: REWARD)

@@ -42,7 +42,7 @@ def learning_speeds() -> dict[str, float]:
     the published scenario.
     """
     figures = {f"env_obs_steps_per_core_s_{kind}": _observed_per_s(kind) for kind in PERCEPTIONS}
-    trainer = Trainer(load_scenario("published"), changed(Settings(), SMALL))
+    trainer = Trainer([load_scenario("published")], changed(Settings(), SMALL))
     trainer.play_round()  # compiles, and fills the replay
     for part in trainer.clock.seconds:
         trainer.clock.seconds[part] = 0.0

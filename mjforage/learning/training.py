@@ -5,7 +5,7 @@ the same weights whatever happened between them.
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -22,8 +22,9 @@ from graph_planner.weights import TEAMS, WeightsHeader
 from mjforage.environments.choice import Choice
 from mjforage.environments.game import Game, Outcome
 from mjforage.episode_log import EpisodeLog
+from mjforage.errors import UserError
 from mjforage.learning.ddqn import Learner
-from mjforage.learning.replay import FINAL, NOT_SHOWN, NOTHING, PLAYED
+from mjforage.learning.replay import FINAL, NOTHING, PLAYED
 from mjforage.learning.settings import Settings
 from mjforage.mission import Mission
 from mjforage.scenario import Scenario
@@ -83,25 +84,40 @@ class Trainer:
 
     Attributes
     ----------
+    games : of the scenarios; rounds take them in turn
+    game : that of the round under way
     learners : team of `TEAMS` -> its learner; a team without agents has none
     progress : how far it has come
     clock : where the time went
     """
 
     def __init__(
-        self, scenario: Scenario, settings: Settings, seed: int = 0, device: str = "cpu"
+        self,
+        scenarios: Sequence[Scenario],
+        settings: Settings,
+        seed: int = 0,
+        device: str = "cpu",
     ) -> None:
         """Prepare a run.
+
+        Parameters
+        ----------
+        scenarios : rounds take them in turn; evaluations are of the first
 
         Raises
         ------
         UserError
-            If the scenario or a setting is not valid.
+            If a scenario or a setting is not valid, or fleets or arrays differ.
         """
-        self.settings, self.seed, self._device = settings, seed, device
-        choice = Choice(scenario, observation=settings.observation, reward=settings.reward)
-        self.game = Game(choice, settings.lanes)
-        fleet = choice.setting.fleet
+        self.settings, self.seed = settings, seed
+        choices = [
+            Choice(scenario, observation=settings.observation, reward=settings.reward)
+            for scenario in scenarios
+        ]
+        self.games = [Game(choice, settings.lanes) for choice in choices]
+        self.game = self.games[0]
+        fleet = self.game.setting.fleet
+        _check_alike(self.games)
         self.agents = dict(zip(TEAMS, (fleet.scouts, fleet.foragers), strict=True))
         self.learners = {
             team: Learner(self.game.shapes, settings.lanes * ids.size, settings, seed + i, device)
@@ -121,7 +137,8 @@ class Trainer:
         progress, lanes = self.progress, self.settings.lanes
         numbers = np.arange(progress.episodes, progress.episodes + lanes)
         keys = episode_keys(self.seed, numbers)
-        game, started = self.game, time.perf_counter()
+        self.game = game = self.games[progress.rounds % len(self.games)]
+        started = time.perf_counter()
         game.start(np.arange(lanes), keys)
         teacher, taught = self._teacher(keys)
         returns = np.zeros((lanes, game.agents))
@@ -173,17 +190,18 @@ class Trainer:
         self._present = game.mission.active.copy()
         self._open(np.where(self._present, PLAYED, NOTHING))
         preferences = self._preferences()
-        shown = np.full((game.lanes, game.agents), NOT_SHOWN, np.int64)
+        shown = np.zeros(preferences.shape, np.bool_)
         if teacher is not None:
             theirs = clock("teacher", lambda: game.mission.ask(teacher))
-            shown[:] = game.mission.decide(theirs).direction
+            move = game.mission.decide(theirs).direction[..., None].astype(np.int64)
+            shown[:] = theirs >= np.take_along_axis(theirs, move, axis=-1)
             preferences[taught] = theirs[taught]
         outcome: Outcome = clock("environment", lambda: game.play(preferences))
         for team, learner in self.learners.items():
             ids = self.agents[team]
             learner.replay.close(
                 outcome.taken[:, ids].reshape(-1).astype(np.int64),
-                shown[:, ids].reshape(-1),
+                shown[:, ids].reshape(-1, 9),
                 outcome.rewards[:, ids].reshape(-1),
                 np.repeat(outcome.terminated, ids.size),
             )
@@ -252,7 +270,7 @@ class Trainer:
 
     def evaluate(self) -> Row:
         """Scores on held-out episodes, without exploration; `rank` is better when lower."""
-        setting, settings = self.game.setting, self.settings
+        setting, settings = self.games[0].setting, self.settings
         mission = Mission(setting)
         mission.reset(HELD_OUT, np.arange(settings.evaluate_episodes))
         log = EpisodeLog(mission)
@@ -261,6 +279,18 @@ class Trainer:
         row = {name: _mean(scores[name]) for name in SCORES}
         row["rank"] = row["nt50"] + row["nt90"] + (100.0 - row["pta_c"]) / 20.0
         return {"updates": float(self.progress.updates), "seconds": self.progress.seconds, **row}
+
+
+def _check_alike(games: Sequence[Game]) -> None:
+    """Refuse scenarios that cannot share networks and replays."""
+    first, *others = [(game.setting.fleet.collects.tolist(), game.shapes) for game in games]
+    for number, other in enumerate(others, start=1):
+        if other != first:
+            names = [games[i].setting.scenario.name for i in (0, number)]
+            raise UserError(
+                f"scenarios {names[0]} and {names[1]}: fleets or arrays differ; train together "
+                "scenarios with as many scouts and foragers, on the egocentric observation"
+            )
 
 
 def _mean(values: NDArray[np.float64]) -> float:

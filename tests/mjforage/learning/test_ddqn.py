@@ -5,8 +5,8 @@ import pytest
 import torch
 
 from graph_planner.perception import Shapes
-from mjforage.learning.ddqn import Learner
-from mjforage.learning.replay import FINAL, NOT_SHOWN, PLAYED, Batch
+from mjforage.learning.ddqn import Learner, lead_lacking
+from mjforage.learning.replay import FINAL, PLAYED, Batch
 from mjforage.learning.settings import Settings, changed
 
 SHAPES: Shapes = {"x": (2,)}
@@ -18,14 +18,16 @@ def learner(**changes: object) -> Learner:
     return Learner(SHAPES, 1, settings, seed=0)
 
 
-def batch(legal: list[int], discount: float = 0.5, shown: int = NOT_SHOWN) -> Batch:
+def batch(legal: list[int], discount: float = 0.5, shown: tuple[int, ...] = ()) -> Batch:
     mask = np.zeros((1, 9), np.bool_)
     mask[0, legal] = True
+    teacher = np.zeros((1, 9), np.bool_)
+    teacher[0, list(shown)] = True
     return Batch(
         rows=np.zeros(1, np.int64),
         levels={"x": np.array([[255, 0]], np.uint8)},
         moves=np.array([3]),
-        shown=np.array([shown]),
+        shown=teacher,
         rewards=np.ones(1, np.float32),
         discount=np.array([discount], np.float32),
         following={"x": np.array([[0, 255]], np.uint8)},
@@ -71,18 +73,27 @@ def test_the_target_follows_slowly() -> None:
 def test_a_shown_move_comes_to_lead_by_the_margin() -> None:
     one = learner(margin=0.5, margin_weight=1.0)
     for _ in range(150):
-        one.learn(batch([0], discount=0.0, shown=6))
+        one.learn(batch([0], discount=0.0, shown=(6,)))
     values = one.values({"x": np.array([[255, 0]], np.uint8)})[0]
     others = np.delete(values, 6)
     assert values[6] - others.max() > 0.4
     assert values[3] == pytest.approx(1.0, abs=0.35)  # its reward pulls, too
 
 
+def test_any_of_the_shown_moves_may_lead() -> None:
+    values = torch.tensor([[0.0, 1.0, 2.0, 1.8], [0.0, 1.0, 2.0, 1.8]])
+    both = torch.tensor([[False, False, True, True], [False, False, False, True]])
+    found = lead_lacking(values, both, margin=0.5)
+    torch.testing.assert_close(found, torch.tensor([0.0, 2.5 - 1.8]))
+    nothing = lead_lacking(values, torch.zeros_like(both), margin=0.5)
+    torch.testing.assert_close(nothing, torch.zeros(2))
+
+
 def test_it_learns_the_values_of_a_chain() -> None:
     """Two states: move 1 in the first earns 1 and leads on, where move 2 earns 2 and ends."""
     one, random = learner(batch=32, target_rate=0.1), np.random.default_rng(0)
     first, second = np.array([[255, 0]], np.uint8), np.array([[0, 255]], np.uint8)
-    legal, nothing = np.ones((1, 9), np.bool_), np.full(1, NOT_SHOWN)
+    legal, nothing = np.ones((1, 9), np.bool_), np.zeros((1, 9), np.bool_)
     for _ in range(150):
         a, b = random.integers(0, 9, 2)
         one.replay.open({"x": first}, legal, np.array([PLAYED], np.uint8))

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from graph_planner.perception import Shapes
-from mjforage.learning.replay import FINAL, LAST, NOT_SHOWN, NOTHING, PLAYED, Replay
+from mjforage.learning.replay import FINAL, LAST, NOTHING, PLAYED, Replay
 
 SHAPES: Shapes = {"x": (1,)}
 GAMMA = 0.5
@@ -18,7 +18,7 @@ def fill(replay: Replay, lengths: tuple[int, int], ended: tuple[bool, bool], bas
             break
         over = np.array([ended[i] and t == lengths[i] - 1 for i in range(2)])
         rewards = np.array([1.0 * t, 10.0 * t])
-        replay.close(np.array([t % 9] * 2), np.full(2, NOT_SHOWN), rewards, over)
+        replay.close(np.array([t % 9] * 2), np.zeros((2, 9), np.bool_), rewards, over)
     replay.finish()
 
 
@@ -63,7 +63,9 @@ def test_old_rows_give_way_and_rows_without_a_successor_wait() -> None:
         np.ones((2, 9), np.bool_),
         np.full(2, PLAYED, np.uint8),
     )
-    replay.close(np.zeros(2, np.int64), np.full(2, NOT_SHOWN), np.zeros(2), np.zeros(2, np.bool_))
+    replay.close(
+        np.zeros(2, np.int64), np.zeros((2, 9), np.bool_), np.zeros(2), np.zeros(2, np.bool_)
+    )
     assert set(drawn(replay)) == {10, 11, 12, 110, 111, 112}
 
 

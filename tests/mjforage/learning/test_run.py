@@ -128,16 +128,49 @@ def test_what_a_run_leaves_behind(finished: tuple[Path, Trainer]) -> None:
     assert not mission.active.any()
 
 
+def test_trained_weights_are_a_policy_by_their_file_name(
+    finished: tuple[Path, Trainer],
+    command: Callable[..., object],
+    refused: Callable[..., str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ("evaluate", "published", "--set", "horizon=8", "--episodes", 2, "--out", "run")
+    assert "policy mine: unknown; choose belief" in refused(*words, "--policy", "mine")
+    shutil.copy(finished[0] / "weights.safetensors", "mine.safetensors")
+    done = command(*words, "--policy", "mine")
+    assert done.code == 0, done  # type: ignore[attr-defined]
+    Path("bad.safetensors").write_bytes(b"none")
+    assert "weights" in refused(*words, "--policy", "bad")
+
+
 def test_a_teacher_is_followed(tmp_path: Path) -> None:
     """Shown moves are stored for every decision, and its lanes play them."""
-    trainer = Trainer(scenario(), settings(teacher="greedy", teacher_updates=1000), seed=0)
+    trainer = Trainer([scenario()], settings(teacher="greedy", teacher_updates=1000), seed=0)
     trainer.play_round()
     for learner in trainer.learners.values():
         replay = learner.replay
         rows = replay.tree[replay.tree.size // 2 :][: replay.kind.size] > 0
-        assert (replay.shown[rows] < 9).all()
-        same = replay.shown[rows] == replay.moves[rows]
+        shown, moves = replay.shown[: replay.kind.size][rows], replay.moves[rows].astype(np.int64)
+        assert shown.any(axis=1).all()
+        same = np.take_along_axis(shown, moves[:, None], axis=1)
         assert same.mean() > 0.8  # the first lanes are all the teacher's
+
+
+def test_rounds_take_scenarios_in_turn(tmp_path: Path) -> None:
+    other = load_scenario("open-bay", ("horizon=12",))
+    trainer = Trainer([scenario(), other], settings(), seed=0)
+    nodes = set()
+    for _ in range(2):
+        trainer.play_round()
+        nodes.add(len(trainer.game.setting.graph))
+    assert nodes == {len(game.setting.graph) for game in trainer.games} and len(nodes) == 2
+    train(scenario(), settings(), tmp_path, also=[other], updates=1)
+    with pytest.raises(UserError, match="was written with another also"):
+        train(scenario(), settings(), tmp_path, updates=1)
+    with pytest.raises(UserError, match="scenarios published and comb-port: fleets or arrays"):
+        Trainer([scenario(), load_scenario("comb-port", ("team.scouts.count=1",))], settings())
 
 
 def test_ends_and_folders_are_checked(finished: tuple[Path, Trainer], tmp_path: Path) -> None:
@@ -178,7 +211,9 @@ def test_settings_are_checked(changes: dict[str, object], words: str) -> None:
 def test_the_command_line_trains(command: Callable[..., object], tmp_path: Path) -> None:
     words = [f"--learning={key}={value}" for key, value in TINY.items()]
     out = tmp_path / "run"
-    done = command("train", "ddqn", "--set", "horizon=6", "--updates", 1, "--out", out, *words)
+    also = ("--also", "published:open_bay", "--also", "channels")
+    first = ("train", "ddqn", "--set", "horizon=6", "--updates", 1, "--out", out, *also)
+    done = command(*first, *words)
     assert done.code == 0, done  # type: ignore[attr-defined]
     assert "PTA_C" in done.out  # type: ignore[attr-defined]
     assert (out / "best.safetensors").is_file()

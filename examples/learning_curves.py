@@ -1,0 +1,50 @@
+"""Draw the evaluations of training runs beside Greedy and the paper's learned policy.
+
+    python examples/learning_curves.py curves.png runs/ddqn/evaluations.parquet \
+        models/weights/ddqn-evaluations.csv
+
+takes any number of runs; lower is better in all three columns.
+"""
+
+import sys
+from pathlib import Path
+
+import polars as pl
+from matplotlib.figure import Figure
+
+COLUMNS = {"nt50": "NT50", "nt90": "NT90", "left": "items left [%]"}
+LEVELS = {  # by the published rules: ours of Greedy (200 episodes), and the paper's row
+    "Greedy": {"nt50": 0.331, "nt90": 0.604, "left": 3.0},
+    "paper's DRL": {"nt50": 0.281, "nt90": 0.512, "left": 1.32},
+}
+INK, COLOURS = "#3b4754", ("#1f5d87", "#b3382c", "#5b8c5a", "#8a6fae")
+
+
+def read(path: Path) -> pl.DataFrame:
+    """Evaluations of a run, with the share of items left."""
+    rows = pl.read_csv(path) if path.suffix == ".csv" else pl.read_parquet(path)
+    return rows.with_columns(left=100.0 - pl.col("pta_c"))
+
+
+def main(picture: Path, runs: list[Path]) -> None:
+    """Draw."""
+    figure = Figure(figsize=(9.0, 2.8), layout="constrained")
+    for axes, (column, name) in zip(figure.subplots(1, 3), COLUMNS.items(), strict=True):
+        for (level, values), dash in zip(LEVELS.items(), (":", "--"), strict=True):
+            axes.axhline(values[column], color=INK, linestyle=dash, linewidth=1.0, label=level)
+        for path, colour in zip(runs, COLOURS, strict=False):
+            rows = read(path)
+            label = path.stem.removesuffix("-evaluations")
+            label = path.parent.name if label == "evaluations" else label
+            axes.plot(rows["updates"], rows[column], "o-", color=colour, markersize=3, label=label)
+        axes.set_xlabel("updates")
+        axes.set_title(name, loc="left", fontsize=10, color=INK)
+        axes.set_ylim(bottom=0.0)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.tick_params(colors=INK, labelsize=8)
+    axes.legend(frameon=False, fontsize=8, labelcolor=INK)
+    figure.savefig(picture, dpi=100)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), [Path(name) for name in sys.argv[2:]])
