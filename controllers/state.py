@@ -29,7 +29,10 @@ SURGE = 47
 BACKING = 48
 # How far up the drift of its place it lies, where a quay is to leeward [m].
 UP = 49
-SIZE = 50
+# How it picks up an item: 0 straight, 1 backing off, 2 along a quay, 3 backing off; for how long it
+# has been still [s]; for how long it has been doing that [s].
+APPROACH, STILL_S, APPROACH_S = range(50, 53)
+SIZE = 53
 
 # Modes; START: a decision not yet begun, IDLE: none yet.
 HOLD, TRANSIT, START, IDLE = 0.0, 1.0, 2.0, 3.0

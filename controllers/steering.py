@@ -29,6 +29,8 @@ from controllers.loops import (
 )
 from controllers.pickup import in_room, pick_up
 from controllers.state import (
+    APPROACH,
+    APPROACH_S,
     ARRIVED,
     CLOCK,
     COURSE,
@@ -55,6 +57,7 @@ from controllers.state import (
     PROMOTED,
     SPEED_REF,
     STARBOARD,
+    STILL_S,
     STUCK,
     SURGE_INTEGRAL,
     TARGET_X,
@@ -247,9 +250,11 @@ def steer(s: FloatArray, p: FloatArray, room: float, step_s: float) -> tuple[flo
         return drive(s, p, heading, speed, step_s)
     at_target = s[PLACE_X] == s[TARGET_X] and s[PLACE_Y] == s[TARGET_Y]
     if not math.isnan(s[ITEM_X]) and s[ARRIVED] != 0.0 and at_target:
-        heading, speed = pick_up(s, p, room)
+        heading, speed = pick_up(s, p, room, step_s)
         s[WANTED] = s[YAW]
         return drive(s, p, heading, speed, step_s)
+    if math.isnan(s[ITEM_X]):
+        s[APPROACH] = s[STILL_S] = s[APPROACH_S] = 0.0
     if s[UP] > 0.0:
         shift = s[UP] / math.sqrt(s[DRIFT_X] ** 2 + s[DRIFT_Y] ** 2)
         x, y = s[PLACE_X] - shift * s[DRIFT_X], s[PLACE_Y] - shift * s[DRIFT_Y]

@@ -64,7 +64,7 @@ def test_items_anywhere_in_the_node_are_picked_up_without_leaving_it() -> None:
 def test_an_item_abeam_is_backed_off_from_before_turning() -> None:
     s = np.zeros(at.SIZE)
     s[at.ITEM_X], s[at.ITEM_Y] = 0.3, 0.9
-    heading, speed = pick_up(s, packed(helm_of(FORAGER)), 1.3)
+    heading, speed = pick_up(s, packed(helm_of(FORAGER)), 1.3, 0.1)
     assert (heading, speed < 0.0) == (0.0, True)
 
 
