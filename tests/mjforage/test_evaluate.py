@@ -277,7 +277,7 @@ def test_a_folder_below_a_file_and_one_of_something_else_are_refused(
 
 @pytest.mark.parametrize(
     "settings",
-    [{"episodes": 0}, {"jobs": 0}, {"seed": -1}, {"seed": 1 << 64}, {"worlds": ["moon"]}],
+    [{"episodes": 0}, {"seed": -1}, {"seed": 1 << 64}, {"worlds": ["moon"]}],
 )
 def test_numbers_out_of_range_are_refused_before_anything_is_written(
     settings: dict[str, Any], evaluate_small: Small, tmp_path: Path

@@ -9,7 +9,7 @@ from mjforage.report.published import comparable, published_for
 from mjforage.run_info import load_run
 from mjforage.scenario_file import load_scenario
 from mjforage.storage import write_json
-from mjforage.studies.evaluate import run_info
+from mjforage.studies.identity import run_info
 
 
 @pytest.mark.parametrize(
