@@ -141,15 +141,16 @@ def _play(
 
 @app.command
 def report(folder: Path, /) -> None:
-    """Draw tables, figures and report.html again, from a run folder's logs alone.
+    """Draw tables, figures and report.html again, from the logs of a run or study alone.
 
     Parameters
     ----------
     folder
-        Folder that evaluate wrote.
+        Folder that evaluate, compare or study wrote.
     """
     from mjforage.report import write_report
+    from mjforage.report.studies import is_study, write_study_report
 
     with errors.status("drawing the report"):
-        path = write_report(folder)
+        path = write_study_report(folder) if is_study(folder) else write_report(folder)
     output.print(f"report: {path}", soft_wrap=True)

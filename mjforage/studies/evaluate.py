@@ -3,7 +3,7 @@
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -194,7 +194,9 @@ def carry_out(
     done = total - sum(chunk.count for _, chunk in work)
     progress(done, total)
     left = Counter(place for place, _ in work)
-    with closing(run_chunks([(orders[place], chunk) for place, chunk in work], workers)) as results:
+    asked = [(orders[place], chunk) for place, chunk in work]
+    nothing: Generator[int] = (place for place in ())
+    with closing(run_chunks(asked, workers) if work else nothing) as results:
         for place, run in enumerate(runs):  # runs are computed in their order
             while left[place]:
                 owner, chunk = work[next(results)]

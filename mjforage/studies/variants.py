@@ -48,6 +48,11 @@ def crews(scenario: Scenario) -> str:
     return ", ".join(f"{role.count} {name}" for name, role in scenario.team.items())
 
 
+def lesser_name(team: str) -> str:
+    """Variant of the fleet with an agent of a team less."""
+    return f"{team}-less"
+
+
 def ablation(scenario: Scenario, policies: Sequence[str]) -> tuple[Variant, ...]:
     """The whole fleet, and every team with one agent less.
 
@@ -63,7 +68,7 @@ def ablation(scenario: Scenario, policies: Sequence[str]) -> tuple[Variant, ...]
         if role.count:
             team = dict(scenario.team) | {name: replace(role, count=role.count - 1)}
             lesser = replace(scenario, team=team)
-            variants.append(Variant(f"{name}-less", crews(lesser), lesser, tuple(policies)))
+            variants.append(Variant(lesser_name(name), crews(lesser), lesser, tuple(policies)))
     return tuple(variants)
 
 

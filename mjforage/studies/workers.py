@@ -11,7 +11,7 @@ import threading
 import time
 import warnings
 import zipfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
@@ -220,7 +220,7 @@ def run_chunk(order: Order, chunk: Chunk) -> str | None:
     return None
 
 
-def run_chunks(work: Sequence[tuple[Order, Chunk]], workers: Workers) -> Iterator[int]:
+def run_chunks(work: Sequence[tuple[Order, Chunk]], workers: Workers) -> Generator[int]:
     """Carry out chunks in their order, yielding the place of each one that is finished.
 
     Raises
