@@ -1,4 +1,4 @@
-"""`mjforage study ...`: what parts, agents and teams are worth, over many variants of a scenario."""
+"""`mjforage study ...`: what parts, agents and teams are worth, over variants of a scenario."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -43,8 +43,6 @@ class Estimate:
 class Difference(Estimate):
     """Mean of x - y over the episodes where both are defined, with its bootstrap interval."""
 
-    def __init__(
-        self, x: NDArray[np.float64], y: NDArray[np.float64], metric: Metric
-    ) -> None:
+    def __init__(self, x: NDArray[np.float64], y: NDArray[np.float64], metric: Metric) -> None:
         """Compare x (episode,) with y (episode,), where entry i of both is the same episode."""
         super().__init__(paired_difference(x, y, SEED), metric.digits)

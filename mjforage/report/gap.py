@@ -9,6 +9,7 @@ from mjforage.report.tables import Row, Table, entry_of, plus_minus
 from mjforage.scenario_file import scenario_from_tree
 from mjforage.vocabulary import HEADLINE, METRICS, Metric, describe
 
+
 def _step(logs: RunLogs, here: Series, there: Series, metric: Metric) -> Difference:
     """One world minus another in one metric, over the same episodes of a policy."""
     return Difference(logs.scalar(here, metric.key), logs.scalar(there, metric.key), metric)

@@ -3,7 +3,8 @@
 Paper: A. Mendoza Barrionuevo, S. Yanes Luis, D. Gutierrez Reina and S. L. Toral Marin, "Beyond
 Task Performance: A Metric-Based Analysis of Sequential Cooperation in Heterogeneous Multi-Agent
 Destructive Foraging". `printed` numbers are its tables of PTA and RMSE, of NT and throughput, and
-of CSR (here Tables 2, 3 and 4), of slopes, ablations and contributions (here 4, 5 and 6); `measured` ones are not in the paper but come from running its
+of CSR (here Tables 2, 3 and 4), `slopes`, `ablated` and `contribution` those of slopes, ablations
+and contributions (here 4, 5 and 6); `measured` ones are not in the paper but come from running its
 public code (github.com/amendb/CollaborationMetrics) on its 100 evaluation episodes.
 """
 
@@ -28,7 +29,7 @@ class Published:
     slopes: dict[tuple[str, str], float] = field(default_factory=dict)
     """(corrupted team, metric): Sensitivity Slope."""
     ablated: dict[str, dict[str, float]] = field(default_factory=dict)
-    """Team with an agent less: metric to mean (PTA_D and PTA_C, which its table exchanges, mended)."""
+    """Team with an agent less: metric to mean (its table has PTA_D and PTA_C exchanged)."""
     contribution: dict[str, dict[str, float]] = field(default_factory=dict)
     """The same: metric to Marginal Contribution."""
 

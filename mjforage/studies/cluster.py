@@ -49,9 +49,12 @@ def connected(scheduler: str, local_cluster: int) -> Iterator[Any]:
 
 
 def _client(scheduler: str, local_cluster: int, open_things: ExitStack) -> Any:
-    import distributed
+    import distributed as untyped
 
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # lost workers are no news here
+    distributed: Any = untyped  # its constructors have no types
+
+    for name in [name for name in logging.root.manager.loggerDict if name[:11] == "distributed"]:
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # lost workers are no news here
     address: Any = scheduler
     if not scheduler:
         cluster = distributed.LocalCluster(

@@ -3,7 +3,7 @@
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -195,7 +195,7 @@ def carry_out(
     progress(done, total)
     left = Counter(place for place, _ in work)
     asked = [(orders[place], chunk) for place, chunk in work]
-    nothing: Generator[int] = (place for place in ())
+    nothing = (place for place in range(0))
     with closing(run_chunks(asked, workers) if work else nothing) as results:
         for place, run in enumerate(runs):  # runs are computed in their order
             while left[place]:

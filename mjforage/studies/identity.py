@@ -12,6 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import controllers
 import graph_planner
 import metrics
 import mjforage
@@ -41,8 +42,9 @@ def versions() -> dict[str, str]:
 def fingerprint() -> str:
     """Hash of the installed code, maps and weights, which versions alone do not tell apart."""
     digest = hashlib.sha256()
-    packages = [Path(str(package.__file__)).parent for package in (metrics, graph_planner, mjforage)]
-    for root in (*packages, packages[0].with_name("controllers"), models_folder()):
+    packages = (metrics, controllers, graph_planner, mjforage)
+    folders = [Path(str(package.__file__)).parent for package in packages]
+    for root in (*folders, models_folder()):
         pattern = "*" if root == models_folder() else "*.py"
         for path in sorted(root.rglob(pattern)):
             if path.is_file():

@@ -45,7 +45,7 @@ def _wary(name: str, title: str, scenario: Scenario) -> list[Variant]:
 
 def crews(scenario: Scenario) -> str:
     """How many of each team, in words."""
-    return ", ".join(f"{role.count} {name}" for name, role in scenario.team.items())
+    return ", ".join(f"{name} {role.count}" for name, role in scenario.team.items())
 
 
 def lesser_name(team: str) -> str:

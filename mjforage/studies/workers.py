@@ -245,7 +245,7 @@ def run_chunks(work: Sequence[tuple[Order, Chunk]], workers: Workers) -> Generat
 
 @contextmanager
 def _parallel(workers: Workers, tasks: int) -> Iterator[joblib.Parallel]:
-    """joblib on this machine's processes, or on its dask backend with all tasks in the queue."""
+    """Give joblib with processes of this machine, or its dask backend with all tasks queued."""
     if not workers.remote:
         jobs = min(workers.jobs, max(1, tasks))
         yield joblib.Parallel(n_jobs=jobs, return_as="generator")

@@ -13,7 +13,10 @@ from mjforage.report.tables import Row, Table, number, plus_minus, policy_name
 from mjforage.studies.variants import COMPLETE, lesser_name
 from mjforage.vocabulary import describe
 
-KEYS = ("pta_d", "pta_c", "rmse_columns", "rmse", "nt50", "nt90", "csr")
+IN_PAPER = ("pta_d", "pta_c", "rmse_columns", "rmse")
+BEYOND = ("nt50", "nt90", "csr")
+KEYS = (*IN_PAPER, *BEYOND)
+DRAWN = ("pta_d", "pta_c", "rmse", *BEYOND)
 DIGITS = 3  # of a contribution
 
 
@@ -59,13 +62,13 @@ def setups_table(logs: StudyLogs) -> Table:
     return Table("table-5", title, labels, tuple(rows), notes, units)
 
 
-def contributions_table(logs: StudyLogs) -> Table:
-    """Return the paper's Table 6: Marginal Contribution per role and metric."""
+def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str, ...]) -> Table:
+    """Marginal Contribution per role and metric."""
     rows = []
     for team in teams(logs):
         for policy in style.ordered(logs.base.policies):
             for world in logs.worlds:
-                found = [contribution(logs, team, world, policy, key) for key in KEYS]
+                found = [contribution(logs, team, world, policy, key) for key in keys]
                 rows.append(
                     Row(
                         policy_name(policy) + logs.suffix(world),
@@ -76,9 +79,9 @@ def contributions_table(logs: StudyLogs) -> Table:
                     )
                 )
             known = published_for(logs.base, policy)
-            if known:
+            if known and set(keys) & set(known.contribution[team]):
                 values = known.contribution[team]
-                cells = tuple(number(values.get(key, float("nan")), 4) for key in KEYS)
+                cells = tuple(number(values.get(key, float("nan")), 4) for key in keys)
                 head, group = f"{known.algorithm}, {LABEL}", f"one agent of {team}"
                 rows.append(Row(head, cells, group=group, paper=True))
     notes = (
@@ -86,8 +89,7 @@ def contributions_table(logs: StudyLogs) -> Table:
         "(without − full) / without, of the means; in parentheses the bootstrap 95 % interval over "
         "pairs of the same episodes, bold where it leaves out zero. Negative: better without.",
     )
-    title = "Table 6: marginal contribution of one agent"
-    return Table("table-6", title, tuple(describe(k).label for k in KEYS), tuple(rows), notes)
+    return Table(name, title, tuple(describe(key).label for key in keys), tuple(rows), notes)
 
 
 def pictures(logs: StudyLogs) -> list[Picture]:
@@ -98,12 +100,12 @@ def pictures(logs: StudyLogs) -> list[Picture]:
             Subject(
                 f"{policy}, {team}",
                 style.policy_colour(policy),
-                {key: contribution(logs, team, world, policy, key) for key in KEYS[:6]},
+                {key: contribution(logs, team, world, policy, key) for key in DRAWN},
             )
             for team in teams(logs)
             for policy in style.ordered(logs.base.policies)
         ]
-        metrics = [describe(key) for key in KEYS[:6]]
+        metrics = [describe(key) for key in DRAWN]
         title = f"Marginal contribution of one agent{logs.suffix(world)}"
         with house_style():
             drawn.append(
@@ -121,5 +123,11 @@ def pictures(logs: StudyLogs) -> list[Picture]:
 
 def sections(logs: StudyLogs) -> list[Section]:
     """The page's sections."""
-    tables = [setups_table(logs), contributions_table(logs)]
+    title = "Table 6: marginal contribution of one agent"
+    beyond = "Marginal contribution to times and cooperation"
+    tables = [
+        setups_table(logs),
+        contributions_table(logs, "table-6", title, IN_PAPER),
+        contributions_table(logs, "contribution-beyond", beyond, BEYOND),
+    ]
     return [Section("ablation", "One agent less", "", tables, pictures(logs))]

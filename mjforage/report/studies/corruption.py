@@ -84,17 +84,16 @@ def _span(ends: tuple[float, float], digits: int) -> str:
 
 def _cells(fit: Fit | None, digits: int) -> tuple[str, ...]:
     if fit is None:
-        return (NOTHING,) * 8
+        return (NOTHING,) * 7
     within = fit.intervals
     explained = 1 - float(fit.bent.sse) / float(fit.line.sse) if fit.line.sse > 0 else 0.0
     return (
         number(float(fit.means[0]), digits),
         number(float(fit.means[-1]), digits),
         f"{number(float(fit.line.slope), digits)} ({_span(within.slope, digits)})",
-        _span((float(fit.line.low), float(fit.line.high)), digits),
         f"{number(float(fit.bent.break_point), 2)} ({_span(within.break_point, 2)})",
-        f"{number(float(fit.bent.slope_before), digits)} ({_span(within.slope_before, digits)})",
-        f"{number(float(fit.bent.slope_after), digits)} ({_span(within.slope_after, digits)})",
+        number(float(fit.bent.slope_before), digits),
+        number(float(fit.bent.slope_after), digits),
         number(100 * explained, 0),
     )
 
@@ -114,7 +113,7 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
                 known = published_for(logs.base, policy)
                 if known and (team, metric.key) in known.slopes:
                     slope = number(known.slopes[team, metric.key], metric.digits)
-                    cells = (NOTHING, NOTHING, slope, *(NOTHING,) * 5)
+                    cells = (NOTHING, NOTHING, slope, *(NOTHING,) * 4)
                     head = f"{known.algorithm}, {LABEL}"
                     rows.append(Row(head, cells, group=group, paper=True))
     draw = (
@@ -126,12 +125,12 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
     )
     notes = (
         "SS: slope of the least-squares line through the means, per unit of ε, with the bootstrap "
-        "95 % interval over episodes (the same ones at every level); line: the interval from the "
-        "scatter of the means about the line alone. Break: where two joined segments meet, with "
-        "their slopes; gain: share of the line's squared residuals that the break removes.",
+        "95 % interval over episodes (the same ones at every level). Break: where two joined "
+        "segments meet, with their slopes before and after; gain: share of the line's squared "
+        "residuals that the break removes.",
         draw,
     )
-    columns = ("ε = 0", "ε = 1", "SS", "SS, line", "break", "before", "after", "gain %")
+    columns = ("ε = 0", "ε = 1", "SS", "break", "before", "after", "gain %")
     return Table("slopes", "Sensitivity slopes", columns, tuple(rows), notes)
 
 

@@ -104,8 +104,10 @@ def load_study(folder: Path) -> StudyLogs:
     """
     file = folder / "study.json"
     info = read_json(file)
-    for key, kind in {"kind": str, "variants": dict, "worlds": list, "options": dict}.items():
-        required(info, key, kind, str(file))
+    for key in ("variants", "options", "scenario"):
+        required(info, key, dict, str(file))
+    required(info, "kind", str, str(file))
+    required(info, "worlds", list, str(file))
     if not (folder / "summary.json").is_file():
         raise UserError(f"{folder}: the study is not finished; {REMEDY}")
     summary = read_json(folder / "summary.json")

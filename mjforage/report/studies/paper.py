@@ -10,11 +10,20 @@ from mjforage.report.curves import time_figures
 from mjforage.report.distributions import distribution_figures
 from mjforage.report.figures import house_style
 from mjforage.report.gap import gap_table, ladder_table
-from mjforage.report.published import Published, published_for
+from mjforage.report.published import LABEL, Published, published_for
 from mjforage.report.studies import ablation, corruption
 from mjforage.report.studies.logs import Player, StudyLogs
 from mjforage.report.studies.page import Section
-from mjforage.report.tables import NOTHING, Row, Table, headline_table, number, paper_tables
+from mjforage.report.tables import (
+    NOTHING,
+    Row,
+    Table,
+    headline_table,
+    mean_only,
+    number,
+    paper_tables,
+    policy_name,
+)
 from mjforage.studies.variants import COMPLETE, lesser_name
 from mjforage.vocabulary import describe
 
@@ -119,6 +128,29 @@ def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table | None:
     return Table("beside", "The paper's numbers beside ours", columns, tuple(rows), notes)
 
 
+def table_4(logs: StudyLogs, fits: corruption.Fits) -> Table:
+    """Return the paper's Table 4: CSR and the two Sensitivity Slopes."""
+    rows, found = [], (("scouts", "pta_c"), ("foragers", "rmse_columns"))
+    asked = tuple(pair for pair in found if pair[0] in corruption.teams(logs))
+    for policy in style.ordered(logs.base.policies):
+        for world in logs.worlds:
+            cells = [mean_only(logs.entry(Player(COMPLETE, world, policy), "csr"), 3)]
+            for team, key in asked:
+                fit = fits.of(team, world, policy, key)
+                slope = float(fit.line.slope) if fit else float("nan")
+                cells.append(number(slope, describe(key).digits))
+            head, colour = policy_name(policy) + logs.suffix(world), style.policy_colour(policy)
+            rows.append(Row(head, tuple(cells), colour))
+        known = published_for(logs.base, policy)
+        if known:
+            csr = number(known.printed["csr"], 3)
+            slopes = (number(known.slopes[pair], describe(pair[1]).digits) for pair in asked)
+            rows.append(Row(f"{known.algorithm}, {LABEL}", (csr, *slopes), paper=True))
+    columns = ("CSR", *(f"SS of {describe(key).label}, {team}" for team, key in asked))
+    title = "Table 4: cooperative success ratio and sensitivity slopes"
+    return Table("table-4", title, columns, tuple(rows))
+
+
 def sections(logs: StudyLogs) -> list[Section]:
     """The page's sections."""
     fits, whole = corruption.Fits(logs), logs.whole
@@ -130,7 +162,7 @@ def sections(logs: StudyLogs) -> list[Section]:
     figures = "Lines: mean of the episodes; bands: ± 1.96 SEM. Time is normalised by the horizon."
     found = [
         Section("result", "In brief", "", [table for table in first if table is not None]),
-        Section("tables", "Tables 2 to 4", "", paper_tables(whole)),
+        Section("tables", "Tables 2 to 4", "", [*paper_tables(whole)[:2], table_4(logs, fits)]),
         *corruption.sections(logs, fits),
         *ablation.sections(logs),
         Section("figures", "Figures over time", figures, (), curves),

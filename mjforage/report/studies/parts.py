@@ -160,9 +160,11 @@ def _wrong(logs: StudyLogs) -> Section:
         caption = "Difference to Greedy on the same episodes."
         title = f"The belief planner in worlds it does not expect{end}"
         pictures.append(_picture(logs, f"wrong-{world}", title, caption, pairs))
+    assumed = logs.info["scenario"]["belief"]
     words = (
-        "The planner assumes one hotspot and a drift of up to 0.1 nodes per step and axis, or with "
-        "`robust` up to three hotspots and twice the drift. Here the world has more than assumed."
+        f"The planner assumes {assumed['hotspots']} hotspot(s) and a drift of up to "
+        f"{assumed['drift_node_per_step']:g} nodes per step and axis; with `robust` up to three "
+        "hotspots and twice the drift. Here the world has more than that."
     )
     return Section("wrong", "Wrong worlds", words, tables, pictures)
 
