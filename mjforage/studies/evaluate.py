@@ -91,7 +91,7 @@ def summarise(table: pl.DataFrame) -> Summary:
 
 @dataclass(frozen=True)
 class Run:
-    """A run that is open in its folder: what evaluate makes one of, and a study many."""
+    """A run of policies in its folder: what evaluate makes one of, and a study many."""
 
     setting: Setting
     policies: tuple[str, ...]
@@ -102,7 +102,7 @@ class Run:
     chunks: list[Chunk]
 
     @classmethod
-    def open(
+    def plan(
         cls,
         setting: Setting,
         policies: Sequence[str],
@@ -112,12 +112,12 @@ class Run:
         seed: int = 0,
         worlds: Sequence[str] = ("graph",),
     ) -> "Run":
-        """Check everything and create the folder, or find the same run in it.
+        """Check everything, and write nothing yet.
 
         Raises
         ------
         UserError
-            For unknown names, a folder that holds something else, or a failure to write.
+            For unknown names and numbers out of range.
         """
         check_policies(policies)
         for world in worlds:
@@ -133,10 +133,19 @@ class Run:
         item_choices(setting.scenario.physics)  # which replays need, also at graph level
         setting = pinned(setting)
         info = run_info(setting, policies, worlds, episodes, seed)
-        run = RunFolder(folder)
-        run.open(info)
         chunks = plan(policies, worlds, episodes)
-        return cls(setting, tuple(policies), tuple(worlds), seed, info, run, chunks)
+        names = tuple(policies), tuple(worlds)
+        return cls(setting, *names, seed, info, RunFolder(folder), chunks)
+
+    def open(self) -> None:
+        """Create the folder, or find the same run in it.
+
+        Raises
+        ------
+        UserError
+            If it holds something else or cannot be written.
+        """
+        self.folder.open(self.info)
 
     def close(self, wall_s: float | None) -> Summary:
         """Merge the chunks into tables, unless they are, and write the summary.
@@ -244,6 +253,7 @@ def evaluate(
         For unknown names, a folder that holds something else, a failure to write, or workers that
         are lost.
     """
-    run = Run.open(setting, policies, folder, episodes=episodes, seed=seed, worlds=worlds)
+    run = Run.plan(setting, policies, folder, episodes=episodes, seed=seed, worlds=worlds)
+    run.open()
     with run.folder.claimed():
         return carry_out([run], workers, progress)[0]

@@ -136,12 +136,13 @@ def run_study(
         For settings that cannot be run, a folder that holds something else, a failure to write, or
         workers that are lost. Nothing computed is lost.
     """
+    runs = [_plan(study, variant, folder) for variant in study.variants]
     session = _Session(folder, workers)
     open_folder(folder, "study", study.info, IDENTITY)
     with ExitStack() as stack:
         stack.enter_context(claimed(folder))
-        runs = [_open(study, variant, folder) for variant in study.variants]
         for run in runs:
+            run.open()
             stack.enter_context(run.folder.claimed())
         stack.callback(session.write)
         summaries: Sequence[Any] = carry_out(runs, workers, progress, session.add)
@@ -151,10 +152,10 @@ def run_study(
     return summary
 
 
-def _open(study: Study, variant: Variant, folder: Path) -> Run:
+def _plan(study: Study, variant: Variant, folder: Path) -> Run:
     setting = Setting(variant.scenario, study.setting.grid)
     try:
-        return Run.open(
+        return Run.plan(
             setting,
             variant.policies,
             variant_folder(folder, variant.name),
@@ -163,4 +164,6 @@ def _open(study: Study, variant: Variant, folder: Path) -> Run:
             worlds=study.worlds,
         )
     except UserError as error:
+        if variant is study.variants[0]:  # the scenario as it is
+            raise
         raise UserError(f"{study.kind} study, {variant.title}: {error}") from error

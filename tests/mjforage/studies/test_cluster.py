@@ -110,7 +110,8 @@ def test_workers_are_counted_once(flags: tuple[object, ...], refused: Refused) -
 def order(tmp_path: Path) -> Order:
     """Return an order as the workers of a cluster get it."""
     setting = Setting.of(load_scenario("published", ["horizon=5"]))
-    run = Run.open(setting, ["greedy"], tmp_path / "run", episodes=2)
+    run = Run.plan(setting, ["greedy"], tmp_path / "run", episodes=2)
+    run.open()
     return Order.of(run.setting, 0, run.folder.path, run.info["hash"], remote=True)
 
 
