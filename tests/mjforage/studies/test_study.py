@@ -54,7 +54,7 @@ def test_a_variant_is_the_run_that_evaluate_makes(finished: Path, tmp_path: Path
         assert (there / name).read_bytes() == (here / name).read_bytes(), name
     keys = ("hash", "scenario", "seed", "policies")
     told = [json.loads((path / "run.json").read_text()) for path in (here, there)]
-    assert [{key: run[key] for key in keys} for run in told][0] == {k: told[1][k] for k in keys}
+    assert {key: told[0][key] for key in keys} == {key: told[1][key] for key in keys}
 
 
 def test_variants_share_their_episodes(finished: Path) -> None:
@@ -87,7 +87,6 @@ def test_a_stopped_study_goes_on_where_it_was(finished: Path, tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        (("--episodes", 4), "holds another study: episodes is 3 there and 4 here"),
         (("--seed", 1), "holds another study: seed is 0 there and 1 here"),
         (("--whole-team",), "options.whole_team is false there and true here"),
         (("--set", "items.mean=50.0"), "scenario.items.mean is 75.0 there and 50.0 here"),
@@ -115,7 +114,7 @@ def test_another_kind_and_other_folders_are_named(
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        (("--policy", "gredy"), "study, scouts 2, foragers 2: unknown policy"),
+        (("--policy", "gredy"), "policy gredy: unknown; did you mean greedy?"),
         (("--world", "moon"), "world moon: unknown"),
         (("--step", 0.3), "--step 0.3: give 1/N"),
         (("--episodes", 0), "episodes 0"),
@@ -124,8 +123,8 @@ def test_another_kind_and_other_folders_are_named(
 def test_bad_input_is_named(
     changes: tuple[object, ...], words: str, tmp_path: Path, refused: Refused
 ) -> None:
-    told = refused("study", "paper", *changes, "--out", tmp_path / "new")
-    assert words.lower() in told.lower()
+    assert words in refused("study", "paper", *changes, "--out", tmp_path / "new")
+    assert not (tmp_path / "new").exists()
 
 
 def test_the_report_is_whole_and_the_same_twice(folder: Path, command: Command) -> None:
@@ -152,12 +151,8 @@ def test_parts_mark_the_bound_in_every_table(tmp_path: Path, command: Command) -
     page = (folder / "report.html").read_text()
     tables = re.findall(r'<div class="table" id="([^"]+)">(.*?)</table>', page, re.DOTALL)
     texts = {name: text for name, text in tables if name != "throughput" and name != "cost"}
-    assert set(texts) == {
-        "parts-graph",
-        "parts-whole-graph",
-        "wrong-graph",
-        "wrong-greedy-graph",
-    } | {"parts-oracle-graph"}
+    names = {"parts", "parts-whole", "parts-oracle", "wrong", "wrong-greedy"}
+    assert set(texts) == {f"{name}-graph" for name in names}
     for name, text in texts.items():
         assert ("oracle (bound)" in text) or name == "parts-oracle-graph", name
     assert "Minus the oracle, which is a bound" in page

@@ -54,12 +54,11 @@ def test_each_team_lacks_one_agent_once(scenario: Scenario) -> None:
 
 
 def test_teams_of_nobody_are_not_lessened() -> None:
-    lone = load_scenario("published", ["team.scouts.count=0"])
-    assert set(named(variants.ablation(lone, BOTH))) == {"complete", "foragers-less"}
+    nobody = "team.scouts.count=0"
+    foragers = load_scenario("published", [nobody])
+    assert set(named(variants.ablation(foragers, BOTH))) == {"complete", "foragers-less"}
     with pytest.raises(UserError, match="has one agent"):
-        variants.ablation(
-            load_scenario("published", ["team.scouts.count=0", "team.foragers.count=1"]), BOTH
-        )
+        variants.ablation(load_scenario("published", [nobody, "team.foragers.count=1"]), BOTH)
 
 
 @pytest.mark.parametrize("whole_team", [False, True])
