@@ -11,8 +11,9 @@ from mjforage.report import style
 from mjforage.report.figures import save_figure
 from mjforage.report.html import environment, shown, template
 from mjforage.report.picture import Picture
+from mjforage.report.studies.cost import cost_picture, cost_table
 from mjforage.report.studies.logs import StudyLogs
-from mjforage.report.tables import Row, Table, number
+from mjforage.report.tables import Table
 
 
 @dataclass(frozen=True)
@@ -47,37 +48,12 @@ def facts(logs: StudyLogs) -> list[tuple[str, str]]:
     return [(term, value) for term, value in pairs if value]
 
 
-def cost_table(logs: StudyLogs) -> Table | None:
-    """What every call of the study computed, how fast, and with how many workers."""
-    rows = []
-    for session in logs.sessions:
-        wall, cpu = float(session["wall_s"]), float(session["cpu_s"])
-        count, episodes = int(session["workers"]), int(session["episodes"])
-        cells = (
-            str(session["how"]),
-            str(count),
-            str(episodes),
-            number(wall, 1),
-            number(episodes / wall, 2),
-            number(float(session["steps"]) / wall, 0),
-            number(100 * cpu / (wall * count), 0),
-        )
-        rows.append(Row(str(session["started"]), cells))
-    if not rows:
-        return None
-    notes = (
-        "A row per call that computed something; a study that was stopped and resumed has several. "
-        "The wall time includes starting workers and merging tables; busy: CPU time of the "
-        "episodes over wall time times workers.",
-    )
-    labels = ("computed by", "workers", "episodes", "wall", "episodes", "decisions", "busy")
-    units = ("", "", "", "s", "per s", "per s", "%")
-    return Table("cost", "Throughput", labels, tuple(rows), notes, units)
-
-
 def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -> str:
     """Set the page as HTML, and save its figures in the study's folder."""
-    cost = cost_table(logs)
+    cost, speeds = cost_table(logs), cost_picture(logs)
+    if cost is not None:
+        drawn = () if speeds is None else (speeds,)
+        sections = [*sections, Section("throughput", cost.title, "", [cost], drawn)]
     parts: list[dict[str, Any]] = []
     for section in sections:
         figures = [
@@ -101,7 +77,6 @@ def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -
             (name, logs.title(name), ", ".join(run.policies)) for name, run in logs.runs.items()
         ],
         "sections": parts,
-        "cost": cost,
         "notes": notes,
         "scenario_json": json.dumps(logs.info["scenario"], indent=2, ensure_ascii=False),
         "stylesheet": Markup(template("report.css.j2")),
