@@ -31,6 +31,7 @@ from mjforage.vocabulary import describe
 
 KEYS = ("pta_c", "pta_d", "rmse_columns", "rmse")
 DRAWN = ("pta_c", "pta_d", "rmse")
+ROUNDING = 1e-20  # of squares of sums of floats, relative
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,11 @@ class Fit:
     line: Line
     bent: TwoSegments
     intervals: SensitivityIntervals
+
+    @property
+    def bends(self) -> bool:
+        """Whether the line leaves more than rounding errors to a break."""
+        return float(self.line.sse) > ROUNDING * float(np.sum(self.means**2))
 
 
 def teams(logs: StudyLogs) -> list[str]:
@@ -86,15 +92,19 @@ def _cells(fit: Fit | None, digits: int) -> tuple[str, ...]:
     if fit is None:
         return (NOTHING,) * 7
     within = fit.intervals
-    explained = 1 - float(fit.bent.sse) / float(fit.line.sse) if fit.line.sse > 0 else 0.0
-    return (
+    straight = (
         number(float(fit.means[0]), digits),
         number(float(fit.means[-1]), digits),
         f"{number(float(fit.line.slope), digits)} ({_span(within.slope, digits)})",
+    )
+    if not fit.bends:
+        return (*straight, *(NOTHING,) * 4)
+    return (
+        *straight,
         f"{number(float(fit.bent.break_point), 2)} ({_span(within.break_point, 2)})",
         number(float(fit.bent.slope_before), digits),
         number(float(fit.bent.slope_after), digits),
-        number(100 * explained, 0),
+        number(100 * (1 - float(fit.bent.sse) / float(fit.line.sse)), 0),
     )
 
 
@@ -126,8 +136,8 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
     notes = (
         "SS: slope of the least-squares line through the means, per unit of ε, with the bootstrap "
         "95 % interval over episodes (the same ones at every level). Break: where two joined "
-        "segments meet, with their slopes before and after; gain: share of the line's squared "
-        "residuals that the break removes.",
+        "segments meet, with their slopes before and after, and its interval; gain: share of the "
+        "line's squared residuals that the break removes.",
         draw,
     )
     columns = ("ε = 0", "ε = 1", "SS", "break", "before", "after", "gain %")
@@ -141,6 +151,8 @@ def _draw(axes: Axes, fit: Fit, look: style.Look, line: style.Line) -> None:
     )
     axes.plot(x, fit.means, look.marker, color=look.colour, markersize=4)
     axes.plot(x, fit.line.intercept + fit.line.slope * x, color=look.colour, linestyle=line)
+    if not fit.bends:
+        return
     at, height = float(fit.bent.break_point), float(fit.bent.height)
     ends = [
         height + float(fit.bent.slope_before) * (x[0] - at),
@@ -164,7 +176,7 @@ def picture(logs: StudyLogs, fits: Fits, team: str) -> Picture:
                     if fit is not None:
                         _draw(axes, fit, look, line)
             axes.set_ylabel(f"{mathtext(metric)}  [{metric.unit or 'items per node'}]")
-            axes.set_xlim(0.0, 1.0)
+            axes.set_xlim(-0.02, 1.02)
         grid[-1, 0].set_xlabel(f"corruption ε of {team}")
         panel.legend(figure)
     words = (
