@@ -13,6 +13,8 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+import joblib
+
 from mjforage.errors import UserError
 from mjforage.mission import Setting
 from mjforage.run_info import read_json
@@ -44,7 +46,7 @@ def connected(scheduler: str, local_cluster: int) -> Iterator[Any]:
     with ExitStack() as open_things:
         with interrupts_held():
             client = _client(scheduler, local_cluster, open_things)
-        with _watched(client):
+        with watched(client):
             yield client
 
 
@@ -60,8 +62,7 @@ def _client(scheduler: str, local_cluster: int, open_things: ExitStack) -> Any:
         cluster = distributed.LocalCluster(
             n_workers=local_cluster,
             threads_per_worker=1,
-            dashboard_address=None,
-            worker_dashboard_address=None,
+            dashboard_address="127.0.0.1:0",  # any free port: other clusters may be running here
             silence_logs=logging.CRITICAL,
         )
         address = open_things.enter_context(cluster)
@@ -84,7 +85,7 @@ def _close(client: Any) -> None:
 
 
 @contextmanager
-def _watched(client: Any) -> Iterator[None]:
+def watched(client: Any) -> Iterator[None]:
     """End the block with a clear error once a task can never be done; joblib would wait for it."""
     over, found = threading.Event(), []
 
@@ -114,9 +115,30 @@ def _trouble(client: Any) -> str | None:
         return f"scheduler {client.scheduler.address}: connection lost; {REMEDY}"
     for state in list(client.futures.values()):
         if state.status in NEVER_DONE:
-            reason = repr(getattr(state, "exception", None) or state.status)
+            error = getattr(state, "exception", None)
+            reason = state.status if error is None else type(error).__name__
+            if reason == "KilledWorker":
+                reason = "it killed several workers, perhaps for want of memory"
             return f"a chunk was given up by the cluster ({reason}); {REMEDY}"
     return None
+
+
+def parallel(client: Any) -> joblib.Parallel:
+    """Give joblib with the dask backend: a task is a chunk, and later workers find tasks left."""
+    from joblib._dask import DaskDistributedBackend  # it loads dask
+
+    class Backend(DaskDistributedBackend):  # type: ignore[misc]
+        """Also for a cluster of one worker, in whose stead joblib would compute here."""
+
+        def effective_n_jobs(self, n_jobs: int) -> int:
+            return max(2, int(super().effective_n_jobs(n_jobs)))
+
+    return joblib.Parallel(
+        backend=Backend(client=client, wait_for_workers_timeout=PATIENCE_S),
+        return_as="generator",
+        batch_size=1,
+        pre_dispatch="all",
+    )
 
 
 def cores(client: Any) -> int:

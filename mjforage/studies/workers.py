@@ -250,9 +250,5 @@ def _parallel(workers: Workers, tasks: int) -> Iterator[joblib.Parallel]:
         jobs = min(workers.jobs, max(1, tasks))
         yield joblib.Parallel(n_jobs=jobs, return_as="generator")
         return
-    with (
-        cluster.connected(workers.scheduler, workers.local_cluster) as client,
-        joblib.parallel_config("dask", client=client, wait_for_workers_timeout=cluster.PATIENCE_S),
-    ):
-        # A task is a chunk, and workers that join later find tasks left.
-        yield joblib.Parallel(return_as="generator", batch_size=1, pre_dispatch="all")
+    with cluster.connected(workers.scheduler, workers.local_cluster) as client:
+        yield cluster.parallel(client)

@@ -20,7 +20,7 @@ from metrics import (
 from mjforage.report import style
 from mjforage.report.differences import SEED
 from mjforage.report.figures import house_style
-from mjforage.report.picture import WIDTH_IN, Panel, Picture, canvas
+from mjforage.report.picture import WIDTH_IN, Panel, Picture, canvas, joined
 from mjforage.report.published import LABEL, published_for
 from mjforage.report.studies.forest import mathtext
 from mjforage.report.studies.logs import Player, StudyLogs
@@ -183,7 +183,23 @@ def picture(logs: StudyLogs, fits: Fits, team: str) -> Picture:
         "Dots: means of the episodes, bands ± 1.96 SEM; lines: least squares, whose slope is SS; "
         "dotted: two segments, with a stroke at the break point."
     )
+    words += _published(logs, team)
     return Picture(f"corruption-{team}", f"Corruption of {team}", words, figure)
+
+
+def _published(logs: StudyLogs, team: str) -> str:
+    """The paper's slopes of a team, as a sentence; nothing where there are none to compare with."""
+    found: dict[str, list[str]] = {}
+    for policy in style.ordered(logs.base.policies):
+        known = published_for(logs.base, policy)
+        for (whose, key), slope in known.slopes.items() if known else ():
+            if known and whose == team:
+                words = f"{number(slope, describe(key).digits)} ({known.algorithm})"
+                found.setdefault(describe(key).label, []).append(words)
+    return "".join(
+        f" The paper's SS of {label}, on its own map: {joined(words)}."
+        for label, words in found.items()
+    )
 
 
 def sections(logs: StudyLogs, fits: Fits | None = None) -> list[Section]:

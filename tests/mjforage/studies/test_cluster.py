@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -9,6 +10,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -148,3 +150,47 @@ def test_a_worker_with_another_scenario_is_named(order: Order) -> None:
 def test_workers_are_one_or_the_other() -> None:
     with pytest.raises(UserError, match="give one of them"):
         Workers(2, "tcp://host:1")
+
+
+class KilledWorker(Exception):  # noqa: N818 - as dask calls it
+    pass
+
+
+@pytest.mark.parametrize(
+    ("status", "states", "words"),
+    [
+        ("closed", [], "scheduler tcp://host:1: connection lost; run the same command again"),
+        ("running", [("error", KilledWorker())], "killed several workers, perhaps for want of mem"),
+        (
+            "running",
+            [("finished", None), ("cancelled", None)],
+            "up by the cluster (cancelled)",
+        ),
+    ],
+)
+def test_what_will_never_be_done_ends_the_wait(
+    status: str, states: list[tuple[str, Exception | None]], words: str
+) -> None:
+    client = SimpleNamespace(
+        status=status,
+        scheduler=SimpleNamespace(address="tcp://host:1"),
+        futures={n: SimpleNamespace(status=s, exception=e) for n, (s, e) in enumerate(states)},
+    )
+    with pytest.raises(UserError, match=re.escape(words)), cluster.watched(client):
+        time.sleep(PATIENCE_S)
+
+
+def test_an_interruption_stays_one() -> None:
+    client = SimpleNamespace(status="running", futures={})
+    with pytest.raises(KeyboardInterrupt), cluster.watched(client):
+        raise KeyboardInterrupt
+
+
+def test_one_worker_computes_too(start: Start, tmp_path: Path) -> None:
+    process = start(
+        *("evaluate", "published", "--policy", "greedy", "--set", "horizon=5", "--episodes", 30),
+        *("--local-cluster", 1, "--out", tmp_path / "run"),
+        before="from mjforage.studies import workers; workers.score = None",
+    )
+    _, err = process.communicate(timeout=PATIENCE_S)
+    assert (process.returncode, err) == (0, ""), "the command computed itself"
