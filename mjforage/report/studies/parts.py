@@ -84,7 +84,7 @@ def _differences(
             rows.append(Row(line.head, cells, line.colour, best=best, group=group))
     metrics = [describe(key) for key in COMPARED]
     labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
-    return Table(name, title, labels, tuple(rows), (PAIRED,), units)
+    return Table(name, title, labels, tuple(rows), (PAIRED,), units, stacked=True)
 
 
 def _picture(

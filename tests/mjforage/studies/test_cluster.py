@@ -194,3 +194,12 @@ def test_one_worker_computes_too(start: Start, tmp_path: Path) -> None:
     )
     _, err = process.communicate(timeout=PATIENCE_S)
     assert (process.returncode, err) == (0, ""), "the command computed itself"
+
+
+def test_dask_that_is_missing_is_named(
+    refused: Refused, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    flags = ("--local-cluster", 1, "--out", tmp_path / "run")
+    words = refused("evaluate", "comb-port", "--policy", "greedy", *flags)
+    assert "dask is not installed; pip install 'mjforage[cluster]'" in words

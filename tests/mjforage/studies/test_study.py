@@ -149,7 +149,7 @@ def test_parts_mark_the_bound_in_every_table(tmp_path: Path, command: Command) -
     small = ("--episodes", 2, "--set", "horizon=3", "--set", "belief.fast=true")
     assert command("study", "parts", *small, "--out", folder).code == 0
     page = (folder / "report.html").read_text()
-    tables = re.findall(r'<div class="table" id="([^"]+)">(.*?)</table>', page, re.DOTALL)
+    tables = re.findall(r'<div class="table[^"]*" id="([^"]+)">(.*?)</table>', page, re.DOTALL)
     texts = {name: text for name, text in tables if name != "throughput" and name != "cost"}
     names = {"parts", "parts-whole", "parts-oracle", "wrong", "wrong-greedy"}
     assert set(texts) == {f"{name}-graph" for name in names}
