@@ -27,6 +27,7 @@ from controllers.state import (
     PLACE_X,
     PLACE_Y,
     RANK,
+    RATE,
     UP,
     VX,
     VY,
@@ -37,12 +38,13 @@ from controllers.state import (
 
 REACTION_S = 0.1
 GIVE_WAY_S = 1.0  # by how much longer the path ahead of a vessel with right of way is kept free
-TOUCH_QUAY_MPS, TOUCH_HULL_MPS = 0.25, 0.18  # of a bow that swings where it may touch
+TOUCH_QUAY_MPS, TOUCH_HULL_MPS = 0.25, 0.15  # of a bow that swings where it may touch
+SWING_S = 0.25  # for which another that turns is taken to turn on
 HULL_SHARE = 0.6  # of the brake that is counted on before other hulls, which move
 STEP_M = 0.25  # of looking ahead
 SLACK_M = 0.02  # by which a gap may shrink that is already too small
 SWING_M = 0.1
-PAST_MPS = 0.25  # along a hull nearer than the clearance, or a quay nearer than half of it
+PAST_QUAY_MPS, PAST_HULL_MPS = 0.25, 0.15  # along a hull nearer than the clearance, a quay half
 LONGEST_PATH_M = 5.0  # of another, to stop
 STRONG_DRIFT_MPS = 0.2
 LEE_M = 2.0  # a quay nearer than this to leeward of a place counts
@@ -83,13 +85,19 @@ def gap_to(
     cj, tj = math.cos(state[other, YAW]), math.sin(state[other, YAW])
     u = cj * state[other, VX] + tj * state[other, VY]
     v = cj * state[other, VY] - tj * state[other, VX]
+    swing = (
+        SWING_S * abs(state[other, RATE]) * circle_radius(helms[other, LENGTH], helms[other, BEAM])
+    )
     way = stopping_distance(abs(u), helms[other, BRAKE], helms[other, LAG] + REACTION_S)
     if state[other, RANK] < state[i, RANK]:
         way += GIVE_WAY_S * abs(u)
     ahead, aside = math.copysign(0.5 * way, u), 0.25 * v
     dx += ahead * cj - aside * tj
     dy += ahead * tj + aside * cj
-    long, wide = 0.5 * (helms[other, LENGTH] + way), 0.5 * helms[other, BEAM] + abs(aside)
+    long, wide = (
+        0.5 * (helms[other, LENGTH] + way) + swing,
+        0.5 * helms[other, BEAM] + abs(aside) + swing,
+    )
     return min(box_gap(dx, dy, c, t, half_length, half_beam, cj, tj, long, wide), reach)
 
 
@@ -144,7 +152,8 @@ def limit_by(
                 continue
             # So near, going along is safe only slowly; going away is free.
             away = gap_to(state, helms, land, pitch, i, other, side * STEP_M, reach)
-            most = UNLIMITED if away > gap + SLACK_M else PAST_MPS
+            past = PAST_QUAY_MPS if other == QUAYS else PAST_HULL_MPS
+            most = UNLIMITED if away > gap + SLACK_M else past
         else:
             most = stopping_speed(free, brake, reaction)
         if side > 0.0:

@@ -7,18 +7,19 @@ from controllers.allocation import allocate, command_for, lagged, led_command
 from controllers.angles import clipped
 from controllers.guidance import along_and_across
 from controllers.helm import (
+    BRAKE,
+    LAG,
     LEVER,
     LIN_SURGE,
     M_SURGE,
     QUAD_SURGE,
-    SPEED_W,
     THRUST_HIGH,
     THRUST_LOW,
     YAW_RATE,
     FloatArray,
 )
 from controllers.holding import hold_force, hold_windup
-from controllers.legs import follow_leg, lay_leg
+from controllers.legs import REACTION_S, follow_leg, lay_leg
 from controllers.loops import (
     heading_moment,
     heading_windup,
@@ -173,6 +174,17 @@ def too_fast(s: FloatArray, speed: float) -> bool:
 
 
 @kernel
+def emergency_force(p: FloatArray, speed: float, safe: float, force: float) -> float:
+    """The force [N] of the speed loop, or more: what brings a hull to its safe speed [m/s] at once.
+
+    At once is after the thrusters' lag and a tick, or with the brake that safe speeds count on.
+    """
+    stop = clipped((safe - speed) / (p[LAG] + REACTION_S), -p[BRAKE], p[BRAKE])
+    needed = surge_drag(p, speed) + p[M_SURGE] * stop
+    return float(min(force, needed) if speed > safe else max(force, needed))
+
+
+@kernel
 def braking_moment(
     s: FloatArray, p: FloatArray, surge: float, speed: float, moment: float
 ) -> float:
@@ -198,6 +210,8 @@ def drive(
     if too_fast(s, now):
         s[SPEED_REF] = wanted  # braking for something does not wait for the reference
     surge = surge_force(s, p, now, wanted, step_s)
+    if too_fast(s, now):
+        surge = emergency_force(p, now, wanted, surge)
     moment = heading_moment(s, p, heading, min(p[YAW_RATE], s[MOST_RATE]), step_s)
     port, starboard = allocate(p, surge, braking_moment(s, p, surge, now, moment))
     surge_windup(s, p, now, surge, port + starboard, step_s)
@@ -209,7 +223,7 @@ def drive(
 def keep(s: FloatArray, p: FloatArray, x: float, y: float, step_s: float) -> tuple[float, float]:
     """Commands that keep the hull at (x, y)."""
     heading, surge, ahead = hold_force(s, p, x, y)
-    now, stiff = surge_speed(s), p[M_SURGE] * p[SPEED_W]
+    now, stiff = surge_speed(s), p[M_SURGE] / (p[LAG] + REACTION_S)
     most = surge_drag(p, s[MOST_AHEAD]) + stiff * (s[MOST_AHEAD] - now)
     least = -surge_drag(p, s[MOST_ASTERN]) - stiff * (s[MOST_ASTERN] + now)
     limited = clipped(surge, least, most)

@@ -3,12 +3,11 @@
 Machines are noisy: compare figures of one run with each other, and runs by their ratios.
 """
 
-import resource
 import statistics
-import sys
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +17,7 @@ from mjforage.dynamics.speeds import mission_speeds
 from mjforage.episode_log import EpisodeLog
 from mjforage.learning.speeds import learning_speeds
 from mjforage.maps import GridMap
+from mjforage.memory import peak_memory_mb
 from mjforage.mission import Mission, Setting
 from mjforage.scenario_file import load_scenario
 from mjforage.scoring import score
@@ -68,13 +68,13 @@ def _steps(setting: Setting, policy_name: str, episodes: int) -> Callable[[], fl
     return work
 
 
-def _evaluation(setting: Setting, episodes: int) -> Callable[[], float]:
-    def work() -> float:
-        with tempfile.TemporaryDirectory() as folder:
-            summary = evaluate(setting, ["greedy"], Path(folder) / "run", episodes=episodes)
-        return float(summary["graph"]["greedy"]["length"]["mean"]) * episodes
-
-    return work
+def _evaluated_steps(episodes: int, world: str = "graph", horizon: int = 150) -> float:
+    """Steps of an evaluation of Greedy on the default scenario, logs and summary included."""
+    setting = Setting.of(load_scenario("comb-port", (f"horizon={horizon}",)))
+    with tempfile.TemporaryDirectory() as folder:
+        run = Path(folder) / "run"
+        summary = evaluate(setting, ["greedy"], run, worlds=[world], episodes=episodes)
+    return float(summary[world]["greedy"]["length"]["mean"]) * episodes
 
 
 def _scoring(setting: Setting, episodes: int) -> Callable[[], float]:
@@ -90,25 +90,31 @@ def _scoring(setting: Setting, episodes: int) -> Callable[[], float]:
     return work
 
 
-def _large_setting() -> Setting:
-    """64 agents and 5,000 items in a 1,000 x 1,000 harbour of basins behind long moles."""
-    navigable = np.ones(LARGE_SHAPE, np.bool_)
-    navigable[::40, : LARGE_SHAPE[1] - 30] = False
+def _large_setting(shape: tuple[int, int]) -> Setting:
+    """64 agents and 5,000 items in a large harbour of basins behind long moles."""
+    navigable = np.ones(shape, np.bool_)
+    navigable[::40, : shape[1] - 30] = False
     navigable[20::40, 30:] = False
     return Setting(load_scenario("comb-port", LARGE), GridMap("large", navigable))
 
 
-def _large_steps(setting: Setting, policy_name: str) -> Callable[[], float]:
+def _large_steps(policy_name: str, shape: tuple[int, int], steps: int) -> Callable[[], float]:
+    setting = _large_setting(shape)
     mission, policy = Mission(setting), create_policy(policy_name)
 
     def work() -> float:
-        for _ in range(LARGE_STEPS):
+        for _ in range(steps):
             mission.advance(policy.act(mission.observation))
-        return float(LARGE_STEPS)
+        return float(steps)
 
     mission.reset(0, np.arange(1))
     policy.reset(setting.task, mission.keys)
     return work
+
+
+def _go_large(shape: tuple[int, int], steps: int) -> float:
+    """Greedy in the large harbour, for its memory."""
+    return _large_steps("greedy", shape, steps)()
 
 
 def _belief_setting(agents: int, fast: bool) -> Setting:
@@ -129,12 +135,6 @@ def _belief_speeds(measure: Callable[[str, str, Callable[[], float]], None]) -> 
         measure(f"belief_decisions_{agents}_agents_per_core_s", DECISIONS, steps)
 
 
-def _peak_memory_mb() -> float:
-    """Peak resident memory of this process [MB]."""
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / (1e6 if sys.platform == "darwin" else 1e3)
-
-
 def bench(progress: Progress = lambda name: None) -> Figures:
     """Measure everything: key -> {"value", "unit"}.
 
@@ -152,13 +152,12 @@ def bench(progress: Progress = lambda name: None) -> Figures:
     for name in POLICIES:
         measure(f"graph_{name}_steps_per_core_s", STEPS, _steps(setting, name, BATCH))
     _belief_speeds(measure)
-    measure("evaluate_greedy_steps_per_core_s", STEPS, _evaluation(setting, BATCH))
+    whole = partial(_evaluated_steps, BATCH)
+    measure("evaluate_greedy_steps_per_core_s", STEPS, whole)
     measure("metrics_episodes_per_s", "episodes per CPU second", _scoring(setting, BATCH))
-    figures["peak_memory"] = {"value": _peak_memory_mb(), "unit": "MB"}
-    large = _large_setting()
+    large = (LARGE_SHAPE, LARGE_STEPS)
     for name in ("random", "greedy"):
-        measure(f"graph_large_{name}_steps_per_core_s", STEPS, _large_steps(large, name))
-    figures["peak_memory_large"] = {"value": _peak_memory_mb(), "unit": "MB"}
+        measure(f"graph_large_{name}_steps_per_core_s", STEPS, _large_steps(name, *large))
     progress("physics")
     speeds = physics_speeds(PHYSICS_S, PHYSICS_BATCH) | mission_speeds(*MISSION)
     for key, value in speeds.items():
@@ -166,8 +165,22 @@ def bench(progress: Progress = lambda name: None) -> Figures:
     progress("learning")
     for key, value in learning_speeds().items():
         figures[key] = {"value": value, "unit": _learning_unit(key)}
-    figures["peak_memory_physics"] = {"value": _peak_memory_mb(), "unit": "MB"}
+    progress("memory")
+    for key, value in _memories(large).items():
+        figures[key] = {"value": value, "unit": "MB, peak of a process that does only this"}
     return figures
+
+
+def _memories(large: tuple[tuple[int, int], int]) -> dict[str, float]:
+    """Peak memory [MB] of evaluations in both worlds and of the large harbour."""
+    episodes, horizon = MISSION
+    return {
+        "peak_memory": peak_memory_mb(partial(_evaluated_steps, BATCH)),
+        "peak_memory_large": peak_memory_mb(partial(_go_large, *large)),
+        "peak_memory_physics": peak_memory_mb(
+            partial(_evaluated_steps, episodes, "physics", horizon)
+        ),
+    }
 
 
 def _learning_unit(key: str) -> str:

@@ -18,6 +18,8 @@ class EpisodeLog(Observer):
     agent_rc : (episode, T + 1, agent, 2) position (row, column) [node]
     yaw : (episode, T + 1, agent) [rad]; speed [node/step]; distance [node]; energy
     collisions, impact, work : the same shape; so far, fastest in the step [m/s], so far [J]
+    direction, target : (episode, T + 1, agent) the decision: 0-7 compass, 8 stay, and its node;
+        -1 and the start at step 0
     outcome : (episode, T + 1, agent) int8, see `mjforage.dynamics`; step 0 is not meaningful
     series : name of `STEP_METRICS` -> (episode, T + 1)
     length : (episode,) decisions made
@@ -63,6 +65,9 @@ class EpisodeLog(Observer):
         self.impact = np.zeros(shape, np.float32)
         self.work = np.zeros(shape, np.float32)
         self.outcome = np.zeros(shape, np.int8)
+        self.direction = np.full(shape, -1, np.int8)
+        self.target = np.zeros(shape, np.int32)
+        self.target[:, 0] = mission.state.agent_node
         self.series = {name: np.full((episodes, steps), np.nan) for name in STEP_METRICS}
 
     def _write(self, mission: Mission, episodes: NDArray[np.int64]) -> None:
@@ -78,6 +83,9 @@ class EpisodeLog(Observer):
         self.impact[at] = state.impact[episodes]
         self.work[at] = state.work[episodes]
         self.outcome[at] = state.outcome[episodes]
+        if mission.moves is not None:
+            self.direction[at] = mission.moves.direction[episodes]
+            self.target[at] = mission.moves.target[episodes]
         truth, belief = model.knowledge.truth[episodes], model.knowledge.belief[episodes]
         rmse, rmse_columns = model_error(truth, belief, self._navigable)
         self.series["rmse"][at], self.series["rmse_columns"][at] = rmse, rmse_columns

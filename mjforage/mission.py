@@ -127,6 +127,7 @@ class Mission:
     state : Transition, where everything is
     step : (episode,) int32 decisions made
     active : (episode,) bool, False once an episode is over
+    moves : Moves of the last decision; None before the first
     """
 
     def __init__(self, setting: Setting, world: str = "graph", film: Film | None = None) -> None:
@@ -179,6 +180,7 @@ class Mission:
         self.model.reset(self.state.agent_node, self.state.item_node, self.keys)
         self.step = np.zeros(keys.size, np.int32)
         self.active = np.ones(keys.size, np.bool_)
+        self.moves: Moves | None = None
 
     def adopt(self, rows: NDArray[np.int64], other: "Mission") -> None:
         """Replace episodes (row,) of the batch by another mission's; in the graph world only.
@@ -252,9 +254,9 @@ class Mission:
         ValueError
             If the preferences have the wrong shape or contain NaN.
         """
-        moves = self.decide(preferences)
+        self.moves = self.decide(preferences)
         self.step = self.step + self.active.astype(np.int32)
-        self.state = self._dynamics.advance(self.active, self.step, moves)
+        self.state = self._dynamics.advance(self.active, self.step, self.moves)
         self.model.update(
             self.active,
             self.step,

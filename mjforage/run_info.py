@@ -49,6 +49,7 @@ class RunInfo:
     policies: tuple[str, ...]
     agents: tuple[Agent, ...]
     map: MapInfo
+    hull_lengths: Mapping[str, float]  # name of a vessel -> [m]; empty at graph level
     started: str
     timings: Mapping[str, float]  # [s]
 
@@ -138,6 +139,11 @@ def _agents(data: Mapping[str, Any], where: str) -> tuple[Agent, ...]:
     )
 
 
+def _hull_lengths(data: Mapping[str, Any], where: str) -> dict[str, float]:
+    vessels = field(data, "vessels", dict, where) if data else {}
+    return {name: field(facts, "length_m", float, where) for name, facts in vessels.items()}
+
+
 def load_run(path: Path) -> RunInfo:
     """Read `run.json`.
 
@@ -164,6 +170,7 @@ def load_run(path: Path) -> RunInfo:
         policies=_names(data, "policies", where),
         agents=_agents(data, where),
         map=_map(field(data, "map", dict, where), f"{where}: map"),
+        hull_lengths=_hull_lengths(field(data, "hulls", dict, where), f"{where}: hulls"),
         started=field(data, "started", str, where),
         timings=field(data, "timings", dict, where),
     )

@@ -328,7 +328,13 @@ class RunFolder:
                     temporary.unlink(missing_ok=True)
 
     def finish(self, chunks: list[Chunk]) -> None:
-        """Remove the chunks of a complete run: everything they hold is in the merged tables."""
+        """Remove the chunks of a complete run, and what killed runs were writing.
+
+        Everything that chunks hold is in the merged tables.
+        """
+        for name in (*(f"{table}.parquet" for table in TABLES), "run.json", "summary.json"):
+            for leftover in self.path.glob(f".{name}.*"):
+                leftover.unlink(missing_ok=True)
         for folder in (*(self._chunks / chunk.name for chunk in chunks), *self._chunks.glob(".*")):
             shutil.rmtree(folder, ignore_errors=True)
         with contextlib.suppress(OSError):  # something else is in it, and stays

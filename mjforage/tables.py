@@ -26,6 +26,7 @@ SCHEMAS: dict[str, dict[str, type[pl.DataType]]] = {
     | dict.fromkeys(("t_discovered", "discovered_by", "t_collected", "collected_by"), pl.Int32),
     "agents": KEYS
     | dict.fromkeys(("step", "agent", "node", "row", "col"), pl.Int32)
+    | {"direction": pl.Int8, "target": pl.Int32}
     | dict.fromkeys(("x_m", "y_m", "yaw_rad", "speed_mps"), pl.Float32)
     | {"outcome": pl.String, "distance_m": pl.Float32, "energy": pl.Float32}
     | {"collisions": pl.Int32, "impact_mps": pl.Float32, "work_j": pl.Float32},
@@ -78,6 +79,7 @@ def _agents(episodes: NDArray[np.int64], log: EpisodeLog, setting: Setting) -> C
     node, xy = log.agent_node[made], graph.metres(log.agent_rc[made])
     step = np.broadcast_to(np.arange(shape[1])[None, :, None], shape)[made]
     names = np.array(("start", *OUTCOMES))
+    direction = pl.Series(log.direction[made])
     return {
         "episode": np.broadcast_to(episodes[:, None, None], shape)[made],
         "step": step,
@@ -85,6 +87,8 @@ def _agents(episodes: NDArray[np.int64], log: EpisodeLog, setting: Setting) -> C
         "node": node,
         "row": graph.rows[node],
         "col": graph.cols[node],
+        "direction": direction.set(direction < 0, None),
+        "target": log.target[made],
         "x_m": xy[:, 0],
         "y_m": xy[:, 1],
         "yaw_rad": log.yaw[made],

@@ -13,7 +13,7 @@ from mjforage.scenario import Physics
 from mjforage.scene import Scene, build_scene, load_debris
 from mjforage.vessels import Vessel, load_vessel
 
-POOL_STEP = 32  # pools grow by this many bodies, so that few scenes are built
+POOL_STEP = 32  # pools grow by this many bodies: few scenes, and whole blocks of the sums in MuJoCo
 
 
 def hull_names(fleet: Fleet, choice: Physics) -> tuple[str, ...]:
@@ -56,16 +56,9 @@ def item_choices(choice: Physics) -> NDArray[np.int64]:
 def _built(
     graph: NavigationGraph, vessels: tuple[Vessel, ...], names: tuple[str, ...], pool: int
 ) -> Scene:
-    scene = build_scene(
+    return build_scene(
         vessels, navigable=graph.navigable, pitch_m=graph.pitch_m, items=pool, names=names
     )
-    # The solver ends when its progress falls below a share of mean inertia times degrees of
-    # freedom. With this, that share does not depend on how many items lie parked.
-    scene.model.stat.meaninertia = _REFERENCE_INERTIA_KG / scene.model.nv
-    return scene
-
-
-_REFERENCE_INERTIA_KG = 1000.0  # about the sum over all degrees of freedom of the default crew
 
 
 def fleet_scene(
@@ -73,7 +66,8 @@ def fleet_scene(
 ) -> Scene:
     """The scene of a fleet on a map, with a pool of at least `items` bodies.
 
-    Built once per pool size, which comes in steps; results do not depend on the pool's size.
+    Built once per pool size, which comes in steps; results do not depend on the pool's size
+    (the solver's tolerance in `models/scene.xml` sees to that).
 
     Raises
     ------

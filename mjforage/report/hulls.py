@@ -5,11 +5,15 @@ from pathlib import Path
 
 import polars as pl
 
-from mjforage.dynamics import OUTCOMES
+from graph_planner.navigation import STAY
+from mjforage.dynamics import ARRIVED, BLOCKED, OUTCOMES
 from mjforage.report.logs import RunLogs, read_columns
 from mjforage.report.tables import Row, Table, number, row_name
 
-COLUMNS = ("step", "agent", "outcome", "speed_mps", "collisions", "impact_mps", "work_j")
+COLUMNS = (
+    *("step", "agent", "direction", "outcome", "speed_mps"),
+    *("collisions", "impact_mps", "work_j"),
+)
 
 
 def _figures(rows: pl.DataFrame, collected: float) -> tuple[str, ...]:
@@ -17,11 +21,12 @@ def _figures(rows: pl.DataFrame, collected: float) -> tuple[str, ...]:
 
     Parameters
     ----------
-    rows : of the moves made (step 1 on)
+    rows : of the decisions made (step 1 on)
     collected : items removed in all episodes
     """
-    moves = max(1, len(rows))
-    shares = [100 * len(rows.filter(pl.col("outcome") == name)) / moves for name in OUTCOMES]
+    stays = (pl.col("direction") == STAY) & (pl.col("outcome") != OUTCOMES[BLOCKED])
+    moves, kept = rows.filter(~stays), rows.filter(stays)
+    shares = [_share(moves, pl.col("outcome") == name) for name in OUTCOMES]
     moving = rows.filter(pl.col("speed_mps") > 0)["speed_mps"]
     last = rows.filter(pl.col("step") == pl.col("step").max().over("episode", "agent"))
     episodes = max(1, rows["episode"].n_unique())
@@ -29,14 +34,21 @@ def _figures(rows: pl.DataFrame, collected: float) -> tuple[str, ...]:
     speed = moving.mean()
     impact = rows["impact_mps"].max()
     return (
-        str(len(rows)),
+        str(len(moves)),
         *(number(share, 2) for share in shares),
+        str(len(kept)),
+        number(_share(kept, pl.col("outcome") == OUTCOMES[ARRIVED]), 2),
         number(float(speed) if isinstance(speed, float) else math.nan, 2),
         number(float(last["collisions"].sum()) / episodes, 2),
         number(float(impact) if isinstance(impact, float) else math.nan, 2),
         number(work / episodes / 1000, 1),
         number(work / collected / 1000 if collected else math.nan, 2),
     )
+
+
+def _share(rows: pl.DataFrame, wanted: pl.Expr) -> float:
+    """Percentage of the rows; NaN without any."""
+    return 100 * len(rows.filter(wanted)) / len(rows) if len(rows) else math.nan
 
 
 def hulls_table(logs: RunLogs) -> Table | None:
@@ -63,17 +75,20 @@ def hulls_table(logs: RunLogs) -> Table | None:
         "arrived",
         "late",
         "blocked",
+        "stays",
+        "kept",
         "mean speed",
         "touches",
         "fastest touch",
         "energy",
         "energy per item",
     )
-    units = ("", "%", "%", "%", "m/s", "per episode", "m/s", "kJ per episode", "kJ")
+    units = ("", "%", "%", "%", "", "%", "m/s", "per episode", "m/s", "kJ per episode", "kJ")
     notes = (
         "Arrived: midships came within 1 m of the target's centre during the decision; blocked: "
         "slower than 0.1 m/s for 2 s because of contact or giving way, or no legal move; late: "
-        "neither. Mean speed over the decisions with any way made. Touch: of a quay or another "
-        "hull. Energy: least energy of the propellers by momentum theory.",
+        "neither. Stays: decisions to stay put; kept: within 1 m of the centre at some time of "
+        "the decision. Mean speed over the decisions with any way made. Touch: of a quay or "
+        "another hull. Energy: least energy of the propellers by momentum theory.",
     )
     return Table("hulls", "How the hulls did", columns, tuple(rows), notes, units)

@@ -25,7 +25,7 @@ POSITION_M, YAW_RAD, WIND_MPS = 0.01, 0.01, 0.01  # what one unit of the data is
 IDLE_LEVELS = 15  # levels of idleness above 0
 MOST_COUNT = 255  # believed items per node; more are shown as this many
 ITEM_FRAME_S = 1.0  # items move slowly: no need for more frames than this
-HULL_M = 2.0  # length drawn for a vessel that does not ship
+HULL_M = 2.0  # length drawn for a user's vessel in a run at graph level
 SCRIPTS = ("decode.js", "draw.js", "camera.js", "player.js")
 
 
@@ -107,7 +107,7 @@ def _stage(logs: RunLogs, replay: Replay, collects: list[bool]) -> dict[str, Any
         "agents": [
             {"name": agent.name, "collects": agent.collects, "colour": colour, "length_m": length}
             for agent, colour, length in zip(
-                logs.run.agents, style.agent_colours(collects), _lengths(replay), strict=True
+                logs.run.agents, style.agent_colours(collects), _lengths(logs, replay), strict=True
             )
         ],
         "colours": {
@@ -140,10 +140,13 @@ def _hex(colour: tuple[float, ...]) -> str:
     return "#" + "".join(f"{round(255 * part):02x}" for part in colour[:3])
 
 
-def _lengths(replay: Replay) -> list[float]:
-    """Hull length of every vessel [m]; a user's own vessel file is not looked for."""
-    known = vessel_names()
-    return [load_vessel(name).length_m if name in known else HULL_M for name in replay.vessels]
+def _lengths(logs: RunLogs, replay: Replay) -> list[float]:
+    """Hull length of every vessel [m]: as it was run, else as shipped."""
+    ran, shipped = logs.run.hull_lengths, vessel_names()
+    return [
+        ran.get(name) or (load_vessel(name).length_m if name in shipped else HULL_M)
+        for name in replay.vessels
+    ]
 
 
 def _discovered(logs: RunLogs, series: Series, replay: Replay, path: Path) -> Ints:

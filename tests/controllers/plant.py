@@ -63,8 +63,12 @@ def sail(
     weather: WeatherSettings = CALM,
     noise_m: float = 0.0,
     start: tuple[float, float] = (0.0, 0.0),
+    load: float = 0.0,
 ) -> Track:
-    """Start at rest at each heading [rad], get one order (or one to stay every 10 s), and go."""
+    """Start at rest at each heading [rad], get one order (or one to stay every 10 s), and go.
+
+    `load` items are aboard, of which controllers know nothing.
+    """
     n = yaws.size
     simulation = Simulation(build_scene([vessel]), n)
     pilot, rng = Pilot([helm_of(vessel)], None, n), np.random.default_rng(5)
@@ -72,6 +76,7 @@ def sail(
     pose = np.zeros((n, 1, 3))
     pose[:, 0, :2], pose[:, 0, 2] = start, yaws
     simulation.place_vessels(pose)
+    simulation.load[:] = load
     active, order = np.ones(n, np.bool_), np.full((n, 1), stay)
     to = np.broadcast_to(np.array(target), (n, 1, 2)).copy()
     origin = to if stay else pose[..., :2].copy()

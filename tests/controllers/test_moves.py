@@ -12,11 +12,17 @@ ONE, TWO = [(4.0, 0.0), (4.0, 4.0)], [(8.0, 0.0), (8.0, 8.0)]
 
 
 @pytest.mark.parametrize(
-    ("name", "target"),
-    [("scout", t) for t in ONE + TWO] + [("forager", t) for t in ONE] + [("ideal", TWO[1])],
+    ("name", "target", "load"),
+    [
+        *(("scout", target, 0) for target in ONE + TWO),
+        *(("forager", target, load) for target in ONE for load in (0, 75)),
+        ("ideal", TWO[1], 0),
+    ],
 )
-def test_every_move_arrives_in_its_period(name: str, target: tuple[float, float]) -> None:
-    track = sail(load_vessel(name), YAWS, target, PERIOD_S)
+def test_every_move_arrives_in_its_period(
+    name: str, target: tuple[float, float], load: float
+) -> None:
+    track = sail(load_vessel(name), YAWS, target, PERIOD_S, load=load)
     assert track.first_within(target, 1.0).max() < PERIOD_S - CONTROL_S
 
 

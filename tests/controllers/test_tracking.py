@@ -17,34 +17,39 @@ from mjforage.weather.settings import WeatherSettings
 from tests.controllers.plant import CALM, FloatArray, beam_gusts, cross_current, sail
 
 LEG_M, SETTLED_M = 100.0, 20.0
+FULL = 75  # items: all of an episode
 EPISODES = 6
 
 
-def rmse(name: str, weather: WeatherSettings) -> FloatArray:
+def rmse(name: str, weather: WeatherSettings, load: float = 0.0) -> FloatArray:
     """(episode,) cross-track error of a leg of 100 m to the east, after its first 20 m."""
-    track = sail(load_vessel(name), np.zeros(EPISODES), (LEG_M, 0.0), 90.0, weather=weather)
+    east, yaws = (LEG_M, 0.0), np.zeros(EPISODES)
+    track = sail(load_vessel(name), yaws, east, 95.0, weather=weather, load=load)
     x, y = track.pose[..., 0], track.pose[..., 1]
     assert (x[-1] > LEG_M - 1.0).all()
     there = (x > SETTLED_M) & (x < LEG_M - 0.5)
     return np.asarray(np.sqrt((y**2 * there).sum(axis=0) / there.sum(axis=0)))
 
 
-@pytest.mark.parametrize("name", ["scout", "forager", "otter"])
+@pytest.mark.parametrize(
+    ("name", "load"), [("scout", 0), ("forager", 0), ("forager", FULL), ("otter", 0)]
+)
 @pytest.mark.parametrize(
     ("weather", "limit_m"),
     [(CALM, 0.1), (cross_current(), 0.15), (beam_gusts(), 0.5)],
     ids=["calm", "current", "gusts"],
 )
-def test_straight_legs(name: str, weather: WeatherSettings, limit_m: float) -> None:
-    assert rmse(name, weather).max() <= limit_m
+def test_straight_legs(name: str, load: float, weather: WeatherSettings, limit_m: float) -> None:
+    assert rmse(name, weather, load).max() <= limit_m
 
 
-def heading_step(name: str, speed: float) -> FloatArray:
+def heading_step(name: str, speed: float, load: float = 0.0) -> FloatArray:
     """(tick,) heading [deg] of a hull told to turn by 90 degrees at a speed, after 5 s of that."""
     vessel = load_vessel(name)
     p, s = packed(helm_of(vessel)), np.zeros(at.SIZE)
     s[at.MOST_AHEAD] = s[at.MOST_ASTERN] = s[at.MOST_RATE] = 1e3
     simulation, headings = Simulation(build_scene([vessel])), []
+    simulation.load[:] = load
     for tick in range(250):
         pose, velocity = simulation.vessel_pose[0, 0], simulation.vessel_velocity[0, 0]
         estimate(s, p, pose, velocity, 0.1)
@@ -56,9 +61,13 @@ def heading_step(name: str, speed: float) -> FloatArray:
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.8])
-@pytest.mark.parametrize("name", ["scout", "forager", "otter", "ideal"])
-def test_heading_step_of_90_degrees_overshoots_at_most_5_percent(name: str, speed: float) -> None:
-    heading = heading_step(name, speed)
+@pytest.mark.parametrize(
+    ("name", "load"), [("scout", 0), ("forager", 0), ("forager", FULL), ("otter", 0), ("ideal", 0)]
+)
+def test_heading_step_of_90_degrees_overshoots_at_most_5_percent(
+    name: str, load: float, speed: float
+) -> None:
+    heading = heading_step(name, speed, load)
     assert heading.max() <= 90.0 * 1.05
     assert heading[-1] == pytest.approx(90.0, abs=1.0)
     assert np.argmax(heading > 81.0) * 0.1 < 6.5

@@ -27,7 +27,8 @@ def test_bench_measures_every_promised_figure(monkeypatch: pytest.MonkeyPatch) -
         *(f"graph_{name}_steps_per_core_s" for name in ("random", "greedy", "levy")),
         *("graph_belief_steps_per_core_s", "graph_belief_fast_steps_per_core_s"),
         *(f"belief_decisions_{agents}_agents_per_core_s" for agents in (4, 6)),
-        *("evaluate_greedy_steps_per_core_s", "metrics_episodes_per_s", "peak_memory"),
+        *("evaluate_greedy_steps_per_core_s", "metrics_episodes_per_s"),
+        *("peak_memory", "peak_memory_large", "peak_memory_physics"),
         *("physics_steps_per_core_s", "physics_sim_s_per_core_s", "physics_callback_overhead"),
         *("physics_mission_sim_s_per_core_s", "physics_core_min_per_100_episodes"),
         *(f"env_obs_steps_per_core_s_{kind}" for kind in ("egocentric", "paper")),
@@ -35,7 +36,7 @@ def test_bench_measures_every_promised_figure(monkeypatch: pytest.MonkeyPatch) -
         *(f"physics_share_{part}" for part in ("stepping", "control", "weather", "watching")),
     }
     assert promised <= set(figures)
-    assert set(measured) - set(figures) == {"physics", "learning"}
+    assert set(measured) - set(figures) == {"physics", "learning", "memory"}
     for kind, least in (("physics_share", 0.5), ("ddqn_share", 0.999)):
         shares = [float(figure["value"]) for key, figure in figures.items() if kind in key]
         assert least < sum(shares) <= 1.0 + 1e-9

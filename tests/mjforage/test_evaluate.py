@@ -67,6 +67,18 @@ def test_a_run_folder_holds_what_it_should(finished: Path) -> None:
     assert len(run["hash"]) == 16
 
 
+def test_every_decision_is_logged(finished: Path) -> None:
+    """At graph level a move ends in its target, in the direction that was chosen."""
+    agents = tables(finished)["agents"].sort("policy", "episode", "agent", "step")
+    assert (agents["node"] == agents["target"]).all()
+    assert (agents["direction"].is_null() == (agents["step"] == 0)).all()
+    moved = agents.with_columns(
+        north=-pl.col("row").diff().sign(), east=pl.col("col").diff().sign()
+    ).drop_nulls("direction")
+    compass = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (0, 0)]
+    assert moved.select("north", "east").rows() == [compass[d] for d in moved["direction"]]
+
+
 def test_replays_show_the_first_episode_as_logged(finished: Path) -> None:
     for policy in ("greedy", "levy"):
         replay = Replay.load(finished / "replay" / f"graph-{policy}-0.npz")

@@ -221,3 +221,42 @@ def test_only_missing_chunks_are_computed(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr("mjforage.studies.workers.run_chunk", note)
     undisturbed(run, 60)
     assert asked == [25, 50]
+
+
+DIE_AT = """
+import os, shutil, signal, sys
+from pathlib import Path
+calls = 0
+def dying(inner):
+    def call(*arguments, **options):
+        global calls
+        calls += 1
+        if calls == {moment}:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return inner(*arguments, **options)
+    return call
+for owner, name in ((Path, "replace"), (Path, "rename"), (Path, "rmdir"), (shutil, "rmtree")):
+    setattr(owner, name, dying(getattr(owner, name)))
+"""
+
+
+@pytest.mark.parametrize("moment", [5, 9, 13])
+def test_a_comparison_killed_while_it_finishes_ends_the_same(
+    start: Start, tmp_path: Path, moment: int
+) -> None:
+    """Killed at a renaming or a removal: of a chunk, a table, a replay, the summary, the chunks."""
+    run = tmp_path / "run"
+    asked = ("compare", "comb-port", "--policy", "greedy", "--set", "horizon=5", "--episodes", 3)
+    killed = start(*asked, "--out", run, before=DIE_AT.format(moment=moment))
+    killed.communicate(timeout=PATIENCE_S)
+    assert killed.returncode == -signal.SIGKILL
+    resumed = start(*asked, "--out", run)
+    _, err = resumed.communicate(timeout=PATIENCE_S)
+    assert (resumed.returncode, err) == (0, "")
+    whole = tmp_path / "whole"
+    setting = Setting.of(load_scenario("comb-port", ["horizon=5"]))
+    evaluate(setting, ["greedy"], whole, episodes=3, worlds=("graph", "physics"))
+    for name in ("summary.json", *(f"{table}.parquet" for table in TABLES)):
+        assert (run / name).read_bytes() == (whole / name).read_bytes(), name
+    assert not (run / "chunks").exists()
+    assert not list(run.glob(".*.*"))

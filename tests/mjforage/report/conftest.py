@@ -185,6 +185,7 @@ def _episode(plan: Plan, world: str, policy: str, episode: int, skill: float) ->
             "node": 0,
             "x_m": 4.0 * float(track[t, 1]),
             "y_m": 4.0 * (mask.shape[0] - 1 - float(track[t, 0])),
+            "direction": 0 if t else None,
             "outcome": "arrived" if t else "start",
             "speed_mps": 0.4 * min(t, 1),
             "collisions": 0,
@@ -329,6 +330,7 @@ def _run_json(plan: Plan) -> dict[str, Any]:
             "navigable": ["".join(str(int(cell)) for cell in row) for row in mask],
         },
         "started": "2025-01-01T12:00:00+00:00",
+        "hulls": {},
         "timings": {"wall_s": 12.5, "cpu_s": 20.25},
     }
 
@@ -357,7 +359,10 @@ def build(folder: Path, plan: Plan) -> Path:
         for name, rows in tables.items()
         if rows
     }
-    whole, number = ("episode", "step", "agent", "collisions"), ("x_m", "y_m", "speed_mps")
+    whole, number = (
+        ("episode", "step", "agent", "direction", "collisions"),
+        ("x_m", "y_m", "speed_mps"),
+    )
     empty: dict[str, type[pl.DataType]] = dict.fromkeys(("world", "policy"), pl.String)
     empty |= dict.fromkeys(whole, pl.Int64)
     empty |= dict.fromkeys((*number, "impact_mps", "work_j"), pl.Float64)

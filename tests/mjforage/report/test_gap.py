@@ -70,13 +70,17 @@ def test_outcomes_speeds_and_energy_come_from_the_logs(logs: RunLogs) -> None:
         & (pl.col("agent") >= 2)
     )
     row = next(r for r in table.rows if r.group == "greedy · physics" and r.head == "foragers")
-    assert row.cells[0] == str(len(agents)) == "48"
-    shares = [agents.filter(pl.col("outcome") == name).height / 48 for name in ("arrived", "late")]
+    moves = agents.filter(pl.col("direction") != 8)
+    assert 0 < len(moves) < len(agents) == 48
+    assert (row.cells[0], row.cells[4]) == (str(len(moves)), str(48 - len(moves)))
+    shares = [
+        len(moves.filter(pl.col("outcome") == name)) / len(moves) for name in ("arrived", "late")
+    ]
     assert [cell(text) for text in row.cells[1:3]] == pytest.approx(
         [100 * share for share in shares], abs=0.006
     )
     joules = agents.filter(pl.col("step") == 8)["work_j"].sum() / 3
-    assert cell(row.cells[7]) == pytest.approx(joules / 1000, abs=0.06)
+    assert cell(row.cells[9]) == pytest.approx(joules / 1000, abs=0.06)
     assert joules > 0
 
 

@@ -268,6 +268,21 @@ def player(page: str) -> str:
     return page.split('<section id="replay">', 1)[1].split("</section>", 1)[0]
 
 
+def test_hulls_are_as_long_as_those_that_ran(make_run: MakeRun) -> None:
+    folder = make_run(policies=("greedy",), episodes=1)
+    lengths = {agent["name"]: agent["length_m"] for agent in shown(folder).data["agents"]}
+    assert (lengths["scouts-0"], lengths["foragers-0"]) == (1.35, 2.0)
+    run = json.loads((folder / "run.json").read_text())
+    run["hulls"] = {"vessels": {"scout": {"length_m": 3.5}}}
+    (folder / "run.json").write_text(json.dumps(run))
+    lengths = {agent["name"]: agent["length_m"] for agent in shown(folder).data["agents"]}
+    assert (lengths["scouts-0"], lengths["foragers-0"]) == (3.5, 2.0)
+    run["hulls"]["vessels"]["scout"] = {"length_m": "long"}
+    (folder / "run.json").write_text(json.dumps(run))
+    with pytest.raises(UserError, match="hulls: 'length_m' is a str, expected float"):
+        shown(folder)
+
+
 def options(part: str, mark: str) -> list[str]:
     inside = part.split(mark, 1)[1].split("</select>", 1)[0]
     return [unescape(word) for word in re.findall(r"<option[^>]*>(.*?)</option>", inside)]
