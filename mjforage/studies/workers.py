@@ -211,10 +211,10 @@ def run_chunk(order: Order, chunk: Chunk) -> str | None:
         mission.run(create_policy(chunk.policy), (log,))
         scores = score(log, setting.fleet, setting.scenario.horizon)
         tables = frames(setting, chunk.world, chunk.policy, episodes, log, scores)
-        if chunk.first == 0:
-            keep_replay(setting, chunk.world, chunk.policy, order.seed, order.folder)
         timings = {"cpu_s": time.process_time() - started, "steps": float(log.length.sum())}
         run.write(chunk, tables, timings)
+        if chunk.first == 0:
+            keep_replay(setting, chunk.world, chunk.policy, order.seed, order.folder)
     except UserError as error:
         return str(error)
     return None
