@@ -19,7 +19,7 @@ Definition"; statistics over episodes come beside them.
 | sensitivity regimes, break point | `two_segment_fit` | Inter-team metrics, CSSC |
 | Gini index of contributions | `gini`, `team_gini`, `team_gini_series` | Intra-team metrics, Gini |
 | Coverage Overlap | `coverage_overlap` | Intra-team metrics, CO |
-| Marginal Contribution | `marginal_contribution` | Intra-team metrics, MC |
+| Marginal Contribution | `marginal_contribution`, `paired_contribution` | Intra-team metrics, MC |
 | mean, standard error, IQM | `mean`, `sem`, `half_width_95`, `iqm`, `count` | tables (1.96 SEM) |
 | bootstrap interval, summary | `bootstrap`, `summarise` | |
 | two policies compared | `paired_difference`, `probability_of_improvement` | |
@@ -38,6 +38,7 @@ from metrics.intra_team import (
     team_gini,
     team_gini_series,
 )
+from metrics.marginal import paired_contribution
 from metrics.model_error import model_error
 from metrics.primary import irr, mean_idleness, nt, pta, pta_series, throughput
 from metrics.resampling import Interval, bootstrap
@@ -83,6 +84,7 @@ __all__ = [
     "mean_idleness",
     "model_error",
     "nt",
+    "paired_contribution",
     "paired_difference",
     "probability_of_improvement",
     "pta",

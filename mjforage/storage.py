@@ -13,7 +13,7 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -131,6 +131,81 @@ def _short(value: object) -> str:
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
 
 
+def open_folder(path: Path, kind: str, info: Mapping[str, Any], identity: Iterable[str]) -> None:
+    """Create a folder whose file `<kind>.json` says what it holds, or check that it says the same.
+
+    Parameters
+    ----------
+    path : the folder
+    kind : run or study
+    info : content of the file
+    identity : its keys that must be the same; of `versions` only those that decide results
+
+    Raises
+    ------
+    UserError
+        If the folder holds another one (the difference is named) or something else, or cannot be
+        written.
+    """
+    file = path / f"{kind}.json"
+    with writing(path):
+        path.mkdir(parents=True, exist_ok=True)
+        found = sorted(entry.name for entry in path.iterdir() if entry.name[0] != ".")
+    if file.name in found:
+        _check_same(file, kind, info, tuple(identity))
+    elif found:
+        raise UserError(
+            f"{path}: holds {found[0]} but no {file.name}, so it is no {kind} folder; choose "
+            "another --out"
+        )
+    else:
+        write_json(file, info)
+
+
+def _check_same(file: Path, kind: str, here: Mapping[str, Any], keys: tuple[str, ...]) -> None:
+    def identity(info: Mapping[str, Any]) -> dict[str, Any]:
+        part = {key: info.get(key) for key in keys}
+        versions = part["versions"] if isinstance(part["versions"], dict) else {}
+        part["versions"] = {name: versions.get(name) for name in _COMPARED_VERSIONS}
+        return part
+
+    try:
+        there = read_json(file)
+    except UserError as error:
+        raise UserError(
+            f"{file}: is not the {file.name} of a {kind}; choose another --out"
+        ) from error
+    found = list(_differences(identity(there), identity(json.loads(json.dumps(here))), ""))
+    if found:
+        raise UserError(
+            f"{file.parent}: holds another {kind}: {'; '.join(found[:3])}; choose another --out"
+        )
+
+
+@contextlib.contextmanager
+def claimed(path: Path) -> Iterator[None]:
+    """Keep other processes from writing a folder; the system lets go of it with the process.
+
+    Raises
+    ------
+    UserError
+        If another process is writing it.
+    """
+    if fcntl is None:
+        yield
+        return
+    folder = os.open(path, os.O_RDONLY)
+    try:
+        fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        yield
+    except BlockingIOError as error:
+        raise UserError(
+            f"{path}: another process is writing this run; wait for it, or choose another --out"
+        ) from error
+    finally:
+        os.close(folder)
+
+
 class RunFolder:
     """The folder of one run."""
 
@@ -151,65 +226,14 @@ class RunFolder:
             If the folder holds another run (the difference is named) or something else, or cannot
             be written.
         """
-        file = self.path / "run.json"
-        with writing(self.path):
-            self.path.mkdir(parents=True, exist_ok=True)
-            found = sorted(entry.name for entry in self.path.iterdir() if entry.name[0] != ".")
-        if file.name in found:
-            self._check_same(file, info)
-            for table in TABLES:
-                if f"{table}.parquet" in found:
-                    check_table(self.path / f"{table}.parquet", table)
-        elif found:
-            raise UserError(
-                f"{self.path}: holds {found[0]} but no run.json, so it is no run folder; choose "
-                "another --out"
-            )
-        else:
-            write_json(file, info)
+        open_folder(self.path, "run", info, IDENTITY)
+        for table in TABLES:
+            if (self.path / f"{table}.parquet").exists():
+                check_table(self.path / f"{table}.parquet", table)
 
-    def _check_same(self, file: Path, here: Mapping[str, Any]) -> None:
-        def identity(info: Mapping[str, Any]) -> dict[str, Any]:
-            part = {key: info.get(key) for key in IDENTITY}
-            versions = part["versions"] if isinstance(part["versions"], dict) else {}
-            part["versions"] = {name: versions.get(name) for name in _COMPARED_VERSIONS}
-            return part
-
-        try:
-            there = read_json(file)
-        except UserError as error:
-            raise UserError(
-                f"{file}: is not the run.json of a run; choose another --out"
-            ) from error
-        found = list(_differences(identity(there), identity(json.loads(json.dumps(here))), ""))
-        if found:
-            raise UserError(
-                f"{self.path}: holds another run: {'; '.join(found[:3])}; choose another --out"
-            )
-
-    @contextlib.contextmanager
-    def claimed(self) -> Iterator[None]:
-        """Keep other processes from writing the folder; the system lets go of it with the process.
-
-        Raises
-        ------
-        UserError
-            If another process is writing it.
-        """
-        if fcntl is None:
-            yield
-            return
-        folder = os.open(self.path, os.O_RDONLY)
-        try:
-            fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            yield
-        except BlockingIOError as error:
-            raise UserError(
-                f"{self.path}: another process is writing this run; wait for it, or choose another "
-                "--out"
-            ) from error
-        finally:
-            os.close(folder)
+    def claimed(self) -> contextlib.AbstractContextManager[None]:
+        """Keep other processes from writing the folder, as `claimed`."""
+        return claimed(self.path)
 
     @property
     def complete(self) -> bool:

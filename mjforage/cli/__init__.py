@@ -14,13 +14,24 @@ from mjforage.cli import (  # they add their commands
     lists,
     runs,
     speeds,
+    studying,
     training,
     validating,
 )
 from mjforage.cli.console import app, errors
 from mjforage.errors import UserError
 
-__all__ = ["drawing", "hulls", "lists", "main", "runs", "speeds", "training", "validating"]
+__all__ = [
+    "drawing",
+    "hulls",
+    "lists",
+    "main",
+    "runs",
+    "speeds",
+    "studying",
+    "training",
+    "validating",
+]
 
 BAD_INPUT = 2  # exit code of every error that a user can mend, an interruption included
 

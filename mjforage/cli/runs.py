@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from mjforage.cli.computing import HERE, By, Computing
 from mjforage.cli.console import app, bar, errors, output
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ def evaluate(
     seed: int = 0,
     map: str | None = None,
     set: Overrides = (),
-    jobs: int = 1,
+    by: By = HERE,
     out: Path | None = None,
 ) -> None:
     """Run policies on the same episodes; write logs, tables, figures and report.html.
@@ -46,8 +47,6 @@ def evaluate(
         Map that replaces the scenario's grid: a name, CSV or image. Starts and all else stay.
     set
         Override KEY=VALUE in TOML syntax, for example team.scouts.count=3; repeatable.
-    jobs
-        Worker processes.
     out
         Run folder; default runs/SCENARIO. An unfinished run of the same settings is resumed.
     """
@@ -56,7 +55,7 @@ def evaluate(
 
     setting = Setting.of(load_scenario(scenario, set, map))
     folder = out or Path("runs") / setting.scenario.name
-    _play(setting, policy, (world,), folder, episodes, seed, jobs)
+    _play(setting, policy, (world,), folder, episodes, seed, by)
 
 
 @app.command
@@ -70,7 +69,7 @@ def compare(
     seed: int = 0,
     map: str | None = None,
     set: Overrides = (),
-    jobs: int = 1,
+    by: By = HERE,
     out: Path | None = None,
 ) -> None:
     """Run policies on the same episodes at graph level and in MuJoCo; report the reality gap.
@@ -91,8 +90,6 @@ def compare(
         Map that replaces the scenario's grid: a name, CSV or image. Starts and all else stay.
     set
         Override KEY=VALUE in TOML syntax, for example weather.gust_intensity=0.2; repeatable.
-    jobs
-        Worker processes.
     out
         Run folder; default runs/SCENARIO-gap. An unfinished run of the same settings is resumed.
     """
@@ -103,7 +100,7 @@ def compare(
     setting = Setting.of(load_scenario(scenario, set, map))
     worlds = rungs(setting.scenario) if ladder else ("graph", "physics")
     folder = out or Path("runs") / f"{setting.scenario.name}-gap"
-    _play(setting, policy, worlds, folder, episodes, seed, jobs)
+    _play(setting, policy, worlds, folder, episodes, seed, by)
 
 
 def _play(
@@ -113,7 +110,7 @@ def _play(
     folder: Path,
     episodes: int,
     seed: int,
-    jobs: int,
+    by: Computing,
 ) -> None:
     """Run, show the headline table and draw the report."""
     from mjforage.report import terminal_table, write_report
@@ -132,7 +129,7 @@ def _play(
             folder,
             episodes=episodes,
             seed=seed,
-            jobs=jobs,
+            workers=by.workers,
             worlds=worlds,
             progress=shown,
         )
@@ -144,15 +141,16 @@ def _play(
 
 @app.command
 def report(folder: Path, /) -> None:
-    """Draw tables, figures and report.html again, from a run folder's logs alone.
+    """Draw tables, figures and report.html again, from the logs of a run or study alone.
 
     Parameters
     ----------
     folder
-        Folder that evaluate wrote.
+        Folder that evaluate, compare or study wrote.
     """
     from mjforage.report import write_report
+    from mjforage.report.studies import is_study, write_study_report
 
     with errors.status("drawing the report"):
-        path = write_report(folder)
+        path = write_study_report(folder) if is_study(folder) else write_report(folder)
     output.print(f"report: {path}", soft_wrap=True)

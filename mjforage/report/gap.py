@@ -2,45 +2,17 @@
 
 import itertools
 
-import numpy as np
-
-from metrics import paired_difference
 from mjforage.dynamics.worlds import added
+from mjforage.report.differences import Difference
 from mjforage.report.logs import RunLogs, Series
-from mjforage.report.tables import NOTHING, Row, Table, entry_of, number, plus_minus
+from mjforage.report.tables import Row, Table, entry_of, plus_minus
 from mjforage.scenario_file import scenario_from_tree
 from mjforage.vocabulary import HEADLINE, METRICS, Metric, describe
 
-SEED = 0  # of the bootstrap: a report made twice must be the same
 
-
-class _Step:
+def _step(logs: RunLogs, here: Series, there: Series, metric: Metric) -> Difference:
     """One world minus another in one metric, over the same episodes of a policy."""
-
-    def __init__(self, logs: RunLogs, here: Series, there: Series, metric: Metric) -> None:
-        x, y = (logs.scalar(series, metric.key) for series in (here, there))
-        self._gap, self._digits = paired_difference(x, y, SEED), metric.digits
-
-    @property
-    def value(self) -> str:
-        return number(float(self._gap.value), self._digits)
-
-    @property
-    def interval(self) -> str:
-        """Bootstrap 95 % interval."""
-        if not np.isfinite(self._gap.low):
-            return NOTHING
-        low, high = (number(float(end), self._digits) for end in (self._gap.low, self._gap.high))
-        return f"{low} to {high}"
-
-    @property
-    def n(self) -> int:
-        return int(self._gap.n)
-
-    @property
-    def apart(self) -> bool:
-        """Whether the interval leaves out zero."""
-        return bool(self._gap.low > 0 or self._gap.high < 0)
+    return Difference(logs.scalar(here, metric.key), logs.scalar(there, metric.key), metric)
 
 
 def gap_table(logs: RunLogs) -> Table | None:
@@ -60,9 +32,9 @@ def gap_table(logs: RunLogs) -> Table | None:
                 plus_minus(entry_of(logs.summary, series, metric.key), metric.digits)
                 for series in reversed(pair)
             )
-            step = _Step(logs, *pair, metric)
+            step = _step(logs, *pair, metric)
             best = frozenset({2}) if step.apart else frozenset()
-            cells = (*means, step.value, step.interval, str(step.n))
+            cells = (*means, step.text, step.interval, str(step.n))
             rows.append(Row(metric.label, cells, group=policy, best=best))
     notes = (
         "The same episodes in both worlds: equal items, drift and starts. Difference: "
@@ -86,8 +58,8 @@ def ladder_table(logs: RunLogs) -> Table | None:
     for policy in logs.policies:
         for before, world in itertools.pairwise(worlds):
             pair = (world, policy), (before, policy)
-            steps = [_Step(logs, *pair, metric) for metric in metrics]
-            cells = tuple(f"{step.value} ({step.interval})" for step in steps)
+            steps = [_step(logs, *pair, metric) for metric in metrics]
+            cells = tuple(step.cell for step in steps)
             best = frozenset(place for place, step in enumerate(steps) if step.apart)
             rows.append(Row(f"+ {world}", cells, group=policy, best=best))
     scenario = scenario_from_tree(dict(logs.run.scenario), str(logs.folder / "run.json"))

@@ -121,21 +121,23 @@ def definition_notes() -> list[str]:
     ]
 
 
-def _environment() -> jinja2.Environment:
-    environment = jinja2.Environment(
-        loader=jinja2.FunctionLoader(_template),
+def environment() -> jinja2.Environment:
+    """The templates with the filters that they use."""
+    templates = jinja2.Environment(
+        loader=jinja2.FunctionLoader(template),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["rich_text"] = rich_text
-    environment.filters["interval_text"] = interval_text
-    environment.filters["groups"] = groups
-    return environment
+    templates.filters["rich_text"] = rich_text
+    templates.filters["interval_text"] = interval_text
+    templates.filters["groups"] = groups
+    return templates
 
 
-def _template(name: str) -> str:
+def template(name: str) -> str:
+    """Text of a template or style sheet."""
     return resources.files("mjforage.report").joinpath(name).read_text(encoding="utf-8")
 
 
@@ -168,6 +170,6 @@ def render(
         "notes": definition_notes(),
         "replay": web_replay(logs),
         "scenario_json": json.dumps(logs.run.scenario, indent=2, ensure_ascii=False),
-        "stylesheet": Markup(_template("report.css.j2")),
+        "stylesheet": Markup(template("report.css.j2")),
     }
-    return _environment().get_template("report.html.j2").render(context)
+    return environment().get_template("report.html.j2").render(context)

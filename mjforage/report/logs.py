@@ -190,6 +190,20 @@ def parse_summary(data: Mapping[str, Any], where: str = "summary") -> Summaries:
         raise UserError(f"{where}: incomplete or malformed ({error!r}); {REMEDY}") from error
 
 
+def load_episodes(folder: Path, run: RunInfo) -> pl.DataFrame:
+    """Load the scalar metrics of every episode; undefined ones are null.
+
+    Raises
+    ------
+    UserError
+        If the table is missing, truncated, foreign or incomplete.
+    """
+    path, scalars = folder / "episodes.parquet", ("items", *METRICS)
+    episodes = _numbers(path, read_columns(path, scalars), scalars)
+    _check_rows(path, episodes, run, run.episodes)
+    return episodes
+
+
 def load_logs(folder: Path) -> RunLogs:
     """Load a run folder.
 
@@ -203,10 +217,7 @@ def load_logs(folder: Path) -> RunLogs:
         raise UserError(f"{folder}: no such folder; name one that evaluate wrote")
     run = load_run(folder / "run.json")
     summary = _summary(folder / "summary.json", run)
-    path = folder / "episodes.parquet"
-    scalars = ("items", *METRICS)
-    episodes = _numbers(path, read_columns(path, scalars), scalars)
-    _check_rows(path, episodes, run, run.episodes)
+    episodes = load_episodes(folder, run)
     path = folder / "steps.parquet"
     steps = _numbers(path, read_columns(path, ("step", *SERIES)), SERIES)
     _check_rows(path, steps, run, run.episodes * (run.horizon + 1))

@@ -3,7 +3,8 @@
 Paper: A. Mendoza Barrionuevo, S. Yanes Luis, D. Gutierrez Reina and S. L. Toral Marin, "Beyond
 Task Performance: A Metric-Based Analysis of Sequential Cooperation in Heterogeneous Multi-Agent
 Destructive Foraging". `printed` numbers are its tables of PTA and RMSE, of NT and throughput, and
-of CSR (here Tables 2, 3 and 4); `measured` ones are not in the paper but come from running its
+of CSR (here Tables 2, 3 and 4), `slopes`, `ablated` and `contribution` those of slopes, ablations
+and contributions (here 4, 5 and 6); `measured` ones are not in the paper but come from running its
 public code (github.com/amendb/CollaborationMetrics) on its 100 evaluation episodes.
 """
 
@@ -25,6 +26,26 @@ class Published:
     printed: dict[str, float]
     interval: dict[str, float]  # 1.96 SEM
     measured: dict[str, float] = field(default_factory=dict)
+    slopes: dict[tuple[str, str], float] = field(default_factory=dict)
+    """(corrupted team, metric): Sensitivity Slope."""
+    ablated: dict[str, dict[str, float]] = field(default_factory=dict)
+    """Team with an agent less: metric to mean (its table has PTA_D and PTA_C exchanged)."""
+    contribution: dict[str, dict[str, float]] = field(default_factory=dict)
+    """The same: metric to Marginal Contribution."""
+
+
+def _slopes(scouts: float, foragers: float) -> dict[tuple[str, str], float]:
+    return {("scouts", "pta_c"): scouts, ("foragers", "rmse_columns"): foragers}
+
+
+def _by_team(
+    scouts: tuple[float, float, float], foragers: tuple[float, float, float]
+) -> dict[str, dict[str, float]]:
+    keys = ("pta_d", "pta_c", "rmse_columns")
+    return {
+        "scouts": dict(zip(keys, scouts, strict=True)),
+        "foragers": dict(zip(keys, foragers, strict=True)),
+    }
 
 
 PAPER: dict[str, Published] = {
@@ -40,6 +61,9 @@ PAPER: dict[str, Published] = {
             "csr": 0.946,
         },
         {"pta_d": 0.46, "pta_c": 0.56, "rmse_columns": 0.0005},
+        slopes=_slopes(-40.55, 0.0061),
+        ablated=_by_team((93.55, 87.92, 0.0077), (99.32, 95.14, 0.0017)),
+        contribution=_by_team((0.0589, 0.1090, 0.8701), (0.0009, 0.0359, 0.4118)),
     ),
     "greedy": Published(
         "Greedy",
@@ -54,6 +78,9 @@ PAPER: dict[str, Published] = {
         },
         {"pta_d": 1.04, "pta_c": 1.15, "rmse_columns": 0.0012},
         {"rmse": 0.0063},
+        _slopes(-45.14, 0.0104),
+        _by_team((88.08, 82.26, 0.0130), (98.70, 94.89, 0.0029)),
+        _by_team((0.1090, 0.1623, 0.8692), (0.0015, 0.0337, 0.4138)),
     ),
     "levy": Published(
         "Lévy walks",
@@ -68,6 +95,9 @@ PAPER: dict[str, Published] = {
         },
         {"pta_d": 5.93, "pta_c": 5.98, "rmse_columns": 0.0051},
         {"rmse": 0.0514},
+        _slopes(-20.86, 0.0205),
+        _by_team((76.17, 72.50, 0.0223), (78.60, 73.85, 0.0202)),
+        _by_team((0.0743, 0.0986, 0.2601), (0.0447, 0.0818, 0.1832)),
     ),
 }
 """Our policy name to the paper's algorithm."""

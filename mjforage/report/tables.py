@@ -42,6 +42,7 @@ class Table:
     rows: tuple[Row, ...]
     notes: tuple[str, ...] = ()
     units: tuple[str, ...] = ()  # below the labels
+    stacked: bool = False  # intervals stand below their numbers, for wide tables
 
 
 def number(value: float, digits: int) -> str:

@@ -1,15 +1,11 @@
 """`mjforage evaluate`: policies on the same episodes of a scenario, into a run folder."""
 
 import math
-import platform
-import shlex
-import sys
 import time
-import zipfile
+from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, replace
-from datetime import UTC, datetime
-from importlib.metadata import version
+from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,17 +17,19 @@ from mjforage.dynamics.fleet_scene import item_choices
 from mjforage.dynamics.worlds import WORLDS
 from mjforage.errors import UserError
 from mjforage.mission import Mission, Setting
-from mjforage.recording import record
-from mjforage.scenario_file import scenario_to_tree
-from mjforage.storage import Chunk, RunFolder, run_hash, write_json, writing
-from mjforage.studies.workers import run_chunks
+from mjforage.storage import Chunk, RunFolder, write_json
+from mjforage.studies.identity import pinned, run_info
+from mjforage.studies.workers import Order, Workers, keep_replay, run_chunks
 from mjforage.tables import SCALARS
 
 CHUNK = 25  # episodes per unit of work at graph level
 PHYSICS_CHUNK = 10  # the same with hulls, which take a second each
 BOOTSTRAP_SEED = 0
 
+HERE = Workers()
+
 Progress = Callable[[int, int], None]
+Tell = Callable[["Run", Chunk], None]
 Summary = dict[str, dict[str, dict[str, dict[str, Any]]]]
 
 
@@ -52,65 +50,6 @@ def check_policies(policies: Sequence[str]) -> None:
             raise UserError(str(error.args[0])) from error
         if list(policies).count(name) > 1:
             raise UserError(f"policy {name}: given twice")
-
-
-def pinned(setting: Setting) -> Setting:
-    """The same setting with the starts beside its map written into its scenario.
-
-    So that `run.json` alone says what was run, whatever becomes of the map's files.
-    """
-    choice = replace(setting.scenario.map, starts=setting.start_cells)
-    return replace(setting, scenario=replace(setting.scenario, map=choice))
-
-
-def hull_facts(setting: Setting, worlds: Sequence[str]) -> dict[str, Any]:
-    """Parameters of every vessel and class of debris that the run needs; none at graph level."""
-    if set(worlds) <= {"graph"}:
-        return {}
-    from mjforage.dynamics.fleet_scene import fleet_vessels, hull_names  # MuJoCo where it is wanted
-    from mjforage.scene import load_debris
-
-    choice = setting.scenario.physics
-    names, vessels = hull_names(setting.fleet, choice), fleet_vessels(setting.fleet, choice)
-    return {
-        "vessels": {name: asdict(vessel) for name, vessel in zip(names, vessels, strict=True)},
-        "debris": [asdict(kind) for kind in load_debris() if kind.name in choice.item_classes],
-    }
-
-
-def run_info(
-    setting: Setting, policies: Sequence[str], worlds: Sequence[str], episodes: int, seed: int
-) -> dict[str, Any]:
-    """Content of `run.json` before the run: what it is and where it comes from."""
-    navigable = setting.grid.navigable
-    info: dict[str, Any] = {
-        "command": shlex.join(["mjforage", *sys.argv[1:]]),
-        "scenario": scenario_to_tree(setting.scenario),
-        "map": {
-            "name": setting.grid.name,
-            "rows": navigable.shape[0],
-            "columns": navigable.shape[1],
-            "nodes": len(setting.graph),
-            "pitch_m": setting.scenario.map.pitch_m,
-            "navigable": ["".join("01"[int(cell)] for cell in row) for row in navigable],
-        },
-        "versions": {name: version(name) for name in ("mjforage", "mujoco", "numpy", "numba")}
-        | {"python": platform.python_version()},
-        "seed": seed,
-        "episodes": episodes,
-        "worlds": list(worlds),
-        "policies": list(policies),
-        "agents": [
-            {"name": name, "team": setting.fleet.team_names[team], "collects": bool(collects)}
-            for name, team, collects in zip(
-                setting.fleet.names, setting.fleet.team, setting.fleet.collects, strict=True
-            )
-        ],
-        "hulls": hull_facts(setting, worlds),
-        "started": datetime.now(UTC).isoformat(timespec="seconds"),
-        "timings": {},
-    }
-    return info | {"hash": run_hash(info)}
 
 
 def plan(policies: Sequence[str], worlds: Sequence[str], episodes: int) -> list[Chunk]:
@@ -150,6 +89,137 @@ def summarise(table: pl.DataFrame) -> Summary:
     return summary
 
 
+@dataclass(frozen=True)
+class Run:
+    """A run of policies in its folder: what evaluate makes one of, and a study many."""
+
+    setting: Setting
+    policies: tuple[str, ...]
+    worlds: tuple[str, ...]
+    seed: int
+    info: dict[str, Any]  # content of run.json
+    folder: RunFolder
+    chunks: list[Chunk]
+
+    @classmethod
+    def plan(
+        cls,
+        setting: Setting,
+        policies: Sequence[str],
+        folder: Path,
+        *,
+        episodes: int = 100,
+        seed: int = 0,
+        worlds: Sequence[str] = ("graph",),
+    ) -> "Run":
+        """Check everything, and write nothing yet.
+
+        Raises
+        ------
+        UserError
+            For unknown names and numbers out of range.
+        """
+        check_policies(policies)
+        for world in worlds:
+            if world not in WORLDS:
+                raise UserError(f"world {world}: unknown; choose {', '.join(WORLDS)}")
+            if list(worlds).count(world) > 1:
+                raise UserError(f"world {world}: given twice")
+            Mission(setting, world)  # what cannot be run says so before anything is written
+        if episodes < 1 or not 0 <= seed < 1 << 64:
+            raise UserError(
+                f"episodes {episodes}, seed {seed}: give at least 1 and 0 (below 2**64)"
+            )
+        item_choices(setting.scenario.physics)  # which replays need, also at graph level
+        setting = pinned(setting)
+        info = run_info(setting, policies, worlds, episodes, seed)
+        chunks = plan(policies, worlds, episodes)
+        names = tuple(policies), tuple(worlds)
+        return cls(setting, *names, seed, info, RunFolder(folder), chunks)
+
+    def open(self) -> None:
+        """Create the folder, or find the same run in it.
+
+        Raises
+        ------
+        UserError
+            If it holds something else or cannot be written.
+        """
+        self.folder.open(self.info)
+
+    def close(self, wall_s: float | None) -> Summary:
+        """Merge the chunks into tables, unless they are, and write the summary.
+
+        Parameters
+        ----------
+        wall_s : time that the run took, for `run.json`; None if it was complete
+
+        Raises
+        ------
+        UserError
+            If a chunk or table is missing or damaged, or a file cannot be written.
+        """
+        path = self.folder.path
+        if wall_s is not None:
+            self.folder.merge(self.chunks)
+            timings = self.folder.timings(self.chunks) | {"wall_s": wall_s}
+            write_json(path / "run.json", self.info | {"timings": timings})
+        summary = summarise(self.folder.episodes(self.chunks))
+        for world in self.worlds:
+            for policy in self.policies:
+                keep_replay(self.setting, world, policy, self.seed, path)
+        write_json(path / "summary.json", summary)
+        self.folder.finish(self.chunks)
+        return summary
+
+
+def carry_out(
+    runs: Sequence[Run], workers: Workers, progress: Progress, tell: Tell = lambda run, chunk: None
+) -> list[Summary]:
+    """Compute what is missing of all runs in one go, and close each one once it is whole.
+
+    Parameters
+    ----------
+    progress : called with (episodes done, episodes in all)
+    tell : called with every chunk that was computed
+
+    Raises
+    ------
+    UserError
+        As `run_chunks` and `Run.close`. Finished chunks stay.
+    """
+    started, work, summaries = time.perf_counter(), [], []
+    orders = {
+        place: Order.of(
+            run.setting, run.seed, run.folder.path, run.info["hash"], remote=workers.remote
+        )
+        for place, run in enumerate(runs)
+        if not run.folder.complete
+    }
+    for place in orders:
+        run = runs[place]
+        work += [(place, chunk) for chunk in run.chunks if not run.folder.has(chunk)]
+    total = sum(chunk.count for run in runs for chunk in run.chunks)
+    done = total - sum(chunk.count for _, chunk in work)
+    progress(done, total)
+    left = Counter(place for place, _ in work)
+    asked = [(orders[place], chunk) for place, chunk in work]
+    nothing = (place for place in range(0))
+    with closing(run_chunks(asked, workers) if work else nothing) as results:
+        for place, run in enumerate(runs):  # runs are computed in their order
+            while left[place]:
+                owner, chunk = work[next(results)]
+                left[owner] -= 1
+                done += chunk.count
+                tell(runs[owner], chunk)
+                progress(done, total)
+            wall_s = time.perf_counter() - started if place in orders else None
+            summaries.append(run.close(wall_s))
+        for _ in results:  # none is left, but workers end by themselves
+            pass
+    return summaries
+
+
 def evaluate(
     setting: Setting,
     policies: Sequence[str],
@@ -157,7 +227,7 @@ def evaluate(
     *,
     episodes: int = 100,
     seed: int = 0,
-    jobs: int = 1,
+    workers: Workers = HERE,
     worlds: Sequence[str] = ("graph",),
     progress: Progress = lambda done, total: None,
 ) -> Summary:
@@ -170,7 +240,7 @@ def evaluate(
     folder : run folder; an unfinished run of the same settings in it is resumed
     episodes : episodes per policy and world, 1 or more
     seed : of the run
-    jobs : worker processes
+    workers : who computes
     progress : called with (episodes done, episodes in all)
 
     Returns
@@ -180,63 +250,10 @@ def evaluate(
     Raises
     ------
     UserError
-        For unknown names, a folder that holds something else, or a failure to write.
+        For unknown names, a folder that holds something else, a failure to write, or workers that
+        are lost.
     """
-    check_policies(policies)
-    for world in worlds:
-        if world not in WORLDS:
-            raise UserError(f"world {world}: unknown; choose {', '.join(WORLDS)}")
-        Mission(setting, world)  # what cannot be run says so before anything is written
-    if episodes < 1 or jobs < 1 or not 0 <= seed < 1 << 64:
-        raise UserError(
-            f"episodes {episodes}, jobs {jobs}, seed {seed}: give at least 1, 1 and 0 (below 2**64)"
-        )
-    item_choices(setting.scenario.physics)  # which replays need, also at graph level
-    started, setting = time.perf_counter(), pinned(setting)
-    info = run_info(setting, policies, worlds, episodes, seed)
-    run = RunFolder(folder)
-    run.open(info)
-    chunks = plan(policies, worlds, episodes)
-    with run.claimed():
-        if not run.complete:
-            _compute(run, setting, chunks, seed, jobs, progress)
-            run.merge(chunks)
-            timings = run.timings(chunks)
-            info["timings"] = timings | {"wall_s": time.perf_counter() - started}
-            write_json(folder / "run.json", info)
-        summary = summarise(run.episodes(chunks))
-        _record(run, setting, policies, worlds, seed)
-        write_json(folder / "summary.json", summary)
-        run.finish(chunks)
-    return summary
-
-
-def _compute(
-    run: RunFolder,
-    setting: Setting,
-    chunks: list[Chunk],
-    seed: int,
-    jobs: int,
-    progress: Progress,
-) -> None:
-    missing = [chunk for chunk in chunks if not run.has(chunk)]
-    total = sum(chunk.count for chunk in chunks)
-    done = total - sum(chunk.count for chunk in missing)
-    progress(done, total)
-    for count in run_chunks(setting, seed, missing, run.path, jobs):
-        done += count
-        progress(done, total)
-
-
-def _record(
-    run: RunFolder, setting: Setting, policies: Sequence[str], worlds: Sequence[str], seed: int
-) -> None:
-    """Keep the first episode of every policy and world for the report and the web replay."""
-    folder = run.path / "replay"
-    for world in worlds:
-        for policy in policies:
-            path = folder / f"{world}-{policy}-0.npz"
-            with writing(path):
-                folder.mkdir(exist_ok=True)
-                if not zipfile.is_zipfile(path):  # missing or truncated
-                    record(setting, world, policy, seed, 0).save(path)
+    run = Run.plan(setting, policies, folder, episodes=episodes, seed=seed, worlds=worlds)
+    run.open()
+    with run.folder.claimed():
+        return carry_out([run], workers, progress)[0]

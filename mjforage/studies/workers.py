@@ -1,21 +1,20 @@
-"""Carrying out chunks of episodes, here or in worker processes.
+"""Carrying out chunks of episodes: here, in worker processes, or on a dask cluster.
 
 The unit of work is (scenario, map, policy, world, chunk of episodes) -> one folder; joblib
 distributes it. The map travels with the work, so that every chunk is of the map that `run.json`
-holds.
+holds. Workers on other machines write into the same run folder, which all must share.
 """
 
 import json
 import os
-import signal
 import threading
 import time
 import warnings
-from collections.abc import Iterable, Iterator
+import zipfile
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
-from multiprocessing import resource_tracker
 from pathlib import Path
 
 import joblib
@@ -27,12 +26,65 @@ from mjforage.episode_log import EpisodeLog
 from mjforage.errors import UserError
 from mjforage.maps import GridMap
 from mjforage.mission import Mission, Setting
+from mjforage.recording import record
 from mjforage.scenario_file import canonical_json, scenario_from_tree, scenario_to_tree
 from mjforage.scoring import score
-from mjforage.storage import Chunk, RunFolder
+from mjforage.storage import Chunk, RunFolder, writing
+from mjforage.studies import cluster
+from mjforage.studies.identity import fingerprint, versions
+from mjforage.studies.interrupts import interrupts_held
 from mjforage.tables import frames
 
 PARENT_CHECK_S = 1.0
+
+
+@dataclass(frozen=True)
+class Workers:
+    """Who computes.
+
+    Attributes
+    ----------
+    jobs : processes of this machine; 1 stays in this process
+    scheduler : address of a dask scheduler, whose workers compute instead
+    local_cluster : worker processes of a dask cluster started on this machine instead
+    """
+
+    jobs: int = 1
+    scheduler: str = ""
+    local_cluster: int = 0
+
+    def __post_init__(self) -> None:
+        if self.jobs < 1 or self.local_cluster < 0:
+            raise UserError(
+                f"jobs {self.jobs}, local cluster {self.local_cluster}: give at least 1 worker"
+            )
+        if (self.jobs > 1) + bool(self.scheduler) + bool(self.local_cluster) > 1:
+            raise UserError("--jobs, --scheduler and --local-cluster: give one of them")
+
+    @property
+    def remote(self) -> bool:
+        """Whether a dask cluster computes."""
+        return bool(self.scheduler or self.local_cluster)
+
+    def count(self) -> int:
+        """How many there are now.
+
+        Raises
+        ------
+        UserError
+            If the scheduler cannot be reached or has none.
+        """
+        if not self.scheduler:
+            return self.local_cluster or self.jobs
+        with cluster.connected(self.scheduler, 0) as client:
+            return cluster.cores(client)
+
+    @property
+    def how(self) -> str:
+        """Who computes, in words."""
+        if self.scheduler:
+            return f"dask at {self.scheduler}"
+        return "local dask cluster" if self.local_cluster else "processes"
 
 
 @dataclass(frozen=True)
@@ -45,26 +97,48 @@ class Order:
     cells: bytes  # np.packbits of the map's cells
     seed: int
     folder: Path
-    parent: int  # process that asked for it
+    hash: str  # of the run
+    parent: int | None  # process that asked for it and must outlive its workers; None: a cluster
+    versions: tuple[tuple[str, str], ...] = ()  # of the process that asked a cluster
 
     @classmethod
-    def of(cls, setting: Setting, seed: int, folder: Path) -> "Order":
+    def of(
+        cls, setting: Setting, seed: int, folder: Path, run_hash: str, remote: bool = False
+    ) -> "Order":
         """Pack a setting."""
         rows, columns = setting.grid.navigable.shape
-        scenario_json = canonical_json(scenario_to_tree(setting.scenario))
-        cells = np.packbits(setting.grid.navigable).tobytes()
-        name = setting.grid.name
-        return cls(scenario_json, name, (rows, columns), cells, seed, folder, os.getpid())
+        return cls(
+            canonical_json(scenario_to_tree(setting.scenario)),
+            setting.grid.name,
+            (rows, columns),
+            np.packbits(setting.grid.navigable).tobytes(),
+            seed,
+            folder.resolve() if remote else folder,
+            run_hash,
+            None if remote else os.getpid(),
+            (*versions().items(), ("code", fingerprint())) if remote else (),
+        )
 
 
 @lru_cache(maxsize=4)
 def _setting(order: Order) -> Setting:
-    """The setting of an order, built once per process."""
+    """The setting of an order, built (and on a cluster checked) once per process.
+
+    Raises
+    ------
+    UserError
+        If this is a worker of a cluster that does not agree with the process that asked.
+    """
+    if order.parent is None:
+        cluster.check_versions(order.versions)
     packed = np.frombuffer(order.cells, np.uint8)
     rows, columns = order.shape
     navigable = np.unpackbits(packed, count=rows * columns).reshape(order.shape).astype(np.bool_)
     scenario = scenario_from_tree(json.loads(order.scenario_json), "scenario")
-    return Setting(scenario, GridMap(order.map_name, navigable))
+    setting = Setting(scenario, GridMap(order.map_name, navigable))
+    if order.parent is None:
+        cluster.check_run(order.folder, order.hash, setting)
+    return setting
 
 
 @lru_cache(maxsize=1)
@@ -80,28 +154,11 @@ def _die_with(parent: int) -> None:
 
 
 @contextmanager
-def _interrupts_held() -> Iterator[None]:
-    """Hold Ctrl-C back; processes that start meanwhile never get it (the parent ends them).
-
-    Without this, Ctrl-C in a terminal makes every worker print a traceback of its own.
-    """
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    resource_tracker.ensure_running()  # to start it among the workers would undo the next line
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-@contextmanager
 def _started(parallel: joblib.Parallel, tasks: Iterable[object]) -> Iterator[Iterator[str | None]]:
     """Start tasks; at the end cancel those that are left without a word."""
     results = None
     try:
-        with _interrupts_held():
+        with interrupts_held():
             results = parallel(tasks)
         yield results
     finally:
@@ -111,19 +168,42 @@ def _started(parallel: joblib.Parallel, tasks: Iterable[object]) -> Iterator[Ite
                 results.close()
 
 
+def keep_replay(setting: Setting, world: str, policy: str, seed: int, folder: Path) -> None:
+    """Simulate the first episode once more for the report and the web replay, unless it is there.
+
+    Raises
+    ------
+    UserError
+        If it cannot be written.
+    """
+    path = folder / "replay" / f"{world}-{policy}-0.npz"
+    with writing(path):
+        path.parent.mkdir(exist_ok=True)
+        if not zipfile.is_zipfile(path):  # missing or truncated
+            temporary = path.with_name(f".{os.getpid()}-{path.name}")
+            try:
+                record(setting, world, policy, seed, 0).save(temporary)
+                temporary.replace(path)
+            finally:
+                temporary.unlink(missing_ok=True)
+
+
 def run_chunk(order: Order, chunk: Chunk) -> str | None:
-    """Play, score and store one chunk.
+    """Play, score and store one chunk, and with the first one the replay of its first episode.
 
     Returns
     -------
     None, or the message of the error that a user can mend (exceptions with a cause do not survive
     the way between processes unharmed)
     """
-    if os.getpid() != order.parent:
-        _die_with(order.parent)
     started = time.process_time()
+    run = RunFolder(order.folder)
     try:
+        if order.parent is not None and os.getpid() != order.parent:
+            _die_with(order.parent)
         setting = _setting(order)
+        if order.parent is None and run.has(chunk):
+            return None  # made by a worker that was lost before it could tell
         episodes = np.arange(chunk.first, chunk.first + chunk.count)
         mission = Mission(setting, chunk.world)
         mission.reset(order.seed, episodes)
@@ -132,38 +212,43 @@ def run_chunk(order: Order, chunk: Chunk) -> str | None:
         scores = score(log, setting.fleet, setting.scenario.horizon)
         tables = frames(setting, chunk.world, chunk.policy, episodes, log, scores)
         timings = {"cpu_s": time.process_time() - started, "steps": float(log.length.sum())}
-        RunFolder(order.folder).write(chunk, tables, timings)
+        run.write(chunk, tables, timings)
+        if chunk.first == 0:
+            keep_replay(setting, chunk.world, chunk.policy, order.seed, order.folder)
     except UserError as error:
         return str(error)
     return None
 
 
-def run_chunks(
-    setting: Setting, seed: int, chunks: list[Chunk], folder: Path, jobs: int
-) -> Iterator[int]:
-    """Carry out chunks, yielding the number of episodes of each one that is finished.
-
-    Parameters
-    ----------
-    jobs : worker processes; 1 stays in this process
+def run_chunks(work: Sequence[tuple[Order, Chunk]], workers: Workers) -> Generator[int]:
+    """Carry out chunks in their order, yielding the place of each one that is finished.
 
     Raises
     ------
     UserError
-        If a chunk fails for a reason that a user can mend, or a worker was killed. Finished chunks
-        stay.
+        If a chunk fails for a reason that a user can mend, a worker was killed, or the cluster
+        cannot be used. Finished chunks stay.
     """
-    order = Order.of(setting, seed, folder)
-    parallel = joblib.Parallel(n_jobs=min(jobs, max(1, len(chunks))), return_as="generator")
-    tasks = (joblib.delayed(run_chunk)(order, chunk) for chunk in chunks)
+    tasks = (joblib.delayed(run_chunk)(order, chunk) for order, chunk in work)
     try:
-        with _started(parallel, tasks) as results:
-            for chunk, error in zip(chunks, results, strict=True):
+        with _parallel(workers, len(work)) as parallel, _started(parallel, tasks) as results:
+            for place, error in enumerate(results):
                 if error is not None:
                     raise UserError(error)
-                yield chunk.count
+                yield place
     except TerminatedWorkerError as error:
         raise UserError(
             "a worker process was killed, perhaps for want of memory; run the same command again "
             "with fewer --jobs: finished chunks are kept"
         ) from error
+
+
+@contextmanager
+def _parallel(workers: Workers, tasks: int) -> Iterator[joblib.Parallel]:
+    """Give joblib with processes of this machine, or its dask backend with all tasks queued."""
+    if not workers.remote:
+        jobs = min(workers.jobs, max(1, tasks))
+        yield joblib.Parallel(n_jobs=jobs, return_as="generator")
+        return
+    with cluster.connected(workers.scheduler, workers.local_cluster) as client:
+        yield cluster.parallel(client)

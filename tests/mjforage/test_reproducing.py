@@ -11,6 +11,7 @@ import pytest
 
 from mjforage.studies import evaluate as module
 from mjforage.studies.evaluate import plan
+from mjforage.studies.workers import Workers
 from mjforage.tables import TABLES
 
 Small = Callable[..., Path]
@@ -78,7 +79,7 @@ def test_logs_do_not_depend_on_the_workers(
 ) -> None:
     monkeypatch.setattr(module, "CHUNK", 2)
     one = evaluate_small(tmp_path / "one", **UNEVEN)
-    two = evaluate_small(tmp_path / "two", jobs=2, **UNEVEN)
+    two = evaluate_small(tmp_path / "two", workers=Workers(2), **UNEVEN)
     assert_bitwise_equal(tables(one), tables(two))
     assert (one / "summary.json").read_bytes() == (two / "summary.json").read_bytes()
 

@@ -26,9 +26,9 @@ import json
 from mjforage.storage import RunFolder
 from mjforage.studies import evaluate
 run_chunks, merge = evaluate.run_chunks, RunFolder.merge
-def tell_missing(setting, seed, chunks, folder, jobs):
-    print(json.dumps([chunk.name for chunk in chunks]))
-    return run_chunks(setting, seed, chunks, folder, jobs)
+def tell_missing(work, workers):
+    print(json.dumps([chunk.name for _, chunk in work]))
+    return run_chunks(work, workers)
 def tell_finished(run, chunks):
     print(json.dumps({p.name: p.stat().st_ino for p in (run.path / "chunks").glob("[gp]*-*")}))
     merge(run, chunks)

@@ -4,12 +4,14 @@ from pathlib import Path
 
 import pytest
 
+from metrics import marginal_contribution
 from mjforage.mission import Setting
-from mjforage.report.published import comparable, published_for
+from mjforage.report.published import PAPER, comparable, published_for
 from mjforage.run_info import load_run
 from mjforage.scenario_file import load_scenario
 from mjforage.storage import write_json
-from mjforage.studies.evaluate import run_info
+from mjforage.studies.identity import run_info
+from mjforage.vocabulary import describe
 
 
 @pytest.mark.parametrize(
@@ -32,3 +34,14 @@ def test_only_an_unchanged_mission_on_a_map_of_the_same_size_is_comparable(
     assert comparable(run) is expected
     assert (published_for(run, "greedy") is not None) is expected
     assert published_for(run, "lawnmower") is None
+
+
+@pytest.mark.parametrize("policy", list(PAPER))
+@pytest.mark.parametrize("team", ["scouts", "foragers"])
+def test_its_contributions_follow_from_its_ablations(policy: str, team: str) -> None:
+    paper = PAPER[policy]
+    for key, value in paper.contribution[team].items():
+        full, without = paper.printed[key], paper.ablated[team][key]
+        better = describe(key).better > 0
+        again = float(marginal_contribution(full, without, higher_is_better=better))
+        assert again == pytest.approx(value, abs=1e-4), key

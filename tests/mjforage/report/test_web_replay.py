@@ -305,7 +305,7 @@ def test_the_player_of_three_worlds(make_run: MakeRun) -> None:
     worlds = ("graph", "hulls", "physics")
     folder = make_run(worlds=worlds, policies=("greedy",), episodes=1)
     with_physics(folder)
-    template = html._environment().get_template("player/player.html.j2")
+    template = html.environment().get_template("player/player.html.j2")
     part = player(template.render(replay=shown(folder)))
     assert part.count("<canvas tabindex") == 2
     for panel, chosen in (("1", "graph"), ("2", "physics")):

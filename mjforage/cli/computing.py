@@ -1,0 +1,39 @@
+"""The flags that say who computes, the same for every command that runs episodes."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+if TYPE_CHECKING:
+    from mjforage.studies.workers import Workers
+
+
+@dataclass(frozen=True)
+class Computing:
+    """Who computes.
+
+    Parameters
+    ----------
+    jobs
+        Worker processes.
+    scheduler
+        Address of a dask scheduler, for example tcp://host:8786, whose workers compute instead.
+    local_cluster
+        Start a dask cluster of this many worker processes here, and let it compute.
+    """
+
+    jobs: int = 1
+    scheduler: str = ""
+    local_cluster: int = 0
+
+    @property
+    def workers(self) -> "Workers":
+        """The same for the library."""
+        from mjforage.studies.workers import Workers
+
+        return Workers(self.jobs, self.scheduler, self.local_cluster)
+
+
+HERE = Computing()
+By = Annotated[Computing, Parameter(name="*")]

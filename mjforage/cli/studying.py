@@ -1,0 +1,191 @@
+"""`mjforage study ...`: what parts, agents and teams are worth, over variants of a scenario."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import cyclopts
+from cyclopts import Parameter
+
+from mjforage.cli.computing import HERE, By, Computing
+from mjforage.cli.console import app, bar, errors, output
+
+if TYPE_CHECKING:
+    from mjforage.scenario import Scenario
+    from mjforage.studies.study import Variant
+
+study = cyclopts.App(
+    name="study", help="Studies: many variants of a scenario on the same episodes, in one report."
+)
+app.command(study)
+
+Names = Annotated[tuple[str, ...], Parameter(negative="")]
+Policies = Annotated[tuple[str, ...], Parameter(name="--policy", negative="")]
+PAPER = ("ddqn", "greedy", "levy")
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What every study is told.
+
+    Parameters
+    ----------
+    world
+        graph or physics, or a rung between; repeat the flag for several.
+    episodes
+        Episodes per variant, policy and world.
+    seed
+        Seed of the study; episode i is the same in every variant.
+    map
+        Map that replaces the scenario's grid: a name, CSV or image. Starts and all else stay.
+    set
+        Override KEY=VALUE in TOML syntax, for example team.scouts.count=3; repeatable.
+    out
+        Study folder; default runs/SCENARIO-KIND. An unfinished study of the same settings is
+        resumed.
+    """
+
+    world: Names = ("graph",)
+    episodes: int = 100
+    seed: int = 0
+    map: str | None = None
+    set: Names = ()
+    out: Path | None = None
+
+
+DEFAULT = Choice()
+With = Annotated[Choice, Parameter(name="*")]
+
+
+@study.command
+def parts(scenario: str = "published", /, *, choice: With = DEFAULT, by: By = HERE) -> None:
+    """What each part of the belief planner is worth, and what wrong assumptions cost it.
+
+    Parameters
+    ----------
+    scenario
+        Name of a preset (see `mjforage scenarios`) or path of a TOML file.
+    """
+    from mjforage.studies import variants
+
+    _play("parts", scenario, variants.parts, choice, by)
+
+
+@study.command
+def ablation(
+    scenario: str = "published",
+    /,
+    *,
+    policy: Policies = PAPER,
+    choice: With = DEFAULT,
+    by: By = HERE,
+) -> None:
+    """What an agent of each team is worth: marginal contributions (the paper's Tables 5 and 6).
+
+    Parameters
+    ----------
+    scenario
+        Name of a preset (see `mjforage scenarios`) or path of a TOML file.
+    policy
+        A policy (see `mjforage policies`); repeat the flag for several.
+    """
+    from mjforage.studies import variants
+
+    _play("ablation", scenario, lambda base: variants.ablation(base, policy), choice, by)
+
+
+@study.command
+def corruption(
+    scenario: str = "published",
+    /,
+    *,
+    policy: Policies = PAPER,
+    step: float = 0.05,
+    whole_team: bool = False,
+    choice: With = DEFAULT,
+    by: By = HERE,
+) -> None:
+    """How performance falls as a team's actions become random: sensitivity slopes (CSSC).
+
+    Parameters
+    ----------
+    scenario
+        Name of a preset (see `mjforage scenarios`) or path of a TOML file.
+    policy
+        A policy (see `mjforage policies`); repeat the flag for several.
+    step
+        Distance of the levels of corruption from 0 to 1.
+    whole_team
+        One draw corrupts the whole team, and random foragers still take a known item beside them:
+        the rule of the published code. Without it every agent has its own draw, as defined.
+    """
+    from mjforage.studies import variants
+
+    def varied(base: "Scenario") -> "tuple[Variant, ...]":
+        return variants.corruption(base, policy, step, whole_team)
+
+    _play("corruption", scenario, varied, choice, by, step=step, whole_team=whole_team)
+
+
+@study.command
+def paper(
+    scenario: str = "published",
+    /,
+    *,
+    policy: Policies = PAPER,
+    step: float = 0.05,
+    whole_team: bool = False,
+    choice: With = DEFAULT,
+    by: By = HERE,
+) -> None:
+    """All tables and figures of the paper, with its numbers beside ours.
+
+    Parameters
+    ----------
+    scenario
+        Name of a preset (see `mjforage scenarios`) or path of a TOML file.
+    policy
+        A policy (see `mjforage policies`); repeat the flag for several.
+    step
+        Distance of the levels of corruption from 0 to 1.
+    whole_team
+        Corrupt as the published code does (see `mjforage study corruption`): the paper's slopes.
+    """
+    from mjforage.studies import variants
+
+    def varied(base: "Scenario") -> "tuple[Variant, ...]":
+        return variants.paper(base, policy, step, whole_team)
+
+    _play("paper", scenario, varied, choice, by, step=step, whole_team=whole_team)
+
+
+def _play(
+    kind: str,
+    scenario: str,
+    varied: "Callable[[Scenario], tuple[Variant, ...]]",
+    choice: Choice,
+    by: Computing,
+    **options: object,
+) -> None:
+    """Compute a study and draw its report."""
+    from mjforage.mission import Setting
+    from mjforage.report.studies import write_study_report
+    from mjforage.scenario_file import load_scenario
+    from mjforage.studies.identity import pinned
+    from mjforage.studies.study import Study, run_study
+
+    setting = pinned(Setting.of(load_scenario(scenario, choice.set, choice.map)))
+    variants = varied(setting.scenario)
+    worlds, episodes, seed = tuple(choice.world), choice.episodes, choice.seed
+    plan = Study(kind, setting, variants, worlds, episodes, seed, options)
+    folder = choice.out or Path("runs") / f"{setting.scenario.name}-{kind}"
+    output.print(
+        f"{kind} study of {setting.scenario.name} on map {setting.grid.name}: "
+        f"{len(variants)} variants, {episodes} episodes each"
+    )
+    with bar("episodes") as shown:
+        run_study(plan, folder, workers=by.workers, progress=shown)
+    with errors.status("drawing the report"):
+        path = write_study_report(folder)
+    output.print(f"report: {path}", soft_wrap=True)

@@ -1,0 +1,84 @@
+"""The page of a study: sections of tables and figures, what was run, and what it took."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from markupsafe import Markup
+
+from mjforage.report import style
+from mjforage.report.figures import save_figure
+from mjforage.report.html import environment, shown, template
+from mjforage.report.picture import Picture
+from mjforage.report.studies.cost import cost_picture, cost_table
+from mjforage.report.studies.logs import StudyLogs
+from mjforage.report.tables import Table
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the page. `words` may carry subscripts and code as tables do."""
+
+    name: str  # anchor
+    title: str
+    words: str = ""
+    tables: Sequence[Table] = ()
+    pictures: Sequence[Picture] = ()
+
+
+def facts(logs: StudyLogs) -> list[tuple[str, str]]:
+    """What was run, as pairs of a term and its value."""
+    run, info = logs.base, logs.info
+    rows, columns = run.map.navigable.shape
+    policies = style.ordered(policy for one in logs.runs.values() for policy in one.policies)
+    options = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in logs.options.items())
+    pairs = [
+        ("Scenario", run.name),
+        ("Map", f"{run.map.name}: {rows} × {columns}, {run.map.nodes} nodes"),
+        ("Horizon", f"T = {run.horizon} steps"),
+        ("Worlds", ", ".join(logs.worlds)),
+        ("Policies", ", ".join(policies)),
+        ("Variants", str(len(logs.runs))),
+        ("Episodes", f"{info['episodes']} for each variant, policy and world, seed {info['seed']}"),
+        ("Options", options),
+        ("Started", str(info["started"])),
+        ("Versions", ", ".join(f"{name} {number}" for name, number in run.versions.items())),
+    ]
+    return [(term, value) for term, value in pairs if value]
+
+
+def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -> str:
+    """Set the page as HTML, and save its figures in the study's folder."""
+    cost, speeds = cost_table(logs), cost_picture(logs)
+    if cost is not None:
+        drawn = () if speeds is None else (speeds,)
+        sections = [*sections, Section("throughput", cost.title, "", [cost], drawn)]
+    parts: list[dict[str, Any]] = []
+    for section in sections:
+        figures = [
+            shown(picture, *save_figure(logs.folder / "figures", picture))
+            for picture in section.pictures
+        ]
+        parts.append(
+            {
+                "name": section.name,
+                "title": section.title,
+                "words": section.words,
+                "tables": section.tables,
+                "wide": [figure for figure in figures if figure.wide],
+                "narrow": [figure for figure in figures if not figure.wide],
+            }
+        )
+    context: dict[str, Any] = {
+        "logs": logs,
+        "facts": facts(logs),
+        "variants": [
+            (name, logs.title(name), ", ".join(run.policies)) for name, run in logs.runs.items()
+        ],
+        "sections": parts,
+        "notes": notes,
+        "scenario_json": json.dumps(logs.info["scenario"], indent=2, ensure_ascii=False),
+        "stylesheet": Markup(template("report.css.j2")),
+    }
+    return environment().get_template("study.html.j2").render(context)

@@ -1,0 +1,53 @@
+import numpy as np
+import pytest
+
+from metrics import paired_contribution
+
+FULL = np.array([4.0, 8.0, 6.0, np.nan])
+WITHOUT = np.array([2.0, 4.0, 3.0, 5.0])
+
+
+def test_it_is_the_contribution_of_the_means_of_whole_pairs() -> None:
+    found = paired_contribution(FULL, WITHOUT, 0, higher_is_better=True)
+    assert float(found.value) == pytest.approx((6.0 - 3.0) / 6.0)
+    assert int(found.n) == 3
+
+
+def test_costs_are_compared_with_the_lesser_team() -> None:
+    found = paired_contribution(WITHOUT, FULL, 0, higher_is_better=False)
+    assert float(found.value) == pytest.approx((6.0 - 3.0) / 6.0)
+
+
+def test_pairs_stay_together_in_every_resample() -> None:
+    found = paired_contribution(FULL, WITHOUT, 0, higher_is_better=True)
+    assert (float(found.low), float(found.high)) == pytest.approx((0.5, 0.5))
+    shuffled = paired_contribution(FULL[:3], WITHOUT[[1, 2, 0]], 0, higher_is_better=True)
+    assert float(shuffled.low) < 0.4
+    assert float(shuffled.high) > 0.6
+
+
+def test_the_interval_holds_the_truth_at_its_level() -> None:
+    rng = np.random.default_rng(3)
+    truth, hits, trials = 0.25, 0, 200
+    for trial in range(trials):
+        worth = rng.normal(4.0, 1.0, 60)
+        full, without = worth + rng.normal(0, 0.5, 60), 0.75 * worth + rng.normal(0, 0.5, 60)
+        found = paired_contribution(full, without, trial, higher_is_better=True, resamples=200)
+        hits += float(found.low) <= truth <= float(found.high)
+    assert 0.88 <= hits / trials <= 0.99
+
+
+@pytest.mark.parametrize(
+    ("full", "without"), [([0.0, 0.0], [0.0, 0.0]), ([1.0, np.nan], [1.0, 2.0])]
+)
+def test_undefined_intervals_are_nan(full: list[float], without: list[float]) -> None:
+    found = paired_contribution(full, without, 0, higher_is_better=True)
+    assert np.isnan(found.low)
+    assert np.isnan(found.high)
+
+
+def test_shapes_must_fit() -> None:
+    with pytest.raises(ValueError, match="full"):
+        paired_contribution([1.0, 2.0], [1.0], 0, higher_is_better=True)
+    with pytest.raises(ValueError, match=r"\(episode,\) is needed"):
+        paired_contribution([[1.0]], [[1.0]], 0, higher_is_better=True)

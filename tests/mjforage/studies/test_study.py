@@ -1,0 +1,158 @@
+"""Studies: resumable, every variant a run folder, one report, named errors."""
+
+import contextlib
+import json
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mjforage.mission import Setting
+from mjforage.report.studies import write_study_report
+from mjforage.scenario_file import load_scenario
+from mjforage.studies import variants
+from mjforage.studies.evaluate import evaluate
+from mjforage.studies.study import Study, run_study
+
+Command = Callable[..., Any]
+Refused = Callable[..., str]
+SMALL = ("--episodes", 3, "--set", "horizon=12")
+PAPER = ("study", "paper", "--policy", "greedy", "--policy", "levy", "--step", 0.25, *SMALL)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a finished study of the paper that nobody may change."""
+    folder = tmp_path_factory.mktemp("study") / "paper"
+    run_study(plan(), folder)
+    return folder
+
+
+def plan(episodes: int = 3) -> Study:
+    setting = Setting.of(load_scenario("published", ["horizon=12"]))
+    varied = variants.paper(setting.scenario, ("greedy", "levy"), 0.25, False)
+    options = {"step": 0.25, "whole_team": False}
+    return Study("paper", setting, varied, episodes=episodes, options=options)
+
+
+@pytest.fixture
+def folder(finished: Path, tmp_path: Path) -> Path:
+    """Return a finished study to spoil."""
+    return Path(shutil.copytree(finished, tmp_path / "study"))
+
+
+def test_a_variant_is_the_run_that_evaluate_makes(finished: Path, tmp_path: Path) -> None:
+    overrides = ["horizon=12", "corruption.team=scouts", "corruption.epsilon=0.5"]
+    setting = Setting.of(load_scenario("published", overrides))
+    evaluate(setting, ["greedy", "levy"], tmp_path / "run", episodes=3)
+    here, there = tmp_path / "run", finished / "variants" / "scouts-0.5"
+    assert {path.name for path in there.iterdir()} == {path.name for path in here.iterdir()}
+    for name in ("summary.json", "episodes.parquet", "steps.parquet", "agents.parquet"):
+        assert (there / name).read_bytes() == (here / name).read_bytes(), name
+    keys = ("hash", "scenario", "seed", "policies")
+    told = [json.loads((path / "run.json").read_text()) for path in (here, there)]
+    assert {key: told[0][key] for key in keys} == {key: told[1][key] for key in keys}
+
+
+def test_variants_share_their_episodes(finished: Path) -> None:
+    lists = [
+        (path / "run.json").read_text().count('"seed": 0') for path in finished.glob("variants/*")
+    ]
+    assert lists == [1] * (1 + 2 + 2 * 4)
+
+
+def test_a_stopped_study_goes_on_where_it_was(finished: Path, tmp_path: Path) -> None:
+    def stop(done: int, _: int) -> None:
+        if done >= 30:
+            raise KeyboardInterrupt
+
+    folder = tmp_path / "study"
+    with contextlib.suppress(KeyboardInterrupt):
+        run_study(plan(), folder, progress=stop)
+    assert not (folder / "summary.json").exists()
+    finished_runs = {p: p.stat().st_mtime_ns for p in folder.glob("variants/*/episodes.parquet")}
+    assert len(finished_runs) == 4
+    seen: list[int] = []
+    run_study(plan(), folder, progress=lambda done, total: seen.append(done))
+    assert seen[0] == 30, "finished chunks were computed again"
+    assert {p: p.stat().st_mtime_ns for p in finished_runs} == finished_runs
+    assert (folder / "summary.json").read_bytes() == (finished / "summary.json").read_bytes()
+    sessions = json.loads((folder / "sessions.json").read_text())["sessions"]
+    assert [session["episodes"] for session in sessions] == [30, 36]
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (("--seed", 1), "holds another study: seed is 0 there and 1 here"),
+        (("--whole-team",), "options.whole_team is false there and true here"),
+        (("--set", "items.mean=50.0"), "scenario.items.mean is 75.0 there and 50.0 here"),
+        (("--policy", "random"), "variants.complete.policies is"),
+        (("--world", "hulls"), 'worlds is ["graph"] there and ["hulls"] here'),
+    ],
+)
+def test_other_settings_are_named(
+    folder: Path, changes: tuple[object, ...], words: str, refused: Refused
+) -> None:
+    assert words in refused(*PAPER, "--out", folder, *changes)
+
+
+def test_another_kind_and_other_folders_are_named(
+    folder: Path, tmp_path: Path, refused: Refused
+) -> None:
+    ablation = ("study", "ablation", "--policy", "greedy", *SMALL, "--out")
+    assert "kind is " in refused(*ablation, folder)
+    run = folder / "variants" / "complete"
+    assert "holds agents.parquet but no study.json, so it is no study folder" in refused(
+        *ablation, run
+    )
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (("--policy", "gredy"), "policy gredy: unknown; did you mean greedy?"),
+        (("--world", "moon"), "world moon: unknown"),
+        (("--step", 0.3), "--step 0.3: give 1/N"),
+        (("--episodes", 0), "episodes 0"),
+    ],
+)
+def test_bad_input_is_named(
+    changes: tuple[object, ...], words: str, tmp_path: Path, refused: Refused
+) -> None:
+    assert words in refused("study", "paper", *changes, "--out", tmp_path / "new")
+    assert not (tmp_path / "new").exists()
+
+
+def test_the_report_is_whole_and_the_same_twice(folder: Path, command: Command) -> None:
+    first = write_study_report(folder).read_bytes()
+    assert command("report", folder).code == 0
+    assert (folder / "report.html").read_bytes() == first
+    page = first.decode()
+    for words in ("Table 5", "Table 6", "Sensitivity slopes", "Corruption of scouts", "Throughput"):
+        assert words in page, words
+    names = {path.name for path in (folder / "figures").glob("*.png")}
+    assert {"corruption-scouts.png", "corruption-foragers.png", "contribution-graph.png"} <= names
+    assert not re.search(r'(?:src|href)="https?:', page)
+
+
+def test_an_unfinished_study_has_no_report(folder: Path, refused: Refused) -> None:
+    (folder / "summary.json").unlink()
+    assert "the study is not finished; run the same study again" in refused("report", folder)
+
+
+def test_parts_mark_the_bound_in_every_table(tmp_path: Path, command: Command) -> None:
+    folder = tmp_path / "parts"
+    small = ("--episodes", 2, "--set", "horizon=3", "--set", "belief.fast=true")
+    assert command("study", "parts", *small, "--out", folder).code == 0
+    page = (folder / "report.html").read_text()
+    tables = re.findall(r'<div class="table[^"]*" id="([^"]+)">(.*?)</table>', page, re.DOTALL)
+    texts = {name: text for name, text in tables if name != "throughput" and name != "cost"}
+    names = {"parts", "parts-whole", "parts-oracle", "wrong", "wrong-greedy"}
+    assert set(texts) == {f"{name}-graph" for name in names}
+    for name, text in texts.items():
+        assert ("oracle (bound)" in text) or name == "parts-oracle-graph", name
+    assert "Minus the oracle, which is a bound" in page
