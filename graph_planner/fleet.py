@@ -1,6 +1,6 @@
 """Who is on the water: roles, teams and the flat agent table that kernels read."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -27,6 +27,16 @@ class Role:
     collects: bool
     capacity: int = field(default=0, metadata={"low": 0, "high": 1_000_000})
     energy: float = field(default=0.0, metadata={"low": 0, "high": 1e12})
+
+
+def agent_names(team: NDArray[np.int64], team_names: Sequence[str]) -> tuple[str, ...]:
+    """Names of agents (agent,) of given teams: `scouts-0`, `scouts-1`, `foragers-0`, ..."""
+    seen = dict.fromkeys(range(len(team_names)), -1)
+    names = []
+    for number in team.tolist():
+        seen[number] += 1
+        names.append(f"{team_names[number]}-{seen[number]}")
+    return tuple(names)
 
 
 @dataclass(frozen=True)
@@ -69,10 +79,7 @@ class Fleet:
     @property
     def names(self) -> tuple[str, ...]:
         """`scouts-0`, `scouts-1`, ...: team name and number within the team."""
-        first = {int(t): int(np.argmax(self.team == t)) for t in set(self.team.tolist())}
-        return tuple(
-            f"{self.team_names[t]}-{i - first[int(t)]}" for i, t in enumerate(self.team.tolist())
-        )
+        return agent_names(self.team, self.team_names)
 
     @property
     def scouts(self) -> NDArray[np.int64]:

@@ -45,8 +45,8 @@ class PhysicsDynamics:
         Raises
         ------
         UserError
-            If a vessel or an item class is not known, a hull does not fit on the map, or the
-            scenario's times do not fit together.
+            If a vessel or an item class is not known, a hull does not fit on the map, the
+            scenario's times do not fit together, or items without bodies shall enter a mouth.
         """
         self._graph, self._fleet, self._scenario, self._film = graph, fleet, scenario, film
         self._choice = scenario.physics
@@ -58,6 +58,11 @@ class PhysicsDynamics:
         self._vessels = fleet_vessels(fleet, self._choice)
         self._classes = item_choices(self._choice)
         self._bodies = self._choice.items == "bodies"
+        if self._choice.capture == "intake" and not self._bodies:
+            raise UserError(
+                "physics.capture = 'intake' with physics.items = 'graph': items without bodies "
+                "enter no mouth; set physics.capture=node or physics.items=bodies"
+            )
         fleet_scene(graph, self._vessels, fleet.names, 0)  # hulls that do not fit say so now
         self._helms = [helm_of(vessel) for vessel in self._vessels]
         self._chart = Chart(graph.navigable, graph.pitch_m)

@@ -12,13 +12,14 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.fleet import agent_names
 from mjforage.render import harbour, sheds, textures
 from mjforage.render.cameras import View
 from mjforage.render.palette import Colour, team_colours
 from mjforage.render.panel import team_collects
 from mjforage.replay import Replay
 from mjforage.scene.debris import load_debris
-from mjforage.scene.fleet import hull_part, vessel_labels
+from mjforage.scene.fleet import hull_part
 from mjforage.scene.parts import compiled, shipped_part
 from mjforage.vessels import Vessel, load_vessel
 
@@ -58,10 +59,10 @@ class Look:
 
 
 def vessels_of(replay: Replay) -> tuple[tuple[Vessel, ...], tuple[str, ...]]:
-    """The hulls of a replay and their names, such as ``scout-0``."""
+    """The hulls of a replay and their names, such as ``scouts-0``."""
     kinds = {name: load_vessel(name) for name in dict.fromkeys(replay.vessels)}
     vessels = tuple(kinds[name] for name in replay.vessels)
-    return vessels, vessel_labels(vessels, None)
+    return vessels, agent_names(replay.agent_team, replay.team_names)
 
 
 def build_look(replay: Replay, hull_scale: float, item_scale: float) -> Look:

@@ -18,16 +18,21 @@ ROOM_M = 0.5 * PITCH_M
 
 
 def pick(
-    items: NDArray[np.float64], yaws: NDArray[np.float64], seconds: float
+    items: NDArray[np.float64],
+    yaws: NDArray[np.float64],
+    seconds: float,
+    node: NDArray[np.float64] | None = None,
 ) -> tuple[NDArray[np.float64], float]:
-    """Time at which each item passed the mouth [s], and the farthest midships from the node."""
+    """Time at which each item passed the mouth [s], and the farthest midships from the node.
+
+    `node` (episode, 1, 2) is the centre of each one's node, by default the basin's.
+    """
     n = yaws.size
     scene = build_scene([FORAGER], navigable=BASIN, pitch_m=PITCH_M)
     simulation, pilot = Simulation(scene, n), Pilot([helm_of(FORAGER)], Chart(BASIN, PITCH_M), n)
-    pose = np.full((n, 1, 3), CENTRE)
-    pose[:, 0, 2] = yaws
+    active, to = np.ones(n, np.bool_), np.full((n, 1, 2), CENTRE) if node is None else node
+    pose = np.concatenate((to, yaws[:, None, None]), axis=-1)
     simulation.place_vessels(pose)
-    active, to = np.ones(n, np.bool_), np.full((n, 1, 2), CENTRE)
     taken, ahead, farthest = np.full(n, np.inf), np.full(n, np.inf), 0.0
     for tick in range(round(10 * seconds)):
         if tick % 100 == 0:
@@ -42,7 +47,7 @@ def pick(
         aside = np.cos(yaw) * dy - np.sin(yaw) * dx
         bow, half = 0.5 * FORAGER.length_m, 0.5 * FORAGER.beam_m
         taken[(was > bow) & (ahead <= bow) & (np.abs(aside) < half) & np.isinf(taken)] = tick * 0.1
-        farthest = max(farthest, np.abs([x - CENTRE, y - CENTRE]).max())
+        farthest = max(farthest, np.abs([x - to[:, 0, 0], y - to[:, 0, 1]]).max())
     return taken, farthest
 
 
@@ -66,6 +71,16 @@ def test_an_item_abeam_is_backed_off_from_before_turning() -> None:
     s[at.ITEM_X], s[at.ITEM_Y] = 0.3, 0.9
     heading, speed = pick_up(s, packed(helm_of(FORAGER)), 1.3, 0.1)
     assert (heading, speed < 0.0) == (0.0, True)
+
+
+def test_items_in_the_corner_of_a_basin_are_reached() -> None:
+    """A full-beam mouth does not fit into a corner at 45 degrees, along the quay it does."""
+    rng = np.random.default_rng(1)
+    sides = rng.choice((-1.0, 1.0), (24, 1, 2))
+    items = 4.0 + sides * rng.uniform(5.6, 5.85, (24, 1, 2))  # quays at -2 and 10
+    corner = 4.0 + 4.0 * sides
+    taken, _ = pick(items, rng.uniform(-np.pi, np.pi, 24), 60.0, corner)
+    assert np.mean(np.isfinite(taken)) > 0.8
 
 
 def test_without_an_item_it_keeps_its_place() -> None:

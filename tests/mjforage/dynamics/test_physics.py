@@ -162,6 +162,10 @@ def test_a_collector_grows_heavier_and_capacity_ends_it() -> None:
         (("physics.step_s=0.03",), "physics.step_s = 0.03 s does not fit; 0.1 s has to be"),
         (("physics.vessels.scouts=skout",), "vessel skout: neither a shipped vessel"),
         (('physics.item_classes=["botle"]',), "physics.item_classes: 'botle'; choose from bottle"),
+        (
+            ("physics.capture=intake", "physics.items=graph"),
+            "physics.capture = 'intake' with physics.items = 'graph': items without bodies enter",
+        ),
         (("physics.item_classes=[]",), "physics.item_classes is empty"),
         (("map.pitch_m=1.1",), "needs 2.27 m to turn, the narrowest corridor is"),
     ],
