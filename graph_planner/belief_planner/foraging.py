@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.crew import Crew
-from graph_planner.belief_planner.routes import NOWHERE, search_routes
+from graph_planner.belief_planner.routes import NOWHERE, Legs, search_routes
 from graph_planner.belief_planner.settings import BeliefSettings
 from graph_planner.belief_planner.shore import Shore, shore_of
 from graph_planner.belief_planner.steering import towards
@@ -64,7 +64,8 @@ def send_foragers(
         return 0
     first, between = decisions_between(found, ways, kind, at, stay)
     if joint:
-        target = search_routes(found.weight[:n], first, between, kind, beam, choices, depth)
+        legs = Legs(found.weight[:n], first, between, kind)
+        target = search_routes(legs, beam, choices, depth)
     else:
         target = np.full(at.size, NOWHERE, np.int64)
     for i in range(items.number[0]):

@@ -97,10 +97,8 @@ class BeliefPlanner:
             if settings.advection:
                 tr.carry(self.tracks, shore, e, drift[0], drift[1])
         wander = 2.0 * float(self.wind.deviation[e].max()) + 0.05
-        edges, memory = self._task.graph.neighbours, self._scratch
-        new = tr.reconcile(
-            self.tracks, shore, edges, e, now, belief, last_seen, wander, memory, ways, lost
-        )
+        edges, view = self._task.graph.neighbours, tr.View(now, belief, last_seen)
+        new = tr.reconcile(self.tracks, shore, edges, e, view, wander, self._scratch, ways, lost)
         if settings.wind:
             wd.settle(self.wind, shore, e, ways)
             wd.estimate(self.wind, self.tracks, shore, e)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.routes import NOWHERE, search_routes
+from graph_planner.belief_planner.routes import NOWHERE, Legs, search_routes
 from graph_planner.belief_planner.shore import shore_of
 from graph_planner.belief_planner.stops import (
     MOST,
@@ -51,7 +51,7 @@ def test_a_wide_beam_finds_the_best_joint_route(seed: int) -> None:
     first = np.ceil(np.abs(at[:, None] - points).max(axis=2)) + 1
     between = np.ceil(np.abs(points[:, None] - points).max(axis=2))[None] + 1
     weight = rng.integers(1, 4, n).astype(np.float64)
-    found = search_routes(weight, first, between, ONE_KIND[:foragers], 3000, n, 40)
+    found = search_routes(Legs(weight, first, between, ONE_KIND[:foragers]), 3000, n, 40)
     assert tuple(found.tolist()) in cheapest(weight, first, between)[1]
 
 
@@ -60,32 +60,31 @@ def test_foragers_share_two_groups_instead_of_both_going_for_the_nearer() -> Non
     place = np.array([8.0, 9.0, 10.0, -9.0, -10.0, -11.0])
     between = np.abs(place[:, None] - place)[None]
     first = np.tile(np.abs(place), (2, 1))
-    target = search_routes(np.ones(6), first, between, ONE_KIND[:2], 16, 6, 40)
+    target = search_routes(Legs(np.ones(6), first, between, ONE_KIND[:2]), 16, 6, 40)
     assert sorted(place[target].tolist()) == [-9.0, 8.0]
 
 
 def test_a_heavy_stop_is_worth_a_detour() -> None:
     place = np.array([3.0, -4.0])
     first, between = np.abs(place)[None], np.abs(place[:, None] - place)[None]
-    near = search_routes(np.array([1.0, 1.0]), first, between, ONE_KIND[:1], 8, 4, 10)
-    rich = search_routes(np.array([1.0, 9.0]), first, between, ONE_KIND[:1], 8, 4, 10)
+    near = search_routes(Legs(np.array([1.0, 1.0]), first, between, ONE_KIND[:1]), 8, 4, 10)
+    rich = search_routes(Legs(np.array([1.0, 9.0]), first, between, ONE_KIND[:1]), 8, 4, 10)
     assert (near[0], rich[0]) == (0, 1)
 
 
 def test_a_forager_too_far_off_is_left_out() -> None:
     first, between = np.array([[1.0], [30.0]]), np.zeros((1, 1, 1))
-    target = search_routes(np.ones(1), first, between, ONE_KIND[:2], 8, 4, 10)
+    target = search_routes(Legs(np.ones(1), first, between, ONE_KIND[:2]), 8, 4, 10)
     assert target.tolist() == [0, NOWHERE]
-    nothing = search_routes(
-        np.ones(0), np.zeros((2, 0)), np.zeros((1, 0, 0)), ONE_KIND[:2], 4, 4, 4
-    )
+    empty = Legs(np.ones(0), np.zeros((2, 0)), np.zeros((1, 0, 0)), ONE_KIND[:2])
+    nothing = search_routes(empty, 4, 4, 4)
     assert nothing.tolist() == [NOWHERE, NOWHERE]
 
 
 def test_sixty_four_stops_are_searched() -> None:
     place = np.arange(64.0)
     between = np.abs(place[:, None] - place)[None] + 1
-    target = search_routes(np.ones(64), (place + 1)[None], between, ONE_KIND[:1], 8, 4, 70)
+    target = search_routes(Legs(np.ones(64), (place + 1)[None], between, ONE_KIND[:1]), 8, 4, 70)
     assert target[0] == 0
 
 
