@@ -4,7 +4,8 @@ A beam search over joint routes. In every state the forager that is free first g
 its best stops (decisions per item, the ratio rule of W. E. Smith, "Various optimizers for
 single-stage production", 1956), or goes nowhere any more. A state is judged by the sum over all
 items of the decision in which each is met; for those not yet on a route, by when the first forager
-could be there.
+could be there. A forager takes no more than it has room for and goes no farther than its energy
+lasts; what it leaves of a stop is charged as if the next one came for it.
 """
 
 from typing import NamedTuple
@@ -30,12 +31,15 @@ class Legs(NamedTuple):
     first: NDArray[np.float64]  # (forager, stop) decisions from where the foragers are
     between: NDArray[np.float64]  # (kind, stop, stop) decisions from stop to stop
     kind: NDArray[np.int64]  # (forager,) which layer of `between`
+    room: NDArray[np.float64]  # (forager,) items that it can still take aboard
+    lasts: NDArray[np.float64]  # (forager,) decisions that its energy lasts for
 
 
 class States(NamedTuple):
     """A generation of joint routes, the cheapest first."""
 
-    clock: NDArray[np.float64]  # (state, forager) decision in which it is free; `FAR`: retired
+    clock: NDArray[np.float64]  # (state, forager) decision in which it is free; `FAR`: never again
+    room: NDArray[np.float64]  # (state, forager) items that it can still take aboard
     at: NDArray[np.int64]  # (state, forager) its last stop, -1 where it started
     begun: NDArray[np.int64]  # (state, forager) its first stop, -1 none yet
     visited: NDArray[np.uint64]  # (state,) a bit per stop
@@ -53,6 +57,8 @@ class Steps(NamedTuple):
     parent: NDArray[np.int64]  # (slot,) the state that it starts from
     who: NDArray[np.int64]  # (slot,) the forager that goes, `NOBODY` if the state stays as it is
     stop: NDArray[np.int64]  # (slot,) where it goes, `NOWHERE` if it retires
+    free: NDArray[np.float64]  # (slot,) decision in which it is free then, `FAR` if never again
+    paid: NDArray[np.float64]  # (slot,) as in `States`, of the state that the step leads to
 
 
 class Outlook(NamedTuple):
@@ -73,24 +79,13 @@ def _mark(stop: int, kind: int) -> np.uint64:
     return value ^ (value >> np.uint64(32))
 
 
-@inlined
-def _way(
-    first: NDArray[np.float64],
-    between: NDArray[np.float64],
-    forager: int,
-    kind: int,
-    at: int,
-    stop: int,
-) -> float:
-    """Decisions to a stop from another one, or from where the forager started."""
-    return float(first[forager, stop] if at < 0 else between[kind, at, stop])
-
-
 @kernel
-def _states(beam: int, foragers: int) -> States:
-    """Room for a generation; every forager is where it started."""
+def _states(beam: int, room: NDArray[np.float64]) -> States:
+    """Memory for a generation; in its first state every forager is where it started."""
+    foragers = room.size
     return States(
         np.zeros((beam, foragers)),
+        np.zeros((beam, foragers)) + room,
         np.full((beam, foragers), -1),
         np.full((beam, foragers), -1),
         np.zeros(beam, np.uint64),
@@ -109,6 +104,8 @@ def _steps(beam: int) -> Steps:
         np.zeros(beam, np.int64),
         np.zeros(beam, np.int64),
         np.zeros(beam, np.int64),
+        np.zeros(beam),
+        np.zeros(beam),
     )
 
 
@@ -135,6 +132,7 @@ def _soonest(
     first: NDArray[np.float64],
     between: NDArray[np.float64],
     kind: NDArray[np.int64],
+    lasts: NDArray[np.float64],
     s: int,
     f: int,
     j: int,
@@ -144,7 +142,8 @@ def _soonest(
     for g in range(clock.shape[1]):
         if g != f and clock[s, g] < FAR:
             way = first[g, j] if at[s, g] < 0 else between[kind[g], at[s, g], j]
-            nearest = min(nearest, clock[s, g] + way)
+            if clock[s, g] + way <= lasts[g]:
+                nearest = min(nearest, clock[s, g] + way)
     return nearest
 
 
@@ -166,7 +165,7 @@ def _rest(
     stop: NDArray[np.int64],
     n: int,
     chosen: int,
-    now: float,
+    free: float,
     way: NDArray[np.float64],
     price: float,
     enough: float,
@@ -177,12 +176,12 @@ def _rest(
     ----------
     weight, others, stop, n : of an `Outlook`
     chosen : the forager's next stop, as a number among the open ones
-    now, way : the decision in which it is there, and (stop,) its ways from there
+    free, way : the decision in which it is free there, and (stop,) its ways from there
     enough : a price of this or more is as good as any, so the sum is broken off there
     """
     for i in range(n):
         if i != chosen:
-            price += weight[i] * min(others[i], now + way[stop[i]])
+            price += weight[i] * min(others[i], free + way[stop[i]])
             if price >= enough:
                 break
     return price
@@ -222,11 +221,17 @@ def _grow(
     Steps kept, and whether any of the routes could go on
     """
     worth, first, between, kind = legs.weight, legs.first, legs.between, legs.kind
-    clock, at, visited, paid = states.clock, states.at, states.visited, states.paid
+    clock, at, visited, room, lasts = (
+        states.clock,
+        states.at,
+        states.visited,
+        states.room,
+        legs.lasts,
+    )
     stop, weight, arrival = outlook.stop, outlook.weight, outlook.arrival
     others, rank = outlook.others, outlook.rank
     order, cost, names = steps.order, steps.cost, steps.name
-    parents, whos, goals = steps.parent, steps.who, steps.stop
+    parents, whos, goals, frees = steps.parent, steps.who, steps.stop, steps.free
     kept, goes_on = 0, False
     for s in range(number):
         f, n = _first_free(clock, s), 0
@@ -235,8 +240,8 @@ def _grow(
                 if not visited[s] & (_ONE << np.uint64(j)):
                     way = first[f, j] if at[s, f] < 0 else between[kind[f], at[s, f], j]
                     stop[n], weight[n], arrival[n] = j, worth[j], clock[s, f] + way
-                    others[n] = _soonest(clock, at, first, between, kind, s, f, j)
-                    rank[n] = way / weight[n] if way < FAR else np.inf
+                    others[n] = _soonest(clock, at, first, between, kind, lasts, s, f, j)
+                    rank[n] = way / weight[n] if way < FAR and arrival[n] <= lasts[f] else np.inf
                     n += 1
         complete = n == 0
         goes_on = goes_on or not complete
@@ -244,25 +249,27 @@ def _grow(
         if not complete and at[s, f] >= 0:
             held -= _mark(at[s, f], kind[f])
         stops = _choose(rank, n, chosen)
-        for c in range(stops + (1 if complete or clock.shape[1] > 1 else 0)):
-            i, j, now, price, met, who = NOWHERE, NOWHERE, FAR, paid[s], visited[s], f
+        for c in range(stops + (1 if complete or stops == 0 or clock.shape[1] > 1 else 0)):
+            i, j, free, paid, met, who = NOWHERE, NOWHERE, FAR, states.paid[s], visited[s], f
             mark = held + _RETIRED
             if complete:
-                price, who, mark = states.cost[s], NOBODY, held
+                who, mark = NOBODY, held
             elif c < stops:
                 i = chosen[c]
-                j, now = stop[i], arrival[i]
-                price += weight[i] * now
+                j, taken = stop[i], min(weight[i], room[s, f])
+                paid += taken * arrival[i]
+                paid += (weight[i] - taken) * others[i]
+                free = arrival[i] if room[s, f] > weight[i] else FAR
                 met |= _ONE << np.uint64(j)
                 mark = held + _mark(j, kind[f])
             name, enough = mark + met * _ODD, limit(order, cost, kept)
-            price = _rest(
-                weight, others, stop, n, i, now, between[kind[f], max(j, 0)], price, enough
-            )
+            price, way_on = states.cost[s] if complete else paid, between[kind[f], max(j, 0)]
+            price = _rest(weight, others, stop, n, i, free, way_on, price, enough)
             if price < enough and not _has_twin(names, cost, kept, name, price):
                 slot = free_slot(order, kept)
                 cost[slot], names[slot] = price, name
                 parents[slot], whos[slot], goals[slot] = s, who, j
+                frees[slot], steps.paid[slot] = free, paid
                 kept = insert(order, cost, kept, slot)
     return kept, goes_on
 
@@ -270,24 +277,23 @@ def _grow(
 @kernel
 def _follow(legs: Legs, states: States, steps: Steps, kept: int, after: States) -> None:
     """Make the next generation `after` from the states and the steps kept."""
-    clock, at, begun, visited = after.clock, after.at, after.begun, after.visited
-    parent, who, goal, paid = steps.parent, steps.who, steps.stop, after.paid
+    clock, room, at, begun = after.clock, after.room, after.at, after.begun
+    visited, parent, who, goal = after.visited, steps.parent, steps.who, steps.stop
     for i in range(kept):
         slot = steps.order[i]
         s, f, j = parent[slot], who[slot], goal[slot]
         for g in range(clock.shape[1]):
-            clock[i, g], at[i, g] = states.clock[s, g], states.at[s, g]
-            begun[i, g] = states.begun[s, g]
-        visited[i], paid[i] = states.visited[s], states.paid[s]
-        if f != NOBODY and j == NOWHERE:
-            clock[i, f] = FAR
-        elif f != NOBODY:
-            clock[i, f] += _way(legs.first, legs.between, f, legs.kind[f], at[i, f], j)
-            paid[i] += legs.weight[j] * clock[i, f]
+            clock[i, g], room[i, g] = states.clock[s, g], states.room[s, g]
+            at[i, g], begun[i, g] = states.at[s, g], states.begun[s, g]
+        visited[i] = states.visited[s]
+        if f != NOBODY:
+            clock[i, f] = steps.free[slot]
+        if j != NOWHERE:
+            room[i, f] -= legs.weight[j]
             visited[i] |= _ONE << np.uint64(j)
             at[i, f] = j
             begun[i, f] = j if begun[i, f] < 0 else begun[i, f]
-        after.cost[i] = steps.cost[slot]
+        after.cost[i], after.paid[i] = steps.cost[slot], steps.paid[slot]
         after.mark[i] = steps.name[slot] - visited[i] * _ODD
 
 
@@ -309,7 +315,7 @@ def search_routes(legs: Legs, beam: int, choices: int, depth: int) -> NDArray[np
     foragers, n = legs.first.shape
     if n == 0 or foragers == 0:
         return np.full(foragers, NOWHERE, np.int64)
-    states, after, number = _states(beam, foragers), _states(beam, foragers), 1
+    states, after, number = _states(beam, legs.room), _states(beam, legs.room), 1
     steps, outlook, chosen = _steps(beam), _outlook(n), np.empty(choices, np.int64)
     for _ in range(min(depth, n + foragers)):
         kept, goes_on = _grow(legs, states, number, outlook, chosen, steps)
@@ -318,4 +324,5 @@ def search_routes(legs: Legs, beam: int, choices: int, depth: int) -> NDArray[np
         _follow(legs, states, steps, kept, after)
         number = kept
         states, after = after, states
-    return states.begun[0].copy()
+    begun: NDArray[np.int64] = states.begun[0].copy()
+    return begun
