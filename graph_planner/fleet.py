@@ -6,6 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+UNLIMITED = int(np.iinfo(np.int64).max)
+"""Capacity of an agent that can take any number of items aboard."""
+
 
 @dataclass(frozen=True)
 class Role:
@@ -60,7 +63,6 @@ class Fleet:
         roles = list(teams.values())
         counts = [role.count for role in roles]
 
-        unlimited = np.iinfo(np.int64).max
         return cls(
             team_names=tuple(teams),
             team=np.repeat(np.arange(len(roles), dtype=np.int64), counts),
@@ -68,7 +70,7 @@ class Fleet:
             radius=np.repeat(np.asarray([r.radius for r in roles], np.float64), counts),
             collects=np.repeat(np.asarray([r.collects for r in roles], np.bool_), counts),
             capacity=np.repeat(
-                np.asarray([r.capacity or unlimited for r in roles], np.int64), counts
+                np.asarray([r.capacity or UNLIMITED for r in roles], np.int64), counts
             ),
             energy=np.repeat(np.asarray([r.energy or np.inf for r in roles], np.float64), counts),
         )

@@ -99,6 +99,7 @@ class Observation(NamedTuple):
     keys: NDArray[np.uint64]  # (episode,) episode keys, for a policy's own randomness
     agent_node: Int32Array  # (episode, agent)
     energy_left: NDArray[np.float64]  # (episode, agent) [node]
+    room_left: NDArray[np.int64]  # (episode, agent) items it can take aboard, `UNLIMITED` if any
     belief: NDArray[np.int16]  # (episode, node) believed items
     last_seen: NDArray[np.int16]  # (episode, node) step, NEVER if not yet seen
     known: Int32Array  # (episode, node) nodes with belief > 0, in no particular order

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.fleet import Fleet
+from graph_planner.fleet import UNLIMITED, Fleet
 from graph_planner.geodesics import Int32Array
 from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
 from graph_planner.navigation import NavigationGraph, navigation_graph
@@ -205,6 +205,15 @@ class Mission:
         return np.maximum(self._energy - self.state.energy, 0.0)
 
     @property
+    def room_left(self) -> NDArray[np.int64]:
+        """(episode, agent) items that can still be taken aboard, `UNLIMITED` if any number."""
+        capacity, taken_by = self.setting.fleet.capacity, self.state.collected_by
+        room = np.tile(capacity, (taken_by.shape[0], 1))
+        for agent in np.flatnonzero(capacity < UNLIMITED):
+            room[:, agent] -= (taken_by == agent).sum(axis=1)
+        return room
+
+    @property
     def observation(self) -> Observation:
         """What the fleet sees before the next decision."""
         return Observation(
@@ -213,6 +222,7 @@ class Mission:
             keys=self.keys,
             agent_node=self.state.agent_node,
             energy_left=self.energy_left,
+            room_left=self.room_left,
             belief=self.model.knowledge.belief,
             last_seen=self.model.knowledge.last_seen,
             known=self.model.knowledge.known,

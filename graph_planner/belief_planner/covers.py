@@ -46,7 +46,7 @@ def landmarks_of(graph: NavigationGraph) -> tuple[Int32Array, Int32Array]:
 def _until_seen(
     ways: Ways, start: NDArray[np.int64], cells: Int32Array, wanted: Int32Array
 ) -> UInt16Array:
-    """(landmark, node) decisions until some node is reached that sees a landmark's cell."""
+    """(node, landmark) decisions until some node is reached that sees a landmark's cell."""
     nodes = ways.ends.shape[0]
     rows = np.empty((wanted.size, nodes), np.uint16)
     seers = np.empty(nodes, np.int32)
@@ -59,7 +59,7 @@ def _until_seen(
                     n += 1
                     break
         search_back(ways.before_start, ways.before, seers[:n], rows[mark])
-    return rows
+    return np.ascontiguousarray(rows.T)
 
 
 @lru_cache(maxsize=32)
@@ -93,6 +93,24 @@ class BlockCover(NamedTuple):
 
 
 @kernel
+def _shown(
+    lists: NodeLists, radius: int, cloud: Cloud, node: int, share: NDArray[np.float64]
+) -> None:
+    """Fill share (hotspot,) with the part of each hotspot's items that lies in view of a node."""
+    nodes, cells, cell_start, shares = lists.nodes, cloud.cells, cloud.cell_start, cloud.shares
+    rows, cols, reach, width = cloud.rows, cloud.cols, cloud.reach, cloud.node.shape[1]
+    share[:] = 0.0
+    for i in range(lists.start[radius, node], lists.start[radius, node + 1]):
+        x = nodes[i]
+        for k in range(cell_start[x], cell_start[x + 1]):
+            row, col = cells[k] // width - reach, cells[k] % width - reach
+            for c in range(share.size):
+                down, right = row - rows[c] + reach, col - cols[c] + reach
+                if 0 <= down <= 2 * reach and 0 <= right <= 2 * reach:
+                    share[c] += shares[down] * shares[right]
+
+
+@kernel
 def _noticed(
     lists: NodeLists,
     radius: int,
@@ -100,36 +118,24 @@ def _noticed(
     block: Int32Array,
     size: NDArray[np.int64],
     least: float,
-    start: NDArray[np.int64],
-    cells: Int32Array,
-    fill: bool,
-) -> None:
-    """Blocks of which half the hotspots would show at least a share `least` in a view."""
-    n, total = block.size, 0
-    mass = np.empty(n)
-    noticed = np.zeros(size.size, np.int64)
-    reach, width = cloud.reach, cloud.node.shape[1]
+) -> NDArray[np.bool_]:
+    """(node, block) whether half the hotspots of a block show at least a share `least` there.
+
+    Parameters
+    ----------
+    block, size : (node,) the block of each hotspot, and (block,) its nodes
+    """
+    n = block.size
+    share, noticed = np.empty(n), np.zeros(size.size, np.int64)
+    found = np.empty((n, size.size), np.bool_)
     for v in range(n):
-        start[v] = total
-        mass[:] = 0.0
-        for i in range(lists.start[radius, v], lists.start[radius, v + 1]):
-            x = lists.nodes[i]
-            for k in range(cloud.cell_start[x], cloud.cell_start[x + 1]):
-                row, col = cloud.cells[k] // width - reach, cloud.cells[k] % width - reach
-                for c in range(n):
-                    down, right = row - cloud.rows[c] + reach, col - cloud.cols[c] + reach
-                    if 0 <= down <= 2 * reach and 0 <= right <= 2 * reach:
-                        mass[c] += cloud.shares[down] * cloud.shares[right]
+        _shown(lists, radius, cloud, v, share)
         noticed[:] = 0
         for c in range(n):
-            if mass[c] >= least:
-                noticed[block[c]] += 1
+            noticed[block[c]] += share[c] >= least
         for b in range(size.size):
-            if 2 * noticed[b] >= size[b]:
-                if fill:
-                    cells[total] = b
-                total += 1
-    start[n] = total
+            found[v, b] = 2 * noticed[b] >= size[b]
+    return found
 
 
 @lru_cache(maxsize=32)
@@ -151,11 +157,9 @@ def _block_cover(
     found, block = np.unique(names, return_inverse=True)
     block, size = block.astype(np.int32), np.bincount(block).astype(np.int64)
     lists, cloud = graph.views(radii), cloud_of(graph, spread)
-    start = np.zeros(len(graph) + 1, np.int64)
-    arguments = (lists, radius, cloud, block, size, least, start)
-    _noticed(*arguments, np.empty(0, np.int32), False)
-    cells = np.empty(int(start[-1]), np.int32)
-    _noticed(*arguments, cells, True)
+    noticed = _noticed(lists, radius, cloud, block, size, least)
+    start = np.concatenate(([0], np.cumsum(noticed.sum(axis=1))))
+    cells = np.nonzero(noticed)[1].astype(np.int32)
     marks, belongs = landmarks_of(graph)
     landmark = np.zeros(found.size, np.int32)
     landmark[block[::-1]] = belongs[::-1]

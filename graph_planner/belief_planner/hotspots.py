@@ -176,6 +176,70 @@ def sight(
 
 
 @kernel
+def _never_in_view(share: NDArray[np.float64], unseen: NDArray[np.uint8]) -> NDArray[np.float64]:
+    """(node,) chance that an item which started there was never in view, over all drifts."""
+    mean = np.zeros(unseen.shape[1])
+    for w in range(share.size):
+        if share[w] > NEGLIGIBLE:
+            weight = share[w]
+            for x in range(mean.size):
+                mean[x] += weight * unseen[w, x]
+    return mean
+
+
+@kernel
+def _locate(
+    spots: Hotspots, cloud: Cloud, e: int, h: int, mean: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Update the posterior of hotspot h.
+
+    Parameters
+    ----------
+    mean : (node,) chance that an item which started there was never in view
+
+    Returns
+    -------
+    (node,) items that the hotspot has in all if it is there, and the box (see `bounds`) outside of
+    which it is not
+    """
+    n, a, b = mean.size, spots.shape + spots.sighted[e, h], spots.rate
+    log_starts, box = spots.log_starts[e, h], np.array([0, 1 << 40, 0, 1 << 40])
+    if spots.sighted[e, h] > 0:
+        box = bounds(cloud, log_starts, log_starts.max() - a * np.log1p(1.0 / b) - 9.0)
+    else:
+        box[1], box[3] = np.int64(cloud.rows.max()), np.int64(cloud.cols.max())
+    left, log_weight, total = np.full(n, -1.0), np.empty(n), np.empty(n)
+    gathered(cloud, mean, box, left)
+    for c in range(n):
+        rate = b + max(0.0, 1.0 - left[c])
+        total[c] = a / rate
+        log_weight[c] = -np.inf
+        if left[c] >= 0.0:
+            log_weight[c] = log_starts[c]
+            log_weight[c] -= a * np.log(rate)
+    _normalise(log_weight, spots.chance[e, h])
+    return total, box
+
+
+@kernel
+def _carry(
+    share: NDArray[np.float64],
+    unseen: NDArray[np.uint8],
+    starts: NDArray[np.float64],
+    nodes: Int32Array,
+    expected: NDArray[np.float64],
+) -> None:
+    """Fill expected (node,): where the items of starts (node,) are now that were never in view."""
+    expected[:] = 0.0
+    for w in range(share.size):
+        if share[w] > NEGLIGIBLE:
+            weight = share[w]
+            for x in range(starts.size):
+                if unseen[w, x]:
+                    expected[nodes[w, x]] += weight * starts[x]
+
+
+@kernel
 def expect(
     spots: Hotspots, cloud: Cloud, e: int, nodes: Int32Array, expected: NDArray[np.float64]
 ) -> None:
@@ -185,50 +249,18 @@ def expect(
     ----------
     nodes : (hypothesis, node) where an item of each start is now
     """
-    n = expected.size
-    share, unseen, a, b = spots.share[e], spots.unseen[e], spots.shape, spots.rate
-    mean = np.zeros(n)
-    for w in range(share.size):
-        if share[w] > NEGLIGIBLE:
-            weight = share[w]
-            for x in range(n):
-                mean[x] += weight * unseen[w, x]
-    starts, left, log_weight = np.zeros(n), np.zeros(n), np.empty(n)
-    many = spots.sighted.shape[1]
+    share, unseen, many = spots.share[e], spots.unseen[e], spots.sighted.shape[1]
+    mean, starts = _never_in_view(share, unseen), np.zeros(expected.size)
     spots.total[e] = 0.0
     for h in range(many):
-        sighted, multiple = spots.sighted[e, h], 1.0
-        if sighted == 0:
-            multiple = float(many - h)  # those never sighted are alike
-        box = np.array([0, 1 << 40, 0, 1 << 40])
-        if sighted > 0:
-            top = spots.log_starts[e, h].max()
-            box = bounds(
-                cloud, spots.log_starts[e, h], top - (a + sighted) * np.log1p(1.0 / b) - 9.0
-            )
-        else:
-            box[1], box[3] = np.int64(cloud.rows.max()), np.int64(cloud.cols.max())
-        left[:] = -1.0
-        gathered(cloud, mean, box, left)
-        for c in range(n):
-            log_weight[c] = -np.inf
-            if left[c] >= 0.0:
-                log_weight[c] = spots.log_starts[e, h, c]
-                log_weight[c] -= (a + sighted) * np.log(b + max(0.0, 1.0 - left[c]))
-        _normalise(log_weight, spots.chance[e, h])
-        for c in range(n):
-            total = (a + sighted) / (b + max(0.0, 1.0 - left[c]))
-            log_weight[c] = multiple * spots.chance[e, h, c] * total
-            spots.total[e] += log_weight[c]
-        scattered(cloud, log_weight, box, starts)
-        if sighted == 0:
-            for other in range(h + 1, many):
-                spots.chance[e, other] = spots.chance[e, h]
+        items, box = _locate(spots, cloud, e, h, mean)
+        alike = many - h if spots.sighted[e, h] == 0 else 1  # those never sighted are alike
+        for c in range(items.size):
+            items[c] *= alike * spots.chance[e, h, c]
+            spots.total[e] += items[c]
+        scattered(cloud, items, box, starts)
+        if alike > 1:
+            spots.chance[e, h + 1 :] = spots.chance[e, h]
+        if spots.sighted[e, h] == 0:
             break
-    expected[:] = 0.0
-    for w in range(share.size):
-        if share[w] > NEGLIGIBLE:
-            weight = share[w]
-            for x in range(n):
-                if unseen[w, x]:
-                    expected[nodes[w, x]] += weight * starts[x]
+    _carry(share, unseen, starts, nodes, expected)

@@ -13,6 +13,7 @@ from graph_planner.belief_planner.cloud import cloud_of
 from graph_planner.belief_planner.covers import hotspot_cover, landmarks_of
 from graph_planner.belief_planner.currents import currents_of
 from graph_planner.belief_planner.foraging import ForagerCrew
+from graph_planner.belief_planner.routes import NOWHERE
 from graph_planner.belief_planner.scouting import ScoutCrew
 from graph_planner.belief_planner.shore import shore_of
 from graph_planner.belief_planner.steering import towards
@@ -76,6 +77,7 @@ class BeliefPlanner:
         self._blocks = [hotspot_cover(task, int(a), settings) for a in self._scouts.agents]
         self.expected = np.zeros((episodes, len(graph)))
         self._nothing = np.zeros(len(graph))
+        self._had_room = np.ones((episodes, self._foragers.crew.agents.size), np.bool_)
         self._preferences = np.zeros((episodes, len(task.fleet), 9))
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
@@ -91,16 +93,16 @@ class BeliefPlanner:
         belief, last_seen = seen.belief[e], seen.last_seen[e]
         settings, drift = self.settings, self.wind.mean[e]
         ways.number[0] = lost.number[0] = 0
-        foragers_at = seen.agent_node[e][self._foragers.crew.agents]
+        agents = self._foragers.crew.agents
+        foragers_at = np.where(self._had_room[e], seen.agent_node[e][agents], np.int32(NOWHERE))
+        self._had_room[e] = seen.room_left[e][agents] > 0
         if now > 0:
             tr.collect(self.tracks, shore, e, now, foragers_at, ways, lost)
             if settings.advection:
                 tr.carry(self.tracks, shore, e, drift[0], drift[1])
         wander = 2.0 * float(self.wind.deviation[e].max()) + 0.05
-        edges, memory = self._task.graph.neighbours, self._scratch
-        new = tr.reconcile(
-            self.tracks, shore, edges, e, now, belief, last_seen, wander, memory, ways, lost
-        )
+        edges, view = self._task.graph.neighbours, tr.View(now, belief, last_seen)
+        new = tr.reconcile(self.tracks, shore, edges, e, view, wander, self._scratch, ways, lost)
         if settings.wind:
             wd.settle(self.wind, shore, e, ways)
             wd.estimate(self.wind, self.tracks, shore, e)
@@ -160,11 +162,13 @@ class BeliefPlanner:
         at, preferences = seen.agent_node[e], self._preferences[e]
         sighted = self.spots.number[e] > 0
         self._list_items(e, sighted)
-        busy = self._foragers.send(at, self.wind.mean[e], preferences) > 0
-        if self._lone and busy:
-            return
+        room, energy = seen.room_left[e], seen.energy_left[e]
+        busy = self._foragers.send(at, self.wind.mean[e], room, energy, preferences) > 0
         if not busy:
             self._wait(at, e, sighted, preferences)
+        self._foragers.hold(at, room, energy, preferences)
+        if self._lone and busy:
+            return
         if sighted or not self.settings.hotspot:
             self._scouts.look(at, self._worth_seeing(seen, e), preferences)
         else:

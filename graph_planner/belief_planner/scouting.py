@@ -58,7 +58,7 @@ class ScoutCrew:
         ends_at = agent_node[self.agents].copy()
         for i, agent in enumerate(self.agents):
             cover = covers[i]
-            elsewhere = np.full(cover.decisions.shape[0], LONGEST)
+            elsewhere = np.full(cover.decisions.shape[1], LONGEST)
             for j in range(len(self.agents)):
                 if j != i:
                     until_seen(covers[j], ends_at[j], self._depth if j < i else 0, elsewhere)

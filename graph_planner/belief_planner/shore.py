@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import ndimage
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import NavigationGraph
 
@@ -67,13 +67,21 @@ def _nearest(shore: Shore, row: float, col: float) -> int:
     return best if best >= 0 else int(shore.nearest[r, c])
 
 
+@inlined
+def afloat(water: Int32Array, row: float, col: float) -> int:
+    """Node in whose square a position lies, -1 on land or off the map."""
+    height, width = water.shape
+    inside = (row >= -0.5) & (row < height - 0.5) & (col >= -0.5) & (col < width - 0.5)
+    return int(water[int(row + 0.5), int(col + 0.5)]) if inside else -1
+
+
 @kernel
 def settled(shore: Shore, row: float, col: float) -> tuple[float, float, int]:
     """A position with its node; out of the water it is moved to the nearest node's square."""
     height, width = shore.water.shape
-    inside = (row >= -0.5) & (row < height - 0.5) & (col >= -0.5) & (col < width - 0.5)
-    if inside and shore.water[int(row + 0.5), int(col + 0.5)] >= 0:
-        return row, col, int(shore.water[int(row + 0.5), int(col + 0.5)])
+    node = afloat(shore.water, row, col)
+    if node >= 0:
+        return row, col, node
     row, col = min(max(row, 0.0), height - 1.0), min(max(col, 0.0), width - 1.0)
     node = _nearest(shore, row, col)
     row = min(max(row, shore.rows[node] - INSET), shore.rows[node] + INSET)

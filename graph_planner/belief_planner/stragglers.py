@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.hotspots import Hotspots
-from graph_planner.belief_planner.shore import Shore, settled
+from graph_planner.belief_planner.shore import Shore, afloat, settled
 from graph_planner.belief_planner.wind import Wind
 from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
@@ -88,24 +88,38 @@ def _met(views: NDArray[np.uint64], step: int, node: int) -> bool:
 
 @kernel
 def _survives(
-    stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, i: int, step: int
+    stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, i: int, first: int, last: int
 ) -> bool:
-    """Let particle i drift into `step`; False if it is collected before or seen then."""
-    row, col = stragglers.row[e, i], stragglers.col[e, i]
-    row, col, node = settled(shore, row, col)
-    for f in range(stragglers.foragers.shape[2]):
-        if stragglers.foragers[e, step, f] == node:
-            return False
-    row += stragglers.drift[e, i, 0]
-    col += stragglers.drift[e, i, 1]
-    if step % EVERY == 0:
-        noise = stragglers.noise * np.sqrt(EVERY)
-        draw = bits(key, _DRAWS * stragglers.label[e, i], step)
-        row += noise * (np.float64(draw >> np.uint64(32)) * _TO_SYMMETRIC - 1.0)
-        col += noise * (np.float64(draw & np.uint64(0xFFFFFFFF)) * _TO_SYMMETRIC - 1.0)
-    row, col, node = settled(shore, row, col)
+    """Let particle i drift into the steps from `first` to `last`.
+
+    Returns
+    -------
+    False if it is collected before one of them, or seen in one of them
+    """
+    views, foragers, water = stragglers.views[e], stragglers.foragers[e], shore.water
+    row, col, node = settled(shore, stragglers.row[e, i], stragglers.col[e, i])
+    drift_row, drift_col = stragglers.drift[e, i, 0], stragglers.drift[e, i, 1]
+    noise, label = stragglers.noise * np.sqrt(EVERY), _DRAWS * stragglers.label[e, i]
+    alive = True
+    for step in range(first, last + 1):
+        for f in range(foragers.shape[1]):
+            alive = alive and foragers[step, f] != node
+        if not alive:
+            break
+        row += drift_row
+        col += drift_col
+        if step % EVERY == 0:
+            draw = bits(key, label, step)
+            row += noise * (np.float64(draw >> np.uint64(32)) * _TO_SYMMETRIC - 1.0)
+            col += noise * (np.float64(draw & np.uint64(0xFFFFFFFF)) * _TO_SYMMETRIC - 1.0)
+        node = afloat(water, row, col)
+        if node < 0:
+            row, col, node = settled(shore, row, col)
+        alive = not _met(views, step, node)
+        if not alive:
+            break
     stragglers.row[e, i], stragglers.col[e, i] = row, col
-    return not _met(stragglers.views[e], step, node)
+    return alive
 
 
 @kernel
@@ -124,7 +138,7 @@ def advance(stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, now: i
     """Let the particles drift into step `now`, and throw away those that are in view."""
     i = 0
     while i < stragglers.number[e]:
-        if _survives(stragglers, shore, key, e, i, now):
+        if _survives(stragglers, shore, key, e, i, now, now):
             i += 1
         else:
             _remove(stragglers, e, i)
@@ -156,9 +170,8 @@ def _run(
     for axis in range(2):
         draw = normal(key, _DRAWS // 2 * label + 4 + axis, 0)
         stragglers.drift[e, i, axis] = wind.mean[e, axis] + wind.deviation[e, axis] * draw
-    for step in range(since + 1, now + 1):
-        if not _survives(stragglers, shore, key, e, i, step):
-            return False
+    if not _survives(stragglers, shore, key, e, i, since + 1, now):
+        return False
     stragglers.number[e] = i + 1
     return True
 

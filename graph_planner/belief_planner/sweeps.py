@@ -10,11 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.belief_planner.beam import free_slot, insert, limit
 from graph_planner.belief_planner.ways import UNREACHED, UInt16Array
-from graph_planner.compiled import kernel
+from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 
 LONGEST = 400.0  # decisions charged for what nobody can reach
+SEEN = 1e-9  # so little mass left of a landmark is rounding
 
 
 class Cover(NamedTuple):
@@ -23,7 +25,7 @@ class Cover(NamedTuple):
     start: NDArray[np.int64]  # (node + 1,) cells seen from a node
     cells: Int32Array  # `cells[start[v]:start[v + 1]]`
     landmark: Int32Array  # (cell,) the landmark that a cell belongs to
-    decisions: UInt16Array  # (landmark, node) until the landmark is seen
+    decisions: UInt16Array  # (node, landmark) until the landmark is seen
 
 
 class Sight(NamedTuple):
@@ -42,9 +44,157 @@ def sight(cells: int) -> Sight:
 def until_seen(cover: Cover, node: int, delay: float, soonest: NDArray[np.float64]) -> None:
     """Lower the decisions until each landmark (landmark,) is seen by a scout that starts later."""
     for mark in range(soonest.size):
-        decisions = cover.decisions[mark, node]
+        decisions = cover.decisions[node, mark]
         if decisions != UNREACHED:
             soonest[mark] = min(soonest[mark], delay + decisions)
+
+
+class Plans(NamedTuple):
+    """Plans of one length in slots as in `beam`; `order` lists them, the cheapest first."""
+
+    order: NDArray[np.int64]  # (slot,)
+    cost: NDArray[np.float64]  # (slot,) decisions in which all mass is seen: done and to come
+    paid: NDArray[np.float64]  # (slot,) what of it is done
+    left: NDArray[np.float64]  # (slot, landmark) mass not seen yet
+    begun: NDArray[np.int64]  # (slot,) first move
+
+
+class Trail(NamedTuple):
+    """How every plan came about."""
+
+    node: Int32Array  # (decision + 1, slot) where it was then
+    parent: NDArray[np.int64]  # (decision + 1, slot) its slot one decision before
+
+
+class Search(NamedTuple):
+    """One scout's search: what it can do, what it is for, and scratch."""
+
+    ends: Int32Array  # (node, 9) where its moves end
+    cover: Cover
+    mass: NDArray[np.float64]  # (cell,) not seen when it starts
+    elsewhere: NDArray[np.float64]  # (landmark,) decisions in which another agent could see each
+    sight: Sight
+    trail: Trail
+    rest: NDArray[np.float64]  # (landmark,) scratch: mass that the plan at hand leaves
+
+
+@kernel
+def _plans(beam: int, marks: int) -> Plans:
+    """Room for plans, at first of no decisions."""
+    return Plans(
+        np.zeros(beam, np.int64),
+        np.zeros(beam),
+        np.zeros(beam),
+        np.zeros((beam, marks)),
+        np.full(beam, -1),
+    )
+
+
+@inlined
+def _stamp_seen(
+    start: NDArray[np.int64],
+    cells: Int32Array,
+    node: Int32Array,
+    parent: NDArray[np.int64],
+    k: int,
+    slot: int,
+    token: int,
+    stamp: NDArray[np.int64],
+) -> None:
+    """Stamp the cells that a plan of `k` decisions has seen on its way: see `Trail`, `Sight`."""
+    for level in range(k, 0, -1):
+        v = node[level, slot]
+        for i in range(start[v], start[v + 1]):
+            stamp[cells[i]] = token
+        slot = parent[level, slot]
+
+
+@inlined
+def _rest(
+    k: int,
+    decisions: UInt16Array,
+    end: int,
+    left: NDArray[np.float64],
+    elsewhere: NDArray[np.float64],
+    price: float,
+) -> float:
+    """A price plus, for every landmark, the mass left times the decision in which it can be seen.
+
+    Parameters
+    ----------
+    k, end : decisions in the plan, and the node where it ends
+    decisions : (node, landmark) from there until each is seen
+    left, elsewhere : (landmark,) mass left, and decision in which another agent could see it
+    """
+    for mark in range(left.size):
+        if left[mark] > SEEN:
+            steps = LONGEST
+            if decisions[end, mark] != UNREACHED:
+                steps = float(k + max(1, int(decisions[end, mark])))
+            price += left[mark] * min(steps, elsewhere[mark])
+    return price
+
+
+@inlined
+def _has_twin(
+    node: Int32Array, k: int, cost: NDArray[np.float64], kept: int, end: int, price: float
+) -> bool:
+    """Whether a plan of `k` decisions is kept that ends in the same node at the same cost."""
+    found = False
+    for slot in range(kept):
+        if node[k, slot] == end and abs(cost[slot] - price) <= 1e-9 * price:
+            found = True
+            break
+    return found
+
+
+@kernel
+def _prolong(
+    search: Search, plans: Plans, number: int, k: int, longer: Plans, first: NDArray[np.float64]
+) -> int:
+    """Prolong plans to `k` decisions by every move, and keep the best of them.
+
+    Parameters
+    ----------
+    plans, number : the plans, of k - 1 decisions, and how many they are
+    longer : filled
+    first : (9,) filled with preferences for the first moves, if these are the first
+
+    Returns
+    -------
+    Plans kept
+    """
+    start, cells, landmark = search.cover.start, search.cover.cells, search.cover.landmark
+    decisions, ends, mass = search.cover.decisions, search.ends, search.mass
+    elsewhere, token, stamp = search.elsewhere, search.sight.token, search.sight.stamp
+    node, parent, rest = search.trail.node, search.trail.parent, search.rest
+    left, order, cost, kept = plans.left, longer.order, longer.cost, 0
+    for s in plans.order[:number]:
+        token[0] += 1
+        _stamp_seen(start, cells, node, parent, k - 1, s, token[0], stamp)
+        for move in range(9):
+            end = ends[node[k - 1, s], move]
+            if end < 0:
+                continue
+            rest[:] = left[s]
+            got = 0.0
+            for i in range(start[end], start[end + 1]):
+                cell = cells[i]
+                if mass[cell] > 0.0 and stamp[cell] != token[0]:
+                    got += mass[cell]
+                    rest[landmark[cell]] -= mass[cell]
+            paid = plans.paid[s] + got * k
+            price = _rest(k, decisions, end, rest, elsewhere, paid)
+            if k == 1:
+                first[move] = -price
+            if price >= limit(order, cost, kept) or _has_twin(node, k, cost, kept, end, price):
+                continue
+            slot = free_slot(order, kept)
+            cost[slot], longer.paid[slot], longer.left[slot] = price, paid, rest
+            longer.begun[slot] = plans.begun[s] if k > 1 else move
+            node[k, slot], parent[k, slot] = end, s
+            kept = insert(order, cost, kept, slot)
+    return kept
 
 
 @kernel
@@ -77,86 +227,27 @@ def search_sweep(
     -------
     Decisions in the plan
     """
-    start, cells, landmark = cover.start, cover.cells, cover.landmark
-    decisions, stamp = cover.decisions, scratch.stamp
-    marks = decisions.shape[0]
-    node, parent = np.empty((depth + 1, beam), np.int32), np.zeros((depth + 1, beam), np.int64)
-    begun, begun_2 = np.full(beam, -1), np.full(beam, -1)
-    left, left_2 = np.zeros((beam, marks)), np.zeros((beam, marks))
-    paid, paid_2 = np.zeros(beam), np.zeros(beam)
-    cost, cost_2 = np.zeros(beam), np.zeros(beam)
-    rest = np.empty(marks)
-    preferences[:] = -np.inf
-    node[0, 0], states = at, 1
+    marks = elsewhere.size
+    trail = Trail(np.empty((depth + 1, beam), np.int32), np.zeros((depth + 1, beam), np.int64))
+    trail.node[0, 0] = at
+    search = Search(ends, cover, mass, elsewhere, scratch, trail, np.empty(marks))
+    plans, longer = _plans(beam, marks), _plans(beam, marks)
     for cell in range(mass.size):
         if mass[cell] > 0.0:
-            left[0, landmark[cell]] += mass[cell]
-    length = 0
+            plans.left[0, cover.landmark[cell]] += mass[cell]
+    preferences[:] = -np.inf
+    number, length = 1, 0
     for k in range(1, depth + 1):
-        kept = 0
-        for s in range(states):
-            scratch.token[0] += 1
-            token, ancestor = scratch.token[0], s
-            for level in range(k - 1, 0, -1):
-                v = node[level, ancestor]
-                for i in range(start[v], start[v + 1]):
-                    stamp[cells[i]] = token
-                ancestor = parent[level, ancestor]
-            here = node[k - 1, s]
-            for move in range(9):
-                end = ends[here, move]
-                if end < 0:
-                    continue
-                rest[:] = left[s]
-                got = 0.0
-                for i in range(start[end], start[end + 1]):
-                    cell = cells[i]
-                    if mass[cell] > 0.0 and stamp[cell] != token:
-                        got += mass[cell]
-                        rest[landmark[cell]] -= mass[cell]
-                price = paid[s] + got * k
-                now = price
-                for mark in range(marks):
-                    if rest[mark] > 1e-9:
-                        steps = LONGEST
-                        if decisions[mark, end] != UNREACHED:
-                            steps = float(k + max(1, int(decisions[mark, end])))
-                        price += rest[mark] * min(steps, elsewhere[mark])
-                if k == 1:
-                    preferences[move] = -price
-                if kept == beam and price >= cost_2[kept - 1]:
-                    continue
-                twin = False
-                for i in range(kept):
-                    if node[k, i] == end and abs(cost_2[i] - price) <= 1e-9 * price:
-                        twin = True
-                        break
-                if twin:
-                    continue
-                place = kept if kept < beam else beam - 1
-                while place > 0 and cost_2[place - 1] > price:
-                    cost_2[place], paid_2[place] = cost_2[place - 1], paid_2[place - 1]
-                    node[k, place], parent[k, place] = node[k, place - 1], parent[k, place - 1]
-                    begun_2[place] = begun_2[place - 1]
-                    left_2[place] = left_2[place - 1]
-                    place -= 1
-                cost_2[place], paid_2[place] = price, now
-                node[k, place], parent[k, place] = end, s
-                begun_2[place] = begun[s] if k > 1 else move
-                left_2[place] = rest
-                kept = min(kept + 1, beam)
+        kept = _prolong(search, plans, number, k, longer, preferences)
         if kept == 0:
             break
-        states, length = kept, k
-        begun, begun_2 = begun_2, begun
-        left, left_2 = left_2, left
-        paid, paid_2 = paid_2, paid
-        cost, cost_2 = cost_2, cost
+        number, length = kept, k
+        plans, longer = longer, plans
     if length == 0:
         return 0
-    preferences[begun[0]] = 1.0
-    ancestor = 0
+    slot = plans.order[0]
+    preferences[plans.begun[slot]] = 1.0
     for level in range(length, 0, -1):
-        path[level - 1] = node[level, ancestor]
-        ancestor = parent[level, ancestor]
+        path[level - 1] = trail.node[level, slot]
+        slot = trail.parent[level, slot]
     return length

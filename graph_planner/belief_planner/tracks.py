@@ -17,6 +17,8 @@ from graph_planner.geodesics import Int32Array
 
 FIRST_GATE = 1.3  # distance of a plain mistake: a node and a bit [node]
 IN_VIEW_GATE = 2.3  # between two places in view [node]
+HIDING = 1.5  # farthest that a track is pushed out of sight [node]
+MOST_LACKING = 256  # new sightings taken in at once
 
 
 class Tracks(NamedTuple):
@@ -49,6 +51,14 @@ class Lost(NamedTuple):
     number: NDArray[np.int64]  # (1,)
     node: Int32Array  # (loss,) of the last sighting
     step: Int32Array  # (loss,) of the last sighting
+
+
+class View(NamedTuple):
+    """What is in view of the fleet."""
+
+    now: int  # step
+    belief: NDArray[np.int16]  # (node,) items, right where the node is in view
+    last_seen: NDArray[np.int16]  # (node,) step, `now` where the node is in view
 
 
 class Scratch(NamedTuple):
@@ -199,14 +209,113 @@ def _squared(shore: Shore, node: int, row: float, col: float) -> float:
 
 
 @kernel
+def _loosen(
+    tracks: Tracks, shore: Shore, e: int, view: View, tracked: NDArray[np.int16]
+) -> NDArray[np.bool_]:
+    """Which tracks (track,) are too many in a node in view: those farthest from its middle."""
+    n, node = tracks.number[e], tracks.node[e]
+    loose = np.zeros(n, np.bool_)
+    for i in range(n):
+        tracked[node[i]] += view.last_seen[node[i]] == view.now
+    for i in range(n):
+        here = node[i]
+        while tracked[here] > view.belief[here] and view.last_seen[here] == view.now:
+            worst, far = -1, -1.0
+            for k in range(n):
+                if node[k] == here and not loose[k]:
+                    away = _squared(shore, here, tracks.row[e, k], tracks.col[e, k])
+                    if away > far:
+                        worst, far = k, away
+            loose[worst] = True
+            tracked[here] -= 1
+    return loose
+
+
+@kernel
+def _lacks(
+    tracks: Tracks, e: int, view: View, tracked: NDArray[np.int16]
+) -> tuple[Int32Array, int]:
+    """Nodes in view with too few tracks, once per item that lacks one, and how many they are.
+
+    Clears `tracked`.
+    """
+    lacking, number = np.empty(MOST_LACKING, np.int32), 0
+    for node in range(view.last_seen.size):
+        if view.last_seen[node] == view.now and view.belief[node] > tracked[node]:
+            for _ in range(view.belief[node] - tracked[node]):
+                if number < lacking.size:
+                    lacking[number] = node
+                    number += 1
+    for i in range(tracks.number[e]):
+        tracked[tracks.node[e, i]] = 0
+    return lacking, number
+
+
+@kernel
+def _nearest_lack(
+    tracks: Tracks,
+    shore: Shore,
+    e: int,
+    now: int,
+    wander: float,
+    free: NDArray[np.bool_],
+    loose: NDArray[np.bool_],
+    lacking: Int32Array,
+) -> tuple[int, int]:
+    """The free track and the lack (its number) that are nearest within the track's gate, or -1."""
+    best, best_track, best_lack = np.inf, -1, -1
+    for i in range(free.size):
+        if not free[i]:
+            continue
+        gate = FIRST_GATE + wander * (now - tracks.seen[e, i])
+        gate = max(gate, IN_VIEW_GATE) if loose[i] else gate
+        for j in range(lacking.size):
+            away = _squared(shore, lacking[j], tracks.row[e, i], tracks.col[e, i])
+            if away < best and away <= gate * gate:
+                best, best_track, best_lack = away, i, j
+    return best_track, best_lack
+
+
+@kernel
+def _hide(tracks: Tracks, shore: Shore, neighbours: Int32Array, e: int, i: int, view: View) -> bool:
+    """Push a track into the nearest node beside it that is out of sight; False if there is none."""
+    row, col, hidden, nearest = tracks.row[e, i], tracks.col[e, i], -1, HIDING**2
+    for direction in range(8):
+        other = neighbours[tracks.node[e, i], direction]
+        if other >= 0 and view.last_seen[other] != view.now:
+            away = _squared(shore, other, row, col)
+            if away < nearest:
+                hidden, nearest = other, away
+    if hidden >= 0:
+        r, c = float(shore.rows[hidden]), float(shore.cols[hidden])
+        tracks.row[e, i] = min(max(row, r - INSET), r + INSET)
+        tracks.col[e, i] = min(max(col, c - INSET), c + INSET)
+        tracks.node[e, i] = hidden
+    return hidden >= 0
+
+
+@kernel
+def _begin(tracks: Tracks, shore: Shore, e: int, node: int, now: int, ways: Ended) -> bool:
+    """Begin a track in a node in view; False if there is no room."""
+    i = tracks.number[e]
+    if i == tracks.row.shape[1]:
+        return False
+    tracks.row[e, i], tracks.col[e, i] = float(shore.rows[node]), float(shore.cols[node])
+    tracks.born[e, i], tracks.seen[e, i] = now, now
+    tracks.seen_node[e, i] = node
+    tracks.base[e, i], tracks.base_node[e, i] = now, node
+    tracks.number[e] = i + 1
+    _confirm(tracks, shore, e, i, node, now, ways)
+    return True
+
+
+@kernel
 def reconcile(
     tracks: Tracks,
     shore: Shore,
     neighbours: Int32Array,
     e: int,
-    now: int,
-    belief: NDArray[np.int16],
-    last_seen: NDArray[np.int16],
+    view: View,
     wander: float,
     memory: Scratch,
     ways: Ended,
@@ -218,7 +327,6 @@ def reconcile(
     ----------
     neighbours : (node, 8) int32
     e : episode
-    now : step whose counts are in view: `last_seen` (node,) equals it, `belief` (node,) holds them
     wander : how uncertain an unseen track gets [node/step]
     ways, lost : displacements that ended and items given up, added to
 
@@ -226,97 +334,31 @@ def reconcile(
     -------
     New tracks; they are the last ones
     """
-    tracked = memory.tracked
-    n = tracks.number[e]
-    loose = np.empty(n, np.int64)  # tracks in view where too few items are
-    n_loose = 0
-    for i in range(n):
-        if last_seen[tracks.node[e, i]] == now:
-            tracked[tracks.node[e, i]] += 1
-    # Too many tracks in a node: those farthest from its middle are loose.
-    for i in range(n):
-        node = tracks.node[e, i]
-        while tracked[node] > belief[node] and last_seen[node] == now:
-            worst, far = -1, -1.0
-            for k in range(n):
-                if tracks.node[e, k] == node:
-                    away = _squared(shore, node, tracks.row[e, k], tracks.col[e, k])
-                    taken = False
-                    for j in range(n_loose):
-                        taken = taken or loose[j] == k
-                    if not taken and away > far:
-                        worst, far = k, away
-            loose[n_loose] = worst
-            n_loose += 1
-            tracked[node] -= 1
-    is_loose = np.zeros(n, np.bool_)
-    for j in range(n_loose):
-        is_loose[loose[j]] = True
-    lacking = np.empty(256, np.int32)
-    n_lacking = 0
-    for node in range(last_seen.size):
-        if last_seen[node] == now and belief[node] > tracked[node]:
-            for _ in range(belief[node] - tracked[node]):
-                if n_lacking < lacking.size:
-                    lacking[n_lacking] = node
-                    n_lacking += 1
-    for i in range(n):
-        tracked[tracks.node[e, i]] = 0
+    n, now = tracks.number[e], view.now
+    loose = _loosen(tracks, shore, e, view, memory.tracked)
+    lacking, lacks = _lacks(tracks, e, view, memory.tracked)
     settled_now = np.zeros(n, np.bool_)
     for i in range(n):
-        if not is_loose[i] and last_seen[tracks.node[e, i]] == now:
+        if not loose[i] and view.last_seen[tracks.node[e, i]] == now:
             _confirm(tracks, shore, e, i, tracks.node[e, i], now, ways)
             settled_now[i] = True
     # Loose tracks, then unseen ones, go to the nearest lack within their gates.
     for unseen_too in range(2):
-        while n_lacking > 0:
-            best, best_track, best_lack = np.inf, -1, -1
-            for i in range(n):
-                if settled_now[i] or (unseen_too == 0 and not is_loose[i]):
-                    continue
-                age = now - tracks.seen[e, i]
-                gate = FIRST_GATE + wander * age
-                gate = max(gate, IN_VIEW_GATE) if is_loose[i] else gate
-                for j in range(n_lacking):
-                    away = _squared(shore, lacking[j], tracks.row[e, i], tracks.col[e, i])
-                    if away < best and away <= gate * gate:
-                        best, best_track, best_lack = away, i, j
-            if best_track < 0:
+        while lacks > 0:
+            free = ~settled_now if unseen_too else loose & ~settled_now
+            i, j = _nearest_lack(tracks, shore, e, now, wander, free, loose, lacking[:lacks])
+            if i < 0:
                 break
-            _confirm(tracks, shore, e, best_track, lacking[best_lack], now, ways)
-            settled_now[best_track] = True
-            n_lacking -= 1
-            lacking[best_lack] = lacking[n_lacking]
+            _confirm(tracks, shore, e, i, lacking[j], now, ways)
+            settled_now[i] = True
+            lacks -= 1
+            lacking[j] = lacking[lacks]
     # What is still loose is just out of sight, or was a mistake.
     for i in range(n - 1, -1, -1):
-        if not is_loose[i] or settled_now[i]:
-            continue
-        row, col, hidden, nearest = tracks.row[e, i], tracks.col[e, i], -1, 1.5**2
-        for direction in range(8):
-            other = neighbours[tracks.node[e, i], direction]
-            if other >= 0 and last_seen[other] != now:
-                away = _squared(shore, other, row, col)
-                if away < nearest:
-                    hidden, nearest = other, away
-        if hidden >= 0:
-            r, c = float(shore.rows[hidden]), float(shore.cols[hidden])
-            tracks.row[e, i] = min(max(row, r - INSET), r + INSET)
-            tracks.col[e, i] = min(max(col, c - INSET), c + INSET)
-            tracks.node[e, i] = hidden
-        else:
+        if loose[i] and not settled_now[i] and not _hide(tracks, shore, neighbours, e, i, view):
             _lose(tracks, e, i, lost)
             drop(tracks, shore, e, i, ways)
     new = 0
-    for j in range(n_lacking):
-        i = tracks.number[e]
-        if i == tracks.row.shape[1]:
-            break
-        node = lacking[j]
-        tracks.row[e, i], tracks.col[e, i] = float(shore.rows[node]), float(shore.cols[node])
-        tracks.born[e, i], tracks.seen[e, i] = now, now
-        tracks.seen_node[e, i] = node
-        tracks.base[e, i], tracks.base_node[e, i] = now, node
-        tracks.number[e] = i + 1
-        _confirm(tracks, shore, e, i, node, now, ways)
+    while new < lacks and _begin(tracks, shore, e, lacking[new], now, ways):
         new += 1
     return new

@@ -44,7 +44,9 @@ class OraclePolicy:
             floating.number[0] = n
             floating.row[:n], floating.col[:n] = truth.item_rc[e][present][:n].T
             floating.weight[:n] = 1.0
-            self._foragers.send(at, truth.drift_rc[e], preferences)
+            room, energy = observation.room_left[e], observation.energy_left[e]
+            self._foragers.send(at, truth.drift_rc[e], room, energy, preferences)
+            self._foragers.hold(at, room, energy, preferences)
             age = np.minimum(30.0, observation.step[e] - 1.0 - observation.last_seen[e])
             wrong = (counts != observation.belief[e]) + 0.1 * (counts > 0)
             self._scouts.look(at, wrong * age, preferences)

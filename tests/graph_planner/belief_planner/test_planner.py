@@ -131,6 +131,38 @@ def test_every_part_can_be_switched_off(part: str) -> None:
         assert np.isfinite(preferences("belief", task, observation).max(axis=2)).all()
 
 
+@pytest.mark.parametrize("name", ["belief", "oracle"])
+@pytest.mark.parametrize("spent", ["room", "energy"])
+def test_a_forager_that_can_collect_no_more_stays_and_leaves_its_stop_to_others(
+    name: str, spent: str
+) -> None:
+    """One beside the item, one four nodes off: the latter goes for it once the former is done."""
+    task = with_settings(task_of(SEA, foragers=Role(2, 1, 1.0, True, 3, 50.0)), FAST)
+    seen = np.zeros(len(SEA), np.int16)
+    observation = observation_of(task, [(10, 11), (10, 16)], {(10, 12): 1, (20, 22): 1}, seen)
+    if spent == "room":
+        observation.room_left[0, 0] = 0
+    else:
+        observation.energy_left[0, 0] = 0.0
+    moves = preferences(name, task, observation)[0]
+    assert int(moves[0].argmax()) == STAY
+    assert int(moves[1].argmax()) in (NW, W, SW)
+
+
+def test_items_in_the_node_of_a_full_forager_are_still_there() -> None:
+    task = with_settings(task_of(SEA, foragers=Role(2, 1, 1.0, True, 3)), FAST)
+    policy = BeliefPolicy()
+    for step in (1, 2, 3):
+        seen = np.full(len(SEA), step - 1, np.int16)
+        observation = observation_of(task, [(10, 11), (10, 20)], {(10, 11): 2}, seen, step)
+        observation.room_left[0, 0] = 0
+        if step == 1:
+            policy.reset(task, observation.keys)
+        policy.act(observation)
+    tracks = policy.planner.tracks
+    assert tracks.number[0] == 2 and (tracks.born[0, :2] <= 1).all()
+
+
 def test_robust_assumptions_are_wide() -> None:
     wide = BeliefSettings(robust=True).widened()
     assert (wide.hotspots, wide.drift_node_per_step, wide.items_sd) == (3, 0.2, 37.5)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.routes import NOWHERE, search_routes
+from graph_planner.belief_planner.routes import NOWHERE, Legs, search_routes
 from graph_planner.belief_planner.shore import shore_of
 from graph_planner.belief_planner.stops import (
     MOST,
@@ -18,7 +18,24 @@ from graph_planner.belief_planner.ways import ways_of
 from graph_planner.navigation import navigation_graph
 
 F64 = NDArray[np.float64]
-ONE_KIND = np.zeros(3, np.int64)
+
+
+def routes(
+    weight: F64,
+    first: F64,
+    between: F64,
+    *effort: int,
+    room: list[float] | None = None,
+    lasts: list[float] | None = None,
+) -> NDArray[np.int64]:
+    """First stops of foragers of one kind, without limits unless given."""
+    endless = [np.inf] * len(first)
+    kind = np.zeros(len(first), np.int64)
+    limits = np.array(room or endless), np.array(lasts or endless)
+    return search_routes(Legs(weight, first, between, kind, *limits), *effort)
+
+
+ONE_KIND = np.zeros(1, np.int64)
 
 
 def cheapest(weight: F64, first: F64, between: F64) -> tuple[float, set[tuple[int, ...]]]:
@@ -51,7 +68,7 @@ def test_a_wide_beam_finds_the_best_joint_route(seed: int) -> None:
     first = np.ceil(np.abs(at[:, None] - points).max(axis=2)) + 1
     between = np.ceil(np.abs(points[:, None] - points).max(axis=2))[None] + 1
     weight = rng.integers(1, 4, n).astype(np.float64)
-    found = search_routes(weight, first, between, ONE_KIND[:foragers], 3000, n, 40)
+    found = routes(weight, first, between, 3000, n, 40)
     assert tuple(found.tolist()) in cheapest(weight, first, between)[1]
 
 
@@ -60,32 +77,51 @@ def test_foragers_share_two_groups_instead_of_both_going_for_the_nearer() -> Non
     place = np.array([8.0, 9.0, 10.0, -9.0, -10.0, -11.0])
     between = np.abs(place[:, None] - place)[None]
     first = np.tile(np.abs(place), (2, 1))
-    target = search_routes(np.ones(6), first, between, ONE_KIND[:2], 16, 6, 40)
+    target = routes(np.ones(6), first, between, 16, 6, 40)
     assert sorted(place[target].tolist()) == [-9.0, 8.0]
 
 
 def test_a_heavy_stop_is_worth_a_detour() -> None:
     place = np.array([3.0, -4.0])
     first, between = np.abs(place)[None], np.abs(place[:, None] - place)[None]
-    near = search_routes(np.array([1.0, 1.0]), first, between, ONE_KIND[:1], 8, 4, 10)
-    rich = search_routes(np.array([1.0, 9.0]), first, between, ONE_KIND[:1], 8, 4, 10)
+    near = routes(np.array([1.0, 1.0]), first, between, 8, 4, 10)
+    rich = routes(np.array([1.0, 9.0]), first, between, 8, 4, 10)
     assert (near[0], rich[0]) == (0, 1)
 
 
 def test_a_forager_too_far_off_is_left_out() -> None:
     first, between = np.array([[1.0], [30.0]]), np.zeros((1, 1, 1))
-    target = search_routes(np.ones(1), first, between, ONE_KIND[:2], 8, 4, 10)
+    target = routes(np.ones(1), first, between, 8, 4, 10)
     assert target.tolist() == [0, NOWHERE]
-    nothing = search_routes(
-        np.ones(0), np.zeros((2, 0)), np.zeros((1, 0, 0)), ONE_KIND[:2], 4, 4, 4
-    )
+    nothing = routes(np.ones(0), np.zeros((2, 0)), np.zeros((1, 0, 0)), 4, 4, 4)
     assert nothing.tolist() == [NOWHERE, NOWHERE]
+
+
+def test_a_forager_is_counted_for_no_more_than_it_has_room_for() -> None:
+    """On a line: foragers at 0 and 30; ten items at 4, one at 20. A full boat cannot take both."""
+    place, at = np.array([4.0, 20.0]), np.array([0.0, 30.0])
+    first, between = np.abs(at[:, None] - place), np.abs(place[:, None] - place)[None]
+    weight = np.array([10.0, 1.0])
+    assert routes(weight, first, between, 16, 4, 10).tolist() == [0, 1]
+    assert routes(weight, first, between, 16, 4, 10, room=[np.inf, 1.0]).tolist() == [0, 1]
+    close = np.array([[4.0, 20.0], [6.0, 26.0]])  # both near the ten
+    assert routes(weight, close, between, 16, 4, 10, room=[10.0, 10.0])[0] == 0
+    assert routes(weight, close, between, 16, 4, 10, room=[1.0, 10.0]).tolist() == [1, 0]
+
+
+def test_a_forager_is_not_counted_on_beyond_its_energy() -> None:
+    place, at = np.array([5.0, 12.0]), np.array([0.0, 40.0])
+    first, between = np.abs(at[:, None] - place), np.abs(place[:, None] - place)[None]
+    assert routes(np.ones(2), first, between, 16, 4, 10).tolist() == [0, NOWHERE]
+    spent = routes(np.ones(2), first, between, 16, 4, 10, lasts=[6.0, np.inf])
+    assert spent.tolist() == [0, 1]
+    assert routes(np.ones(2), first[:1], between, 16, 4, 10, lasts=[3.0]).tolist() == [NOWHERE]
 
 
 def test_sixty_four_stops_are_searched() -> None:
     place = np.arange(64.0)
     between = np.abs(place[:, None] - place)[None] + 1
-    target = search_routes(np.ones(64), (place + 1)[None], between, ONE_KIND[:1], 8, 4, 70)
+    target = routes(np.ones(64), (place + 1)[None], between, 8, 4, 70)
     assert target[0] == 0
 
 
@@ -99,12 +135,12 @@ def test_stops_are_where_items_are_met_and_add_up_their_weights() -> None:
     at = SEA.node_of_cell[20:21, 0].copy()
     for row, col, weight in ((20.0, 10.0, 1.0), (20.1, 10.2, 0.5), (5.0, 1.0, 1.0)):
         float_item(items, row, col, weight)
-    gather_stops(items, SHORE, WAYS, ONE_KIND[:1], at, 0.1, 0.0, found)
+    gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.1, 0.0, found)
     cells = [(int(SEA.rows[v]), int(SEA.cols[v])) for v in found.node[: found.number[0]]]
     assert cells == [(21, 10), (6, 1)]  # the sooner per worth first
     assert found.weight[:2].tolist() == [1.5, 1.0]
     assert (found.place == -1).all()
-    first, between = decisions_between(found, WAYS, ONE_KIND[:1], at, True)
+    first, between = decisions_between(found, WAYS, ONE_KIND, at, True)
     assert first.tolist() == [[10.0, 14.0]] and between[0, 0, 1] == between[0, 1, 0] == 15.0
 
 
@@ -112,9 +148,9 @@ def test_an_item_in_the_foragers_own_node_takes_a_decision_or_two() -> None:
     items, found = floating(2), stops(MOST, len(SEA))
     at = SEA.node_of_cell[20:21, 7].copy()
     float_item(items, 20.0, 7.0, 1.0)
-    gather_stops(items, SHORE, WAYS, ONE_KIND[:1], at, 0.1, 0.0, found)
-    assert decisions_between(found, WAYS, ONE_KIND[:1], at, True)[0][0, 0] == 1.0
-    assert decisions_between(found, WAYS, ONE_KIND[:1], at, False)[0][0, 0] == 2.0
+    gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.1, 0.0, found)
+    assert decisions_between(found, WAYS, ONE_KIND, at, True)[0][0, 0] == 1.0
+    assert decisions_between(found, WAYS, ONE_KIND, at, False)[0][0, 0] == 2.0
 
 
 def test_of_too_many_items_the_soonest_per_worth_become_stops() -> None:
@@ -122,6 +158,6 @@ def test_of_too_many_items_the_soonest_per_worth_become_stops() -> None:
     at = SEA.node_of_cell[0:1, 0].copy()
     for node in range(len(SEA)):
         float_item(items, SEA.rows[node], SEA.cols[node], 1.0)
-    gather_stops(items, SHORE, WAYS, ONE_KIND[:1], at, 0.0, 0.0, found)
+    gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.0, 0.0, found)
     assert found.number[0] == MOST
     assert max(SEA.rows[found.node].max(), SEA.cols[found.node].max()) == 7

@@ -24,7 +24,7 @@ def swept(
     beam: int = 24,
 ) -> tuple[NDArray[np.float64], list[tuple[int, int]]]:
     """Preferences and the planned cells."""
-    marks = cover.decisions.shape[0]
+    marks = cover.decisions.shape[1]
     others = np.full(marks, LONGEST) if elsewhere is None else elsewhere
     preferences, path = np.zeros(9), np.zeros(depth, np.int32)
     at = int(SEA.node_of_cell[start])
@@ -68,7 +68,7 @@ def test_mass_that_another_scout_sees_sooner_does_not_pull() -> None:
     mass = mass_at((20, 35), (20, 8))
     alone, _ = swept(mass + 0.2 * mass_at((20, 35)), depth=3)
     assert int(alone.argmax()) in (NE, E, SE)
-    elsewhere = np.full(COVER.decisions.shape[0], LONGEST)
+    elsewhere = np.full(COVER.decisions.shape[1], LONGEST)
     until_seen(COVER, int(SEA.node_of_cell[20, 36]), 0.0, elsewhere)
     shared, _ = swept(mass + 0.2 * mass_at((20, 35)), depth=3, elsewhere=elsewhere)
     assert int(shared.argmax()) in (SW, W, NW)
@@ -95,7 +95,7 @@ def test_covers_count_decisions_until_a_landmark_is_in_view(
     views = ragged_coast.views((4.0,))
     for i in (0, 3, 11):
         sees = np.array([marks[i] in views.of(v) for v in range(len(ragged_coast))])
-        np.testing.assert_array_equal(cover.decisions[i] == 0, sees)
+        np.testing.assert_array_equal(cover.decisions[:, i] == 0, sees)
 
 
 def test_a_hotspot_is_noticed_from_farther_than_a_node_is_seen() -> None:

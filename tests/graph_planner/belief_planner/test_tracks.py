@@ -30,19 +30,9 @@ class Watch:
             self.last_seen[SEA.node_of_cell[cell]] = now - 1
         for cell, count in counts.items():
             belief[SEA.node_of_cell[cell]] = count
-        edges, wander = SEA.neighbours, 0.1
+        edges, wander, view = SEA.neighbours, 0.1, tr.View(now, belief, self.last_seen)
         return tr.reconcile(
-            self.tracks,
-            SHORE,
-            edges,
-            0,
-            now,
-            belief,
-            self.last_seen,
-            wander,
-            self.memory,
-            self.ways,
-            self.lost,
+            self.tracks, SHORE, edges, 0, view, wander, self.memory, self.ways, self.lost
         )
 
     @property

@@ -1,0 +1,38 @@
+"""The few best of many candidates, kept in order: what the searches share.
+
+Every candidate has a slot; `order` lists the slots of those kept, the cheapest first, and `cost`
+holds what is in each slot. Of two equally dear candidates the earlier one comes first.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import inlined
+
+
+@inlined
+def limit(order: NDArray[np.int64], cost: NDArray[np.float64], kept: int) -> float:
+    """A candidate is taken in only if it costs less: inf while there is room."""
+    return float(np.inf if kept < order.size else cost[order[kept - 1]])
+
+
+@inlined
+def free_slot(order: NDArray[np.int64], kept: int) -> int:
+    """The slot for the next candidate: a new one, or that of the dearest if all are taken."""
+    return int(kept if kept < order.size else order[kept - 1])
+
+
+@inlined
+def insert(order: NDArray[np.int64], cost: NDArray[np.float64], kept: int, slot: int) -> int:
+    """Give an admitted candidate its place in the order; the dearest goes if there is no room.
+
+    Returns
+    -------
+    Candidates kept now
+    """
+    place = min(kept, order.size - 1)
+    while place > 0 and cost[order[place - 1]] > cost[slot]:
+        order[place] = order[place - 1]
+        place -= 1
+    order[place] = slot
+    return min(kept + 1, order.size)
