@@ -6,6 +6,7 @@ Nothing here distributes work: joblib does, on its dask backend.
 import _thread
 import importlib.util
 import logging
+import signal
 import socket
 import threading
 from collections.abc import Iterator
@@ -84,9 +85,15 @@ def _close(client: Any) -> None:
         client.close(timeout=2)
 
 
+_STOP = getattr(signal, "SIGUSR1", signal.SIGINT)
+
+
 @contextmanager
 def watched(client: Any) -> Iterator[None]:
-    """End the block with a clear error once a task can never be done; joblib would wait for it."""
+    """End the block with a clear error once a task can never be done; joblib would wait for it.
+
+    The block ends as by Ctrl-C, through a signal of its own: background jobs ignore that of Ctrl-C.
+    """
     over, found = threading.Event(), []
 
     def watch() -> None:
@@ -94,10 +101,14 @@ def watched(client: Any) -> Iterator[None]:
             trouble = _trouble(client)
             if trouble is not None:
                 found.append(trouble)
-                _thread.interrupt_main()
+                _thread.interrupt_main(_STOP)
                 return
 
+    def stop(number: int, frame: object) -> None:
+        raise KeyboardInterrupt
+
     watcher = threading.Thread(target=watch, daemon=True, name="cluster watch")
+    before = signal.signal(_STOP, stop)
     watcher.start()
     try:
         yield
@@ -108,6 +119,7 @@ def watched(client: Any) -> Iterator[None]:
     finally:
         over.set()
         watcher.join()
+        signal.signal(_STOP, before)
 
 
 def _trouble(client: Any) -> str | None:

@@ -168,9 +168,17 @@ class KilledWorker(Exception):  # noqa: N818 - as dask calls it
         ),
     ],
 )
+@pytest.mark.parametrize("background", [False, True])
 def test_what_will_never_be_done_ends_the_wait(
-    status: str, states: list[tuple[str, Exception | None]], words: str
+    background: bool,
+    status: str,
+    states: list[tuple[str, Exception | None]],
+    words: str,
+    request: pytest.FixtureRequest,
 ) -> None:
+    """A shell's background jobs ignore the signal of Ctrl-C."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN if background else signal.SIG_DFL)
+    request.addfinalizer(lambda: signal.signal(signal.SIGINT, before))
     client = SimpleNamespace(
         status=status,
         scheduler=SimpleNamespace(address="tcp://host:1"),
