@@ -136,6 +136,11 @@ def load_networks(path: Path, task: Task) -> "dict[str, DuelingNetwork]":
                 f"weights {path}: {team}.{wrong} has shape {found.get(wrong)}, expected "
                 f"{expected.get(wrong)}; train again with this version"
             )
+        if not all(bool(tensor.isfinite().all()) for tensor in own.values()):
+            raise WeightsError(
+                f"weights {path}: {team} holds numbers that are not finite; train again, or take "
+                "an earlier checkpoint"
+            )
         network.load_state_dict(own)
         networks[team] = network.train(False).requires_grad_(False)
     return networks

@@ -129,6 +129,10 @@ def bootstrap_sensitivity(
         the same episodes at all levels
     resamples : how many, at least 1; those without a defined episode at some level are left out
 
+    Returns
+    -------
+    Intervals, NaN with a single episode, which says nothing of how far another would lie
+
     Raises
     ------
     ValueError
@@ -140,6 +144,8 @@ def bootstrap_sensitivity(
     _checked(levels, statistics.mean(given), at_least=5)
     means = _resampled_means(given, seed, same_episodes, resamples)
     line, bent = sensitivity_slope(levels, means), two_segment_fit(levels, means)
+    if given.shape[1] < 2:
+        return SensitivityIntervals(*[(np.nan, np.nan)] * 4)
     return SensitivityIntervals(
         percentiles(line.slope),
         percentiles(bent.break_point),

@@ -126,6 +126,11 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
     counts = {name: role.count for name, role in scenario.team.items()}
     if not 1 <= sum(counts.values()) <= 255:
         raise UserError(f"{where}: {sum(counts.values())} agents in all; give 1 to 255")
+    for team in counts:
+        if not team.replace("-", "").replace("_", "").isalnum():
+            raise UserError(
+                f"{where}: team.{_shown(team)} names files; give letters, digits and dashes"
+            )
     choice = scenario.corruption
     if choice.team not in counts and (choice.team or choice.epsilon):
         teams = ", ".join(counts)

@@ -38,6 +38,7 @@ IDENTITY = (
     "episodes",
     "worlds",
     "policies",
+    "weights",
     "agents",
     "hulls",
 )

@@ -73,6 +73,23 @@ def policy_names() -> list[str]:
     return sorted(_POLICIES)
 
 
+def own_weights(name: str) -> Path | None:
+    """`NAME.safetensors` of the present folder, if no registered policy has that name."""
+    path = Path(f"{name}.safetensors")
+    own = name not in _POLICIES and path.name == str(path) and path.is_file()
+    return path.resolve() if own else None
+
+
+def weights_of(name: str) -> Path | None:
+    """The weights that a policy reads, its own or shipped; None for a policy without."""
+    shipped = getattr(_POLICIES.get(name), "weights", None)
+    if shipped is None:
+        return own_weights(name)
+    from graph_planner.weights import shipped_weights
+
+    return shipped_weights(shipped)
+
+
 def create_policy(name: str) -> Policy:
     """A fresh policy: a registered one, or the weights `NAME.safetensors` of the present folder.
 
@@ -83,11 +100,11 @@ def create_policy(name: str) -> Policy:
     WeightsError
         If the present folder has such a file, but no weights of ours are in it.
     """
-    weights = Path(f"{name}.safetensors")
-    if name not in _POLICIES and weights.name == str(weights) and weights.is_file():
+    weights = own_weights(name)
+    if weights is not None:
         from graph_planner.policies.ddqn import QPolicy  # it registers policies itself
 
-        return QPolicy(weights.resolve())
+        return QPolicy(weights)
     if name not in _POLICIES:
         close = difflib.get_close_matches(name, _POLICIES, n=1)
         hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(policy_names())}"

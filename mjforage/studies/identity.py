@@ -16,6 +16,7 @@ import controllers
 import graph_planner
 import metrics
 import mjforage
+from graph_planner.policies.registry import weights_of
 from mjforage.assets import models_folder
 from mjforage.mission import Setting
 from mjforage.scenario_file import scenario_to_tree
@@ -75,6 +76,16 @@ def hull_facts(setting: Setting, worlds: Sequence[str]) -> dict[str, Any]:
     }
 
 
+def weight_hashes(policies: Sequence[str]) -> dict[str, str]:
+    """Hash of the weights of every policy that has some: files change under the same name."""
+    paths = {name: weights_of(name) for name in policies}
+    return {
+        name: hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+        for name, path in paths.items()
+        if path is not None
+    }
+
+
 def run_info(
     setting: Setting, policies: Sequence[str], worlds: Sequence[str], episodes: int, seed: int
 ) -> dict[str, Any]:
@@ -97,6 +108,7 @@ def run_info(
         "episodes": episodes,
         "worlds": list(worlds),
         "policies": list(policies),
+        "weights": weight_hashes(policies),
         "agents": [
             {"name": name, "team": setting.fleet.team_names[team], "collects": bool(collects)}
             for name, team, collects in zip(

@@ -72,6 +72,9 @@ def ablation(scenario: Scenario, policies: Sequence[str]) -> tuple[Variant, ...]
     return tuple(variants)
 
 
+MOST_LEVELS = 1000
+
+
 def levels(step: float) -> tuple[float, ...]:
     """Corruption levels from 0 to 1.
 
@@ -81,8 +84,8 @@ def levels(step: float) -> tuple[float, ...]:
         If the step leaves fewer than the 5 levels that two lines need, or does not divide 1.
     """
     count = round(1 / step) if step > 0 else 0
-    if count < 4 or abs(count * step - 1) > 1e-9:
-        raise UserError(f"--step {step:g}: give 1/N with N of 4 or more, such as 0.05")
+    if not 4 <= count <= MOST_LEVELS or abs(count * step - 1) > 1e-9:
+        raise UserError(f"--step {step:g}: give 1/N with N from 4 to {MOST_LEVELS}, such as 0.05")
     return tuple(float(level) for level in np.round(np.linspace(0, 1, count + 1), 6))
 
 

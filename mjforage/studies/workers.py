@@ -22,6 +22,7 @@ import numpy as np
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from graph_planner.policies import create_policy
+from graph_planner.policies.registry import own_weights
 from mjforage.episode_log import EpisodeLog
 from mjforage.errors import UserError
 from mjforage.maps import GridMap
@@ -229,6 +230,12 @@ def run_chunks(work: Sequence[tuple[Order, Chunk]], workers: Workers) -> Generat
         If a chunk fails for a reason that a user can mend, a worker was killed, or the cluster
         cannot be used. Finished chunks stay.
     """
+    for name in {chunk.policy for _, chunk in work}:
+        if workers.scheduler and own_weights(name) is not None:
+            raise UserError(
+                f"policy {name}: weights of this folder are not where a cluster's workers are; "
+                "compute it with --jobs"
+            )
     tasks = (joblib.delayed(run_chunk)(order, chunk) for order, chunk in work)
     try:
         with _parallel(workers, len(work)) as parallel, _started(parallel, tasks) as results:

@@ -91,6 +91,10 @@ def test_tensors_of_another_shape_and_cut_files_are_named(tmp_path: Path) -> Non
     with pytest.raises(WeightsError, match=r"cut.safetensors: damaged"):
         load_networks(cut, task())
     assert read_header(cut).perception == "egocentric"
+    nothing = torch.full((1,), torch.nan)
+    spoilt = write(tmp_path / "u.safetensors", changes={"forager.value.2.bias": nothing})
+    with pytest.raises(WeightsError, match="forager holds numbers that are not finite"):
+        load_networks(spoilt, task())
 
 
 def test_the_batch_changes_no_bit_of_a_value() -> None:

@@ -128,6 +128,11 @@ def test_bootstrap_leaves_undefined_episodes_out() -> None:
     assert low < high
 
 
+def test_a_single_episode_has_no_interval() -> None:
+    found = bootstrap_sensitivity(LEVELS, np.linspace(1.0, 0.0, len(LEVELS))[:, None], 0)
+    assert np.isnan([*found.slope, *found.break_point]).all()
+
+
 def test_bootstrap_rejects() -> None:
     with pytest.raises(ValueError, match=r"\(level, episode\)"):
         bootstrap_sensitivity(LEVELS, np.zeros(21), 0)

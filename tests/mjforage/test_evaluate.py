@@ -8,6 +8,7 @@ from typing import Any
 import polars as pl
 import pytest
 
+from graph_planner.weights import shipped_weights
 from mjforage.errors import UserError
 from mjforage.mission import Setting
 from mjforage.replay import Replay
@@ -225,6 +226,17 @@ def test_other_settings_are_refused_and_change_nothing(
         evaluate_small(run_copy, **settings)
     assert words in str(caught.value)
     assert {p: p.read_bytes() for p in run_copy.rglob("*") if p.is_file()} == before
+
+
+def test_weights_that_changed_are_another_run(
+    evaluate_small: Small, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(shipped_weights("ddqn"), "mine.safetensors")
+    evaluate_small(tmp_path / "run", policies=["mine"], episodes=1)
+    shutil.copy(shipped_weights("ddqn-reward"), "mine.safetensors")
+    with pytest.raises(UserError, match=r"weights.mine is .* there and .* here"):
+        evaluate_small(tmp_path / "run", policies=["mine"], episodes=1)
 
 
 def test_another_version_is_refused(

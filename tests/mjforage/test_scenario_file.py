@@ -34,6 +34,8 @@ capacity = 30
 """
 MINIMAL = f'name = "mine"\n[map]\nfile = "open_bay"\n{TEAMS}'
 
+ROLE = "{count=1, moves=1, radius=1, collects=true}"
+
 
 def write(folder: Path, text: str) -> str:
     path = folder / "mine.toml"
@@ -181,6 +183,8 @@ def test_a_team_may_be_empty(team: str) -> None:
         ("corruption.team=scuots", "corruption.team = 'scuots'; choose scouts, foragers"),
         ("corruption.epsilon=0.5", "corruption.team = ''; choose scouts, foragers"),
         ("name=''", "name = '' names the run folder"),
+        (f"team={{'a/b'={ROLE}}}", "team.'a/b' names files; give letters, digits and dashes"),
+        (f"team={{'..'={ROLE}}}", "team.'..' names files; give letters, digits and dashes"),
         ("name='a/b'", "name = 'a/b' names the run folder"),
         ("name='..'", "name = '..' names the run folder"),
         ('name="a\\u0000"', "names the run folder"),

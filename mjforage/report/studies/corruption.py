@@ -134,6 +134,8 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
         "with one draw for the whole team (`--whole-team`)."
     )
     notes = (
+        "A break on the first or last level inside means that one end point stands apart, not that "
+        "there are two regimes; a small gain means that one line does as well.",
         "SS: slope of the least-squares line through the means, per unit of ε, with the bootstrap "
         "95 % interval over episodes (the same ones at every level). Break: where two joined "
         "segments meet, with their slopes before and after, and its interval; gain: share of the "

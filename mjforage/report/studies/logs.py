@@ -25,6 +25,14 @@ from mjforage.run_info import field as required
 from mjforage.studies.study import variant_folder
 from mjforage.studies.variants import COMPLETE
 
+SESSION: Mapping[str, type] = {
+    "started": str,
+    "how": str,
+    "workers": int,
+    "episodes": int,
+    **dict.fromkeys(("steps", "cpu_s", "wall_s"), float),
+}
+"""What every entry of `sessions.json` must tell, and of which type."""
 REMEDY = "run the same study again, it resumes and completes the folder"
 
 
@@ -108,6 +116,11 @@ def load_study(folder: Path) -> StudyLogs:
         required(info, key, dict, str(file))
     required(info, "kind", str, str(file))
     required(info, "worlds", list, str(file))
+    for name, facts in info["variants"].items():
+        required(facts, "title", str, f"{file}: {name}")
+    if info["kind"] in ("corruption", "paper"):
+        required(info["options"], "step", float, f"{file}: options")
+        required(info["options"], "whole_team", bool, f"{file}: options")
     if not (folder / "summary.json").is_file():
         raise UserError(f"{folder}: the study is not finished; {REMEDY}")
     summary = read_json(folder / "summary.json")
@@ -120,5 +133,10 @@ def load_study(folder: Path) -> StudyLogs:
         summaries[name] = parse_summary(summary[name], str(folder / "summary.json"))
         episodes[name] = load_episodes(place, runs[name])
     sessions = folder / "sessions.json"
-    told = read_json(sessions)["sessions"] if sessions.is_file() else []
+    told = (
+        required(read_json(sessions), "sessions", list, str(sessions)) if sessions.is_file() else []
+    )
+    for session in told:
+        for key, sort in SESSION.items():
+            required(session, key, sort, str(sessions))
     return StudyLogs(folder, info, runs, summaries, episodes, tuple(told))

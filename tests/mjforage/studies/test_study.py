@@ -139,6 +139,25 @@ def test_the_report_is_whole_and_the_same_twice(folder: Path, command: Command) 
     assert not re.search(r'(?:src|href)="https?:', page)
 
 
+@pytest.mark.parametrize(
+    ("name", "change", "words"),
+    [
+        ("sessions", lambda read: read.clear(), "key 'sessions' is missing"),
+        ("sessions", lambda read: read["sessions"][0].pop("wall_s"), "key 'wall_s' is missing"),
+        ("study", lambda read: read["options"].pop("step"), "options: key 'step' is missing"),
+        ("study", lambda read: read["variants"]["complete"].pop("title"), "'title' is missing"),
+    ],
+)
+def test_what_a_study_lacks_is_named(
+    name: str, change: Callable[[Any], object], words: str, folder: Path, refused: Refused
+) -> None:
+    path = folder / f"{name}.json"
+    read = json.loads(path.read_text())
+    change(read)
+    path.write_text(json.dumps(read))
+    assert words in refused("report", folder)
+
+
 def test_an_unfinished_study_has_no_report(folder: Path, refused: Refused) -> None:
     (folder / "summary.json").unlink()
     assert "the study is not finished; run the same study again" in refused("report", folder)
