@@ -168,9 +168,12 @@ def _block_cover(
     return BlockCover(cover, block)
 
 
+LEAST_SHAPE = 0.02  # of the number of items: a deviation of seven times its mean
+
+
 def hotspot_cover(task: Task, agent: int, settings: BeliefSettings) -> BlockCover:
     """What an agent would notice of hotspots from every node: `NOTICED` sure to see an item."""
-    shape = (settings.items / settings.items_sd) ** 2
+    shape = max((settings.items / settings.items_sd) ** 2, LEAST_SHAPE)
     rate = shape * settings.hotspots / settings.items
     least = rate * ((1.0 - NOTICED) ** (-1.0 / shape) - 1.0)
     return _block_cover(

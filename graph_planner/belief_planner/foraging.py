@@ -98,7 +98,7 @@ class ForagerCrew:
     def __init__(self, task: Task, settings: BeliefSettings) -> None:
         self.crew = Crew.of(task, task.fleet.foragers)
         self.shore = shore_of(task.graph)
-        self.items = floating(4096)
+        self.items = floating(max(4096, 5 * int(settings.items)))
         self._stops = stops(MOST, len(task.graph))
         self._worth, self._nothing = np.zeros(len(task.graph)), np.zeros(len(task.graph))
         self._node_per_decision = USUAL_STEP * task.fleet.moves[self.crew.agents]

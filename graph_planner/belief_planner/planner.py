@@ -36,11 +36,19 @@ AHEAD = 6  # steps by which foragers' regret is judged
 CALM = 1.0  # worth of finding a hotspot by which they lose nothing yet
 IDLE, OLD = 0.05, 135.0  # without a belief: items in a node not seen for so many steps
 OLDEST = 30.0  # step at which those stop growing
+MOST_SEEN = 0.6  # share of the nodes after which the first hotspot should have shown
+PATIENCE = 12  # decisions of searching for the first hotspot without seeing a new node
 
 
 def _summed(place: Int32Array, value: NDArray[np.float64], size: int) -> NDArray[np.float64]:
     """(size,) sum of the values at each place."""
     return np.bincount(place, value, minlength=size).astype(np.float64)
+
+
+def _unseen(seen: Observation, e: int) -> NDArray[np.float64]:
+    """Items expected in each node (node,) without a belief: more where nobody looked for long."""
+    age: NDArray[np.float64] = seen.step[e] - 1.0 - seen.last_seen[e].astype(np.float64)
+    return IDLE * np.minimum(1.0, age / OLD)
 
 
 class BeliefPlanner:
@@ -77,6 +85,8 @@ class BeliefPlanner:
         self._blocks = [hotspot_cover(task, int(a), settings) for a in self._scouts.agents]
         self.expected = np.zeros((episodes, len(graph)))
         self._nothing = np.zeros(len(graph))
+        self._viewed, self._news = np.zeros(episodes, np.int64), np.zeros(episodes, np.int64)
+        self._vain = np.zeros(episodes, np.bool_)
         self._had_room = np.ones((episodes, self._foragers.crew.agents.size), np.bool_)
         self._preferences = np.zeros((episodes, len(task.fleet), 9))
 
@@ -134,7 +144,7 @@ class BeliefPlanner:
             drift = wind.mean[e]
             hs.sight(spots, self._cloud, self._shore, e, now, sighted, drift[0], drift[1])
         if not self.settings.hotspot:
-            self.expected[e] = IDLE * np.minimum(1.0, (now - last_seen.astype(np.float64)) / OLD)
+            self.expected[e] = _unseen(seen, e)
             return
         hs.expect(spots, self._cloud, e, nodes, expected)
         if self.settings.particles and spots.number[e]:
@@ -171,8 +181,24 @@ class BeliefPlanner:
             return
         if sighted or not self.settings.hotspot:
             self._scouts.look(at, self._worth_seeing(seen, e), preferences)
+        elif self._in_vain(seen, e):
+            self._scouts.look(at, _unseen(seen, e), preferences)
         else:
             self._search(at, self.spots.chance[e, 0], preferences)
+
+    def _in_vain(self, seen: Observation, e: int) -> bool:
+        """Whether the search for the first hotspot shows no new nodes, or few are left to show.
+
+        Then the assumptions are wrong, or nothing would be noticed anywhere by them; scouts look
+        at what nobody has seen for the rest of the search.
+        """
+        count, now = int((seen.last_seen[e] >= 0).sum()), int(seen.step[e]) - 1
+        if count > self._viewed[e]:
+            self._viewed[e], self._news[e] = count, now
+        self._vain[e] |= (
+            now - self._news[e] > PATIENCE or count > MOST_SEEN * seen.last_seen.shape[1]
+        )
+        return bool(self._vain[e])
 
     def _search(
         self, at: Int32Array, chance: NDArray[np.float64], preferences: NDArray[np.float64]
