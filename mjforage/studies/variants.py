@@ -13,7 +13,8 @@ from mjforage.studies.study import Variant
 COMPLETE = "complete"  # the scenario as it is, in every kind of study
 BASELINES = ("greedy", "oracle")  # what the belief planner is held against
 PARTS = tuple(part.name for part in fields(BeliefSettings) if part.default is True)
-WRONG_HOTSPOTS = 3
+WRONG = ("hotspots", "two-hotspots", "spread", "drift", "calm")
+"""Worlds that the belief planner does not expect, by name."""
 
 
 def parts(scenario: Scenario) -> tuple[Variant, ...]:
@@ -26,12 +27,26 @@ def parts(scenario: Scenario) -> tuple[Variant, ...]:
     fast = replace(scenario, belief=replace(scenario.belief, fast=True))
     whole.append(Variant("fast", "fast", fast, ("belief",)))
     whole += _wary(COMPLETE, "expected world", scenario)[1:]
-    drift = scenario.weather.drift_node_per_step
-    hotspots = replace(scenario, items=replace(scenario.items, hotspots=WRONG_HOTSPOTS))
-    windy = replace(scenario, weather=replace(scenario.weather, drift_node_per_step=2 * drift))
-    whole += _wary("hotspots", f"{WRONG_HOTSPOTS} hotspots", hotspots)
-    whole += _wary("drift", f"drift up to {2 * drift:g}", windy)
+    items, weather = scenario.items, scenario.weather
+    drift, variance = weather.drift_node_per_step, items.covariance_node2
+    worlds = (
+        ("3 hotspots", replace(scenario, items=replace(items, hotspots=3))),
+        ("2 hotspots", replace(scenario, items=replace(items, hotspots=2))),
+        (
+            f"spread {2 * variance**0.5:.3g}",
+            replace(scenario, items=replace(items, covariance_node2=4 * variance)),
+        ),
+        (f"drift up to {2 * drift:g}", _drifting(scenario, 2 * drift)),
+        (f"drift up to {drift / 2:g}", _drifting(scenario, drift / 2)),
+    )
+    for name, (title, world) in zip(WRONG, worlds, strict=True):
+        whole += _wary(name, title, world)
     return tuple(whole)
+
+
+def _drifting(scenario: Scenario, drift: float) -> Scenario:
+    """The scenario with another range of the constant drift [node/step]."""
+    return replace(scenario, weather=replace(scenario.weather, drift_node_per_step=drift))
 
 
 def _wary(name: str, title: str, scenario: Scenario) -> list[Variant]:

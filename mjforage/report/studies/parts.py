@@ -12,12 +12,12 @@ from mjforage.report.studies.forest import Subject, forest
 from mjforage.report.studies.logs import Player, StudyLogs
 from mjforage.report.studies.page import Section
 from mjforage.report.tables import Row, Table, plus_minus, policy_name
-from mjforage.studies.variants import BASELINES, COMPLETE, PARTS
+from mjforage.studies.variants import BASELINES, COMPLETE, PARTS, WRONG
 from mjforage.vocabulary import describe
 
 COMPARED = ("pta_d", "pta_c", "nt50", "nt90", "csr", "rmse")
 SHOWN = (*COMPARED, "cleared", "length")
-WORLDS_MET = (COMPLETE, "hotspots", "drift")
+WORLDS_MET = (COMPLETE, *WRONG)
 PAIRED = (
     "Mean difference over the same episodes, with its bootstrap 95 % interval; bold where that "
     "leaves out zero."
@@ -164,7 +164,7 @@ def _wrong(logs: StudyLogs) -> Section:
     words = (
         f"The planner assumes {assumed['hotspots']} hotspot(s) and a drift of up to "
         f"{assumed['drift_node_per_step']:g} nodes per step and axis; with `robust` up to three "
-        "hotspots and twice the drift. Here the world has more than that."
+        "hotspots and twice the drift. Here the world is another one."
     )
     return Section("wrong", "Wrong worlds", words, tables, pictures)
 

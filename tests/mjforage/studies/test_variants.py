@@ -39,8 +39,11 @@ def test_every_part_of_the_planner_is_switched_off_alone(scenario: Scenario) -> 
 def test_wrong_worlds_leave_the_assumptions_alone(scenario: Scenario) -> None:
     found = named(variants.parts(scenario))
     assert found["hotspots"].scenario.items.hotspots == 3
+    assert found["two-hotspots"].scenario.items.hotspots == 2
+    assert found["spread"].scenario.items.covariance_node2 == pytest.approx(80.0)
     assert found["drift"].scenario.weather.drift_node_per_step == pytest.approx(0.2)
-    for name in ("hotspots", "drift"):
+    assert found["calm"].scenario.weather.drift_node_per_step == pytest.approx(0.05)
+    for name in variants.WRONG:
         plain, robust = found[name].scenario, found[f"{name}-robust"].scenario
         assert plain.belief == scenario.belief
         assert robust == replace(plain, belief=replace(plain.belief, robust=True))
