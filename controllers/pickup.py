@@ -38,7 +38,7 @@ AFRESH_M = 0.35  # more than that is made by backing off
 AIM = 0.6  # share of the half beam within which the item must lie to be taken straight on
 
 
-STRAIGHT, OFF, ALONG = 0.0, 1.0, 2.0  # ways of picking up; 3 is backing off too
+STRAIGHT, ALONG = 0.0, 2.0  # ways of picking up; 1 and 3 are backing off
 STILL_MPS, STILL_RADPS, STUCK_S = 0.08, 0.1, 1.5  # so slow for so long is stuck
 OFF_S, ALONG_S = 3.0, 10.0  # longest times of backing off and of trying along a quay
 EDGE_M = 0.05  # from the edge of the mouth to an item that is taken along a quay
