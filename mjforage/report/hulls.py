@@ -77,18 +77,30 @@ def hulls_table(logs: RunLogs) -> Table | None:
         "blocked",
         "stays",
         "kept",
-        "mean speed",
+        "speed",
         "touches",
         "fastest touch",
         "energy",
-        "energy per item",
+        "energy",
     )
-    units = ("", "%", "%", "%", "", "%", "m/s", "per episode", "m/s", "kJ per episode", "kJ")
+    units = (
+        "",
+        "%",
+        "%",
+        "%",
+        "",
+        "%",
+        "m/s",
+        "per episode",
+        "m/s",
+        "kJ per episode",
+        "kJ per item",
+    )
     notes = (
         "Arrived: midships came within 1 m of the target's centre during the decision; blocked: "
         "slower than 0.1 m/s for 2 s because of contact or giving way, or no legal move; late: "
         "neither. Stays: decisions to stay put; kept: within 1 m of the centre at some time of "
-        "the decision. Mean speed over the decisions with any way made. Touch: of a quay or "
+        "the decision. Speed: mean over the decisions with any way made. Touch: of a quay or "
         "another hull. Energy: least energy of the propellers by momentum theory.",
     )
     return Table("hulls", "How the hulls did", columns, tuple(rows), notes, units)
