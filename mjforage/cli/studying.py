@@ -1,7 +1,7 @@
 """`mjforage study ...`: what parts, agents and teams are worth, over variants of a scenario."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -54,8 +54,27 @@ class Choice:
     out: Path | None = None
 
 
-DEFAULT = Choice()
+@dataclass(frozen=True)
+class Draws:
+    """How teams are corrupted.
+
+    Parameters
+    ----------
+    step
+        Distance of the levels of corruption from 0 to 1.
+    whole_team
+        One draw corrupts the whole team, and random foragers still take a known item beside them:
+        the rule of the published code, which made the paper's slopes. Without it every agent has
+        its own draw, as defined.
+    """
+
+    step: float = 0.05
+    whole_team: bool = False
+
+
+DEFAULT, USUAL = Choice(), Draws()
 With = Annotated[Choice, Parameter(name="*")]
+Corrupted = Annotated[Draws, Parameter(name="*")]
 
 
 @study.command
@@ -101,8 +120,7 @@ def corruption(
     /,
     *,
     policy: Policies = PAPER,
-    step: float = 0.05,
-    whole_team: bool = False,
+    draws: Corrupted = USUAL,
     choice: With = DEFAULT,
     by: By = HERE,
 ) -> None:
@@ -114,18 +132,13 @@ def corruption(
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     policy
         A policy (see `mjforage policies`); repeat the flag for several.
-    step
-        Distance of the levels of corruption from 0 to 1.
-    whole_team
-        One draw corrupts the whole team, and random foragers still take a known item beside them:
-        the rule of the published code. Without it every agent has its own draw, as defined.
     """
     from mjforage.studies import variants
 
     def varied(base: "Scenario") -> "tuple[Variant, ...]":
-        return variants.corruption(base, policy, step, whole_team)
+        return variants.corruption(base, policy, draws.step, draws.whole_team)
 
-    _play("corruption", scenario, varied, choice, by, step=step, whole_team=whole_team)
+    _play("corruption", scenario, varied, choice, by, **asdict(draws))
 
 
 @study.command
@@ -134,8 +147,7 @@ def paper(
     /,
     *,
     policy: Policies = PAPER,
-    step: float = 0.05,
-    whole_team: bool = False,
+    draws: Corrupted = USUAL,
     choice: With = DEFAULT,
     by: By = HERE,
 ) -> None:
@@ -147,17 +159,13 @@ def paper(
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     policy
         A policy (see `mjforage policies`); repeat the flag for several.
-    step
-        Distance of the levels of corruption from 0 to 1.
-    whole_team
-        Corrupt as the published code does (see `mjforage study corruption`): the paper's slopes.
     """
     from mjforage.studies import variants
 
     def varied(base: "Scenario") -> "tuple[Variant, ...]":
-        return variants.paper(base, policy, step, whole_team)
+        return variants.paper(base, policy, draws.step, draws.whole_team)
 
-    _play("paper", scenario, varied, choice, by, step=step, whole_team=whole_team)
+    _play("paper", scenario, varied, choice, by, **asdict(draws))
 
 
 def _play(
