@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
+from graph_planner.kept import Kept, row_of, rows_worth_keeping
 
 Int32Array = NDArray[np.int32]
 Float32Array = NDArray[np.float32]
@@ -121,20 +122,61 @@ def spread(
 
 
 @kernel
+def _fill(
+    row: Float32Array, neighbours: Int32Array, source: Int32Array, workspace: Workspace
+) -> None:
+    """Distances (node,) from a source (1,), inf where there is no way."""
+    distance, touched = workspace.distance, workspace.touched
+    row[:] = np.float32(np.inf)
+    for j in range(spread(neighbours, source, np.empty(0, np.int32), workspace)):
+        row[touched[j]] = np.float32(canonical(distance[touched[j]]))
+        distance[touched[j]] = FAR
+
+
+@kernel
 def all_pairs(neighbours: Int32Array) -> Float32Array:
     """Distances between all nodes: (node, node) float32, inf where there is no way."""
     n = neighbours.shape[0]
-    table = np.full((n, n), np.float32(np.inf), np.float32)
+    table = np.empty((n, n), np.float32)
     workspace = Workspace(np.full(n, FAR), np.empty(n, np.int32))
-    distance, touched = workspace.distance, workspace.touched
     source = np.empty(1, np.int32)
-    everything = np.empty(0, np.int32)
     for i in range(n):
         source[0] = i
-        for j in range(spread(neighbours, source, everything, workspace)):
-            table[i, touched[j]] = np.float32(canonical(distance[touched[j]]))
-            distance[touched[j]] = FAR
+        _fill(table[i], neighbours, source, workspace)
     return table
+
+
+class DistanceRows(NamedTuple):
+    """Distances from single nodes: all of them on a small graph, those asked for last on others."""
+
+    kept: Kept
+    distance: Float32Array  # (row, node) [node], inf where there is no way
+
+    @classmethod
+    def of_table(cls, table: Float32Array) -> "DistanceRows":
+        """All rows, from the table of all pairs (node, node)."""
+        every = np.arange(table.shape[0], dtype=np.int32)
+        return cls(Kept(every, every, np.zeros(1, np.int64)), table)
+
+    @classmethod
+    def none_yet(cls, nodes: int) -> "DistanceRows":
+        """Memory for as many rows of a large graph as are worth keeping."""
+        rows = rows_worth_keeping(nodes, 4)
+        return cls(Kept.of(nodes, rows), np.empty((rows, nodes), np.float32))
+
+
+@kernel
+def distances_of(
+    rows: DistanceRows, neighbours: Int32Array, node: int, workspace: Workspace
+) -> Float32Array:
+    """Distances (node,) from a node; asking for another's may overwrite them."""
+    number, missing = row_of(rows.kept, node)
+    row: Float32Array = rows.distance[number]
+    if missing:
+        source = np.empty(1, np.int32)
+        source[0] = node
+        _fill(row, neighbours, source, workspace)
+    return row
 
 
 @kernel

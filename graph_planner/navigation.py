@@ -16,6 +16,7 @@ from scipy import sparse
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import (
     DIAGONAL,
+    DistanceRows,
     Float32Array,
     Int32Array,
     Workspace,
@@ -128,6 +129,13 @@ class NavigationGraph:
         if len(self) > TABLE_LIMIT:
             return np.empty((0, 0), np.float32)
         return all_pairs(self.neighbours)
+
+    @cached_property
+    def distance_rows(self) -> DistanceRows:
+        """Distances from single nodes, on a map of any size."""
+        if len(self) > TABLE_LIMIT:
+            return DistanceRows.none_yet(len(self))
+        return DistanceRows.of_table(self.distances)
 
     def distances_from(self, nodes: Int32Array) -> NDArray[np.float64]:
         """(node,) geodesic distance [node] of every node to the nearest of `nodes`."""

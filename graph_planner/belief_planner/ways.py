@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
+from graph_planner.kept import Kept, row_of, rows_worth_keeping
 from graph_planner.moves import free_move
 from graph_planner.navigation import STAY, TABLE_LIMIT, NavigationGraph
 
 UInt16Array = NDArray[np.uint16]
 
 UNREACHED = np.uint16(65535)
-MEMORY = 1 << 27  # bytes of rows on a map beyond `TABLE_LIMIT`
-FEWEST_ROWS = 160
 
 
 class Ways(NamedTuple):
@@ -29,9 +28,7 @@ class Ways(NamedTuple):
     ends: Int32Array  # (node, 9) where a move ends, -1 illegal
     before_start: NDArray[np.int64]  # (node + 1,) the moves that end in a node come from
     before: Int32Array  # (move,) `before[before_start[v]:before_start[v + 1]]`
-    slot: Int32Array  # (node,) row of a target, -1 none yet
-    target: Int32Array  # (row,) whose row it is, -1 free
-    following: NDArray[np.int64]  # (1,) row to be filled next
+    kept: Kept  # rows of targets
     decisions: UInt16Array  # (row, node) decisions from a node to the row's target
 
 
@@ -95,19 +92,14 @@ def search_back(
 def row_to(ways: Ways, node: int) -> int:
     """Number of the row of `decisions` that leads to a node; searched if it is not kept.
 
-    It stays valid until as many other targets were asked for as there are rows.
+    Asking for another may overwrite it.
     """
-    slot, target, following = ways.slot, ways.target, ways.following
-    if slot[node] < 0:
-        row = following[0]
-        following[0] = (row + 1) % target.size
-        if target[row] >= 0:
-            slot[target[row]] = -1
-        target[row], slot[node] = node, row
+    row, missing = row_of(ways.kept, node)
+    if missing:
         goal = np.empty(1, np.int32)
         goal[0] = node
         search_back(ways.before_start, ways.before, goal, ways.decisions[row])
-    return int(slot[node])
+    return row
 
 
 @lru_cache(maxsize=16)
@@ -122,13 +114,11 @@ def ways_of(graph: NavigationGraph, moves: int, stay: bool, shorten: bool) -> Wa
     """
     ends, n = _ends(graph.neighbours, moves, stay, shorten), len(graph)
     start, before = _reversed(ends)
-    rows = n if n <= TABLE_LIMIT else min(n, max(FEWEST_ROWS, MEMORY // (2 * n)))
+    rows = n if n <= TABLE_LIMIT else rows_worth_keeping(n, 2)
     return Ways(
         ends=ends,
         before_start=start,
         before=before,
-        slot=np.full(n, -1, np.int32),
-        target=np.full(rows, -1, np.int32),
-        following=np.zeros(1, np.int64),
+        kept=Kept.of(n, rows),
         decisions=np.empty((rows, n), np.uint16),
     )

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import (
     FAR,
+    DistanceRows,
     Int32Array,
     Workspace,
 )
@@ -161,20 +162,21 @@ def _look_around(
     items: Sample,
     gaps: Sample,
     lost: Sample,
+    distances: DistanceRows,
     workspace: Workspace,
     crop: Levels,
     globe: Levels,
     moves: Levels,
     own: Levels,
 ) -> None:
-    collects, distances, radius_number = ground.collects, ground.distances, ground.radius_number
+    collects, radius_number = ground.collects, ground.radius_number
     unseen, suspects = fields.unseen, fields.suspects
     for e in rows:
         count, suspected = share_fields(e, seen, ground, chart, haunts[e], fields, workspace)
         nodes = seen.agent_node[e]
-        take_sample(seen.known[e, : seen.n_known[e]], nodes, collects, distances, items)
-        take_sample(unseen[:count], nodes, collects, distances, gaps)
-        take_sample(suspects[:suspected], nodes, collects, distances, lost)
+        take_sample(seen.known[e, : seen.n_known[e]], nodes, ground, distances, workspace, items)
+        take_sample(unseen[:count], nodes, ground, distances, workspace, gaps)
+        take_sample(suspects[:suspected], nodes, ground, distances, workspace, lost)
         for a in range(nodes.size):
             _paint_crop(e, a, seen, ground, chart.framed, fields, trail[e], crop[e, a])
             _paint_globe(a, nodes, collects, chart, fields, globe[e, a])
@@ -193,6 +195,8 @@ def _look_around(
                 items,
                 gaps,
                 lost,
+                distances,
+                workspace,
                 moves[e, a],
             )
 
@@ -281,6 +285,7 @@ class Egocentric:
             self._fields,
             self._haunts,
             *self._samples,
+            task.graph.distance_rows,
             self._workspace,
             out["crop"],
             out["globe"].reshape(*out["globe"].shape[:3], -1),

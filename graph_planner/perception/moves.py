@@ -17,8 +17,7 @@ Features per legal move (an illegal one is 0 throughout); differences are "neare
 | 9 | nearer to the haunts to look at again, on average | 128 + 40 per node |
 | 10 | nearer to the nearest of them to which no teammate of the same kind is nearer | likewise |
 
-5 to 10 look at up to 96 evenly chosen nodes and need the table of distances: on maps too large for
-one they stay at 128.
+5 to 10 look at up to 96 evenly chosen nodes.
 """
 
 from typing import NamedTuple
@@ -27,7 +26,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import inlined, kernel
-from graph_planner.geodesics import FAR, Float32Array, Int32Array
+from graph_planner.geodesics import (
+    FAR,
+    DistanceRows,
+    Float32Array,
+    Int32Array,
+    Workspace,
+    distances_of,
+)
 from graph_planner.moves import free_move, move_length
 from graph_planner.navigation import STAY
 from graph_planner.perception.base import TOP, Levels, item_level
@@ -49,6 +55,7 @@ class Sample(NamedTuple):
 
     nodes: Int32Array  # (MOST_SAMPLES,)
     nearest: Int32Array  # (2, MOST_SAMPLES) agent: of those that do not collect, of those that do
+    shortest: Float32Array  # (2, MOST_SAMPLES) its distance [node]
     size: Int32Array  # (1,) how many there are
 
     @classmethod
@@ -57,6 +64,7 @@ class Sample(NamedTuple):
         return cls(
             np.zeros(MOST_SAMPLES, np.int32),
             np.zeros((2, MOST_SAMPLES), np.int32),
+            np.zeros((2, MOST_SAMPLES), np.float32),
             np.zeros(1, np.int32),
         )
 
@@ -65,23 +73,28 @@ class Sample(NamedTuple):
 def take_sample(
     candidates: Int32Array,
     agent_node: Int32Array,
-    collects: NDArray[np.bool_],
-    distances: Float32Array,
+    ground: Ground,
+    rows: DistanceRows,
+    workspace: Workspace,
     sample: Sample,
 ) -> None:
-    """Choose evenly among the candidates (candidate,); none without a table of distances."""
-    nodes, nearest, size = sample.nodes, sample.nearest, sample.size
-    total = candidates.size if distances.shape[0] else 0
+    """Choose evenly among the candidates (candidate,)."""
+    nodes, nearest, shortest = sample.nodes, sample.nearest, sample.shortest
+    total, collects = candidates.size, ground.collects
     count = min(total, MOST_SAMPLES)
-    size[0] = count
+    sample.size[0] = count
     for i in range(count):
         nodes[i] = candidates[i * total // count]
-        for kind in range(2):
-            best, shortest = -1, np.float32(np.inf)
-            for a in range(agent_node.size):
-                if collects[a] == (kind == 1) and distances[nodes[i], agent_node[a]] < shortest:
-                    best, shortest = a, distances[nodes[i], agent_node[a]]
-            nearest[kind, i] = best
+    nearest[:, :count] = -1
+    shortest[:, :count] = np.float32(np.inf)
+    if count == 0:
+        return
+    for a in range(agent_node.size):
+        kind = int(collects[a])
+        row = distances_of(rows, ground.neighbours, agent_node[a], workspace)
+        for i in range(count):
+            if row[nodes[i]] < shortest[kind, i]:
+                nearest[kind, i], shortest[kind, i] = a, row[nodes[i]]
 
 
 @inlined
@@ -137,6 +150,8 @@ def describe_moves(
     items: Sample,
     gaps: Sample,
     lost: Sample,
+    rows: DistanceRows,
+    workspace: Workspace,
     out: Levels,
 ) -> None:
     """Fill the features (9, feature) of one agent's moves.
@@ -144,20 +159,19 @@ def describe_moves(
     Parameters
     ----------
     energy : distance that it can still travel [node]
+    rows, workspace : distances from single nodes, and memory to search them with
     belief, idle, way : (node,) believed items, idleness, distance to the nearest known item [node]
     gap : (9,) distance of each move's target to the nearest node of idleness 1 [node]
     disc : nodes in view on open water
     items, gaps, lost : samples of the known nodes, of those of idleness 1, of haunts
     """
-    neighbours, moves, distances = ground.neighbours, ground.moves, ground.distances
+    neighbours, moves = ground.neighbours, ground.moves
     radius, start, nodes = ground.radius_number[agent], views.start, views.nodes
     nobody, kind = np.empty(0, np.int64), int(ground.collects[agent])
-    table = distances.shape[0] > 0
-    here_own, here_lost, here_attraction = np.inf, np.inf, 0.0
-    if table:
-        here_own = _own_item(distances[node], kind, agent, items)
-        here_lost = _own_item(distances[node], kind, agent, lost)
-        here_attraction = _attraction(distances[node], _POWERS, items)
+    here = distances_of(rows, neighbours, node, workspace).copy()
+    here_own = _own_item(here, kind, agent, items)
+    here_lost = _own_item(here, kind, agent, lost)
+    here_attraction = _attraction(here, _POWERS, items)
     out[:] = 0
     for move in range(9):
         end, steps = free_move(
@@ -173,17 +187,13 @@ def describe_moves(
         out[move, 2] = _changed(way[node] - way[end] if way[node] < FAR else 0.0, PER_NODE)
         out[move, 3] = np.uint8(TOP * min(1.0, in_view / disc))
         out[move, 4] = _changed(gap[STAY] - gap[move] if gap[STAY] < FAR else 0.0, PER_NODE)
-        out[move, 5:] = MIDDLE
-        if table:
-            here, there = distances[node], distances[end]
-            out[move, 5] = _changed(_mean_gain(here, there, items), PER_NODE)
-            out[move, 6] = _changed(_mean_gain(here, there, gaps), PER_NODE)
-            if here_own < FAR:
-                gain = here_own - _own_item(there, kind, agent, items)
-                out[move, 7] = _changed(gain, PER_NODE)
-            gain = _attraction(there, _POWERS, items) - here_attraction
-            out[move, 8] = _changed(gain, PER_ATTRACTION)
-            out[move, 9] = _changed(_mean_gain(here, there, lost), PER_NODE)
-            if here_lost < FAR:
-                gain = here_lost - _own_item(there, kind, agent, lost)
-                out[move, 10] = _changed(gain, PER_NODE)
+        there = distances_of(rows, neighbours, end, workspace)
+        out[move, 5] = _changed(_mean_gain(here, there, items), PER_NODE)
+        out[move, 6] = _changed(_mean_gain(here, there, gaps), PER_NODE)
+        gain = here_own - _own_item(there, kind, agent, items) if here_own < FAR else 0.0
+        out[move, 7] = _changed(gain, PER_NODE)
+        gain = _attraction(there, _POWERS, items) - here_attraction
+        out[move, 8] = _changed(gain, PER_ATTRACTION)
+        out[move, 9] = _changed(_mean_gain(here, there, lost), PER_NODE)
+        gain = here_lost - _own_item(there, kind, agent, lost) if here_lost < FAR else 0.0
+        out[move, 10] = _changed(gain, PER_NODE)

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from scipy.sparse import csgraph
 
-from graph_planner import navigation
-from graph_planner.geodesics import Workspace, distances_to_nearest
+from graph_planner import kept, navigation
+from graph_planner.geodesics import DistanceRows, Workspace, distances_of, distances_to_nearest
 from graph_planner.navigation import COMPASS, OFFSETS, NavigationGraph, navigation_graph
 from tests.graph_planner.charts import grid
 
@@ -77,6 +77,22 @@ def test_table_and_search_find_the_same_nearest_source(
 def test_a_large_map_has_no_table(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(navigation, "TABLE_LIMIT", 5)
     assert NavigationGraph(np.ones((2, 3), np.bool_), 1.0, False).distances.shape == (0, 0)
+
+
+def test_rows_of_distances_make_room_for_one_another(
+    monkeypatch: pytest.MonkeyPatch, ragged_coast: NavigationGraph
+) -> None:
+    """The same distances whether kept, searched again or taken from the table."""
+    monkeypatch.setattr(kept, "FEWEST_ROWS", 3)
+    monkeypatch.setattr(kept, "MEMORY", 0)
+    rows, workspace = DistanceRows.none_yet(len(ragged_coast)), Workspace.of(len(ragged_coast))
+    assert rows.distance.shape == (3, len(ragged_coast))
+    for node_asked in (0, 5, 0, 9, 17, 0, 5, len(ragged_coast) - 1, 17):
+        row = distances_of(rows, ragged_coast.neighbours, node_asked, workspace)
+        np.testing.assert_array_equal(row, ragged_coast.distances[node_asked])
+        assert (rows.kept.slot >= 0).sum() == (rows.kept.owner >= 0).sum()
+    table = ragged_coast.distance_rows
+    assert table.distance is ragged_coast.distances
 
 
 def test_a_scout_sees_49_nodes_in_open_water_and_a_forager_5(open_water: NavigationGraph) -> None:

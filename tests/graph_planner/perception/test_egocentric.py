@@ -98,18 +98,24 @@ def test_features_of_moves_by_their_definitions() -> None:
     assert (moves[2, :, 7][moves[2, :, 0] == 255] == 128).all()  # nothing is left to the other
 
 
-def test_no_level_without_a_table_of_distances(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_map_too_large_for_a_table_of_distances_looks_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr("graph_planner.navigation.TABLE_LIMIT", 3)
+    monkeypatch.setattr("graph_planner.kept.FEWEST_ROWS", 2)
+    monkeypatch.setattr("graph_planner.kept.MEMORY", 0)
     graph = NavigationGraph(HARBOUR, 1.0, False)
     far = task_of(graph, scouts=SCOUT, foragers=FORAGER)
     _, near = harbour()
-    known, cells = {(2, 2): 2, (4, 9): 1}, [(2, 4), (0, 0), (4, 1)]
-    with_table, without = look(near, cells, known), look(far, cells, known)
-    for name in ("crop", "globe", "self"):
-        np.testing.assert_array_equal(with_table[name], without[name])
-    np.testing.assert_array_equal(with_table["moves"][..., :5], without["moves"][..., :5])
-    legal = without["moves"][..., 0] == 255
-    assert (without["moves"][..., 5:][legal] == 128).all()
+    assert graph.distances.size == 0 and graph.distance_rows.distance.shape[0] == 2
+    random = np.random.default_rng(0)
+    for _ in range(20):
+        drawn = random.integers(0, len(graph), 5)
+        cells = [(int(graph.rows[n]), int(graph.cols[n])) for n in drawn]
+        known = {cells[3]: 2, cells[4]: 1}
+        with_table, without = look(near, cells[:3], known), look(far, cells[:3], known)
+        for name, levels in with_table.items():
+            np.testing.assert_array_equal(levels, without[name])
 
 
 def test_the_agent_knows_itself() -> None:
