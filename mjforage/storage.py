@@ -21,7 +21,7 @@ from typing import Any
 import polars as pl
 
 from mjforage.errors import UserError
-from mjforage.run_info import read_json
+from mjforage.run_info import again, read_json
 from mjforage.scenario_file import canonical_json
 from mjforage.tables import KEYS, TABLES, check_table, read_table
 
@@ -230,7 +230,8 @@ class RunFolder:
         open_folder(self.path, "run", info, IDENTITY)
         for table in TABLES:
             if (self.path / f"{table}.parquet").exists():
-                check_table(self.path / f"{table}.parquet", table)
+                path = self.path / f"{table}.parquet"
+                check_table(path, table, self._moved(path))
 
     def claimed(self) -> contextlib.AbstractContextManager[None]:
         """Keep other processes from writing the folder, as `claimed`."""
@@ -255,7 +256,8 @@ class RunFolder:
             return False
         for table in TABLES:
             path = folder / f"{table}.parquet"
-            _check_keys(path, read_table(path, table, folder), chunk.keys, folder)
+            remedy = self._moved(folder)
+            _check_keys(path, read_table(path, table, remedy), chunk.keys, remedy)
         self.timings([chunk])
         return True
 
@@ -303,8 +305,8 @@ class RunFolder:
                     total[key] = total.get(key, 0.0) + float(value)
             except (UserError, TypeError, ValueError) as error:
                 raise UserError(
-                    f"{folder / 'timings.json'}: missing or not written by evaluate; delete "
-                    f"{folder} and run evaluate again"
+                    f"{folder / 'timings.json'}: missing or not written by mjforage; delete "
+                    f"{folder} and {again(self.path)}"
                 ) from error
         return total
 
@@ -349,7 +351,8 @@ class RunFolder:
         UserError
             If it is missing, truncated or foreign.
         """
-        return read_table(self.path / f"{name}.parquet", name)
+        path = self.path / f"{name}.parquet"
+        return read_table(path, name, self._moved(path))
 
     def episodes(self, chunks: list[Chunk]) -> pl.DataFrame:
         """The merged table of episodes.
@@ -360,16 +363,18 @@ class RunFolder:
             If it is missing, truncated or foreign, or does not hold the episodes of the chunks.
         """
         path, table = self.path / "episodes.parquet", self.table("episodes")
-        _check_keys(path, table, [key for chunk in chunks for key in chunk.keys], path)
+        keys = [key for chunk in chunks for key in chunk.keys]
+        _check_keys(path, table, keys, self._moved(path))
         return table
+
+    def _moved(self, what: Path) -> str:
+        """Remedy for a spoilt file or folder of this run."""
+        return f"move {what} away and {again(self.path)}"
 
 
 def _check_keys(
-    path: Path, frame: pl.DataFrame, keys: list[tuple[str, str, int]], remove: Path
+    path: Path, frame: pl.DataFrame, keys: list[tuple[str, str, int]], remedy: str
 ) -> None:
     found = set(frame.select(*KEYS).unique().rows())
     if found != set(keys):
-        raise UserError(
-            f"{path}: does not hold the {len(keys)} episodes that it should; move {remove} away "
-            "and run evaluate again"
-        )
+        raise UserError(f"{path}: does not hold the {len(keys)} episodes that it should; {remedy}")

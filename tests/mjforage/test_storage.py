@@ -14,6 +14,7 @@ from mjforage.storage import Chunk, RunFolder, run_hash, write_json, writing
 from mjforage.tables import SCHEMAS, TABLES
 
 INFO: dict[str, Any] = {
+    "command": "mjforage study paper --policy greedy",
     "scenario": {"name": "x", "team": {"scouts": {"count": 2}}},
     "map": {"name": "m", "navigable": ["01", "11"]},
     "versions": {"mjforage": "1", "mujoco": "3", "numpy": "2"},
@@ -181,7 +182,7 @@ def test_a_spoilt_chunk_is_named_and_left(
     message = error_of(run.has, FIRST)
     assert message.startswith(f"{path}: ")
     assert words in message
-    assert message.endswith(f"move {chunk_folder(run)} away and run evaluate again")
+    assert message.endswith(f"move {chunk_folder(run)} away and run `{INFO['command']}` again")
     assert sorted(chunk_folder(run).iterdir()) == left
 
 
@@ -200,7 +201,8 @@ def test_spoilt_timings_of_a_chunk_are_named(run: RunFolder, text: str | None) -
     path.unlink()
     if text is not None:
         path.write_text(text)
-    assert f"delete {chunk_folder(run)} and run evaluate again" in error_of(run.has, FIRST)
+    words = f"delete {chunk_folder(run)} and run `{INFO['command']}` again"
+    assert words in error_of(run.has, FIRST)
 
 
 @pytest.mark.parametrize("spoil", [truncate, replace])

@@ -20,7 +20,7 @@ from mjforage.report.logs import (
     parse_summary,
 )
 from mjforage.report.tables import entry_of
-from mjforage.run_info import RunInfo, load_run, read_json
+from mjforage.run_info import RunInfo, again, load_run, read_json
 from mjforage.run_info import field as required
 from mjforage.studies.study import variant_folder
 from mjforage.studies.variants import COMPLETE
@@ -33,7 +33,6 @@ SESSION: Mapping[str, type] = {
     **dict.fromkeys(("steps", "cpu_s", "wall_s"), float),
 }
 """What every entry of `sessions.json` must tell, and of which type."""
-REMEDY = "run the same study again, it resumes and completes the folder"
 
 
 @dataclass(frozen=True)
@@ -111,7 +110,7 @@ def load_study(folder: Path) -> StudyLogs:
         If a file of the study or of one of its runs is missing, truncated or foreign.
     """
     file = folder / "study.json"
-    info = read_json(file)
+    info, remedy = read_json(file), f"{again(folder, file.name)}, it completes the folder"
     for key in ("variants", "options", "scenario"):
         required(info, key, dict, str(file))
     required(info, "kind", str, str(file))
@@ -122,14 +121,14 @@ def load_study(folder: Path) -> StudyLogs:
         required(info["options"], "step", float, f"{file}: options")
         required(info["options"], "whole_team", bool, f"{file}: options")
     if not (folder / "summary.json").is_file():
-        raise UserError(f"{folder}: the study is not finished; {REMEDY}")
+        raise UserError(f"{folder}: the study is not finished; {remedy}")
     summary = read_json(folder / "summary.json")
     runs, summaries, episodes = {}, {}, {}
     for name in info["variants"]:
         place = variant_folder(folder, name)
         runs[name] = load_run(place / "run.json")
         if name not in summary:
-            raise UserError(f"{folder / 'summary.json'}: {name} is missing; {REMEDY}")
+            raise UserError(f"{folder / 'summary.json'}: {name} is missing; {remedy}")
         summaries[name] = parse_summary(summary[name], str(folder / "summary.json"))
         episodes[name] = load_episodes(place, runs[name])
     sessions = folder / "sessions.json"

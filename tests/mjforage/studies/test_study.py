@@ -160,7 +160,31 @@ def test_what_a_study_lacks_is_named(
 
 def test_an_unfinished_study_has_no_report(folder: Path, refused: Refused) -> None:
     (folder / "summary.json").unlink()
-    assert "the study is not finished; run the same study again" in refused("report", folder)
+    command = json.loads((folder / "study.json").read_text())["command"]
+    words = " ".join(f"the study is not finished; run `{command}` again, it completes".split())
+    assert words in refused("report", folder)
+
+
+def test_a_spoilt_chunk_names_the_command_that_was_run(tmp_path: Path, refused: Refused) -> None:
+    folder = tmp_path / "study"
+    small = ("study", "ablation", "--policy", "greedy", "--episodes", 2, "--set", "horizon=5")
+    setting = Setting.of(load_scenario("published", ["horizon=5"]))
+    varied = variants.ablation(setting.scenario, ["greedy"])
+
+    def stop(done: int, _: int) -> None:
+        if done >= 2:
+            raise KeyboardInterrupt
+
+    with contextlib.suppress(KeyboardInterrupt):
+        run_study(Study("ablation", setting, varied, episodes=2), folder, progress=stop)
+    info = folder / "variants" / "complete" / "run.json"
+    info.write_text(
+        json.dumps(json.loads(info.read_text()) | {"command": "mjforage study ablation"})
+    )
+    (folder / "variants" / "complete" / "episodes.parquet").write_bytes(b"PAR1")
+    words = refused(*small, "--out", folder)
+    assert "away and run `mjforage study ablation` again" in words
+    assert "evaluate" not in words
 
 
 def test_parts_mark_the_bound_in_every_table(tmp_path: Path, command: Command) -> None:
