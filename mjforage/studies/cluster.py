@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import joblib
 
@@ -22,10 +23,43 @@ from mjforage.run_info import read_json
 from mjforage.studies.identity import fingerprint, run_info, versions
 from mjforage.studies.interrupts import interrupts_held
 
+PROTOCOLS = ("tcp", "tls", "ws", "wss")
 PATIENCE_S = 20.0  # for a scheduler to answer, and for its first worker
 WATCH_S = 0.5
 NEVER_DONE = ("error", "cancelled", "lost")  # states of a task
 REMEDY = "run the same command again: finished chunks are kept"
+
+
+def check_address(scheduler: str) -> None:
+    """Refuse what is no address of a scheduler, for which dask would wait, and then fail unclearly.
+
+    Raises
+    ------
+    UserError
+        Naming what is wrong with it.
+    """
+    fault = _fault(scheduler)
+    if fault:
+        raise UserError(
+            f"--scheduler {scheduler}: {fault}; give the address that `dask scheduler` prints, "
+            "such as tcp://host:8786"
+        )
+
+
+def _fault(scheduler: str) -> str:
+    protocol, found, rest = scheduler.partition("://")
+    if not found or protocol not in PROTOCOLS:
+        return f"does not begin with {', '.join(f'{name}://' for name in PROTOCOLS)}"
+    try:
+        parts = urlsplit(f"//{rest}")
+        host, port = parts.hostname, parts.port
+    except ValueError as error:
+        return str(error)
+    if not host or any(sign.isspace() for sign in rest):
+        return "has no host"
+    if not port:
+        return "has no port"
+    return "has more than host and port" if parts.netloc != rest.rstrip("/") else ""
 
 
 @contextmanager

@@ -61,6 +61,8 @@ class Workers:
             )
         if (self.jobs > 1) + bool(self.scheduler) + bool(self.local_cluster) > 1:
             raise UserError("--jobs, --scheduler and --local-cluster: give one of them")
+        if self.scheduler:
+            cluster.check_address(self.scheduler)
 
     @property
     def remote(self) -> bool:

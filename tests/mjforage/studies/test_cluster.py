@@ -101,6 +101,42 @@ def test_a_scheduler_that_does_not_answer_is_named(
 
 
 @pytest.mark.parametrize(
+    ("address", "words"),
+    [
+        ("tcp://node7", "has no port"),
+        ("tcp://:8786", "has no host"),
+        ("tcp://node 7:8786", "has no host"),
+        ("tcp://node7:many", "Port could not be cast"),
+        ("tcp://node7:99999", "Port out of range"),
+        ("tcp://node7:8786/status", "has more than host and port"),
+        ("node7:8786", "does not begin with tcp://"),
+        ("http://node7:8787", "does not begin with tcp://"),
+        ("", "the address is empty"),
+    ],
+)
+def test_what_is_no_address_is_named_at_once(
+    address: str,
+    words: str,
+    refused: Refused,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(cluster, "connected", lambda *_: pytest.fail("dask was asked"))
+    for study in (("study", "ablation"), ("evaluate", "comb-port", "--policy", "greedy")):
+        line = refused(*study, "--scheduler", address, "--out", tmp_path / "out")
+        assert line.startswith(f"mjforage: --scheduler{' ' * bool(address)}{address}: {words}"), (
+            line
+        )
+        assert "tcp://host:8786" in line
+        assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("address", ["tcp://node7:8786", "tls://10.0.0.7:1", "tcp://[::1]:8786"])
+def test_addresses_that_dask_prints_are_taken(address: str) -> None:
+    assert Workers(scheduler=address).scheduler == address
+
+
+@pytest.mark.parametrize(
     "flags", [("--jobs", 2, "--local-cluster", 2), ("--jobs", 0), ("--local-cluster", -1)]
 )
 def test_workers_are_counted_once(flags: tuple[object, ...], refused: Refused) -> None:
