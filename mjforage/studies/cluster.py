@@ -4,6 +4,7 @@ Nothing here distributes work: joblib does, on its dask backend.
 """
 
 import _thread
+import asyncio
 import importlib.util
 import logging
 import signal
@@ -23,7 +24,7 @@ from mjforage.run_info import read_json
 from mjforage.studies.identity import fingerprint, run_info, versions
 from mjforage.studies.interrupts import interrupts_held
 
-PROTOCOLS = ("tcp", "tls", "ws", "wss")
+PROTOCOLS = ("tcp", "tls")
 PATIENCE_S = 20.0  # for a scheduler to answer, and for its first worker
 WATCH_S = 0.5
 NEVER_DONE = ("error", "cancelled", "lost")  # states of a task
@@ -102,16 +103,28 @@ def _client(scheduler: str, local_cluster: int, open_things: ExitStack) -> Any:
         )
         address = open_things.enter_context(cluster)
     try:
+        if scheduler:
+            asyncio.run(_answer(scheduler))
         client = distributed.Client(address, timeout=PATIENCE_S, set_as_default=False)
         open_things.callback(_close, client)
         client.wait_for_workers(1, timeout=PATIENCE_S)
-    except (OSError, ValueError, ImportError) as error:  # time-outs included
+    except (OSError, TypeError, ValueError, ImportError) as error:  # time-outs included
         reason = " ".join(str(error).split()) or type(error).__name__
         raise UserError(
             f"scheduler {scheduler}: no answer or no worker within {PATIENCE_S:g} s ({reason}); "
             "start `dask scheduler` there and `dask worker ADDRESS --nthreads 1` on every machine"
         ) from error
     return client
+
+
+async def _answer(scheduler: str) -> None:
+    """Raise TimeoutError unless dask answers: a client would wait for ever for another program."""
+    from distributed.comm import connect
+    from distributed.security import Security
+
+    options = Security().get_connection_args("client")
+    comm = await asyncio.wait_for(connect(scheduler, timeout=PATIENCE_S, **options), PATIENCE_S)
+    comm.abort()
 
 
 def _close(client: Any) -> None:

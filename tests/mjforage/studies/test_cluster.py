@@ -100,6 +100,17 @@ def test_a_scheduler_that_does_not_answer_is_named(
     assert not folder.exists()
 
 
+def test_another_program_at_the_address_is_named(
+    refused: Refused, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "PATIENCE_S", 0.5)
+    with socket.create_server(("127.0.0.1", 0)) as mute:
+        address = f"tcp://127.0.0.1:{mute.getsockname()[1]}"
+        words = refused("study", "ablation", "--scheduler", address, "--out", tmp_path / "study")
+    assert words.startswith(f"mjforage: scheduler {address}: no answer or no worker within 0.5 s")
+    assert not (tmp_path / "study").exists()
+
+
 @pytest.mark.parametrize(
     ("address", "words"),
     [
