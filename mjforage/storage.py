@@ -14,12 +14,13 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import polars as pl
 
+from mjforage.costs import Cost
 from mjforage.errors import UserError
 from mjforage.run_info import again, read_json
 from mjforage.scenario_file import canonical_json
@@ -258,12 +259,10 @@ class RunFolder:
             path = folder / f"{table}.parquet"
             remedy = self._moved(folder)
             _check_keys(path, read_table(path, table, remedy), chunk.keys, remedy)
-        self.timings([chunk])
+        self.costs([chunk])
         return True
 
-    def write(
-        self, chunk: Chunk, frames: Mapping[str, pl.DataFrame], timings: Mapping[str, float]
-    ) -> None:
+    def write(self, chunk: Chunk, frames: Mapping[str, pl.DataFrame], cost: Cost) -> None:
         """Store a finished chunk, whole or not at all.
 
         Raises
@@ -280,7 +279,7 @@ class RunFolder:
                     buffer = io.BytesIO()  # a full disk is then told in words, by Python
                     frame.write_parquet(buffer, compression="zstd")
                     (temporary / f"{name}.parquet").write_bytes(buffer.getvalue())
-                (temporary / "timings.json").write_text(json.dumps(timings), "utf-8")
+                (temporary / "cost.json").write_text(json.dumps(asdict(cost)), "utf-8")
                 temporary.rename(target)
             except OSError:
                 # A dying worker of a killed run may have finished the same chunk: it is equal.
@@ -289,26 +288,26 @@ class RunFolder:
             finally:
                 shutil.rmtree(temporary, ignore_errors=True)
 
-    def timings(self, chunks: list[Chunk]) -> dict[str, float]:
-        """Sum of the chunks' timings [s].
+    def costs(self, chunks: list[Chunk]) -> list[Cost]:
+        """What each of the chunks took.
 
         Raises
         ------
         UserError
-            If a chunk's timings are missing or not numbers.
+            If that is missing or malformed.
         """
-        total: dict[str, float] = {}
+        found = []
         for chunk in chunks:
             folder = self._chunks / chunk.name
+            file = folder / "cost.json"
             try:
-                for key, value in read_json(folder / "timings.json").items():
-                    total[key] = total.get(key, 0.0) + float(value)
-            except (UserError, TypeError, ValueError) as error:
+                found.append(Cost.of(read_json(file), str(file)))
+            except UserError as error:
                 raise UserError(
-                    f"{folder / 'timings.json'}: missing or not written by mjforage; delete "
-                    f"{folder} and {again(self.path)}"
+                    f"{file}: missing or not written by mjforage; delete {folder} and "
+                    f"{again(self.path)}"
                 ) from error
-        return total
+        return found
 
     def merge(self, chunks: list[Chunk]) -> None:
         """Join the chunks' tables in order and write them beside `run.json`.

@@ -77,8 +77,7 @@ def connected(scheduler: str, local_cluster: int) -> Iterator[Any]:
     UserError
         If dask is missing, or the scheduler or its workers cannot be reached or are lost.
     """
-    if importlib.util.find_spec("distributed") is None:
-        raise UserError("dask is not installed; pip install 'mjforage[cluster]'")
+    check_dask()
     with ExitStack() as open_things:
         with interrupts_held():
             client = _client(scheduler, local_cluster, open_things)
@@ -117,14 +116,20 @@ def _client(scheduler: str, local_cluster: int, open_things: ExitStack) -> Any:
     return client
 
 
+def check_dask() -> None:
+    """Raise UserError where dask is not installed."""
+    if importlib.util.find_spec("distributed") is None:
+        raise UserError("dask is not installed; pip install 'mjforage[cluster]'")
+
+
 async def _answer(scheduler: str) -> None:
     """Raise TimeoutError unless dask answers: a client would wait for ever for another program."""
-    from distributed.comm import connect
-    from distributed.security import Security
+    import distributed as untyped
 
-    options = Security().get_connection_args("client")
-    comm = await asyncio.wait_for(connect(scheduler, timeout=PATIENCE_S, **options), PATIENCE_S)
-    comm.abort()
+    distributed: Any = untyped  # as in `_client`
+    options = distributed.Security().get_connection_args("client")
+    asked = distributed.comm.connect(scheduler, timeout=PATIENCE_S, **options)
+    (await asyncio.wait_for(asked, PATIENCE_S)).abort()
 
 
 def _close(client: Any) -> None:

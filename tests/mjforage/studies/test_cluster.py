@@ -1,6 +1,5 @@
 """dask clusters: the same bytes whatever dies, and named errors for what does not fit."""
 
-import json
 import os
 import re
 import signal
@@ -14,6 +13,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from mjforage.costs import Call, load_costs
 from mjforage.errors import UserError
 from mjforage.mission import Setting
 from mjforage.scenario_file import load_scenario
@@ -79,8 +79,9 @@ def test_a_worker_killed_in_the_middle_changes_no_bit(start: Start, tmp_path: Pa
     assert (process.returncode, err) == (0, ""), out
     for name in ("summary.json", "variants/scouts-less/steps.parquet"):
         assert (killed / name).read_bytes() == (plain / name).read_bytes(), name
-    session = json.loads((killed / "sessions.json").read_text())["sessions"][0]
-    assert (session["workers"], session["episodes"]) == (2, 3 * EPISODES)
+    costs = [one for path in killed.glob("variants/*/costs.json") for one in load_costs(path)]
+    assert sum(cost.episodes for cost in costs) == 3 * EPISODES
+    assert {(cost.workers, cost.how) for cost in costs} == {(2, "local dask cluster")}
 
 
 def unused_port() -> int:
@@ -161,7 +162,8 @@ def order(tmp_path: Path) -> Order:
     setting = Setting.of(load_scenario("published", ["horizon=5"]))
     run = Run.plan(setting, ["greedy"], tmp_path / "run", episodes=2)
     run.open()
-    return Order.of(run.setting, 0, run.folder.path, run.info["hash"], remote=True)
+    call = Call("now", "dask", 1)
+    return Order.of(run.setting, 0, run.folder.path, run.info["hash"], call, remote=True)
 
 
 def refusal(order: Order) -> str:
