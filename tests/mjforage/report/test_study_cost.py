@@ -2,7 +2,10 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from mjforage.costs import Cost
+from mjforage.report.picture import Picture
 from mjforage.report.studies.cost import cost_table, throughput_picture, throughput_table
 from mjforage.report.studies.logs import StudyLogs
 from mjforage.report.tables import Table
@@ -19,6 +22,11 @@ def chunk(
         *("graph", policy, 10, 1000, cpu_s, wall_s, began_s, worker, call, "processes"),
         CALLS[call],
     )
+
+
+def dots(picture: Picture) -> list[list[list[float]]]:
+    drawn = [line for line in picture.figure.axes[0].lines if line.get_marker() != "None"]
+    return [np.asarray(line.get_xydata()).tolist() for line in drawn]
 
 
 def study(*variants: tuple[Cost, ...], kind: str = "paper") -> StudyLogs:
@@ -71,12 +79,7 @@ def test_throughput_of_a_policy_does_not_hang_on_what_else_a_call_computed() -> 
     assert (shared["busy %"], alone["busy %"]) == ("80", "80")
     picture = throughput_picture(logs)
     assert picture is not None
-    dots = [
-        tuple(line.get_xydata())
-        for line in picture.figure.axes[0].lines
-        if line.get_marker() != "None"
-    ]
-    assert [tuple(map(tuple, points)) for points in dots] == [((1.0, 1.0), (4.0, 4.0))]
+    assert dots(picture) == [[[1.0, 1.0], [4.0, 4.0]]]
 
 
 def test_workers_that_wait_lower_the_throughput() -> None:
