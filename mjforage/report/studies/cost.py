@@ -72,15 +72,15 @@ def cost_table(logs: StudyLogs) -> Table:
             str(episodes),
             number(episodes / len(chunks), 1),
             _with_half(cpu_s, half),
-            number(1000 * sum(cost.cpu_s for cost in chunks) / steps, 2),
+            _with_half(1000 * sum(cost.cpu_s for cost in chunks) / steps, float("nan")),
             *((_with_half(cpu_s * hours, half * hours),) if told else ()),
         )
         rows.append(Row(_head(logs, work), cells, style.policy_colour(work[1])))
     notes = [
         "CPU time of one core: mean of the variants' means ± 1.96 SEM over the variants, whose "
         "real differences are in it. A worker's first chunk of a row also loads and compiles, and "
-        "is left out unless there is no other. Not in it: starting workers, one replay per row and "
-        "variant (an episode each), merging and drawing."
+        "is left out unless there is no other. Not in it: starting workers, writing, one replay "
+        "per row and variant (an episode each), merging and drawing."
     ]
     if told:
         notes.append(
