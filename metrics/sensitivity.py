@@ -15,6 +15,7 @@ from metrics import statistics
 from metrics._checks import FloatArray, first, ratio
 from metrics.resampling import RESAMPLES, percentiles, resampled
 
+_ENOUGH = 10  # episodes of which resamples say something of F
 _ROUNDING = 1e-20  # of squares of sums of floats, relative
 
 
@@ -144,7 +145,8 @@ def break_test(
 
     Returns
     -------
-    F and p; p is NaN with a single episode, both where a line fits to rounding errors
+    F and p; p is NaN with fewer than 10 episodes at a level, both where a line fits to rounding
+    errors
 
     Raises
     ------
@@ -161,7 +163,7 @@ def break_test(
         return BreakTest(np.nan, np.nan)
     found = float(_f_ratio(x, y))
     n = statistics.count(given)
-    if n.min() < 2:
+    if n.min() < _ENOUGH:
         return BreakTest(found, np.nan)
     wider = (given - y[:, None]) * np.sqrt(n / (n - 1))[:, None]
     straight = (intercept + slope * x)[:, None] + wider

@@ -114,22 +114,21 @@ def _cells(fit: Fit | None, digits: int) -> tuple[str, ...]:
     )
 
 
-def team_draw(logs: StudyLogs) -> str:
+def unlike_draws(logs: StudyLogs) -> str:
     """What keeps the paper's slopes from being compared with ours; nothing with its own rule."""
-    return "" if logs.options["whole_team"] else "one draw for the team"
-
-
-def paper_head(logs: StudyLogs, algorithm: str) -> str:
-    """Head of a row of the paper's slopes, with what they are of."""
-    return ", ".join(part for part in (algorithm, LABEL, team_draw(logs)) if part)
+    if logs.options["whole_team"]:
+        return ""
+    return "paper: one draw for the team; ours: one per agent"
 
 
 def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
     """Slopes and break points per corrupted team and metric."""
-    rows = []
+    rows, found = [], (published_for(logs.base, policy) for policy in logs.base.policies)
+    printed = {pair for known in found if known for pair in known.slopes}
     for team in teams(logs):
         for metric in map(describe, KEYS):
             group = f"{team} corrupted, {metric.label}"
+            note = unlike_draws(logs) if (team, metric.key) in printed else ""
             for policy in style.ordered(logs.base.policies):
                 for world in logs.worlds:
                     fit = fits.of(team, world, policy, metric.key)
@@ -137,12 +136,12 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
                     cells, colour = _cells(fit, metric.digits), style.policy_colour(policy)
                     bent = fit is not None and fit.test.p < SIGNIFICANT
                     best = frozenset({len(COLUMNS) - 1} if bent else ())
-                    rows.append(Row(head, cells, colour, best=best, group=group))
+                    rows.append(Row(head, cells, colour, best=best, group=group, note=note))
                 known = published_for(logs.base, policy)
                 if known and (team, metric.key) in known.slopes:
                     slope = number(known.slopes[team, metric.key], metric.digits)
                     cells = (NOTHING, NOTHING, slope, *(NOTHING,) * (len(COLUMNS) - 3))
-                    head = paper_head(logs, known.algorithm)
+                    head = f"{known.algorithm}, {LABEL}"
                     rows.append(Row(head, cells, group=group, paper=True))
     draw = (
         "One draw for the whole team, and random foragers still take a known item beside them, as "
@@ -219,9 +218,9 @@ def _published(logs: StudyLogs, team: str) -> str:
             if known and whose == team:
                 words = f"{number(slope, describe(key).digits)} ({known.algorithm})"
                 found.setdefault(describe(key).label, []).append(words)
-    rule = f" and with {team_draw(logs)}" if team_draw(logs) else ""
+    rule = f" ({unlike_draws(logs)})" if unlike_draws(logs) else ""
     return "".join(
-        f" The paper's SS of {label}, on its own map{rule}: {joined(words)}."
+        f" The paper's SS of {label}, on its own map: {joined(words)}{rule}."
         for label, words in found.items()
     )
 

@@ -10,7 +10,7 @@ from mjforage.report.curves import time_figures
 from mjforage.report.distributions import distribution_figures
 from mjforage.report.figures import house_style
 from mjforage.report.gap import gap_table, ladder_table
-from mjforage.report.published import Published, published_for
+from mjforage.report.published import LABEL, Published, published_for
 from mjforage.report.studies import ablation, corruption
 from mjforage.report.studies.logs import Player, StudyLogs
 from mjforage.report.studies.page import Section
@@ -87,10 +87,9 @@ def _slopes(
         fit = fits.of(team, world, policy, key)
         if fit is not None:
             metric, (low, high) = describe(key), fit.intervals.slope
-            rule = corruption.team_draw(logs)
             name = f"SS of {metric.label}, {team} corrupted"
-            name += f" (paper: {rule}; ours: one per agent)" if rule else ""
-            like, slope = _same(world) and not rule, float(fit.line.slope)
+            like = _same(world) and not corruption.unlike_draws(logs)
+            slope = float(fit.line.slope)
             found.append(Beside(name, value, slope, low, high, 0.0, metric.digits, like))
     return found
 
@@ -119,20 +118,22 @@ def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table | None:
             continue
         for world in logs.worlds:
             group = f"{policy} · {world}, beside the paper's {known.algorithm} (graph)"
-            for pair in (
-                *_means(logs, known, policy, world),
-                *_slopes(logs, known, policy, world, fits),
-                *_contributions(logs, known, policy, world),
+            unlike, colour = corruption.unlike_draws(logs), style.policy_colour(policy)
+            slopes = f"slopes of {group}" if unlike else group
+            for place, note, pairs in (
+                (group, "", _means(logs, known, policy, world)),
+                (group, "", _contributions(logs, known, policy, world)),
+                (slopes, unlike, _slopes(logs, known, policy, world, fits)),
             ):
-                row = pair.row
-                rows.append(Row(row.head, row.cells, style.policy_colour(policy), group=group))
+                heads = [pair.row for pair in pairs]
+                rows += [Row(r.head, r.cells, colour, group=place, note=note) for r in heads]
     if not rows:
         return None
     notes = (
         "The paper's numbers are of its own map, ours of the map named above. Interval: bootstrap "
         "95 % over our episodes. Within: whether the paper's number lies in it, widened by the "
         "paper's own ± where it prints one; not asked where the two are unlike, with hulls or with "
-        "another rule of corruption (named in the row). RMSE without a subscript is not "
+        "another rule of corruption. RMSE without a subscript is not "
         "printed in the paper but measured by running its public code.",
     )
     columns = ("paper", "ours", "95 % interval", "difference", "within")
@@ -156,11 +157,11 @@ def table_4(logs: StudyLogs, fits: corruption.Fits) -> Table:
         if known:
             csr = number(known.printed["csr"], 3)
             slopes = (number(known.slopes[pair], describe(pair[1]).digits) for pair in asked)
-            head = corruption.paper_head(logs, known.algorithm)
-            rows.append(Row(head, (csr, *slopes), paper=True))
+            rows.append(Row(f"{known.algorithm}, {LABEL}", (csr, *slopes), paper=True))
     columns = ("CSR", *(f"SS of {describe(key).label}, {team}" for team, key in asked))
     title = "Table 4: cooperative success ratio and sensitivity slopes"
-    return Table("table-4", title, columns, tuple(rows))
+    units = ("", *(corruption.unlike_draws(logs) for _ in asked))
+    return Table("table-4", title, columns, tuple(rows), (), units)
 
 
 def sections(logs: StudyLogs) -> list[Section]:

@@ -14,6 +14,7 @@ from mjforage.studies.study import Study, run_study
 
 Make = Callable[[bool], StudyLogs]
 STEP = 0.25
+WORDS = "paper: one draw for the team; ours: one per agent"
 
 
 @pytest.fixture(scope="module")
@@ -37,8 +38,10 @@ def verdicts(table: Table | None) -> dict[str, str]:
     return {row.head: row.cells[place] for row in table.rows}
 
 
-def paper_heads(table: Table) -> set[str]:
-    return {row.head for row in table.rows if row.paper}
+def noted(table: Table | None) -> set[str]:
+    """Heads of the rows under a note on unlike draws."""
+    assert table is not None
+    return {row.head for row in table.rows if row.note == WORDS}
 
 
 def test_slopes_of_another_rule_of_corruption_are_named_and_not_judged(study: Make) -> None:
@@ -48,20 +51,21 @@ def test_slopes_of_another_rule_of_corruption_are_named_and_not_judged(study: Ma
     slopes = {head: verdict for head, verdict in found.items() if head.startswith("SS of")}
     assert len(slopes) == 2
     for head, verdict in slopes.items():
-        assert head.endswith("(paper: one draw for the team; ours: one per agent)")
-        assert verdict == NOTHING
+        assert verdict == NOTHING, head
     assert {found[head] for head in found if head not in slopes} <= {"yes", "no"}
-    for table in (corruption.slopes_table(logs, fits), paper.table_4(logs, fits)):
-        assert paper_heads(table) == {"Greedy, paper (its own map), one draw for the team"}
-    caption = corruption.picture(logs, fits, "scouts").caption
-    assert "The paper's SS of PTA_C, on its own map and with one draw for the team: " in caption
+    assert noted(paper.beside_table(logs, fits)) == set(slopes)
+    assert noted(corruption.slopes_table(logs, fits)) == {"greedy"}
+    assert paper.table_4(logs, fits).units == ("", WORDS, WORDS)
+    assert WORDS in corruption.picture(logs, fits, "scouts").caption
 
 
 def test_slopes_of_the_papers_rule_are_judged(study: Make) -> None:
     logs = study(True)
     fits = corruption.Fits(logs)
     assert set(verdicts(paper.beside_table(logs, fits)).values()) <= {"yes", "no"}
-    assert paper_heads(paper.table_4(logs, fits)) == {"Greedy, paper (its own map)"}
+    tables = (paper.beside_table(logs, fits), corruption.slopes_table(logs, fits))
+    assert [noted(table) for table in tables] == [set(), set()]
+    assert paper.table_4(logs, fits).units == ("", "", "")
     foragers = corruption.picture(logs, fits, "foragers")
     labels = [axes.get_ylabel() for axes in foragers.figure.axes]
     assert "The paper's SS of RMSE_columns" in foragers.caption
