@@ -136,7 +136,8 @@ def break_test(
 
     A small p says that the means are on no straight line; a smooth bend gives one too. Few episodes
     make it small too often: of 200 straight sweeps of 21 levels each, with even, correlated or
-    skewed noise, 5 to 7 % fell below 0.05 with 100 episodes, 5 to 10 % with 20, 12 to 14 % with 5.
+    skewed noise, 5 to 7 % fell below 0.05 with 100 episodes, 5 to 10 % with 20, 6 to 11 % with 10,
+    and 12 to 14 % with 5.
 
     Parameters
     ----------

@@ -19,6 +19,7 @@ PAPER_EPISODES = 4300
 """All of the paper for one policy: the fleet, 2 fleets less one, 2 teams at 20 levels; 100 each."""
 LIKE_PAPER = ("ablation", "corruption", "paper")  # studies that play its variants
 HOUR_S = 3600.0
+STARTED_S = 60.0  # wall time after which loading and compiling no longer rule a throughput
 
 Work = tuple[str, str]  # world and policy: what calls must share to be compared
 
@@ -163,8 +164,8 @@ def throughput_table(logs: StudyLogs) -> Table:
         "A row per call and what it computed, also of calls that were stopped or killed: finished "
         "chunks keep their own times. Only rows of one heading are alike. Wall: from the call's "
         "first to its last moment of computing, shared out among the headings in proportion to the "
-        "time that workers spent; busy: CPU time over wall time times workers. Calls of a few "
-        "seconds mostly load and compile.",
+        "time that workers spent; busy: CPU time over wall time times workers. Calls of less "
+        "than a minute mostly load and compile.",
     )
     labels = ("computed by", "workers", "episodes", "wall", "episodes", "CPU time", "busy")
     units = ("", "", "", "s", "per s", "s per episode", "%")
@@ -172,13 +173,14 @@ def throughput_table(logs: StudyLogs) -> Table:
 
 
 def throughput_picture(logs: StudyLogs) -> Picture | None:
-    """Throughput against workers; None unless calls of several numbers did the same work."""
+    """Throughput against workers; None unless long calls of several numbers did the same work."""
     drawn: dict[Work, list[tuple[int, float]]] = {}
     for work in works(logs):
-        points = sorted((share.workers, share.rate) for share in _shares(logs, work))
-        few = points[0][0]
-        each = float(np.mean([rate / few for count, rate in points if count == few]))
-        if points[-1][0] > few:
+        long = [share for share in _shares(logs, work) if share.wall_s >= STARTED_S]
+        points = sorted((share.workers, share.rate) for share in long)
+        few = points[0][0] if points else 0
+        if points and points[-1][0] > few:
+            each = float(np.mean([rate / few for count, rate in points if count == few]))
             drawn[work] = [(count, rate / each) for count, rate in points]
     if not drawn:
         return None
@@ -195,12 +197,13 @@ def throughput_picture(logs: StudyLogs) -> Picture | None:
             counts = sorted({count for count, _ in points})
             means = [np.mean([rate for count, rate in points if count == x]) for x in counts]
             axes.plot(counts, means, color=look.colour, linestyle=lines[world])
-        axes.set(xlabel="workers", ylabel="throughput, in workers of the smallest call")
+        axes.set(xlabel="workers", ylabel="relative throughput")
         axes.set(xlim=(0, most + 0.5), ylim=(0, None))
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         panel.legend(figure)
     words = (
         "Episodes per second over those per worker of the call with the fewest workers on the same "
-        "world and policy; a dot per call, lines through their means. Dashed grey: in proportion."
+        "world and policy; a dot per call, lines through their "
+        f"means. Calls of less than {STARTED_S:g} s of it are left out. Dashed grey: in proportion."
     )
     return Picture("throughput", "Throughput against workers", words, figure)

@@ -119,7 +119,7 @@ def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table | None:
         for world in logs.worlds:
             group = f"{policy} · {world}, beside the paper's {known.algorithm} (graph)"
             unlike, colour = corruption.unlike_draws(logs), style.policy_colour(policy)
-            slopes = f"slopes of {group}" if unlike else group
+            slopes = f"{group}: slopes" if unlike else group
             for place, note, pairs in (
                 (group, "", _means(logs, known, policy, world)),
                 (group, "", _contributions(logs, known, policy, world)),

@@ -66,15 +66,15 @@ def test_studies_of_other_variants_are_not_extrapolated_to_the_paper() -> None:
 
 
 def test_throughput_of_a_policy_does_not_hang_on_what_else_a_call_computed() -> None:
-    # Monday, one worker: 10 episodes of greedy in 10 s, then 10 of levy in 1,000 s. Tuesday, four:
-    # greedy alone, 40 episodes in 10 s.
+    # Monday, one worker: 10 episodes of greedy in 100 s, then 10 of levy in 1,000 s. Tuesday, four:
+    # greedy alone, 40 episodes in 100 s.
     tuesday = tuple(
-        chunk("greedy", 5000.0, 10.0, call="tuesday", worker=f"b-{n}") for n in range(4)
+        chunk("greedy", 5000.0, 100.0, call="tuesday", worker=f"b-{n}") for n in range(4)
     )
-    logs = study((chunk("greedy", 0.0, 10.0), chunk("levy", 10.0, 1000.0)), tuesday)
+    logs = study((chunk("greedy", 0.0, 100.0), chunk("levy", 100.0, 1000.0)), tuesday)
     table = throughput_table(logs)
     alone, shared = cells(table, "greedy: tuesday UTC"), cells(table, "greedy: monday UTC")
-    assert (shared["episodes per s"], alone["episodes per s"]) == ("1.00", "4.00")
+    assert (shared["episodes per s"], alone["episodes per s"]) == ("0.10", "0.40")
     assert cells(table, "levy: monday UTC")["episodes per s"] == "0.01"
     assert (shared["busy %"], alone["busy %"]) == ("80", "80")
     picture = throughput_picture(logs)
@@ -93,5 +93,10 @@ def test_workers_that_wait_lower_the_throughput() -> None:
 
 
 def test_calls_of_different_work_are_not_drawn_beside_one_another() -> None:
-    logs = study((chunk("greedy", 0.0, 10.0), chunk("levy", 10.0, 10.0, call="tuesday")))
+    logs = study((chunk("greedy", 0.0, 100.0), chunk("levy", 100.0, 100.0, call="tuesday")))
+    assert throughput_picture(logs) is None
+
+
+def test_calls_that_hardly_began_are_not_drawn() -> None:
+    logs = study((chunk("greedy", 0.0, 100.0), chunk("greedy", 500.0, 59.0, call="tuesday")))
     assert throughput_picture(logs) is None
