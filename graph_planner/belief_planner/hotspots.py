@@ -8,7 +8,8 @@ the posterior is, by Poisson thinning,
     log p(c) = sum_i log P0[c, s_i] - (a + n) log(b + 1 - U(c)) + constant,
 
 and the hotspot has (a + n) / (b + 1 - U(c)) items in all, of which P0[c, x] start in x. What was
-never in view of that is carried on by the drift.
+never in view of that is carried on by the drift. Sightings too far from every hotspot refute the
+assumed number of them (`believed`).
 """
 
 from typing import NamedTuple
@@ -23,7 +24,10 @@ from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
 
 STRAY = 1e-5  # chance of a start anywhere, for tracks that are mistaken
-FOREIGN = 2e-4  # below this chance a sighting belongs to another hotspot
+FOREIGN = 2e-4  # below this chance a sighting belongs to another hotspot of those believed in
+STRANGE = 1e-5  # and below this one to a hotspot beyond them
+SPARE = 2  # hotspots that may show beyond those assumed
+REFUTING = 3  # sightings by which such a hotspot is believed in
 NEGLIGIBLE = 1e-3  # hypotheses of the drift with less weight are let go
 STALE = 0.8  # starts are worked out again when the drift's estimate moved them so far [node]
 
@@ -31,8 +35,9 @@ STALE = 0.8  # starts are worked out again when the drift's estimate moved them 
 class Hotspots(NamedTuple):
     """Memory of a batch."""
 
+    assumed: int  # hotspots
     shape: float  # a of the number of items
-    rate: float  # b
+    rate: float  # b for each of those assumed
     unseen: NDArray[np.uint8]  # (episode, hypothesis, node) starts never in view
     share: NDArray[np.float64]  # (episode, hypothesis) weight of each drift
     log_starts: NDArray[np.float64]  # (episode, hotspot, node) sum of log P0 over its sightings
@@ -50,10 +55,11 @@ def hotspots(
 ) -> Hotspots:
     """Nothing seen yet, for assumptions as in `settings` and room for `capacity` sightings."""
     shape = (settings.items / settings.items_sd) ** 2
-    n = settings.hotspots
+    n = settings.hotspots + SPARE
     return Hotspots(
+        assumed=settings.hotspots,
         shape=shape,
-        rate=shape * n / settings.items,
+        rate=shape * settings.hotspots / settings.items,
         unseen=np.ones((episodes, hypotheses, nodes), np.uint8),
         share=np.full((episodes, hypotheses), 1.0 / hypotheses),
         log_starts=np.zeros((episodes, n, nodes)),
@@ -104,6 +110,15 @@ def look(
 
 
 @kernel
+def believed(spots: Hotspots, e: int) -> int:
+    """How many hotspots there are: as many as assumed, or else one more than have shown."""
+    shown = spots.assumed
+    while shown < spots.sighted.shape[1] and spots.sighted[e, shown] >= REFUTING:
+        shown += 1
+    return shown if shown == spots.assumed else min(shown + 1, spots.sighted.shape[1])
+
+
+@kernel
 def _add_start(
     spots: Hotspots, cloud: Cloud, shore: Shore, e: int, i: int, chances: NDArray[np.float64]
 ) -> None:
@@ -113,17 +128,19 @@ def _add_start(
     col = shore.cols[node] - spots.used[e, 1] * step
     _, _, start = settled(shore, row, col)
     start_chances(cloud, start, chances)
-    best, fit = 0, -1.0
-    for h in range(spots.sighted.shape[1]):
+    best, fit, many = 0, -1.0, believed(spots, e)
+    for h in range(many):
         if spots.sighted[e, h] == 0:
             if fit < FOREIGN:
-                best = h
+                best, fit = h, 1.0
             break
         here = 0.0
         for c in range(chances.size):
             here += chances[c] * spots.chance[e, h, c]
         if here > fit:
             best, fit = h, here
+    if fit < STRANGE and many < spots.sighted.shape[1]:
+        best = many
     fresh = spots.sighted[e, best] == 0
     spots.sighted[e, best] += 1
     for c in range(chances.size):
@@ -189,12 +206,13 @@ def _never_in_view(share: NDArray[np.float64], unseen: NDArray[np.uint8]) -> NDA
 
 @kernel
 def _locate(
-    spots: Hotspots, cloud: Cloud, e: int, h: int, mean: NDArray[np.float64]
+    spots: Hotspots, cloud: Cloud, e: int, h: int, rate: float, mean: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Update the posterior of hotspot h.
 
     Parameters
     ----------
+    rate : b of the number of items
     mean : (node,) chance that an item which started there was never in view
 
     Returns
@@ -202,7 +220,7 @@ def _locate(
     (node,) items that the hotspot has in all if it is there, and the box (see `bounds`) outside of
     which it is not
     """
-    n, a, b = mean.size, spots.shape + spots.sighted[e, h], spots.rate
+    n, a, b = mean.size, spots.shape + spots.sighted[e, h], rate
     log_starts, box = spots.log_starts[e, h], np.array([0, 1 << 40, 0, 1 << 40])
     if spots.sighted[e, h] > 0:
         box = bounds(cloud, log_starts, log_starts.max() - a * np.log1p(1.0 / b) - 9.0)
@@ -249,18 +267,19 @@ def expect(
     ----------
     nodes : (hypothesis, node) where an item of each start is now
     """
-    share, unseen, many = spots.share[e], spots.unseen[e], spots.sighted.shape[1]
+    share, unseen, many = spots.share[e], spots.unseen[e], believed(spots, e)
+    rate = spots.rate * many / spots.assumed
     mean, starts = _never_in_view(share, unseen), np.zeros(expected.size)
     spots.total[e] = 0.0
     for h in range(many):
-        items, box = _locate(spots, cloud, e, h, mean)
+        items, box = _locate(spots, cloud, e, h, rate, mean)
         alike = many - h if spots.sighted[e, h] == 0 else 1  # those never sighted are alike
         for c in range(items.size):
             items[c] *= alike * spots.chance[e, h, c]
             spots.total[e] += items[c]
         scattered(cloud, items, box, starts)
         if alike > 1:
-            spots.chance[e, h + 1 :] = spots.chance[e, h]
+            spots.chance[e, h + 1 : many] = spots.chance[e, h]
         if spots.sighted[e, h] == 0:
             break
     _carry(share, unseen, starts, nodes, expected)

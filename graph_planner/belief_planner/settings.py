@@ -20,7 +20,7 @@ class BeliefSettings:
     ----------
     fast : search less, for about three times the speed
     robust : assume up to three hotspots of unknown width and number of items, and twice the drift
-    hotspots : clusters that the items come in
+    hotspots : clusters that the items come in, unless sightings show up to two more
     spread_node : standard deviation of a cluster per axis [node]
     items, items_sd : number of items, mean and deviation
     drift_node_per_step : the largest constant drift expected per axis [node/step]

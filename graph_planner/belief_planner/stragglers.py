@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.hotspots import Hotspots
+from graph_planner.belief_planner.hotspots import Hotspots, believed
 from graph_planner.belief_planner.shore import Shore, afloat, settled
 from graph_planner.belief_planner.wind import Wind
 from graph_planner.compiled import inlined, kernel
@@ -255,7 +255,7 @@ def try_more(
     tries : particles tried
     """
     many, kept = 0, 0
-    for h in range(spots.sighted.shape[1]):
+    for h in range(believed(spots, e)):
         many += spots.sighted[e, h] > 0
     for i in range(stragglers.number[e]):
         kept += stragglers.source[e, i] == NEVER_SEEN

@@ -40,9 +40,9 @@ def ddqn(
     scenario
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     hours
-        Stop when the run has lasted so long.
+        Stop after the round of episodes in which the run has lasted so long.
     updates
-        Stop when each network has been updated so often.
+        Stop after the round of episodes in which each network has been updated so often.
     seed
         Seed of the run.
     map

@@ -21,7 +21,7 @@ from mjforage.learning.logs import Logs
 from mjforage.learning.settings import Settings
 from mjforage.learning.training import Row, Trainer, save_weights
 from mjforage.scenario import Scenario
-from mjforage.storage import write_json, writing
+from mjforage.storage import claimed, write_json, writing
 
 CHECKPOINT_S = 300.0  # between two checkpoints
 
@@ -56,14 +56,24 @@ def train(
     Raises
     ------
     UserError
-        If there is no end, the device is missing, or the folder holds another run.
+        If there is no end, the device is missing, or the folder holds another run or is being
+        written.
     """
     if hours is None and updates is None:
         raise UserError("train: no end given; add --hours 2 or --updates 10000")
     trainer = Trainer([scenario, *also], settings, seed, _device(device))
-    checkpoint = folder / "checkpoint.safetensors"
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
+    with claimed(folder):
+        _go_on(trainer, folder, hours, updates, report)
+    return trainer
+
+
+def _go_on(
+    trainer: Trainer, folder: Path, hours: float | None, updates: int | None, report: Report
+) -> None:
+    """Rounds from the folder's checkpoint, if there is one, to the end."""
+    checkpoint, settings = folder / "checkpoint.safetensors", trainer.settings
     if checkpoint.is_file():
         restore_checkpoint(trainer, checkpoint)
     write_json(folder / "train.json", _facts(trainer))
@@ -88,7 +98,6 @@ def train(
             logs.write()
             saved = time.perf_counter()
     logs.close()
-    return trainer
 
 
 def _over(trainer: Trainer, hours: float | None, updates: int | None) -> bool:

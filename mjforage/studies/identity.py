@@ -16,7 +16,7 @@ import controllers
 import graph_planner
 import metrics
 import mjforage
-from graph_planner.policies.registry import weights_of
+from graph_planner.policies.registry import is_bound, weights_of
 from mjforage.assets import models_folder
 from mjforage.mission import Setting
 from mjforage.scenario_file import scenario_to_tree
@@ -108,6 +108,7 @@ def run_info(
         "episodes": episodes,
         "worlds": list(worlds),
         "policies": list(policies),
+        "bounds": [name for name in policies if is_bound(name)],
         "weights": weight_hashes(policies),
         "agents": [
             {"name": name, "team": setting.fleet.team_names[team], "collects": bool(collects)}

@@ -174,6 +174,14 @@ def test_teams_of_any_name_and_number_run(evaluate_small: Small, tmp_path: Path)
     assert tables(run)["agents"]["agent"].max() == 4
 
 
+def test_a_run_says_which_of_its_policies_are_bounds(
+    finished: Path, evaluate_small: Small, tmp_path: Path
+) -> None:
+    run = evaluate_small(tmp_path / "run", policies=["oracle", "levy"], episodes=1)
+    assert json.loads((run / "run.json").read_text())["bounds"] == ["oracle"]
+    assert json.loads((finished / "run.json").read_text())["bounds"] == []
+
+
 def recompute_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: object) -> None:
         pytest.fail("a finished run was computed again")

@@ -39,7 +39,9 @@ def test_many_small_boats_collect_more_when_full_ones_are_left_out() -> None:
 
 
 def test_a_boat_with_energy_takes_over_from_those_without() -> None:
-    assert collected(*SOON_SPENT) > collected(*SOON_SPENT, ignore=True)
+    """Over 24 episodes 7 % more; 4 to 6 % with two boats and 8, 12 or 24 units of energy."""
+    least = 1.04 * collected(*SOON_SPENT, ignore=True, episodes=24)
+    assert collected(*SOON_SPENT, episodes=24) > least
 
 
 @pytest.mark.parametrize("name", ["belief", "oracle"])

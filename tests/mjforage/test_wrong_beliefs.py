@@ -33,6 +33,11 @@ def test_scouts_that_search_in_vain_look_everywhere(wrong: tuple[str, ...]) -> N
     assert collected(*wrong) > 0.9
 
 
+def test_more_hotspots_than_assumed_are_found() -> None:
+    """Without that, 64 % of these items are collected."""
+    assert collected("items.hotspots=3", episodes=10) > 0.9
+
+
 def test_a_world_of_few_items_that_is_known_to_be_one() -> None:
     few = ("items.mean=10.0", "items.std=10.0", "belief.items=10.0", "belief.items_sd=10.0")
     assert collected(*few) > 0.9

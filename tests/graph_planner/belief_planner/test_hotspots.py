@@ -134,10 +134,49 @@ def test_a_second_hotspot_takes_the_sightings_that_the_first_cannot_explain() ->
     cells = [(int(r), int(c)) for r, c in np.rint(np.concatenate((one, two))).clip(0, 39)]
     belief.sight(cells)
     belief.expect()
-    assert belief.spots.sighted[0].tolist() == [20, 20]
+    assert belief.spots.sighted[0].tolist() == [20, 20, 0, 0]
     for h, middle in enumerate((8, 31)):
         row, col = divmod(int(belief.spots.chance[0, h].argmax()), 40)
         assert abs(row - middle) <= 2 and abs(col - middle) <= 2
+
+
+def clustered(rng: np.random.Generator, *middles: tuple[int, int]) -> list[tuple[int, int]]:
+    """Cells of 25 items around each of the middles."""
+    places = np.concatenate([rng.normal(middle, 4.47, (25, 2)) for middle in middles])
+    return [(int(r), int(c)) for r, c in np.rint(places).clip(0, 39)]
+
+
+def test_sightings_that_one_hotspot_cannot_explain_refute_the_assumption_of_one() -> None:
+    """Then there is one more than shown, and 75 items are shared by all of them."""
+    belief = Belief()
+    belief.sight(clustered(np.random.default_rng(0), (6, 6)))
+    assert hs.believed(belief.spots, 0) == 1
+    belief.expect()
+    belief.look(0, (np.arange(1600) < 1000).reshape(40, 40))
+    belief.sight(clustered(np.random.default_rng(1), (6, 32)))
+    assert hs.believed(belief.spots, 0) == 3
+    assert belief.expect()[28:].sum() > 5  # the third, where nobody has looked
+    assert belief.spots.total[0] == pytest.approx(75, rel=0.3)
+
+
+def test_a_mistaken_sighting_or_two_refute_nothing() -> None:
+    belief = Belief()
+    belief.sight(clustered(np.random.default_rng(0), (6, 6)))
+    belief.expect()
+    for n in range(2):
+        belief.sight([(32, 30 + n)])
+        assert hs.believed(belief.spots, 0) == 1
+    belief.sight([(32, 33)])
+    assert hs.believed(belief.spots, 0) == 3
+
+
+def test_one_hotspot_does_not_refute_itself() -> None:
+    for seed in range(20):
+        belief = Belief()
+        for part in range(3):
+            belief.sight(clustered(np.random.default_rng((seed, part)), (20, 20)))
+            belief.expect()
+        assert hs.believed(belief.spots, 0) == 1
 
 
 def test_an_unsighted_second_hotspot_is_still_expected_somewhere() -> None:

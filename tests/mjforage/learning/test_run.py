@@ -19,6 +19,7 @@ from mjforage.learning.training import Trainer
 from mjforage.mission import Mission, Setting
 from mjforage.scenario import Scenario
 from mjforage.scenario_file import load_scenario
+from mjforage.storage import claimed
 
 TINY = {
     "lanes": 3,
@@ -192,6 +193,8 @@ def test_ends_and_folders_are_checked(finished: tuple[Path, Trainer], tmp_path: 
         train(scenario(), settings(), copy, seed=3, updates=1)
     with pytest.raises(UserError, match="--device tpu: choose auto, cpu or cuda"):
         train(scenario(), settings(), tmp_path, updates=1, device="tpu")
+    with claimed(copy), pytest.raises(UserError, match="another process is writing this run"):
+        train(scenario(), settings(), copy, seed=3, updates=1)
 
 
 @pytest.mark.parametrize(
