@@ -16,7 +16,7 @@ Definition"; statistics over episodes come beside them.
 | Inter-Team Temporal Lag | `itl`, `itl_level` | Inter-team metrics, ITL |
 | Cooperative Success Ratio | `csr`, `csr_series` | Inter-team metrics, CSR |
 | Sensitivity Slope | `sensitivity_slope`, `bootstrap_sensitivity` | Inter-team metrics, CSSC |
-| sensitivity regimes, break point | `two_segment_fit` | Inter-team metrics, CSSC |
+| sensitivity regimes, break point | `two_segment_fit`, `break_test` | Inter-team metrics, CSSC |
 | Gini index of contributions | `gini`, `team_gini`, `team_gini_series` | Intra-team metrics, Gini |
 | Coverage Overlap | `coverage_overlap` | Intra-team metrics, CO |
 | Marginal Contribution | `marginal_contribution`, `paired_contribution` | Intra-team metrics, MC |
@@ -43,10 +43,12 @@ from metrics.model_error import model_error
 from metrics.primary import irr, mean_idleness, nt, pta, pta_series, throughput
 from metrics.resampling import Interval, bootstrap
 from metrics.sensitivity import (
+    BreakTest,
     Line,
     SensitivityIntervals,
     TwoSegments,
     bootstrap_sensitivity,
+    break_test,
     sensitivity_slope,
     two_segment_fit,
 )
@@ -56,6 +58,7 @@ from metrics.summary import Summary, summarise
 __all__ = [
     "NEVER",
     "NOBODY",
+    "BreakTest",
     "EventTable",
     "Improvement",
     "Interval",
@@ -65,6 +68,7 @@ __all__ = [
     "TwoSegments",
     "bootstrap",
     "bootstrap_sensitivity",
+    "break_test",
     "contributions",
     "count",
     "counts_by_step",

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.errors import UserError
+from mjforage.run_info import again
 
 
 @dataclass(frozen=True)
@@ -63,13 +64,15 @@ class Replay:
             If the file is missing, truncated or not a replay.
         """
         if path.is_file() and not zipfile.is_zipfile(path):
-            raise UserError(f"replay {path}: truncated or not a replay; run evaluate again")
+            raise UserError(
+                f"replay {path}: truncated or not a replay; {again(path.parent.parent)}"
+            )
         try:
             with np.load(path, allow_pickle=False) as file:
                 values = {f.name: file[f.name] for f in fields(cls)}
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
             raise UserError(
-                f"replay {path}: cannot be read ({error}); run evaluate again"
+                f"replay {path}: cannot be read ({error}); {again(path.parent.parent)}"
             ) from error
         for name in ("pitch_m", "period_s", "frame_s"):
             values[name] = float(values[name])

@@ -11,7 +11,10 @@ from numpy.typing import NDArray
 
 from mjforage.errors import UserError
 
-REMEDY = "run evaluate again into this folder, or name a folder that evaluate wrote"
+REMEDY = (
+    "run the command that made this folder again, or name a folder that evaluate, compare or study "
+    "wrote"
+)
 
 _T = TypeVar("_T")
 
@@ -81,6 +84,14 @@ def read_json(path: Path) -> dict[str, Any]:
     if not isinstance(value, dict):
         raise UserError(f"{path}: holds a {type(value).__name__}, expected an object; {REMEDY}")
     return value
+
+
+def again(folder: Path, file: str = "run.json") -> str:
+    """Words that ask for the command that made a folder, as its `run.json` or `study.json` says."""
+    try:
+        return f"run `{field(read_json(folder / file), 'command', str, file)}` again"
+    except UserError:
+        return "run the command that made this folder again"
 
 
 def field(mapping: Mapping[str, Any], key: str, kind: type[_T], where: str) -> _T:

@@ -14,14 +14,15 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import polars as pl
 
+from mjforage.costs import Cost
 from mjforage.errors import UserError
-from mjforage.run_info import read_json
+from mjforage.run_info import again, read_json
 from mjforage.scenario_file import canonical_json
 from mjforage.tables import KEYS, TABLES, check_table, read_table
 
@@ -230,7 +231,8 @@ class RunFolder:
         open_folder(self.path, "run", info, IDENTITY)
         for table in TABLES:
             if (self.path / f"{table}.parquet").exists():
-                check_table(self.path / f"{table}.parquet", table)
+                path = self.path / f"{table}.parquet"
+                check_table(path, table, self._moved(path))
 
     def claimed(self) -> contextlib.AbstractContextManager[None]:
         """Keep other processes from writing the folder, as `claimed`."""
@@ -255,13 +257,12 @@ class RunFolder:
             return False
         for table in TABLES:
             path = folder / f"{table}.parquet"
-            _check_keys(path, read_table(path, table, folder), chunk.keys, folder)
-        self.timings([chunk])
+            remedy = self._moved(folder)
+            _check_keys(path, read_table(path, table, remedy), chunk.keys, remedy)
+        self.costs([chunk])
         return True
 
-    def write(
-        self, chunk: Chunk, frames: Mapping[str, pl.DataFrame], timings: Mapping[str, float]
-    ) -> None:
+    def write(self, chunk: Chunk, frames: Mapping[str, pl.DataFrame], cost: Cost) -> None:
         """Store a finished chunk, whole or not at all.
 
         Raises
@@ -278,7 +279,7 @@ class RunFolder:
                     buffer = io.BytesIO()  # a full disk is then told in words, by Python
                     frame.write_parquet(buffer, compression="zstd")
                     (temporary / f"{name}.parquet").write_bytes(buffer.getvalue())
-                (temporary / "timings.json").write_text(json.dumps(timings), "utf-8")
+                (temporary / "cost.json").write_text(json.dumps(asdict(cost)), "utf-8")
                 temporary.rename(target)
             except OSError:
                 # A dying worker of a killed run may have finished the same chunk: it is equal.
@@ -287,26 +288,26 @@ class RunFolder:
             finally:
                 shutil.rmtree(temporary, ignore_errors=True)
 
-    def timings(self, chunks: list[Chunk]) -> dict[str, float]:
-        """Sum of the chunks' timings [s].
+    def costs(self, chunks: list[Chunk]) -> list[Cost]:
+        """What each of the chunks took.
 
         Raises
         ------
         UserError
-            If a chunk's timings are missing or not numbers.
+            If that is missing or malformed.
         """
-        total: dict[str, float] = {}
+        found = []
         for chunk in chunks:
             folder = self._chunks / chunk.name
+            file = folder / "cost.json"
             try:
-                for key, value in read_json(folder / "timings.json").items():
-                    total[key] = total.get(key, 0.0) + float(value)
-            except (UserError, TypeError, ValueError) as error:
+                found.append(Cost.of(read_json(file), str(file)))
+            except UserError as error:
                 raise UserError(
-                    f"{folder / 'timings.json'}: missing or not written by evaluate; delete "
-                    f"{folder} and run evaluate again"
+                    f"{file}: missing or not written by mjforage; delete {folder} and "
+                    f"{again(self.path)}"
                 ) from error
-        return total
+        return found
 
     def merge(self, chunks: list[Chunk]) -> None:
         """Join the chunks' tables in order and write them beside `run.json`.
@@ -349,7 +350,8 @@ class RunFolder:
         UserError
             If it is missing, truncated or foreign.
         """
-        return read_table(self.path / f"{name}.parquet", name)
+        path = self.path / f"{name}.parquet"
+        return read_table(path, name, self._moved(path))
 
     def episodes(self, chunks: list[Chunk]) -> pl.DataFrame:
         """The merged table of episodes.
@@ -360,16 +362,18 @@ class RunFolder:
             If it is missing, truncated or foreign, or does not hold the episodes of the chunks.
         """
         path, table = self.path / "episodes.parquet", self.table("episodes")
-        _check_keys(path, table, [key for chunk in chunks for key in chunk.keys], path)
+        keys = [key for chunk in chunks for key in chunk.keys]
+        _check_keys(path, table, keys, self._moved(path))
         return table
+
+    def _moved(self, what: Path) -> str:
+        """Remedy for a spoilt file or folder of this run."""
+        return f"move {what} away and {again(self.path)}"
 
 
 def _check_keys(
-    path: Path, frame: pl.DataFrame, keys: list[tuple[str, str, int]], remove: Path
+    path: Path, frame: pl.DataFrame, keys: list[tuple[str, str, int]], remedy: str
 ) -> None:
     found = set(frame.select(*KEYS).unique().rows())
     if found != set(keys):
-        raise UserError(
-            f"{path}: does not hold the {len(keys)} episodes that it should; move {remove} away "
-            "and run evaluate again"
-        )
+        raise UserError(f"{path}: does not hold the {len(keys)} episodes that it should; {remedy}")

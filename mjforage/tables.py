@@ -128,21 +128,21 @@ def frames(
     return {name: _frame(name, world, policy, columns[name]) for name in TABLES}
 
 
-def check_table(path: Path, table: str, remove: Path | None = None) -> None:
+def check_table(path: Path, table: str, remedy: str = "") -> None:
     """Check that a file is a table of this package, by its schema.
 
     Parameters
     ----------
     path : Parquet file
     table : one of `TABLES`
-    remove : what the message asks to move away; the file itself if None
+    remedy : last words of the message; to move the file away and compute it again if empty
 
     Raises
     ------
     UserError
         If the file is missing, truncated, not Parquet or has other columns.
     """
-    remedy = f"move {remove or path} away and run evaluate again"
+    remedy = remedy or _remedy(path)
     try:
         schema = dict(pl.scan_parquet(path, glob=False).collect_schema())
     except (OSError, pl.exceptions.PolarsError) as error:
@@ -154,7 +154,7 @@ def check_table(path: Path, table: str, remove: Path | None = None) -> None:
         raise UserError(f"{path}: not a table of {table} ({wrong} differ); {remedy}")
 
 
-def read_table(path: Path, table: str, remove: Path | None = None) -> pl.DataFrame:
+def read_table(path: Path, table: str, remedy: str = "") -> pl.DataFrame:
     """Check and read a table; parameters as for `check_table`.
 
     Raises
@@ -162,13 +162,15 @@ def read_table(path: Path, table: str, remove: Path | None = None) -> pl.DataFra
     UserError
         As `check_table`, and if the file is damaged inside.
     """
-    check_table(path, table, remove)
+    check_table(path, table, remedy)
     try:
         return pl.read_parquet(path, glob=False)
     except (OSError, pl.exceptions.PolarsError) as error:
-        raise UserError(
-            f"{path}: damaged ({_reason(error)}); move {remove or path} away and run evaluate again"
-        ) from error
+        raise UserError(f"{path}: damaged ({_reason(error)}); {remedy or _remedy(path)}") from error
+
+
+def _remedy(path: Path) -> str:
+    return f"move {path} away and run the command that wrote it again"
 
 
 def _reason(error: Exception) -> str:

@@ -24,15 +24,18 @@ class Computing:
     """
 
     jobs: int = 1
-    scheduler: str = ""
+    scheduler: str | None = None
     local_cluster: int = 0
 
     @property
     def workers(self) -> "Workers":
         """The same for the library."""
+        from mjforage.errors import UserError
         from mjforage.studies.workers import Workers
 
-        return Workers(self.jobs, self.scheduler, self.local_cluster)
+        if self.scheduler == "":  # of an unset variable of a shell, perhaps: not to compute here
+            raise UserError("--scheduler: the address is empty; give one such as tcp://host:8786")
+        return Workers(self.jobs, self.scheduler or "", self.local_cluster)
 
 
 HERE = Computing()

@@ -183,17 +183,21 @@ def _play(
     from mjforage.studies.identity import pinned
     from mjforage.studies.study import Study, run_study
 
+    workers = by.workers
     setting = pinned(Setting.of(load_scenario(scenario, choice.set, choice.map)))
     variants = varied(setting.scenario)
     worlds, episodes, seed = tuple(choice.world), choice.episodes, choice.seed
     plan = Study(kind, setting, variants, worlds, episodes, seed, options)
     folder = choice.out or Path("runs") / f"{setting.scenario.name}-{kind}"
-    output.print(
-        f"{kind} study of {setting.scenario.name} on map {setting.grid.name}: "
-        f"{len(variants)} variants, {episodes} episodes each"
-    )
+
+    def begin() -> None:
+        output.print(
+            f"{kind} study of {setting.scenario.name} on map {setting.grid.name}: "
+            f"{len(variants)} variants, {episodes} episodes each"
+        )
+
     with bar("episodes") as shown:
-        run_study(plan, folder, workers=by.workers, progress=shown)
+        run_study(plan, folder, workers=workers, progress=shown, begin=begin)
     with errors.status("drawing the report"):
         path = write_study_report(folder)
     output.print(f"report: {path}", soft_wrap=True)

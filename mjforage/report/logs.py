@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from mjforage.errors import UserError
 from mjforage.replay import Replay
 from mjforage.report import style
-from mjforage.run_info import REMEDY, RunInfo, load_run, read_json
+from mjforage.run_info import REMEDY, RunInfo, again, load_run, read_json
 from mjforage.vocabulary import METRICS, SERIES
 
 KEYS = ("world", "policy", "episode")
@@ -85,7 +85,7 @@ def _scan(path: Path, columns: tuple[str, ...]) -> pl.LazyFrame:
     missing = [name for name in (*KEYS, *columns) if name not in names]
     if missing:
         raise UserError(
-            f"{path}: column '{missing[0]}' is missing, not a log of evaluate; {REMEDY}"
+            f"{path}: column '{missing[0]}' is missing, not a log of mjforage; {REMEDY}"
         )
     return frame.select(*KEYS, *columns)
 
@@ -136,7 +136,7 @@ def _check_rows(path: Path, frame: pl.DataFrame, run: RunInfo, rows: int) -> Non
         if found != rows:
             raise UserError(
                 f"{path}: {world}/{policy} has {found} rows, expected {rows}; "
-                "run the same evaluate again, it resumes and completes the folder"
+                f"{again(path.parent)}, it completes the folder"
             )
 
 
@@ -214,7 +214,7 @@ def load_logs(folder: Path) -> RunLogs:
         `run.json`.
     """
     if not folder.is_dir():
-        raise UserError(f"{folder}: no such folder; name one that evaluate wrote")
+        raise UserError(f"{folder}: no such folder; name one that evaluate, compare or study wrote")
     run = load_run(folder / "run.json")
     summary = _summary(folder / "summary.json", run)
     episodes = load_episodes(folder, run)

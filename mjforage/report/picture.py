@@ -73,7 +73,9 @@ class Panel:
 
     def _handle(self, name: str, look: style.Look) -> Line2D:
         marker = look.marker if self.marked else ""
-        return Line2D([], [], color=look.colour, marker=marker, markersize=5, label=name)
+        line = self.lines()[self.worlds[0]] if len(self.worlds) == 1 else "-"
+        look_of: dict[str, Any] = {"color": look.colour, "linestyle": line, "marker": marker}
+        return Line2D([], [], markersize=5, label=name, **look_of)
 
 
 def canvas(width_in: float, height_in: float) -> Figure:

@@ -4,6 +4,7 @@ Nothing here distributes work: joblib does, on its dask backend.
 """
 
 import _thread
+import asyncio
 import importlib.util
 import logging
 import signal
@@ -13,6 +14,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import joblib
 
@@ -22,10 +24,43 @@ from mjforage.run_info import read_json
 from mjforage.studies.identity import fingerprint, run_info, versions
 from mjforage.studies.interrupts import interrupts_held
 
+PROTOCOLS = ("tcp", "tls")
 PATIENCE_S = 20.0  # for a scheduler to answer, and for its first worker
 WATCH_S = 0.5
 NEVER_DONE = ("error", "cancelled", "lost")  # states of a task
 REMEDY = "run the same command again: finished chunks are kept"
+
+
+def check_address(scheduler: str) -> None:
+    """Refuse what is no address of a scheduler, for which dask would wait, and then fail unclearly.
+
+    Raises
+    ------
+    UserError
+        Naming what is wrong with it.
+    """
+    fault = _fault(scheduler)
+    if fault:
+        raise UserError(
+            f"--scheduler {scheduler}: {fault}; give the address that `dask scheduler` prints, "
+            "such as tcp://host:8786"
+        )
+
+
+def _fault(scheduler: str) -> str:
+    protocol, found, rest = scheduler.partition("://")
+    if not found or protocol not in PROTOCOLS:
+        return f"does not begin with {', '.join(f'{name}://' for name in PROTOCOLS)}"
+    try:
+        parts = urlsplit(f"//{rest}")
+        host, port = parts.hostname, parts.port
+    except ValueError as error:
+        return str(error)
+    if not host or any(sign.isspace() for sign in rest):
+        return "has no host"
+    if not port:
+        return "has no port"
+    return "has more than host and port" if parts.netloc != rest.rstrip("/") else ""
 
 
 @contextmanager
@@ -42,8 +77,7 @@ def connected(scheduler: str, local_cluster: int) -> Iterator[Any]:
     UserError
         If dask is missing, or the scheduler or its workers cannot be reached or are lost.
     """
-    if importlib.util.find_spec("distributed") is None:
-        raise UserError("dask is not installed; pip install 'mjforage[cluster]'")
+    check_dask()
     with ExitStack() as open_things:
         with interrupts_held():
             client = _client(scheduler, local_cluster, open_things)
@@ -68,16 +102,34 @@ def _client(scheduler: str, local_cluster: int, open_things: ExitStack) -> Any:
         )
         address = open_things.enter_context(cluster)
     try:
+        if scheduler:
+            asyncio.run(_answer(scheduler))
         client = distributed.Client(address, timeout=PATIENCE_S, set_as_default=False)
         open_things.callback(_close, client)
         client.wait_for_workers(1, timeout=PATIENCE_S)
-    except (OSError, ValueError, ImportError) as error:  # time-outs included
+    except (OSError, TypeError, ValueError, ImportError) as error:  # time-outs included
         reason = " ".join(str(error).split()) or type(error).__name__
         raise UserError(
             f"scheduler {scheduler}: no answer or no worker within {PATIENCE_S:g} s ({reason}); "
             "start `dask scheduler` there and `dask worker ADDRESS --nthreads 1` on every machine"
         ) from error
     return client
+
+
+def check_dask() -> None:
+    """Raise UserError where dask is not installed."""
+    if importlib.util.find_spec("distributed") is None:
+        raise UserError("dask is not installed; pip install 'mjforage[cluster]'")
+
+
+async def _answer(scheduler: str) -> None:
+    """Raise TimeoutError unless dask answers: a client would wait for ever for another program."""
+    import distributed as untyped
+
+    distributed: Any = untyped  # as in `_client`
+    options = distributed.Security().get_connection_args("client")
+    asked = distributed.comm.connect(scheduler, timeout=PATIENCE_S, **options)
+    (await asyncio.wait_for(asked, PATIENCE_S)).abort()
 
 
 def _close(client: Any) -> None:

@@ -13,6 +13,7 @@ import polars as pl
 
 import metrics
 from graph_planner.policies.registry import create_policy
+from mjforage.costs import Call, costs_content
 from mjforage.dynamics.fleet_scene import item_choices
 from mjforage.dynamics.worlds import WORLDS
 from mjforage.errors import UserError
@@ -29,7 +30,6 @@ BOOTSTRAP_SEED = 0
 HERE = Workers()
 
 Progress = Callable[[int, int], None]
-Tell = Callable[["Run", Chunk], None]
 Summary = dict[str, dict[str, dict[str, dict[str, Any]]]]
 
 
@@ -162,7 +162,10 @@ class Run:
         path = self.folder.path
         if wall_s is not None:
             self.folder.merge(self.chunks)
-            timings = self.folder.timings(self.chunks) | {"wall_s": wall_s}
+            costs = self.folder.costs(self.chunks)
+            write_json(path / "costs.json", costs_content(costs))
+            cpu_s, steps = (sum(getattr(one, key) for one in costs) for key in ("cpu_s", "steps"))
+            timings = {"cpu_s": cpu_s, "steps": steps, "wall_s": wall_s}
             write_json(path / "run.json", self.info | {"timings": timings})
         summary = summarise(self.folder.episodes(self.chunks))
         for world in self.worlds:
@@ -174,14 +177,14 @@ class Run:
 
 
 def carry_out(
-    runs: Sequence[Run], workers: Workers, progress: Progress, tell: Tell = lambda run, chunk: None
+    runs: Sequence[Run], workers: Workers, call: Call, progress: Progress
 ) -> list[Summary]:
     """Compute what is missing of all runs in one go, and close each one once it is whole.
 
     Parameters
     ----------
+    call : of these workers, as `Workers.call`
     progress : called with (episodes done, episodes in all)
-    tell : called with every chunk that was computed
 
     Raises
     ------
@@ -191,7 +194,7 @@ def carry_out(
     started, work, summaries = time.perf_counter(), [], []
     orders = {
         place: Order.of(
-            run.setting, run.seed, run.folder.path, run.info["hash"], remote=workers.remote
+            run.setting, run.seed, run.folder.path, run.info["hash"], call, remote=workers.remote
         )
         for place, run in enumerate(runs)
         if not run.folder.complete
@@ -211,7 +214,6 @@ def carry_out(
                 owner, chunk = work[next(results)]
                 left[owner] -= 1
                 done += chunk.count
-                tell(runs[owner], chunk)
                 progress(done, total)
             wall_s = time.perf_counter() - started if place in orders else None
             summaries.append(run.close(wall_s))
@@ -254,6 +256,7 @@ def evaluate(
         are lost.
     """
     run = Run.plan(setting, policies, folder, episodes=episodes, seed=seed, worlds=worlds)
+    call = workers.call(policies)
     run.open()
     with run.folder.claimed():
-        return carry_out([run], workers, progress)[0]
+        return carry_out([run], workers, call, progress)[0]

@@ -11,7 +11,7 @@ from mjforage.maps import GridMap, check_starts
 from mjforage.mission import Setting
 from mjforage.recording import record
 from mjforage.replay import Replay
-from mjforage.run_info import load_run
+from mjforage.run_info import again, load_run
 from mjforage.scenario_file import scenario_from_tree
 from mjforage.storage import RunFolder
 from mjforage.studies.evaluate import check_policies
@@ -63,9 +63,9 @@ def _check(replay: Replay, run: RunFolder) -> None:
         .to_numpy()
     )
     graph = navigation_graph(replay.navigable, replay.pitch_m, corner_cutting=True)
-    again = graph.metres(replay.agent_rc).astype(np.float32).reshape(-1, 2)
-    if logged.shape != again.shape or (logged != again).any():
+    anew = graph.metres(replay.agent_rc).astype(np.float32).reshape(-1, 2)
+    if logged.shape != anew.shape or (logged != anew).any():
         raise UserError(
             f"{run.path}: episode {replay.episode} of {replay.policy} does not come out as logged; "
-            "it was made with other versions (see run.json), run evaluate again"
+            f"it was made with other versions (see run.json); {again(run.path)}"
         )

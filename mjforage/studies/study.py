@@ -1,15 +1,12 @@
 """A study: named variants of a scenario, each an ordinary run folder, under one roof.
 
 `study.json` comes first and `summary.json` last; `variants/NAME/` are run folders, computed all
-together, so that workers pass from one to the next without a break. `sessions.json` keeps what
-every call computed and how fast.
+together, so that workers pass from one to the next without a break.
 """
 
-import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +15,7 @@ from mjforage.mission import Setting
 from mjforage.run_info import read_json
 from mjforage.scenario import Scenario
 from mjforage.scenario_file import scenario_to_tree
-from mjforage.storage import Chunk, claimed, open_folder, write_json
+from mjforage.storage import claimed, open_folder, write_json
 from mjforage.studies.evaluate import HERE, Progress, Run, carry_out
 from mjforage.studies.identity import provenance, versions
 from mjforage.studies.workers import Workers
@@ -80,35 +77,48 @@ def variant_folder(folder: Path, name: str) -> Path:
     return folder / "variants" / name
 
 
-class _Session:
-    """What this call computes, for `sessions.json`."""
+def _told(info: Mapping[str, Any]) -> dict[str, str]:
+    """Flag -> its value in words, such as "with --step 0.05", of the flags that decide a study."""
+    players = [variant["policies"] for variant in info["variants"].values()]
+    values = {
+        "world": info["worlds"],
+        "policy": list(dict.fromkeys(name for policies in players for name in policies)),
+        "episodes": info["episodes"],
+        "seed": info["seed"],
+    } | info["options"]
+    return {name: _words(f"--{name.replace('_', '-')}", value) for name, value in values.items()}
 
-    def __init__(self, folder: Path, workers: Workers) -> None:
-        self._file, self._began = folder / "sessions.json", time.perf_counter()
-        self._started = datetime.now(UTC).isoformat(timespec="seconds")
-        self._how, self._workers = workers.how, workers.count()
-        self._episodes = 0
-        self._spent = {"cpu_s": 0.0, "steps": 0.0}
 
-    def add(self, run: Run, chunk: Chunk) -> None:
-        """Count a chunk that was computed."""
-        self._episodes += chunk.count
-        for key, value in run.folder.timings([chunk]).items():
-            self._spent[key] = self._spent.get(key, 0.0) + value
+def _words(flag: str, value: object) -> str:
+    if isinstance(value, bool):
+        return f"with {flag}" if value else f"without {flag}"
+    several = value if isinstance(value, list) else [value]
+    return f"with {' '.join(f'{flag} {one}' for one in several)}"
 
-    def write(self) -> None:
-        """Append to the file, unless nothing was computed."""
-        if not self._episodes:
-            return
-        before = read_json(self._file)["sessions"] if self._file.is_file() else []
-        entry = {
-            "started": self._started,
-            "how": self._how,
-            "workers": self._workers,
-            "episodes": self._episodes,
-            "wall_s": time.perf_counter() - self._began,
-        } | self._spent
-        write_json(self._file, {"sessions": [*before, entry]})
+
+def _check_flags(folder: Path, info: Mapping[str, Any]) -> None:
+    """Name the flags that differ from those of the study in the folder, if it holds one.
+
+    What is no study, or one of another kind or scenario, is for `open_folder` to name.
+
+    Raises
+    ------
+    UserError
+        Naming the flags, both values and the remedy.
+    """
+    try:
+        found = read_json(folder / "study.json")
+        there, here = _told(found), _told(info)
+    except (UserError, KeyError, TypeError, AttributeError):
+        return
+    if found.get("kind") != info["kind"] or there.keys() != here.keys():
+        return
+    for before, now in zip(there.values(), here.values(), strict=True):
+        if before != now:
+            raise UserError(
+                f"{folder}: holds another study, made {before}, not {now}; go on {before}, or "
+                "choose another --out"
+            )
 
 
 def run_study(
@@ -117,6 +127,7 @@ def run_study(
     *,
     workers: Workers = HERE,
     progress: Progress = lambda done, total: None,
+    begin: Callable[[], None] = lambda: None,
 ) -> dict[str, Any]:
     """Compute what is missing of a study.
 
@@ -125,6 +136,7 @@ def run_study(
     folder : study folder; an unfinished study of the same settings in it is resumed
     workers : who computes
     progress : called with (episodes done, episodes in all)
+    begin : called once all is checked, before the first episode
 
     Returns
     -------
@@ -137,15 +149,16 @@ def run_study(
         workers that are lost. Nothing computed is lost.
     """
     runs = [_plan(study, variant, folder) for variant in study.variants]
-    session = _Session(folder, workers)
+    call = workers.call({policy for run in runs for policy in run.policies})
+    _check_flags(folder, study.info)
     open_folder(folder, "study", study.info, IDENTITY)
     with ExitStack() as stack:
         stack.enter_context(claimed(folder))
         for run in runs:
             run.open()
             stack.enter_context(run.folder.claimed())
-        stack.callback(session.write)
-        summaries: Sequence[Any] = carry_out(runs, workers, progress, session.add)
+        begin()
+        summaries: Sequence[Any] = carry_out(runs, workers, call, progress)
         names = [variant.name for variant in study.variants]
         summary = dict(zip(names, summaries, strict=True))
         write_json(folder / "summary.json", summary)

@@ -7,13 +7,15 @@ holds. Workers on other machines write into the same run folder, which all must 
 
 import json
 import os
+import socket
 import threading
 import time
 import warnings
 import zipfile
 from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
 from functools import lru_cache
 from pathlib import Path
 
@@ -23,6 +25,7 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from graph_planner.policies import create_policy
 from graph_planner.policies.registry import own_weights
+from mjforage.costs import Call, Cost
 from mjforage.episode_log import EpisodeLog
 from mjforage.errors import UserError
 from mjforage.maps import GridMap
@@ -61,31 +64,42 @@ class Workers:
             )
         if (self.jobs > 1) + bool(self.scheduler) + bool(self.local_cluster) > 1:
             raise UserError("--jobs, --scheduler and --local-cluster: give one of them")
+        if self.scheduler:
+            cluster.check_address(self.scheduler)
 
     @property
     def remote(self) -> bool:
         """Whether a dask cluster computes."""
         return bool(self.scheduler or self.local_cluster)
 
-    def count(self) -> int:
-        """How many there are now.
+    def call(self, policies: Iterable[str]) -> Call:
+        """Check that they can compute these policies, before anything is written.
 
         Raises
         ------
         UserError
-            If the scheduler cannot be reached or has none.
+            If dask is missing, the scheduler cannot be reached or has no workers, or they lack the
+            weights.
         """
-        if not self.scheduler:
-            return self.local_cluster or self.jobs
-        with cluster.connected(self.scheduler, 0) as client:
-            return cluster.cores(client)
-
-    @property
-    def how(self) -> str:
-        """Who computes, in words."""
+        started, count = datetime.now(UTC).isoformat(), self.local_cluster or self.jobs
+        how = "local dask cluster" if self.local_cluster else "processes"
+        if self.remote:
+            cluster.check_dask()
         if self.scheduler:
-            return f"dask at {self.scheduler}"
-        return "local dask cluster" if self.local_cluster else "processes"
+            _check_weights(policies)
+            how = f"dask at {self.scheduler}"
+            with cluster.connected(self.scheduler, 0) as client:
+                count = cluster.cores(client)
+        return Call(started, how, count)
+
+
+def _check_weights(policies: Iterable[str]) -> None:
+    for name in policies:
+        if own_weights(name) is not None:
+            raise UserError(
+                f"policy {name}: weights of this folder are not where a cluster's workers are; "
+                "compute it with --jobs"
+            )
 
 
 @dataclass(frozen=True)
@@ -99,12 +113,19 @@ class Order:
     seed: int
     folder: Path
     hash: str  # of the run
+    call: Call
     parent: int | None  # process that asked for it and must outlive its workers; None: a cluster
     versions: tuple[tuple[str, str], ...] = ()  # of the process that asked a cluster
 
     @classmethod
     def of(
-        cls, setting: Setting, seed: int, folder: Path, run_hash: str, remote: bool = False
+        cls,
+        setting: Setting,
+        seed: int,
+        folder: Path,
+        run_hash: str,
+        call: Call,
+        remote: bool = False,
     ) -> "Order":
         """Pack a setting."""
         rows, columns = setting.grid.navigable.shape
@@ -116,6 +137,7 @@ class Order:
             seed,
             folder.resolve() if remote else folder,
             run_hash,
+            call,
             None if remote else os.getpid(),
             (*versions().items(), ("code", fingerprint())) if remote else (),
         )
@@ -197,7 +219,7 @@ def run_chunk(order: Order, chunk: Chunk) -> str | None:
     None, or the message of the error that a user can mend (exceptions with a cause do not survive
     the way between processes unharmed)
     """
-    started = time.process_time()
+    cpu_s, wall_s, began_s = time.process_time(), time.perf_counter(), time.time()
     run = RunFolder(order.folder)
     try:
         if order.parent is not None and os.getpid() != order.parent:
@@ -212,8 +234,18 @@ def run_chunk(order: Order, chunk: Chunk) -> str | None:
         mission.run(create_policy(chunk.policy), (log,))
         scores = score(log, setting.fleet, setting.scenario.horizon)
         tables = frames(setting, chunk.world, chunk.policy, episodes, log, scores)
-        timings = {"cpu_s": time.process_time() - started, "steps": float(log.length.sum())}
-        run.write(chunk, tables, timings)
+        cost = Cost(
+            chunk.world,
+            chunk.policy,
+            chunk.count,
+            int(log.length.sum()),
+            time.process_time() - cpu_s,
+            time.perf_counter() - wall_s,
+            began_s,
+            f"{socket.gethostname()}-{os.getpid()}",
+            **asdict(order.call),
+        )
+        run.write(chunk, tables, cost)
         if chunk.first == 0:
             keep_replay(setting, chunk.world, chunk.policy, order.seed, order.folder)
     except UserError as error:
@@ -230,12 +262,6 @@ def run_chunks(work: Sequence[tuple[Order, Chunk]], workers: Workers) -> Generat
         If a chunk fails for a reason that a user can mend, a worker was killed, or the cluster
         cannot be used. Finished chunks stay.
     """
-    for name in {chunk.policy for _, chunk in work}:
-        if workers.scheduler and own_weights(name) is not None:
-            raise UserError(
-                f"policy {name}: weights of this folder are not where a cluster's workers are; "
-                "compute it with --jobs"
-            )
     tasks = (joblib.delayed(run_chunk)(order, chunk) for order, chunk in work)
     try:
         with _parallel(workers, len(work)) as parallel, _started(parallel, tasks) as results:

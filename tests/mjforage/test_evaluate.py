@@ -49,7 +49,13 @@ def test_another_seed_is_another_world(
 
 def test_a_run_folder_holds_what_it_should(finished: Path) -> None:
     names = {path.name for path in finished.iterdir()}
-    assert names == {"run.json", "summary.json", "replay", *(f"{t}.parquet" for t in TABLES)}
+    assert names == {
+        "run.json",
+        "costs.json",
+        "summary.json",
+        "replay",
+        *(f"{t}.parquet" for t in TABLES),
+    }
     frames, run = tables(finished), json.loads((finished / "run.json").read_text())
     for table, schema in SCHEMAS.items():
         assert dict(frames[table].schema) == schema

@@ -9,11 +9,13 @@ from typing import Any
 import polars as pl
 import pytest
 
+from mjforage.costs import Cost
 from mjforage.errors import UserError
 from mjforage.storage import Chunk, RunFolder, run_hash, write_json, writing
 from mjforage.tables import SCHEMAS, TABLES
 
 INFO: dict[str, Any] = {
+    "command": "mjforage study paper --policy greedy",
     "scenario": {"name": "x", "team": {"scouts": {"count": 2}}},
     "map": {"name": "m", "navigable": ["01", "11"]},
     "versions": {"mjforage": "1", "mujoco": "3", "numpy": "2"},
@@ -24,7 +26,7 @@ INFO: dict[str, Any] = {
     "agents": [{"name": "scouts-0"}],
 }
 FIRST, SECOND = Chunk("graph", "greedy", 0, 2), Chunk("graph", "greedy", 2, 1)
-TIMES = {"cpu_s": 1.5}
+COST = Cost("graph", "greedy", 2, 300, 1.5, 2.0, 1e9, "node7-1", "now", "processes", 1)
 
 
 def frames(chunk: Chunk) -> dict[str, pl.DataFrame]:
@@ -42,7 +44,7 @@ def run(tmp_path: Path) -> RunFolder:
     """Return an open run with one chunk of two."""
     folder = RunFolder(tmp_path / "run")
     folder.open(INFO)
-    folder.write(FIRST, frames(FIRST), TIMES)
+    folder.write(FIRST, frames(FIRST), COST)
     return folder
 
 
@@ -60,8 +62,8 @@ def error_of(function: Callable[..., object], *arguments: object) -> str:
 def test_chunks_merge_in_the_given_order_and_go(run: RunFolder) -> None:
     assert run.has(FIRST)
     assert not run.has(SECOND)
-    run.write(SECOND, frames(SECOND), TIMES)
-    assert run.timings([FIRST, SECOND]) == {"cpu_s": 3.0}
+    run.write(SECOND, frames(SECOND), COST)
+    assert run.costs([FIRST, SECOND]) == [COST, COST]
     assert not run.complete
     run.merge([SECOND, FIRST])
     assert not run.complete
@@ -80,7 +82,7 @@ def test_chunks_merge_in_the_given_order_and_go(run: RunFolder) -> None:
 def test_brackets_and_stars_in_a_folder_name_are_letters(tmp_path: Path) -> None:
     folder = RunFolder(tmp_path / "a [1]*?")
     folder.open(INFO)
-    folder.write(FIRST, frames(FIRST), TIMES)
+    folder.write(FIRST, frames(FIRST), COST)
     assert folder.has(FIRST)
     folder.merge([FIRST])
     assert folder.table("items").height == 2
@@ -181,7 +183,7 @@ def test_a_spoilt_chunk_is_named_and_left(
     message = error_of(run.has, FIRST)
     assert message.startswith(f"{path}: ")
     assert words in message
-    assert message.endswith(f"move {chunk_folder(run)} away and run evaluate again")
+    assert message.endswith(f"move {chunk_folder(run)} away and run `{INFO['command']}` again")
     assert sorted(chunk_folder(run).iterdir()) == left
 
 
@@ -195,12 +197,13 @@ def test_a_chunk_of_other_episodes_is_named(run: RunFolder, other: Chunk) -> Non
 
 
 @pytest.mark.parametrize("text", [None, "{", '{"cpu_s": "much"}', '{"cpu_s": null}'])
-def test_spoilt_timings_of_a_chunk_are_named(run: RunFolder, text: str | None) -> None:
-    path = chunk_folder(run) / "timings.json"
+def test_a_spoilt_cost_of_a_chunk_is_named(run: RunFolder, text: str | None) -> None:
+    path = chunk_folder(run) / "cost.json"
     path.unlink()
     if text is not None:
         path.write_text(text)
-    assert f"delete {chunk_folder(run)} and run evaluate again" in error_of(run.has, FIRST)
+    words = f"delete {chunk_folder(run)} and run `{INFO['command']}` again"
+    assert words in error_of(run.has, FIRST)
 
 
 @pytest.mark.parametrize("spoil", [truncate, replace])
@@ -233,7 +236,7 @@ def test_finishing_leaves_what_is_not_of_the_run(run: RunFolder) -> None:
 
 def test_a_chunk_that_another_process_finished_first_stays(run: RunFolder) -> None:
     before = (chunk_folder(run) / "steps.parquet").stat().st_ino
-    run.write(FIRST, frames(FIRST), TIMES)
+    run.write(FIRST, frames(FIRST), COST)
     assert (chunk_folder(run) / "steps.parquet").stat().st_ino == before
     assert [path.name for path in (run.path / "chunks").iterdir()] == [FIRST.name]
 
@@ -241,9 +244,9 @@ def test_a_chunk_that_another_process_finished_first_stays(run: RunFolder) -> No
 def test_a_chunk_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
     run = RunFolder(tmp_path / "run")
     run.open(INFO)
-    run.write(FIRST, frames(FIRST), TIMES)
+    run.write(FIRST, frames(FIRST), COST)
     (chunk_folder(run) / "steps.parquet").unlink()
-    message = error_of(run.write, FIRST, frames(FIRST), TIMES)
+    message = error_of(run.write, FIRST, frames(FIRST), COST)
     assert "steps.parquet: missing, truncated" in message
     assert [path.name for path in (run.path / "chunks").iterdir()] == [FIRST.name]
 

@@ -8,6 +8,7 @@ from mjforage.report.picture import write_bytes
 from mjforage.report.studies import ablation, corruption, paper, parts
 from mjforage.report.studies.logs import load_study
 from mjforage.report.studies.page import render
+from mjforage.run_info import again
 
 __all__ = ["is_study", "write_study_report"]
 
@@ -39,7 +40,7 @@ def write_study_report(folder: Path) -> Path:
     if logs.kind not in PAGES:
         raise UserError(
             f"{folder / 'study.json'}: kind {logs.kind!r} is not one of {', '.join(PAGES)}; "
-            "run the study again"
+            f"{again(folder, 'study.json')}"
         )
     target = folder / "report.html"
     text = render(logs, PAGES[logs.kind](logs), definition_notes())

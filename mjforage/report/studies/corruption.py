@@ -8,10 +8,12 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from metrics import (
+    BreakTest,
     Line,
     SensitivityIntervals,
     TwoSegments,
     bootstrap_sensitivity,
+    break_test,
     half_width_95,
     mean,
     sensitivity_slope,
@@ -30,7 +32,8 @@ from mjforage.studies.variants import corrupted_name, levels
 from mjforage.vocabulary import describe
 
 KEYS = ("pta_c", "pta_d", "rmse_columns", "rmse")
-DRAWN = ("pta_c", "pta_d", "rmse")
+COLUMNS = ("ε = 0", "ε = 1", "SS", "break", "before", "after", "gain %", "p of one line")
+SIGNIFICANT = 0.05
 ROUNDING = 1e-20  # of squares of sums of floats, relative
 
 
@@ -44,6 +47,7 @@ class Fit:
     line: Line
     bent: TwoSegments
     intervals: SensitivityIntervals
+    test: BreakTest
 
     @property
     def bends(self) -> bool:
@@ -81,6 +85,7 @@ class Fits:
             sensitivity_slope(self._levels, means),
             two_segment_fit(self._levels, means),
             bootstrap_sensitivity(self._levels, values, SEED),
+            break_test(self._levels, values, SEED),
         )
 
 
@@ -90,7 +95,7 @@ def _span(ends: tuple[float, float], digits: int) -> str:
 
 def _cells(fit: Fit | None, digits: int) -> tuple[str, ...]:
     if fit is None:
-        return (NOTHING,) * 7
+        return (NOTHING,) * len(COLUMNS)
     within = fit.intervals
     straight = (
         number(float(fit.means[0]), digits),
@@ -98,32 +103,44 @@ def _cells(fit: Fit | None, digits: int) -> tuple[str, ...]:
         f"{number(float(fit.line.slope), digits)} ({_span(within.slope, digits)})",
     )
     if not fit.bends:
-        return (*straight, *(NOTHING,) * 4)
+        return (*straight, *(NOTHING,) * (len(COLUMNS) - 3))
     return (
         *straight,
         f"{number(float(fit.bent.break_point), 2)} ({_span(within.break_point, 2)})",
         number(float(fit.bent.slope_before), digits),
         number(float(fit.bent.slope_after), digits),
         number(100 * (1 - float(fit.bent.sse) / float(fit.line.sse)), 0),
+        "< 0.001" if fit.test.p < 0.001 else number(fit.test.p, 3),
     )
+
+
+def unlike_draws(logs: StudyLogs) -> str:
+    """What keeps the paper's slopes from being compared with ours; nothing with its own rule."""
+    if logs.options["whole_team"]:
+        return ""
+    return "paper: one draw for the team; ours: one per agent"
 
 
 def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
     """Slopes and break points per corrupted team and metric."""
-    rows = []
+    rows, found = [], (published_for(logs.base, policy) for policy in logs.base.policies)
+    printed = {pair for known in found if known for pair in known.slopes}
     for team in teams(logs):
         for metric in map(describe, KEYS):
             group = f"{team} corrupted, {metric.label}"
+            note = unlike_draws(logs) if (team, metric.key) in printed else ""
             for policy in style.ordered(logs.base.policies):
                 for world in logs.worlds:
                     fit = fits.of(team, world, policy, metric.key)
                     head = policy_name(policy) + logs.suffix(world)
                     cells, colour = _cells(fit, metric.digits), style.policy_colour(policy)
-                    rows.append(Row(head, cells, colour, group=group))
+                    bent = fit is not None and fit.test.p < SIGNIFICANT
+                    best = frozenset({len(COLUMNS) - 1} if bent else ())
+                    rows.append(Row(head, cells, colour, best=best, group=group, note=note))
                 known = published_for(logs.base, policy)
                 if known and (team, metric.key) in known.slopes:
                     slope = number(known.slopes[team, metric.key], metric.digits)
-                    cells = (NOTHING, NOTHING, slope, *(NOTHING,) * 4)
+                    cells = (NOTHING, NOTHING, slope, *(NOTHING,) * (len(COLUMNS) - 3))
                     head = f"{known.algorithm}, {LABEL}"
                     rows.append(Row(head, cells, group=group, paper=True))
     draw = (
@@ -134,16 +151,19 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
         "with one draw for the whole team (`--whole-team`)."
     )
     notes = (
-        "A break on the first or last level inside means that one end point stands apart, not that "
-        "there are two regimes; a small gain means that one line does as well.",
         "SS: slope of the least-squares line through the means, per unit of ε, with the bootstrap "
         "95 % interval over episodes (the same ones at every level). Break: where two joined "
         "segments meet, with their slopes before and after, and its interval; gain: share of the "
         "line's squared residuals that the break removes.",
+        "p of one line: how often sweeps whose means lie on one line gain as much (F ratio of two "
+        "segments against one line, over resampled episodes moved onto the line, each searched for "
+        f"its own break), bold below {SIGNIFICANT:g}, not corrected for the number of tests. Then "
+        "the fall is not straight, but a smooth bend shows so too; with fewer than 20 episodes p "
+        "is too small too often. A break on the first or last level inside means that one end "
+        "point stands apart, not that there are two regimes.",
         draw,
     )
-    columns = ("ε = 0", "ε = 1", "SS", "break", "before", "after", "gain %")
-    return Table("slopes", "Sensitivity slopes", columns, tuple(rows), notes)
+    return Table("slopes", "Sensitivity slopes", COLUMNS, tuple(rows), notes)
 
 
 def _draw(axes: Axes, fit: Fit, look: style.Look, line: style.Line) -> None:
@@ -169,9 +189,9 @@ def picture(logs: StudyLogs, fits: Fits, team: str) -> Picture:
     """Every metric over the corruption of one team, as the paper's two CSSC figures."""
     panel = Panel(style.ordered(logs.base.policies), logs.worlds)
     with house_style():
-        figure = canvas(WIDTH_IN, 1.1 + 2.6 * len(DRAWN))
-        grid = figure.subplots(len(DRAWN), 1, sharex=True, squeeze=False)
-        for axes, metric in zip(grid[:, 0], map(describe, DRAWN), strict=True):
+        figure = canvas(WIDTH_IN, 1.1 + 2.6 * len(KEYS))
+        grid = figure.subplots(len(KEYS), 1, sharex=True, squeeze=False)
+        for axes, metric in zip(grid[:, 0], map(describe, KEYS), strict=True):
             for policy, look in panel.looks().items():
                 for world, line in panel.lines().items():
                     fit = fits.of(team, world, policy, metric.key)
@@ -198,8 +218,9 @@ def _published(logs: StudyLogs, team: str) -> str:
             if known and whose == team:
                 words = f"{number(slope, describe(key).digits)} ({known.algorithm})"
                 found.setdefault(describe(key).label, []).append(words)
+    rule = f" ({unlike_draws(logs)})" if unlike_draws(logs) else ""
     return "".join(
-        f" The paper's SS of {label}, on its own map: {joined(words)}."
+        f" The paper's SS of {label}, on its own map: {joined(words)}{rule}."
         for label, words in found.items()
     )
 

@@ -10,6 +10,7 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
+from mjforage.costs import Cost, load_costs
 from mjforage.errors import UserError
 from mjforage.report.logs import (
     RunLogs,
@@ -20,20 +21,10 @@ from mjforage.report.logs import (
     parse_summary,
 )
 from mjforage.report.tables import entry_of
-from mjforage.run_info import RunInfo, load_run, read_json
+from mjforage.run_info import RunInfo, again, load_run, read_json
 from mjforage.run_info import field as required
 from mjforage.studies.study import variant_folder
 from mjforage.studies.variants import COMPLETE
-
-SESSION: Mapping[str, type] = {
-    "started": str,
-    "how": str,
-    "workers": int,
-    "episodes": int,
-    **dict.fromkeys(("steps", "cpu_s", "wall_s"), float),
-}
-"""What every entry of `sessions.json` must tell, and of which type."""
-REMEDY = "run the same study again, it resumes and completes the folder"
 
 
 @dataclass(frozen=True)
@@ -54,7 +45,7 @@ class StudyLogs:
     runs: Mapping[str, RunInfo]  # of every variant
     summaries: Mapping[str, Summaries]
     episodes: Mapping[str, pl.DataFrame]
-    sessions: tuple[Mapping[str, Any], ...]
+    costs: Mapping[str, tuple[Cost, ...]]  # of every variant
 
     @property
     def kind(self) -> str:
@@ -111,7 +102,7 @@ def load_study(folder: Path) -> StudyLogs:
         If a file of the study or of one of its runs is missing, truncated or foreign.
     """
     file = folder / "study.json"
-    info = read_json(file)
+    info, remedy = read_json(file), f"{again(folder, file.name)}, it completes the folder"
     for key in ("variants", "options", "scenario"):
         required(info, key, dict, str(file))
     required(info, "kind", str, str(file))
@@ -122,21 +113,15 @@ def load_study(folder: Path) -> StudyLogs:
         required(info["options"], "step", float, f"{file}: options")
         required(info["options"], "whole_team", bool, f"{file}: options")
     if not (folder / "summary.json").is_file():
-        raise UserError(f"{folder}: the study is not finished; {REMEDY}")
+        raise UserError(f"{folder}: the study is not finished; {remedy}")
     summary = read_json(folder / "summary.json")
-    runs, summaries, episodes = {}, {}, {}
+    runs, summaries, episodes, costs = {}, {}, {}, {}
     for name in info["variants"]:
         place = variant_folder(folder, name)
         runs[name] = load_run(place / "run.json")
         if name not in summary:
-            raise UserError(f"{folder / 'summary.json'}: {name} is missing; {REMEDY}")
+            raise UserError(f"{folder / 'summary.json'}: {name} is missing; {remedy}")
         summaries[name] = parse_summary(summary[name], str(folder / "summary.json"))
         episodes[name] = load_episodes(place, runs[name])
-    sessions = folder / "sessions.json"
-    told = (
-        required(read_json(sessions), "sessions", list, str(sessions)) if sessions.is_file() else []
-    )
-    for session in told:
-        for key, sort in SESSION.items():
-            required(session, key, sort, str(sessions))
-    return StudyLogs(folder, info, runs, summaries, episodes, tuple(told))
+        costs[name] = load_costs(place / "costs.json")
+    return StudyLogs(folder, info, runs, summaries, episodes, costs)

@@ -11,7 +11,7 @@ from mjforage.report import style
 from mjforage.report.figures import save_figure
 from mjforage.report.html import environment, shown, template
 from mjforage.report.picture import Picture
-from mjforage.report.studies.cost import cost_picture, cost_table
+from mjforage.report.studies.cost import cost_table, throughput_picture, throughput_table
 from mjforage.report.studies.logs import StudyLogs
 from mjforage.report.tables import Table
 
@@ -50,10 +50,10 @@ def facts(logs: StudyLogs) -> list[tuple[str, str]]:
 
 def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -> str:
     """Set the page as HTML, and save its figures in the study's folder."""
-    cost, speeds = cost_table(logs), cost_picture(logs)
-    if cost is not None:
-        drawn = () if speeds is None else (speeds,)
-        sections = [*sections, Section("throughput", cost.title, "", [cost], drawn)]
+    if any(logs.costs.values()):
+        drawn = [picture for picture in (throughput_picture(logs),) if picture is not None]
+        tables = [cost_table(logs), throughput_table(logs)]
+        sections = [*sections, Section("cost", "Cost and throughput", "", tables, drawn)]
     parts: list[dict[str, Any]] = []
     for section in sections:
         figures = [

@@ -30,7 +30,7 @@ from mjforage.vocabulary import describe
 
 @dataclass(frozen=True)
 class Beside:
-    """A number of the paper and ours of the same meaning."""
+    """A number of the paper and ours, of the same meaning unless `like` is false."""
 
     name: str
     paper: float
@@ -39,12 +39,13 @@ class Beside:
     high: float
     half: float  # 1.96 SEM of the paper's, 0 where it prints none
     digits: int
+    like: bool  # the same quantity, so that it may be asked whether the numbers agree
 
     @property
     def row(self) -> Row:
-        """The pair as a row; bold where the intervals meet."""
+        """The pair as a row."""
         if not np.isfinite([self.low, self.high]).all():
-            return Row(self.name, (number(self.paper, self.digits), NOTHING, NOTHING, NOTHING, ""))
+            return Row(self.name, (number(self.paper, self.digits), *(NOTHING,) * 4))
         meets = self.low - self.half <= self.paper <= self.high + self.half
         theirs = number(self.paper, self.digits)
         if self.half:
@@ -54,7 +55,7 @@ class Beside:
             number(self.ours, self.digits),
             f"{number(self.low, self.digits)} to {number(self.high, self.digits)}",
             number(self.ours - self.paper, self.digits),
-            "yes" if meets else "no",
+            ("yes" if meets else "no") if self.like else NOTHING,
         )
         return Row(self.name, cells)
 
@@ -72,7 +73,9 @@ def _means(logs: StudyLogs, known: Published, policy: str, world: str) -> list[B
             metric, entry = describe(key), logs.entry(Player(variant, world, policy), key)
             half = known.interval.get(key, 0.0) if variant == COMPLETE else 0.0
             ours = (entry.mean, entry.low, entry.high)
-            found.append(Beside(f"{metric.label}{end}", value, *ours, half, metric.digits))
+            found.append(
+                Beside(f"{metric.label}{end}", value, *ours, half, metric.digits, _same(world))
+            )
     return found
 
 
@@ -85,8 +88,9 @@ def _slopes(
         if fit is not None:
             metric, (low, high) = describe(key), fit.intervals.slope
             name = f"SS of {metric.label}, {team} corrupted"
+            like = _same(world) and not corruption.unlike_draws(logs)
             slope = float(fit.line.slope)
-            found.append(Beside(name, value, slope, low, high, 0.0, metric.digits))
+            found.append(Beside(name, value, slope, low, high, 0.0, metric.digits, like))
     return found
 
 
@@ -96,8 +100,13 @@ def _contributions(logs: StudyLogs, known: Published, policy: str, world: str) -
         for key, value in known.contribution[team].items():
             ours = ablation.contribution(logs, team, world, policy, key)
             name = f"MC of {describe(key).label}, one of {team}"
-            found.append(Beside(name, value, ours.value, ours.low, ours.high, 0.0, 4))
+            found.append(Beside(name, value, ours.value, ours.low, ours.high, 0.0, 4, _same(world)))
     return found
+
+
+def _same(world: str) -> bool:
+    """Whether the paper's numbers are of this world."""
+    return world == "graph"
 
 
 def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table | None:
@@ -108,21 +117,24 @@ def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table | None:
         if known is None:
             continue
         for world in logs.worlds:
-            group = f"{policy}{logs.suffix(world)}, beside the paper's {known.algorithm}"
-            for pair in (
-                *_means(logs, known, policy, world),
-                *_slopes(logs, known, policy, world, fits),
-                *_contributions(logs, known, policy, world),
+            group = f"{policy} · {world}, beside the paper's {known.algorithm} (graph)"
+            unlike, colour = corruption.unlike_draws(logs), style.policy_colour(policy)
+            slopes = f"{group}: slopes" if unlike else group
+            for place, note, pairs in (
+                (group, "", _means(logs, known, policy, world)),
+                (group, "", _contributions(logs, known, policy, world)),
+                (slopes, unlike, _slopes(logs, known, policy, world, fits)),
             ):
-                row = pair.row
-                rows.append(Row(row.head, row.cells, style.policy_colour(policy), group=group))
+                heads = [pair.row for pair in pairs]
+                rows += [Row(r.head, r.cells, colour, group=place, note=note) for r in heads]
     if not rows:
         return None
     notes = (
         "The paper's numbers are of its own map, ours of the map named above. Interval: bootstrap "
         "95 % over our episodes. Within: whether the paper's number lies in it, widened by the "
-        "paper's own ± where it prints one. RMSE without a subscript is not printed in the paper "
-        "but measured by running its public code.",
+        "paper's own ± where it prints one; not asked where the two are unlike, with hulls or with "
+        "another rule of corruption. RMSE without a subscript is not "
+        "printed in the paper but measured by running its public code.",
     )
     columns = ("paper", "ours", "95 % interval", "difference", "within")
     return Table("beside", "The paper's numbers beside ours", columns, tuple(rows), notes)
@@ -148,7 +160,8 @@ def table_4(logs: StudyLogs, fits: corruption.Fits) -> Table:
             rows.append(Row(f"{known.algorithm}, {LABEL}", (csr, *slopes), paper=True))
     columns = ("CSR", *(f"SS of {describe(key).label}, {team}" for team, key in asked))
     title = "Table 4: cooperative success ratio and sensitivity slopes"
-    return Table("table-4", title, columns, tuple(rows))
+    units = ("", *(corruption.unlike_draws(logs) for _ in asked))
+    return Table("table-4", title, columns, tuple(rows), (), units)
 
 
 def sections(logs: StudyLogs) -> list[Section]:

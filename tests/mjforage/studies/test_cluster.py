@@ -1,6 +1,5 @@
 """dask clusters: the same bytes whatever dies, and named errors for what does not fit."""
 
-import json
 import os
 import re
 import signal
@@ -14,6 +13,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from mjforage.costs import Call, load_costs
 from mjforage.errors import UserError
 from mjforage.mission import Setting
 from mjforage.scenario_file import load_scenario
@@ -79,8 +79,9 @@ def test_a_worker_killed_in_the_middle_changes_no_bit(start: Start, tmp_path: Pa
     assert (process.returncode, err) == (0, ""), out
     for name in ("summary.json", "variants/scouts-less/steps.parquet"):
         assert (killed / name).read_bytes() == (plain / name).read_bytes(), name
-    session = json.loads((killed / "sessions.json").read_text())["sessions"][0]
-    assert (session["workers"], session["episodes"]) == (2, 3 * EPISODES)
+    costs = [one for path in killed.glob("variants/*/costs.json") for one in load_costs(path)]
+    assert sum(cost.episodes for cost in costs) == 3 * EPISODES
+    assert {(cost.workers, cost.how) for cost in costs} == {(2, "local dask cluster")}
 
 
 def unused_port() -> int:
@@ -100,6 +101,53 @@ def test_a_scheduler_that_does_not_answer_is_named(
     assert not folder.exists()
 
 
+def test_another_program_at_the_address_is_named(
+    refused: Refused, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "PATIENCE_S", 0.5)
+    with socket.create_server(("127.0.0.1", 0)) as mute:
+        address = f"tcp://127.0.0.1:{mute.getsockname()[1]}"
+        words = refused("study", "ablation", "--scheduler", address, "--out", tmp_path / "study")
+    assert words.startswith(f"mjforage: scheduler {address}: no answer or no worker within 0.5 s")
+    assert not (tmp_path / "study").exists()
+
+
+@pytest.mark.parametrize(
+    ("address", "words"),
+    [
+        ("tcp://node7", "has no port"),
+        ("tcp://:8786", "has no host"),
+        ("tcp://node 7:8786", "has no host"),
+        ("tcp://node7:many", "Port could not be cast"),
+        ("tcp://node7:99999", "Port out of range"),
+        ("tcp://node7:8786/status", "has more than host and port"),
+        ("node7:8786", "does not begin with tcp://"),
+        ("http://node7:8787", "does not begin with tcp://"),
+        ("", "the address is empty"),
+    ],
+)
+def test_what_is_no_address_is_named_at_once(
+    address: str,
+    words: str,
+    refused: Refused,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(cluster, "connected", lambda *_: pytest.fail("dask was asked"))
+    for study in (("study", "ablation"), ("evaluate", "comb-port", "--policy", "greedy")):
+        line = refused(*study, "--scheduler", address, "--out", tmp_path / "out")
+        assert line.startswith(f"mjforage: --scheduler{' ' * bool(address)}{address}: {words}"), (
+            line
+        )
+        assert "tcp://host:8786" in line
+        assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("address", ["tcp://node7:8786", "tls://10.0.0.7:1", "tcp://[::1]:8786"])
+def test_addresses_that_dask_prints_are_taken(address: str) -> None:
+    assert Workers(scheduler=address).scheduler == address
+
+
 @pytest.mark.parametrize(
     "flags", [("--jobs", 2, "--local-cluster", 2), ("--jobs", 0), ("--local-cluster", -1)]
 )
@@ -114,7 +162,8 @@ def order(tmp_path: Path) -> Order:
     setting = Setting.of(load_scenario("published", ["horizon=5"]))
     run = Run.plan(setting, ["greedy"], tmp_path / "run", episodes=2)
     run.open()
-    return Order.of(run.setting, 0, run.folder.path, run.info["hash"], remote=True)
+    call = Call("now", "dask", 1)
+    return Order.of(run.setting, 0, run.folder.path, run.info["hash"], call, remote=True)
 
 
 def refusal(order: Order) -> str:

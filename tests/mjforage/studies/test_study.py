@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from mjforage.costs import load_costs
 from mjforage.mission import Setting
 from mjforage.report.studies import write_study_report
 from mjforage.scenario_file import load_scenario
@@ -20,6 +21,7 @@ from mjforage.studies.study import Study, run_study
 Command = Callable[..., Any]
 Refused = Callable[..., str]
 SMALL = ("--episodes", 3, "--set", "horizon=12")
+COSTS = "variants/complete/costs"
 PAPER = ("study", "paper", "--policy", "greedy", "--policy", "levy", "--step", 0.25, *SMALL)
 
 
@@ -80,24 +82,40 @@ def test_a_stopped_study_goes_on_where_it_was(finished: Path, tmp_path: Path) ->
     assert seen[0] == 30, "finished chunks were computed again"
     assert {p: p.stat().st_mtime_ns for p in finished_runs} == finished_runs
     assert (folder / "summary.json").read_bytes() == (finished / "summary.json").read_bytes()
-    sessions = json.loads((folder / "sessions.json").read_text())["sessions"]
-    assert [session["episodes"] for session in sessions] == [30, 36]
+    costs = [one for path in folder.glob("variants/*/costs.json") for one in load_costs(path)]
+    calls = sorted({cost.started for cost in costs})
+    counted = [sum(c.episodes for c in costs if c.started == call) for call in calls]
+    assert counted == [30, 36], "what the stopped call computed is counted as its own"
 
 
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        (("--seed", 1), "holds another study: seed is 0 there and 1 here"),
-        (("--whole-team",), "options.whole_team is false there and true here"),
+        (("--seed", 1), "made with --seed 0, not with --seed 1; go on with --seed 0, or choose"),
+        (("--whole-team",), "made without --whole-team, not with --whole-team; go on without"),
         (("--set", "items.mean=50.0"), "scenario.items.mean is 75.0 there and 50.0 here"),
-        (("--policy", "random"), "variants.complete.policies is"),
-        (("--world", "hulls"), 'worlds is ["graph"] there and ["hulls"] here'),
+        (
+            ("--policy", "random"),
+            "with --policy greedy --policy levy, not with --policy greedy --policy levy --policy r",
+        ),
+        (("--world", "hulls"), "made with --world graph, not with --world hulls; go on with"),
     ],
 )
 def test_other_settings_are_named(
     folder: Path, changes: tuple[object, ...], words: str, refused: Refused
 ) -> None:
     assert words in refused(*PAPER, "--out", folder, *changes)
+
+
+def test_another_step_is_named_rather_than_the_variants_that_it_makes(
+    folder: Path, refused: Refused
+) -> None:
+    flags = ("study", "paper", "--policy", "greedy", "--policy", "levy", *SMALL, "--out", folder)
+    words = "made with --step 0.25, not with --step 0.05; go on with --step 0.25, or choose another"
+    for step in ((), ("--step", 0.05)):
+        line = refused(*flags, *step)
+        assert words in line
+        assert "variant" not in line
 
 
 def test_another_kind_and_other_folders_are_named(
@@ -118,12 +136,19 @@ def test_another_kind_and_other_folders_are_named(
         (("--world", "moon"), "world moon: unknown"),
         (("--step", 0.3), "--step 0.3: give 1/N"),
         (("--episodes", 0), "episodes 0"),
+        (("--jobs", 0), "jobs 0"),
+        (("--scheduler", "tcp://node7"), "has no port"),
+        (("--set", "team.scouts.count=-1"), "team.scouts.count"),
+        (("--map", "nowhere"), "nowhere"),
     ],
 )
-def test_bad_input_is_named(
-    changes: tuple[object, ...], words: str, tmp_path: Path, refused: Refused
+def test_bad_input_is_named_before_anything_is_written_or_printed(
+    changes: tuple[object, ...], words: str, tmp_path: Path, command: Command
 ) -> None:
-    assert words in refused("study", "paper", *changes, "--out", tmp_path / "new")
+    outcome = command("study", "paper", *changes, "--out", tmp_path / "new")
+    assert outcome.code == 2
+    assert words in outcome.err
+    assert outcome.out == ""
     assert not (tmp_path / "new").exists()
 
 
@@ -142,8 +167,8 @@ def test_the_report_is_whole_and_the_same_twice(folder: Path, command: Command) 
 @pytest.mark.parametrize(
     ("name", "change", "words"),
     [
-        ("sessions", lambda read: read.clear(), "key 'sessions' is missing"),
-        ("sessions", lambda read: read["sessions"][0].pop("wall_s"), "key 'wall_s' is missing"),
+        (COSTS, lambda read: read.clear(), "key 'chunks' is missing"),
+        (COSTS, lambda read: read["chunks"][0].pop("wall_s"), "key 'wall_s' is missing"),
         ("study", lambda read: read["options"].pop("step"), "options: key 'step' is missing"),
         ("study", lambda read: read["variants"]["complete"].pop("title"), "'title' is missing"),
     ],
@@ -160,7 +185,31 @@ def test_what_a_study_lacks_is_named(
 
 def test_an_unfinished_study_has_no_report(folder: Path, refused: Refused) -> None:
     (folder / "summary.json").unlink()
-    assert "the study is not finished; run the same study again" in refused("report", folder)
+    command = json.loads((folder / "study.json").read_text())["command"]
+    words = " ".join(f"the study is not finished; run `{command}` again, it completes".split())
+    assert words in refused("report", folder)
+
+
+def test_a_spoilt_chunk_names_the_command_that_was_run(tmp_path: Path, refused: Refused) -> None:
+    folder = tmp_path / "study"
+    small = ("study", "ablation", "--policy", "greedy", "--episodes", 2, "--set", "horizon=5")
+    setting = Setting.of(load_scenario("published", ["horizon=5"]))
+    varied = variants.ablation(setting.scenario, ["greedy"])
+
+    def stop(done: int, _: int) -> None:
+        if done >= 2:
+            raise KeyboardInterrupt
+
+    with contextlib.suppress(KeyboardInterrupt):
+        run_study(Study("ablation", setting, varied, episodes=2), folder, progress=stop)
+    info = folder / "variants" / "complete" / "run.json"
+    info.write_text(
+        json.dumps(json.loads(info.read_text()) | {"command": "mjforage study ablation"})
+    )
+    (folder / "variants" / "complete" / "episodes.parquet").write_bytes(b"PAR1")
+    words = refused(*small, "--out", folder)
+    assert "away and run `mjforage study ablation` again" in words
+    assert "evaluate" not in words
 
 
 def test_parts_mark_the_bound_in_every_table(tmp_path: Path, command: Command) -> None:

@@ -1,0 +1,80 @@
+"""A study's numbers beside the paper's: judged only where they are the same quantity."""
+
+from collections.abc import Callable
+
+import pytest
+
+from mjforage.mission import Setting
+from mjforage.report.studies import corruption, paper
+from mjforage.report.studies.logs import StudyLogs, load_study
+from mjforage.report.tables import NOTHING, Table
+from mjforage.scenario_file import load_scenario
+from mjforage.studies import variants
+from mjforage.studies.study import Study, run_study
+
+Make = Callable[[bool], StudyLogs]
+STEP = 0.25
+WORDS = "paper: one draw for the team; ours: one per agent"
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Make:
+    """Make a small study of the paper, with one draw for the team or one per agent."""
+
+    def make(whole_team: bool) -> StudyLogs:
+        setting = Setting.of(load_scenario("published"))
+        varied = variants.paper(setting.scenario, ["greedy"], STEP, whole_team)
+        options = {"step": STEP, "whole_team": whole_team}
+        folder = tmp_path_factory.mktemp("studies") / "paper"
+        run_study(Study("paper", setting, varied, episodes=2, options=options), folder)
+        return load_study(folder)
+
+    return make
+
+
+def verdicts(table: Table | None) -> dict[str, str]:
+    assert table is not None
+    place = table.columns.index("within")
+    return {row.head: row.cells[place] for row in table.rows}
+
+
+def noted(table: Table | None) -> set[str]:
+    """Heads of the rows under a note on unlike draws."""
+    assert table is not None
+    return {row.head for row in table.rows if row.note == WORDS}
+
+
+def test_slopes_of_another_rule_of_corruption_are_named_and_not_judged(study: Make) -> None:
+    logs = study(False)
+    fits = corruption.Fits(logs)
+    found = verdicts(paper.beside_table(logs, fits))
+    slopes = {head: verdict for head, verdict in found.items() if head.startswith("SS of")}
+    assert len(slopes) == 2
+    for head, verdict in slopes.items():
+        assert verdict == NOTHING, head
+    assert {found[head] for head in found if head not in slopes} <= {"yes", "no"}
+    assert noted(paper.beside_table(logs, fits)) == set(slopes)
+    assert noted(corruption.slopes_table(logs, fits)) == {"greedy"}
+    assert paper.table_4(logs, fits).units == ("", WORDS, WORDS)
+    assert WORDS in corruption.picture(logs, fits, "scouts").caption
+
+
+def test_slopes_of_the_papers_rule_are_judged(study: Make) -> None:
+    logs = study(True)
+    fits = corruption.Fits(logs)
+    assert set(verdicts(paper.beside_table(logs, fits)).values()) <= {"yes", "no"}
+    tables = (paper.beside_table(logs, fits), corruption.slopes_table(logs, fits))
+    assert [noted(table) for table in tables] == [set(), set()]
+    assert paper.table_4(logs, fits).units == ("", "", "")
+    foragers = corruption.picture(logs, fits, "foragers")
+    labels = [axes.get_ylabel() for axes in foragers.figure.axes]
+    assert "The paper's SS of RMSE_columns" in foragers.caption
+    assert any("columns" in label for label in labels), "the figure lacks what its caption tells"
+    assert "p of one line" in corruption.slopes_table(logs, fits).columns
+
+
+def test_hulls_are_not_judged_against_the_papers_world() -> None:
+    pair = {"ours": 98.0, "low": 97.0, "high": 99.0, "half": 0.0, "digits": 2}
+    asked, other = (paper.Beside("PTA_C", 98.2, like=like, **pair) for like in (True, False))  # type: ignore[arg-type]
+    assert (asked.row.cells[-1], other.row.cells[-1]) == ("yes", NOTHING)
+    assert [paper._same(world) for world in ("graph", "hulls", "physics")] == [True, False, False]
