@@ -6,6 +6,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.environments.checks import checked_moves
 from mjforage.environments.choice import Options
 from mjforage.environments.one_lane import METADATA, OneLane, summed
 from mjforage.environments.spaces import MASK, Pictures, picture_space, values
@@ -50,8 +51,9 @@ class ForagingEnv(OneLane, gymnasium.Env[Pictures, NDArray[np.int64]]):
         return self._observed(), self._game.facts()
 
     def step(self, action: NDArray[np.int64]) -> tuple[Pictures, float, bool, bool, dict[str, Any]]:
-        """One decision of the fleet."""
-        reward, ended, late, info = summed(self._play(np.asarray(action, np.int64)))
+        """One decision of the fleet; raises `UserError` where the action is not of its space."""
+        moves = checked_moves(action, (self._game.agents,))
+        reward, ended, late, info = summed(self._play(moves))
         return self._observed(), reward, ended, late, self._game.facts() | info
 
     def _observed(self) -> Pictures:
