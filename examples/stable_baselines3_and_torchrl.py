@@ -1,11 +1,14 @@
 """Two outside libraries on our environments, without wrappers of ours.
 
 Stable-Baselines3 trains PPO on `mjforage/SharedPolicy-v0` and `mjforage/Waypoint-v0`; TorchRL plays
-the PettingZoo view. Install them first: `pip install stable-baselines3 torchrl`. Then
+the PettingZoo view. `pip install -c constraints.txt -e '.[libraries]'` installs both. Then
 
-    python examples/stable_baselines3_and_torchrl.py waypoint 10000
-    python examples/stable_baselines3_and_torchrl.py shared 40000
+    python examples/stable_baselines3_and_torchrl.py waypoint 9216
+    python examples/stable_baselines3_and_torchrl.py waypoint 9216 1
+    python examples/stable_baselines3_and_torchrl.py shared 24000
     python examples/stable_baselines3_and_torchrl.py torchrl
+
+The numbers are steps and, if given, the learner's seed.
 """
 
 import sys
@@ -26,12 +29,13 @@ EPISODES = 20
 SHARED_REWARD = {"removed": 1.0, "discovered": 0.5, "idleness": 0.02, "approach": 0.05}
 
 
-def mean_return(env: gymnasium.Env[Any, Any], model: Any = None) -> float:
+def mean_return(env: gymnasium.Env[Any, Any], model: Any = None, episodes: int = EPISODES) -> float:
     """Mean undiscounted return of a model, or of random actions, on held-out episodes."""
     returns = []
-    for episode in range(EPISODES):
+    for episode in range(episodes):
         observation, _ = env.reset(seed=1_000_000 + episode)
         env.action_space.seed(episode)
+        torch.manual_seed(episode)  # a model draws its actions
         total, over = 0.0, False
         while not over:
             action = env.action_space.sample() if model is None else model.predict(observation)[0]
@@ -54,32 +58,38 @@ def builtin_return(env: Any) -> float:
     return float(np.mean(returns))
 
 
-def waypoint(steps: int) -> None:
-    """PPO learns to steer a hull."""
+def steersman(env: gymnasium.Env[Any, Any], seed: int = 0) -> Any:
+    """PPO for `mjforage/Waypoint-v0`, untrained."""
     from stable_baselines3 import PPO
 
+    settings: dict[str, Any] = {"n_steps": 512, "batch_size": 64, "learning_rate": 1e-3}
+    return PPO("MlpPolicy", env, seed=seed, device="cpu", gamma=0.95, **settings)
+
+
+def learn(env: gymnasium.Env[Any, Any], model: Any, steps: int) -> None:
+    """Train a model and print what it then gains."""
+    started = time.perf_counter()
+    model.learn(steps)
+    seconds = time.perf_counter() - started
+    output.print(f"PPO after {steps} steps, {seconds:.0f} s: {mean_return(env, model):.1f}")
+
+
+def waypoint(steps: int = 9216, seed: int = 0) -> None:
+    """PPO learns to steer a hull."""
     env = gymnasium.make("mjforage/Waypoint-v0")
     random, builtin = mean_return(env), builtin_return(env.unwrapped)
     output.print(f"random {random:.1f}, built-in controller {builtin:.1f}")
-    settings: dict[str, Any] = {"n_steps": 512, "batch_size": 64, "learning_rate": 1e-3}
-    model = PPO("MlpPolicy", env, seed=0, device="cpu", gamma=0.95, **settings)
-    started = time.perf_counter()
-    model.learn(steps)
-    minutes = (time.perf_counter() - started) / 60
-    output.print(f"PPO after {steps} steps, {minutes:.1f} min: {mean_return(env, model):.1f}")
+    learn(env, steersman(env, seed), steps)
 
 
-def shared(steps: int) -> None:
+def shared(steps: int = 24000, seed: int = 0) -> None:
     """PPO learns one policy for all agents of a fleet."""
     from stable_baselines3 import PPO
 
     env = gymnasium.make("mjforage/SharedPolicy-v0", reward=SHARED_REWARD)
     output.print(f"random {mean_return(env):.1f}")
-    model = PPO("MultiInputPolicy", env, seed=0, device="cpu", n_steps=2400, batch_size=240)
-    started = time.perf_counter()
-    model.learn(steps)
-    minutes = (time.perf_counter() - started) / 60
-    output.print(f"PPO after {steps} steps, {minutes:.1f} min: {mean_return(env, model):.1f}")
+    model = PPO("MultiInputPolicy", env, seed=seed, device="cpu", n_steps=2400, batch_size=240)
+    learn(env, model, steps)
 
 
 def torchrl() -> None:
@@ -98,12 +108,23 @@ def torchrl() -> None:
         output.print(f"{team}: {rewards.shape[0]} steps, return per agent {mean:.1f}")
 
 
-if __name__ == "__main__":
+LESSONS: dict[str, Callable[..., None]] = {
+    "waypoint": waypoint,
+    "shared": shared,
+    "torchrl": torchrl,
+}
+
+
+def main(what: str = "torchrl", *numbers: str) -> None:
+    """Run one lesson."""
+    most = 0 if what == "torchrl" else 2
+    if what not in LESSONS:
+        sys.exit(f"lesson {what}: unknown; choose {', '.join(LESSONS)}")
+    if len(numbers) > most or not all(number.isdecimal() for number in numbers):
+        sys.exit(f"{what} {' '.join(numbers)}: give at most {most} whole numbers, steps and seed")
     torch.set_num_threads(1)  # the networks are small: more threads only wait for each other
-    what, *numbers = sys.argv[1:] or ["torchrl"]
-    lessons: dict[str, Callable[..., None]] = {
-        "waypoint": waypoint,
-        "shared": shared,
-        "torchrl": torchrl,
-    }
-    lessons[what](*map(int, numbers))
+    LESSONS[what](*map(int, numbers))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

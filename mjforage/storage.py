@@ -80,6 +80,11 @@ def writing(path: Path) -> Iterator[None]:
     """
     try:
         yield
+    except (FileExistsError, NotADirectoryError) as error:
+        raise UserError(
+            f"{path}: cannot be written (a file is there, or where a folder above it should be); "
+            "choose another --out"
+        ) from error
     except (OSError, pl.exceptions.PolarsError) as error:
         reason = getattr(error, "strerror", None) or str(error).splitlines()[0]
         raise UserError(

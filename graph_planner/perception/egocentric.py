@@ -204,34 +204,49 @@ def _look_around(
 class Egocentric:
     """`egocentric`: four arrays per agent, of the same size on every map.
 
-    `crop` (8, 15, 15): the nodes around the agent, itself in the middle, north up.
+    Values lie in [0, 1]: float32 in the environments; `see` gives them as uint8 levels of 1 / 255,
+    rounded down. Distances d are geodesic [node]; I is idleness.
 
-    | channel | meaning | level |
-    |---|---|---|
-    | 0 | water | 255 |
-    | 1 | idleness I | 255 I |
-    | 2 | believed items | 25.5 per item, full at 10 |
-    | 3 | geodesic distance d [node] to the nearest known item | 255 - 2 d, 0 if none |
-    | 4 | haunts: within 4 nodes items were believed; not seen for a while | 1020 I, at most 255 |
-    | 5, 6 | scouts, foragers, without itself | 255 |
-    | 7 | own trail | 255, then 25.5 less per step back |
+    `crop` (8, 15, 15): the nodes around the agent, itself in the middle, north up; land is 0.
 
-    `globe` (7, 16, 16): the whole map in 16 x 16 cells.
+    | channel | meaning | unit | value |
+    |---|---|---|---|
+    | 0 | water | - | 1, land 0 |
+    | 1 | idleness | 1 | I |
+    | 2 | believed items at the node | item | 0.1 each, at most 1 |
+    | 3 | d from the node to the nearest known item | node | 1 - d / 127.5, at least 0; 0 if none |
+    | 4 | haunt: within 4 nodes items were believed, and it is long unseen | 1 | 4 I, at most 1 |
+    | 5, 6 | scouts, foragers, without itself | - | 1 where one is |
+    | 7 | own trail of 10 positions | step | 1, then 0.1 less per step back |
 
-    | channel | meaning | level |
-    |---|---|---|
-    | 0 | share of water | 255 x share |
-    | 1 | mean idleness of its nodes | 255 I |
-    | 2 | believed items in the cell | 25.5 per item |
-    | 3 | mean of its nodes' haunt levels | 255 |
-    | 4, 5, 6 | itself, scouts, foragers | 255 |
+    `globe` (7, 16, 16): the whole map in 16 x 16 cells, north up.
+
+    | channel | meaning | unit | value |
+    |---|---|---|---|
+    | 0 | share of water | 1 | the share |
+    | 1 | mean idleness of its nodes | 1 | I |
+    | 2 | believed items in the cell | item | 0.1 each, at most 1 |
+    | 3 | mean of channel 4 of `crop` over its nodes | 1 | the mean |
+    | 4, 5, 6 | itself, scouts, foragers, the latter without itself | - | 1 where one is |
 
     `moves` (9, 11): a row per move 0-7 compass, 8 stay; see `graph_planner.perception.moves`.
 
-    `self` (12,): see `SELF`: whether it collects, share of the horizon gone, known nodes (2 each),
-    share of the nodes with idleness 1, energy left, number in its team, distance to the nearest
-    known item and to the nearest node of idleness 1 (255 - 2 d), size of the team and number of
-    the others (32 each), moves per decision (32 each), sensing radius (16 per node).
+    `self` (12,), names in `SELF`; a kind is all scouts or all foragers.
+
+    | entry | meaning | unit | value |
+    |---|---|---|---|
+    | 0 | whether it collects | - | 1 forager, 0 scout |
+    | 1 | decisions taken so far | horizon | the share |
+    | 2 | nodes n at which items are known | node | n / 127.5, at most 1 |
+    | 3 | nodes of idleness 1 | all nodes | the share |
+    | 4 | energy left | full store | the share; 1 without a limit |
+    | 5 | its number k among the n of its kind, from 0 | agent | k / n |
+    | 6 | d to the nearest known item | node | 1 - d / 127.5, at least 0; 0 if none |
+    | 7 | d to the nearest node of idleness 1 | node | likewise |
+    | 8 | agents of its kind, itself included | agent | 32 / 255 each, at most 1 |
+    | 9 | agents of the other kind | agent | 32 / 255 each, at most 1 |
+    | 10 | nodes it moves per decision | node | 32 / 255 each, at most 1 |
+    | 11 | sensing radius | node | 16 / 255 each, at most 1 |
     """
 
     def __init__(self, task: Task) -> None:

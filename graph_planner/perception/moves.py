@@ -1,21 +1,23 @@
 """What each move of an agent would lead to: Greedy's terms and their longer-sighted relatives.
 
-Features per legal move (an illegal one is 0 throughout); differences are "nearer is more": level
-128 is no change, 40 levels are one node.
+Features per move, values in [0, 1]: float32 in the environments, here uint8 levels of 1 / 255,
+rounded down. An illegal move is 0 throughout. Gains are "nearer is more": 128 / 255 (0.50) is no
+change, each node nearer adds and each farther takes 40 / 255 (0.16), cut off at 0 and 1; distances
+are geodesic.
 
-| feature | meaning | level |
-|---|---|---|
-| 0 | legal | 255 |
-| 1 | believed items in the target | 25.5 per item, full at 10 |
-| 2 | nearer to the nearest known item | 128 + 40 per node |
-| 3 | sum of idleness in view of the target | 255 for a whole open disc |
-| 4 | nearer to the nearest node of idleness 1 | 128 + 40 per node |
-| 5 | nearer to the known items, on average | 128 + 40 per node |
-| 6 | nearer to the nodes of idleness 1, on average | 128 + 40 per node |
-| 7 | nearer to the nearest known item to which no teammate of the same kind is nearer | likewise |
-| 8 | more of the attraction sum(0.85^d) over known items | 128 + 32 per unit |
-| 9 | nearer to the haunts to look at again, on average | 128 + 40 per node |
-| 10 | nearer to the nearest of them to which no teammate of the same kind is nearer | likewise |
+| feature | meaning | unit | value |
+|---|---|---|---|
+| 0 | legal | - | 1 |
+| 1 | believed items in the target | item | 0.1 each, at most 1 |
+| 2 | nearer to the nearest known item | node | gain |
+| 3 | sum of idleness in view of the target | whole open disc | the share, at most 1 |
+| 4 | nearer to the nearest node of idleness 1 | node | gain |
+| 5 | nearer to the known items, on average | node | gain |
+| 6 | nearer to the nodes of idleness 1, on average | node | gain |
+| 7 | nearer to the nearest known item to which no teammate of its kind is nearer | node | gain |
+| 8 | more of the attraction sum(0.85^d) over known items | 1 | (128 + 32 per unit) / 255 |
+| 9 | nearer to the haunts to look at again, on average | node | gain |
+| 10 | nearer to the nearest of them to which no teammate of its kind is nearer | node | gain |
 
 5 to 10 look at up to 96 evenly chosen nodes.
 """

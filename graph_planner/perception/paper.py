@@ -78,12 +78,15 @@ def _paint(
 class PaperChannels:
     """`paper`: one array `map` of (6, row, column); land is 0 everywhere.
 
-    | channel | meaning | level |
-    |---|---|---|
-    | 0 | idleness I | 255 I |
-    | 1, 2, 3 | believed items now, 1 and 2 steps ago | 25.5 per item, full at 10 |
-    | 4 | own position and trail | 255, then 25.5 less per step back, 10 positions |
-    | 5 | teammates' positions | scout 128, forager 255 |
+    Values lie in [0, 1]: float32 in the environments; `see` gives them as uint8 levels of 1 / 255,
+    rounded down.
+
+    | channel | meaning | unit | value |
+    |---|---|---|---|
+    | 0 | idleness I | 1 | I |
+    | 1, 2, 3 | believed items at the node now, 1 and 2 steps ago | item | 0.1 each, at most 1 |
+    | 4 | own position and trail of 10 positions | step | 1, then 0.1 less per step back |
+    | 5 | teammates' positions | - | scout 128 / 255, forager 1 |
     """
 
     def __init__(self, task: Task) -> None:

@@ -1,6 +1,7 @@
 """What a policy is, and the table of those that exist."""
 
 import difflib
+import logging
 from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol, TypeVar, runtime_checkable
@@ -48,6 +49,7 @@ class Bound(Policy, Protocol):
 
 PolicyClass = TypeVar("PolicyClass", bound=Callable[[], Policy])
 _POLICIES: dict[str, Callable[[], Policy]] = {}
+_logger = logging.getLogger(__name__)
 
 
 def register(name: str) -> Callable[[PolicyClass], PolicyClass]:
@@ -81,13 +83,25 @@ def own_weights(name: str) -> Path | None:
 
 
 def weights_of(name: str) -> Path | None:
-    """The weights that a policy reads, its own or shipped; None for a policy without."""
-    shipped = getattr(_POLICIES.get(name), "weights", None)
-    if shipped is None:
-        return own_weights(name)
-    from graph_planner.weights import shipped_weights
+    """The weights that a policy reads, its own or shipped; None for a policy without.
 
-    return shipped_weights(shipped)
+    A warning is logged if the present folder has a file of that name which is not read.
+    """
+    read = own_weights(name)
+    shipped = getattr(_POLICIES.get(name), "weights", None)
+    if shipped is not None:
+        from graph_planner.weights import shipped_weights
+
+        read = shipped_weights(shipped)
+    there = Path(f"{name}.safetensors")
+    if there.is_file() and not (read and read.exists() and there.samefile(read)):
+        _logger.warning(
+            "policy %s is the one that ships; %s in the present folder is not read: rename it, and "
+            "its policy has the new name",
+            name,
+            there,
+        )
+    return read
 
 
 def create_policy(name: str) -> Policy:

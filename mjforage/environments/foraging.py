@@ -6,6 +6,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.environments.checks import checked_moves
 from mjforage.environments.choice import Options
 from mjforage.environments.one_lane import METADATA, OneLane, summed
 from mjforage.environments.spaces import MASK, Pictures, picture_space, values
@@ -18,15 +19,18 @@ class ForagingEnv(OneLane, gymnasium.Env[Pictures, NDArray[np.int64]]):
     An illegal move, or one to a node that an agent of higher index took, becomes staying put where
     that is legal, else the first legal compass move; `info["illegal"]` counts them.
 
-    **Observation** a dict of float32 in [0, 1] with a leading agent axis, of the kind chosen:
+    **Observation** a dict of arrays with a leading agent axis, of the kind chosen:
 
-    | kind | arrays per agent | table |
-    |---|---|---|
-    | egocentric | crop (8, 15, 15), globe (7, 16, 16), moves (9, 11), self (12,) | `Egocentric` |
-    | paper | map (6, rows, columns) | `PaperChannels` |
+    | kind | array | shape per agent | dtype | range | entries |
+    |---|---|---|---|---|---|
+    | egocentric | `crop` | (8, 15, 15) | float32 | [0, 1] | table of `Egocentric` |
+    | | `globe` | (7, 16, 16) | float32 | [0, 1] | likewise |
+    | | `moves` | (9, 11) | float32 | [0, 1] | table of the module `moves` |
+    | | `self` | (12,) | float32 | [0, 1] | table of `Egocentric` |
+    | paper | `map` | (6, rows, columns) | float32 | [0, 1] | table of `PaperChannels` |
+    | both | `action_mask` | (9,) | int8 | 0, 1 | 1: legal before anybody has chosen |
 
-    and `action_mask` (agents, 9) int8, 1 where a move is legal before anybody has chosen. The
-    tables are in `graph_planner.perception`; a value is level / 255.
+    The tables, with units, are in `graph_planner.perception`.
 
     **Reward** the sum over agents and terms; `info["reward/<term>"]` has each weighted term's.
     **End** terminated when no item is left or nobody has energy; truncated at the horizon.
@@ -50,8 +54,9 @@ class ForagingEnv(OneLane, gymnasium.Env[Pictures, NDArray[np.int64]]):
         return self._observed(), self._game.facts()
 
     def step(self, action: NDArray[np.int64]) -> tuple[Pictures, float, bool, bool, dict[str, Any]]:
-        """One decision of the fleet."""
-        reward, ended, late, info = summed(self._play(np.asarray(action, np.int64)))
+        """One decision of the fleet; raises `UserError` where the action is not of its space."""
+        moves = checked_moves(action, (self._game.agents,))
+        reward, ended, late, info = summed(self._play(moves))
         return self._observed(), reward, ended, late, self._game.facts() | info
 
     def _observed(self) -> Pictures:

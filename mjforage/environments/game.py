@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from graph_planner.navigation import STAY
 from graph_planner.perception import PERCEPTIONS, legal_moves
 from graph_planner.randomness import UInt64Array
+from mjforage.environments.checks import checked_seed, checked_started
 from mjforage.environments.choice import Choice
 from mjforage.environments.rewards import RewardTerms
 from mjforage.mission import Mission
@@ -47,16 +48,16 @@ class Game:
         self._terms = RewardTerms(self.setting.task, tuple(self._weights))
         self._perception = PERCEPTIONS[choice.observation](self.setting.task)
         self.shapes = self._perception.shapes
-        self._started = False
+        self.started = False  # whether there are episodes
 
     def start(self, lanes: NDArray[np.int64], keys: UInt64Array) -> None:
         """Start episodes of the given keys in the given lanes; the first time in all of them."""
-        if self._spare is None or not self._started or lanes.size == self.lanes:
+        if self._spare is None or not self.started or lanes.size == self.lanes:
             assert lanes.size == self.lanes, "all lanes are started at first"
             self.mission.start(keys)
             self._perception.reset(self.lanes)
             self.n_items = self.mission.world.n_items.copy()
-            self._started = True
+            self.started = True
             return
         self._spare.start(keys)
         self.mission.adopt(lanes, self._spare)
@@ -69,7 +70,13 @@ class Game:
         ----------
         actions : (lane, agent) moves 0-8; an illegal one, or one that another agent took first,
             becomes staying put where that is legal, else the first legal compass move
+
+        Raises
+        ------
+        UserError
+            If no episode has been started.
         """
+        checked_started(self.started, "step")
         preferences = np.zeros((*actions.shape, 9))
         preferences[..., STAY] = OTHERWISE_STAY
         np.put_along_axis(preferences, actions[..., None], CHOSEN, axis=-1)
@@ -130,15 +137,22 @@ class Episodes:
     """Numbers the episodes of one lane: seed and number decide an episode, nothing else."""
 
     def __init__(self) -> None:
-        self._seed, self._number = 0, -1
+        self.seed, self.number = 0, -1  # of the present episode
 
     def following(self, seed: int | None, entropy: np.random.Generator) -> UInt64Array:
-        """Key (1,) of the next episode: the first of a new seed, else the next of the old one."""
+        """Key (1,) of the next episode: the first of a new seed, else the next of the old one.
+
+        Raises
+        ------
+        UserError
+            If the seed is not one.
+        """
         from graph_planner.randomness import episode_keys
 
+        seed = checked_seed(seed)
         if seed is not None:
-            self._seed, self._number = seed, -1
-        elif self._number < 0:
-            self._seed = int(entropy.integers(1 << 63))
-        self._number += 1
-        return episode_keys(self._seed, np.array([self._number]))
+            self.seed, self.number = seed, -1
+        elif self.number < 0:
+            self.seed = int(entropy.integers(1 << 63))
+        self.number += 1
+        return episode_keys(self.seed, np.array([self.number]))

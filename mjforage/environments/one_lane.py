@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.perception.base import Levels
+from mjforage.environments.checks import checked_started
 from mjforage.environments.choice import Choice, Options
 from mjforage.environments.game import Episodes, Game, Outcome
 from mjforage.environments.pictures import Picture
@@ -68,7 +69,8 @@ class OneLane:
 
     def _drawn(self) -> NDArray[np.uint8]:
         assert self._picture is not None, "drawn only in a render mode"
-        return self._picture.draw(self._game.mission, self._game.choice.world)
+        checked_started(self._game.started, "render")
+        return self._picture.draw(self._game, self._episodes)
 
 
 def summed(outcome: Outcome) -> tuple[float, bool, bool, dict[str, Any]]:

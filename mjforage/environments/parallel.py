@@ -5,12 +5,15 @@ from typing import Any, ClassVar, Unpack
 
 import gymnasium
 import numpy as np
+from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from graph_planner.navigation import STAY
+from mjforage.environments.checks import checked_moves, checked_started
 from mjforage.environments.choice import Options
 from mjforage.environments.one_lane import METADATA, OneLane
 from mjforage.environments.spaces import MASK, Pictures, picture_space, values
+from mjforage.errors import UserError
 
 
 class ForagingParallelEnv(OneLane, ParallelEnv[str, Pictures, int]):  # type: ignore[misc]
@@ -70,9 +73,14 @@ class ForagingParallelEnv(OneLane, ParallelEnv[str, Pictures, int]):  # type: ig
         dict[str, bool],
         dict[str, dict[str, Any]],
     ]:
-        """One decision of all agents that are not over."""
-        chosen = np.array([int(actions.get(a, STAY)) for a in self.possible_agents])
-        outcome = self._play(chosen)
+        """One decision of all agents that are not over; actions of those that are do not count.
+
+        Raises
+        ------
+        UserError
+            If an agent has no action, is not known, or its action is not of its space.
+        """
+        outcome = self._play(self._chosen(actions))
         present = self.agents
         index = {agent: i for i, agent in enumerate(self.possible_agents)}
         ended, late = bool(outcome.terminated[0]), bool(outcome.truncated[0])
@@ -85,6 +93,23 @@ class ForagingParallelEnv(OneLane, ParallelEnv[str, Pictures, int]):  # type: ig
                 infos[a][f"reward/{name}"] = float(term[0, index[a]])
         self.agents = [a for a in present if not (terminated[a] or truncated[a])]
         return observations, rewards, terminated, truncated, infos
+
+    def _chosen(self, actions: dict[str, int]) -> NDArray[np.int64]:
+        """(agent,) moves; agents that are over stay."""
+        checked_started(self._game.started, "step")
+        names = ", ".join(self.possible_agents)
+        for agent in actions:
+            if agent not in self.possible_agents:
+                raise UserError(f"action of {agent}: there is no such agent; choose {names}")
+        chosen = np.full(len(self.possible_agents), STAY)
+        for i, agent in enumerate(self.possible_agents):
+            if agent in self.agents:
+                if agent not in actions:
+                    raise UserError(
+                        f"action of {agent}: is missing; give one to each of env.agents"
+                    )
+                chosen[i] = checked_moves(actions[agent], (), f"action of {agent}")
+        return chosen
 
     def _observed(self, agents: list[str]) -> tuple[dict[str, Pictures], dict[str, dict[str, Any]]]:
         levels, masks, facts = self._seen(), self._game.masks[0], self._game.facts()

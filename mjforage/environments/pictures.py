@@ -1,10 +1,14 @@
-"""`rgb_array`: the map from above as it is now, drawn like the films of `mjforage render`."""
+"""`rgb_array`: the map from above as it is now, drawn like the films of `mjforage render`.
+
+It shows the truth: items that no agent has discovered are there too, small and dim.
+"""
 
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.environments.game import Episodes, Game
 from mjforage.mission import Mission
 from mjforage.replay import Replay
 
@@ -40,8 +44,8 @@ class Picture:
             }
         )
 
-    def draw(self, mission: Mission, world: str) -> NDArray[np.uint8]:
-        """(height, width, 3) the present."""
+    def draw(self, game: Game, episodes: Episodes) -> NDArray[np.uint8]:
+        """(height, width, 3) the present of the lane, with its seed and episode in the title."""
         from mjforage.render import TopView  # matplotlib-free, but slow to import
 
         items = self._steps[0]["item_present"]  # padding of other lanes is left out
@@ -50,7 +54,7 @@ class Picture:
         }
         for name in ("item_rc", "item_present"):
             arrays[name] = arrays[name][:, : items.size][:, items]
-        setting, fleet = mission.setting, mission.setting.fleet
+        setting, fleet = game.setting, game.setting.fleet
         replay = Replay(
             navigable=setting.grid.navigable,
             pitch_m=setting.scenario.map.pitch_m,
@@ -66,7 +70,9 @@ class Picture:
             track_items=np.zeros((1, int(items.sum()), 2), np.float32),
             track_present=np.zeros((1, int(items.sum())), np.bool_),
             track_wind=np.zeros((1, 2), np.float32),
-            world=world,
+            world=game.choice.world,
+            seed=episodes.seed,
+            episode=episodes.number,
             **arrays,
         )
         view = TopView(replay, LONG_SIDE)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from graph_planner.navigation import STAY
 from graph_planner.perception.masks import legal_of_agent
+from mjforage.environments.checks import checked_moves, checked_started
 from mjforage.environments.choice import Options
 from mjforage.environments.game import CHOSEN, OTHERWISE_STAY
 from mjforage.environments.one_lane import METADATA, OneLane, summed
@@ -48,8 +49,9 @@ class SharedPolicyEnv(OneLane, gymnasium.Env[Pictures, np.int64]):
         return self._observed(), self._info()
 
     def step(self, action: np.int64) -> tuple[Pictures, float, bool, bool, dict[str, Any]]:
-        """One agent's decision."""
-        self._choose(int(action))
+        """One agent's decision; raises `UserError` where the action is not of its space."""
+        checked_started(self._game.started, "step")
+        self._choose(int(checked_moves(action, ())))
         if self._turn > 0:
             self._turn -= 1
             return self._observed(), 0.0, False, False, self._info()
@@ -59,6 +61,7 @@ class SharedPolicyEnv(OneLane, gymnasium.Env[Pictures, np.int64]):
 
     def action_masks(self) -> NDArray[np.bool_]:
         """(9,) legal moves of the agent whose turn it is."""
+        checked_started(self._game.started, "action_masks")
         seen, agent = self._game.mission.observation, self._turn
         return legal_of_agent(
             self._game.setting.task.ground,

@@ -1,5 +1,8 @@
 """`gymnasium.make_vec("mjforage/Foraging-v0")`: episodes side by side in one batched mission."""
 
+import reprlib
+from collections.abc import Sequence
+from numbers import Integral
 from typing import Any, ClassVar, Unpack
 
 import numpy as np
@@ -8,6 +11,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from mjforage.environments.checks import checked_moves, checked_seed, checked_started
 from mjforage.environments.choice import Choice, Options
 from mjforage.environments.game import Episodes, Game, Outcome
 from mjforage.environments.one_lane import METADATA
@@ -46,7 +50,7 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         choice = Choice(**options)
         check_mode(choice.render_mode, MODES)
         self.num_envs, self.render_mode = num_envs, choice.render_mode
-        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.autoreset_mode = _checked_mode(autoreset_mode)
         self.metadata = {**type(self).metadata, "autoreset_mode": self.autoreset_mode}  # type: ignore[misc]
         batched = choice.world == "graph"
         sizes = [num_envs] if batched else [1] * num_envs
@@ -64,27 +68,56 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
     def reset(
         self,
         *,
-        seed: int | list[int | None] | None = None,
+        seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Pictures, dict[str, Any]]:
-        """Start the next episode of all lanes, or of those in `options["reset_mask"]`."""
-        whole = seed if isinstance(seed, int) else None
-        super().reset(seed=whole)
-        seeds = (
-            [None if seed is None else seed + i for i in range(self.num_envs)]
-            if not isinstance(seed, list)
-            else seed
-        )
-        mask = np.asarray((options or {}).get("reset_mask", np.ones(self.num_envs)), np.bool_)
-        self._start(np.flatnonzero(mask), seeds)
+        """Start the next episode of all lanes, or of some.
+
+        Parameters
+        ----------
+        seed : of lane 0, the others take the integers after it; or one per lane
+        options : `reset_mask`, (lane,) booleans: the lanes to start; absent: all
+
+        Raises
+        ------
+        UserError
+            If a seed or the mask is not one, or the first reset leaves lanes out.
+        """
+        seeds, lanes = self._seeds(seed), self._chosen((options or {}).get("reset_mask"))
+        super().reset(seed=seeds[0] if isinstance(seed, Integral) else None)
+        self._start(lanes, seeds)
         return self._observed(), self._facts()
+
+    def _seeds(self, seed: object) -> list[int | None]:
+        """A seed per lane."""
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, Integral):
+            return [checked_seed(int(seed) + i) for i in range(self.num_envs)]
+        if not isinstance(seed, Sequence | np.ndarray) or len(seed) != self.num_envs:
+            words = f"give one whole number, or {self.num_envs} of them"
+            raise UserError(f"seed = {reprlib.repr(seed)}: {words}")
+        return [checked_seed(each, f"seed[{i}]") for i, each in enumerate(seed)]
+
+    def _chosen(self, mask: object) -> NDArray[np.intp]:
+        """Numbers of the lanes that a mask names."""
+        if mask is None:
+            return np.arange(self.num_envs)
+        chosen = np.asarray(mask)
+        if chosen.shape != (self.num_envs,) or chosen.dtype != np.bool_ or not chosen.any():
+            words = f"give {self.num_envs} booleans, at least one of them True"
+            raise UserError(f"reset_mask = {reprlib.repr(mask)}: {words}")
+        if not chosen.all():
+            checked_started(self._games[0].started, "reset of some lanes")
+        return np.flatnonzero(chosen)
 
     def step(
         self, actions: NDArray[np.int64]
     ) -> tuple[Pictures, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
-        """One decision of every fleet."""
+        """One decision of every fleet; raises `UserError` where an action is not of its space."""
+        moves = checked_moves(actions, (self.num_envs, self._games[0].agents), "actions")
         again = self._ended.copy() if self.autoreset_mode is AutoresetMode.NEXT_STEP else None
-        parts = self._play(np.asarray(actions, np.int64))
+        parts = self._play(moves)
         rewards = np.concatenate([part.rewards.sum(axis=1) for part in parts])
         terminated = np.concatenate([part.terminated for part in parts])
         truncated = np.concatenate([part.truncated for part in parts])
@@ -108,9 +141,10 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         """A picture (height, width, 3) uint8 per lane, or None without a render mode."""
         if not self.render_mode:
             return None
+        checked_started(self._games[0].started, "render")
+        lanes = zip(self._pictures, self._where, self._episodes, strict=True)
         return tuple(
-            picture.draw(self._games[game].mission, self._games[game].choice.world)
-            for picture, (game, _) in zip(self._pictures, self._where, strict=True)
+            picture.draw(self._games[game], episodes) for picture, (game, _), episodes in lanes
         )
 
     def _play(self, actions: NDArray[np.int64]) -> list[Outcome]:
@@ -140,3 +174,11 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
     def _facts(self) -> dict[str, Any]:
         facts = [self._games[game].facts(lane) for game, lane in self._where]
         return {name: np.array([fact[name] for fact in facts]) for name in facts[0]}
+
+
+def _checked_mode(mode: object) -> AutoresetMode:
+    try:
+        return AutoresetMode(mode)
+    except ValueError as error:
+        names = ", ".join(each.value for each in AutoresetMode)
+        raise UserError(f"autoreset_mode = {mode!r}: unknown; choose {names}") from error

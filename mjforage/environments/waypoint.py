@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers import Pilot
+from mjforage.environments.checks import checked_started, checked_thrusts
 from mjforage.environments.course import TICK_S, Course
 from mjforage.environments.rewards import checked_names
 from mjforage.environments.screen import Screen
@@ -22,7 +23,10 @@ WAYPOINTS = 8
 HORIZON = 300  # steps of 0.5 s
 
 REWARD = {"progress": 1.0, "reached": 5.0, "time": -0.1, "effort": -0.05}
-"""Term -> weight: metres nearer to the waypoint, waypoints reached, steps, mean square action."""
+"""Term -> weight: metres nearer to the waypoint, waypoints reached, steps, mean square action.
+
+Full astern is an action of -1, as costly as full ahead, whoever steers.
+"""
 
 SCALES = np.array(
     [20, 20, 4, 4, 20, 20, 3, 3, 1.5, 1, 1, 15, 15, 1, 1, 1], np.float64
@@ -34,11 +38,12 @@ Numbers = NDArray[np.float32]
 class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
     """One hull in MuJoCo on open water; a step is 0.5 s of constant commands.
 
-    **Action** `Box(-1, 1, (2,))`: port and starboard, -1 full astern, 1 full ahead.
+    **Action** `Box(-1, 1, (2,))` float32: port and starboard, -1 full astern, 1 full ahead; cut off
+    beyond, and refused where it is not finite.
 
-    **Observation** `Box(-1, 1, (16,))` float32, cut off where a value is beyond its scale:
+    **Observation** `Box(-1, 1, (16,))` float32: each entry over its scale, cut off at -1 and 1:
 
-    | entry | meaning | scale |
+    | entry | meaning | at 1 |
     |---|---|---|
     | 0, 1 | waypoint, forward and to port of midships | 20 m |
     | 2, 3 | the same, finer | 4 m |
@@ -51,6 +56,7 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
     | 15 | share of the time left | 1 |
 
     **Reward** named terms with weights, see `REWARD`; `info["reward/<term>"]` has each.
+    `info` of steps and resets: `reached` (waypoints) and `distance_m` (to the present one).
     **End** terminated when all 8 waypoints, 4 to 12 m from one to the next, have been reached
     within 1 m; truncated after 150 s.
     """
@@ -91,7 +97,7 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
         self._weights = checked_names(REWARD if reward is None else reward, REWARD)
         self._course = Course(load_vessel(vessel), weather, WAYPOINTS)
         self._low, self._high = self._course.vessel.thruster.command_range
-        self._way: list[tuple[float, float]] = []
+        self._way: list[tuple[float, float]] = []  # empty until the first reset
         self.observation_space = gymnasium.spaces.Box(-1.0, 1.0, (SCALES.size,), np.float32)
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32)
 
@@ -109,17 +115,25 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
         self._steps = 0
         self._way = []
         self._note()
-        return self._observed(), {"reached": 0}
+        return self._observed(), self._facts()
 
     def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
-        """Half a second of constant commands."""
-        port, starboard = (self._command(float(value)) for value in action)
+        """Half a second of constant commands.
+
+        Raises
+        ------
+        UserError
+            If the action is not two finite numbers.
+        """
+        checked_started(bool(self._way), "step")
+        thrusts = checked_thrusts(action)
+        port, starboard = (self._command(float(share)) for share in thrusts)
         gained, reached = 0.0, 0
         for _ in range(TICKS):
             if not self._course.over:
                 gain, there = self._course.tick(port, starboard)
                 gained, reached = gained + gain, reached + there
-        effort = float(np.mean(np.square(np.clip(action, -1.0, 1.0))))
+        effort = float(np.mean(np.square(thrusts)))
         return self._end_step({"progress": gained, "reached": reached, "effort": effort})
 
     def step_builtin(self, pilot: Pilot) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
@@ -129,6 +143,7 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
         ----------
         pilot : of `builtin_pilot`
         """
+        checked_started(bool(self._way), "step")
         gained, reached, effort = 0.0, 0, 0.0
         for _ in range(TICKS):
             if self._course.over:
@@ -140,11 +155,13 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
             gained, reached = gained + gain, reached + there
             if there:
                 self._order(pilot)
-            effort += float(np.mean(np.square([port / self._high, starboard / self._high]))) / TICKS
+            shares = [self._share(float(port)), self._share(float(starboard))]
+            effort += float(np.mean(np.square(shares))) / TICKS
         return self._end_step({"progress": gained, "reached": reached, "effort": effort})
 
     def builtin_pilot(self) -> Pilot:
         """The built-in controller of the hull, with its orders for the present waypoint."""
+        checked_started(bool(self._way), "builtin_pilot")
         pilot = Pilot([helm_of(self._course.vessel)], None, 1, TICK_S)
         self._order(pilot)
         return pilot
@@ -161,14 +178,21 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
         self._note()
         terms = {name: w * ({"time": 1.0} | amounts)[name] for name, w in self._weights.items()}
         info: dict[str, Any] = {f"reward/{name}": value for name, value in terms.items()}
-        info |= {"reached": self._course.reached, "distance_m": self._course.distance_m}
+        info |= self._facts()
         over = self._course.over
         late = self._steps >= HORIZON and not over
         return self._observed(), float(sum(terms.values())), over, late, info
 
+    def _facts(self) -> dict[str, Any]:
+        return {"reached": self._course.reached, "distance_m": self._course.distance_m}
+
     def _command(self, share: float) -> float:
-        share = min(max(share, -1.0), 1.0)
+        """Command [rad/s or N] of an action's entry."""
         return share * (self._high if share > 0.0 else -self._low)
+
+    def _share(self, command: float) -> float:
+        """The entry of an action that gives a command."""
+        return command / (self._high if command > 0.0 else -self._low)
 
     def _observed(self) -> Numbers:
         course = self._course
@@ -199,6 +223,7 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
     def _drawn(self) -> NDArray[np.uint8]:
         from mjforage.environments.course_picture import draw_course
 
+        checked_started(bool(self._way), "render")
         return draw_course(self._course, self._way)
 
     def render(self) -> Any:

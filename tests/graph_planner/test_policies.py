@@ -1,4 +1,5 @@
 import itertools
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from graph_planner.moves import MoveRules
 from graph_planner.navigation import OFFSETS, STAY, NavigationGraph, navigation_graph
 from graph_planner.policies import create_policy, policy_names, register
 from graph_planner.policies.lawnmower import LawnmowerPolicy, lane_corners
+from graph_planner.policies.registry import weights_of
 from graph_planner.randomness import Stream, episode_keys, stream_key
 from graph_planner.walking import Walker, levy_length
 from tests.graph_planner.charts import grid
@@ -26,6 +28,24 @@ def test_the_published_baselines_are_registered() -> None:
 def test_an_unknown_policy_is_named_with_the_nearest_one() -> None:
     with pytest.raises(KeyError, match="policy gredy: unknown; did you mean greedy"):
         create_policy("gredy")
+
+
+def test_a_file_that_a_policy_of_that_name_does_not_read_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shipped = weights_of("ddqn")
+    assert shipped is not None and not caplog.messages
+    for name, read in (("ddqn", shipped), ("greedy", None)):
+        Path(f"{name}.safetensors").write_bytes(b"mine")
+        assert weights_of(name) == read
+        assert f"{name}.safetensors in the present folder is not read" in caplog.text
+    caplog.clear()
+    Path("mine.safetensors").write_bytes(b"mine")
+    assert weights_of("mine") == tmp_path / "mine.safetensors"
+    monkeypatch.chdir(shipped.parent)  # where the file is the shipped one
+    assert weights_of("ddqn") == shipped
+    assert not caplog.messages
 
 
 def test_a_name_is_registered_once() -> None:

@@ -259,6 +259,15 @@ def test_an_impossible_folder_is_one_error(tmp_path: Path, place: str) -> None:
     assert "choose another --out" in message
 
 
+@pytest.mark.parametrize("place", ["file", "file/run"])
+def test_a_file_in_the_way_of_a_folder_is_named(tmp_path: Path, place: str) -> None:
+    (tmp_path / "file").write_text("kept")
+    message = error_of(RunFolder(tmp_path / place).open, INFO)
+    assert "cannot be written (a file is there, or where a folder above it should be)" in message
+    assert "space" not in message
+    assert (tmp_path / "file").read_text() == "kept"
+
+
 def test_json_is_whole_strict_and_untouched_where_equal(tmp_path: Path) -> None:
     path = tmp_path / "a.json"
     write_json(path, {"a": None, "b": [1.5]})

@@ -1,5 +1,6 @@
 """Whole episodes: determinism, exact reset, spaces, masks, ends."""
 
+from functools import cache
 from typing import Any
 
 import gymnasium
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 import mjforage
 from graph_planner.policies import create_policy
+from mjforage.errors import UserError
 
 FEW = ("horizon=20", "items.mean=3", "items.std=1", "items.covariance_node2=4")
 NAMES = ("mjforage/Foraging-v0", "mjforage/SharedPolicy-v0", "mjforage/Waypoint-v0")
@@ -130,33 +132,60 @@ def test_physics_lanes_have_missions_of_their_own() -> None:
     assert flat(single.step(actions[1])[0]) == lane(batch.step(actions)[0], 1)
 
 
-@settings(max_examples=15)
-@given(st.data())
-def test_no_observation_leaves_its_space(data: st.DataObject) -> None:
-    name = data.draw(st.sampled_from(NAMES))
-    kind = data.draw(st.sampled_from(["egocentric", "paper"]))
-    env = CACHE.setdefault(
-        (name, kind), make(name, **({} if "Way" in name else {"observation": kind}))
-    )
+PLACES = [
+    *((name, kind, "graph") for name in NAMES[:2] for kind in ("egocentric", "paper")),
+    (NAMES[2], "", ""),
+    (NAMES[0], "egocentric", "physics"),
+    (NAMES[1], "paper", "physics"),
+]
+
+
+@pytest.mark.parametrize("place", PLACES, ids="-".join)
+@settings(max_examples=8)
+@given(data=st.data())
+def test_no_observation_leaves_its_space(place: tuple[str, str, str], data: st.DataObject) -> None:
+    """Nor does anything but an action pass for one."""
+    env = environment(*place)
     observation, _ = env.reset(seed=data.draw(st.integers(0, 2**31)))
     assert env.observation_space.contains(observation)
+    inside, outside = actions_of(env.action_space)
     for _ in range(data.draw(st.integers(1, 25))):
-        if "Way" in name:
-            action: Any = np.array(
-                [data.draw(st.floats(-1, 1, width=32)) for _ in range(2)], np.float32
-            )
-        else:
-            shape = env.action_space.shape or ()
-            action = np.array([data.draw(st.integers(0, 8)) for _ in range(int(np.prod(shape)))])
-            action = action.reshape(shape)
-        observation, reward, terminated, truncated, _ = env.step(action)
+        if data.draw(st.integers(0, 4)) == 0:
+            with pytest.raises(UserError, match=r"^action"):
+                env.step(data.draw(outside))
+        observation, reward, terminated, truncated, _ = env.step(data.draw(inside))
         assert env.observation_space.contains(observation)
         assert np.isfinite(float(reward))
         if terminated or truncated:
             break
 
 
-CACHE: dict[tuple[str, str], gymnasium.Env[Any, Any]] = {}
+@cache
+def environment(name: str, kind: str, world: str) -> gymnasium.Env[Any, Any]:
+    return make(name, **({"observation": kind, "world": world} if kind else {}))
+
+
+def actions_of(
+    space: gymnasium.Space[Any],
+) -> tuple[st.SearchStrategy[Any], st.SearchStrategy[Any]]:
+    """Of a space and outside it: one entry of the wrong kind or size, or another shape."""
+    shape = space.shape or ()
+    if isinstance(space, gymnasium.spaces.Box):
+        good: st.SearchStrategy[Any] = st.floats(-1, 1, width=32)
+        bad: st.SearchStrategy[Any] = st.sampled_from([np.nan, np.inf, -np.inf])
+    else:
+        good = st.integers(0, 8)
+        bad = st.integers(-(2**62), -1) | st.integers(9, 2**62) | st.floats(-1e9, 1e9)
+    size = int(np.prod(shape))
+    inside = st.lists(good, min_size=size, max_size=size).map(lambda x: np.reshape(x, shape))
+
+    def spoiled(action: NDArray[Any], entry: Any, place: int) -> NDArray[Any]:
+        values = action.reshape(-1).astype(type(entry))
+        values[place] = entry
+        return values.reshape(shape)
+
+    one_wrong = st.builds(spoiled, inside, bad, st.integers(0, size - 1))
+    return inside, one_wrong | inside.map(lambda action: np.stack((action, action)))
 
 
 def test_observations_share_no_memory() -> None:

@@ -1,6 +1,7 @@
 import gymnasium
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from mjforage.environments.course import FARTHEST_M, NEAREST_M
 from mjforage.environments.waypoint import REWARD, WaypointEnv
@@ -62,3 +63,32 @@ def test_calm_water_and_other_hulls() -> None:
     assert not observation[11:15].any()
     with pytest.raises(UserError, match="reward speed: unknown term"):
         WaypointEnv(reward={"speed": 1.0})
+
+
+def test_the_built_in_controller_pays_for_effort_like_actions_do(env: WaypointEnv) -> None:
+    """Full astern is an action of -1 in both kinds of step."""
+
+    class Astern:
+        def command(self, *_: object) -> NDArray[np.float64]:
+            return np.full((1, 1, 2), env.course.vessel.thruster.command_range[0])
+
+    env.reset(seed=1)
+    *_, builtin = env.step_builtin(Astern())  # type: ignore[arg-type]
+    env.reset(seed=1)
+    *_, ours = env.step(np.array([-1.0, -1.0], np.float32))
+    assert builtin == ours
+    assert ours["reward/effort"] == pytest.approx(REWARD["effort"])
+
+
+def test_thrusts_beyond_full_are_cut_off(env: WaypointEnv) -> None:
+    env.reset(seed=1)
+    beyond = env.step(np.array([3.0, -2.0], np.float32))
+    env.reset(seed=1)
+    np.testing.assert_equal(beyond, env.step(np.array([1.0, -1.0], np.float32)))
+
+
+def test_info_has_the_same_facts_at_a_reset_and_at_a_step(env: WaypointEnv) -> None:
+    _, facts = env.reset(seed=3)
+    *_, info = env.step(np.zeros(2, np.float32))
+    assert facts.keys() == {name for name in info if not name.startswith("reward/")}
+    assert facts == {"reached": 0, "distance_m": np.hypot(*env.course.waypoints[0])}
