@@ -109,6 +109,10 @@ class Replay:
     def __len__(self) -> int:
         return int((self.tree[self.tree.size // 2 :] > 0).sum())
 
+    def warm(self, rows: int) -> bool:
+        """Whether so many rows can be drawn, or as many as there is room for."""
+        return len(self) >= max(1, rows) or self.written > self.blocks
+
     def _block(self, number: int) -> slice:
         first = number % self.blocks * self.lanes
         return slice(first, first + self.lanes)

@@ -56,11 +56,10 @@ def train(
     Raises
     ------
     UserError
-        If there is no end, the device is missing, or the folder holds another run or is being
-        written.
+        If there is no end, the seed or the teacher is not valid, the device is missing, or the
+        folder holds another run or is being written.
     """
-    if hours is None and updates is None:
-        raise UserError("train: no end given; add --hours 2 or --updates 10000")
+    _check_ends(hours, updates)
     trainer = Trainer([scenario, *also], settings, seed, _device(device))
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
@@ -98,6 +97,14 @@ def _go_on(
             logs.write()
             saved = time.perf_counter()
     logs.close()
+
+
+def _check_ends(hours: float | None, updates: int | None) -> None:
+    if hours is None and updates is None:
+        raise UserError("train: no end given; add --hours 2 or --updates 10000")
+    for name, value in (("hours", hours), ("updates", updates)):
+        if value is not None and not 0 < value < float("inf"):
+            raise UserError(f"train: --{name} {value}: give a positive number")
 
 
 def _over(trainer: Trainer, hours: float | None, updates: int | None) -> bool:

@@ -41,10 +41,10 @@ class Settings:
     correction: float = field(default=0.4, metadata=bounded(0, 1))  # beta of the replay
     target_rate: float = field(default=0.005, metadata=bounded(0, 1))
     """Share by which the target network follows at each update."""
-    updates_per_step: float = field(default=1.0, metadata=bounded(0, 1000))
+    updates_per_step: float = field(default=1.0, metadata=bounded(1e-3, 1000))
     """Updates of each team's network per step of the whole batch of lanes."""
     warmup: int = field(default=4000, metadata=bounded(0, 10_000_000))
-    """Decisions in a team's replay before its first update."""
+    """Decisions in a team's replay before its first update; a full replay will do with fewer."""
     explore_from: float = field(default=1.0, metadata=bounded(0, 1))
     explore_to: float = field(default=0.05, metadata=bounded(0, 1))
     explore_updates: int = field(default=8000, metadata=bounded(1, 1_000_000_000))
@@ -66,6 +66,16 @@ class Settings:
             value = getattr(self, entry.name)
             if low is not None and not low <= value <= high:
                 raise UserError(f"{entry.name} = {value}: out of range; give {low:g} to {high:g}")
+        if self.warmup > self.capacity:
+            raise UserError(
+                f"warmup = {self.warmup}: the replay holds only capacity = {self.capacity} "
+                "decisions; give less, or more capacity"
+            )
+        if bool(self.teacher) != bool(self.teacher_updates):
+            raise UserError(
+                f"teacher = {self.teacher!r}, teacher_updates = {self.teacher_updates}: give both, "
+                "such as --teacher belief --learning teacher_updates=6000, or neither"
+            )
         checked_weights(self.reward)
 
     def tree(self) -> dict[str, Any]:

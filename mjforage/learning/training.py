@@ -29,6 +29,7 @@ from mjforage.learning.settings import Settings
 from mjforage.mission import Mission
 from mjforage.scenario import Scenario
 from mjforage.scoring import score
+from mjforage.studies.evaluate import check_policies
 
 if TYPE_CHECKING:
     from graph_planner.q_network import DuelingNetwork
@@ -107,8 +108,12 @@ class Trainer:
         Raises
         ------
         UserError
-            If a scenario or a setting is not valid, or fleets or arrays differ.
+            If a scenario, a setting or the seed is not valid, or fleets or arrays differ.
         """
+        if not 0 <= seed < HELD_OUT:
+            raise UserError(f"seed {seed}: out of range; give 0 to {HELD_OUT - 1}")
+        if settings.teacher:
+            check_policies([settings.teacher])
         self.settings, self.seed = settings, seed
         choices = [
             Choice(scenario, observation=settings.observation, reward=settings.reward)
@@ -247,7 +252,7 @@ class Trainer:
         """The updates that this step has earned."""
         settings, progress = self.settings, self.progress
         learners = self.learners.values()
-        if min(len(learner.replay) for learner in learners) < max(1, settings.warmup):
+        if not all(learner.replay.warm(settings.warmup) for learner in learners):
             return []
         progress.due += settings.updates_per_step * float(self._present.mean())
         learned = []

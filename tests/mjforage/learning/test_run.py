@@ -4,6 +4,7 @@ import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import polars as pl
@@ -204,11 +205,44 @@ def test_ends_and_folders_are_checked(finished: tuple[Path, Trainer], tmp_path: 
         ({"batch": 1.5}, "batch = 1.5: expected int"),
         ({"gamma": 2}, "gamma = 2.0: out of range; give 0 to 1"),
         ({"reward.removd": 2.0}, "reward removd: unknown term; did you mean removed"),
+        ({"warmup": 1001}, "warmup = 1001: the replay holds only capacity = 1000"),
+        ({"updates_per_step": 0}, "updates_per_step = 0.0: out of range"),
+        ({"gamma": float("nan")}, "gamma = nan: out of range"),
+        ({"teacher": "belief"}, "teacher = 'belief', teacher_updates = 0: give both"),
+        ({"teacher_updates": 9}, "teacher = '', teacher_updates = 9: give both"),
     ],
 )
 def test_settings_are_checked(changes: dict[str, object], words: str) -> None:
     with pytest.raises(UserError, match=words):
-        changed(Settings(), changes)
+        settings(**changes)
+
+
+@pytest.mark.parametrize(
+    ("end", "words"),
+    [
+        ({"hours": float("nan")}, "--hours nan: give a positive number"),
+        ({"hours": float("inf")}, "--hours inf: give a positive number"),
+        ({"hours": -1.0}, "--hours -1.0: give a positive number"),
+        ({"updates": 0}, "--updates 0: give a positive number"),
+        ({"updates": 1, "hours": 0.0}, "--hours 0.0: give a positive number"),
+        ({"updates": 1, "seed": -1}, "seed -1: out of range; give 0 to 1099511627775"),
+        ({"updates": 1, "seed": 1 << 64}, "seed 18446744073709551616: out of range"),
+    ],
+)
+def test_ends_and_seeds_are_checked_before_a_folder_is_made(
+    end: dict[str, Any], words: str, tmp_path: Path
+) -> None:
+    with pytest.raises(UserError, match=words):
+        train(scenario(), settings(), tmp_path / "run", **end)
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_full_replay_ends_the_warm_up() -> None:
+    """A replay has room for rows that no update can draw, so it may never hold `warmup`."""
+    trainer = Trainer([scenario()], settings(warmup=1000), seed=0)
+    while not trainer.progress.updates and trainer.progress.rounds < 60:
+        trainer.play_round()
+    assert trainer.progress.updates > 0
 
 
 def test_the_command_line_trains(command: Callable[..., object], tmp_path: Path) -> None:
@@ -224,6 +258,10 @@ def test_the_command_line_trains(command: Callable[..., object], tmp_path: Path)
 
 def test_the_command_line_names_what_is_wrong(refused: Callable[..., str], tmp_path: Path) -> None:
     assert "no end given" in refused("train", "ddqn", "--out", tmp_path)
+    taught = ("--teacher", "foo", "--learning", "teacher_updates=9", "--updates", 1)
+    words = refused("train", "ddqn", *taught, "--out", tmp_path / "run")
+    assert "policy foo: unknown" in words
+    assert not (tmp_path / "run").exists()
     assert "expected KEY=VALUE" in refused(
         "train", "ddqn", "--learning", "lanes", "--out", tmp_path
     )
