@@ -3,10 +3,12 @@
 The header can be read and checked without torch.
 """
 
+import hashlib
 import json
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from graph_planner.errors import WeightsError
 from graph_planner.perception import PERCEPTIONS, Shapes
@@ -24,6 +26,8 @@ TEAMS = ("scout", "forager")
 _HERE = Path(__file__).resolve().parent
 _PLACES = (_HERE.parent / "mjforage" / "models", _HERE.parent / "models")  # a wheel, a checkout
 _LARGEST_HEADER = 1 << 20
+_NOTE = "mjforage"  # the one entry of the safetensors metadata, as several have no order
+_MAP_BOUND = ("paper",)  # perceptions whose weights are of no use on another map
 
 
 @dataclass(frozen=True)
@@ -34,10 +38,21 @@ class WeightsHeader:
     ----------
     perception : name in `PERCEPTIONS`
     shapes : of the arrays that the networks read
+    grounds : maps and rules that they were trained on, see `ground_note`; empty: not known
     """
 
     perception: str
     shapes: Shapes
+    grounds: tuple[Mapping[str, Any], ...] = ()
+
+
+def ground_note(task: Task) -> dict[str, Any]:
+    """What tells one map and its rules from others: a digest of the graph, and the move rules."""
+    graph = task.graph
+    found = hashlib.sha256(repr(graph.shape).encode())
+    for array in (graph.rows, graph.cols, graph.neighbours):
+        found.update(array.tobytes())
+    return {"map": found.hexdigest()[:16], **asdict(task.rules)}
 
 
 def shipped_weights(name: str) -> Path:
@@ -69,40 +84,72 @@ def read_header(path: Path) -> WeightsHeader:
     try:
         with path.open("rb") as file:
             size = int.from_bytes(file.read(8), "little")
-            text = file.read(size) if size <= _LARGEST_HEADER else b""
-        header = json.loads(text)
-        notes = header.get("__metadata__", {})
+            header = _parsed(file.read(size)) if size <= _LARGEST_HEADER else None
     except OSError as error:
         raise WeightsError(f"weights {path}: cannot be read ({error.strerror})") from error
-    except (ValueError, AttributeError) as error:
+    if not isinstance(header, dict):
         raise WeightsError(
             f"weights {path}: not a safetensors file; give one that `mjforage train` wrote"
-        ) from error
-    if notes.get("format") != FORMAT or notes.get("perception") not in PERCEPTIONS:
+        )
+    notes = _notes(header.get("__metadata__"))
+    if notes.get("format") != FORMAT or notes.get("perception") not in list(PERCEPTIONS):
         raise WeightsError(
             f"weights {path}: format {notes.get('format')!r}, perception "
             f"{notes.get('perception')!r}; expected {FORMAT!r} and one of {', '.join(PERCEPTIONS)}"
         )
-    shapes = {name: tuple(shape) for name, shape in json.loads(notes["shapes"]).items()}
-    return WeightsHeader(notes["perception"], shapes)
+    shapes: Any = notes.get("shapes")
+    grounds: Any = notes.get("grounds", [])
+    if not _are_shapes(shapes) or not _are_grounds(grounds):
+        raise WeightsError(
+            f"weights {path}: the header's shapes {shapes!r:.60} or grounds {grounds!r:.60} are "
+            "not what `mjforage train` writes; get the file again"
+        )
+    arrays = {name: tuple(shape) for name, shape in shapes.items()}
+    return WeightsHeader(notes["perception"], arrays, tuple(grounds))
 
 
-def header_notes(header: WeightsHeader) -> dict[str, str]:
-    """The header as safetensors metadata."""
-    return {
-        "format": FORMAT,
-        "perception": header.perception,
-        "shapes": json.dumps(header.shapes),
-    }
+def _parsed(text: Any) -> Any:
+    """JSON; None where it is not."""
+    try:
+        return json.loads(text)
+    except (TypeError, ValueError, RecursionError):
+        return None
+
+
+def _notes(metadata: Any) -> dict[str, Any]:
+    """Safetensors metadata as `header_note` gave them; earlier files have an entry per note."""
+    if not isinstance(metadata, dict):
+        return {}
+    if _NOTE not in metadata:
+        return metadata | {"shapes": _parsed(metadata.get("shapes"))}
+    notes = _parsed(metadata[_NOTE])
+    return notes if isinstance(notes, dict) else {}
+
+
+def _are_shapes(value: Any) -> bool:
+    return isinstance(value, dict) and all(
+        isinstance(shape, list) and shape and all(type(n) is int and n > 0 for n in shape)
+        for shape in value.values()
+    )
+
+
+def _are_grounds(value: Any) -> bool:
+    return isinstance(value, list) and all(isinstance(ground, dict) for ground in value)
+
+
+def header_note(header: WeightsHeader) -> tuple[str, str]:
+    """The header as an entry of safetensors metadata: key, and JSON text in a fixed order."""
+    return _NOTE, json.dumps({"format": FORMAT, **asdict(header)}, sort_keys=True)
 
 
 def load_networks(path: Path, task: Task) -> "dict[str, DuelingNetwork]":
-    """Team -> network with the file's weights, for a task.
+    """Team -> network with the file's weights, for a task; none for a team that it has not.
 
     Raises
     ------
     WeightsError
-        If the file is damaged, or made for pictures of another shape than the task's.
+        If the file is damaged, made for arrays of another shape than the task's or, with a
+        perception that is bound to its map, for another map, or lacks a team of the task.
     """
     from safetensors import SafetensorError
     from safetensors.torch import load_file
@@ -110,37 +157,67 @@ def load_networks(path: Path, task: Task) -> "dict[str, DuelingNetwork]":
     from graph_planner.q_network import DuelingNetwork
 
     header = read_header(path)
+    _check_fit(path, header, task)
+    try:
+        tensors = load_file(path)
+    except SafetensorError as error:
+        raise WeightsError(f"weights {path}: damaged ({error}); get the file again") from error
+    held = {name.partition(".")[0] for name in tensors}
+    networks = {team: DuelingNetwork(header.shapes) for team in TEAMS if team in held}
+    for team, agents in zip(TEAMS, (task.fleet.scouts, task.fleet.foragers), strict=True):
+        if agents.size and team not in networks:
+            raise WeightsError(
+                f"weights {path}: none for a {team}, which this scenario has; train with one"
+            )
+    _check_tensors(path, tensors, networks)
+    for team, network in networks.items():
+        start = f"{team}."
+        own = {n.removeprefix(start): t for n, t in tensors.items() if n.startswith(start)}
+        network.load_state_dict(own)
+        network.train(False).requires_grad_(False)
+    return networks
+
+
+def _check_fit(path: Path, header: WeightsHeader, task: Task) -> None:
+    """Refuse weights that were made for something else."""
     shapes = PERCEPTIONS[header.perception](task).shapes
     if shapes != header.shapes:
         raise WeightsError(
             f"weights {path}: made for {header.perception} arrays of {header.shapes}, but this "
             f"scenario's are {shapes}; use its own weights, or egocentric ones, which fit every map"
         )
-    try:
-        tensors: dict[str, Tensor] = load_file(path)
-    except SafetensorError as error:
-        raise WeightsError(f"weights {path}: damaged ({error}); get the file again") from error
-    networks = {}
-    for team in TEAMS:
-        network = DuelingNetwork(shapes)
-        own = {
-            name.removeprefix(f"{team}."): tensor
-            for name, tensor in tensors.items()
-            if name.startswith(f"{team}.")
-        }
-        expected = {name: tuple(t.shape) for name, t in network.state_dict().items()}
-        found = {name: tuple(t.shape) for name, t in own.items()}
-        if found != expected:
-            wrong = sorted(k for k in expected | found if expected.get(k) != found.get(k))[0]
+    if header.perception in _MAP_BOUND and header.grounds:
+        here = ground_note(task)
+        if here not in header.grounds:
             raise WeightsError(
-                f"weights {path}: {team}.{wrong} has shape {found.get(wrong)}, expected "
-                f"{expected.get(wrong)}; train again with this version"
+                f"weights {path}: {header.perception} weights trained on "
+                f"{' and '.join(str(dict(ground)) for ground in header.grounds)}, but this "
+                f"scenario is {here}; use its own weights, or egocentric ones, which fit every map"
             )
-        if not all(bool(tensor.isfinite().all()) for tensor in own.values()):
+
+
+def _check_tensors(
+    path: Path, tensors: "Mapping[str, Tensor]", networks: "Mapping[str, DuelingNetwork]"
+) -> None:
+    """Refuse tensors that are missing, unknown, of another shape or type, or not finite."""
+    wanted = {
+        f"{team}.{name}": _kind(value)
+        for team, network in networks.items()
+        for name, value in network.state_dict().items()
+    }
+    found = {name: _kind(value) for name, value in tensors.items()}
+    for name in sorted(wanted | found):
+        if wanted.get(name) != found.get(name):
             raise WeightsError(
-                f"weights {path}: {team} holds numbers that are not finite; train again, or take "
+                f"weights {path}: {name} is {found.get(name, 'missing')}, expected "
+                f"{wanted.get(name, 'nothing of that name')}; train again with this version"
+            )
+        if not bool(tensors[name].isfinite().all()):
+            raise WeightsError(
+                f"weights {path}: {name} holds numbers that are not finite; train again, or take "
                 "an earlier checkpoint"
             )
-        network.load_state_dict(own)
-        networks[team] = network.train(False).requires_grad_(False)
-    return networks
+
+
+def _kind(tensor: "Tensor") -> str:
+    return f"{tuple(tensor.shape)} {str(tensor.dtype).removeprefix('torch.')}"

@@ -1,7 +1,7 @@
 """Checkpoints: one safetensors file with all that later rounds depend on.
 
-Tensors are networks, optimisers and replays; counters, settings, scenario and the state of the
-random generator are JSON in the file's header, so a checkpoint is whole or absent.
+Tensors are networks, optimisers and replays; counters, identity and the state of the random
+generator are JSON in the file's header, so a checkpoint is whole or absent.
 """
 
 import dataclasses
@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 from safetensors import SafetensorError, safe_open
-from safetensors.torch import save_file
 
 from mjforage.errors import UserError
+from mjforage.learning.files import save_tensors
 from mjforage.learning.training import Progress, Trainer
 from mjforage.scenario_file import scenario_to_tree
-from mjforage.storage import writing
 
-FORMAT = "mjforage training checkpoint 1"
+FORMAT = "mjforage training checkpoint 2"
+_NOTE = "mjforage"
 
 
 def identity(trainer: Trainer) -> dict[str, Any]:
@@ -29,6 +29,7 @@ def identity(trainer: Trainer) -> dict[str, Any]:
         "also": [scenario_to_tree(scenario) for scenario in others],
         "settings": trainer.settings.tree(),
         "seed": trainer.seed,
+        "device": trainer.device,
     }
 
 
@@ -47,15 +48,11 @@ def save_checkpoint(trainer: Trainer, path: Path) -> None:
     }
     notes = {
         "format": FORMAT,
-        "identity": json.dumps(identity(trainer)),
-        "progress": json.dumps(dataclasses.asdict(trainer.progress)),
-        "random": json.dumps(trainer.random.bit_generator.state),
+        "identity": identity(trainer),
+        "progress": dataclasses.asdict(trainer.progress),
+        "random": trainer.random.bit_generator.state,
     }
-    beside = path.with_suffix(".part")
-    with writing(path):
-        save_file(tensors, beside, metadata=notes)
-        beside.chmod(0o644)  # safetensors leaves it to the owner alone
-        beside.replace(path)
+    save_tensors(path, tensors, (_NOTE, json.dumps(notes, sort_keys=True)))
 
 
 def restore_checkpoint(trainer: Trainer, path: Path) -> None:
@@ -68,15 +65,19 @@ def restore_checkpoint(trainer: Trainer, path: Path) -> None:
     """
     try:
         with safe_open(path, "pt") as file:
-            notes = file.metadata() or {}
+            notes = json.loads((file.metadata() or {}).get(_NOTE, "{}"))
             if notes.get("format") != FORMAT:
                 raise UserError(
                     f"checkpoint {path}: format {notes.get('format')!r}, expected {FORMAT!r}; "
                     "give another --out"
                 )
-            _check(json.loads(notes["identity"]), identity(trainer), path)
+            if notes["identity"] != json.loads(json.dumps(identity(trainer))):
+                raise UserError(
+                    f"checkpoint {path}: of another training than {path.parent} is for; remove it "
+                    "or give another --out"
+                )
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-    except (OSError, SafetensorError) as error:
+    except (OSError, ValueError, SafetensorError) as error:
         raise UserError(
             f"checkpoint {path}: cannot be read ({error}); remove it or give another --out"
         ) from error
@@ -84,23 +85,6 @@ def restore_checkpoint(trainer: Trainer, path: Path) -> None:
         start = f"{team}."
         own = {n.removeprefix(start): v for n, v in tensors.items() if n.startswith(start)}
         learner.restore(own)
-    trainer.progress = Progress(**json.loads(notes["progress"]))
+    trainer.progress = Progress(**notes["progress"])
     trainer.random = np.random.Generator(np.random.PCG64())
-    trainer.random.bit_generator.state = json.loads(notes["random"])
-
-
-def _check(found: dict[str, Any], wanted: dict[str, Any], path: Path) -> None:
-    wanted = json.loads(json.dumps(wanted))
-    for part in ("seed", "settings", "scenario", "also"):
-        if found[part] != wanted[part]:
-            keys = (
-                [k for k in wanted[part] if found[part].get(k) != wanted[part][k]]
-                if isinstance(wanted[part], dict)
-                else []
-            )
-            where = f"{part} {keys[0]}" if keys else part
-            old = found[part].get(keys[0]) if keys else found[part]
-            raise UserError(
-                f"checkpoint {path}: was written with another {where} ({old!r:.80}); use the same "
-                "command to go on, or another --out to begin anew"
-            )
+    trainer.random.bit_generator.state = notes["random"]

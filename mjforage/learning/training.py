@@ -18,12 +18,13 @@ from graph_planner.policies import Policy, create_policy
 from graph_planner.policies.ddqn import QPolicy
 from graph_planner.randomness import episode_keys
 from graph_planner.task import Task
-from graph_planner.weights import TEAMS, WeightsHeader
+from graph_planner.weights import TEAMS, WeightsHeader, ground_note, header_note
 from mjforage.environments.choice import Choice
 from mjforage.environments.game import Game, Outcome
 from mjforage.episode_log import EpisodeLog
 from mjforage.errors import UserError
 from mjforage.learning.ddqn import Learner
+from mjforage.learning.files import save_tensors
 from mjforage.learning.replay import FINAL, NOTHING, PLAYED
 from mjforage.learning.settings import Settings
 from mjforage.mission import Mission
@@ -60,7 +61,8 @@ class Progress:
     decisions: int = 0  # steps of all episodes
     updates: int = 0  # of each team's network
     due: float = 0.0  # updates that steps have earned
-    seconds: float = 0.0  # spent by all processes of this run
+    seconds: float = 0.0  # since the start of the run, over all processes that worked on it
+    evaluated: int = 0  # updates at the last evaluation that was due
     best: float = float("inf")  # of the evaluations' `rank`
 
 
@@ -85,6 +87,7 @@ class Trainer:
 
     Attributes
     ----------
+    settings, seed, device : as given
     games : of the scenarios; rounds take them in turn
     game : that of the round under way
     learners : team of `TEAMS` -> its learner; a team without agents has none
@@ -114,7 +117,7 @@ class Trainer:
             raise UserError(f"seed {seed}: out of range; give 0 to {HELD_OUT - 1}")
         if settings.teacher:
             check_policies([settings.teacher])
-        self.settings, self.seed = settings, seed
+        self.settings, self.seed, self.device = settings, seed, device
         choices = [
             Choice(scenario, observation=settings.observation, reward=settings.reward)
             for scenario in scenarios
@@ -131,11 +134,18 @@ class Trainer:
         }
         self.random = np.random.Generator(np.random.PCG64(seed))
         self.progress, self.clock = Progress(), Clock()
+        self._booked = time.perf_counter()
 
     @property
     def networks(self) -> "dict[str, DuelingNetwork]":
         """Team -> network to use: the target, a moving average, steadier than the online one."""
         return {team: learner.target for team, learner in self.learners.items()}
+
+    def book_time(self) -> None:
+        """Add the time since the last call, or since this process began, to the run's."""
+        now = time.perf_counter()
+        self.progress.seconds += now - self._booked
+        self._booked = now
 
     def play_round(self) -> Row:
         """Play one episode in every lane to its end, and learn on the way."""
@@ -143,7 +153,6 @@ class Trainer:
         numbers = np.arange(progress.episodes, progress.episodes + lanes)
         keys = episode_keys(self.seed, numbers)
         self.game = game = self.games[progress.rounds % len(self.games)]
-        started = time.perf_counter()
         game.start(np.arange(lanes), keys)
         teacher, taught = self._teacher(keys)
         returns = np.zeros((lanes, game.agents))
@@ -158,14 +167,13 @@ class Trainer:
         progress.rounds += 1
         progress.episodes += lanes
         progress.decisions += int(game.mission.step.sum())
-        progress.seconds += time.perf_counter() - started
+        self.book_time()
         return self._row(returns, learned)
 
     def _row(self, returns: NDArray[np.float64], learned: list[dict[str, float]]) -> Row:
         known, total = self.game.mission.model.knowledge, self.game.n_items.sum()
         row: Row = {
-            **{name: float(getattr(self.progress, name)) for name in ("rounds", "episodes")},
-            **{name: float(getattr(self.progress, name)) for name in ("updates", "seconds")},
+            **self._come("rounds", "episodes", "updates", "seconds"),
             "explore": self._explore,
             "pta_c": 100.0 * float((known.t_collected >= 0).sum() / total),
             "length": float(self.game.mission.step.mean()),
@@ -177,6 +185,10 @@ class Trainer:
             found = [entry[name] for entry in learned]
             row[name] = float(np.mean(found)) if found else float("nan")
         return row
+
+    def _come(self, *names: str) -> Row:
+        """How far the run has come, by the names of `Progress`."""
+        return {name: float(getattr(self.progress, name)) for name in names}
 
     def _teacher(self, keys: NDArray[np.uint64]) -> tuple[Policy | None, NDArray[np.bool_]]:
         """The teacher while there is one, and the lanes that it plays."""
@@ -283,7 +295,8 @@ class Trainer:
         scores = score(log, setting.fleet, setting.scenario.horizon).scalars
         row = {name: _mean(scores[name]) for name in SCORES}
         row["rank"] = row["nt50"] + row["nt90"] + (100.0 - row["pta_c"]) / 20.0
-        return {"updates": float(self.progress.updates), "seconds": self.progress.seconds, **row}
+        self.book_time()
+        return self._come("rounds", "updates", "seconds") | row
 
 
 def _check_alike(games: Sequence[Game]) -> None:
@@ -305,20 +318,18 @@ def _mean(values: NDArray[np.float64]) -> float:
 
 
 def save_weights(trainer: Trainer, path: Path) -> None:
-    """Write the networks as a weight file that policies can read."""
-    from safetensors.torch import save_file
+    """Write the networks as a weight file that policies can read; none for a team without agents.
 
-    from graph_planner.q_network import DuelingNetwork
-    from graph_planner.weights import header_notes
-
-    shapes = trainer.game.shapes
-    tensors = {}
-    for team in TEAMS:
-        network = trainer.networks.get(team) or DuelingNetwork(shapes)
-        for name, value in network.state_dict().items():
-            tensors[f"{team}.{name}"] = value.detach().cpu().contiguous()
-    header = WeightsHeader(trainer.settings.observation, shapes)
-    beside = path.with_suffix(".part")
-    save_file(tensors, beside, metadata=header_notes(header))
-    beside.chmod(0o644)  # safetensors leaves it to the owner alone
-    beside.replace(path)
+    Raises
+    ------
+    UserError
+        If it cannot be written.
+    """
+    tensors = {
+        f"{team}.{name}": value.detach().cpu().contiguous()
+        for team, network in trainer.networks.items()
+        for name, value in network.state_dict().items()
+    }
+    grounds = tuple(ground_note(game.setting.task) for game in trainer.games)
+    header = WeightsHeader(trainer.settings.observation, trainer.game.shapes, grounds)
+    save_tensors(path, tensors, header_note(header))

@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +16,11 @@ from graph_planner.policies.ddqn import QPolicy
 from graph_planner.q_network import DuelingNetwork
 from graph_planner.task import Task
 from graph_planner.weights import (
+    FORMAT,
     TEAMS,
     WeightsHeader,
-    header_notes,
+    ground_note,
+    header_note,
     load_networks,
     read_header,
     shipped_weights,
@@ -40,7 +43,8 @@ def write(
         for team in TEAMS
         for name, value in DuelingNetwork(shapes).state_dict().items()
     }
-    save_file(tensors | (changes or {}), path, metadata=header_notes(WeightsHeader(kind, shapes)))
+    header = WeightsHeader(kind, shapes, (ground_note(task()),))
+    save_file(tensors | (changes or {}), path, metadata=dict([header_note(header)]))
     return path
 
 
@@ -66,6 +70,71 @@ def test_paper_weights_of_another_map_are_refused(tmp_path: Path) -> None:
         load_networks(path, task(20, 31))
 
 
+def test_paper_weights_are_bound_to_their_map_and_rules(tmp_path: Path) -> None:
+    """Arrays of one size do not make two maps one; fleet and horizon may differ."""
+    path = write(tmp_path / "w.safetensors", "paper")
+    others = {"scouts": Role(3, 1, 2.0, False), "foragers": Role(2, 2, 3.0, True)}
+    load_networks(path, task_of(task().graph, task().rules, horizon=7, **others))
+    cells = np.ones((9, 12), np.bool_)
+    cells[4, 4] = False
+    other = replace(task(), graph=navigation_graph(cells, 1.0, True))
+    stricter = replace(task(), rules=replace(task().rules, stay=not task().rules.stay))
+    for wrong in (other, stricter):
+        with pytest.raises(WeightsError, match=r"paper weights trained on .* but this scenario is"):
+            load_networks(path, wrong)
+        load_networks(write(tmp_path / "e.safetensors"), wrong)
+
+
+def test_weights_without_a_team_are_for_fleets_without_it(tmp_path: Path) -> None:
+    shapes = PERCEPTIONS["egocentric"](task()).shapes
+    network = DuelingNetwork(shapes)
+    tensors = {f"forager.{name}": value for name, value in network.state_dict().items()}
+    path = tmp_path / "w.safetensors"
+    save_file(tensors, path, metadata=dict([header_note(WeightsHeader("egocentric", shapes))]))
+    alone = task_of(task().graph, foragers=Role(2, 1, 1.0, True))
+    assert load_networks(path, alone).keys() == {"forager"}
+    with pytest.raises(WeightsError, match="none for a scout, which this scenario has"):
+        load_networks(path, task())
+
+
+def header_file(path: Path, metadata: object) -> Path:
+    """Write a safetensors file with nothing but metadata."""
+    text = json.dumps({"__metadata__": metadata}).encode()
+    path.write_bytes(len(text).to_bytes(8, "little") + text)
+    return path
+
+
+OLD = {"format": FORMAT, "perception": "paper"}
+
+
+@pytest.mark.parametrize(
+    ("metadata", "words"),
+    [
+        (None, "format None"),
+        ([1], "format None"),
+        ({"mjforage": "none"}, "format None"),
+        ({"mjforage": "[]"}, "format None"),
+        (OLD | {"perception": ["paper"]}, r"perception \['paper'\]"),
+        (OLD, "shapes None"),
+        (OLD | {"shapes": "{"}, "shapes None"),
+        (OLD | {"shapes": "[1]"}, r"shapes \[1\]"),
+        (OLD | {"shapes": '{"map": 3}'}, "shapes {'map': 3}"),
+        (OLD | {"shapes": '{"map": [6, -1, 2]}'}, "shapes {'map'"),
+        (OLD | {"shapes": '{"map": [6, 9, 12]}', "grounds": "x"}, "grounds 'x'"),
+    ],
+)
+def test_headers_of_others_are_named(tmp_path: Path, metadata: object, words: str) -> None:
+    with pytest.raises(WeightsError, match=words):
+        read_header(header_file(tmp_path / "w.safetensors", metadata))
+
+
+def test_earlier_headers_are_read(tmp_path: Path) -> None:
+    """The first files had an entry for each note, and did not say what they were trained on."""
+    old = OLD | {"shapes": '{"map": [6, 9, 12]}'}
+    found = read_header(header_file(tmp_path / "w.safetensors", old))
+    assert found == WeightsHeader("paper", {"map": (6, 9, 12)})
+
+
 def test_what_is_no_weight_file_is_named(tmp_path: Path) -> None:
     missing = tmp_path / "none.safetensors"
     with pytest.raises(WeightsError, match=r"none.safetensors: cannot be read \(No such file"):
@@ -74,6 +143,10 @@ def test_what_is_no_weight_file_is_named(tmp_path: Path) -> None:
     torch.save({"a": torch.zeros(1)}, pickled)
     with pytest.raises(WeightsError, match=r"model.pt: not a safetensors file"):
         QPolicy(pickled)
+    deep = tmp_path / "deep.safetensors"
+    deep.write_bytes((1 << 19).to_bytes(8, "little") + b"[" * (1 << 19))
+    with pytest.raises(WeightsError, match=r"deep.safetensors: not a safetensors file"):
+        QPolicy(deep)
     other = tmp_path / "other.safetensors"
     save_file({"a": torch.zeros(1)}, other)
     with pytest.raises(WeightsError, match=r"other.safetensors: format None"):
@@ -84,8 +157,16 @@ def test_what_is_no_weight_file_is_named(tmp_path: Path) -> None:
 
 def test_tensors_of_another_shape_and_cut_files_are_named(tmp_path: Path) -> None:
     wrong = write(tmp_path / "w.safetensors", changes={"scout.value.2.bias": torch.zeros(7)})
-    with pytest.raises(WeightsError, match=r"scout.value.2.bias has shape \(7,\), expected \(1,\)"):
+    with pytest.raises(
+        WeightsError, match=r"scout.value.2.bias is \(7,\) float32, expected \(1,\) f"
+    ):
         load_networks(wrong, task())
+    half = write(tmp_path / "h.safetensors", changes={"scout.value.2.bias": torch.zeros(1).half()})
+    with pytest.raises(WeightsError, match=r"is \(1,\) float16, expected \(1,\) float32"):
+        load_networks(half, task())
+    more = write(tmp_path / "m.safetensors", changes={"captain.bias": torch.zeros(1)})
+    with pytest.raises(WeightsError, match=r"captain.bias is .* expected nothing of that name"):
+        load_networks(more, task())
     cut = tmp_path / "cut.safetensors"
     cut.write_bytes(write(tmp_path / "v.safetensors").read_bytes()[:-100])
     with pytest.raises(WeightsError, match=r"cut.safetensors: damaged"):
@@ -93,7 +174,9 @@ def test_tensors_of_another_shape_and_cut_files_are_named(tmp_path: Path) -> Non
     assert read_header(cut).perception == "egocentric"
     nothing = torch.full((1,), torch.nan)
     spoilt = write(tmp_path / "u.safetensors", changes={"forager.value.2.bias": nothing})
-    with pytest.raises(WeightsError, match="forager holds numbers that are not finite"):
+    with pytest.raises(
+        WeightsError, match=r"forager.value.2.bias holds numbers that are not finite"
+    ):
         load_networks(spoilt, task())
 
 
@@ -123,6 +206,10 @@ def test_the_network_is_dueling() -> None:
     torch.testing.assert_close(network(levels), before + 3.0)
 
 
-def test_headers_are_plain_json() -> None:
-    notes = header_notes(WeightsHeader("paper", {"map": (6, 4, 5)}))
-    assert json.loads(notes["shapes"]) == {"map": [6, 4, 5]}
+def test_headers_are_one_entry_of_sorted_json() -> None:
+    key, text = header_note(
+        WeightsHeader("paper", {"map": (6, 4, 5)}, ({"stay": True, "map": "a"},))
+    )
+    notes = json.loads(text)
+    assert key == "mjforage" and notes["shapes"] == {"map": [6, 4, 5]}
+    assert text == json.dumps(notes, sort_keys=True)
