@@ -31,15 +31,18 @@ def values_of(
 ) -> NDArray[np.float32]:
     """(row, 9) values of levels (row, ...)."""
     rows = next(iter(levels.values())).shape[0]
-    out = np.empty((rows, MOVES), np.float32)
     device = next(network.parameters()).device
     with torch.no_grad(), one_thread():
+        whole = {name: _padded(level).to(device) for name, level in levels.items()}
+        out = torch.empty((rows + -rows % BLOCK, MOVES), device=device)
         for first in range(0, rows, BLOCK):
-            count = min(BLOCK, rows - first)
-            block = {}
-            for name, level in levels.items():
-                padded = np.zeros((BLOCK, *level.shape[1:]), np.uint8)
-                padded[:count] = level[first : first + count]
-                block[name] = torch.from_numpy(padded).to(device)
-            out[first : first + count] = network(block)[:count].cpu().numpy()
-    return out
+            block = slice(first, first + BLOCK)
+            out[block] = network({name: level[block] for name, level in whole.items()})
+        values: NDArray[np.float32] = out[:rows].cpu().numpy()
+    return values
+
+
+def _padded(level: NDArray[np.uint8]) -> torch.Tensor:
+    """Zeros behind the rows, so that all blocks are whole."""
+    spare = np.zeros((-len(level) % BLOCK, *level.shape[1:]), np.uint8)
+    return torch.from_numpy(np.concatenate((level, spare)))
