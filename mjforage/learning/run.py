@@ -1,6 +1,6 @@
 """`mjforage train ddqn`: a run in a folder, from its checkpoint if there is one, to its end.
 
-Folder: `train.json` (command, scenario, settings, seed, versions), `training.parquet`,
+Folder: `training.json` (command, scenario, settings, seed, versions), `training.parquet`,
 `evaluations.parquet`, `tensorboard/`, `checkpoint.safetensors`, `weights.safetensors` (latest) and
 `best.safetensors` (of the best evaluation).
 """
@@ -21,9 +21,11 @@ from mjforage.learning.logs import Logs
 from mjforage.learning.settings import Settings
 from mjforage.learning.training import Row, Trainer, save_weights
 from mjforage.scenario import Scenario
-from mjforage.storage import claimed, write_json, writing
+from mjforage.storage import claimed, open_folder, writing
 
 CHECKPOINT_S = 300.0  # between two checkpoints
+IDENTITY = ("seed", "device", "settings", "scenario", "also", "versions")
+"""Keys of `training.json` in which two runs must agree for one to go on where the other stopped."""
 
 Report = Callable[[str, Row], None]
 
@@ -73,28 +75,31 @@ def _go_on(
 ) -> None:
     """Rounds from the folder's checkpoint, if there is one, to the end."""
     checkpoint, settings = folder / "checkpoint.safetensors", trainer.settings
+    open_folder(folder, "training", _facts(trainer), IDENTITY)
     if checkpoint.is_file():
         restore_checkpoint(trainer, checkpoint)
-    write_json(folder / "train.json", _facts(trainer))
-    logs, progress = Logs(folder, trainer.progress.updates), trainer.progress
+    logs, progress = Logs(folder, trainer.progress), trainer.progress
     saved = time.perf_counter()
     while not _over(trainer, hours, updates):
         row = trainer.play_round()
         logs.add("training", row)
         report("training", row)
         over = _over(trainer, hours, updates)
-        last = logs.last("evaluations")
-        if over or progress.updates >= settings.evaluate_every + (last["updates"] if last else 0):
+        due = progress.updates >= settings.evaluate_every + progress.evaluated
+        if due or over:
             found = trainer.evaluate()
             logs.add("evaluations", found)
             report("evaluations", found)
+            if due:
+                progress.evaluated = progress.updates
             if found["rank"] < progress.best:
                 progress.best = found["rank"]
                 save_weights(trainer, folder / "best.safetensors")
         if over or time.perf_counter() - saved > CHECKPOINT_S:
+            logs.write()  # first: what is younger than the checkpoint is dropped, not missed
             save_weights(trainer, folder / "weights.safetensors")
+            trainer.book_time()
             save_checkpoint(trainer, checkpoint)
-            logs.write()
             saved = time.perf_counter()
     logs.close()
 

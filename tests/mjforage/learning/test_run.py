@@ -2,9 +2,11 @@
 
 import json
 import shutil
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import polars as pl
@@ -12,11 +14,15 @@ import pytest
 import torch
 from safetensors import safe_open
 
+from graph_planner.errors import WeightsError
 from graph_planner.policies.ddqn import QPolicy
 from mjforage.errors import UserError
+from mjforage.learning import run
+from mjforage.learning.checkpoint import save_checkpoint
+from mjforage.learning.logs import Logs
 from mjforage.learning.run import train
 from mjforage.learning.settings import Settings, changed
-from mjforage.learning.training import Trainer
+from mjforage.learning.training import Progress, Trainer, save_weights
 from mjforage.mission import Mission, Setting
 from mjforage.scenario import Scenario
 from mjforage.scenario_file import load_scenario
@@ -67,6 +73,12 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Trainer]:
 def test_one_seed_gives_the_same_weights(finished: tuple[Path, Trainer], tmp_path: Path) -> None:
     again = train(scenario(), settings(), tmp_path / "again", seed=3, updates=40)
     assert_same(finished[1], again)
+    for name in ("weights", "best"):
+        one, other = (f / f"{name}.safetensors" for f in (finished[0], tmp_path / "again"))
+        assert one.read_bytes() == other.read_bytes(), name
+    for path in (tmp_path / "a", tmp_path / "b"):
+        save_checkpoint(again, path)
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
     other = train(scenario(), settings(), tmp_path / "other", seed=4, updates=15)
     assert not torch.equal(
         state(other)["scout.online.trunk.0.bias"], state(again)["scout.online.trunk.0.bias"]
@@ -82,47 +94,67 @@ def test_n_and_m_updates_are_n_stop_resume_m(
     assert_same(finished[1], resumed)
     for name in ("training", "evaluations"):
         whole, parts = (pl.read_parquet(f / f"{name}.parquet") for f in (finished[0], folder))
-        known = [c for c in whole.columns if c != "seconds"]
+        whole, parts = whole.drop("seconds"), parts.drop("seconds")
         if name == "training":
-            assert whole.select(known).equals(parts.select(known), null_equal=True)
-        assert parts["updates"].is_sorted()
+            assert whole.equals(parts, null_equal=True)
+        else:  # the end of the first part was evaluated, too
+            assert whole.equals(parts.join(whole, on="rounds", how="semi"), null_equal=True)
+            assert parts.height == whole.height + 1
+        assert parts["rounds"].is_sorted()
 
 
+@pytest.mark.parametrize(
+    ("what", "call"),
+    [("Trainer.play_round", 4), ("save_checkpoint", 3), ("save_weights", 4), ("Logs.write", 3)],
+)
 def test_a_killed_run_goes_on_from_its_checkpoint(
-    finished: tuple[Path, Trainer], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    finished: tuple[Path, Trainer],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    what: str,
+    call: int,
 ) -> None:
-    monkeypatch.setattr("mjforage.learning.run.CHECKPOINT_S", 0.0)
-    original, rounds = Trainer.play_round, [0]
+    """Wherever it is killed: to the bit, and with every row of the tables once."""
+    monkeypatch.setattr(run, "CHECKPOINT_S", 0.0)
+    owner, _, name = what.rpartition(".")
+    place = getattr(run, owner) if owner else run
+    original, calls = getattr(place, name), [0]
 
-    def dying(trainer: Trainer) -> dict[str, float]:
-        rounds[0] += 1
-        if rounds[0] == 4:
+    def dying(*arguments: Any) -> Any:
+        calls[0] += 1
+        if calls[0] == call:
             raise KeyboardInterrupt
-        return original(trainer)
+        return original(*arguments)
 
     folder = tmp_path / "run"
     with monkeypatch.context() as patch:
-        patch.setattr(Trainer, "play_round", dying)
+        patch.setattr(place, name, dying)
         with pytest.raises(KeyboardInterrupt):
             train(scenario(), settings(), folder, seed=3, updates=40)
     assert_same(finished[1], train(scenario(), settings(), folder, seed=3, updates=40))
+    for table in ("training", "evaluations"):
+        whole, parts = (pl.read_parquet(f / f"{table}.parquet") for f in (finished[0], folder))
+        assert whole.drop("seconds").equals(parts.drop("seconds"), null_equal=True)
 
 
 def test_what_a_run_leaves_behind(finished: tuple[Path, Trainer]) -> None:
     folder, trainer = finished
     names = {path.name for path in folder.iterdir()}
     assert names == {
-        *("train.json", "training.parquet", "evaluations.parquet", "tensorboard"),
+        *("training.json", "training.parquet", "evaluations.parquet", "tensorboard"),
         *("checkpoint.safetensors", "weights.safetensors", "best.safetensors"),
     }
-    facts = json.loads((folder / "train.json").read_text())
+    facts = json.loads((folder / "training.json").read_text())
     assert facts["seed"] == 3 and facts["settings"]["lanes"] == 3
     rows = pl.read_parquet(folder / "training.parquet")
     assert rows.height == trainer.progress.rounds
     assert {"return_scout", "return_forager", "loss", "pta_c", "seconds"} <= set(rows.columns)
     assert any((folder / "tensorboard").iterdir())
     with safe_open(folder / "checkpoint.safetensors", "pt") as file:
-        assert json.loads(file.metadata()["progress"])["updates"] == trainer.progress.updates
+        assert (
+            json.loads(file.metadata()["mjforage"])["progress"]["updates"]
+            == trainer.progress.updates
+        )
     policy = QPolicy(folder / "weights.safetensors")
     mission = Mission(Setting.of(scenario()))
     mission.reset(0, np.arange(2))
@@ -169,23 +201,32 @@ def test_rounds_take_scenarios_in_turn(tmp_path: Path) -> None:
         nodes.add(len(trainer.game.setting.graph))
     assert nodes == {len(game.setting.graph) for game in trainer.games} and len(nodes) == 2
     train(scenario(), settings(), tmp_path, also=[other], updates=1)
-    with pytest.raises(UserError, match="was written with another also"):
+    with pytest.raises(UserError, match=r"also is .* there and .* here"):
         train(scenario(), settings(), tmp_path, updates=1)
     with pytest.raises(UserError, match="scenarios published and comb-port: fleets or arrays"):
         Trainer([scenario(), load_scenario("comb-port", ("team.scouts.count=1",))], settings())
 
 
-def test_ends_and_folders_are_checked(finished: tuple[Path, Trainer], tmp_path: Path) -> None:
+def test_ends_and_folders_are_checked(
+    finished: tuple[Path, Trainer], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with pytest.raises(UserError, match="no end given; add --hours 2 or --updates 10000"):
         train(scenario(), settings(), tmp_path)
     copy = tmp_path / "copy"
     shutil.copytree(finished[0], copy)
-    with pytest.raises(UserError, match="was written with another seed"):
+    with pytest.raises(UserError, match=r"holds another training: seed is 3 there and 5 here"):
         train(scenario(), settings(), copy, seed=5, updates=1)
-    with pytest.raises(UserError, match="was written with another settings batch"):
+    with pytest.raises(UserError, match=r"settings.batch is 16 there and 8 here"):
         train(scenario(), settings(batch=8), copy, seed=3, updates=1)
-    with pytest.raises(UserError, match="another scenario horizon"):
+    with pytest.raises(UserError, match=r"scenario.horizon is 12 there and 13 here"):
         train(load_scenario("published", ("horizon=13",)), settings(), copy, seed=3, updates=1)
+    monkeypatch.setattr(run, "_device", lambda name: "meta")
+    with pytest.raises(UserError, match=r"device is .cpu. there and .meta. here"):
+        train(scenario(), settings(), copy, seed=3, updates=1)
+    monkeypatch.undo()
+    (copy / "evaluations.parquet").write_bytes(b"none")
+    with pytest.raises(UserError, match=r"evaluations.parquet: not a table of training"):
+        train(scenario(), settings(), copy, seed=3, updates=1)
     shutil.copy(copy / "weights.safetensors", copy / "checkpoint.safetensors")
     with pytest.raises(UserError, match="format 'mjforage dueling q-network 1', expected"):
         train(scenario(), settings(), copy, seed=3, updates=1)
@@ -196,6 +237,71 @@ def test_ends_and_folders_are_checked(finished: tuple[Path, Trainer], tmp_path: 
         train(scenario(), settings(), tmp_path, updates=1, device="tpu")
     with claimed(copy), pytest.raises(UserError, match="another process is writing this run"):
         train(scenario(), settings(), copy, seed=3, updates=1)
+
+
+def test_a_folder_is_its_trainings_from_the_start(tmp_path: Path) -> None:
+    """Before the first checkpoint, and beside what something else has written."""
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(Trainer, "play_round", Mock(side_effect=KeyboardInterrupt))
+        train(scenario(), settings(), tmp_path / "run", seed=3, updates=1)
+    with pytest.raises(UserError, match="holds another training: seed is 3 there and 4 here"):
+        train(scenario(), settings(), tmp_path / "run", seed=4, updates=1)
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "run.json").write_text("{}")
+    with pytest.raises(UserError, match=r"holds run.json but no training.json"):
+        train(scenario(), settings(), other, updates=1)
+    assert [path.name for path in other.iterdir()] == ["run.json"]
+
+
+def test_the_board_forgets_what_no_checkpoint_holds(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A run that was killed before its first checkpoint begins anew, and so do its curves."""
+    board = Mock()
+    monkeypatch.setattr("torch.utils.tensorboard.SummaryWriter", board)
+    for progress, first in ((Progress(), 0), (Progress(rounds=2, updates=7), 8)):
+        Logs(tmp_path, progress)
+        assert board.call_args.kwargs["purge_step"] == first
+
+
+def test_hours_count_evaluations(tmp_path: Path) -> None:
+    original = Trainer.evaluate
+
+    def slow(trainer: Trainer) -> dict[str, float]:
+        time.sleep(0.2)
+        return original(trainer)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Trainer, "evaluate", slow)
+        done = train(scenario(), settings(evaluate_every=1), tmp_path, updates=10)
+    rounds, found = (
+        pl.read_parquet(tmp_path / f"{name}.parquet") for name in ("training", "evaluations")
+    )
+    both = rounds.join(found, on="rounds", suffix="_after")
+    assert both.height > 0
+    assert (both["seconds_after"] - both["seconds"]).min() >= 0.2  # type: ignore[operator]
+    assert done.progress.seconds >= float(found["seconds"][-1])
+
+
+def test_a_team_without_agents_has_no_weights(tmp_path: Path) -> None:
+    alone = load_scenario("published", ("horizon=12", "team.scouts.count=0", "map.starts=[]"))
+    train(alone, settings(), tmp_path, updates=1)
+    mission = Mission(Setting.of(alone))
+    mission.reset(0, np.arange(1))
+    mission.run(QPolicy(tmp_path / "weights.safetensors"))
+    mission = Mission(Setting.of(scenario()))
+    mission.reset(0, np.arange(1))
+    with pytest.raises(WeightsError, match="none for a scout"):
+        mission.run(QPolicy(tmp_path / "weights.safetensors"))
+
+
+def test_files_that_cannot_be_written_are_named(
+    finished: tuple[Path, Trainer], tmp_path: Path
+) -> None:
+    for save in (save_weights, save_checkpoint):
+        with pytest.raises(UserError, match=r"none/w.safetensors: cannot be written"):
+            save(finished[1], tmp_path / "none" / "w.safetensors")
 
 
 @pytest.mark.parametrize(
