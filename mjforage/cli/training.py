@@ -40,7 +40,7 @@ def ddqn(
     scenario
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     hours
-        Stop after the round of episodes in which the run has lasted so long.
+        Stop after the round of episodes in which the run has lasted so long, evaluations included.
     updates
         Stop after the round of episodes in which each network has been updated so often.
     seed
@@ -57,7 +57,7 @@ def ddqn(
     teacher
         Policy that shows moves at first; give also --learning teacher_updates=N.
     device
-        auto, cpu or cuda.
+        auto, cpu or cuda; a run stays on the kind of device where it began.
     out
         Folder of the run; default runs/ddqn-SCENARIO.
     """

@@ -50,7 +50,7 @@ def train(
     Parameters
     ----------
     also : scenarios that rounds take in turn with the first
-    folder : of the run; a run of the same scenario, settings and seed in it goes on
+    folder : of the run; a run of the same scenario, settings, seed and device in it goes on
     hours, updates : where to stop; at least one
     device : auto, cpu or cuda
     report : called with every row that is logged, and its table's name

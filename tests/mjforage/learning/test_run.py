@@ -74,8 +74,8 @@ def test_one_seed_gives_the_same_weights(finished: tuple[Path, Trainer], tmp_pat
     again = train(scenario(), settings(), tmp_path / "again", seed=3, updates=40)
     assert_same(finished[1], again)
     for name in ("weights", "best"):
-        one, other = (f / f"{name}.safetensors" for f in (finished[0], tmp_path / "again"))
-        assert one.read_bytes() == other.read_bytes(), name
+        first, second = (f / f"{name}.safetensors" for f in (finished[0], tmp_path / "again"))
+        assert first.read_bytes() == second.read_bytes(), name
     for path in (tmp_path / "a", tmp_path / "b"):
         save_checkpoint(again, path)
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
