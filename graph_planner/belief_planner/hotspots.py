@@ -141,12 +141,10 @@ def _add_start(
             best, fit = h, here
     if fit < STRANGE and many < spots.sighted.shape[1]:
         best = many
-    fresh = spots.sighted[e, best] == 0
     spots.sighted[e, best] += 1
     for c in range(chances.size):
         spots.log_starts[e, best, c] += np.log(STRAY + chances[c])
-    if fresh:  # so that the next ones can be told apart
-        _normalise(spots.log_starts[e, best], spots.chance[e, best])
+    _normalise(spots.log_starts[e, best], spots.chance[e, best])  # the next is held against it
 
 
 @kernel
