@@ -70,9 +70,14 @@ class Belief:
         last_seen = np.where(seen.ravel(), now, -32768).astype(np.int16)
         hs.look(self.spots, 0, now, STILL, last_seen)
 
-    def sight(self, cells: list[tuple[int, int]], now: int = 0) -> None:
+    def sight(
+        self,
+        cells: list[tuple[int, int]],
+        now: int = 0,
+        drift: tuple[float, float] = (0.0, 0.0),
+    ) -> None:
         nodes = np.array([SEA.node_of_cell[cell] for cell in cells], np.int32)
-        hs.sight(self.spots, self.cloud, self.shore, 0, now, nodes, 0.0, 0.0)
+        hs.sight(self.spots, self.cloud, self.shore, 0, now, nodes, *drift)
 
     def expect(self) -> F64:
         hs.expect(self.spots, self.cloud, 0, STILL, self.expected)
@@ -157,6 +162,32 @@ def test_sightings_that_one_hotspot_cannot_explain_refute_the_assumption_of_one(
     assert hs.believed(belief.spots, 0) == 3
     assert belief.expect()[28:].sum() > 5  # the third, where nobody has looked
     assert belief.spots.total[0] == pytest.approx(75, rel=0.3)
+
+
+@pytest.mark.parametrize("second", [(6, 32), (20, 38), (36, 36), (20, 30)])
+def test_sightings_taken_in_at_once_tell_two_hotspots_apart_too(second: tuple[int, int]) -> None:
+    """As when all starts are worked out again for another drift."""
+    for seed in range(10):
+        belief = Belief()
+        belief.sight(clustered(np.random.default_rng(seed), (6, 6), second))
+        assert hs.believed(belief.spots, 0) == 3
+        assert abs(int(belief.spots.sighted[0, 0]) - 25) <= 3
+        alone = Belief()
+        alone.sight(clustered(np.random.default_rng(seed), (20, 20), (20, 20), (20, 20)))
+        assert hs.believed(alone.spots, 0) == 1
+
+
+def test_sightings_are_worked_back_along_the_drift() -> None:
+    """Seen at step 60 around (26, 17) with drift (0.1, -0.05): they started around (20, 20)."""
+    belief = Belief()
+    belief.sight(clustered(np.random.default_rng(0), (26, 17)), 60, (0.1, -0.05))
+    belief.expect()
+    row, col = divmod(int(belief.spots.chance[0, 0].argmax()), 40)
+    assert abs(row - 20) <= 1 and abs(col - 20) <= 1
+    belief.sight([(26, 17)], 61, (0.0, 0.0))  # the estimate changes: all are worked out again
+    belief.expect()
+    row, col = divmod(int(belief.spots.chance[0, 0].argmax()), 40)
+    assert abs(row - 26) <= 2 and abs(col - 17) <= 2
 
 
 def test_a_mistaken_sighting_or_two_refute_nothing() -> None:

@@ -63,6 +63,90 @@ def test_a_late_or_blocked_move_does_not_confuse_it() -> None:
     assert policy.planner.wind.mean[0] == pytest.approx([0.0, 0.1], abs=0.03)
 
 
+class Watch:
+    """What the planner makes of views: everything within `reach` of the middle, and items there."""
+
+    def __init__(self) -> None:
+        self.task = task_of(SEA, scouts=Role(1, 1, 4.0, False), foragers=Role(1, 1, 1.0, True))
+        self.task = with_settings(self.task, FAST)
+        self.policy = BeliefPolicy()
+        self.last_seen = np.full(len(SEA), -1, np.int16)
+
+    def look(self, step: int, reach: int, *items: tuple[int, int]) -> None:
+        """Decide at a step, with the nodes within reach of (15, 15) in view."""
+        near = np.maximum(np.abs(SEA.rows - 15), np.abs(SEA.cols - 15)) <= reach
+        self.last_seen[near] = step - 1
+        known = dict.fromkeys(items, 1)
+        observation = observation_of(
+            self.task, [(0, 0), (29, 29)], known, self.last_seen.copy(), step
+        )
+        if step == 1:
+            self.policy.reset(self.task, observation.keys)
+        self.policy.act(observation)
+
+    @property
+    def particles(self) -> int:
+        return int(self.policy.planner.stragglers.number[0])
+
+    @property
+    def sightings(self) -> int:
+        return int(self.policy.planner.spots.number[0])
+
+
+def lost_item() -> Watch:
+    """An item seen at the first step, and gone 40 steps later."""
+    watch = Watch()
+    watch.look(1, 1, (15, 15))
+    for step in range(2, 40):
+        watch.look(step, -1, (15, 15))
+    assert watch.sightings == 1
+    watch.look(40, 1)
+    return watch
+
+
+def test_a_lost_item_that_is_found_again_is_no_new_sighting() -> None:
+    watch = lost_item()
+    lost = watch.policy.planner.stragglers.lost[0]
+    assert watch.particles > 0 and lost[0] > 0
+    watch.look(41, 1)
+    watch.look(42, 3, (15, 18))
+    assert watch.sightings == 1 and lost[0] == 0
+    watch.look(43, 12, (15, 18), (5, 5))
+    assert watch.sightings == 2  # that one is new
+
+
+def test_what_was_lost_drifts_on_and_is_not_where_nobody_meets_it() -> None:
+    watch = lost_item()
+    particles = watch.policy.planner.stragglers
+    before = particles.row[0, : watch.particles].copy()
+    watch.look(41, -1)
+    assert not np.array_equal(particles.row[0, : watch.particles], before)
+    watch.look(42, 14)
+    assert particles.lost[0, 0] == 0 or watch.particles == 0
+
+
+@pytest.mark.parametrize("ghost", [False, True])
+def test_a_scout_goes_back_to_what_was_known_long_ago(ghost: bool) -> None:
+    """All has been seen; an item in the west not since step 1, one in the east always.
+
+    As a ghost the western one is believed, but no track of the planner's: it lies where the
+    forager has just been.
+    """
+    task = task_of(SEA, scouts=Role(1, 1, 4.0, False), foragers=Role(1, 1, 1.0, True))
+    task = with_settings(task, replace(FAST, particles=False))
+    policy, known = BeliefPolicy(), {(15, 5): 1, (15, 25): 1}
+    last_seen = np.zeros(len(SEA), np.int16)
+    for step in range(1, 30):
+        last_seen[SEA.cols > 10] = step - 1
+        forager = (15, 5) if ghost and step == 2 else (29, 29)
+        observation = observation_of(task, [(15, 15), forager], known, last_seen.copy(), step)
+        if step == 1:
+            policy.reset(task, observation.keys)
+        scout = policy.act(observation)[0, 0]
+    assert (policy.planner.tracks.number[0] == 1) == ghost
+    assert int(scout.argmax()) in (SW, W, NW)
+
+
 def test_knowledge_is_forgotten_at_a_reset() -> None:
     task = with_settings(task_of(SEA, foragers=Role(1, 1, 1.0, True)), FAST)
     full = observation_of(task, [(10, 10)], {(10, 20): 3}, np.zeros(len(SEA), np.int16))

@@ -72,6 +72,20 @@ def test_a_wide_beam_finds_the_best_joint_route(seed: int) -> None:
     assert tuple(found.tolist()) in cheapest(weight, first, between)[1]
 
 
+def test_a_narrow_beam_counts_on_the_other_forager() -> None:
+    """Two states and three choices find the best start 68 times of 80; 54 without the others."""
+    found = 0
+    for seed in range(80):
+        rng = np.random.default_rng(seed)
+        points, at = rng.uniform(0, 20, (5, 2)), rng.uniform(0, 20, (2, 2))
+        first = np.ceil(np.abs(at[:, None] - points).max(axis=2)) + 1
+        between = np.ceil(np.abs(points[:, None] - points).max(axis=2))[None] + 1
+        weight = rng.integers(1, 4, 5).astype(np.float64)
+        best = cheapest(weight, first, between)[1]
+        found += tuple(routes(weight, first, between, 2, 3, 40).tolist()) in best
+    assert found >= 62
+
+
 def test_foragers_share_two_groups_instead_of_both_going_for_the_nearer() -> None:
     """On a line: foragers at 0; groups at 8 (three items) and at -9 (three items)."""
     place = np.array([8.0, 9.0, 10.0, -9.0, -10.0, -11.0])
