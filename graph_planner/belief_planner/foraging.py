@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from graph_planner.belief_planner.crew import Crew
 from graph_planner.belief_planner.routes import NOWHERE, Legs, search_routes
 from graph_planner.belief_planner.settings import BeliefSettings
-from graph_planner.belief_planner.shore import Shore, shore_of
+from graph_planner.belief_planner.shore import Shore, settled, shore_of
 from graph_planner.belief_planner.steering import towards
 from graph_planner.belief_planner.stops import (
     MOST,
@@ -83,12 +83,12 @@ def send_foragers(
     else:
         target = np.full(at.size, NOWHERE, np.int64)
     for i in range(items.number[0]):
-        worth[shore.nearest[int(items.row[i] + 0.5), int(items.col[i] + 0.5)]] += items.weight[i]
+        _, _, node = settled(shore, items.row[i], items.col[i])
+        worth[node] += items.weight[i]
     for f in range(at.size):
         goal = target[f] if target[f] != NOWHERE else _nearest(first, f)
         towards(ways[kind[f]], at[f], found.node[goal], worth, preferences[agents[f]])
-    for i in range(items.number[0]):
-        worth[shore.nearest[int(items.row[i] + 0.5), int(items.col[i] + 0.5)]] = 0.0
+    worth[:] = 0.0
     return int(n)
 
 

@@ -3,6 +3,9 @@
 It searches routes as the belief planner does, with the truth in place of a belief, so that the
 difference between the two is what is not known. Only the independent noise of the items to come is
 hidden from it. Its scouts look at true items that the fleet's map does not show as they are.
+
+It bounds the mean and not every episode: routes are found by a beam search, and they minimise the
+times at which items are met, not how many are met before the foragers' energy is spent.
 """
 
 from dataclasses import replace
@@ -12,6 +15,7 @@ from numpy.typing import NDArray
 
 from graph_planner.belief_planner.foraging import ForagerCrew
 from graph_planner.belief_planner.scouting import ScoutCrew
+from graph_planner.belief_planner.stops import floating
 from graph_planner.policies.registry import register
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task, Truth
@@ -35,15 +39,18 @@ class OraclePolicy:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9)."""
-        truth, floating = self._truth, self._foragers.items
+        truth = self._truth
+        if truth.item_node.shape[1] > self._foragers.items.row.size:
+            self._foragers.items = floating(truth.item_node.shape[1])
+        items = self._foragers.items
         for e in np.flatnonzero(observation.active):
             at, preferences = observation.agent_node[e], self._preferences[e]
             present = truth.item_node[e] >= 0
             counts = np.bincount(truth.item_node[e][present], minlength=self._nodes)
-            n = min(int(present.sum()), floating.row.size)
-            floating.number[0] = n
-            floating.row[:n], floating.col[:n] = truth.item_rc[e][present][:n].T
-            floating.weight[:n] = 1.0
+            n = int(present.sum())
+            items.number[0] = n
+            items.row[:n], items.col[:n] = truth.item_rc[e][present].T
+            items.weight[:n] = 1.0
             room, energy = observation.room_left[e], observation.energy_left[e]
             self._foragers.send(at, truth.drift_rc[e], room, energy, preferences)
             self._foragers.hold(at, room, energy, preferences)

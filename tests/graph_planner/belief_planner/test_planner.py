@@ -37,6 +37,16 @@ def test_the_oracle_goes_where_the_item_is_and_not_where_it_is_believed() -> Non
     assert int(preferences("oracle", task, observation)[0, 0].argmax()) in (NE, E, SE)
 
 
+def test_the_oracle_sees_every_item_of_many() -> None:
+    """5,400 items out of reach come first in the list, the one beside the forager last."""
+    cells = np.ones((90, 90), np.bool_)
+    cells[:, 60] = False
+    task = task_of(navigation_graph(cells, 1.0, False), foragers=Role(1, 1, 1.0, True))
+    known = {(r, c): 1 for r in range(90) for c in range(60)} | {(45, 63): 1}
+    observation = observation_of(task, [(45, 62)], known)
+    assert int(preferences("oracle", task, observation)[0, 0].argmax()) == E
+
+
 @pytest.mark.parametrize("settings", [FAST, BeliefSettings(), BeliefSettings(robust=True)])
 def test_a_forager_takes_the_item_beside_it(settings: BeliefSettings) -> None:
     task = with_settings(task_of(SEA, foragers=Role(1, 1, 1.0, True)), settings)

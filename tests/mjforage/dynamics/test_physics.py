@@ -206,6 +206,17 @@ def test_an_instability_names_seed_episode_time_and_body() -> None:
     assert "seed 3, episode 12, t = 10.00 s, body foragers-0" in str(caught.value)
 
 
+def test_the_belief_planner_forages_better_than_greedy_with_hulls_too() -> None:
+    """Gusts, a current, a collector to be steered onto items, late and blocked moves."""
+    setting = setting_of("comb-port-weather", "belief.fast=true", "horizon=110")
+    shares = {}
+    for policy in ("greedy", "belief"):
+        log = played(setting, [1, 2, 3], policy=policy)
+        shares[policy] = (log.t_collected >= 0).sum(axis=1) / log.n_items
+    assert (shares["belief"] > shares["greedy"]).all() and shares["belief"].min() > 0.8
+    assert fingerprint(played(setting, [2], policy="belief"), 0) == fingerprint(log, 1)
+
+
 @pytest.mark.parametrize("world", ["hulls", "debris", "intake", "physics"])
 def test_what_was_collected_is_carried(world: str) -> None:
     mission = Mission(setting_of("comb-port-weather", "horizon=25"), world)
