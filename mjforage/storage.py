@@ -43,7 +43,7 @@ IDENTITY = (
     "agents",
     "hulls",
 )
-_COMPARED_VERSIONS = ("mjforage", "mujoco")
+_COMPARED_VERSIONS = ("mjforage", "mujoco", "code")
 _LONGEST = 60  # characters of a value in a message
 
 
@@ -114,8 +114,8 @@ def write_json(path: Path, value: object) -> None:
 
 
 def run_hash(info: Mapping[str, Any]) -> str:
-    """Hash of scenario, map, vessels and the package and MuJoCo versions: 16 hexadecimal digits."""
-    versions = {name: info["versions"][name] for name in _COMPARED_VERSIONS}
+    """Hash of scenario, map, vessels, code and MuJoCo's version: 16 hexadecimal digits."""
+    versions = {name: info["versions"].get(name) for name in _COMPARED_VERSIONS}
     text = canonical_json([info["scenario"], info["map"], versions, info.get("hulls")])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 

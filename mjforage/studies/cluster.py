@@ -11,6 +11,7 @@ import signal
 import socket
 import threading
 from collections.abc import Iterator
+from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ import joblib
 from mjforage.errors import UserError
 from mjforage.mission import Setting
 from mjforage.run_info import read_json
-from mjforage.studies.identity import fingerprint, run_info, versions
+from mjforage.studies.identity import run_info, versions
 from mjforage.studies.interrupts import interrupts_held
 
 PROTOCOLS = ("tcp", "tls")
@@ -168,6 +169,11 @@ def watched(client: Any) -> Iterator[None]:
         if found:
             raise UserError(found[0]) from None
         raise
+    except (CancelledError, RuntimeError, OSError) as error:  # joblib may notice before the watch
+        trouble = found[0] if found else _trouble(client)
+        if trouble is None:
+            raise
+        raise UserError(trouble) from error
     finally:
         over.set()
         watcher.join()
@@ -220,7 +226,7 @@ def check_versions(asked: tuple[tuple[str, str], ...]) -> None:
     """
     from distributed import get_worker
 
-    here = versions() | {"code": fingerprint()}
+    here = versions()
     for name, there in asked:
         if here.get(name) != there:
             raise UserError(

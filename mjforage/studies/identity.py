@@ -32,13 +32,6 @@ def pinned(setting: Setting) -> Setting:
     return replace(setting, scenario=replace(setting.scenario, map=choice))
 
 
-def versions() -> dict[str, str]:
-    """Versions of what decides a run's numbers, in this process."""
-    return {name: version(name) for name in ("mjforage", "mujoco", "numpy", "numba")} | {
-        "python": platform.python_version()
-    }
-
-
 @lru_cache(maxsize=1)
 def fingerprint() -> str:
     """Hash of the installed code, maps and weights, which versions alone do not tell apart."""
@@ -51,6 +44,14 @@ def fingerprint() -> str:
             if path.is_file():
                 digest.update(path.relative_to(root).as_posix().encode() + path.read_bytes())
     return digest.hexdigest()[:16]
+
+
+def versions() -> dict[str, str]:
+    """Versions of what decides a run's numbers, in this process; `code` is `fingerprint`."""
+    return {name: version(name) for name in ("mjforage", "mujoco", "numpy", "numba")} | {
+        "python": platform.python_version(),
+        "code": fingerprint(),
+    }
 
 
 def provenance() -> dict[str, str]:

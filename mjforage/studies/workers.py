@@ -35,7 +35,7 @@ from mjforage.scenario_file import canonical_json, scenario_from_tree, scenario_
 from mjforage.scoring import score
 from mjforage.storage import Chunk, RunFolder, writing
 from mjforage.studies import cluster
-from mjforage.studies.identity import fingerprint, versions
+from mjforage.studies.identity import versions
 from mjforage.studies.interrupts import interrupts_held
 from mjforage.tables import frames
 
@@ -139,7 +139,7 @@ class Order:
             run_hash,
             call,
             None if remote else os.getpid(),
-            (*versions().items(), ("code", fingerprint())) if remote else (),
+            tuple(versions().items()) if remote else (),
         )
 
 

@@ -69,7 +69,7 @@ def test_a_run_folder_holds_what_it_should(finished: Path) -> None:
     ]
     assert (run["map"]["rows"], run["map"]["columns"], run["map"]["nodes"]) == (62, 46, 1297)
     assert sum(row.count("1") for row in run["map"]["navigable"]) == 1297
-    assert set(run["versions"]) == {"mjforage", "mujoco", "numpy", "numba", "python"}
+    assert set(run["versions"]) == {"mjforage", "mujoco", "numpy", "numba", "python", "code"}
     assert run["timings"]["wall_s"] > 0
     assert len(run["hash"]) == 16
 

@@ -18,7 +18,7 @@ INFO: dict[str, Any] = {
     "command": "mjforage study paper --policy greedy",
     "scenario": {"name": "x", "team": {"scouts": {"count": 2}}},
     "map": {"name": "m", "navigable": ["01", "11"]},
-    "versions": {"mjforage": "1", "mujoco": "3", "numpy": "2"},
+    "versions": {"mjforage": "1", "mujoco": "3", "code": "ab", "numpy": "2"},
     "seed": 0,
     "episodes": 3,
     "worlds": ["graph"],
@@ -105,6 +105,11 @@ def test_same_run_may_be_opened_again_and_keeps_its_file(run: RunFolder) -> None
         ("scenario", {"name": "x", "team": {}}, '.scouts is {"count": 2} there and null'),
         ("map", {"name": "m", "navigable": ["11", "11"]}, "the map's cells differ"),
         ("versions", {"mjforage": "2", "mujoco": "3"}, 'mjforage is "1" there and "2" here'),
+        (
+            "versions",
+            INFO["versions"] | {"code": "cd"},
+            'code is "ab" there and "cd"',
+        ),
         ("agents", [{"name": "other-0"}], "the agents are others or in another order"),
     ],
 )
@@ -289,7 +294,7 @@ def test_writing_lets_other_errors_pass(tmp_path: Path) -> None:
         raise OSError(28, "No space left on device")
 
 
-def test_hash_depends_on_scenario_map_and_the_two_versions_alone() -> None:
+def test_hash_depends_on_scenario_map_code_and_the_two_versions_alone() -> None:
     assert run_hash(INFO) == run_hash(INFO | {"seed": 9, "started": "later"})
     numpy = INFO["versions"] | {"numpy": "3"}
     assert run_hash(INFO) == run_hash(INFO | {"versions": numpy})
@@ -297,6 +302,7 @@ def test_hash_depends_on_scenario_map_and_the_two_versions_alone() -> None:
         ("scenario", {"name": "y"}),
         ("map", {"name": "m", "navigable": ["11", "11"]}),
         ("versions", INFO["versions"] | {"mujoco": "4"}),
+        ("versions", INFO["versions"] | {"code": "cd"}),
     ):
         assert run_hash(INFO) != run_hash(INFO | {key: value})
     assert len(run_hash(INFO)) == 16

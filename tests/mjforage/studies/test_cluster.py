@@ -5,6 +5,7 @@ import re
 import signal
 import socket
 import subprocess
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -19,7 +20,7 @@ from mjforage.mission import Setting
 from mjforage.scenario_file import load_scenario
 from mjforage.studies import cluster, variants
 from mjforage.studies.evaluate import Run, plan
-from mjforage.studies.identity import fingerprint, versions
+from mjforage.studies.identity import versions
 from mjforage.studies.study import Study, run_study
 from mjforage.studies.workers import Order, Workers, run_chunk
 
@@ -173,7 +174,7 @@ def refusal(order: Order) -> str:
 
 def test_workers_that_agree_compute(order: Order) -> None:
     assert refusal(order) == "None"
-    assert order.versions == (*versions().items(), ("code", fingerprint()))
+    assert order.versions == tuple(versions().items()) and dict(order.versions)["code"]
 
 
 @pytest.mark.parametrize("name", ["mjforage", "mujoco", "numpy", "code"])
@@ -235,6 +236,36 @@ def test_what_will_never_be_done_ends_the_wait(
     )
     with pytest.raises(UserError, match=re.escape(words)), cluster.watched(client):
         wait_for(lambda: False, "the end of the wait")
+
+
+def test_a_scheduler_that_is_killed_on_the_way_is_named(
+    start: Start, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    """A real one: joblib hears of it before the watch does."""
+    address, programs = f"tcp://127.0.0.1:{unused_port()}", []
+    for name, *flags in (
+        ("dask_scheduler", "--host", address, "--no-dashboard"),
+        ("dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"),
+    ):
+        program = subprocess.Popen(
+            [sys.executable, "-m", f"distributed.cli.{name}", *flags],
+            cwd=tmp_path,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        request.addfinalizer(program.wait)
+        request.addfinalizer(program.kill)
+        programs.append(program)
+    folder = tmp_path / "study"
+    process = start(
+        *("study", "ablation", "published", "--policy", "greedy", "--episodes", 400),
+        *("--scheduler", address, "--out", folder),
+    )
+    wait_for(lambda: chunks(folder), "a finished chunk")
+    programs[0].kill()
+    _, err = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 2 and err.count("\n") == 1, err
+    assert err.startswith("mjforage: ") and "finished chunks are kept" in err
 
 
 def test_an_interruption_stays_one() -> None:
