@@ -58,10 +58,12 @@ class Workers:
     local_cluster: int = 0
 
     def __post_init__(self) -> None:
-        if self.jobs < 1 or self.local_cluster < 0:
-            raise UserError(
-                f"jobs {self.jobs}, local cluster {self.local_cluster}: give at least 1 worker"
-            )
+        for flag, count, least in (
+            ("jobs", self.jobs, 1),
+            ("local-cluster", self.local_cluster, 0),
+        ):
+            if count < least:
+                raise UserError(f"--{flag} {count}: give at least 1 worker")
         if (self.jobs > 1) + bool(self.scheduler) + bool(self.local_cluster) > 1:
             raise UserError("--jobs, --scheduler and --local-cluster: give one of them")
         if self.scheduler:
