@@ -53,13 +53,15 @@ def setups_table(logs: StudyLogs) -> Table:
                 found = known.printed if variant == COMPLETE else known.ablated[team]
                 cells = tuple(number(found.get(m.key, float("nan")), m.digits) for m in metrics)
                 rows.append(Row(LABEL, cells, group=group, paper=True))
-    notes = (
-        "Mean ± 1.96 SEM. The paper's table has the PTA_D and PTA_C columns of its ablated rows "
-        "exchanged; they stand right here. RMSE_columns is the number that it printed.",
-    )
+    notes = ["Mean ± 1.96 SEM."]
+    if any(row.paper for row in rows):
+        notes.append(
+            "The paper's table has the PTA_D and PTA_C columns of its ablated rows exchanged; they "
+            "stand right here. RMSE_columns is the number that it printed."
+        )
     labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
     title = "Table 5: every fleet with one agent less"
-    return Table("table-5", title, labels, tuple(rows), notes, units)
+    return Table("table-5", title, labels, tuple(rows), tuple(notes), units)
 
 
 def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str, ...]) -> Table:

@@ -147,9 +147,10 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
         "One draw for the whole team, and random foragers still take a known item beside them, as "
         "in the published code."
         if logs.options["whole_team"]
-        else "Every agent has its own draw, as the paper defines it; its printed slopes were made "
-        "with one draw for the whole team (`--whole-team`)."
+        else "Every agent has its own draw, as the paper defines it."
     )
+    if unlike_draws(logs) and any(row.paper for row in rows):
+        draw += " Its printed slopes were made with one draw for the whole team (`--whole-team`)."
     notes = (
         "SS: slope of the least-squares line through the means, per unit of ε, with the bootstrap "
         "95 % interval over episodes (the same ones at every level). Break: where two joined "
@@ -229,9 +230,15 @@ def sections(logs: StudyLogs, fits: Fits | None = None) -> list[Section]:
     """The page's sections; `fits` where some were made already."""
     fits = fits or Fits(logs)
     drawn = [picture(logs, fits, team) for team in teams(logs)]
+    replaced = (
+        "With probability ε, drawn once per step for the whole team, each of its agents takes a "
+        "uniform random legal action; foragers then still take a known item beside them."
+        if logs.options["whole_team"]
+        else "Each action of a team is replaced by a uniform random legal one with probability ε."
+    )
     words = (
-        "Each action of a team is replaced by a uniform random legal one with probability ε. The "
-        "steeper the other team's performance falls, the more it depends on this one."
+        f"{replaced} The steeper the other team's performance falls, the more it depends on this "
+        "one."
     )
     title = "Sensitivity to corruption"
     return [Section("corruption", title, words, [slopes_table(logs, fits)], drawn)]

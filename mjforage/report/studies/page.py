@@ -27,12 +27,19 @@ class Section:
     pictures: Sequence[Picture] = ()
 
 
+def _option(key: str, value: Any) -> str:
+    """One option of a study in words."""
+    if key == "whole_team":
+        return "one draw for the whole team" if value else "a draw per agent"
+    return f"{key.replace('_', ' ')} {value}"
+
+
 def facts(logs: StudyLogs) -> list[tuple[str, str]]:
     """What was run, as pairs of a term and its value."""
     run, info = logs.base, logs.info
     rows, columns = run.map.navigable.shape
     policies = style.ordered(policy for one in logs.runs.values() for policy in one.policies)
-    options = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in logs.options.items())
+    options = ", ".join(_option(key, value) for key, value in logs.options.items())
     pairs = [
         ("Scenario", run.name),
         ("Map", f"{run.map.name}: {rows} × {columns}, {run.map.nodes} nodes"),

@@ -5,14 +5,15 @@ from collections.abc import Callable
 import pytest
 
 from mjforage.mission import Setting
-from mjforage.report.studies import corruption, paper
+from mjforage.report.studies import ablation, corruption, paper
 from mjforage.report.studies.logs import StudyLogs, load_study
+from mjforage.report.studies.page import facts
 from mjforage.report.tables import NOTHING, Table
 from mjforage.scenario_file import load_scenario
 from mjforage.studies import variants
 from mjforage.studies.study import Study, run_study
 
-Make = Callable[[bool], StudyLogs]
+Make = Callable[..., StudyLogs]
 STEP = 0.25
 WORDS = "paper: one draw for the team; ours: one per agent"
 
@@ -21,8 +22,8 @@ WORDS = "paper: one draw for the team; ours: one per agent"
 def study(tmp_path_factory: pytest.TempPathFactory) -> Make:
     """Make a small study of the paper, with one draw for the team or one per agent."""
 
-    def make(whole_team: bool) -> StudyLogs:
-        setting = Setting.of(load_scenario("published"))
+    def make(whole_team: bool, overrides: tuple[str, ...] = ()) -> StudyLogs:
+        setting = Setting.of(load_scenario("published", overrides))
         varied = variants.paper(setting.scenario, ["greedy"], STEP, whole_team)
         options = {"step": STEP, "whole_team": whole_team}
         folder = tmp_path_factory.mktemp("studies") / "paper"
@@ -30,6 +31,10 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Make:
         return load_study(folder)
 
     return make
+
+
+def _with_fits(logs: StudyLogs) -> tuple[StudyLogs, corruption.Fits]:
+    return logs, corruption.Fits(logs)
 
 
 def verdicts(table: Table | None) -> dict[str, str]:
@@ -71,6 +76,32 @@ def test_slopes_of_the_papers_rule_are_judged(study: Make) -> None:
     assert "The paper's SS of RMSE_columns" in foragers.caption
     assert any("columns" in label for label in labels), "the figure lacks what its caption tells"
     assert "p of one line" in corruption.slopes_table(logs, fits).columns
+
+
+def test_the_words_on_corruption_are_of_the_rule_that_was_run(study: Make) -> None:
+    for whole, words in ((True, "once per step for the whole team"), (False, "Each action")):
+        logs = study(whole)
+        assert words in corruption.sections(logs)[0].words
+        options = dict(facts(logs))["Options"]
+        assert options == f"step {STEP:g}, " + (
+            "one draw for the whole team" if whole else "a draw per agent"
+        )
+
+
+def test_another_fleet_has_no_words_on_the_papers_rows(study: Make) -> None:
+    logs = study(False, ("team.scouts.count=3",))
+    fits = corruption.Fits(logs)
+    tables = (
+        ablation.setups_table(logs),
+        corruption.slopes_table(logs, fits),
+        paper.table_4(logs, fits),
+    )
+    for table in tables:
+        assert not any(row.paper for row in table.rows)
+        said = " ".join((*table.notes, *table.units))
+        for words in ("printed", "stand right here", WORDS):
+            assert words not in said, table.name
+    assert "printed slopes" in " ".join(corruption.slopes_table(*_with_fits(study(False))).notes)
 
 
 def test_hulls_are_not_judged_against_the_papers_world() -> None:
