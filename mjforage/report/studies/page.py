@@ -8,6 +8,7 @@ from typing import Any
 from markupsafe import Markup
 
 from mjforage.report import style
+from mjforage.report.differences import too_few
 from mjforage.report.figures import save_figure
 from mjforage.report.html import environment, shown, template
 from mjforage.report.picture import Picture
@@ -84,6 +85,7 @@ def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -
             (name, logs.title(name), ", ".join(run.policies)) for name, run in logs.runs.items()
         ],
         "sections": parts,
+        "few": too_few(int(logs.info["episodes"])),
         "notes": notes,
         "scenario_json": json.dumps(logs.info["scenario"], indent=2, ensure_ascii=False),
         "stylesheet": Markup(template("report.css.j2")),

@@ -7,7 +7,7 @@ import pytest
 from mjforage.mission import Setting
 from mjforage.report.studies import ablation, corruption, paper
 from mjforage.report.studies.logs import StudyLogs, load_study
-from mjforage.report.studies.page import facts
+from mjforage.report.studies.page import facts, render
 from mjforage.report.tables import NOTHING, Table
 from mjforage.scenario_file import load_scenario
 from mjforage.studies import variants
@@ -109,3 +109,12 @@ def test_hulls_are_not_judged_against_the_papers_world() -> None:
     asked, other = (paper.Beside("PTA_C", 98.2, like=like, **pair) for like in (True, False))  # type: ignore[arg-type]
     assert (asked.row.cells[-1], other.row.cells[-1]) == ("yes", NOTHING)
     assert [paper._same(world) for world in ("graph", "hulls", "physics")] == [True, False, False]
+
+
+def test_a_study_of_few_episodes_says_so_and_has_no_bold_interval(study: Make) -> None:
+    logs = study(False)
+    sections = paper.sections(logs)
+    page = render(logs, sections, ())
+    assert page.count("Intervals from fewer than 10 episodes are too narrow; none is bold.") == 1
+    for section in (*corruption.sections(logs), *ablation.sections(logs)):
+        assert not any(row.best for table in section.tables for row in table.rows), section.name
