@@ -16,7 +16,6 @@ from mjforage.vocabulary import describe
 IN_PAPER = ("pta_d", "pta_c", "rmse_columns", "rmse")
 BEYOND = ("nt50", "nt90", "csr")
 KEYS = (*IN_PAPER, *BEYOND)
-DRAWN = ("pta_d", "pta_c", "rmse", *BEYOND)
 DIGITS = 3  # of a contribution
 
 
@@ -102,19 +101,21 @@ def pictures(logs: StudyLogs) -> list[Picture]:
             Subject(
                 f"{policy}, {team}",
                 style.policy_colour(policy),
-                {key: contribution(logs, team, world, policy, key) for key in DRAWN},
+                {key: contribution(logs, team, world, policy, key) for key in KEYS},
+                known.contribution[team] if known else {},
             )
             for team in teams(logs)
             for policy in style.ordered(logs.base.policies)
+            for known in [published_for(logs.base, policy)]
         ]
-        metrics = [describe(key) for key in DRAWN]
+        metrics = [describe(key) for key in KEYS]
         title = f"Marginal contribution of one agent{logs.suffix(world)}"
         with house_style():
             drawn.append(
                 forest(
                     f"contribution-{world}",
                     title,
-                    "Share of the performance that one agent of the team brings.",
+                    "Share of the performance that one agent of the team brings, a ratio of means.",
                     metrics,
                     subjects,
                     gains=True,

@@ -2,9 +2,11 @@
 
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 
 from mjforage.mission import Setting
+from mjforage.report.curves import time_figures
 from mjforage.report.studies import ablation, corruption, paper
 from mjforage.report.studies.logs import StudyLogs, load_study
 from mjforage.report.studies.page import facts, render
@@ -118,3 +120,26 @@ def test_a_study_of_few_episodes_says_so_and_has_no_bold_interval(study: Make) -
     assert page.count("Intervals from fewer than 10 episodes are too narrow; none is bold.") == 1
     for section in (*corruption.sections(logs), *ablation.sections(logs)):
         assert not any(row.best for table in section.tables for row in table.rows), section.name
+
+
+def test_figures_carry_the_papers_numbers_where_the_tables_do(study: Make) -> None:
+    def captions(logs: StudyLogs) -> dict[str, str]:
+        drawn = (*ablation.pictures(logs), *time_figures(logs.whole))
+        return {picture.name: picture.caption for picture in drawn}
+
+    logs = study(True)
+    found = captions(logs)
+    assert "Paper (its own map): 98.85 % (greedy)." in found["pta"]
+    assert "Paper (its own map): 0.899 (greedy)." in found["csr"]
+    assert "Paper (its own map): 0.0017 (greedy)." in found["rmse"]
+    assert "Paper's public code (its own map): 0.0063 (greedy)." in found["rmse"]
+    assert "Hollow diamond: the paper's number" in found["contribution-graph"]
+    panel = ablation.pictures(logs)[0].figure.axes[ablation.KEYS.index("pta_c")]
+    diamonds = {
+        (float(np.ravel(line.get_xdata())[0]), int(np.ravel(line.get_ydata())[0]))
+        for line in panel.lines
+        if line.get_marker() == "D"
+    }
+    assert diamonds == {(0.1623, 0), (0.0337, 1)}  # its Table 6: greedy without a scout, a forager
+    for caption in captions(study(False, ("team.scouts.count=3",))).values():
+        assert "its own map" not in caption
