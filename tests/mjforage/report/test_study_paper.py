@@ -5,6 +5,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from metrics import (
+    bootstrap_sensitivity,
+    break_test,
+    half_width_95,
+    sensitivity_slope,
+    two_segment_fit,
+)
 from mjforage.mission import Setting
 from mjforage.report.curves import time_figures
 from mjforage.report.studies import ablation, corruption, paper
@@ -143,3 +150,25 @@ def test_figures_carry_the_papers_numbers_where_the_tables_do(study: Make) -> No
     assert diamonds == {(0.1623, 0), (0.0337, 1)}  # its Table 6: greedy without a scout, a forager
     for caption in captions(study(False, ("team.scouts.count=3",))).values():
         assert "its own map" not in caption
+
+
+@pytest.mark.parametrize(("place", "cut"), [(1, {"before"}), (10, set()), (19, {"after"})])
+def test_one_level_beside_a_break_has_no_slope(place: int, cut: set[str]) -> None:
+    levels = np.linspace(0.0, 1.0, 21)
+    means = 90 - 40 * levels - 20 * np.maximum(0.0, levels - levels[place])
+    values = np.repeat(means[:, None], 12, axis=1)
+    values += np.random.default_rng(0).normal(0.0, 1e-6, values.shape)
+    fit = corruption.Fit(
+        levels,
+        values.mean(axis=1),
+        half_width_95(values),
+        sensitivity_slope(levels, values.mean(axis=1)),
+        two_segment_fit(levels, values.mean(axis=1)),
+        bootstrap_sensitivity(levels, values, 0, resamples=20),
+        break_test(levels, values, 0, resamples=20),
+    )
+    cells = dict(zip(corruption.COLUMNS, corruption._cells(fit, 1), strict=True))
+    slopes = {"before": "−40.0", "after": "−60.0"}
+    assert {side: cells[side] for side in slopes} == {
+        side: NOTHING if side in cut else slope for side, slope in slopes.items()
+    }
