@@ -20,7 +20,7 @@ from metrics import (
     two_segment_fit,
 )
 from mjforage.report import style
-from mjforage.report.differences import FEWEST, SEED
+from mjforage.report.differences import SEED
 from mjforage.report.figures import house_style
 from mjforage.report.picture import WIDTH_IN, Panel, Picture, canvas, joined
 from mjforage.report.published import LABEL, published_for
@@ -135,7 +135,6 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
     """Slopes and break points per corrupted team and metric."""
     rows, found = [], (published_for(logs.base, policy) for policy in logs.base.policies)
     printed = {pair for known in found if known for pair in known.slopes}
-    enough = int(logs.info["episodes"]) >= FEWEST
     for team in teams(logs):
         for metric in map(describe, KEYS):
             group = f"{team} corrupted, {metric.label}"
@@ -145,7 +144,7 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
                     fit = fits.of(team, world, policy, metric.key)
                     head = policy_name(policy) + logs.suffix(world)
                     cells, colour = _cells(fit, metric.digits), style.policy_colour(policy)
-                    bent = enough and fit is not None and fit.test.p < SIGNIFICANT
+                    bent = fit is not None and fit.test.p < SIGNIFICANT
                     best = frozenset({len(COLUMNS) - 1} if bent else ())
                     rows.append(Row(head, cells, colour, best=best, group=group, note=note))
                 known = published_for(logs.base, policy)
