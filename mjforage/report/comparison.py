@@ -2,64 +2,35 @@
 
 import itertools
 import math
-from dataclasses import dataclass
 
-import numpy as np
-
-from metrics import paired_difference, probability_of_improvement
+from metrics import probability_of_improvement
+from mjforage.report.differences import SEED, Difference
 from mjforage.report.logs import RunLogs
-from mjforage.report.tables import NOTHING, Row, Table, number, policy_name
+from mjforage.report.tables import Row, Table, number, policy_name
 from mjforage.vocabulary import COMPARED, Metric, describe
 
-SEED = 0  # of the bootstrap: a report made twice must be the same
 
-
-@dataclass(frozen=True)
-class Pair:
-    """First policy minus second in one metric, over the episodes where both are defined."""
-
-    difference: float
-    low: float  # bootstrap 95 % interval
-    high: float
-    better: float  # probability that the first is better; NaN where the metric has no direction
-    n: int
-
-
-def compare(logs: RunLogs, world: str, first: str, second: str, metric: Metric) -> Pair:
-    """Compare two policies in one metric."""
+def _row(logs: RunLogs, world: str, first: str, second: str, metric: Metric) -> Row:
+    """Compare two policies in one metric, over the episodes where both are defined."""
     x, y = (logs.scalar((world, policy), metric.key) for policy in (first, second))
-    gap = paired_difference(x, y, SEED)
-    better = math.nan
+    gap, better = Difference(x, y, metric), math.nan
     if metric.better:
         share = probability_of_improvement(metric.better * x, metric.better * y, SEED)
         better = float(share.value)
-    return Pair(float(gap.value), float(gap.low), float(gap.high), better, int(gap.n))
-
-
-def _cells(pair: Pair, metric: Metric) -> tuple[str, ...]:
-    interval = NOTHING
-    if not math.isnan(pair.low):
-        interval = f"{number(pair.low, metric.digits)} to {number(pair.high, metric.digits)}"
-    return (number(pair.difference, metric.digits), interval, number(pair.better, 2), str(pair.n))
-
-
-def _resolved(pair: Pair) -> bool:
-    """Whether the interval leaves out zero."""
-    ends = np.array([pair.low, pair.high])
-    return bool(np.all(ends > 0) or np.all(ends < 0))
+    suffix = f" · {world}" if len(logs.run.worlds) > 1 else ""
+    group = f"{policy_name(first)} − {policy_name(second)}{suffix}"
+    cells = (gap.text, gap.interval, number(better, 2), str(gap.n))
+    return Row(metric.label, cells, group=group, best=frozenset({0} if gap.apart else ()))
 
 
 def comparison_table(logs: RunLogs) -> Table | None:
     """All pairs of policies within each world, in the headline metrics; None with one policy."""
     pairs = list(itertools.combinations(logs.policies, 2))
-    rows = []
-    for world, (first, second) in itertools.product(logs.run.worlds, pairs):
-        suffix = f" · {world}" if len(logs.run.worlds) > 1 else ""
-        for metric in map(describe, COMPARED):
-            pair = compare(logs, world, first, second, metric)
-            group = f"{policy_name(first)} − {policy_name(second)}{suffix}"
-            best = frozenset({0}) if _resolved(pair) else frozenset()
-            rows.append(Row(metric.label, _cells(pair, metric), group=group, best=best))
+    rows = [
+        _row(logs, world, first, second, metric)
+        for world, (first, second) in itertools.product(logs.run.worlds, pairs)
+        for metric in map(describe, COMPARED)
+    ]
     if not rows:
         return None
     notes = (

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 from mjforage.report.logs import RunLogs, Series
 from mjforage.report.picture import WIDTH_IN, Panel, Picture, canvas, joined, undefined
+from mjforage.report.published import published_for
+from mjforage.report.tables import number
+from mjforage.vocabulary import describe
 
 FloatArray = NDArray[np.float64]
 LISTED = 4  # name every policy in a caption up to this many
@@ -126,6 +129,20 @@ def _endings(logs: RunLogs, courses: dict[Series, Course], curve: Curve) -> str:
     return f"{curve.words} ends at {joined(listed)}."
 
 
+def _paper(logs: RunLogs, curve: Curve) -> str:
+    """Say where the paper's curves end; nothing where the run is not one to compare with."""
+    ends: dict[str, list[str]] = {}
+    for policy in logs.policies:
+        known = published_for(logs.run, policy)
+        for source, values in (
+            (("Paper", known.printed), ("Paper's public code", known.measured)) if known else ()
+        ):
+            if curve.key in values:
+                value = number(values[curve.key], describe(curve.key).digits)
+                ends.setdefault(source, []).append(f"{value}{curve.unit} ({policy})")
+    return "".join(f" {source} (its own map): {joined(listed)}." for source, listed in ends.items())
+
+
 def _defined(logs: RunLogs, courses: dict[Series, Course], curve: Curve) -> str:
     """Count the episodes in which the metric is defined at the end, where not all of them."""
     total = logs.run.episodes
@@ -150,7 +167,11 @@ def time_figure(
     for axes, curve in zip(grid[:, 0], curves, strict=True):
         courses = _plot(axes, logs, panel, curve)
         if curve.ending:
-            words.append(_endings(logs, courses, curve) + _defined(logs, courses, curve))
+            words.append(
+                _endings(logs, courses, curve)
+                + _defined(logs, courses, curve)
+                + _paper(logs, curve)
+            )
     grid[-1, 0].set_xlabel("normalised time  $t/T$")
     panel.legend(figure)
     return Picture(name, title, f"{' '.join(words)} {definition}", figure)
@@ -184,9 +205,18 @@ def time_figures(logs: RunLogs) -> list[Picture]:
             logs,
             "rmse",
             "Error of the believed distribution",
-            [Curve("rmse", "RMSE  [items per node]", "RMSE", 4, 0.0)],
+            [
+                Curve("rmse", "RMSE  [items per node]", "RMSE", 4, 0.0),
+                Curve(
+                    "rmse_columns",
+                    "RMSE$_{\\mathrm{columns}}$  [items per node]",
+                    "RMSE_columns",
+                    4,
+                    0.0,
+                ),
+            ],
             "RMSE over the navigable nodes between true and believed counts, both smoothed by a "
-            "Gaussian of one node.",
+            "Gaussian of one node; RMSE_columns is what the paper printed.",
         ),
         time_figure(
             logs,

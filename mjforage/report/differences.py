@@ -8,6 +8,14 @@ from mjforage.report.tables import NOTHING, number
 from mjforage.vocabulary import Metric
 
 SEED = 0  # of the bootstrap: a report made twice must be the same
+FEWEST = 10  # episodes of an interval that may be bold: of fewer the bootstrap's is too narrow
+
+
+def too_few(episodes: int) -> str:
+    """Note for a page whose intervals are all of too few episodes; nothing for another."""
+    if episodes >= FEWEST:
+        return ""
+    return f"Intervals from fewer than {FEWEST} episodes are too narrow; none is bold."
 
 
 class Estimate:
@@ -36,8 +44,8 @@ class Estimate:
 
     @property
     def apart(self) -> bool:
-        """Whether the interval leaves out zero."""
-        return bool(self.low > 0 or self.high < 0)
+        """Whether the interval leaves out zero, and is of enough episodes to say so."""
+        return self.n >= FEWEST and bool(self.low > 0 or self.high < 0)
 
 
 class Difference(Estimate):

@@ -12,6 +12,7 @@ import jinja2
 from markupsafe import Markup, escape
 
 from mjforage.report import style
+from mjforage.report.differences import too_few
 from mjforage.report.logs import RunLogs
 from mjforage.report.picture import Picture
 from mjforage.report.tables import Row, Table
@@ -160,6 +161,7 @@ def render(
         "chips": _chips(logs),
         "facts": run_facts(logs),
         "headline": headline,
+        "few": too_few(logs.run.episodes),
         "wide": [figure for figure in figures if figure.wide],
         "narrow": [figure for figure in figures if not figure.wide],
         "papers": papers,

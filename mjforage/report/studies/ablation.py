@@ -16,7 +16,6 @@ from mjforage.vocabulary import describe
 IN_PAPER = ("pta_d", "pta_c", "rmse_columns", "rmse")
 BEYOND = ("nt50", "nt90", "csr")
 KEYS = (*IN_PAPER, *BEYOND)
-DRAWN = ("pta_d", "pta_c", "rmse", *BEYOND)
 DIGITS = 3  # of a contribution
 
 
@@ -53,13 +52,15 @@ def setups_table(logs: StudyLogs) -> Table:
                 found = known.printed if variant == COMPLETE else known.ablated[team]
                 cells = tuple(number(found.get(m.key, float("nan")), m.digits) for m in metrics)
                 rows.append(Row(LABEL, cells, group=group, paper=True))
-    notes = (
-        "Mean ± 1.96 SEM. The paper's table has the PTA_D and PTA_C columns of its ablated rows "
-        "exchanged; they stand right here. RMSE_columns is the number that it printed.",
-    )
+    notes = ["Mean ± 1.96 SEM."]
+    if any(row.paper for row in rows):
+        notes.append(
+            "The paper's table has the PTA_D and PTA_C columns of its ablated rows exchanged; they "
+            "stand right here. RMSE_columns is the number that it printed."
+        )
     labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
     title = "Table 5: every fleet with one agent less"
-    return Table("table-5", title, labels, tuple(rows), notes, units)
+    return Table("table-5", title, labels, tuple(rows), tuple(notes), units)
 
 
 def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str, ...]) -> Table:
@@ -100,19 +101,21 @@ def pictures(logs: StudyLogs) -> list[Picture]:
             Subject(
                 f"{policy}, {team}",
                 style.policy_colour(policy),
-                {key: contribution(logs, team, world, policy, key) for key in DRAWN},
+                {key: contribution(logs, team, world, policy, key) for key in KEYS},
+                known.contribution[team] if known else {},
             )
             for team in teams(logs)
             for policy in style.ordered(logs.base.policies)
+            for known in [published_for(logs.base, policy)]
         ]
-        metrics = [describe(key) for key in DRAWN]
+        metrics = [describe(key) for key in KEYS]
         title = f"Marginal contribution of one agent{logs.suffix(world)}"
         with house_style():
             drawn.append(
                 forest(
                     f"contribution-{world}",
                     title,
-                    "Share of the performance that one agent of the team brings.",
+                    "Share of the performance that one agent of the team brings, a ratio of means.",
                     metrics,
                     subjects,
                     gains=True,

@@ -35,6 +35,7 @@ KEYS = ("pta_c", "pta_d", "rmse_columns", "rmse")
 COLUMNS = ("ε = 0", "ε = 1", "SS", "break", "before", "after", "gain %", "p of one line")
 SIGNIFICANT = 0.05
 ROUNDING = 1e-20  # of squares of sums of floats, relative
+SAME_LEVEL = 0.1  # of a step between levels: a break this near to a level lies on it
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,16 @@ class Fit:
     def bends(self) -> bool:
         """Whether the line leaves more than rounding errors to a break."""
         return float(self.line.sse) > ROUNDING * float(np.sum(self.means**2))
+
+    @property
+    def slopes(self) -> tuple[float, float]:
+        """Slopes before and after the break; NaN for a segment of one level beside the break."""
+        at = float(self.bent.break_point)
+        before, after = float(self.bent.slope_before), float(self.bent.slope_after)
+        near = SAME_LEVEL * float(self.levels[1] - self.levels[0])
+        left = np.count_nonzero(self.levels < at - near)
+        right = np.count_nonzero(self.levels > at + near)
+        return before if left > 1 else float("nan"), after if right > 1 else float("nan")
 
 
 def teams(logs: StudyLogs) -> list[str]:
@@ -107,8 +118,7 @@ def _cells(fit: Fit | None, digits: int) -> tuple[str, ...]:
     return (
         *straight,
         f"{number(float(fit.bent.break_point), 2)} ({_span(within.break_point, 2)})",
-        number(float(fit.bent.slope_before), digits),
-        number(float(fit.bent.slope_after), digits),
+        *(number(slope, digits) for slope in fit.slopes),
         number(100 * (1 - float(fit.bent.sse) / float(fit.line.sse)), 0),
         "< 0.001" if fit.test.p < 0.001 else number(fit.test.p, 3),
     )
@@ -147,9 +157,10 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
         "One draw for the whole team, and random foragers still take a known item beside them, as "
         "in the published code."
         if logs.options["whole_team"]
-        else "Every agent has its own draw, as the paper defines it; its printed slopes were made "
-        "with one draw for the whole team (`--whole-team`)."
+        else "Every agent has its own draw, as the paper defines it."
     )
+    if unlike_draws(logs) and any(row.paper for row in rows):
+        draw += " Its printed slopes were made with one draw for the whole team (`--whole-team`)."
     notes = (
         "SS: slope of the least-squares line through the means, per unit of ε, with the bootstrap "
         "95 % interval over episodes (the same ones at every level). Break: where two joined "
@@ -160,7 +171,7 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
         f"its own break), bold below {SIGNIFICANT:g}, not corrected for the number of tests. Then "
         "the fall is not straight, but a smooth bend shows so too; with fewer than 20 episodes p "
         "is too small too often. A break on the first or last level inside means that one end "
-        "point stands apart, not that there are two regimes.",
+        "point stands apart, not that there are two regimes; that side then has no slope (–).",
         draw,
     )
     return Table("slopes", "Sensitivity slopes", COLUMNS, tuple(rows), notes)
@@ -229,9 +240,15 @@ def sections(logs: StudyLogs, fits: Fits | None = None) -> list[Section]:
     """The page's sections; `fits` where some were made already."""
     fits = fits or Fits(logs)
     drawn = [picture(logs, fits, team) for team in teams(logs)]
+    replaced = (
+        "With probability ε, drawn once per step for the whole team, each of its agents takes a "
+        "uniform random legal action; foragers then still take a known item beside them."
+        if logs.options["whole_team"]
+        else "Each action of a team is replaced by a uniform random legal one with probability ε."
+    )
     words = (
-        "Each action of a team is replaced by a uniform random legal one with probability ε. The "
-        "steeper the other team's performance falls, the more it depends on this one."
+        f"{replaced} The steeper the other team's performance falls, the more it depends on this "
+        "one."
     )
     title = "Sensitivity to corruption"
     return [Section("corruption", title, words, [slopes_table(logs, fits)], drawn)]

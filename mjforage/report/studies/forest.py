@@ -1,14 +1,17 @@
 """Figures of estimates with their intervals, one panel per metric and one row per subject."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
+
+from matplotlib.axes import Axes
 
 from mjforage.report import style
-from mjforage.report.differences import Estimate
+from mjforage.report.differences import FEWEST, Estimate
 from mjforage.report.picture import WIDE_IN, Picture, canvas
 from mjforage.vocabulary import Metric
 
-COLUMNS = 3
+COLUMNS = 4  # panels beside one another, at most
 
 
 @dataclass(frozen=True)
@@ -18,12 +21,24 @@ class Subject:
     head: str
     colour: str  # "#rrggbb"
     estimates: Mapping[str, Estimate]  # by metric key
+    paper: Mapping[str, float] = field(default_factory=dict)  # the paper's, where it has one
 
 
 def mathtext(metric: Metric) -> str:
     """Label of a metric with its subscript, for a figure."""
     stem, _, below = metric.label.partition("_")
     return f"{stem}$_{{\\mathrm{{{below}}}}}$" if below else stem
+
+
+def _draw(axes: Axes, row: int, subject: Subject, metric: Metric) -> None:
+    found = subject.estimates[metric.key]
+    if found.n:
+        axes.plot([found.low, found.high], [row, row], color=subject.colour, linewidth=2.2)
+        fill = subject.colour if found.apart else "white"
+        axes.plot(found.value, row, "o", color=subject.colour, markerfacecolor=fill, markersize=6)
+    if metric.key in subject.paper:
+        look: dict[str, Any] = {"color": style.INK, "markerfacecolor": "none", "markersize": 8}
+        axes.plot(subject.paper[metric.key], row, "D", zorder=3, **look)
 
 
 def forest(
@@ -40,19 +55,13 @@ def forest(
     With `gains` more is better whatever the metric; else they are in the metric's own unit.
     """
     lines = -(-len(metrics) // COLUMNS)
+    columns = -(-len(metrics) // lines)
     figure = canvas(WIDE_IN, lines * (1.0 + 0.24 * len(subjects)))
-    grid = figure.subplots(lines, COLUMNS, sharey=True, squeeze=False)
+    grid = figure.subplots(lines, columns, sharey=True, squeeze=False)
     for axes, metric in zip(grid.flat, metrics, strict=False):
         axes.axvline(0.0, color=style.MUTED, linewidth=1.0)
         for row, subject in enumerate(subjects):
-            found = subject.estimates[metric.key]
-            if found.n == 0:
-                continue
-            axes.plot([found.low, found.high], [row, row], color=subject.colour, linewidth=2.2)
-            fill = subject.colour if found.apart else "white"
-            axes.plot(
-                found.value, row, "o", color=subject.colour, markerfacecolor=fill, markersize=6
-            )
+            _draw(axes, row, subject, metric)
         worse = {1: "left is worse", -1: "right is worse", 0: ""}[metric.better]
         unit = f" [{metric.unit}]" if metric.unit and not gains else ""
         axes.set_title(f"{mathtext(metric)}{unit}")
@@ -63,5 +72,10 @@ def forest(
     for axes in grid[:, 0]:
         axes.set_yticks(range(len(subjects)), [subject.head for subject in subjects])
     grid[0, 0].set_ylim(len(subjects) - 0.5, -0.5)
-    words = "Dot and bar: mean and bootstrap 95 % interval; filled where it leaves out zero."
+    words = (
+        "Dot and bar: estimate and bootstrap 95 % interval; filled where it leaves out zero and is "
+        f"of {FEWEST} episodes or more."
+    )
+    if any(subject.paper for subject in subjects):
+        words += " Hollow diamond: the paper's number, of its own map at graph level."
     return Picture(name, title, f"{caption} {words}", figure, wide=True)

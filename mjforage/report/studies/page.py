@@ -8,6 +8,7 @@ from typing import Any
 from markupsafe import Markup
 
 from mjforage.report import style
+from mjforage.report.differences import too_few
 from mjforage.report.figures import save_figure
 from mjforage.report.html import environment, shown, template
 from mjforage.report.picture import Picture
@@ -27,12 +28,19 @@ class Section:
     pictures: Sequence[Picture] = ()
 
 
+def _option(key: str, value: Any) -> str:
+    """One option of a study in words."""
+    if key == "whole_team":
+        return "one draw for the whole team" if value else "a draw per agent"
+    return f"{key.replace('_', ' ')} {value}"
+
+
 def facts(logs: StudyLogs) -> list[tuple[str, str]]:
     """What was run, as pairs of a term and its value."""
     run, info = logs.base, logs.info
     rows, columns = run.map.navigable.shape
     policies = style.ordered(policy for one in logs.runs.values() for policy in one.policies)
-    options = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in logs.options.items())
+    options = ", ".join(_option(key, value) for key, value in logs.options.items())
     pairs = [
         ("Scenario", run.name),
         ("Map", f"{run.map.name}: {rows} × {columns}, {run.map.nodes} nodes"),
@@ -77,6 +85,7 @@ def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -
             (name, logs.title(name), ", ".join(run.policies)) for name, run in logs.runs.items()
         ],
         "sections": parts,
+        "few": too_few(int(logs.info["episodes"])),
         "notes": notes,
         "scenario_json": json.dumps(logs.info["scenario"], indent=2, ensure_ascii=False),
         "stylesheet": Markup(template("report.css.j2")),

@@ -160,7 +160,8 @@ def table_4(logs: StudyLogs, fits: corruption.Fits) -> Table:
             rows.append(Row(f"{known.algorithm}, {LABEL}", (csr, *slopes), paper=True))
     columns = ("CSR", *(f"SS of {describe(key).label}, {team}" for team, key in asked))
     title = "Table 4: cooperative success ratio and sensitivity slopes"
-    units = ("", *(corruption.unlike_draws(logs) for _ in asked))
+    unlike = corruption.unlike_draws(logs) if any(row.paper for row in rows) else ""
+    units = ("", *(unlike for _ in asked))
     return Table("table-4", title, columns, tuple(rows), (), units)
 
 
