@@ -17,14 +17,14 @@ from rich.console import Console
 
 from graph_planner.policies.ddqn import QPolicy
 from graph_planner.policies.registry import register
-from mjforage.learning.run import train
-from mjforage.learning.settings import Settings, changed
-from mjforage.mission import Setting
-from mjforage.render import render_replay
-from mjforage.replay import Replay
-from mjforage.report import write_report
-from mjforage.scenario_file import load_scenario
-from mjforage.studies.evaluate import evaluate
+from mjforage.core.mission import Setting
+from mjforage.core.scenario_file import load_scenario
+from mjforage.learning.training.run import train
+from mjforage.learning.training.settings import Settings, changed
+from mjforage.runs.evaluate import evaluate
+from mjforage.runs.replay import Replay
+from mjforage.view.render import render_replay
+from mjforage.view.report import write_report
 
 output = Console(highlight=False, soft_wrap=True)
 FOLDER = Path("runs") / "tutorial"

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.settings import BeliefSettings
+from graph_planner.belief_settings import BeliefSettings
 from graph_planner.fleet import Fleet
 from graph_planner.geodesics import Float32Array, Int32Array
 from graph_planner.moves import MoveRules

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from mjforage.environments.parallel import ForagingParallelEnv
+    from mjforage.learning.environments.parallel import ForagingParallelEnv
 
 __version__ = version("mjforage")
 
@@ -36,20 +36,20 @@ def parallel_env(**options: Any) -> "ForagingParallelEnv":
     Parameters
     ----------
     options : scenario, world, observation, reward, map, set, render_mode; see
-        `mjforage.environments.choice.Choice`
+        `mjforage.learning.environments.choice.Choice`
 
     Raises
     ------
     UserError
         If one is not valid.
     """
-    from mjforage.environments.parallel import ForagingParallelEnv
+    from mjforage.learning.environments.parallel import ForagingParallelEnv
 
     return ForagingParallelEnv(**options)
 
 
 def _register() -> None:
-    from mjforage.environments.registration import register_all
+    from mjforage.learning.environments.registration import register_all
 
     register_all()
 

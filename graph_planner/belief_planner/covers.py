@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.cloud import Cloud, cloud_of
-from graph_planner.belief_planner.settings import BeliefSettings
 from graph_planner.belief_planner.sweeps import Cover
 from graph_planner.belief_planner.ways import UInt16Array, Ways, search_back, ways_of
+from graph_planner.belief_settings import BeliefSettings
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import TABLE_LIMIT, NavigationGraph

@@ -5,7 +5,6 @@ from numpy.typing import NDArray
 
 from graph_planner.belief_planner.crew import Crew
 from graph_planner.belief_planner.routes import NOWHERE, Legs, search_routes
-from graph_planner.belief_planner.settings import BeliefSettings
 from graph_planner.belief_planner.shore import Shore, settled, shore_of
 from graph_planner.belief_planner.steering import towards
 from graph_planner.belief_planner.stops import (
@@ -18,6 +17,7 @@ from graph_planner.belief_planner.stops import (
     stops,
 )
 from graph_planner.belief_planner.ways import Ways
+from graph_planner.belief_settings import BeliefSettings
 from graph_planner.compiled import kernel
 from graph_planner.fleet import UNLIMITED
 from graph_planner.geodesics import Int32Array

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.cloud import Cloud, bounds, gathered, scattered, start_chances
-from graph_planner.belief_planner.settings import BeliefSettings
 from graph_planner.belief_planner.shore import Shore, settled
+from graph_planner.belief_settings import BeliefSettings
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
 

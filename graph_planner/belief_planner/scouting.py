@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.covers import view_cover
-from graph_planner.belief_planner.settings import BeliefSettings
 from graph_planner.belief_planner.sweeps import LONGEST, Cover, search_sweep, sight, until_seen
 from graph_planner.belief_planner.ways import ways_of
+from graph_planner.belief_settings import BeliefSettings
 from graph_planner.geodesics import Int32Array
 from graph_planner.task import Task
 

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.settings import BeliefSettings
 from graph_planner.belief_planner.shore import Shore
 from graph_planner.belief_planner.tracks import Ended, Tracks
+from graph_planner.belief_settings import BeliefSettings
 from graph_planner.compiled import kernel
 
 POINTS = 49

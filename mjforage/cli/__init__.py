@@ -19,7 +19,7 @@ from mjforage.cli import (  # they add their commands
     validating,
 )
 from mjforage.cli.console import app, errors
-from mjforage.errors import UserError
+from mjforage.core.errors import UserError
 
 __all__ = [
     "drawing",

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 if TYPE_CHECKING:
-    from mjforage.studies.workers import Workers
+    from mjforage.runs.workers import Workers
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,8 @@ class Computing:
     @property
     def workers(self) -> "Workers":
         """The same for the library."""
-        from mjforage.errors import UserError
-        from mjforage.studies.workers import Workers
+        from mjforage.core.errors import UserError
+        from mjforage.runs.workers import Workers
 
         if self.scheduler == "":  # of an unset variable of a shell, perhaps: not to compute here
             raise UserError("--scheduler: the address is empty; give one such as tcp://host:8786")

@@ -65,10 +65,10 @@ def render(
     height
         Of a frame [pixel]; default 720.
     """
-    from mjforage.render import render_replay
-    from mjforage.studies.replaying import replay_of_run
+    from mjforage.runs.replaying import replay_of_run
+    from mjforage.view.render import render_replay
 
-    logging.getLogger("mjforage.render").setLevel(logging.INFO)  # says what draws
+    logging.getLogger("mjforage.view.render").setLevel(logging.INFO)  # says what draws
     replay = replay_of_run(folder, world, policy, episode)
     with bar("frames") as shown:
         render_replay(
@@ -115,10 +115,10 @@ def view(
     seed
         Seed of a scenario's episode; a run has its own.
     """
-    from mjforage.mission import Setting
-    from mjforage.render.viewer import check_display, view_replay, view_scenario
-    from mjforage.scenario_file import load_scenario
-    from mjforage.studies.replaying import replay_of_run
+    from mjforage.core.mission import Setting
+    from mjforage.core.scenario_file import load_scenario
+    from mjforage.runs.replaying import replay_of_run
+    from mjforage.view.render.viewer import check_display, view_replay, view_scenario
 
     check_display()
     if Path(what).is_dir():

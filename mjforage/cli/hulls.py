@@ -51,16 +51,15 @@ def manoeuvre(
     plot
         Picture to write.
     """
-    from mjforage.manoeuvre import (
+    from mjforage.physics.manoeuvre import (
         check_file,
-        check_plot,
         key_figures,
-        manoeuvre_figure,
         write_trajectory,
     )
-    from mjforage.manoeuvre import manoeuvre as run
-    from mjforage.simulation.hull import MujocoHull
-    from mjforage.storage import writing
+    from mjforage.physics.manoeuvre import manoeuvre as run
+    from mjforage.physics.simulation.hull import MujocoHull
+    from mjforage.runs.storage import writing
+    from mjforage.view.manoeuvre_plot import check_plot, manoeuvre_figure
 
     if out is not None:
         check_file(out, "--out")
@@ -81,7 +80,7 @@ def manoeuvre(
 @app.command
 def vessels() -> None:
     """List the vessels that ship with the package."""
-    from mjforage.vessels import load_vessel, vessel_names
+    from mjforage.physics.vessels import load_vessel, vessel_names
 
     hulls = [load_vessel(name) for name in vessel_names()]
     print_list((v.name, f"{v.length_m:g} x {v.beam_m:g} m, {v.mass_kg:g} kg") for v in hulls)

@@ -25,7 +25,7 @@ def _policy_names() -> list[str]:
 @app.command
 def scenarios() -> None:
     """List the scenarios that ship with the package."""
-    from mjforage.scenario_file import load_scenario, preset_names
+    from mjforage.core.scenario_file import load_scenario, preset_names
 
     print_list((name, load_scenario(name).description) for name in preset_names())
 
@@ -46,9 +46,9 @@ def maps(
     output_file
         Picture to write, for example harbour.png.
     """
-    from mjforage.map_files import shipped_maps
-    from mjforage.map_pictures import save_map_picture
-    from mjforage.maps import load_map
+    from mjforage.core.map_files import shipped_maps
+    from mjforage.core.maps import load_map
+    from mjforage.view.map_pictures import save_map_picture
 
     for name in (map,) if map else shipped_maps():
         grid = load_map(name, corner_cutting=True)

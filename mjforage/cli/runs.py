@@ -9,7 +9,7 @@ from mjforage.cli.computing import HERE, By, Computing
 from mjforage.cli.console import app, bar, errors, output
 
 if TYPE_CHECKING:
-    from mjforage.mission import Setting
+    from mjforage.core.mission import Setting
 
 Policies = Annotated[list[str], Parameter(name="--policy", negative="")]
 Overrides = Annotated[tuple[str, ...], Parameter(name="--set", negative="")]
@@ -50,8 +50,8 @@ def evaluate(
     out
         Run folder; default runs/SCENARIO. An unfinished run of the same settings is resumed.
     """
-    from mjforage.mission import Setting
-    from mjforage.scenario_file import load_scenario
+    from mjforage.core.mission import Setting
+    from mjforage.core.scenario_file import load_scenario
 
     setting = Setting.of(load_scenario(scenario, set, map))
     folder = out or Path("runs") / setting.scenario.name
@@ -93,9 +93,9 @@ def compare(
     out
         Run folder; default runs/SCENARIO-gap. An unfinished run of the same settings is resumed.
     """
-    from mjforage.dynamics.worlds import rungs
-    from mjforage.mission import Setting
-    from mjforage.scenario_file import load_scenario
+    from mjforage.core.mission import Setting
+    from mjforage.core.scenario_file import load_scenario
+    from mjforage.physics.worlds import rungs
 
     setting = Setting.of(load_scenario(scenario, set, map))
     worlds = rungs(setting.scenario) if ladder else ("graph", "physics")
@@ -113,8 +113,8 @@ def _play(
     by: Computing,
 ) -> None:
     """Run, show the headline table and draw the report."""
-    from mjforage.report import terminal_table, write_report
-    from mjforage.studies.evaluate import evaluate as run
+    from mjforage.runs.evaluate import evaluate as run
+    from mjforage.view.report import terminal_table, write_report
 
     shares = ", ".join(f"{n} reach {share:.0%}" for n, share in setting.reachable_shares.items())
     rows, columns = setting.graph.shape
@@ -148,8 +148,8 @@ def report(folder: Path, /) -> None:
     folder
         Folder that evaluate, compare or study wrote.
     """
-    from mjforage.report import write_report
-    from mjforage.report.studies import is_study, write_study_report
+    from mjforage.view.report import write_report
+    from mjforage.view.report.studies import is_study, write_study_report
 
     with errors.status("drawing the report"):
         path = write_study_report(folder) if is_study(folder) else write_report(folder)

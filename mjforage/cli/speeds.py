@@ -7,7 +7,7 @@ from cyclopts import Parameter
 from rich.table import Table
 
 from mjforage.cli.console import app, errors, output
-from mjforage.errors import UserError
+from mjforage.core.errors import UserError
 
 
 def _rounded(value: float) -> str:
@@ -23,8 +23,8 @@ def bench(*, json_file: Annotated[Path | None, Parameter(name="--json")] = None)
     json_file
         Also write {key: {"value", "unit"}} to this file.
     """
-    from mjforage.bench import bench as measure
-    from mjforage.storage import write_json
+    from mjforage.bench.running import bench as measure
+    from mjforage.runs.storage import write_json
 
     if json_file is not None and not json_file.parent.is_dir():
         raise UserError(f"--json {json_file}: cannot be written, no folder {json_file.parent}")

@@ -12,8 +12,8 @@ from mjforage.cli.computing import HERE, By, Computing
 from mjforage.cli.console import app, bar, errors, output
 
 if TYPE_CHECKING:
-    from mjforage.scenario import Scenario
-    from mjforage.studies.study import Variant
+    from mjforage.core.scenario import Scenario
+    from mjforage.runs.study import Variant
 
 study = cyclopts.App(
     name="study", help="Studies: many variants of a scenario on the same episodes, in one report."
@@ -86,7 +86,7 @@ def parts(scenario: str = "published", /, *, choice: With = DEFAULT, by: By = HE
     scenario
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     """
-    from mjforage.studies import variants
+    from mjforage.runs import variants
 
     _play("parts", scenario, variants.parts, choice, by)
 
@@ -109,7 +109,7 @@ def ablation(
     policy
         A policy (see `mjforage policies`); repeat the flag for several.
     """
-    from mjforage.studies import variants
+    from mjforage.runs import variants
 
     _play("ablation", scenario, lambda base: variants.ablation(base, policy), choice, by)
 
@@ -133,7 +133,7 @@ def corruption(
     policy
         A policy (see `mjforage policies`); repeat the flag for several.
     """
-    from mjforage.studies import variants
+    from mjforage.runs import variants
 
     def varied(base: "Scenario") -> "tuple[Variant, ...]":
         return variants.corruption(base, policy, draws.step, draws.whole_team)
@@ -160,7 +160,7 @@ def paper(
     policy
         A policy (see `mjforage policies`); repeat the flag for several.
     """
-    from mjforage.studies import variants
+    from mjforage.runs import variants
 
     def varied(base: "Scenario") -> "tuple[Variant, ...]":
         return variants.paper(base, policy, draws.step, draws.whole_team)
@@ -177,11 +177,11 @@ def _play(
     **options: object,
 ) -> None:
     """Compute a study and draw its report."""
-    from mjforage.mission import Setting
-    from mjforage.report.studies import write_study_report
-    from mjforage.scenario_file import load_scenario
-    from mjforage.studies.identity import pinned
-    from mjforage.studies.study import Study, run_study
+    from mjforage.core.mission import Setting
+    from mjforage.core.scenario_file import load_scenario
+    from mjforage.runs.identity import pinned
+    from mjforage.runs.study import Study, run_study
+    from mjforage.view.report.studies import write_study_report
 
     workers = by.workers
     setting = pinned(Setting.of(load_scenario(scenario, choice.set, choice.map)))

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import App, Parameter
 
 from mjforage.cli.console import app, errors, output
-from mjforage.errors import UserError
+from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
-    from mjforage.learning.training import Row
-    from mjforage.scenario import Scenario
+    from mjforage.core.scenario import Scenario
+    from mjforage.learning.training.training import Row
 
 train = App(name="train", help="Train policies.", help_format="plaintext")
 app.command(train)
@@ -61,9 +61,9 @@ def ddqn(
     out
         Folder of the run; default runs/ddqn-SCENARIO.
     """
-    from mjforage.learning.run import train as run
-    from mjforage.learning.settings import Settings, changed
-    from mjforage.scenario_file import load_scenario
+    from mjforage.core.scenario_file import load_scenario
+    from mjforage.learning.training.run import train as run
+    from mjforage.learning.training.settings import Settings, changed
 
     chosen = load_scenario(scenario, set, map)
     changes = dict(_pair(text) for text in learning) | ({"teacher": teacher} if teacher else {})
@@ -87,7 +87,7 @@ def _other(text: str) -> "Scenario":
     """SCENARIO or SCENARIO:MAP; the map's own starts, or a random cluster."""
     from dataclasses import replace
 
-    from mjforage.scenario_file import load_scenario
+    from mjforage.core.scenario_file import load_scenario
 
     name, separator, file = text.partition(":")
     scenario = load_scenario(name)

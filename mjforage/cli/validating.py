@@ -10,7 +10,7 @@ from rich.table import Table
 from mjforage.cli.console import app, bar, errors, output
 
 if TYPE_CHECKING:
-    from mjforage.validation import Finding
+    from mjforage.physics.validation import Finding
 
 FAILED_CODE = 1
 
@@ -33,7 +33,8 @@ def validate(
     runs
         Runs of 900 s in the check endurance.
     """
-    from mjforage.validation import check_folder, run_checks, write_validation
+    from mjforage.physics.validation import run_checks
+    from mjforage.view.validation import check_folder, write_validation
 
     check_folder(out)
     with bar("checks") as shown:
@@ -48,7 +49,7 @@ def validate(
 
 def _table(findings: "list[Finding]") -> Table:
     """A row per check with the measure nearest to its limit; every measure of one that failed."""
-    from mjforage.validation.finding import FAILED, shown
+    from mjforage.physics.validation.finding import FAILED, shown
 
     table = Table("", "check", "measured", "", "limit", "result", box=None, pad_edge=False)
     for finding in findings:

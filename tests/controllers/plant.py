@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from controllers import Pilot
 from graph_planner.randomness import episode_keys
-from mjforage.helm import helm_of
-from mjforage.scene import build_scene
-from mjforage.simulation import Simulation
-from mjforage.vessels import Vessel
-from mjforage.weather.field import Field
-from mjforage.weather.settings import WeatherSettings
+from mjforage.physics.helm import helm_of
+from mjforage.physics.scene import build_scene
+from mjforage.physics.simulation import Simulation
+from mjforage.physics.vessels import Vessel
+from mjforage.physics.weather.field import Field
+from mjforage.physics.weather.settings import WeatherSettings
 
 FloatArray = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ import time
 
 import numpy as np
 
-from mjforage.vessels import load_vessel
-from mjforage.weather.settings import WeatherSettings
+from mjforage.physics.vessels import load_vessel
+from mjforage.physics.weather.settings import WeatherSettings
 from tests.controllers.plant import CALM, Track, beam_gusts, cross_current, sail
 from tests.controllers.walks import DEFAULT, GUSTS, STRONG, Outcome, Walk, comb_port, crew
 

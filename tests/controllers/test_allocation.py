@@ -5,10 +5,10 @@ import pytest
 
 from controllers.allocation import allocate, command_for, lagged, led_command, thrust_of
 from controllers.helm import LAG, LEVER, packed
-from mjforage.helm import helm_of
-from mjforage.hydrodynamics.parameters import pack
-from mjforage.hydrodynamics.thruster import thrust
-from mjforage.vessels import load_vessel
+from mjforage.physics.helm import helm_of
+from mjforage.physics.hydrodynamics.parameters import pack
+from mjforage.physics.hydrodynamics.thruster import thrust
+from mjforage.physics.vessels import load_vessel
 
 SCOUT, FORAGER = load_vessel("scout"), load_vessel("forager")
 P_SCOUT, P_FORAGER = packed(helm_of(SCOUT)), packed(helm_of(FORAGER))

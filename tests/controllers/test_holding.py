@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from mjforage.vessels import load_vessel
-from mjforage.weather.settings import WeatherSettings
+from mjforage.physics.vessels import load_vessel
+from mjforage.physics.weather.settings import WeatherSettings
 from tests.controllers.plant import CALM, beam_gusts, cross_current, sail
 
 SETTLED = 300  # ticks

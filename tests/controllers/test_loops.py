@@ -24,8 +24,8 @@ from controllers.loops import (
     turning_limit,
 )
 from controllers.steering import SAFE_SHARE, braking_moment
-from mjforage.helm import helm_of
-from mjforage.vessels import load_vessel
+from mjforage.physics.helm import helm_of
+from mjforage.physics.vessels import load_vessel
 
 P = packed(helm_of(load_vessel("scout")))
 

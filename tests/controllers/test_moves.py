@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mjforage.vessels import load_vessel
+from mjforage.physics.vessels import load_vessel
 from tests.controllers.plant import CONTROL_S, sail
 
 PERIOD_S = 10.0

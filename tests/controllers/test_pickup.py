@@ -6,10 +6,10 @@ from controllers import Chart, Pilot
 from controllers import state as at
 from controllers.helm import packed
 from controllers.pickup import pick_up
-from mjforage.helm import helm_of
-from mjforage.scene import build_scene
-from mjforage.simulation import Simulation
-from mjforage.vessels import load_vessel
+from mjforage.physics.helm import helm_of
+from mjforage.physics.scene import build_scene
+from mjforage.physics.simulation import Simulation
+from mjforage.physics.vessels import load_vessel
 
 FORAGER = load_vessel("forager")
 BASIN, PITCH_M = np.ones((3, 3), np.bool_), 4.0

@@ -5,8 +5,8 @@ import pytest
 from numpy.typing import NDArray
 
 from controllers import Chart, Pilot
-from mjforage.helm import helm_of
-from mjforage.vessels import load_vessel
+from mjforage.physics.helm import helm_of
+from mjforage.physics.vessels import load_vessel
 
 HELMS = [helm_of(load_vessel(name)) for name in ("scout", "forager")]
 CHART = Chart(np.ones((6, 6), np.bool_), 4.0)

@@ -9,11 +9,11 @@ from controllers import state as at
 from controllers.estimate import estimate
 from controllers.helm import packed
 from controllers.steering import drive
-from mjforage.helm import helm_of
-from mjforage.scene import build_scene
-from mjforage.simulation import Simulation
-from mjforage.vessels import load_vessel
-from mjforage.weather.settings import WeatherSettings
+from mjforage.physics.helm import helm_of
+from mjforage.physics.scene import build_scene
+from mjforage.physics.simulation import Simulation
+from mjforage.physics.vessels import load_vessel
+from mjforage.physics.weather.settings import WeatherSettings
 from tests.controllers.plant import CALM, FloatArray, beam_gusts, cross_current, sail
 
 LEG_M, SETTLED_M = 100.0, 20.0

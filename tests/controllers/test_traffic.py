@@ -15,8 +15,8 @@ from controllers.prediction import SAMPLE_S, SAMPLES, predict
 from controllers.safety import REACTION_S, UNLIMITED, limit_speeds
 from controllers.steering import start_decision
 from controllers.traffic import plan_fleet, rank_fleet
-from mjforage.helm import helm_of
-from mjforage.vessels import load_vessel
+from mjforage.physics.helm import helm_of
+from mjforage.physics.vessels import load_vessel
 from tests.controllers.plant import sail
 from tests.graph_planner.charts import grid
 

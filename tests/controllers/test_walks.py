@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from graph_planner.navigation import navigation_graph
-from mjforage.vessels import load_vessel
+from mjforage.physics.vessels import load_vessel
 from tests.controllers.walks import Outcome, Walk, comb_port, crew
 from tests.graph_planner.charts import grid
 

@@ -15,13 +15,13 @@ from graph_planner.fleet import Fleet, Role
 from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
 from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
 from graph_planner.randomness import episode_keys
-from mjforage.helm import helm_of
-from mjforage.maps import load_map
-from mjforage.scene import build_scene
-from mjforage.simulation import Simulation
-from mjforage.vessels import Vessel, load_vessel
-from mjforage.weather.field import Field
-from mjforage.weather.settings import WeatherSettings
+from mjforage.core.maps import load_map
+from mjforage.physics.helm import helm_of
+from mjforage.physics.scene import build_scene
+from mjforage.physics.simulation import Simulation
+from mjforage.physics.vessels import Vessel, load_vessel
+from mjforage.physics.weather.field import Field
+from mjforage.physics.weather.settings import WeatherSettings
 
 FloatArray = NDArray[np.float64]
 NodeArray = NDArray[np.int32]

@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 
 from mjforage.cli import main
-from mjforage.mission import Setting
-from mjforage.scenario_file import load_scenario
-from mjforage.studies.evaluate import evaluate
+from mjforage.core.mission import Setting
+from mjforage.core.scenario_file import load_scenario
+from mjforage.runs.evaluate import evaluate
 
 HORIZON = 12
 POLICIES = ("greedy", "levy")

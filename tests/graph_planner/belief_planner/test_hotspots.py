@@ -11,8 +11,8 @@ from graph_planner.belief_planner.cloud import (
     start_chances,
 )
 from graph_planner.belief_planner.currents import Currents
-from graph_planner.belief_planner.settings import BeliefSettings
 from graph_planner.belief_planner.shore import shore_of
+from graph_planner.belief_settings import BeliefSettings
 from graph_planner.navigation import NavigationGraph, navigation_graph
 
 F64 = NDArray[np.float64]

@@ -5,9 +5,9 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from graph_planner.belief_planner.settings import BeliefSettings
 from graph_planner.belief_planner.waiting import approach, regrets
 from graph_planner.belief_planner.ways import ways_of
+from graph_planner.belief_settings import BeliefSettings
 from graph_planner.fleet import Role
 from graph_planner.navigation import TABLE_LIMIT, NavigationGraph, navigation_graph
 from graph_planner.policies import create_policy, is_bound

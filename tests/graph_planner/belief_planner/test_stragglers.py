@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 from graph_planner.belief_planner import hotspots as hs
 from graph_planner.belief_planner import stragglers as st
 from graph_planner.belief_planner import wind as wd
-from graph_planner.belief_planner.settings import BeliefSettings
 from graph_planner.belief_planner.shore import shore_of
+from graph_planner.belief_settings import BeliefSettings
 from graph_planner.navigation import navigation_graph
 
 SEA = navigation_graph(np.ones((40, 40), np.bool_), 1.0, False)

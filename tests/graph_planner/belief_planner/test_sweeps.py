@@ -2,9 +2,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.covers import hotspot_cover, landmarks_of, view_cover
-from graph_planner.belief_planner.settings import BeliefSettings
 from graph_planner.belief_planner.sweeps import LONGEST, Cover, search_sweep, sight, until_seen
 from graph_planner.belief_planner.ways import ways_of
+from graph_planner.belief_settings import BeliefSettings
 from graph_planner.fleet import Role
 from graph_planner.navigation import NavigationGraph, navigation_graph
 from tests.graph_planner.driver import task_of

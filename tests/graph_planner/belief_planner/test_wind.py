@@ -3,8 +3,8 @@ import pytest
 
 from graph_planner.belief_planner import tracks as tr
 from graph_planner.belief_planner import wind as wd
-from graph_planner.belief_planner.settings import BeliefSettings
 from graph_planner.belief_planner.shore import shore_of
+from graph_planner.belief_settings import BeliefSettings
 from graph_planner.navigation import navigation_graph
 from tests.graph_planner.charts import grid
 

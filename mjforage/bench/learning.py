@@ -1,0 +1,58 @@
+"""Speeds of environments and training for `mjforage bench`, per CPU second of one core."""
+
+import time
+
+import gymnasium
+import numpy as np
+
+from graph_planner.perception import PERCEPTIONS
+from mjforage.core.scenario_file import load_scenario
+from mjforage.learning.training.settings import Settings, changed
+from mjforage.learning.training.training import Trainer
+
+LANES = 32
+STEPS = 150
+ROUNDS = 2
+UPDATES = 40
+SMALL = {"lanes": 8, "warmup": 500, "explore_updates": 100}
+
+
+def _observed_per_s(kind: str) -> float:
+    """Agent observations of the vector environment with random actions."""
+    env = gymnasium.make_vec(
+        "mjforage/Foraging-v0", num_envs=LANES, scenario="published", observation=kind
+    )
+    env.reset(seed=0)
+    shape = env.action_space.shape or ()
+    actions = np.random.default_rng(0).integers(0, 9, (STEPS + 1, *shape))
+    env.step(actions[0])  # compiles
+    started = time.process_time()
+    for action in actions[1:]:
+        env.step(action)
+    spent = time.process_time() - started
+    env.close()
+    return float(STEPS * actions[0].size / spent)
+
+
+def learning_speeds() -> dict[str, float]:
+    """Key -> number.
+
+    `env_obs_steps_per_core_s_<kind>`: agent observations; `ddqn_updates_per_s`: updates of one
+    team's network, draw and priorities included; `ddqn_share_<part>`: of the time of training on
+    the published scenario.
+    """
+    figures = {f"env_obs_steps_per_core_s_{kind}": _observed_per_s(kind) for kind in PERCEPTIONS}
+    trainer = Trainer([load_scenario("published")], changed(Settings(), SMALL))
+    trainer.play_round()  # compiles, and fills the replay
+    for part in trainer.clock.seconds:
+        trainer.clock.seconds[part] = 0.0
+    for _ in range(ROUNDS):
+        trainer.play_round()
+    shares = dict(trainer.clock.seconds)
+    learner, started = next(iter(trainer.learners.values())), time.process_time()
+    for _ in range(UPDATES):
+        trainer.update(learner, 1.0)
+    figures["ddqn_updates_per_s"] = UPDATES / (time.process_time() - started)
+    parts = {part: s for part, s in shares.items() if part != "teacher"}
+    total = sum(parts.values())
+    return figures | {f"ddqn_share_{part}": s / total for part, s in parts.items()}

@@ -1,0 +1,71 @@
+"""How fast missions run in MuJoCo, and where their time goes; for `mjforage bench`."""
+
+import cProfile
+import pstats
+import time
+
+import numpy as np
+
+from graph_planner.policies import create_policy
+from mjforage.core.episode_log import EpisodeLog
+from mjforage.core.mission import Setting
+from mjforage.core.scenario_file import load_scenario
+from mjforage.physics.worlds import create_mission
+
+PARTS = {
+    "stepping": ("simulation.py", "step"),
+    "control": ("pilot.py", "command"),
+    "weather": ("physics.py", "_feel"),
+    "watching": ("watch.py", "watch"),
+    "policy": ("greedy.py", "act"),
+    "seeing": ("shared_model.py", "update"),
+    "logging": ("episode_log.py", "see"),
+}
+"""Part -> file and function whose time it is, callees included."""
+
+
+def mission_speeds(episodes: int = 25, horizon: int = 150) -> dict[str, float]:
+    """Measure Greedy on the default scenario.
+
+    Parameters
+    ----------
+    episodes : in one batch
+    horizon : decisions
+
+    Returns
+    -------
+    dict
+        ``physics_mission_sim_s_per_core_s``: simulated seconds per CPU second, all that a logged
+        mission does; ``physics_core_min_per_100_episodes`` of 1500 s each;
+        ``physics_share_PART``: of the time of a second, profiled run.
+    """
+    setting = Setting.of(load_scenario("comb-port", [f"horizon={horizon}"]))
+    _play(setting, 2)
+    started = time.process_time()
+    rate = _play(setting, episodes) / (time.process_time() - started)
+    profile = cProfile.Profile()
+    profile.runcall(_play, setting, episodes)
+    return {
+        "physics_mission_sim_s_per_core_s": rate,
+        "physics_core_min_per_100_episodes": 100 * 1500.0 / rate / 60.0,
+    } | _shares(profile)
+
+
+def _play(setting: Setting, episodes: int) -> float:
+    """Simulated time of all episodes [s]."""
+    mission = create_mission(setting, "physics")
+    mission.reset(0, np.arange(episodes))
+    log = EpisodeLog(mission)
+    mission.run(create_policy("greedy"), (log,))
+    return float(log.length.sum()) * setting.scenario.period_s
+
+
+def _shares(profile: cProfile.Profile) -> dict[str, float]:
+    stats = pstats.Stats(profile)
+    total = stats.total_tt  # type: ignore[attr-defined]
+    shares = dict.fromkeys((f"physics_share_{part}" for part in PARTS), 0.0)
+    for (path, _, name), entry in stats.stats.items():  # type: ignore[attr-defined]
+        for part, place in PARTS.items():
+            if (path.rsplit("/", 1)[-1], name) == place:
+                shares[f"physics_share_{part}"] += entry[3] / total
+    return shares

@@ -1,0 +1,207 @@
+"""`mjforage bench`: speeds on this machine, in CPU seconds of one core, compile time excluded.
+
+Machines are noisy: compare figures of one run with each other, and runs by their ratios.
+"""
+
+import statistics
+import tempfile
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from graph_planner.policies import create_policy
+from mjforage.bench.learning import learning_speeds
+from mjforage.bench.memory import peak_memory_mb
+from mjforage.bench.missions import mission_speeds
+from mjforage.bench.simulations import physics_speeds
+from mjforage.core.episode_log import EpisodeLog
+from mjforage.core.maps import GridMap
+from mjforage.core.mission import Mission, Setting
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.scoring import score
+from mjforage.runs.evaluate import evaluate
+
+Figures = dict[str, dict[str, float | str]]
+Progress = Callable[[str], None]
+
+BATCH = 400  # episodes
+REPEATS = 3
+POLICIES = ("random", "greedy", "levy", "lawnmower", "wanderer", "pso")
+DECISIONS = "decisions of the whole fleet per CPU second of one core, full setting"
+STEPS = "environment steps per CPU second of one core"
+LARGE = (
+    *("team.scouts.count=32", "team.foragers.count=32", "items.mean=5000", "items.std=0"),
+    *("items.covariance_node2=1e5", "map.starts=[]"),
+)
+LARGE_SHAPE = (1000, 1000)
+LARGE_STEPS = 20
+BELIEF_BATCH = 40  # episodes
+BELIEF_FLEETS = (4, 8, 16)  # agents, half of them scouts
+BELIEF_HORIZON = 60  # decisions of those
+PHYSICS_S = 120.0  # simulated time of a run
+PHYSICS_BATCH = 4  # simulations
+MISSION = (25, 150)  # episodes and decisions of a mission in MuJoCo
+
+
+def _rate(work: Callable[[], float]) -> float:
+    """Median over repeats of work per CPU second; a first call compiles and is not counted."""
+    work()
+    rates = []
+    for _ in range(REPEATS):
+        started = time.process_time()
+        done = work()
+        rates.append(done / (time.process_time() - started))
+    return statistics.median(rates)
+
+
+def _steps(setting: Setting, policy_name: str, episodes: int) -> Callable[[], float]:
+    mission, policy = Mission(setting), create_policy(policy_name)
+
+    def work() -> float:
+        mission.reset(0, np.arange(episodes))
+        mission.run(policy)
+        return float(mission.step.sum())
+
+    return work
+
+
+def _evaluated_steps(episodes: int, world: str = "graph", horizon: int = 150) -> float:
+    """Steps of an evaluation of Greedy on the default scenario, logs and summary included."""
+    setting = Setting.of(load_scenario("comb-port", (f"horizon={horizon}",)))
+    with tempfile.TemporaryDirectory() as folder:
+        run = Path(folder) / "run"
+        summary = evaluate(setting, ["greedy"], run, worlds=[world], episodes=episodes)
+    return float(summary[world]["greedy"]["length"]["mean"]) * episodes
+
+
+def _scoring(setting: Setting, episodes: int) -> Callable[[], float]:
+    mission = Mission(setting)
+    mission.reset(0, np.arange(episodes))
+    log = EpisodeLog(mission)
+    mission.run(create_policy("greedy"), (log,))
+
+    def work() -> float:
+        score(log, setting.fleet, setting.scenario.horizon)
+        return float(episodes)
+
+    return work
+
+
+def _large_setting(shape: tuple[int, int]) -> Setting:
+    """64 agents and 5,000 items in a large harbour of basins behind long moles."""
+    navigable = np.ones(shape, np.bool_)
+    navigable[::40, : shape[1] - 30] = False
+    navigable[20::40, 30:] = False
+    return Setting(load_scenario("comb-port", LARGE), GridMap("large", navigable))
+
+
+def _large_steps(policy_name: str, shape: tuple[int, int], steps: int) -> Callable[[], float]:
+    setting = _large_setting(shape)
+    mission, policy = Mission(setting), create_policy(policy_name)
+
+    def work() -> float:
+        for _ in range(steps):
+            mission.advance(policy.act(mission.observation))
+        return float(steps)
+
+    mission.reset(0, np.arange(1))
+    policy.reset(setting.task, mission.keys)
+    return work
+
+
+def _go_large(shape: tuple[int, int], steps: int) -> float:
+    """Greedy in the large harbour, for its memory."""
+    return _large_steps("greedy", shape, steps)()
+
+
+def _belief_setting(agents: int, fast: bool) -> Setting:
+    """The default mission with so many agents, cut where most of the work is done."""
+    half = agents // 2
+    teams = (f"team.scouts.count={half}", f"team.foragers.count={agents - half}")
+    overrides = (*teams, f"horizon={BELIEF_HORIZON}", f"belief.fast={str(fast).lower()}")
+    return Setting.of(load_scenario("comb-port", overrides))
+
+
+def _belief_speeds(measure: Callable[[str, str, Callable[[], float]], None]) -> None:
+    """The belief planner: speed of both settings, and what a decision of a fleet costs."""
+    for name, fast in (("belief", False), ("belief_fast", True)):
+        setting = Setting.of(load_scenario("comb-port", (f"belief.fast={str(fast).lower()}",)))
+        measure(f"graph_{name}_steps_per_core_s", STEPS, _steps(setting, "belief", BELIEF_BATCH))
+    for agents in BELIEF_FLEETS:
+        steps = _steps(_belief_setting(agents, False), "belief", BELIEF_BATCH // 4)
+        measure(f"belief_decisions_{agents}_agents_per_core_s", DECISIONS, steps)
+
+
+def bench(progress: Progress = lambda name: None) -> Figures:
+    """Measure everything: key -> {"value", "unit"}.
+
+    Parameters
+    ----------
+    progress : called with the key that is about to be measured
+    """
+    setting = Setting.of(load_scenario("comb-port"))
+    figures: Figures = {}
+
+    def measure(key: str, unit: str, work: Callable[[], float]) -> None:
+        progress(key)
+        figures[key] = {"value": _rate(work), "unit": unit}
+
+    for name in POLICIES:
+        measure(f"graph_{name}_steps_per_core_s", STEPS, _steps(setting, name, BATCH))
+    _belief_speeds(measure)
+    whole = partial(_evaluated_steps, BATCH)
+    measure("evaluate_greedy_steps_per_core_s", STEPS, whole)
+    measure("metrics_episodes_per_s", "episodes per CPU second", _scoring(setting, BATCH))
+    large = (LARGE_SHAPE, LARGE_STEPS)
+    for name in ("random", "greedy"):
+        measure(f"graph_large_{name}_steps_per_core_s", STEPS, _large_steps(name, *large))
+    progress("physics")
+    speeds = physics_speeds(PHYSICS_S, PHYSICS_BATCH) | mission_speeds(*MISSION)
+    for key, value in speeds.items():
+        figures[key] = {"value": value, "unit": _physics_unit(key)}
+    progress("learning")
+    for key, value in learning_speeds().items():
+        figures[key] = {"value": value, "unit": _learning_unit(key)}
+    progress("memory")
+    for key, value in _memories(large).items():
+        figures[key] = {"value": value, "unit": "MB, peak of a process that does only this"}
+    return figures
+
+
+def _memories(large: tuple[tuple[int, int], int]) -> dict[str, float]:
+    """Peak memory [MB] of evaluations in both worlds and of the large harbour."""
+    episodes, horizon = MISSION
+    return {
+        "peak_memory": peak_memory_mb(partial(_evaluated_steps, BATCH)),
+        "peak_memory_large": peak_memory_mb(partial(_go_large, *large)),
+        "peak_memory_physics": peak_memory_mb(
+            partial(_evaluated_steps, episodes, "physics", horizon)
+        ),
+    }
+
+
+def _learning_unit(key: str) -> str:
+    if "obs_steps" in key:
+        return "agent observations per CPU second of one core, environment included"
+    if "updates" in key:
+        return "updates of one team's network per CPU second of one core"
+    return "of the time of training"
+
+
+def _physics_unit(key: str) -> str:
+    if "mission" in key:
+        return "simulated seconds per CPU second of one core, a logged mission of Greedy"
+    if "core_min" in key:
+        return "CPU minutes of one core for 100 episodes of 1500 s"
+    if "share" in key:
+        return "of the time of that mission"
+    if "sim_s" in key:
+        return "simulated seconds per CPU second of one core (4 vessels, 75 items)"
+    if "steps" in key:
+        return "time steps of 0.1 s per CPU second of one core (4 vessels, 75 items)"
+    if "overhead" in key:
+        return "share of the time of a step without our forces, from the same states"
+    return "contacts per state"

@@ -1,0 +1,102 @@
+"""How fast the physics runs here, in CPU seconds of one core; for `mjforage bench`.
+
+Driven as `mjforage.physics.validation.port_drive` says.
+"""
+
+import contextlib
+import dataclasses
+import math
+import statistics
+import time
+from collections.abc import Iterator
+
+import mujoco
+
+from mjforage.physics.callback import Route, calling
+from mjforage.physics.scene import Scene
+from mjforage.physics.simulation.integrators import Integrator
+from mjforage.physics.validation.port_drive import STEP_S, drive, port_scene, port_simulation
+
+REPEATS = 15
+
+
+def physics_speeds(seconds: float = 120.0, simulations: int = 4) -> dict[str, float]:
+    """Measure.
+
+    Parameters
+    ----------
+    seconds : simulated time of each run and simulation [s]
+
+    Returns
+    -------
+    dict
+        ``physics_sim_s_per_core_s``, the same with ``_reference`` and ``_no_contacts``: simulated
+        seconds per CPU second; ``physics_steps_per_core_s``: time steps of the fast integrator;
+        ``physics_callback_overhead`` and ``..._no_contacts``: extra cost of all forces over
+        stepping without them from the same states, as a share; ``physics_contacts``: mean number
+        of contacts in those states.
+    """
+    scene = port_scene()
+    free = dataclasses.replace(scene, model=_without_contacts(scene.model))
+    fast = _rate(scene, Integrator.FAST, seconds, simulations)
+    overhead, contacts = callback_overhead(scene)
+    return {
+        "physics_sim_s_per_core_s": fast,
+        "physics_steps_per_core_s": fast / STEP_S,
+        "physics_sim_s_per_core_s_no_contacts": _rate(free, Integrator.FAST, seconds, simulations),
+        "physics_sim_s_per_core_s_reference": _rate(
+            scene, Integrator.REFERENCE, seconds, simulations
+        ),
+        "physics_callback_overhead": overhead,
+        "physics_callback_overhead_no_contacts": callback_overhead(free)[0],
+        "physics_contacts": contacts,
+    }
+
+
+def callback_overhead(scene: Scene, simulations: int = 32) -> tuple[float, float]:
+    """Extra cost of the native callback per step as a share, and mean contacts of the states.
+
+    Both steppings start from the same saved states, in turn, one step each. Not a number where
+    the native callback does not work.
+    """
+    simulation = port_simulation(scene, Integrator.FAST, simulations)
+    if simulation.route is not Route.NATIVE:
+        return math.nan, math.nan
+    contacts = simulation.engine.bind("ncon")
+    drive(simulation, 100.0)
+    saved, mean_contacts = simulation.state.copy(), float(contacts.mean())
+    costs: dict[bool, list[float]] = {True: [], False: []}
+    for _ in range(REPEATS):
+        for forces in (True, False):
+            simulation.state[:] = saved
+            with calling() if forces else _forceless():
+                started = time.process_time()
+                simulation.engine.step(nstep=1)
+                costs[forces].append(time.process_time() - started)
+    return statistics.median(costs[True]) / statistics.median(costs[False]) - 1.0, mean_contacts
+
+
+@contextlib.contextmanager
+def _forceless() -> Iterator[None]:
+    """Within it, MuJoCo steps without our callback."""
+    mujoco.set_mjcb_passive(None)
+    try:
+        yield
+    finally:
+        with calling():  # puts it back
+            pass
+
+
+def _rate(scene: Scene, integrator: Integrator, seconds: float, simulations: int) -> float:
+    """Simulated seconds per CPU second, after a first run that compiles and brings contacts."""
+    simulation = port_simulation(scene, integrator, simulations)
+    drive(simulation, 60.0)
+    started = time.process_time()
+    drive(simulation, seconds, seed=1)
+    return simulations * seconds / (time.process_time() - started)
+
+
+def _without_contacts(model: mujoco.MjModel) -> mujoco.MjModel:
+    copy: mujoco.MjModel = model.__copy__()
+    copy.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    return copy

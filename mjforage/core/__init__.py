@@ -1,0 +1,1 @@
+"""The mission itself: scenario, map, world, dynamics of the graph, log and scores. No MuJoCo."""

@@ -1,0 +1,83 @@
+"""The one room in which worlds differ: how vessels move and items drift during one decision."""
+
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.geodesics import Int32Array
+from graph_planner.moves import Moves
+from graph_planner.randomness import UInt64Array
+from mjforage.core.world import World
+
+ARRIVED, LATE, BLOCKED = 0, 1, 2
+OUTCOMES = ("arrived", "late", "blocked")
+
+
+class Transition(NamedTuple):
+    """State at the end of one decision period. Live views: copy what must outlive the next step."""
+
+    agent_node: Int32Array  # (episode, agent)
+    agent_rc: NDArray[np.float64]  # (episode, agent, 2) position (row, column) [node]
+    agent_yaw: NDArray[np.float64]  # (episode, agent) [rad], 0 = east, counter-clockwise
+    agent_speed: NDArray[np.float64]  # (episode, agent) mean over the period [node/step]
+    outcome: NDArray[np.int8]  # (episode, agent) ARRIVED, LATE or BLOCKED
+    item_rc: NDArray[np.float64]  # (episode, item, 2) [node]; last position once removed
+    item_node: Int32Array  # (episode, item) node, -1 once removed or for padding
+    collected_by: NDArray[np.int16]  # (episode, item) agent that has removed it, -1 nobody
+    distance: NDArray[np.float64]  # (episode, agent) travelled so far [node]
+    energy: NDArray[np.float64]  # (episode, agent) used so far, in the unit of `Role.energy`
+    collisions: Int32Array  # (episode, agent) touches of quays and hulls so far
+    impact: NDArray[np.float64]  # (episode, agent) fastest approach to a touch in the period [m/s]
+    work: NDArray[np.float64]  # (episode, agent) energy of the propellers so far [J]; 0 in graphs
+
+
+def start_state(world: World, centres: NDArray[np.float64]) -> Transition:
+    """State at step 0: everybody at rest on the centre of a node.
+
+    Parameters
+    ----------
+    centres : (node, 2) row and column of each node
+    """
+    episodes, count = world.item_node.shape
+    agents = (episodes, world.agent_node.shape[1])
+    return Transition(
+        agent_node=world.agent_node.copy(),
+        agent_rc=centres[world.agent_node],
+        agent_yaw=np.zeros(agents),
+        agent_speed=np.zeros(agents),
+        outcome=np.full(agents, ARRIVED, np.int8),
+        item_rc=world.item_rc.copy(),
+        item_node=world.item_node.copy(),
+        collected_by=np.full((episodes, count), -1, np.int16),
+        distance=np.zeros(agents),
+        energy=np.zeros(agents),
+        collisions=np.zeros(agents, np.int32),
+        impact=np.zeros(agents),
+        work=np.zeros(agents),
+    )
+
+
+class Dynamics(Protocol):
+    """How a world moves. Batched over episodes; one episode is a batch of one.
+
+    Attributes
+    ----------
+    detection : probability that an item in view is seen, drawn per item and step
+    """
+
+    detection: float
+
+    def reset(self, world: World, keys: UInt64Array, names: Sequence[str]) -> Transition:
+        """Start a batch of episodes and return their state at step 0.
+
+        Parameters
+        ----------
+        keys, names : (episode,) what randomness hangs on, and what errors call them
+        """
+        ...
+
+    def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:
+        """Carry out one decision: move, collect, drift. Inactive episodes do not change."""
+        ...

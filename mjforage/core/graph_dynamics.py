@@ -1,0 +1,110 @@
+"""Graph dynamics: an agent is in its target node after every decision, items follow `ItemRule`.
+
+Order (scenario section 1): all move; foragers remove every item in their node; the rest drift.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel
+from graph_planner.fleet import Fleet
+from graph_planner.geodesics import Int32Array
+from graph_planner.moves import Moves, move_length
+from graph_planner.navigation import OFFSETS, STAY, NavigationGraph
+from graph_planner.randomness import UInt64Array
+from graph_planner.rows import put_rows
+from mjforage.core.dynamics import ARRIVED, BLOCKED, Transition, start_state
+from mjforage.core.film import Film
+from mjforage.core.item_rule import ItemRule
+from mjforage.core.scenario import Scenario
+from mjforage.core.world import LEEWAY, World
+
+
+@kernel
+def _move(
+    active: NDArray[np.bool_],
+    moves: Moves,
+    centres: NDArray[np.float64],
+    yaws: NDArray[np.float64],
+    state: Transition,
+) -> None:
+    """Put every agent into its target node; distance, energy and speed follow from the move."""
+    direction, target, steps, blocked = moves
+    agent_node, agent_rc, yaw = state.agent_node, state.agent_rc, state.agent_yaw
+    speed, outcome = state.agent_speed, state.outcome
+    distance, energy = state.distance, state.energy
+    for e in range(active.size):
+        if not active[e]:
+            continue
+        for a in range(agent_node.shape[1]):
+            length = move_length(direction[e, a], steps[e, a])
+            node = target[e, a]
+            agent_node[e, a] = node
+            agent_rc[e, a, 0], agent_rc[e, a, 1] = centres[node, 0], centres[node, 1]
+            if direction[e, a] != STAY:
+                yaw[e, a] = yaws[direction[e, a]]
+            speed[e, a] = length
+            outcome[e, a] = BLOCKED if blocked[e, a] else ARRIVED
+            distance[e, a] += length
+            energy[e, a] += length
+
+
+class GraphDynamics:
+    """The paper's world. Distances and energy are in node lengths.
+
+    Attributes
+    ----------
+    detection : probability that an item in view is seen; eyes are perfect here
+    """
+
+    detection = 1.0
+
+    def __init__(
+        self, graph: NavigationGraph, fleet: Fleet, scenario: Scenario, film: Film | None = None
+    ) -> None:
+        self._graph, self._film = graph, film
+        self._items = ItemRule(graph, fleet, scenario.weather.noise_node_per_step)
+        self._centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
+        self._yaw = np.arctan2(-OFFSETS[:, 0], OFFSETS[:, 1]).astype(np.float64)
+        self._mps = graph.pitch_m / scenario.period_s
+        if film is not None:
+            film.interval_s = scenario.period_s
+
+    def reset(self, world: World, keys: UInt64Array, names: Sequence[str]) -> Transition:
+        """Start a batch of episodes and return their state at step 0."""
+        self._items.reset(world, keys)
+        self._state = start_state(world, self._centres)
+        drift = world.drift_rc[0] * self._mps / LEEWAY
+        self._wind = np.array((drift[1], -drift[0]))
+        self._shoot()
+        return self._state
+
+    def adopt(self, rows: NDArray[np.int64], other: "GraphDynamics") -> Transition:
+        """Replace episodes (row,) of the batch by those of another one; returns the new state."""
+        nobody = {"item_node", "collected_by"}
+        mine, theirs = self._state, other._state
+        self._state = Transition(
+            *(
+                put_rows(getattr(mine, name), rows, getattr(theirs, name), -(name in nobody))
+                for name in mine._fields
+            )
+        )
+        self._items.adopt(rows, other._items)
+        return self._state
+
+    def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:
+        """Carry out one decision: move, collect, drift. Inactive episodes do not change."""
+        _move(active, moves, self._centres, self._yaw, self._state)
+        self._items.advance(active, step, self._state)
+        if active[0]:
+            self._shoot()
+        return self._state
+
+    def _shoot(self) -> None:
+        if self._film is None:
+            return
+        state, metres = self._state, self._graph.metres
+        pose = np.column_stack((metres(state.agent_rc[0]), state.agent_yaw[0]))
+        self._film.shoot(pose, metres(state.item_rc[0]), state.item_node[0] >= 0, self._wind)

@@ -1,0 +1,288 @@
+"""The mission loop: decide -> move -> collect -> drift -> see -> log, for a batch of episodes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.fleet import UNLIMITED, Fleet
+from graph_planner.geodesics import Int32Array
+from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
+from graph_planner.navigation import NavigationGraph, navigation_graph
+from graph_planner.policies import Bound, Policy
+from graph_planner.randomness import UInt64Array, episode_keys
+from graph_planner.rows import put_rows
+from graph_planner.shared_model import SharedModel
+from graph_planner.task import Observation, Task, Truth
+from mjforage.core.dynamics import Dynamics, Transition
+from mjforage.core.graph_dynamics import GraphDynamics
+from mjforage.core.maps import GridMap, check_starts, load_map, load_starts, reachable_share
+from mjforage.core.scenario import Scenario
+from mjforage.core.world import World, create_world, nodes_around
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """A scenario with its map read and its graph built."""
+
+    scenario: Scenario
+    grid: GridMap
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> "Setting":
+        """Load the map and check that the scenario fits on it.
+
+        Raises
+        ------
+        UserError
+            If the map cannot be used or a start is not on water.
+        """
+        choice = scenario.map
+        grid = load_map(
+            choice.file,
+            corner_cutting=choice.corner_cutting,
+            largest_component=choice.largest_component,
+        )
+        setting = cls(scenario, grid)
+        check_starts(setting.start_cells, grid.navigable, f"scenario {scenario.name}", choice.file)
+        nodes_around(setting.graph, setting.start_nodes, len(setting.fleet))
+        return setting
+
+    @property
+    def start_cells(self) -> tuple[tuple[int, int], ...]:
+        """(row, column) of the starts: the scenario's, else those beside the map, else none."""
+        if self.scenario.map.starts is None:
+            return load_starts(self.scenario.map.file) or ()
+        return self.scenario.map.starts
+
+    @property
+    def reachable_shares(self) -> dict[str, float]:
+        """Share of the nodes that each role can end a move on, from the first start (or node 0)."""
+        first = self.start_cells[0] if self.start_cells else self._first_node
+        choice, strict = self.scenario.map, not self.scenario.rules.shorten
+        return {
+            name: reachable_share(
+                self.grid.navigable, first, role.moves, strict, choice.corner_cutting
+            )
+            for name, role in self.scenario.team.items()
+        }
+
+    @property
+    def _first_node(self) -> tuple[int, int]:
+        return int(self.graph.rows[0]), int(self.graph.cols[0])
+
+    @cached_property
+    def graph(self) -> NavigationGraph:
+        """The map as a graph."""
+        choice = self.scenario.map
+        return navigation_graph(self.grid.navigable, choice.pitch_m, choice.corner_cutting)
+
+    @cached_property
+    def fleet(self) -> Fleet:
+        """The agents."""
+        return Fleet.of(self.scenario.team)
+
+    @cached_property
+    def task(self) -> Task:
+        """What policies are told."""
+        rules = MoveRules(self.scenario.rules.stay, self.scenario.rules.shorten)
+        return Task(self.graph, self.fleet, rules, self.scenario.horizon, self.scenario.belief)
+
+    @cached_property
+    def start_nodes(self) -> Int32Array:
+        """(start,) nodes to assign; empty for a random cluster."""
+        return np.array([self.graph.node_of_cell[rc] for rc in self.start_cells], np.int32)
+
+    @cached_property
+    def corruption(self) -> Corruption:
+        """Whose actions are partly random."""
+        choice = self.scenario.corruption
+        names = np.array(self.fleet.team_names)[self.fleet.team]
+        epsilon = np.where(names == choice.team, choice.epsilon, 0.0)
+        return Corruption(epsilon, choice.whole_team)
+
+    def create_world(self, keys: UInt64Array) -> World:
+        """Initial state of the episodes with the given keys (episode,)."""
+        scenario = self.scenario
+        return create_world(
+            self.graph,
+            scenario.items,
+            scenario.weather,
+            self.start_nodes,
+            len(self.fleet),
+            keys,
+        )
+
+
+class Mission:
+    """A batch of episodes of one scenario in one world; one episode is a batch of one.
+
+    Attributes
+    ----------
+    model : SharedModel, what the fleet knows
+    state : Transition, where everything is
+    step : (episode,) int32 decisions made
+    active : (episode,) bool, False once an episode is over
+    moves : Moves of the last decision; None before the first
+    """
+
+    def __init__(self, setting: Setting, dynamics: Dynamics | None = None) -> None:
+        """Compose a mission.
+
+        Parameters
+        ----------
+        dynamics : the world it runs in (`mjforage.physics.worlds`); absent: the paper's graph
+        """
+        self.setting = setting
+        if dynamics is None:
+            dynamics = GraphDynamics(setting.graph, setting.fleet, setting.scenario)
+        self.model = SharedModel(setting.task, dynamics.detection)
+        self._dynamics = dynamics
+        self._resolver = Resolver(
+            setting.graph, setting.fleet, setting.task.rules, setting.corruption
+        )
+        self._energy = setting.fleet.energy
+
+    def reset(self, seed: int, episodes: NDArray[np.int64]) -> None:
+        """Start the given episodes of a seed.
+
+        Parameters
+        ----------
+        seed : the run's seed
+        episodes : (episode,) their numbers; each is the same world whatever else is in the batch
+        """
+        names = [f"{seed}, episode {episode}" for episode in episodes]
+        self.start(episode_keys(seed, episodes), names)
+
+    def start(self, keys: UInt64Array, names: Sequence[str] = ()) -> None:
+        """Start episodes.
+
+        Parameters
+        ----------
+        keys : (episode,) which decide them
+        names : (episode,) for messages; absent: their keys
+        """
+        self.keys = keys
+        self.world = self.setting.create_world(self.keys)
+        names = names or [f"key {key}" for key in keys]
+        self.state: Transition = self._dynamics.reset(self.world, self.keys, names)
+        self.model.reset(self.state.agent_node, self.state.item_node, self.keys)
+        self.step = np.zeros(keys.size, np.int32)
+        self.active = np.ones(keys.size, np.bool_)
+        self.moves: Moves | None = None
+
+    def adopt(self, rows: NDArray[np.int64], other: "Mission") -> None:
+        """Replace episodes (row,) of the batch by another mission's; in the graph world only.
+
+        So a batch goes on while some of its episodes are over, as vector environments ask. The
+        initial `world` stays that of the first episodes.
+        """
+        assert isinstance(self._dynamics, GraphDynamics) and isinstance(
+            other._dynamics, GraphDynamics
+        )
+        self.state = self._dynamics.adopt(rows, other._dynamics)
+        self.model.adopt(rows, other.model)
+        for name in ("keys", "step", "active"):
+            setattr(self, name, put_rows(getattr(self, name), rows, getattr(other, name)))
+
+    @property
+    def energy_left(self) -> NDArray[np.float64]:
+        """(episode, agent) distance that can still be travelled [node].
+
+        A hull can overdraw its budget by the way it makes beyond a straight line; then it stays.
+        """
+        return np.maximum(self._energy - self.state.energy, 0.0)
+
+    @property
+    def room_left(self) -> NDArray[np.int64]:
+        """(episode, agent) items that can still be taken aboard, `UNLIMITED` if any number."""
+        capacity, taken_by = self.setting.fleet.capacity, self.state.collected_by
+        room = np.tile(capacity, (taken_by.shape[0], 1))
+        for agent in np.flatnonzero(capacity < UNLIMITED):
+            room[:, agent] -= (taken_by == agent).sum(axis=1)
+        return room
+
+    @property
+    def observation(self) -> Observation:
+        """What the fleet sees before the next decision."""
+        return Observation(
+            active=self.active,
+            step=self.step + np.int32(1),
+            keys=self.keys,
+            agent_node=self.state.agent_node,
+            energy_left=self.energy_left,
+            room_left=self.room_left,
+            belief=self.model.knowledge.belief,
+            last_seen=self.model.knowledge.last_seen,
+            known=self.model.knowledge.known,
+            n_known=self.model.knowledge.n_known,
+        )
+
+    @property
+    def truth(self) -> Truth:
+        """What no policy may see but a bound."""
+        return Truth(self.state.item_rc, self.state.item_node, self.world.drift_rc)
+
+    def ask(self, policy: Policy) -> NDArray[np.float64]:
+        """The preferences of a policy, which sees the observation, or the truth too if a bound."""
+        if isinstance(policy, Bound):
+            policy.reveal(self.truth)
+        return policy.act(self.observation)
+
+    def decide(self, preferences: NDArray[np.float64]) -> Moves:
+        """Resolve preferences (episode, agent, 9) into moves without making them."""
+        return self._resolver(
+            self.active,
+            preferences,
+            self.state.agent_node,
+            self.energy_left,
+            self.model.knowledge.belief,
+            self.step + np.int32(1),
+            self.keys,
+        )
+
+    def advance(self, preferences: NDArray[np.float64]) -> Transition:
+        """One step of every active episode.
+
+        Parameters
+        ----------
+        preferences : (episode, agent, 9), see `Resolver`
+
+        Raises
+        ------
+        ValueError
+            If the preferences have the wrong shape or contain NaN.
+        """
+        self.moves = self.decide(preferences)
+        self.step = self.step + self.active.astype(np.int32)
+        self.state = self._dynamics.advance(self.active, self.step, self.moves)
+        self.model.update(
+            self.active,
+            self.step,
+            self.state.agent_node,
+            self.state.item_node,
+            self.state.collected_by,
+        )
+        left = (self.state.item_node >= 0).any(axis=1)
+        self.active = self.active & left & (self.step < self.setting.scenario.horizon)
+        return self.state
+
+    def run(self, policy: Policy, observers: "tuple[Observer, ...]" = ()) -> None:
+        """Play the batch to its end, showing every state to the observers."""
+        policy.reset(self.setting.task, self.keys)
+        for observer in observers:
+            observer.see(self)
+        while self.active.any():
+            self.advance(self.ask(policy))
+            for observer in observers:
+                observer.see(self)
+
+
+class Observer:
+    """Something that looks at a mission after its reset and after every step."""
+
+    def see(self, mission: Mission) -> None:
+        """Take what is wanted from the mission; its arrays are live and must be copied."""
+        raise NotImplementedError

@@ -1,0 +1,256 @@
+"""What an episode is before anybody moves: items, drift and starts, from its key alone.
+
+Both dynamics start from the same world, so a graph run and a physics run of one seed differ in
+their dynamics and in nothing else. Positions are (row, column) in node units; node centres are
+integers.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import inlined, kernel
+from graph_planner.geodesics import Int32Array
+from graph_planner.navigation import NavigationGraph, Water
+from graph_planner.randomness import Stream, UInt64Array, bits, normal, stream_key, uniform
+from mjforage.core.errors import UserError
+from mjforage.core.scenario import Items, Weather
+
+LEEWAY = 0.03  # of the wind, at which an item drifts by the paper's rule
+INSET = 0.49  # an item pushed back into a node keeps this far from its centre at most [node]
+_HALF = np.uint64(32)
+_LOW = np.uint64(0xFFFFFFFF)
+_TO_SYMMETRIC = 2.0 / (1 << 32)
+
+
+@dataclass(frozen=True)
+class World:
+    """Initial state of a batch of episodes."""
+
+    n_items: Int32Array  # (episode,)
+    item_rc: NDArray[np.float64]  # (episode, item, 2) [node]; padded to the largest episode
+    item_node: Int32Array  # (episode, item) node; -1 for padding
+    drift_rc: NDArray[np.float64]  # (episode, 2) constant drift [node/step]
+    agent_node: Int32Array  # (episode, agent)
+
+
+@kernel
+def _search_outwards(framed: Int32Array, row: float, col: float) -> int:
+    """`nearest_node` by growing squares; what is outside reach q is at least q + 0.5 away."""
+    height, width = framed.shape
+    centre_row, centre_col = int(row + 0.5) + 1, int(col + 0.5) + 1
+    best, best_squared = -1, np.inf
+    for reach in range(1, height + width):
+        for r in range(max(0, centre_row - reach), min(height, centre_row + reach + 1)):
+            for c in range(max(0, centre_col - reach), min(width, centre_col + reach + 1)):
+                squared = (r - 1 - row) ** 2 + (c - 1 - col) ** 2
+                if framed[r, c] >= 0 and squared < best_squared:
+                    best, best_squared = int(framed[r, c]), squared
+        if best_squared < (reach + 0.5) ** 2:
+            break
+    return best
+
+
+@inlined
+def nearest_node(framed: Int32Array, row: float, col: float) -> int:
+    """Node whose centre is nearest to a position on a land cell; ties: the lowest row-major index.
+
+    Hot, because items lie on quays: the eight cells around are compared without branches, and only
+    if something farther could be nearer does a search go on.
+    """
+    r, c = int(row + 0.5), int(col + 0.5)
+    best, best_squared = -1, np.inf
+    for i in range(3):
+        squared_rows = (r + i - 1 - row) * (r + i - 1 - row)
+        for j in range(3):
+            node = int(framed[np.uint64(r + i), np.uint64(c + j)])
+            squared = squared_rows + (c + j - 1 - col) * (c + j - 1 - col)
+            squared = squared if node >= 0 else np.inf
+            best = node if squared < best_squared else best
+            best_squared = min(best_squared, squared)
+    if best_squared >= 1.5**2:
+        best = _search_outwards(framed, row, col)
+    return best
+
+
+@inlined
+def into_water(water: Water, row: float, col: float) -> tuple[float, float, int]:
+    """Position and node of an item; out of navigable water it is moved to the nearest node's
+    square.
+
+    Clipped to the array first, then to +-0.49 node around the nearest node's centre (scenario
+    section 1).
+    """
+    framed, rows, cols = water.framed, water.rows, water.cols
+    height, width = framed.shape[0] - 2, framed.shape[1] - 2
+    node = -1
+    if -0.5 <= row < height - 0.5 and -0.5 <= col < width - 0.5:
+        node = int(framed[int(row + 1.5), int(col + 1.5)])
+    if node < 0:
+        row, col = min(max(row, 0.0), height - 1.0), min(max(col, 0.0), width - 1.0)
+        node = int(framed[int(row + 1.5), int(col + 1.5)])
+        if node < 0:
+            node = nearest_node(framed, row, col)
+        row = min(max(row, rows[node] - INSET), rows[node] + INSET)
+        col = min(max(col, cols[node] - INSET), cols[node] + INSET)
+    return row, col, node
+
+
+@kernel
+def _nodes_of(water: Water, rc: NDArray[np.float64]) -> Int32Array:
+    nodes = np.empty(rc.shape[0], np.int32)
+    for i in range(rc.shape[0]):
+        _, _, nodes[i] = into_water(water, rc[i, 0], rc[i, 1])
+    return nodes
+
+
+def nearest_nodes(water: Water, rc: NDArray[np.float64]) -> Int32Array:
+    """(...,) node of each position (..., 2): its cell's, or the nearest one's on land [node]."""
+    flat = np.ascontiguousarray(rc.reshape(-1, 2))
+    nodes: Int32Array = _nodes_of(water, flat)
+    return nodes.reshape(rc.shape[:-1])
+
+
+@kernel
+def item_noise(key: np.uint64, item: int, step: int) -> tuple[float, float]:
+    """Two uniforms in [-1, 1) for one item and step, from one draw: (row, column)."""
+    draw = bits(key, item, step)
+    high, low = np.int64(draw >> _HALF), np.int64(draw & _LOW)
+    return high * _TO_SYMMETRIC - 1.0, low * _TO_SYMMETRIC - 1.0
+
+
+@kernel
+def _count_items(keys: UInt64Array, mean: float, std: float) -> Int32Array:
+    counts = np.empty(keys.size, np.int32)
+    for e in range(keys.size):
+        count = np.round(mean + std * normal(stream_key(keys[e], Stream.ITEMS), 0, 0))
+        counts[e] = max(1, int(count))
+    return counts
+
+
+@kernel
+def _scatter_items(
+    keys: UInt64Array,
+    water: Water,
+    counts: Int32Array,
+    spread: float,
+    hotspots: int,
+    item_rc: NDArray[np.float64],
+    item_node: Int32Array,
+) -> None:
+    for e in range(keys.size):
+        key = stream_key(keys[e], Stream.ITEMS)
+        for k in range(counts[e]):
+            cluster = k % hotspots
+            hotspot = int(uniform(key, 1 + cluster, 1) * water.rows.size)
+            row = water.rows[hotspot] + spread * normal(key, 2 * k, 2)
+            col = water.cols[hotspot] + spread * normal(key, 2 * k + 1, 2)
+            row, col, node = into_water(water, row, col)
+            item_rc[e, k, 0], item_rc[e, k, 1], item_node[e, k] = row, col, node
+
+
+def _place_items(
+    graph: NavigationGraph, items: Items, keys: UInt64Array
+) -> tuple[Int32Array, NDArray[np.float64], Int32Array]:
+    counts = _count_items(keys, items.mean, items.std)
+    padded = (keys.size, int(counts.max(initial=1)))
+    item_rc = np.zeros((*padded, 2))
+    item_node = np.full(padded, -1, np.int32)
+    spread = items.covariance_node2**0.5
+    _scatter_items(keys, graph.water, counts, spread, items.hotspots, item_rc, item_node)
+    return counts, item_rc, item_node
+
+
+@kernel
+def _drifts(keys: UInt64Array, reach: float) -> NDArray[np.float64]:
+    drift = np.empty((keys.size, 2))
+    for e in range(keys.size):
+        key = stream_key(keys[e], Stream.WEATHER)
+        for axis in range(2):
+            drift[e, axis] = reach * (2.0 * uniform(key, axis, 0) - 1.0)
+    return drift
+
+
+def nodes_around(graph: NavigationGraph, nodes: Int32Array, count: int) -> Int32Array:
+    """`count` nodes: the given ones, then those nearest to them by water (ties: lowest index).
+
+    Parameters
+    ----------
+    nodes : (start,) distinct nodes
+    count : how many are wanted; fewer than given cuts nothing off
+
+    Raises
+    ------
+    UserError
+        If the map has fewer nodes than agents.
+    """
+    if count > len(graph):
+        raise UserError(
+            f"{count} agents do not fit on a map of {len(graph)} nodes; use fewer agents"
+        )
+    if count <= nodes.size:
+        return nodes
+    order = np.argsort(graph.distances_from(nodes), kind="stable").astype(np.int32)
+    others = order[~np.isin(order, nodes)]
+    return np.concatenate((nodes, others[: count - nodes.size])).astype(np.int32)
+
+
+@kernel
+def _any_node(key: np.uint64, n_nodes: int) -> int:
+    return int(uniform(stream_key(key, Stream.STARTS), 0, 0) * n_nodes)
+
+
+@kernel
+def _assign(keys: UInt64Array, starts: Int32Array, placed: Int32Array) -> None:
+    """Give every agent one of the start nodes, in an order drawn per episode (Fisher-Yates)."""
+    for e in range(keys.size):
+        key, order = stream_key(keys[e], Stream.STARTS), starts.copy()
+        for i in range(placed.shape[1]):
+            j = i + int(uniform(key, i, 1) * (order.size - i))
+            order[i], order[j] = order[j], order[i]
+            placed[e, i] = order[i]
+
+
+def _place_agents(
+    graph: NavigationGraph, starts: Int32Array, n_agents: int, keys: UInt64Array
+) -> Int32Array:
+    """(episode, agent) a random assignment of the start nodes, or a random cluster without any."""
+    placed = np.empty((keys.size, n_agents), np.int32)
+    if starts.size:
+        _assign(keys, nodes_around(graph, starts, n_agents), placed)
+        return placed
+    for e in range(keys.size):
+        centre = np.array([_any_node(keys[e], len(graph))], np.int32)
+        _assign(keys[e : e + 1], nodes_around(graph, centre, n_agents), placed[e : e + 1])
+    return placed
+
+
+def create_world(
+    graph: NavigationGraph,
+    items: Items,
+    weather: Weather,
+    starts: Int32Array,
+    n_agents: int,
+    keys: UInt64Array,
+) -> World:
+    """The worlds of a batch of episodes.
+
+    Parameters
+    ----------
+    starts : (start,) nodes to assign at random, or empty for a random cluster per episode
+    keys : (episode,) episode keys
+
+    Raises
+    ------
+    UserError
+        If there are more agents than nodes.
+    """
+    counts, item_rc, item_node = _place_items(graph, items, keys)
+    return World(
+        n_items=counts,
+        item_rc=item_rc,
+        item_node=item_node,
+        drift_rc=_drifts(keys, weather.drift_node_per_step),
+        agent_node=_place_agents(graph, starts, n_agents, keys),
+    )

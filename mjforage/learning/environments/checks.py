@@ -1,0 +1,95 @@
+"""What a user hands to an environment, checked before anything is played."""
+
+import reprlib
+from numbers import Integral
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.core.errors import UserError
+
+MOVES = 9
+"""Number of moves: 0-7 compass from north clockwise, 8 stay."""
+
+
+def checked_moves(
+    actions: object, shape: tuple[int, ...], name: str = "action"
+) -> NDArray[np.int64]:
+    """Moves as integers of one type.
+
+    Parameters
+    ----------
+    actions : what was given
+    shape : that it has to have
+    name : what it is called in a message
+
+    Raises
+    ------
+    UserError
+        If it has another shape, or holds anything but integers of 0 to 8.
+    """
+    remedy = "give whole numbers, 0-7 for the compass from north clockwise or 8 to stay"
+    moves = _array(actions, shape, name, remedy)
+    if moves.dtype.kind not in "iu":
+        raise UserError(f"{name} = {reprlib.repr(moves.tolist())}: {remedy}")
+    wrong = np.argwhere((moves < 0) | (moves >= MOVES))
+    if len(wrong):
+        raise UserError(f"{_entry(name, wrong[0])} = {moves[tuple(wrong[0])]}: {remedy}")
+    return moves.astype(np.int64)
+
+
+def checked_thrusts(action: object) -> NDArray[np.float64]:
+    """(2,) commands of port and starboard, cut off at -1 and 1.
+
+    Raises
+    ------
+    UserError
+        If these are not two finite numbers.
+    """
+    remedy = "give two finite numbers, port and starboard, -1 full astern to 1 full ahead"
+    thrusts = _array(action, (2,), "action", remedy)
+    if thrusts.dtype.kind not in "iuf" or not np.isfinite(thrusts).all():
+        raise UserError(f"action = {reprlib.repr(thrusts.tolist())}: {remedy}")
+    return np.clip(thrusts.astype(np.float64), -1.0, 1.0)
+
+
+def checked_seed(seed: object, name: str = "seed") -> int | None:
+    """A seed as a Python integer; None stays None.
+
+    Raises
+    ------
+    UserError
+        If it is no integer of 0 <= seed < 2**64.
+    """
+    if seed is None:
+        return None
+    if not isinstance(seed, Integral) or not 0 <= int(seed) < 1 << 64:
+        raise UserError(f"{name} = {seed!r}: give a whole number from 0 to below 2**64, or None")
+    return int(seed)
+
+
+def checked_started(started: bool, what: str) -> None:
+    """Refuse what needs an episode while there is none.
+
+    Raises
+    ------
+    UserError
+        If so.
+    """
+    if not started:
+        raise UserError(f"{what} before the first reset: no episode has begun; call reset first")
+
+
+def _array(value: object, shape: tuple[int, ...], name: str, remedy: str) -> NDArray[Any]:
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError) as error:
+        raise UserError(f"{name}: is no array ({error}); {remedy}") from error
+    if array.shape != shape:
+        raise UserError(f"{name}: has shape {array.shape}, expected {shape}; {remedy}")
+    return array
+
+
+def _entry(name: str, index: NDArray[np.int64]) -> str:
+    return f"{name}[{', '.join(map(str, index))}]" if index.size else name

@@ -1,0 +1,71 @@
+"""What every foraging environment can be told when it is made."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TypedDict
+
+from graph_planner.perception import PERCEPTIONS
+from mjforage.core.errors import UserError
+from mjforage.core.mission import Setting
+from mjforage.core.scenario import Scenario
+from mjforage.core.scenario_file import load_scenario
+from mjforage.learning.environments.rewards import PUBLISHED, checked_weights
+from mjforage.physics.worlds import WORLDS
+
+
+class Options(TypedDict, total=False):
+    """Keyword arguments of the foraging environments, see `Choice`."""
+
+    scenario: str | Scenario
+    world: str
+    observation: str
+    reward: Mapping[str, float] | None
+    map: str | None
+    set: Sequence[str]
+    render_mode: str | None
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The arguments, checked.
+
+    Attributes
+    ----------
+    scenario : preset, path of a TOML file, or a scenario
+    world : name in `mjforage.physics.worlds.WORLDS`
+    observation : name in `graph_planner.perception.PERCEPTIONS`
+    reward : term -> weight, see `rewards`; absent: the published weights
+    map : replaces the scenario's grid: a name, CSV or image
+    set : overrides KEY=VALUE of the scenario
+
+    Raises
+    ------
+    UserError
+        If a name is not known or the scenario is not a valid one.
+    """
+
+    scenario: str | Scenario = "comb-port"
+    world: str = "graph"
+    observation: str = "egocentric"
+    reward: Mapping[str, float] | None = None
+    map: str | None = None
+    set: Sequence[str] = ()
+    render_mode: str | None = None
+    setting: Setting = field(init=False)
+    weights: dict[str, float] = field(init=False)
+
+    def __post_init__(self) -> None:
+        for word, value, known in (
+            ("world", self.world, list(WORLDS)),
+            ("observation", self.observation, list(PERCEPTIONS)),
+        ):
+            if value not in known:
+                raise UserError(f"{word} = {value!r}: unknown; choose {', '.join(known)}")
+        scenario = self.scenario
+        if isinstance(scenario, str):
+            scenario = load_scenario(scenario, self.set, self.map)
+        elif self.map is not None or self.set:
+            raise UserError("map and set change a scenario's file; give the scenario by its name")
+        object.__setattr__(self, "setting", Setting.of(scenario))
+        weights = PUBLISHED if self.reward is None else self.reward
+        object.__setattr__(self, "weights", checked_weights(weights))

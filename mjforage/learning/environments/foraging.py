@@ -1,0 +1,64 @@
+"""`mjforage/Foraging-v0`: the whole fleet as one agent."""
+
+from typing import Any, ClassVar, Unpack
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.learning.environments.checks import checked_moves
+from mjforage.learning.environments.choice import Options
+from mjforage.learning.environments.one_lane import METADATA, OneLane, summed
+from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, values
+
+
+class ForagingEnv(OneLane, gymnasium.Env[Pictures, NDArray[np.int64]]):
+    """One decision of all agents per step.
+
+    **Action** `MultiDiscrete([9] * agents)`: per agent 0-7 compass from north clockwise, 8 stay.
+    An illegal move, or one to a node that an agent of higher index took, becomes staying put where
+    that is legal, else the first legal compass move; `info["illegal"]` counts them.
+
+    **Observation** a dict of arrays with a leading agent axis, of the kind chosen:
+
+    | kind | array | shape per agent | dtype | range | entries |
+    |---|---|---|---|---|---|
+    | egocentric | `crop` | (8, 15, 15) | float32 | [0, 1] | table of `Egocentric` |
+    | | `globe` | (7, 16, 16) | float32 | [0, 1] | likewise |
+    | | `moves` | (9, 11) | float32 | [0, 1] | table of the module `moves` |
+    | | `self` | (12,) | float32 | [0, 1] | table of `Egocentric` |
+    | paper | `map` | (6, rows, columns) | float32 | [0, 1] | table of `PaperChannels` |
+    | both | `action_mask` | (9,) | int8 | 0, 1 | 1: legal before anybody has chosen |
+
+    The tables, with units, are in `graph_planner.perception`.
+
+    **Reward** the sum over agents and terms; `info["reward/<term>"]` has each weighted term's.
+    **End** terminated when no item is left or nobody has energy; truncated at the horizon.
+    **Episode** decided by the seed of the last `reset(seed=...)` and the number of resets since.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = METADATA  # type: ignore[misc]
+
+    def __init__(self, **options: Unpack[Options]) -> None:
+        OneLane.__init__(self, options)
+        agents = self._game.agents
+        self.observation_space = picture_space(self._game.shapes, (agents,))
+        self.action_space = gymnasium.spaces.MultiDiscrete([9] * agents)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Pictures, dict[str, Any]]:
+        """Start the next episode; with a seed, the first one of that seed."""
+        super().reset(seed=seed)
+        self._start(seed, self.np_random)
+        return self._observed(), self._game.facts()
+
+    def step(self, action: NDArray[np.int64]) -> tuple[Pictures, float, bool, bool, dict[str, Any]]:
+        """One decision of the fleet; raises `UserError` where the action is not of its space."""
+        moves = checked_moves(action, (self._game.agents,))
+        reward, ended, late, info = summed(self._play(moves))
+        return self._observed(), reward, ended, late, self._game.facts() | info
+
+    def _observed(self) -> Pictures:
+        seen: Pictures = {name: values(level) for name, level in self._seen().items()}
+        return {**seen, MASK: self._game.masks[0]}

@@ -1,0 +1,159 @@
+"""A batch of episodes that start and end on their own: what all foraging environments view."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.navigation import STAY
+from graph_planner.perception import PERCEPTIONS, legal_moves
+from graph_planner.randomness import UInt64Array
+from mjforage.core.mission import Mission
+from mjforage.learning.environments.checks import checked_seed, checked_started
+from mjforage.learning.environments.choice import Choice
+from mjforage.learning.environments.rewards import RewardTerms
+from mjforage.physics.worlds import create_mission
+
+CHOSEN, OTHERWISE_STAY = 2.0, 1.0  # preferences of a chosen move, and of what happens if illegal
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one step gave."""
+
+    terms: dict[str, NDArray[np.float64]]  # name -> (lane, agent) weighted
+    rewards: NDArray[np.float64]  # (lane, agent) their sum
+    terminated: NDArray[np.bool_]  # (lane,) no item is left, or nobody can move
+    truncated: NDArray[np.bool_]  # (lane,) the horizon is reached with items left
+    exhausted: NDArray[np.bool_]  # (lane, agent) has not the energy for another move
+    illegal: NDArray[np.int64]  # (lane,) chosen moves that were not legal, or taken by another
+    taken: NDArray[np.int8]  # (lane, agent) moves that were made
+
+
+class Game:
+    """Lanes of episodes; a lane is started again whenever its user wants."""
+
+    def __init__(self, choice: Choice, lanes: int = 1) -> None:
+        """Prepare.
+
+        Parameters
+        ----------
+        lanes : episodes side by side; more than one in the graph world only
+        """
+        self.choice, self.lanes = choice, lanes
+        self.setting = choice.setting
+        self.agents = len(self.setting.fleet)
+        self.mission = create_mission(self.setting, choice.world)
+        self._spare = Mission(self.setting) if lanes > 1 else None
+        self._weights = choice.weights
+        self._terms = RewardTerms(self.setting.task, tuple(self._weights))
+        self._perception = PERCEPTIONS[choice.observation](self.setting.task)
+        self.shapes = self._perception.shapes
+        self.started = False  # whether there are episodes
+
+    def start(self, lanes: NDArray[np.int64], keys: UInt64Array) -> None:
+        """Start episodes of the given keys in the given lanes; the first time in all of them."""
+        if self._spare is None or not self.started or lanes.size == self.lanes:
+            assert lanes.size == self.lanes, "all lanes are started at first"
+            self.mission.start(keys)
+            self._perception.reset(self.lanes)
+            self.n_items = self.mission.world.n_items.copy()
+            self.started = True
+            return
+        self._spare.start(keys)
+        self.mission.adopt(lanes, self._spare)
+        self.n_items[lanes] = self._spare.world.n_items
+
+    def step(self, actions: NDArray[np.int64]) -> Outcome:
+        """Play one decision of every lane that is not over.
+
+        Parameters
+        ----------
+        actions : (lane, agent) moves 0-8; an illegal one, or one that another agent took first,
+            becomes staying put where that is legal, else the first legal compass move
+
+        Raises
+        ------
+        UserError
+            If no episode has been started.
+        """
+        checked_started(self.started, "step")
+        preferences = np.zeros((*actions.shape, 9))
+        preferences[..., STAY] = OTHERWISE_STAY
+        np.put_along_axis(preferences, actions[..., None], CHOSEN, axis=-1)
+        return self.play(preferences, actions)
+
+    def play(
+        self, preferences: NDArray[np.float64], wanted: NDArray[np.int64] | None = None
+    ) -> Outcome:
+        """Play one decision by preferences (lane, agent, 9), see `Resolver`.
+
+        Parameters
+        ----------
+        wanted : (lane, agent) moves that count as illegal where another is made; absent: those of
+            the largest preferences
+        """
+        mission, played = self.mission, self.mission.active.copy()
+        wanted = preferences.argmax(axis=-1) if wanted is None else wanted
+        taken = mission.decide(preferences).direction
+        illegal = ((taken != wanted) & played[:, None]).sum(axis=1)
+        self._terms.before(mission)
+        mission.advance(preferences)
+        raw = self._terms.after(mission, played)
+        terms = {name: self._weights[name] * value for name, value in raw.items()}
+        rewards = sum(terms.values(), np.zeros(taken.shape))
+        left = (mission.state.item_node >= 0).any(axis=1)
+        exhausted = self.exhausted
+        terminated = played & (~left | exhausted.all(axis=1))
+        truncated = played & ~terminated & ~mission.active
+        return Outcome(terms, rewards, terminated, truncated, exhausted, illegal, taken)
+
+    @property
+    def exhausted(self) -> NDArray[np.bool_]:
+        """(lane, agent) whether an agent has not the energy for another move."""
+        return np.asarray(self.mission.observation.energy_left < 1.0)
+
+    @property
+    def masks(self) -> NDArray[np.int8]:
+        """(lane, agent, 9) 1 where a move is legal whatever the others choose."""
+        seen = self.mission.observation
+        legal = legal_moves(self.setting.task, seen.agent_node, seen.energy_left)
+        return legal.astype(np.int8)
+
+    def see(self, lanes: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
+        """Levels (lane, agent, ...) of the perception; live, only `lanes` are of this moment."""
+        return self._perception.see(self.mission.observation, lanes)
+
+    def facts(self, lane: int = 0) -> dict[str, float]:
+        """Shares of the lane's items discovered and removed so far [%], and its step."""
+        known, total = self.mission.model.knowledge, self.n_items[lane]
+        return {
+            "step": int(self.mission.step[lane]),
+            "pta_d": 100.0 * int((known.t_discovered[lane] >= 0).sum()) / int(total),
+            "pta_c": 100.0 * int((known.t_collected[lane] >= 0).sum()) / int(total),
+        }
+
+
+class Episodes:
+    """Numbers the episodes of one lane: seed and number decide an episode, nothing else."""
+
+    def __init__(self) -> None:
+        self.seed, self.number = 0, -1  # of the present episode
+
+    def following(self, seed: int | None, entropy: np.random.Generator) -> UInt64Array:
+        """Key (1,) of the next episode: the first of a new seed, else the next of the old one.
+
+        Raises
+        ------
+        UserError
+            If the seed is not one.
+        """
+        from graph_planner.randomness import episode_keys
+
+        seed = checked_seed(seed)
+        if seed is not None:
+            self.seed, self.number = seed, -1
+        elif self.number < 0:
+            self.seed = int(entropy.integers(1 << 63))
+        self.number += 1
+        return episode_keys(self.seed, np.array([self.number]))

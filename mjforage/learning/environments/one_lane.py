@@ -1,0 +1,82 @@
+"""What the environments of one episode at a time share: the game, its episodes, its picture."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.perception.base import Levels
+from mjforage.learning.environments.checks import checked_started
+from mjforage.learning.environments.choice import Choice, Options
+from mjforage.learning.environments.game import Episodes, Game, Outcome
+from mjforage.learning.environments.pictures import Picture
+from mjforage.learning.environments.screen import Screen
+from mjforage.learning.environments.window import RENDER_MODES
+
+LANE = np.zeros(1, np.int64)
+METADATA: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 10}
+
+
+class OneLane:
+    """Base of an environment; see `mjforage.learning.environments.choice.Choice` for the options.
+
+    Raises
+    ------
+    UserError
+        If an option is not valid.
+    """
+
+    def __init__(self, options: Options) -> None:
+        choice = Choice(**options)
+        self.render_mode = choice.render_mode
+        self._game = Game(choice)
+        self._episodes = Episodes()
+        self._picture = Picture() if choice.render_mode else None
+        self._screen = Screen(choice.render_mode, self._drawn)
+
+    @property
+    def game(self) -> Game:
+        """The mission and all about it."""
+        return self._game
+
+    def render(self) -> Any:
+        """The map from above, (height, width, 3) uint8, or None without `rgb_array`."""
+        return self._screen.render()
+
+    def close(self) -> None:
+        """Close the window of `human`, if there is one."""
+        self._screen.close()
+
+    def _start(self, seed: int | None, entropy: np.random.Generator) -> None:
+        """Begin the next episode; with a seed, the first one of that seed."""
+        self._game.start(LANE, self._episodes.following(seed, entropy))
+        self._note()
+
+    def _play(self, actions: NDArray[np.int64]) -> Outcome:
+        """One decision (agent,) of the fleet."""
+        outcome = self._game.step(actions[None])
+        self._note()
+        return outcome
+
+    def _seen(self) -> dict[str, Levels]:
+        """Levels (agent, ...) of the perception; live."""
+        return {name: level[0] for name, level in self._game.see(LANE).items()}
+
+    def _note(self) -> None:
+        if self._picture is not None:
+            self._picture.see(self._game.mission)
+        self._screen.refresh()
+
+    def _drawn(self) -> NDArray[np.uint8]:
+        assert self._picture is not None, "drawn only in a render mode"
+        checked_started(self._game.started, "render")
+        return self._picture.draw(self._game, self._episodes)
+
+
+def summed(outcome: Outcome) -> tuple[float, bool, bool, dict[str, Any]]:
+    """Reward of the fleet, terminated, truncated, and the info of a step."""
+    info: dict[str, Any] = {"illegal": int(outcome.illegal[0])}
+    for name, term in outcome.terms.items():
+        info[f"reward/{name}"] = float(term[0].sum())
+    ended = bool(outcome.terminated[0]), bool(outcome.truncated[0])
+    return float(outcome.rewards[0].sum()), *ended, info

@@ -1,0 +1,124 @@
+"""The PettingZoo view: every agent for itself, all at once."""
+
+from functools import cached_property
+from typing import Any, ClassVar, Unpack
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+from pettingzoo import ParallelEnv
+
+from graph_planner.navigation import STAY
+from mjforage.core.errors import UserError
+from mjforage.learning.environments.checks import checked_moves, checked_started
+from mjforage.learning.environments.choice import Options
+from mjforage.learning.environments.one_lane import METADATA, OneLane
+from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, values
+
+
+class ForagingParallelEnv(OneLane, ParallelEnv[str, Pictures, int]):  # type: ignore[misc]
+    """Agents `scouts-0`, `foragers-0`, ... decide at once; in conflicts the highest index wins.
+
+    **Action** `Discrete(9)`, **observation** and masks per agent as in `mjforage/SharedPolicy-v0`,
+    except that a mask cannot know what others choose at the same time. Infos have the same keys at
+    every step. **Reward** each agent's own terms. **End** all are terminated when no
+    item is left, one when it has not the energy for another move (it then stays where it is, and
+    still sees); all are truncated at the horizon.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {
+        "name": "mjforage_v0",
+        "is_parallelizable": True,
+        **METADATA,
+    }
+
+    def __init__(self, **options: Unpack[Options]) -> None:
+        OneLane.__init__(self, options)
+        self._entropy = np.random.default_rng()
+        self.possible_agents = list(self._game.setting.fleet.names)
+        self.agents: list[str] = []
+
+    @cached_property
+    def _spaces(
+        self,
+    ) -> dict[str, tuple[gymnasium.spaces.Space[Pictures], gymnasium.spaces.Discrete]]:
+        shapes = self._game.shapes
+        return {
+            agent: (picture_space(shapes), gymnasium.spaces.Discrete(9))
+            for agent in self.possible_agents
+        }
+
+    def observation_space(self, agent: str) -> gymnasium.spaces.Space[Pictures]:
+        """Space of an agent's observations, always the same object."""
+        return self._spaces[agent][0]
+
+    def action_space(self, agent: str) -> gymnasium.spaces.Discrete:
+        """Space of an agent's actions, always the same object."""
+        return self._spaces[agent][1]
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Pictures], dict[str, dict[str, Any]]]:
+        """Start the next episode; with a seed, the first one of that seed."""
+        self._start(seed, self._entropy)
+        self.agents = list(self.possible_agents)
+        return self._observed(self.agents)
+
+    def step(
+        self, actions: dict[str, int]
+    ) -> tuple[
+        dict[str, Pictures],
+        dict[str, float],
+        dict[str, bool],
+        dict[str, bool],
+        dict[str, dict[str, Any]],
+    ]:
+        """One decision of all agents that are not over; actions of those that are do not count.
+
+        Raises
+        ------
+        UserError
+            If an agent has no action, is not known, or its action is not of its space.
+        """
+        outcome = self._play(self._chosen(actions))
+        present = self.agents
+        index = {agent: i for i, agent in enumerate(self.possible_agents)}
+        ended, late = bool(outcome.terminated[0]), bool(outcome.truncated[0])
+        observations, infos = self._observed(present)
+        rewards = {a: float(outcome.rewards[0, index[a]]) for a in present}
+        terminated = {a: ended or bool(outcome.exhausted[0, index[a]]) for a in present}
+        truncated = dict.fromkeys(present, late)
+        for a in present:
+            for name, term in outcome.terms.items():
+                infos[a][f"reward/{name}"] = float(term[0, index[a]])
+        self.agents = [a for a in present if not (terminated[a] or truncated[a])]
+        return observations, rewards, terminated, truncated, infos
+
+    def _chosen(self, actions: dict[str, int]) -> NDArray[np.int64]:
+        """(agent,) moves; agents that are over stay."""
+        checked_started(self._game.started, "step")
+        names = ", ".join(self.possible_agents)
+        for agent in actions:
+            if agent not in self.possible_agents:
+                raise UserError(f"action of {agent}: there is no such agent; choose {names}")
+        chosen = np.full(len(self.possible_agents), STAY)
+        for i, agent in enumerate(self.possible_agents):
+            if agent in self.agents:
+                if agent not in actions:
+                    raise UserError(
+                        f"action of {agent}: is missing; give one to each of env.agents"
+                    )
+                chosen[i] = checked_moves(actions[agent], (), f"action of {agent}")
+        return chosen
+
+    def _observed(self, agents: list[str]) -> tuple[dict[str, Pictures], dict[str, dict[str, Any]]]:
+        levels, masks, facts = self._seen(), self._game.masks[0], self._game.facts()
+        observations: dict[str, Pictures] = {}
+        infos: dict[str, dict[str, Any]] = {}
+        nothing = {f"reward/{name}": 0.0 for name in self._game.choice.weights}
+        for i, agent in enumerate(self.possible_agents):
+            if agent in agents:
+                seen: Pictures = {name: values(level[i]) for name, level in levels.items()}
+                observations[agent] = {**seen, MASK: masks[i].copy()}
+                infos[agent] = {**nothing, **facts}
+        return observations, infos

@@ -1,0 +1,46 @@
+"""What `render` gives and shows, for every environment of one picture."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.core.errors import UserError
+from mjforage.learning.environments.window import RENDER_MODES, Window
+
+
+def check_mode(mode: str | None, known: list[str] = RENDER_MODES) -> None:
+    """Refuse a render mode that does not exist, or not here.
+
+    Raises
+    ------
+    UserError
+        If so.
+    """
+    if mode is not None and mode not in known:
+        why = "there is no display" if mode == "human" else "unknown"
+        names = ", ".join(map(str, (None, *known)))
+        raise UserError(f"render_mode = {mode!r}: {why}; choose {names}")
+
+
+class Screen:
+    """Draws the present on demand (`rgb_array`), or after every change in a window (`human`)."""
+
+    def __init__(self, mode: str | None, draw: Callable[[], NDArray[np.uint8]]) -> None:
+        check_mode(mode)
+        self._mode, self._draw = mode, draw
+        self._window = Window("mjforage") if mode == "human" else None
+
+    def refresh(self) -> None:
+        """Something has changed."""
+        if self._window is not None:
+            self._window.show(self._draw())
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """(height, width, 3) the present, or None without `rgb_array`."""
+        return self._draw() if self._mode == "rgb_array" else None
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        if self._window is not None:
+            self._window.close()

@@ -1,0 +1,95 @@
+"""`mjforage/SharedPolicy-v0`: one agent at a time, through a policy that all share."""
+
+from typing import Any, ClassVar, Unpack
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.navigation import STAY
+from graph_planner.perception.masks import legal_of_agent
+from mjforage.learning.environments.checks import checked_moves, checked_started
+from mjforage.learning.environments.choice import Options
+from mjforage.learning.environments.game import CHOSEN, OTHERWISE_STAY
+from mjforage.learning.environments.one_lane import METADATA, OneLane, summed
+from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, values
+
+
+class SharedPolicyEnv(OneLane, gymnasium.Env[Pictures, np.int64]):
+    """One decision of one agent per step; when all have decided, the mission moves on.
+
+    Agents decide in the mission's order, the highest index (foragers) first, so `action_mask` also
+    leaves out what agents before this one took. The fleet's reward comes with the last agent's
+    decision of a round and is 0 before; so it is one sequential decision process, and values of
+    following observations are values of the same fleet.
+
+    **Action** `Discrete(9)`: 0-7 compass from north clockwise, 8 stay; an illegal one becomes
+    staying put where that is legal, else the first legal compass move.
+    **Observation** one agent's arrays of `Foraging-v0` without the agent axis; `info["agent"]` is
+    whose. `action_masks()` gives the mask for libraries that ask for it.
+    **Reward, end, episode** as in `Foraging-v0`.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = METADATA  # type: ignore[misc]
+
+    def __init__(self, **options: Unpack[Options]) -> None:
+        OneLane.__init__(self, options)
+        self._claimed = np.zeros(len(self._game.setting.graph), np.int64)
+        self._round = 0
+        self.observation_space = picture_space(self._game.shapes)
+        self.action_space = gymnasium.spaces.Discrete(9)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Pictures, dict[str, Any]]:
+        """Start the next episode; with a seed, the first one of that seed."""
+        super().reset(seed=seed)
+        self._start(seed, self.np_random)
+        self._begin_round()
+        return self._observed(), self._info()
+
+    def step(self, action: np.int64) -> tuple[Pictures, float, bool, bool, dict[str, Any]]:
+        """One agent's decision; raises `UserError` where the action is not of its space."""
+        checked_started(self._game.started, "step")
+        self._choose(int(checked_moves(action, ())))
+        if self._turn > 0:
+            self._turn -= 1
+            return self._observed(), 0.0, False, False, self._info()
+        reward, ended, late, info = summed(self._play(self._actions))
+        self._begin_round()
+        return self._observed(), reward, ended, late, self._info() | info
+
+    def action_masks(self) -> NDArray[np.bool_]:
+        """(9,) legal moves of the agent whose turn it is."""
+        checked_started(self._game.started, "action_masks")
+        seen, agent = self._game.mission.observation, self._turn
+        return legal_of_agent(
+            self._game.setting.task.ground,
+            self._claimed,
+            self._round,
+            agent,
+            seen.agent_node[0, agent],
+            seen.energy_left[0, agent],
+        )
+
+    def _begin_round(self) -> None:
+        self._round += 1
+        self._turn = self._game.agents - 1
+        self._actions = np.full(self._game.agents, STAY, np.int64)
+        self._levels = self._seen()
+
+    def _choose(self, action: int) -> None:
+        """Take note of a decision and of the node that it claims."""
+        self._actions[self._turn] = action
+        preferences = np.zeros((1, self._game.agents, 9))
+        preferences[..., STAY] = OTHERWISE_STAY
+        np.put_along_axis(preferences[0], self._actions[:, None], CHOSEN, axis=-1)
+        target = self._game.mission.decide(preferences).target[0, self._turn]
+        self._claimed[target] = self._round
+
+    def _info(self) -> dict[str, Any]:
+        return {"agent": self._turn, **self._game.facts()}
+
+    def _observed(self) -> Pictures:
+        seen: Pictures = {name: values(level[self._turn]) for name, level in self._levels.items()}
+        return {**seen, MASK: self.action_masks().astype(np.int8)}

@@ -1,0 +1,235 @@
+"""`mjforage/Waypoint-v0`: the thrusters of one hull, to be steered to waypoints in weather."""
+
+import math
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers import Pilot
+from mjforage.learning.environments.checks import checked_started, checked_thrusts
+from mjforage.learning.environments.course import TICK_S, Course
+from mjforage.learning.environments.rewards import checked_names
+from mjforage.learning.environments.screen import Screen
+from mjforage.learning.environments.window import RENDER_MODES
+from mjforage.physics.helm import helm_of
+from mjforage.physics.vessels import load_vessel
+from mjforage.physics.weather import WeatherSettings
+
+TICKS = 5  # of 0.1 s in a step
+WAYPOINTS = 8
+HORIZON = 300  # steps of 0.5 s
+
+REWARD = {"progress": 1.0, "reached": 5.0, "time": -0.1, "effort": -0.05}
+"""Term -> weight: metres nearer to the waypoint, waypoints reached, steps, mean square action.
+
+Full astern is an action of -1, as costly as full ahead, whoever steers.
+"""
+
+SCALES = np.array(
+    [20, 20, 4, 4, 20, 20, 3, 3, 1.5, 1, 1, 15, 15, 1, 1, 1], np.float64
+)  # value at which an entry of the observation is 1; more is cut off
+
+Numbers = NDArray[np.float32]
+
+
+class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
+    """One hull in MuJoCo on open water; a step is 0.5 s of constant commands.
+
+    **Action** `Box(-1, 1, (2,))` float32: port and starboard, -1 full astern, 1 full ahead; cut off
+    beyond, and refused where it is not finite.
+
+    **Observation** `Box(-1, 1, (16,))` float32: each entry over its scale, cut off at -1 and 1:
+
+    | entry | meaning | at 1 |
+    |---|---|---|
+    | 0, 1 | waypoint, forward and to port of midships | 20 m |
+    | 2, 3 | the same, finer | 4 m |
+    | 4, 5 | the waypoint after it | 20 m |
+    | 6, 7 | surge and sway over ground | 3 m/s |
+    | 8 | yaw rate | 1.5 rad/s |
+    | 9, 10 | lagged commands of port and starboard | full ahead |
+    | 11, 12 | wind over ground, forward and to port | 15 m/s |
+    | 13, 14 | current, forward and to port | 1 m/s |
+    | 15 | share of the time left | 1 |
+
+    **Reward** named terms with weights, see `REWARD`; `info["reward/<term>"]` has each.
+    `info` of steps and resets: `reached` (waypoints) and `distance_m` (to the present one).
+    **End** terminated when all 8 waypoints, 4 to 12 m from one to the next, have been reached
+    within 1 m; truncated after 150 s.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": RENDER_MODES, "render_fps": 2}  # type: ignore[misc]
+
+    def __init__(
+        self,
+        vessel: str = "scout",
+        wind_mps: float = 3.0,
+        gust_intensity: float = 0.15,
+        current_mps: float = 0.15,
+        reward: Mapping[str, float] | None = None,
+        render_mode: str | None = None,
+    ) -> None:
+        """Prepare.
+
+        Parameters
+        ----------
+        vessel : name or TOML file
+        wind_mps, current_mps : speeds; directions are drawn per episode
+        gust_intensity : standard deviation of the gusts over the wind's speed
+        reward : term -> weight; absent: `REWARD`
+
+        Raises
+        ------
+        UserError
+            If an argument is not valid.
+        """
+        weather = WeatherSettings(
+            wind_speed_mps=wind_mps,
+            wind_toward_deg=None,
+            gust_intensity=gust_intensity,
+            current_speed_mps=current_mps,
+            current_toward_deg=None,
+        )
+        self.render_mode, self._screen = render_mode, Screen(render_mode, self._drawn)
+        self._weights = checked_names(REWARD if reward is None else reward, REWARD)
+        self._course = Course(load_vessel(vessel), weather, WAYPOINTS)
+        self._low, self._high = self._course.vessel.thruster.command_range
+        self._way: list[tuple[float, float]] = []  # empty until the first reset
+        self.observation_space = gymnasium.spaces.Box(-1.0, 1.0, (SCALES.size,), np.float32)
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32)
+
+    @property
+    def course(self) -> Course:
+        """The hull and its waypoints."""
+        return self._course
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Numbers, dict[str, Any]]:
+        """Draw new waypoints and weather."""
+        super().reset(seed=seed)
+        self._course.start(self.np_random)
+        self._steps = 0
+        self._way = []
+        self._note()
+        return self._observed(), self._facts()
+
+    def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
+        """Half a second of constant commands.
+
+        Raises
+        ------
+        UserError
+            If the action is not two finite numbers.
+        """
+        checked_started(bool(self._way), "step")
+        thrusts = checked_thrusts(action)
+        port, starboard = (self._command(float(share)) for share in thrusts)
+        gained, reached = 0.0, 0
+        for _ in range(TICKS):
+            if not self._course.over:
+                gain, there = self._course.tick(port, starboard)
+                gained, reached = gained + gain, reached + there
+        effort = float(np.mean(np.square(thrusts)))
+        return self._end_step({"progress": gained, "reached": reached, "effort": effort})
+
+    def step_builtin(self, pilot: Pilot) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
+        """Half a second under the built-in controller, which commands at 10 Hz.
+
+        Parameters
+        ----------
+        pilot : of `builtin_pilot`
+        """
+        checked_started(bool(self._way), "step")
+        gained, reached, effort = 0.0, 0, 0.0
+        for _ in range(TICKS):
+            if self._course.over:
+                break
+            course = self._course
+            pose, velocity = course.pose[None, None], course.velocity[None, None]
+            port, starboard = pilot.command(np.ones(1, np.bool_), pose, velocity)[0, 0]
+            gain, there = course.tick(port, starboard)
+            gained, reached = gained + gain, reached + there
+            if there:
+                self._order(pilot)
+            shares = [self._share(float(port)), self._share(float(starboard))]
+            effort += float(np.mean(np.square(shares))) / TICKS
+        return self._end_step({"progress": gained, "reached": reached, "effort": effort})
+
+    def builtin_pilot(self) -> Pilot:
+        """The built-in controller of the hull, with its orders for the present waypoint."""
+        checked_started(bool(self._way), "builtin_pilot")
+        pilot = Pilot([helm_of(self._course.vessel)], None, 1, TICK_S)
+        self._order(pilot)
+        return pilot
+
+    def _order(self, pilot: Pilot) -> None:
+        course, nobody = self._course, np.zeros((1, 1), np.bool_)
+        origin, target = course.pose[None, None, :2], course.target[None, None]
+        pilot.order(np.ones(1, np.bool_), origin, target, nobody)
+
+    def _end_step(
+        self, amounts: dict[str, float]
+    ) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
+        self._steps += 1
+        self._note()
+        terms = {name: w * ({"time": 1.0} | amounts)[name] for name, w in self._weights.items()}
+        info: dict[str, Any] = {f"reward/{name}": value for name, value in terms.items()}
+        info |= self._facts()
+        over = self._course.over
+        late = self._steps >= HORIZON and not over
+        return self._observed(), float(sum(terms.values())), over, late, info
+
+    def _facts(self) -> dict[str, Any]:
+        return {"reached": self._course.reached, "distance_m": self._course.distance_m}
+
+    def _command(self, share: float) -> float:
+        """Command [rad/s or N] of an action's entry."""
+        return share * (self._high if share > 0.0 else -self._low)
+
+    def _share(self, command: float) -> float:
+        """The entry of an action that gives a command."""
+        return command / (self._high if command > 0.0 else -self._low)
+
+    def _observed(self) -> Numbers:
+        course = self._course
+        state = course.simulation.thruster_state[0, 0] / self._high
+        values = np.concatenate(
+            (
+                *(self._ahead(course.target - course.pose[:2]),) * 2,
+                self._ahead(course.following - course.pose[:2]),
+                self._ahead(course.velocity[:2]),
+                [course.velocity[2]],
+                state,
+                self._ahead(course.wind),
+                self._ahead(course.current),
+                [1.0 - self._steps / HORIZON],
+            )
+        )
+        return np.clip(values / SCALES, -1.0, 1.0).astype(np.float32)
+
+    def _ahead(self, vector: NDArray[np.float64]) -> NDArray[np.float64]:
+        """A vector of the world as (forward, to port)."""
+        c, s = math.cos(self._course.pose[2]), math.sin(self._course.pose[2])
+        return np.array([c * vector[0] + s * vector[1], c * vector[1] - s * vector[0]])
+
+    def _note(self) -> None:
+        self._way.append((float(self._course.pose[0]), float(self._course.pose[1])))
+        self._screen.refresh()
+
+    def _drawn(self) -> NDArray[np.uint8]:
+        from mjforage.learning.environments.course_picture import draw_course
+
+        checked_started(bool(self._way), "render")
+        return draw_course(self._course, self._way)
+
+    def render(self) -> Any:
+        """Track, hull and waypoints from above, north up, (480, 480, 3) uint8; or None."""
+        return self._screen.render()
+
+    def close(self) -> None:
+        """Close the window of `human`, if there is one."""
+        self._screen.close()

@@ -1,0 +1,90 @@
+"""Checkpoints: one safetensors file with all that later rounds depend on.
+
+Tensors are networks, optimisers and replays; counters, identity and the state of the random
+generator are JSON in the file's header, so a checkpoint is whole or absent.
+"""
+
+import dataclasses
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from safetensors import SafetensorError, safe_open
+
+from mjforage.core.errors import UserError
+from mjforage.core.scenario_file import scenario_to_tree
+from mjforage.learning.training.files import save_tensors
+from mjforage.learning.training.training import Progress, Trainer
+
+FORMAT = "mjforage training checkpoint 2"
+_NOTE = "mjforage"
+
+
+def identity(trainer: Trainer) -> dict[str, Any]:
+    """What two runs must share for one to go on where the other stopped."""
+    first, *others = (game.setting.scenario for game in trainer.games)
+    return {
+        "scenario": scenario_to_tree(first),
+        "also": [scenario_to_tree(scenario) for scenario in others],
+        "settings": trainer.settings.tree(),
+        "seed": trainer.seed,
+        "device": trainer.device,
+    }
+
+
+def save_checkpoint(trainer: Trainer, path: Path) -> None:
+    """Write a checkpoint through a temporary file.
+
+    Raises
+    ------
+    UserError
+        If it cannot be written.
+    """
+    tensors = {
+        f"{team}.{name}": value
+        for team, learner in trainer.learners.items()
+        for name, value in learner.tensors().items()
+    }
+    notes = {
+        "format": FORMAT,
+        "identity": identity(trainer),
+        "progress": dataclasses.asdict(trainer.progress),
+        "random": trainer.random.bit_generator.state,
+    }
+    save_tensors(path, tensors, (_NOTE, json.dumps(notes, sort_keys=True)))
+
+
+def restore_checkpoint(trainer: Trainer, path: Path) -> None:
+    """Bring a fresh trainer to where a checkpoint was written.
+
+    Raises
+    ------
+    UserError
+        If the file is not a checkpoint, or one of another scenario, seed or settings.
+    """
+    try:
+        with safe_open(path, "pt") as file:
+            notes = json.loads((file.metadata() or {}).get(_NOTE, "{}"))
+            if notes.get("format") != FORMAT:
+                raise UserError(
+                    f"checkpoint {path}: format {notes.get('format')!r}, expected {FORMAT!r}; "
+                    "give another --out"
+                )
+            if notes["identity"] != json.loads(json.dumps(identity(trainer))):
+                raise UserError(
+                    f"checkpoint {path}: of another training than {path.parent} is for; remove it "
+                    "or give another --out"
+                )
+            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+    except (OSError, ValueError, SafetensorError) as error:
+        raise UserError(
+            f"checkpoint {path}: cannot be read ({error}); remove it or give another --out"
+        ) from error
+    for team, learner in trainer.learners.items():
+        start = f"{team}."
+        own = {n.removeprefix(start): v for n, v in tensors.items() if n.startswith(start)}
+        learner.restore(own)
+    trainer.progress = Progress(**notes["progress"])
+    trainer.random = np.random.Generator(np.random.PCG64())
+    trainer.random.bit_generator.state = notes["random"]

@@ -1,0 +1,158 @@
+"""The Double DQN of one team, nothing hidden.
+
+Double DQN: van Hasselt, Guez and Silver (2016); dueling network: Wang et al. (2016); prioritised
+replay: Schaul et al. (2016); large margin for shown moves: Hester et al. (2018). Action masks act
+before both argmaxes: that of the policy and that of the target.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from graph_planner.inference import one_thread, values_of
+from graph_planner.perception import Shapes
+from graph_planner.q_network import DuelingNetwork
+from mjforage.learning.training.replay import Batch, Replay
+from mjforage.learning.training.settings import Settings
+
+GRADIENT_LIMIT = 10.0
+
+
+def lead_lacking(values: Tensor, shown: Tensor, margin: float) -> Tensor:
+    """(row,) by how much the best shown move fails to lead all that are not shown by the margin.
+
+    Parameters
+    ----------
+    values, shown : (row, 9); rows without a shown move give 0
+    """
+    best = values.masked_fill(~shown, -torch.inf).max(dim=1).values
+    raised = (values + margin * ~shown).max(dim=1).values
+    return torch.where(shown.any(dim=1), raised - best, 0.0)
+
+
+class Learner:
+    """Online and target network, optimiser and replay of one team.
+
+    Attributes
+    ----------
+    updates : how often it has learned
+    """
+
+    def __init__(
+        self, shapes: Shapes, lanes: int, settings: Settings, seed: int, device: str = "cpu"
+    ) -> None:
+        """Prepare.
+
+        Parameters
+        ----------
+        shapes : of the team's pictures
+        lanes : agents of the team in all episodes side by side
+        seed : of the first weights
+        """
+        self.settings, self.updates, self._device = settings, 0, torch.device(device)
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(seed)
+            self.online = DuelingNetwork(shapes).to(self._device)
+            self.target = DuelingNetwork(shapes).to(self._device)
+        self.target.load_state_dict(self.online.state_dict())
+        self.target.requires_grad_(False)
+        self.optimiser = torch.optim.Adam(self.online.parameters(), settings.learning_rate)
+        self.replay = Replay(shapes, lanes, settings.capacity, settings.n_step, settings.gamma)
+
+    def values(self, levels: Mapping[str, NDArray[np.uint8]]) -> NDArray[np.float32]:
+        """(row, 9) values of pictures (row, ...)."""
+        return values_of(self.online, levels)
+
+    def learn(self, batch: Batch) -> tuple[dict[str, float], NDArray[np.float32]]:
+        """One update from a batch that was drawn from the replay.
+
+        Returns
+        -------
+        loss, mean value and mean size of the errors; and the errors (row,), the new priorities
+        """
+        moves, shown = self._tensor(batch.moves), self._tensor(batch.shown)
+        legal, weights = self._tensor(batch.legal), self._tensor(batch.weights)
+        rewards, discount = self._tensor(batch.rewards), self._tensor(batch.discount)
+        with one_thread():
+            following = self._tensors(batch.following)
+            with torch.no_grad():
+                best = self.online(following).masked_fill(~legal, -torch.inf).argmax(dim=1)
+                hoped = self.target(following).gather(1, best[:, None])[:, 0]
+                goal = rewards + discount * hoped
+            values = self.online(self._tensors(batch.levels))
+            chosen = values.gather(1, moves[:, None])[:, 0]
+            error = chosen - goal
+            losses = torch.nn.functional.smooth_l1_loss(chosen, goal, reduction="none")
+            losses = losses + self.settings.margin_weight * lead_lacking(
+                values, shown, self.settings.margin
+            )
+            loss = (weights * losses).mean()
+            self.optimiser.zero_grad(set_to_none=True)
+            self.optimiser.param_groups[0]["lr"] = self._rate
+            loss.backward()  # type: ignore[no-untyped-call]
+            torch.nn.utils.clip_grad_norm_(self.online.parameters(), GRADIENT_LIMIT)
+            self.optimiser.step()
+            self._follow()
+        errors: NDArray[np.float32] = error.detach().cpu().numpy()
+        self.updates += 1
+        facts = {
+            "loss": float(loss.detach()),
+            "value": float(chosen.detach().mean()),
+            "error": float(np.abs(errors).mean()),
+        }
+        return facts, errors
+
+    @property
+    def _rate(self) -> float:
+        """Learning rate now."""
+        gone = min(1.0, self.updates / self.settings.rate_updates)
+        return self.settings.learning_rate * (1.0 - 0.9 * gone)
+
+    @torch.no_grad()
+    def _follow(self) -> None:
+        """The target network comes a step nearer."""
+        for mine, its in zip(self.target.parameters(), self.online.parameters(), strict=True):
+            mine.lerp_(its, self.settings.target_rate)
+
+    def _tensor(self, array: NDArray[Any]) -> Tensor:
+        return torch.from_numpy(array).to(self._device)
+
+    def _tensors(self, levels: Mapping[str, NDArray[np.uint8]]) -> dict[str, Tensor]:
+        return {name: self._tensor(level) for name, level in levels.items()}
+
+    def tensors(self) -> dict[str, Tensor]:
+        """Everything that later updates depend on, for a checkpoint; `restore` takes it back."""
+        state: dict[str, Tensor] = {}
+        for name, network in (("online", self.online), ("target", self.target)):
+            state |= {f"{name}.{key}": value for key, value in network.state_dict().items()}
+        for i, moments in self.optimiser.state_dict()["state"].items():
+            state |= {f"optimiser.{i}.{key}": value for key, value in moments.items()}
+        for key, array in self.replay.arrays().items():
+            state[f"replay.{key}"] = torch.from_numpy(np.ascontiguousarray(array))
+        state["updates"] = torch.tensor(self.updates)
+        return {name: value.cpu().contiguous() for name, value in state.items()}
+
+    def restore(self, state: Mapping[str, Tensor]) -> None:
+        """Take back what `tensors` gave."""
+
+        def part(prefix: str) -> dict[str, Tensor]:
+            return {
+                name.removeprefix(prefix): value
+                for name, value in state.items()
+                if name.startswith(prefix)
+            }
+
+        self.online.load_state_dict(part("online."))
+        self.target.load_state_dict(part("target."))
+        moments: dict[int, dict[str, Tensor]] = {}
+        for name, value in part("optimiser.").items():
+            i, key = name.split(".")
+            moments.setdefault(int(i), {})[key] = value
+        groups = self.optimiser.state_dict()["param_groups"]
+        self.optimiser.load_state_dict({"state": moments, "param_groups": groups})
+        self.replay.restore({name: value.numpy() for name, value in part("replay.").items()})
+        self.updates = int(state["updates"])

@@ -1,0 +1,68 @@
+"""Logs of a training run: Parquet tables, and the same numbers for TensorBoard."""
+
+from pathlib import Path
+
+import polars as pl
+
+from mjforage.core.errors import UserError
+from mjforage.learning.training.training import Progress, Row
+from mjforage.runs.storage import writing
+
+TABLES = ("training", "evaluations")
+
+
+class Logs:
+    """Tables `training.parquet` (a row per round) and `evaluations.parquet` of a folder.
+
+    Resuming drops rows that are younger than the checkpoint: those rounds are played again.
+
+    Raises
+    ------
+    UserError
+        If a table of the folder cannot be read.
+    """
+
+    def __init__(self, folder: Path, progress: Progress) -> None:
+        from torch.utils.tensorboard import SummaryWriter
+
+        self._folder = folder
+        self._rows: dict[str, list[Row]] = {}
+        for name in TABLES:
+            path = folder / f"{name}.parquet"
+            self._rows[name] = _read(path, progress.rounds) if path.is_file() else []
+        first = progress.updates + 1 if progress.rounds else 0
+        self._board = SummaryWriter(str(folder / "tensorboard"), purge_step=first)
+
+    def add(self, table: str, row: Row) -> None:
+        """Append a row."""
+        self._rows[table].append(row)
+        for name, value in row.items():
+            if name not in ("rounds", "updates", "seconds"):
+                self._board.add_scalar(f"{table}/{name}", value, int(row["updates"]))
+
+    def write(self) -> None:
+        """Put the tables on disk, each through a temporary file."""
+        self._board.flush()
+        for name, rows in self._rows.items():
+            path = self._folder / f"{name}.parquet"
+            beside = path.with_suffix(".part")
+            with writing(path):
+                pl.DataFrame(rows).write_parquet(beside)
+                beside.replace(path)
+
+    def close(self) -> None:
+        """Write and let go."""
+        self.write()
+        self._board.close()
+
+
+def _read(path: Path, rounds: int) -> list[Row]:
+    """Rows of a table up to a round."""
+    try:
+        table = pl.read_parquet(path, glob=False)
+        return table.filter(pl.col("rounds") <= rounds).to_dicts() if table.height else []
+    except (OSError, pl.exceptions.PolarsError) as error:
+        raise UserError(
+            f"{path}: not a table of training ({str(error).splitlines()[0]:.100}); move it away, "
+            "or give another --out"
+        ) from error

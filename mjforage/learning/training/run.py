@@ -1,0 +1,142 @@
+"""`mjforage train ddqn`: a run in a folder, from its checkpoint if there is one, to its end.
+
+Folder: `training.json` (command, scenario, settings, seed, versions), `training.parquet`,
+`evaluations.parquet`, `tensorboard/`, `checkpoint.safetensors`, `weights.safetensors` (latest) and
+`best.safetensors` (of the best evaluation).
+"""
+
+import platform
+import shlex
+import sys
+import time
+from collections.abc import Callable, Sequence
+from importlib.metadata import version
+from pathlib import Path
+
+import torch
+
+from mjforage.core.errors import UserError
+from mjforage.core.scenario import Scenario
+from mjforage.learning.training.checkpoint import identity, restore_checkpoint, save_checkpoint
+from mjforage.learning.training.logs import Logs
+from mjforage.learning.training.settings import Settings
+from mjforage.learning.training.training import Row, Trainer, save_weights
+from mjforage.runs.storage import claimed, open_folder, writing
+
+CHECKPOINT_S = 300.0  # between two checkpoints
+IDENTITY = ("seed", "device", "settings", "scenario", "also", "versions")
+"""Keys of `training.json` in which two runs must agree for one to go on where the other stopped."""
+
+Report = Callable[[str, Row], None]
+
+
+def train(
+    scenario: Scenario,
+    settings: Settings,
+    folder: Path,
+    *,
+    also: Sequence[Scenario] = (),
+    seed: int = 0,
+    hours: float | None = None,
+    updates: int | None = None,
+    device: str = "auto",
+    report: Report = lambda table, row: None,
+) -> Trainer:
+    """Train until the run has lasted so long, or its networks have had so many updates.
+
+    Both count from the run's beginning, over all processes that worked on it. The end of a round is
+    awaited. A run is deterministic on the CPU; on a GPU it is not to the bit.
+
+    Parameters
+    ----------
+    also : scenarios that rounds take in turn with the first
+    folder : of the run; a run of the same scenario, settings, seed and device in it goes on
+    hours, updates : where to stop; at least one
+    device : auto, cpu or cuda
+    report : called with every row that is logged, and its table's name
+
+    Raises
+    ------
+    UserError
+        If there is no end, the seed or the teacher is not valid, the device is missing, or the
+        folder holds another run or is being written.
+    """
+    _check_ends(hours, updates)
+    trainer = Trainer([scenario, *also], settings, seed, _device(device))
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    with claimed(folder):
+        _go_on(trainer, folder, hours, updates, report)
+    return trainer
+
+
+def _go_on(
+    trainer: Trainer, folder: Path, hours: float | None, updates: int | None, report: Report
+) -> None:
+    """Rounds from the folder's checkpoint, if there is one, to the end."""
+    checkpoint, settings = folder / "checkpoint.safetensors", trainer.settings
+    open_folder(folder, "training", _facts(trainer), IDENTITY)
+    if checkpoint.is_file():
+        restore_checkpoint(trainer, checkpoint)
+    logs, progress = Logs(folder, trainer.progress), trainer.progress
+    saved = time.perf_counter()
+    while not _over(trainer, hours, updates):
+        row = trainer.play_round()
+        logs.add("training", row)
+        report("training", row)
+        over = _over(trainer, hours, updates)
+        due = progress.updates >= settings.evaluate_every + progress.evaluated
+        if due or over:
+            found = trainer.evaluate()
+            logs.add("evaluations", found)
+            report("evaluations", found)
+            if due:
+                progress.evaluated = progress.updates
+            if found["rank"] < progress.best:
+                progress.best = found["rank"]
+                save_weights(trainer, folder / "best.safetensors")
+        if over or time.perf_counter() - saved > CHECKPOINT_S:
+            logs.write()  # first: what is younger than the checkpoint is dropped, not missed
+            save_weights(trainer, folder / "weights.safetensors")
+            trainer.book_time()
+            save_checkpoint(trainer, checkpoint)
+            saved = time.perf_counter()
+    logs.close()
+
+
+def _check_ends(hours: float | None, updates: int | None) -> None:
+    if hours is None and updates is None:
+        raise UserError("train: no end given; add --hours 2 or --updates 10000")
+    for name, value in (("hours", hours), ("updates", updates)):
+        if value is not None and not 0 < value < float("inf"):
+            raise UserError(f"train: --{name} {value}: give a positive number")
+
+
+def _over(trainer: Trainer, hours: float | None, updates: int | None) -> bool:
+    progress = trainer.progress
+    late = hours is not None and progress.seconds >= 3600.0 * hours
+    return late or (updates is not None and progress.updates >= updates)
+
+
+def _device(name: str) -> str:
+    """The device to use.
+
+    Raises
+    ------
+    UserError
+        If there is none of that name.
+    """
+    if name not in ("auto", "cpu", "cuda"):
+        raise UserError(f"--device {name}: choose auto, cpu or cuda")
+    if name == "cuda" and not torch.cuda.is_available():
+        raise UserError("--device cuda: torch finds no GPU here; use --device cpu")
+    return ("cuda" if torch.cuda.is_available() else "cpu") if name == "auto" else name
+
+
+def _facts(trainer: Trainer) -> dict[str, object]:
+    return {
+        "command": shlex.join(["mjforage", *sys.argv[1:]]),
+        **identity(trainer),
+        "versions": {name: version(name) for name in ("mjforage", "numpy", "numba", "torch")}
+        | {"python": platform.python_version()},
+    }

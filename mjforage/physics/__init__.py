@@ -1,0 +1,1 @@
+"""The same mission in MuJoCo: vessels, weather, scene, simulation, dynamics, validation."""

@@ -1,0 +1,176 @@
+"""One boat in the plane: its loads, its inertia, and its own equation of motion.
+
+Midships is the reference point and the hinge of the MuJoCo body; the centre of gravity lies x_g
+ahead of it. MuJoCo solves M(yaw) q'' + bias = force in world axes. Water resists acceleration with
+-M_A nu_r' - C_A(nu_r) nu_r, where nu_r = R^T (q' - current) (Fossen 2021, sections 6.5 and 10.3)
+and, under a steady current, nu_r' = R^T q'' + (r v_r, -r u_r). The first part of M_A nu_r' goes
+into M as R diag(X_a, Y_a) R^T and N_a, the second is a force (`hull_force_inertial`). Only relative
+velocities enter, so a steady current is an exact translation.
+"""
+
+import math
+from typing import NamedTuple
+
+from graph_planner.compiled import kernel
+from mjforage.physics.hydrodynamics import parameters as P  # noqa: N812 - a table of index constants
+from mjforage.physics.hydrodynamics.crossflow import cross_flow_slope
+from mjforage.physics.hydrodynamics.hull import hull_force_inertial, load_drag, load_mass
+from mjforage.physics.hydrodynamics.parameters import Float64Array
+from mjforage.physics.hydrodynamics.thruster import saturated, thruster_force
+from mjforage.physics.hydrodynamics.wind import wind_force, wind_slope
+
+
+class Surroundings(NamedTuple):
+    """What a boat feels beside its own motion, constant over a step."""
+
+    wind_x: float  # air over ground [m/s]
+    wind_y: float
+    water_x: float  # water over ground [m/s]
+    water_y: float
+    load: float  # items aboard
+
+
+class Inertia(NamedTuple):
+    """Total inertia in body axes, added mass included, and the moment of the rigid mass."""
+
+    surge: float  # [kg]
+    sway: float  # [kg]
+    yaw: float  # about midships [kg m2]
+    moment: float  # rigid mass times x_g [kg m]
+
+
+@kernel
+def inertia(p: Float64Array, load: float) -> Inertia:
+    """Inertia with `load` items aboard: they lie at midships and add mass only."""
+    mass = p[P.MASS] + load_mass(p, load)
+    return Inertia(
+        mass + p[P.ADDED_SURGE],
+        mass + p[P.ADDED_SWAY],
+        p[P.INERTIA_Z] + p[P.ADDED_YAW],
+        p[P.MASS] * p[P.COG_X],
+    )
+
+
+@kernel
+def loads(
+    p: Float64Array,
+    yaw: float,
+    vx: float,
+    vy: float,
+    r: float,
+    force: float,
+    moment: float,
+    around: Surroundings,
+) -> tuple[float, float, float]:
+    """Surge [N], sway [N] and yaw [N m] load at midships, body axes, for the right-hand side.
+
+    Parameters
+    ----------
+    vx, vy, r : velocity over ground, world axes [m/s], yaw rate [rad/s]
+    force, moment : of the thrusters [N], [N m]
+    """
+    c, s = math.cos(yaw), math.sin(yaw)
+    dx, dy = vx - around.water_x, vy - around.water_y
+    u_r, v_r = c * dx + s * dy, c * dy - s * dx
+    dx, dy = around.wind_x - vx, around.wind_y - vy
+    hull = hull_force_inertial(p, u_r, v_r, r)
+    wind = wind_force(p, c * dx + s * dy, c * dy - s * dx)
+    surge = hull[0] + wind[0] + force + load_drag(p, around.load, u_r)
+    return surge, hull[1] + wind[1], hull[2] + wind[2] + moment
+
+
+@kernel
+def acceleration(
+    p: Float64Array,
+    mass: Inertia,
+    yaw: float,
+    vx: float,
+    vy: float,
+    r: float,
+    force: float,
+    moment: float,
+    around: Surroundings,
+) -> tuple[float, float, float]:
+    """World acceleration of midships [m/s2] and yaw acceleration [rad/s2] of the free boat."""
+    surge, sway, turn = loads(p, yaw, vx, vy, r, force, moment, around)
+    ahead = (surge + mass.moment * r * r) / mass.surge
+    determinant = mass.sway * mass.yaw - mass.moment * mass.moment
+    aside = (mass.yaw * sway - mass.moment * turn) / determinant
+    spin = (mass.sway * turn - mass.moment * sway) / determinant
+    c, s = math.cos(yaw), math.sin(yaw)
+    return c * ahead - s * aside, s * ahead + c * aside, spin
+
+
+@kernel
+def mean_acceleration(
+    p: Float64Array,
+    mass: Inertia,
+    yaw: float,
+    vx: float,
+    vy: float,
+    r: float,
+    command: tuple[float, float],
+    lagged: tuple[float, float],
+    around: Surroundings,
+    step_s: float,
+) -> tuple[float, float, float]:
+    """Mean acceleration of the free boat over the coming step, by one Runge-Kutta step.
+
+    `command` and `lagged` are (port, starboard); the lag itself is solved exactly.
+    """
+    command = saturated(p, command[0]), saturated(p, command[1])
+    half = math.exp(-0.5 * step_s / p[P.LAG])
+    left, right = lagged[0] - command[0], lagged[1] - command[1]
+    f0, n0 = thruster_force(p, lagged[0], lagged[1])
+    f1, n1 = thruster_force(p, command[0] + left * half, command[1] + right * half)
+    left, right = left * half * half, right * half * half
+    f2, n2 = thruster_force(p, command[0] + left, command[1] + right)
+    h = 0.5 * step_s
+    ax, ay, ar = acceleration(p, mass, yaw, vx, vy, r, f0, n0, around)
+    bx, by, br = acceleration(
+        p, mass, yaw + h * r, vx + h * ax, vy + h * ay, r + h * ar, f1, n1, around
+    )
+    cx, cy, cr = acceleration(
+        p, mass, yaw + h * (r + h * ar), vx + h * bx, vy + h * by, r + h * br, f1, n1, around
+    )
+    dx, dy, dr = acceleration(
+        p,
+        mass,
+        yaw + step_s * (r + h * br),
+        vx + step_s * cx,
+        vy + step_s * cy,
+        r + step_s * cr,
+        f2,
+        n2,
+        around,
+    )
+    return (
+        (ax + 2 * (bx + cx) + dx) / 6,
+        (ay + 2 * (by + cy) + dy) / 6,
+        (ar + 2 * (br + cr) + dr) / 6,
+    )
+
+
+@kernel
+def damping(
+    p: Float64Array, yaw: float, vx: float, vy: float, r: float, around: Surroundings
+) -> tuple[float, float, float]:
+    """Slope of all drag, of water, air and load, in surge, sway [N s/m] and yaw [N m s], each >= 0.
+
+    Parameters
+    ----------
+    vx, vy, r : velocity over ground, world axes [m/s], yaw rate [rad/s]
+    """
+    c, s = math.cos(yaw), math.sin(yaw)
+    dx, dy = vx - around.water_x, vy - around.water_y
+    u_r, v_r = c * dx + s * dy, c * dy - s * dx
+    dx, dy = around.wind_x - vx, around.wind_y - vy
+    air = wind_slope(p, c * dx + s * dy, c * dy - s * dx)
+    cross = cross_flow_slope(p, v_r, r)
+    quadratic = p[P.QUAD_SURGE] + p[P.LOAD_DRAG] * around.load
+    growth = p[P.LINEAR_YAW] * p[P.YAW_GROWTH] + p[P.QUAD_YAW]
+    return (
+        p[P.LINEAR_SURGE] + 2 * quadratic * abs(u_r) + air[0],
+        p[P.LINEAR_SWAY] + 2 * p[P.QUAD_SWAY] * abs(v_r) + cross[0] + air[1],
+        p[P.LINEAR_YAW] + 2 * growth * abs(r) + cross[1],
+    )

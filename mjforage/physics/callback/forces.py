@@ -1,0 +1,189 @@
+"""The forces of all boats and items on one MuJoCo state: what the callback does, on plain arrays.
+
+Both routes, native and Python, call `apply`; it may be called twice on one state, since it sets
+the boats' rows of M and does not add to them.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel
+from mjforage.physics.callback import boat
+from mjforage.physics.callback.layout import (
+    AVERAGED,
+    CLASS_WIDTH,
+    HEADER,
+    INPUT_WIDTH,
+    ITEM_AIR,
+    ITEM_DOFS,
+    ITEM_MASS,
+    ITEM_WATER,
+    LOAD,
+    N_CLASSES,
+    N_ITEMS,
+    N_PARAMETERS,
+    N_VESSELS,
+    SCHEME,
+    VESSEL_DOFS,
+    WATER,
+    WIND,
+)
+from mjforage.physics.hydrodynamics.parameters import Float64Array
+from mjforage.physics.hydrodynamics.thruster import thruster_force
+
+STIFF = 1.2  # item drag rate times step above which Runge-Kutta (limit 2.78 on twice this) is tamed
+
+
+class State(NamedTuple):
+    """The fields of mjModel and mjData that matter, as views."""
+
+    numeric: Float64Array  # (number,) model, see `layout`
+    row: NDArray[np.int32]  # (dof,) start of each row of M
+    qpos: Float64Array  # (dof,) [m], [rad]
+    qvel: Float64Array  # (dof,) over ground, world axes [m/s], [rad/s]
+    act: Float64Array  # (vessel * 2,) lagged commands
+    ctrl: Float64Array  # (vessel * 2,) commands
+    userdata: Float64Array  # (input,) see `layout`
+    force: Float64Array  # (dof,) qfrc_passive, added to [N], [N m]
+    mass: Float64Array  # (entry,) M, rows set
+    step_s: float
+
+
+@kernel
+def _averaged(
+    state: State,
+    v: int,
+    p: Float64Array,
+    around: boat.Surroundings,
+    body: boat.Inertia,
+) -> tuple[float, float, float, float, float, float]:
+    """Loads in body axes that give boat `v` its mean acceleration, and the inertia to feel.
+
+    Positions run half a step ahead of velocities, so the heading is taken back by that much. Half a
+    step of damping joins the inertia: a contact that stops the hull then meets the full load at
+    rest, not the load that the free hull would have had on average. For quadratic drag that is
+    exact with the slope at a third of the step: the mean of (v + a t)^2 over h is
+    v^2 + h a (v + a h/3). Free motion is the same.
+    """
+    h, i = state.step_s, v * VESSEL_DOFS
+    yaw, vx, vy, r = state.qpos[i + 2], state.qvel[i], state.qvel[i + 1], state.qvel[i + 2]
+    command = state.ctrl[2 * v], state.ctrl[2 * v + 1]
+    lagged = state.act[2 * v], state.act[2 * v + 1]
+    ax, ay, ar = boat.mean_acceleration(
+        p, body, yaw - 0.5 * h * r, vx, vy, r, command, lagged, around, h
+    )
+    c, s = math.cos(yaw), math.sin(yaw)
+    d_surge, d_sway, d_yaw = boat.damping(
+        p, yaw, vx + h / 3 * ax, vy + h / 3 * ay, r + h / 3 * ar, around
+    )
+    m_surge, m_sway = body.surge + 0.5 * h * d_surge, body.sway + 0.5 * h * d_sway
+    m_yaw = body.yaw + 0.5 * h * d_yaw
+    ahead, aside = c * ax + s * ay, c * ay - s * ax
+    surge = m_surge * ahead - body.moment * r * r
+    sway = m_sway * aside + body.moment * ar
+    return surge, sway, m_yaw * ar + body.moment * aside, m_surge, m_sway, m_yaw
+
+
+@kernel
+def _instant(
+    state: State, v: int, p: Float64Array, around: boat.Surroundings, body: boat.Inertia
+) -> tuple[float, float, float, float, float, float]:
+    """Loads on boat `v` now, in body axes, and its inertia."""
+    i = v * VESSEL_DOFS
+    push, twist = thruster_force(p, state.act[2 * v], state.act[2 * v + 1])
+    surge, sway, turn = boat.loads(
+        p,
+        state.qpos[i + 2],
+        state.qvel[i],
+        state.qvel[i + 1],
+        state.qvel[i + 2],
+        push,
+        twist,
+        around,
+    )
+    return surge, sway, turn, body.surge, body.sway, body.yaw
+
+
+@kernel
+def _boat(state: State, v: int, p: Float64Array, averaged: bool) -> None:
+    """Force and rows of M of boat `v`."""
+    userdata, mass, force, row = state.userdata, state.mass, state.force, state.row
+    i, at = v * VESSEL_DOFS, v * INPUT_WIDTH
+    around = boat.Surroundings(
+        userdata[at + WIND],
+        userdata[at + WIND + 1],
+        userdata[at + WATER],
+        userdata[at + WATER + 1],
+        userdata[at + LOAD],
+    )
+    body = boat.inertia(p, around.load)
+    if averaged:
+        loads = _averaged(state, v, p, around, body)
+    else:
+        loads = _instant(state, v, p, around, body)
+    surge, sway, turn, m_surge, m_sway, m_yaw = loads
+    c, s = math.cos(state.qpos[i + 2]), math.sin(state.qpos[i + 2])
+    force[i] += c * surge - s * sway
+    force[i + 1] += s * surge + c * sway
+    force[i + 2] += turn
+    x, y, z = row[i], row[i + 1], row[i + 2]
+    mass[x] = c * c * m_surge + s * s * m_sway
+    mass[y] = c * s * (m_surge - m_sway)
+    mass[y + 1] = s * s * m_surge + c * c * m_sway
+    mass[z] = -s * body.moment
+    mass[z + 1] = c * body.moment
+    mass[z + 2] = m_yaw
+
+
+@kernel
+def _items(
+    state: State, classes: Float64Array, first_dof: int, first_input: int, averaged: bool
+) -> None:
+    """Drag of air and water on every item on the water: k_a |W - v| (W - v) + k_w |c - v| (c - v).
+
+    Linearly implicit under Euler: the slope (k_a |W - v| + k_w |c - v|) h is put into M.
+    """
+    qvel, userdata, force, mass, row = (
+        state.qvel,
+        state.userdata,
+        state.force,
+        state.mass,
+        state.row,
+    )
+    h, items = state.step_s, int(state.numeric[N_ITEMS])
+    for k in range(items):
+        i, at = first_dof + k * ITEM_DOFS, first_input + k * INPUT_WIDTH
+        which = int(userdata[at + LOAD]) * CLASS_WIDTH
+        if which < 0 or which >= classes.size:
+            continue
+        ax, ay = userdata[at + WIND] - qvel[i], userdata[at + WIND + 1] - qvel[i + 1]
+        wx, wy = userdata[at + WATER] - qvel[i], userdata[at + WATER + 1] - qvel[i + 1]
+        air = classes[which + ITEM_AIR] * math.sqrt(ax * ax + ay * ay)
+        water = classes[which + ITEM_WATER] * math.sqrt(wx * wx + wy * wy)
+        own, slope = classes[which + ITEM_MASS], h * (air + water)
+        if averaged:
+            own += slope
+        else:
+            own *= max(1.0, slope / (STIFF * own))
+        force[i] += air * ax + water * wx
+        force[i + 1] += air * ay + water * wy
+        mass[row[i]] = own
+        mass[row[i + 1]] = own
+
+
+@kernel
+def apply(state: State) -> None:
+    """Add the forces of all boats and items to `force` and set their rows of `mass`."""
+    numeric = state.numeric
+    vessels, items = int(numeric[N_VESSELS]), int(numeric[N_ITEMS])
+    width, averaged = int(numeric[N_PARAMETERS]), numeric[SCHEME] == AVERAGED
+    for v in range(vessels):
+        start = HEADER + v * width
+        _boat(state, v, numeric[start : start + width], averaged)
+    start = HEADER + vessels * width
+    classes = numeric[start : start + int(numeric[N_CLASSES]) * CLASS_WIDTH]
+    if items:
+        _items(state, classes, vessels * VESSEL_DOFS, vessels * INPUT_WIDTH, averaged)

@@ -1,0 +1,40 @@
+"""What rides in a MuJoCo model and state for the callback: the layout of numerics and userdata.
+
+Per model, in ``<custom>``, in this order (all [SI]):
+
+=====================  ====================================================================
+``mjforage``           MAGIC, vessels, items, item classes, scheme, parameters per vessel
+``mjforage-vessel-i``  packed parameters of vessel i (`mjforage.physics.hydrodynamics`)
+``mjforage-items``     (class, 3): mass incl. added mass [kg], air and water drag [N s2/m2]
+=====================  ====================================================================
+
+Per simulation, in ``userdata``: (vessel, 5), then (item, 5).
+Degrees of freedom: x, y, yaw of each vessel, then x, y of each item.
+"""
+
+from typing import Final
+
+MAGIC: Final = 20_260_617.0  # guards the process-global callback against other people's models
+HEADER: Final = 6  # numbers in the numeric `mjforage`
+N_VESSELS: Final = 1  # places in it
+N_ITEMS: Final = 2
+N_CLASSES: Final = 3
+SCHEME: Final = 4
+N_PARAMETERS: Final = 5
+HEADER_NAME: Final = "mjforage"
+
+INSTANT: Final = 0.0  # scheme: forces at the instant asked for (Runge-Kutta)
+AVERAGED: Final = 1.0  # scheme: forces averaged over the coming step (Euler)
+
+ITEM_MASS: Final = 0  # places in an item class
+ITEM_AIR: Final = 1
+ITEM_WATER: Final = 2
+CLASS_WIDTH: Final = 3
+
+WIND: Final = 0  # userdata of a vessel or item: velocity of the air over ground, x, y [m/s]
+WATER: Final = 2  # velocity of the water over ground, x, y [m/s]
+LOAD: Final = 4  # items aboard a vessel; class of an item, negative if it is not on the water
+INPUT_WIDTH: Final = 5
+
+VESSEL_DOFS: Final = 3
+ITEM_DOFS: Final = 2

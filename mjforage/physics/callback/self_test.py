@@ -1,0 +1,65 @@
+"""Proof that the installed callback reads and writes the right memory, on a model of one boat."""
+
+import math
+
+import mujoco
+import numpy as np
+
+from mjforage.physics.callback.layout import HEADER_NAME, INSTANT, MAGIC, WATER
+from mjforage.physics.hydrodynamics import parameters as P  # noqa: N812 - a table of index constants
+
+MASS, ADDED_SURGE, ADDED_SWAY, ADDED_YAW, INERTIA = 100.0, 50.0, 200.0, 5.0, 20.0
+DRAG, TOLERANCE = 10.0, 1e-9
+
+_TOY = f"""
+<mujoco>
+  <option gravity="0 0 0" timestep="0.01"/><size nuserdata="5"/>
+  <custom>
+    <numeric name="{HEADER_NAME}" data="{MAGIC!r} 1 0 0 {INSTANT} {P.SIZE}"/>
+    <numeric name="vessel" data="{{parameters}}"/>
+  </custom>
+  <worldbody>
+    <body name="hull">
+      <joint name="x" type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>
+      <joint type="hinge" axis="0 0 1"/>
+      <inertial pos="1e-6 0 0" mass="{MASS}" diaginertia="{INERTIA} {INERTIA} {INERTIA}"/>
+    </body>
+  </worldbody>
+  <actuator>
+    <general joint="x" dyntype="filter" gainprm="0"/>
+    <general joint="x" dyntype="filter" gainprm="0"/>
+  </actuator>
+</mujoco>
+"""
+
+
+def toy_model() -> mujoco.MjModel:
+    """A hull with linear drag only, so that a push by a current has a known answer."""
+    p = np.zeros(P.SIZE)
+    p[P.MASS], p[P.INERTIA_Z], p[P.LAG] = MASS, INERTIA, 1.0
+    p[P.ADDED_SURGE], p[P.ADDED_SWAY], p[P.ADDED_YAW] = ADDED_SURGE, ADDED_SWAY, ADDED_YAW
+    p[P.LINEAR_SURGE] = p[P.LINEAR_SWAY] = DRAG
+    return mujoco.MjModel.from_xml_string(
+        _TOY.format(parameters=" ".join(repr(float(value)) for value in p))
+    )
+
+
+def failure(model: mujoco.MjModel) -> str | None:
+    """What is wrong with the callback now in place on `toy_model()`, or None.
+
+    A current of 1 m/s along x pushes a resting hull with 10 N. Along the hull it has to accelerate
+    it by 10/(m + X_a), across it by 10/(m + Y_a), at any heading.
+    """
+    data = mujoco.MjData(model)
+    data.userdata[WATER] = 1.0
+    for yaw in np.linspace(0.0, math.tau, 9):
+        data.qpos[2] = yaw
+        mujoco.mj_forward(model, data)
+        c, s = math.cos(yaw), math.sin(yaw)
+        munk = -(ADDED_SWAY - ADDED_SURGE) * (-c) * s
+        ahead, aside = c * DRAG / (MASS + ADDED_SURGE), -s * DRAG / (MASS + ADDED_SWAY)
+        expected = c * ahead - s * aside, s * ahead + c * aside, munk / (INERTIA + ADDED_YAW)
+        error = float(np.max(np.abs(data.qacc - expected)))
+        if not error < TOLERANCE:
+            return f"acceleration of a resting hull at heading {yaw:.2f} rad is off by {error:.3g}"
+    return None

@@ -1,0 +1,1 @@
+"""Dynamics of a mission in MuJoCo: hulls carry decisions out among floating bodies."""

@@ -1,0 +1,282 @@
+"""Physics dynamics: decisions carried out by hulls in MuJoCo, under one weather for all.
+
+A decision becomes a waypoint; controllers steer at 10 Hz; what the period's end looks like is the
+same `Transition` as at graph level. Physics section 1 defines arrived, late and blocked.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers import Chart, Pilot
+from graph_planner.fleet import Fleet
+from graph_planner.geodesics import Int32Array
+from graph_planner.moves import Moves
+from graph_planner.navigation import STAY, NavigationGraph
+from graph_planner.randomness import UInt64Array
+from mjforage.core.dynamics import Transition, start_state
+from mjforage.core.errors import UserError
+from mjforage.core.film import Film
+from mjforage.core.item_rule import ItemRule, collect
+from mjforage.core.scenario import Scenario
+from mjforage.core.world import World, nearest_nodes
+from mjforage.physics.dynamics.debris import draw_classes, nearest_items, read_items, take_at_mouth
+from mjforage.physics.dynamics.fleet_scene import fleet_scene, fleet_vessels, item_choices
+from mjforage.physics.dynamics.sensing import measured_poses
+from mjforage.physics.dynamics.watch import Watched, judge, watch
+from mjforage.physics.helm import helm_of
+from mjforage.physics.hydrodynamics.parameters import pack
+from mjforage.physics.simulation import Integrator, Simulation
+from mjforage.physics.weather import Field, WeatherSettings
+
+CONTROL_S = 0.1  # controllers run at 10 Hz
+WEATHER_TICKS = 5  # wind and current are looked up every 0.5 s, a quarter of a gust's memory
+
+
+class PhysicsDynamics:
+    """Hulls and floating bodies. Distances and energy are in node lengths, as at graph level."""
+
+    def __init__(
+        self, graph: NavigationGraph, fleet: Fleet, scenario: Scenario, film: Film | None = None
+    ) -> None:
+        """Read vessels and build what does not depend on the episode.
+
+        Raises
+        ------
+        UserError
+            If a vessel or an item class is not known, a hull does not fit on the map, the
+            scenario's times do not fit together, or items without bodies shall enter a mouth.
+        """
+        self._graph, self._fleet, self._scenario, self._film = graph, fleet, scenario, film
+        self._choice = scenario.physics
+        self.detection = scenario.sensors.detection
+        weather_s, step_s = WEATHER_TICKS * CONTROL_S, self._choice.step_s
+        self._ticks = WEATHER_TICKS * _times(
+            scenario.period_s, weather_s, f"period_s = {scenario.period_s:g} s"
+        )
+        self._substeps = _times(CONTROL_S, step_s, f"physics.step_s = {step_s:g} s")
+        self._vessels = fleet_vessels(fleet, self._choice)
+        self._classes = item_choices(self._choice)
+        self._bodies = self._choice.items == "bodies"
+        if self._choice.capture == "intake" and not self._bodies:
+            raise UserError(
+                "physics.capture = 'intake' with physics.items = 'graph': items without bodies "
+                "enter no mouth; set physics.capture=node or physics.items=bodies"
+            )
+        fleet_scene(graph, self._vessels, fleet.names, 0)  # hulls that do not fit say so now
+        self._helms = [helm_of(vessel) for vessel in self._vessels]
+        self._chart = Chart(graph.navigable, graph.pitch_m)
+        self._parameters = np.stack([pack(vessel) for vessel in self._vessels])
+        self._size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in self._vessels])
+        self._settings = WeatherSettings.of_scenario(
+            scenario.weather, graph.pitch_m, scenario.period_s
+        )
+        centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
+        self._centres, self._centres_xy = centres, graph.metres(centres)
+
+    def reset(self, world: World, keys: UInt64Array, names: Sequence[str]) -> Transition:
+        """Start a batch of episodes and return their state at step 0."""
+        episodes, items = world.item_node.shape
+        self._keys, self._state = keys, start_state(world, self._centres)
+        self._field = Field.create(self._settings, keys, self._graph)
+        scene = fleet_scene(
+            self._graph, self._vessels, self._fleet.names, items if self._bodies else 0
+        )
+        self._simulation = Simulation(
+            scene,
+            episodes,
+            integrator=Integrator(self._choice.integrator),
+            step_s=self._choice.step_s,
+            seeds=names,
+        )
+        self._pilot = Pilot(self._helms, self._chart, episodes, CONTROL_S)
+        self._watched = Watched.of(world.agent_node.shape)
+        pose = np.zeros((*world.agent_node.shape, 3))
+        pose[..., :2] = self._centres_xy[world.agent_node]
+        self._simulation.place_vessels(pose)
+        self._pose = self._simulation.vessel_pose
+        self._velocity = self._simulation.vessel_velocity
+        self._place_items(world)
+        self._tick = np.zeros(episodes, np.int64)
+        if self._film is not None:
+            self._film.interval_s = WEATHER_TICKS * CONTROL_S
+            self._shoot()
+        return self._state
+
+    def _place_items(self, world: World) -> None:
+        self._room_left = np.tile(self._fleet.capacity, (len(world.n_items), 1))
+        self._rule: ItemRule | None = None
+        if not self._bodies:
+            noise = self._scenario.weather.noise_node_per_step
+            self._rule = ItemRule(self._graph, self._fleet, noise)
+            self._rule.reset(world, self._keys)
+            self._room_left = self._rule.room_left
+            return
+        episodes, items = world.item_node.shape
+        self._items_in_node = np.zeros((episodes, len(self._graph)), np.int16)
+        present = world.item_node >= 0
+        np.add.at(self._items_in_node, (np.nonzero(present)[0], world.item_node[present]), 1)
+        classes = np.full((episodes, self._simulation.scene.items), -1, np.int64)
+        classes[:, :items] = draw_classes(self._keys, world.item_node, self._classes)
+        xy = np.array(np.broadcast_to(self._simulation.scene.parking, (*classes.shape, 2)))
+        xy[:, :items][present] = self._graph.metres(world.item_rc)[present]
+        self._simulation.place_items(xy, classes)
+
+    def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:
+        """Carry out one decision: steer, drift, collect. Inactive episodes do not change."""
+        state, simulation = self._state, self._simulation
+        ids = np.flatnonzero(active)
+        target = self._centres_xy[moves.target]
+        stay = moves.direction == STAY
+        self._pilot.order(active, self._centres_xy[state.agent_node], target, stay)
+        self._watched.begin(active)
+        filmed = self._film is not None and bool(active[0])
+        for tick in range(self._ticks):
+            if tick % WEATHER_TICKS == 0:
+                self._feel(active)
+                self._seek(active, target)
+                if filmed and tick:
+                    self._shoot()
+            self._steer(active, ids, target)
+            if self._bodies and self._choice.capture == "intake":
+                self._take(active)
+        self._settle(active, step, moves)
+        if filmed:
+            self._shoot()
+        simulation.load[active] = self._fleet.capacity - self._room_left[active]
+        return state
+
+    def _feel(self, active: NDArray[np.bool_]) -> None:
+        """Give hulls and items the wind and the water of the moment."""
+        simulation, now = self._simulation, self._tick * CONTROL_S
+        hulls = np.ascontiguousarray(self._pose[..., :2])
+        simulation.vessel_wind[:] = self._field.wind(now, hulls)
+        simulation.vessel_water[:] = self._field.current(now, hulls)
+        if self._bodies:
+            items = simulation.item_xy
+            simulation.item_wind[:] = self._field.wind(now, items)
+            noise = self._field.item_noise(now, items.shape[1])
+            simulation.item_water[:] = self._field.current(now, items) + noise
+
+    def _seek(self, active: NDArray[np.bool_], target: NDArray[np.float64]) -> None:
+        """Tell the pilots which item to pick up."""
+        if not self._bodies or self._choice.capture != "intake":
+            return
+        simulation = self._simulation
+        goal = np.empty_like(target)
+        nearest_items(
+            active,
+            self._fleet.collects,
+            self._room_left,
+            self._pose,
+            simulation.item_xy,
+            target,
+            self._graph.pitch_m,
+            self._state.item_node,
+            goal,
+        )
+        self._pilot.collect(goal)
+
+    def _steer(
+        self, active: NDArray[np.bool_], ids: NDArray[np.intp], target: NDArray[np.float64]
+    ) -> None:
+        """One control tick: measure, command, step, take note."""
+        simulation, sensors = self._simulation, self._scenario.sensors
+        pose = self._pose
+        seen = measured_poses(sensors, self._keys, self._tick, pose)
+        commands = self._pilot.command(active, seen, self._velocity)
+        simulation.commands[ids] = commands[ids]
+        simulation.step(self._substeps, None if len(ids) == len(active) else ids)
+        velocity = self._velocity
+        self._pose, self._velocity = simulation.vessel_pose, simulation.vessel_velocity
+        self._tick[ids] += 1
+        watch(
+            active,
+            CONTROL_S,
+            self._pose,
+            self._velocity,
+            pose,
+            velocity,
+            target,
+            self._pilot.giving_way,
+            simulation.vessel_water,
+            simulation.thruster_state,
+            self._parameters,
+            self._size,
+            self._graph.water.framed,
+            self._graph.pitch_m,
+            self._watched,
+        )
+
+    def _take(self, active: NDArray[np.bool_]) -> None:
+        """Capture rule `intake`, at every tick."""
+        simulation, state = self._simulation, self._state
+        taken = take_at_mouth(
+            active,
+            self._fleet.collects,
+            self._size,
+            self._pose,
+            simulation.item_xy,
+            self._room_left,
+            self._items_in_node,
+            state,
+        )
+        if taken:
+            self._remove()
+
+    def _remove(self) -> None:
+        """Take the bodies of collected items off the water."""
+        gone = np.zeros(self._simulation.item_class.shape, np.bool_)
+        gone[:, : self._state.item_node.shape[1]] = self._state.item_node < 0
+        self._simulation.remove_items(gone & (self._simulation.item_class >= 0))
+
+    def _settle(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> None:
+        """Write the period's end into the state."""
+        state, watched, graph = self._state, self._watched, self._graph
+        pose = self._pose[active]
+        way = watched.travelled_m[active] / graph.pitch_m
+        state.agent_rc[active] = graph.row_column(pose[..., :2])
+        state.agent_node[active] = nearest_nodes(graph.water, state.agent_rc[active])
+        state.agent_yaw[active] = pose[..., 2]
+        state.agent_speed[active] = way
+        state.distance[active] += way
+        state.energy[active] += way
+        state.collisions[active] = watched.collisions[active]
+        state.impact[active] = watched.impact_mps[active]
+        state.work[active] = watched.work_j[active]
+        judge(active, moves.blocked, watched, state.outcome)
+        if self._rule is not None:
+            self._rule.advance(active, step, state)
+            return
+        xy = self._simulation.item_xy
+        read_items(active, xy, graph.water, graph.pitch_m, self._items_in_node, state)
+        if self._choice.capture == "node":
+            collect(active, self._fleet.collects, self._room_left, self._items_in_node, state)
+            self._remove()
+
+    def _shoot(self) -> None:
+        """A frame of the first episode."""
+        assert self._film is not None
+        simulation, state, items = self._simulation, self._state, self._state.item_node.shape[1]
+        xy = simulation.item_xy[0, :items] if self._bodies else self._graph.metres(state.item_rc[0])
+        now = self._tick * CONTROL_S
+        wind = self._field.wind(now, np.zeros((len(now), 1, 2)))[0, 0]
+        self._film.shoot(self._pose[0], xy, state.item_node[0] >= 0, wind)
+
+
+def _times(whole: float, part: float, name: str) -> int:
+    """How often a time [s] goes into another.
+
+    Raises
+    ------
+    UserError
+        If not a whole number of times.
+    """
+    count = round(whole / part)
+    if count < 1 or abs(count * part - whole) > 1e-9 * whole:
+        raise UserError(
+            f"scenario: {name} does not fit; {whole:g} s has to be a whole number of times "
+            f"{part:g} s"
+        )
+    return count

@@ -1,0 +1,107 @@
+"""From a vessel to what its controllers know of it, and a tuning for vessels that bring none."""
+
+import dataclasses
+import math
+
+from controllers import Helm, Tuning
+from mjforage.physics.vessels import Control, CrossFlow, Propeller, Vessel
+
+SHARE = 0.9  # of the thrust, with which cruise speeds are reckoned; the rest steers
+
+
+def helm_of(vessel: Vessel) -> Helm:
+    """The controllers' view of a vessel; without a `[control]` table, `default_control` is used."""
+    control = vessel.control or default_control(vessel)
+    thruster = vessel.thruster
+    low, high = thruster.command_range
+    propeller = isinstance(thruster, Propeller)
+    return Helm(
+        length_m=vessel.length_m,
+        beam_m=vessel.beam_m,
+        mass_surge_kg=vessel.mass_kg + vessel.added_mass_surge_kg,
+        mass_sway_kg=vessel.mass_kg + vessel.added_mass_sway_kg,
+        inertia_yaw_kgm2=vessel.inertia_z_kgm2 + vessel.added_mass_yaw_kgm2,
+        munk_kg=vessel.added_mass_sway_kg - vessel.added_mass_surge_kg,
+        linear_surge=vessel.linear_surge,
+        quadratic_surge=vessel.quadratic_surge,
+        linear_sway=vessel.linear_sway,
+        quadratic_sway=_quadratic_sway(vessel),
+        linear_yaw=vessel.linear_yaw,
+        quadratic_yaw=_quadratic_yaw(vessel),
+        lever_m=vessel.lever_m,
+        lag_s=vessel.lag_s,
+        k_ahead=thruster.k_ahead if isinstance(thruster, Propeller) else 1.0,
+        k_astern=thruster.k_astern if isinstance(thruster, Propeller) else 1.0,
+        exponent=2.0 if propeller else 1.0,
+        command_low=low,
+        command_high=high,
+        dead_zone=0.0 if isinstance(thruster, Propeller) else thruster.dead_zone_newton,
+        tuning=Tuning(**dataclasses.asdict(control)),
+    )
+
+
+def default_control(vessel: Vessel) -> Control:
+    """A tuning from mass, drag and thrust, for a vessel without one.
+
+    Speeds and rates are those at which drag takes `SHARE` of the thrust (half of it when turning);
+    accelerations are what the thrust gives at rest; loops are slower than thruster lag, control
+    period and thrust allow; lengths go with the hull's.
+    """
+    low, high = vessel.thruster.thrust_range
+    surge = vessel.mass_kg + vessel.added_mass_surge_kg
+    yaw = vessel.inertia_z_kgm2 + vessel.added_mass_yaw_kgm2
+    moment = -2.0 * low * vessel.lever_m if -low < high else 2.0 * high * vessel.lever_m
+    brake = -2.0 * low / surge
+    acceleration = 0.8 * moment / yaw
+    quick = 1.0 / (0.2 + 2.0 * vessel.lag_s)
+    heading = min(quick, math.sqrt(1.5 * moment / yaw))
+    speed = min(quick, 1.5)
+    hold = min(0.5 * speed, math.sqrt(brake / vessel.length_m))
+    return Control(
+        cruise_ahead_mps=_speed(vessel.linear_surge, vessel.quadratic_surge, SHARE * 2.0 * high),
+        cruise_astern_mps=_speed(vessel.linear_surge, vessel.quadratic_surge, -SHARE * 2.0 * low),
+        acceleration_mps2=SHARE * 2.0 * high / surge,
+        brake_mps2=0.7 * brake,
+        yaw_rate_radps=_speed(vessel.linear_yaw, _quadratic_yaw(vessel), SHARE * moment),
+        yaw_acceleration_radps2=acceleration,
+        heading_bandwidth_radps=heading,
+        heading_damping=1.0,
+        heading_integral_s=10.0 / heading,
+        speed_bandwidth_radps=speed,
+        speed_integral_s=5.0 / speed,
+        lookahead_m=1.5 * vessel.length_m,
+        drift_gain_mps=1.0,
+        hold_bandwidth_radps=hold,
+        hold_integral_s=3.0 / hold,
+        hold_radius_m=0.15 * vessel.length_m,
+        clearance_m=0.15 * vessel.length_m,
+        filter_s=3.0,
+    )
+
+
+def _quadratic_sway(vessel: Vessel) -> float:
+    """Quadratic part and cross-flow of a hull moving sideways."""
+    if vessel.crossflow is None:
+        return vessel.quadratic_sway
+    return vessel.quadratic_sway + _strip(vessel.crossflow) * vessel.crossflow.length_m
+
+
+def _quadratic_yaw(vessel: Vessel) -> float:
+    """Growth of the linear part, quadratic part, and cross-flow of a hull turning on the spot."""
+    drag = vessel.quadratic_yaw + vessel.linear_yaw * vessel.yaw_linear_growth
+    if vessel.crossflow is None:
+        return drag
+    return drag + _strip(vessel.crossflow) * vessel.crossflow.length_m**4 / 32.0
+
+
+def _strip(flow: CrossFlow) -> float:
+    """Cross-flow drag of a metre of length at 1 m/s [N s2/m3]."""
+    return 0.5 * flow.water_density_kgpm3 * flow.coefficient * flow.draft_m
+
+
+def _speed(linear: float, quadratic: float, load: float) -> float:
+    """Speed at which linear + quadratic drag takes a load."""
+    if quadratic < 1e-12 * linear:
+        return load / linear
+    root = math.sqrt(linear * linear + 4.0 * quadratic * load)
+    return (root - linear) / (2.0 * quadratic)

@@ -1,0 +1,64 @@
+"""Wind load after Blendermann (1994), "Parameter identification of wind loads on ships"."""
+
+import math
+
+from graph_planner.compiled import kernel
+from mjforage.physics.hydrodynamics.parameters import (
+    LENGTH,
+    WIND_CDL_BOW,
+    WIND_CDL_STERN,
+    WIND_CDT,
+    WIND_DELTA,
+    WIND_FRONT,
+    WIND_SIDE,
+    WIND_SL,
+    Float64Array,
+)
+
+
+@kernel
+def wind_slope(p: Float64Array, wind_u: float, wind_v: float) -> tuple[float, float]:
+    """How fast the wind load falls as the hull gives way: -dX/du, -dY/dv [N s/m], never below 0.
+
+    Slopes of V u and V v; that of Blendermann's denominator is left out. Parameters as in
+    `wind_force`.
+    """
+    speed = math.sqrt(wind_u * wind_u + wind_v * wind_v)
+    if speed == 0.0:
+        return 0.0, 0.0
+    cdl = p[WIND_CDL_BOW] if wind_u <= 0.0 else p[WIND_CDL_STERN]
+    return (
+        p[WIND_FRONT] * cdl * (speed + wind_u * wind_u / speed),
+        p[WIND_SIDE] * p[WIND_CDT] * (speed + wind_v * wind_v / speed),
+    )
+
+
+@kernel
+def wind_force(p: Float64Array, wind_u: float, wind_v: float) -> tuple[float, float, float]:
+    """Wind load in body axes; mirror-symmetric, zero for zero areas.
+
+    With g the angle between bow and where the wind comes from, 0 to pi on either side:
+    X = q A_F CDl cos(g)/den aft, Y = q A_L CDt sin(g)/den to leeward, N = (s_L - 0.18 (g - pi/2) L)
+    Y, den = 1 - delta/2 (1 - CDl/CDt) sin^2(2g), q = 1/2 rho V^2.
+
+    Parameters
+    ----------
+    p : (SIZE,) of `pack`
+    wind_u, wind_v : velocity of the air relative to the hull, forward and to port [m/s]
+
+    Returns
+    -------
+    X forward [N], Y to port [N], N counter-clockwise [N m], at midships
+    """
+    squared = wind_u * wind_u + wind_v * wind_v
+    if squared == 0.0 or (p[WIND_FRONT] == 0.0 and p[WIND_SIDE] == 0.0):
+        return 0.0, 0.0, 0.0
+    speed = math.sqrt(squared)
+    cdt = p[WIND_CDT]
+    cdl = p[WIND_CDL_BOW] if wind_u <= 0.0 else p[WIND_CDL_STERN]
+    doubled = 2.0 * wind_u * wind_v / squared  # -+ sin(2g)
+    den = 1.0 - 0.5 * p[WIND_DELTA] * (1.0 - cdl / cdt) * doubled * doubled
+    x = p[WIND_FRONT] * cdl * speed * wind_u / den
+    y = p[WIND_SIDE] * cdt * speed * wind_v / den
+    g = math.atan2(abs(wind_v), -wind_u)
+    return x, y, (p[WIND_SL] - 0.18 * (g - 0.5 * math.pi) * p[LENGTH]) * y

@@ -1,0 +1,30 @@
+"""Manoeuvres of one hull on open water: schedules, standard tests, trajectories, key figures."""
+
+from mjforage.physics.manoeuvre.command import manoeuvre
+from mjforage.physics.manoeuvre.directions import parse_flow
+from mjforage.physics.manoeuvre.figures import KeyFigure, key_figures
+from mjforage.physics.manoeuvre.run import run_manoeuvre, run_test
+from mjforage.physics.manoeuvre.schedule import Schedule, read_schedule
+from mjforage.physics.manoeuvre.standard import STANDARD_TESTS
+from mjforage.physics.manoeuvre.trajectory import (
+    Trajectory,
+    check_file,
+    read_trajectory,
+    write_trajectory,
+)
+
+__all__ = [
+    "STANDARD_TESTS",
+    "KeyFigure",
+    "Schedule",
+    "Trajectory",
+    "check_file",
+    "key_figures",
+    "manoeuvre",
+    "parse_flow",
+    "read_schedule",
+    "read_trajectory",
+    "run_manoeuvre",
+    "run_test",
+    "write_trajectory",
+]

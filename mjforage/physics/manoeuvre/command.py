@@ -1,0 +1,62 @@
+"""`mjforage manoeuvre` as one function: words of the command line in, a trajectory out."""
+
+import math
+from pathlib import Path
+
+from mjforage.core.errors import UserError
+from mjforage.physics.hydrodynamics.conditions import Conditions
+from mjforage.physics.hydrodynamics.reference import OdeHull
+from mjforage.physics.manoeuvre.directions import parse_flow
+from mjforage.physics.manoeuvre.run import STEP_S, Simulate, run_manoeuvre, run_test
+from mjforage.physics.manoeuvre.schedule import read_schedule
+from mjforage.physics.manoeuvre.trajectory import Trajectory
+from mjforage.physics.vessels import load_vessel
+
+MOST_DEG = 3600.0  # ten turns; far beyond, a heading has no exact sine
+
+
+def manoeuvre(
+    vessel: str | Path,
+    schedule: str | Path | None = None,
+    test: str | None = None,
+    current: str = "0@0",
+    wind: str = "0@0",
+    heading_deg: float = 0.0,
+    duration_s: float | None = None,
+    dt_s: float = STEP_S,
+    simulate: Simulate = OdeHull,
+) -> Trajectory:
+    """Run one vessel, from rest over ground with its thrusters stopped.
+
+    Parameters
+    ----------
+    vessel : name of a shipped one, or path of a TOML file
+    schedule, test : exactly one of them: path of a CSV file, or name of a standard test
+    current, wind : `SPEED@DIRECTION`, m/s and degrees counter-clockwise from east, flowing to
+    heading_deg : at the start, counter-clockwise from east
+    duration_s : the test's own, or 60 s beyond the schedule's last row, unless given
+    dt_s : step of the integration
+    simulate : what moves the hull
+
+    Raises
+    ------
+    UserError
+        For anything wrong with these.
+    """
+    if (schedule is None) == (test is None):
+        raise UserError("manoeuvre: give either --schedule FILE.csv or --test NAME")
+    if not abs(heading_deg) <= MOST_DEG:  # also catches what is not a number
+        raise UserError(
+            f"--heading {heading_deg:g}: give degrees, counter-clockwise from east, "
+            f"{-MOST_DEG:g} to {MOST_DEG:g}"
+        )
+    hull = load_vessel(vessel)
+    conditions = Conditions(
+        current_mps=parse_flow(current, "--current"),
+        wind_mps=parse_flow(wind, "--wind"),
+        heading_rad=math.radians(heading_deg),
+    )
+    if schedule is not None:
+        rows = read_schedule(schedule, hull)
+        return run_manoeuvre(hull, rows, conditions, duration_s, dt_s, simulate)
+    return run_test(hull, str(test), conditions, duration_s, dt_s, simulate)

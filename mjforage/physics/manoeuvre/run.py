@@ -1,0 +1,179 @@
+"""Run a schedule or a standard test with anything that moves a hull, and record its rows."""
+
+import math
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.core.errors import UserError
+from mjforage.physics.hydrodynamics.conditions import Conditions, Hull
+from mjforage.physics.hydrodynamics.reference import OdeHull
+from mjforage.physics.manoeuvre.schedule import Schedule, check_schedule
+from mjforage.physics.manoeuvre.standard import STANDARD_TESTS, Helm
+from mjforage.physics.manoeuvre.trajectory import Trajectory
+from mjforage.physics.vessels import Vessel
+
+Simulate: TypeAlias = Callable[[Vessel, Conditions], Hull]
+"""Makes a hull at rest in its start state, thrusters stopped; `OdeHull`, or MuJoCo's."""
+
+STEP_S = 0.05
+ROW_S = 0.05  # rows lie at most this far apart
+LONGEST_STEP_S = 1.0
+AFTERWARDS_S = 60.0  # how long a run goes on after the last row of its schedule
+SHORTEST_S = 1e-3
+MOST_STEPS = 10_000_000
+
+
+def run_manoeuvre(
+    vessel: Vessel,
+    schedule: Schedule,
+    conditions: Conditions | None = None,
+    duration_s: float | None = None,
+    dt_s: float = STEP_S,
+    simulate: Simulate = OdeHull,
+) -> Trajectory:
+    """Run a schedule from rest.
+
+    Parameters
+    ----------
+    conditions : current, wind, heading; calm and eastwards unless given
+    duration_s : 60 s beyond the schedule's last row unless given
+    dt_s : step of the integration; steps are shortened to end where a command changes
+    simulate : makes the hull
+
+    Raises
+    ------
+    UserError
+        If the schedule does not suit the vessel, or duration or step is out of range.
+    """
+    check_schedule(schedule, vessel)
+    length = schedule.times_s[-1] + AFTERWARDS_S if duration_s is None else duration_s
+    times = time_grid(length, dt_s, schedule.times_s)
+    return _record(
+        vessel,
+        conditions or Conditions(),
+        "schedule",
+        times,
+        lambda t, _: schedule.at(t + 1e-9),
+        simulate,
+    )
+
+
+def run_test(
+    vessel: Vessel,
+    test: str,
+    conditions: Conditions | None = None,
+    duration_s: float | None = None,
+    dt_s: float = STEP_S,
+    simulate: Simulate = OdeHull,
+) -> Trajectory:
+    """Run a standard test by name; parameters as in `run_manoeuvre`.
+
+    Raises
+    ------
+    UserError
+        If there is no such test, or duration or step is out of range.
+    """
+    if test not in STANDARD_TESTS:
+        raise UserError(f"--test {test}: unknown; choose {', '.join(STANDARD_TESTS)}")
+    standard = STANDARD_TESTS[test]
+    here = conditions or Conditions()
+    length = standard.duration_s if duration_s is None else duration_s
+    times = time_grid(length, dt_s, standard.marks_s)
+    return _record(vessel, here, test, times, standard.helm(vessel, here.heading_rad), simulate)
+
+
+def time_grid(
+    duration_s: float, dt_s: float, marks_s: tuple[float, ...] = ()
+) -> NDArray[np.float64]:
+    """Times of the steps: multiples of the step, the marks, and the end.
+
+    Raises
+    ------
+    UserError
+        If duration or step is too small, not finite or too large.
+    """
+    if not math.isfinite(duration_s):
+        raise UserError(f"--duration {duration_s:g}: give a finite number of seconds")
+    if duration_s < SHORTEST_S:
+        raise UserError(f"--duration {duration_s:g}: give {SHORTEST_S:g} s or more")
+    if not 0.0 < dt_s <= LONGEST_STEP_S:
+        raise UserError(f"--dt {dt_s:g}: give seconds above 0, at most {LONGEST_STEP_S:g}")
+    if duration_s / dt_s > MOST_STEPS:
+        raise UserError(
+            f"--duration {duration_s:g} with --dt {dt_s:g}: more than {MOST_STEPS} steps; "
+            "give a longer step or a shorter run"
+        )
+    regular = dt_s * np.arange(math.ceil(duration_s / dt_s))
+    within = [mark for mark in marks_s if mark < duration_s]
+    times = np.unique(np.round(np.concatenate((regular, within, [duration_s])), 9))
+    return np.asarray(times)
+
+
+def _record(
+    vessel: Vessel,
+    conditions: Conditions,
+    test: str,
+    times: NDArray[np.float64],
+    helm: Helm,
+    simulate: Simulate,
+) -> Trajectory:
+    hull = simulate(vessel, conditions)
+    state = hull.state()
+    states, commands = [state], [helm(float(times[0]), state)]
+    for before, after in zip(times[:-1].tolist(), times[1:].tolist(), strict=True):
+        hull.step(*commands[-1], after - before)
+        state = hull.state()
+        if not all(math.isfinite(value) for value in state):
+            raise UserError(
+                f"physics: motion of {vessel.name} is not finite at t = {after:g} s; give a "
+                "shorter step (--dt), or check the vessel's parameters, wind and current"
+            )
+        states.append(state)
+        commands.append(helm(after, state))
+    filled = _fill(times, np.array(states), np.array(commands))
+    return Trajectory(vessel, conditions, test, *filled)
+
+
+def _fill(
+    times: NDArray[np.float64], states: NDArray[np.float64], commands: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Rows between steps longer than `ROW_S`: poses by cubic Hermite, velocities linearly."""
+    if np.diff(times).max() <= ROW_S + 1e-9:
+        return times, states, commands
+    parts = [
+        np.linspace(a, b, math.ceil((b - a) / ROW_S - 1e-9), endpoint=False)
+        for a, b in zip(times[:-1].tolist(), times[1:].tolist(), strict=True)
+    ]
+    fine = np.round(np.concatenate((*parts, times[-1:])), 9)
+    at = np.clip(np.searchsorted(times, fine, side="right") - 1, 0, times.size - 2)
+    step = (times[at + 1] - times[at])[:, None]
+    part = (fine - times[at])[:, None] / step
+    slopes = _pose_rates(states)
+    cubic = _hermite(states[at, :3], states[at + 1, :3], slopes[at], slopes[at + 1], part, step)
+    linear = (1.0 - part) * states[at, 3:] + part * states[at + 1, 3:]
+    held = np.where(fine == times[-1], times.size - 1, at)
+    return fine, np.hstack((cubic, linear)), commands[held]
+
+
+def _pose_rates(states: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(rows, 3) d(x, y, yaw)/dt."""
+    yaw, surge, sway, rate = states[:, 2], states[:, 3], states[:, 4], states[:, 5]
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.stack((c * surge - s * sway, s * surge + c * sway, rate), axis=1)
+
+
+def _hermite(
+    start: NDArray[np.float64],
+    end: NDArray[np.float64],
+    start_rate: NDArray[np.float64],
+    end_rate: NDArray[np.float64],
+    part: NDArray[np.float64],
+    step: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    left = 1.0 - part
+    values = left**2 * ((1.0 + 2.0 * part) * start + part * step * start_rate)
+    values = values + part**2 * ((1.0 + 2.0 * left) * end - left * step * end_rate)
+    return np.asarray(values)

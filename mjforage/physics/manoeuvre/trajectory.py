@@ -1,0 +1,96 @@
+"""A trajectory: what a hull did, row by row, and its CSV table."""
+
+import csv
+import io
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.core.errors import UserError
+from mjforage.physics.hydrodynamics.conditions import Conditions
+from mjforage.physics.vessels import Vessel
+
+COLUMNS = ("t_s", "x_m", "y_m", "yaw_rad", "surge_mps", "sway_mps", "yaw_rate_radps")
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """One hull's motion, at midships: world x east, y north; yaw unwrapped, counter-clockwise."""
+
+    vessel: Vessel
+    conditions: Conditions
+    test: str  # name of the standard test, or "schedule"
+    times_s: NDArray[np.float64]  # (rows,) from 0 on, at most 0.05 s apart
+    states: NDArray[np.float64]  # (rows, 6) in the order of COLUMNS, velocities over ground
+    commands: NDArray[np.float64]  # (rows, 2) port, starboard from this row on [rad/s or N]
+
+    @property
+    def through_water(self) -> NDArray[np.float64]:
+        """(rows, 2) surge and sway relative to the water [m/s]."""
+        yaw = self.states[:, 2]
+        east, north = self.conditions.current_mps
+        forward = np.cos(yaw) * east + np.sin(yaw) * north
+        to_port = np.cos(yaw) * north - np.sin(yaw) * east
+        return self.states[:, 3:5] - np.stack((forward, to_port), axis=1)
+
+
+def check_file(path: Path, option: str) -> None:
+    """Check before a run that a file of that name can be written.
+
+    Raises
+    ------
+    UserError
+        If it is a folder, its folder is not there, or either may not be written.
+    """
+    there = path if path.exists() else path.parent
+    if path.is_dir() or not path.parent.is_dir() or not os.access(there, os.W_OK):
+        raise UserError(
+            f"{option} {path}: cannot be written; name a file in a folder that exists and that you "
+            "may write to"
+        )
+
+
+def write_trajectory(trajectory: Trajectory, path: str | Path) -> None:
+    """Write the CSV table, in numbers that read back bit by bit.
+
+    Raises
+    ------
+    UserError
+        If the file cannot be written.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows(np.column_stack((trajectory.times_s, trajectory.states)).tolist())
+    try:
+        Path(path).write_text(text.getvalue(), encoding="utf-8")
+    except OSError as error:
+        raise UserError(
+            f"trajectory {path}: cannot be written ({error}); name a file in a folder that exists, "
+            "with room"
+        ) from error
+
+
+def read_trajectory(path: str | Path) -> NDArray[np.float64]:
+    """Rows of a trajectory table, (rows, 7) in the order of `COLUMNS`.
+
+    Raises
+    ------
+    UserError
+        If the file cannot be read or is no such table.
+    """
+    where = f"trajectory {Path(path).name}"
+    try:
+        lines = Path(path).read_text(encoding="utf-8").splitlines()
+        header, rows = tuple(lines[0].split(",")), [line.split(",") for line in lines[1:]]
+        table = np.array(rows, np.float64).reshape(len(rows), -1)
+    except (OSError, ValueError, IndexError) as error:
+        raise UserError(
+            f"{where}: cannot be read as a table ({error}); give a file of manoeuvre --out"
+        ) from error
+    if header != COLUMNS or table.shape[1:] != (len(COLUMNS),):
+        raise UserError(f"{where}: has columns {','.join(header)}; expected {','.join(COLUMNS)}")
+    return table

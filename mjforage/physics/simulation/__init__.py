@@ -1,0 +1,7 @@
+"""Running scenes: many simulations of one scene side by side, stepped by MuJoCo."""
+
+from mjforage.physics.simulation.errors import InstabilityError
+from mjforage.physics.simulation.integrators import Integrator
+from mjforage.physics.simulation.simulation import Simulation
+
+__all__ = ["InstabilityError", "Integrator", "Simulation"]

@@ -1,0 +1,60 @@
+"""MuJoCo puts an unstable state back to the start without a word: here it becomes an error."""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.core.errors import UserError
+
+COUNT, INFO = 1, 0  # last axis of Batch.warning
+_WARNINGS = mujoco.mjtWarning
+UNSTABLE = (
+    int(_WARNINGS.mjWARN_BADQPOS),
+    int(_WARNINGS.mjWARN_BADQVEL),
+    int(_WARNINGS.mjWARN_BADQACC),
+)
+
+
+class InstabilityError(UserError):
+    """A simulation became unstable or ran out of memory; names seed, time, body and remedy."""
+
+
+def check_warnings(
+    model: mujoco.MjModel,
+    warnings: NDArray[np.int32],
+    ids: NDArray[np.intp],
+    seeds: Sequence[int | str],
+    time_s: NDArray[np.float64],
+) -> None:
+    """Fail if a simulation has a MuJoCo warning.
+
+    Parameters
+    ----------
+    model : the scene's
+    warnings : (simulation, kind, 2) counters as in `mujoco.batch.Batch.warning`
+    ids : simulations that were stepped
+    seeds, time_s : (simulation,) names of the runs, and the time they had reached before the step
+
+    Raises
+    ------
+    InstabilityError
+        Naming the first such simulation.
+    """
+    if not warnings[..., COUNT].any():
+        return
+    risen = ids[warnings[ids, :, COUNT].any(axis=1)]
+    if not risen.size:
+        return
+    sim = int(risen[0])
+    kind = int(np.argmax(warnings[sim, :, COUNT] > 0))
+    label = _WARNINGS(kind).name.removeprefix("mjWARN_")
+    where = f"seed {seeds[sim]}, t = {time_s[sim]:.2f} s"
+    if kind in UNSTABLE:
+        body = model.body(int(model.dof_bodyid[warnings[sim, kind, INFO]])).name.split("/")[0]
+        raise InstabilityError(
+            f"physics: unstable at {where}, body {body} ({label}); take a smaller time step, or "
+            "check the vessel's parameters and commands"
+        )
+    raise InstabilityError(f"physics: MuJoCo warning {label} at {where}; use fewer items or hulls")

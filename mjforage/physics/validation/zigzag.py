@@ -1,0 +1,63 @@
+"""Zigzags against the independent Otter under the same helm."""
+
+import numpy as np
+
+from mjforage.physics.manoeuvre import Trajectory, key_figures, run_test
+from mjforage.physics.simulation.hull import MujocoHull
+from mjforage.physics.validation.finding import Line, Measure, Panel, near, near_share
+from mjforage.physics.validation.registry import Parts, check
+from mjforage.physics.validation.runs import independent_run
+from mjforage.physics.vessels import load_vessel
+
+TESTS = {"10/10": "zigzag", "20/20": "zigzag-20"}
+SHOWN_S = (10.0, 60.0)
+
+
+@check("zigzag", "5", "Zigzag 10/10 and 20/20")
+def zigzag() -> Parts:
+    """Overshoots and period of the plain otter at 0.3 +- 0.15 of the largest thrust per side.
+
+    Against an independent model of the same hull: six degrees of freedom, marine axes, its own
+    integrator, steered by the same helm.
+    """
+    measures: list[Measure] = []
+    panels = []
+    for kind, test in TESTS.items():
+        ours = run_test(load_vessel("otter"), test, simulate=MujocoHull)
+        theirs = independent_run(test)
+        measures += _measures(kind, ours, theirs)
+        panels.append(_panel(kind, ours, theirs))
+    return tuple(measures), tuple(panels)
+
+
+def _measures(kind: str, ours: Trajectory, theirs: Trajectory) -> list[Measure]:
+    found, expected = key_figures(ours), key_figures(theirs)
+    measures = [
+        near(
+            f"{kind}: {name.replace('_', ' ')}",
+            found[name].value if name in found else np.nan,
+            expected[name].value,
+            0.05,
+            "deg",
+        )
+        for name in expected
+        if name.startswith("overshoot")
+    ]
+    period = found["period"].value
+    return [*measures, near_share(f"{kind}: period", period, expected["period"].value, 0.005, "s")]
+
+
+def _panel(kind: str, ours: Trajectory, theirs: Trajectory) -> Panel:
+    seen = (ours.times_s >= SHOWN_S[0]) & (ours.times_s <= SHOWN_S[1])
+    times, split = ours.times_s[seen], np.diff(ours.commands, axis=1)[seen, 0]
+    ordered = np.sign(split) * float(kind.split("/")[0])
+    return Panel(
+        f"Zigzag {kind}",
+        "time (s)",
+        "heading, to port (deg)",
+        (
+            Line("execute", times, ordered, 1),
+            Line("heading", times, np.degrees(ours.states[seen, 2])),
+            Line("independent model", times, np.degrees(theirs.states[seen, 2]), expected=True),
+        ),
+    )

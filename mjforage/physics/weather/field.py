@@ -1,0 +1,312 @@
+"""Wind and current at points, for a batch of episodes."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from graph_planner.compiled import kernel
+from graph_planner.navigation import NavigationGraph
+from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
+from mjforage.core.errors import UserError
+from mjforage.core.world import item_noise
+from mjforage.physics.weather.circulation import Circulation, circulation, circulation_velocity
+from mjforage.physics.weather.gauss_markov import gauss_markov_pair
+from mjforage.physics.weather.profile import height_factor
+from mjforage.physics.weather.settings import WeatherSettings
+
+FloatArray = NDArray[np.float64]
+
+_EARLY = 1e-6  # periods; a time this little before a period's start counts as in it
+_DIRECTION = 1000  # step of a drawn direction in its stream, away from the other draws
+_STILL = Circulation(np.zeros((1, 1, 4)), 1.0, 0.0)
+
+
+@kernel
+def _stream_keys(keys: UInt64Array, stream: int) -> UInt64Array:
+    result = np.empty_like(keys)
+    for e in range(keys.size):
+        result[e] = stream_key(keys[e], stream)
+    return result
+
+
+@kernel
+def _drawn_vectors(keys: UInt64Array, reach: float) -> FloatArray:
+    """Vectors (x, y) uniform in +-reach: the drift of `mjforage.core.world`, whose axes are (row,
+    column).
+    """
+    result = np.empty((keys.size, 2))
+    for e in range(keys.size):
+        key = stream_key(keys[e], Stream.WEATHER)
+        result[e, 0] = reach * (2.0 * uniform(key, 1, 0) - 1.0)
+        result[e, 1] = -reach * (2.0 * uniform(key, 0, 0) - 1.0)
+    return result
+
+
+@kernel
+def _constant_vectors(
+    keys: UInt64Array, stream: int, speed: float, toward_rad: float
+) -> FloatArray:
+    """Vectors of one speed; a direction that is NaN is drawn per episode."""
+    result = np.empty((keys.size, 2))
+    for e in range(keys.size):
+        angle = toward_rad
+        if math.isnan(angle):
+            angle = 2.0 * math.pi * uniform(stream_key(keys[e], stream), 0, _DIRECTION)
+        result[e, 0], result[e, 1] = speed * math.cos(angle), speed * math.sin(angle)
+    return result
+
+
+@kernel
+def _wind(
+    t_s: FloatArray,
+    xy: FloatArray,
+    factor: FloatArray,
+    mean: FloatArray,
+    gust_keys: UInt64Array,
+    intensity: float,
+    across: float,
+    tau_s: float,
+    travel: bool,
+) -> FloatArray:
+    out = np.empty(xy.shape)
+    for e in range(xy.shape[0]):
+        u, v, now = mean[e, 0], mean[e, 1], t_s[e] / tau_s
+        squared = u * u + v * v
+        gusty, moving = intensity > 0.0 and squared > 0.0, travel
+        ahead = beside = 0.0
+        if gusty and not moving:
+            ahead, beside = gauss_markov_pair(gust_keys[e], now)
+        for p in range(xy.shape[1]):
+            if gusty and moving:
+                lag = (xy[e, p, 0] * u + xy[e, p, 1] * v) / (squared * tau_s)
+                ahead, beside = math.nan, math.nan
+                if math.isfinite(lag):
+                    ahead, beside = gauss_markov_pair(gust_keys[e], now - lag)
+            along, aside = 1.0 + intensity * ahead, intensity * across * beside
+            out[e, p, 0] = factor[p] * (along * u - aside * v)
+            out[e, p, 1] = factor[p] * (along * v + aside * u)
+    return out
+
+
+@kernel
+def _current(
+    t_s: FloatArray,
+    xy: FloatArray,
+    mean: FloatArray,
+    keys: UInt64Array,
+    wander: float,
+    tau_s: float,
+    peak: float,
+    patches: FloatArray,
+    spacing_m: float,
+    corner_m: float,
+) -> FloatArray:
+    out = np.empty(xy.shape)
+    for e in range(xy.shape[0]):
+        u, v = mean[e, 0], mean[e, 1]
+        if wander > 0.0:
+            wander_u, wander_v = gauss_markov_pair(keys[e], t_s[e] / tau_s)
+            u, v = u + wander * wander_u, v + wander * wander_v
+        for p in range(xy.shape[1]):
+            turn_u = turn_v = 0.0
+            if peak != 0.0:
+                turn_u, turn_v = circulation_velocity(
+                    patches, spacing_m, corner_m, xy[e, p, 0], xy[e, p, 1]
+                )
+            out[e, p, 0], out[e, p, 1] = u + peak * turn_u, v + peak * turn_v
+    return out
+
+
+@kernel
+def _item_noise(
+    t_s: FloatArray, keys: UInt64Array, items: int, reach: float, period_s: float
+) -> FloatArray:
+    out = np.empty((t_s.size, items, 2))
+    for e in range(t_s.size):
+        step = math.floor(t_s[e] / period_s + _EARLY) + 1  # the graph's steps count from 1
+        for k in range(items):
+            row, col = item_noise(keys[e], k, step)
+            out[e, k, 0], out[e, k, 1] = reach * col, -reach * row
+    return out
+
+
+def _radians(toward_deg: float | None) -> float:
+    return math.nan if toward_deg is None else math.radians(toward_deg)
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """The weather of a batch of episodes; make one with `Field.create`.
+
+    Every query takes `t_s`, the time since the start of the episode [s], one for all or
+    (episode,), and gives the same bits whatever else is asked, before, after or beside it.
+
+    Attributes
+    ----------
+    settings : what was asked for
+    mean_wind_mps : (episode, 2) wind without gusts at the reference height [m/s]
+    mean_current_mps : (episode, 2) constant part of the current [m/s]
+    """
+
+    settings: WeatherSettings
+    mean_wind_mps: FloatArray
+    mean_current_mps: FloatArray
+    _gust_keys: UInt64Array
+    _current_keys: UInt64Array
+    _noise_keys: UInt64Array
+    _circulation: Circulation
+
+    @classmethod
+    def create(
+        cls,
+        settings: WeatherSettings,
+        keys: UInt64Array,
+        graph: NavigationGraph | None = None,
+    ) -> "Field":
+        """Draw the weather of a batch of episodes.
+
+        Parameters
+        ----------
+        keys : (episode,) episode keys
+        graph : the map, wanted for a circulation only
+
+        Raises
+        ------
+        UserError
+            If there shall be a circulation and there is no map.
+        """
+        keys = np.ascontiguousarray(keys, np.uint64)
+        turning = settings.circulation_mps != 0.0
+        if turning and graph is None:
+            raise UserError(
+                f"weather: circulation_mps = {settings.circulation_mps:g} without a map; "
+                "give a map, or 0"
+            )
+        toward, flow = _radians(settings.wind_toward_deg), _radians(settings.current_toward_deg)
+        wind = _constant_vectors(keys, Stream.WEATHER, settings.wind_speed_mps, toward)
+        drawn = _drawn_vectors(keys, settings.drawn_drift_mps) / settings.drawn_drift_leeway
+        return cls(
+            settings,
+            wind + drawn,
+            _constant_vectors(keys, Stream.CURRENT, settings.current_speed_mps, flow),
+            _stream_keys(keys, Stream.GUSTS),
+            _stream_keys(keys, Stream.CURRENT),
+            _stream_keys(keys, Stream.NOISE),
+            circulation(graph) if turning and graph is not None else _STILL,
+        )
+
+    def __len__(self) -> int:
+        return int(self.mean_wind_mps.shape[0])
+
+    def _times(self, t_s: ArrayLike) -> FloatArray:
+        times = np.ascontiguousarray(np.broadcast_to(np.asarray(t_s, np.float64), (len(self),)))
+        if not np.isfinite(times).all():
+            raise ValueError(f"t_s = {times}: times are finite seconds")
+        return times
+
+    def _points(self, xy: NDArray[np.float64]) -> FloatArray:
+        points = np.ascontiguousarray(xy, np.float64)
+        if points.ndim != 3 or points.shape[0] != len(self) or points.shape[2] != 2:
+            raise ValueError(f"xy: shape {points.shape}, expected ({len(self)}, point, 2)")
+        return points
+
+    def wind(
+        self, t_s: ArrayLike, xy: NDArray[np.float64], height_m: ArrayLike | None = None
+    ) -> FloatArray:
+        """Wind over ground.
+
+        Gusts are Ornstein-Uhlenbeck processes of `gust_tau_s` along and across the mean wind;
+        profile and gusts multiply: the intensity is the same at every height.
+
+        Parameters
+        ----------
+        t_s : [s], one for all or (episode,)
+        xy : (episode, point, 2) [m]
+        height_m : above the water, one for all or (point,); absent: the reference height
+
+        Returns
+        -------
+        (episode, point, 2) [m/s]
+
+        Raises
+        ------
+        ValueError
+            If a shape does not fit, a time is not finite or a height is negative.
+        """
+        settings, points = self.settings, self._points(xy)
+        factor = np.ones(points.shape[1])
+        if height_m is not None:
+            heights = np.broadcast_to(np.asarray(height_m, np.float64), factor.shape)
+            factor = height_factor(settings, heights)
+        return _wind(
+            self._times(t_s),
+            points,
+            factor,
+            self.mean_wind_mps,
+            self._gust_keys,
+            settings.gust_intensity,
+            settings.gust_crosswind_ratio,
+            settings.gust_tau_s,
+            settings.gusts_travel,
+        )
+
+    def current(self, t_s: ArrayLike, xy: NDArray[np.float64]) -> FloatArray:
+        """Velocity of the water over ground: constant, wandering and circulating parts.
+
+        Parameters
+        ----------
+        t_s : [s], one for all or (episode,)
+        xy : (episode, point, 2) [m]
+
+        Returns
+        -------
+        (episode, point, 2) [m/s]
+
+        Raises
+        ------
+        ValueError
+            If a shape does not fit or a time is not finite.
+        """
+        settings, turning = self.settings, self._circulation
+        return _current(
+            self._times(t_s),
+            self._points(xy),
+            self.mean_current_mps,
+            self._current_keys,
+            settings.current_wander_mps,
+            settings.current_wander_tau_s,
+            settings.circulation_mps,
+            turning.patches,
+            turning.spacing_m,
+            turning.corner_m,
+        )
+
+    def item_noise(self, t_s: ArrayLike, items: int) -> FloatArray:
+        """What an item's own water adds to the current: the paper's noise, held for a period.
+
+        Period n starts at n `item_noise_period_s` and has the draws of the graph's step n + 1.
+
+        Parameters
+        ----------
+        t_s : [s], one for all or (episode,)
+        items : how many, from item 0
+
+        Returns
+        -------
+        (episode, item, 2) [m/s]
+
+        Raises
+        ------
+        ValueError
+            If a time is not finite.
+        """
+        settings = self.settings
+        return _item_noise(
+            self._times(t_s),
+            self._noise_keys,
+            items,
+            settings.item_noise_mps,
+            settings.item_noise_period_s,
+        )

@@ -1,0 +1,121 @@
+"""The worlds that a mission can run in: a ladder from the graph to all of the physics.
+
+Each world is the scenario with some pieces of reality left out, so that the differences between
+neighbours say what each piece costs. A scenario that lacks a piece has the same world twice.
+"""
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from graph_planner.fleet import Fleet
+from graph_planner.navigation import NavigationGraph
+from mjforage.core.dynamics import Dynamics
+from mjforage.core.film import Film
+from mjforage.core.graph_dynamics import GraphDynamics
+from mjforage.core.mission import Mission, Setting
+from mjforage.core.scenario import Scenario, Sensors
+
+Factory = Callable[[NavigationGraph, Fleet, Scenario, Film | None], Dynamics]
+
+
+@dataclass(frozen=True)
+class WorldKind:
+    """One world.
+
+    Attributes
+    ----------
+    summary : what it adds to the one before
+    dynamics : makes its dynamics
+    adapt : the scenario as this world has it
+    """
+
+    summary: str
+    dynamics: Factory
+    adapt: Callable[[Scenario], Scenario]
+
+
+def _physics(
+    graph: NavigationGraph, fleet: Fleet, scenario: Scenario, film: Film | None
+) -> Dynamics:
+    from mjforage.physics.dynamics.physics import PhysicsDynamics  # MuJoCo only where it is wanted
+
+    return PhysicsDynamics(graph, fleet, scenario, film)
+
+
+def _whole(scenario: Scenario) -> Scenario:
+    return scenario
+
+
+def _without_noise(scenario: Scenario) -> Scenario:
+    return replace(
+        scenario, weather=replace(scenario.weather, gust_intensity=0.0), sensors=Sensors()
+    )
+
+
+def _without_intake(scenario: Scenario) -> Scenario:
+    calm = _without_noise(scenario)
+    return replace(calm, physics=replace(calm.physics, capture="node"))
+
+
+def _without_bodies(scenario: Scenario) -> Scenario:
+    calm = _without_intake(scenario)
+    weather = replace(
+        calm.weather, current_speed_mps=0.0, current_wander_mps=0.0, circulation_mps=0.0
+    )
+    return replace(calm, weather=weather, physics=replace(calm.physics, items="graph"))
+
+
+WORLDS = {
+    "graph": WorldKind("moves succeed, items follow the paper's rule", GraphDynamics, _whole),
+    "hulls": WorldKind("hulls, thrusters, control and mean wind", _physics, _without_bodies),
+    "debris": WorldKind(
+        "items as bodies in wind and water; current on items and hulls", _physics, _without_intake
+    ),
+    "intake": WorldKind("items enter the collector's mouth", _physics, _without_noise),
+    "physics": WorldKind("gusts and sensor noise", _physics, _whole),
+}
+"""Name -> world, from the graph upwards."""
+
+
+def create_mission(setting: Setting, world: str = "graph", film: Film | None = None) -> Mission:
+    """A mission in one of the worlds.
+
+    Parameters
+    ----------
+    setting : scenario and map
+    world : name in `WORLDS`
+    film : takes the frames of the batch's first episode
+
+    Raises
+    ------
+    UserError
+        If the scenario cannot be run in that world.
+    """
+    kind = WORLDS[world]
+    scenario = kind.adapt(setting.scenario)
+    return Mission(setting, kind.dynamics(setting.graph, setting.fleet, scenario, film))
+
+
+def added(scenario: Scenario, before: str, world: str) -> tuple[str, ...]:
+    """Summaries of the pieces that a scenario's `world` has beyond the world `before`."""
+    names = list(WORLDS)
+    pieces = []
+    for below, name in itertools.pairwise(names[names.index(before) : names.index(world) + 1]):
+        new = below == "graph" or WORLDS[name].adapt(scenario) != WORLDS[below].adapt(scenario)
+        if new:
+            pieces.append(WORLDS[name].summary)
+    return tuple(pieces)
+
+
+def rungs(scenario: Scenario) -> tuple[str, ...]:
+    """The worlds that differ from the one below in this scenario; the last one is all of it."""
+    ladder, before = ["graph"], None
+    for name in list(WORLDS)[1:]:
+        adapted = WORLDS[name].adapt(scenario)
+        if adapted != before:
+            ladder.append(name)
+        before = adapted
+    if ladder[-1] != "physics":
+        ladder[-1] = "physics"  # the same world under the name that stands for the whole
+    return tuple(ladder)

@@ -1,0 +1,1 @@
+"""Runs on disk: folders, tables, evaluations, studies, workers, clusters, replays."""

@@ -1,0 +1,262 @@
+"""`mjforage evaluate`: policies on the same episodes of a scenario, into a run folder."""
+
+import math
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import polars as pl
+
+import metrics
+from graph_planner.policies.registry import create_policy
+from mjforage.runs.costs import Call, costs_content
+from mjforage.physics.dynamics.fleet_scene import item_choices
+from mjforage.physics.worlds import WORLDS, create_mission
+from mjforage.core.errors import UserError
+from mjforage.core.mission import Mission, Setting
+from mjforage.runs.storage import Chunk, RunFolder, write_json
+from mjforage.runs.identity import pinned, run_info
+from mjforage.runs.workers import Order, Workers, keep_replay, run_chunks
+from mjforage.runs.tables import SCALARS
+
+CHUNK = 25  # episodes per unit of work at graph level
+PHYSICS_CHUNK = 10  # the same with hulls, which take a second each
+BOOTSTRAP_SEED = 0
+
+HERE = Workers()
+
+Progress = Callable[[int, int], None]
+Summary = dict[str, dict[str, dict[str, dict[str, Any]]]]
+
+
+def check_policies(policies: Sequence[str]) -> None:
+    """Refuse unknown or repeated names.
+
+    Raises
+    ------
+    UserError
+        Naming the policy and the nearest known one.
+    """
+    if not policies:
+        raise UserError("no policy given; add --policy greedy")
+    for name in policies:
+        try:
+            create_policy(name)
+        except KeyError as error:
+            raise UserError(str(error.args[0])) from error
+        if list(policies).count(name) > 1:
+            raise UserError(f"policy {name}: given twice")
+
+
+def plan(policies: Sequence[str], worlds: Sequence[str], episodes: int) -> list[Chunk]:
+    """All chunks of a run, in the order of its tables."""
+    size = {world: CHUNK if world == "graph" else PHYSICS_CHUNK for world in worlds}
+    return [
+        Chunk(world, policy, first, min(size[world], episodes - first))
+        for world in worlds
+        for policy in policies
+        for first in range(0, episodes, size[world])
+    ]
+
+
+def summarise(table: pl.DataFrame) -> Summary:
+    """`summary.json` of an episodes table: world, policy, metric -> mean, sem, ci95, iqm, n.
+
+    Undefined numbers are None; `ci95` is a bootstrap percentile interval of the mean.
+    """
+    summary: Summary = {}
+    for (world, policy), rows in table.group_by("world", "policy", maintain_order=True):
+        values = rows.sort("episode").select(SCALARS).to_numpy().T
+        found = metrics.summarise(values, BOOTSTRAP_SEED)
+        mean, sem, low, high, iqm = (
+            [number if math.isfinite(number) else None for number in column.tolist()]
+            for column in (found.mean, found.sem, found.low, found.high, found.iqm)
+        )
+        summary.setdefault(str(world), {})[str(policy)] = {
+            key: {
+                "mean": mean[i],
+                "sem": sem[i],
+                "ci95": [low[i], high[i]],
+                "iqm": iqm[i],
+                "n": int(found.n[i]),
+            }
+            for i, key in enumerate(SCALARS)
+        }
+    return summary
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run of policies in its folder: what evaluate makes one of, and a study many."""
+
+    setting: Setting
+    policies: tuple[str, ...]
+    worlds: tuple[str, ...]
+    seed: int
+    info: dict[str, Any]  # content of run.json
+    folder: RunFolder
+    chunks: list[Chunk]
+
+    @classmethod
+    def plan(
+        cls,
+        setting: Setting,
+        policies: Sequence[str],
+        folder: Path,
+        *,
+        episodes: int = 100,
+        seed: int = 0,
+        worlds: Sequence[str] = ("graph",),
+    ) -> "Run":
+        """Check everything, and write nothing yet.
+
+        Raises
+        ------
+        UserError
+            For unknown names and numbers out of range.
+        """
+        check_policies(policies)
+        for world in worlds:
+            if world not in WORLDS:
+                raise UserError(f"world {world}: unknown; choose {', '.join(WORLDS)}")
+            if list(worlds).count(world) > 1:
+                raise UserError(f"world {world}: given twice")
+            create_mission(setting, world)  # what cannot be run says so before anything is written
+        if episodes < 1 or not 0 <= seed < 1 << 64:
+            raise UserError(
+                f"episodes {episodes}, seed {seed}: give at least 1 and 0 (below 2**64)"
+            )
+        item_choices(setting.scenario.physics)  # which replays need, also at graph level
+        setting = pinned(setting)
+        info = run_info(setting, policies, worlds, episodes, seed)
+        chunks = plan(policies, worlds, episodes)
+        names = tuple(policies), tuple(worlds)
+        return cls(setting, *names, seed, info, RunFolder(folder), chunks)
+
+    def open(self) -> None:
+        """Create the folder, or find the same run in it.
+
+        Raises
+        ------
+        UserError
+            If it holds something else or cannot be written.
+        """
+        self.folder.open(self.info)
+
+    def close(self, wall_s: float | None) -> Summary:
+        """Merge the chunks into tables, unless they are, and write the summary.
+
+        Parameters
+        ----------
+        wall_s : time that the run took, for `run.json`; None if it was complete
+
+        Raises
+        ------
+        UserError
+            If a chunk or table is missing or damaged, or a file cannot be written.
+        """
+        path = self.folder.path
+        if wall_s is not None:
+            self.folder.merge(self.chunks)
+            costs = self.folder.costs(self.chunks)
+            write_json(path / "costs.json", costs_content(costs))
+            cpu_s, steps = (sum(getattr(one, key) for one in costs) for key in ("cpu_s", "steps"))
+            timings = {"cpu_s": cpu_s, "steps": steps, "wall_s": wall_s}
+            write_json(path / "run.json", self.info | {"timings": timings})
+        summary = summarise(self.folder.episodes(self.chunks))
+        for world in self.worlds:
+            for policy in self.policies:
+                keep_replay(self.setting, world, policy, self.seed, path)
+        write_json(path / "summary.json", summary)
+        self.folder.finish(self.chunks)
+        return summary
+
+
+def carry_out(
+    runs: Sequence[Run], workers: Workers, call: Call, progress: Progress
+) -> list[Summary]:
+    """Compute what is missing of all runs in one go, and close each one once it is whole.
+
+    Parameters
+    ----------
+    call : of these workers, as `Workers.call`
+    progress : called with (episodes done, episodes in all)
+
+    Raises
+    ------
+    UserError
+        As `run_chunks` and `Run.close`. Finished chunks stay.
+    """
+    started, work, summaries = time.perf_counter(), [], []
+    orders = {
+        place: Order.of(
+            run.setting, run.seed, run.folder.path, run.info["hash"], call, remote=workers.remote
+        )
+        for place, run in enumerate(runs)
+        if not run.folder.complete
+    }
+    for place in orders:
+        run = runs[place]
+        work += [(place, chunk) for chunk in run.chunks if not run.folder.has(chunk)]
+    total = sum(chunk.count for run in runs for chunk in run.chunks)
+    done = total - sum(chunk.count for _, chunk in work)
+    progress(done, total)
+    left = Counter(place for place, _ in work)
+    asked = [(orders[place], chunk) for place, chunk in work]
+    nothing = (place for place in range(0))
+    with closing(run_chunks(asked, workers) if work else nothing) as results:
+        for place, run in enumerate(runs):  # runs are computed in their order
+            while left[place]:
+                owner, chunk = work[next(results)]
+                left[owner] -= 1
+                done += chunk.count
+                progress(done, total)
+            wall_s = time.perf_counter() - started if place in orders else None
+            summaries.append(run.close(wall_s))
+        for _ in results:  # none is left, but workers end by themselves
+            pass
+    return summaries
+
+
+def evaluate(
+    setting: Setting,
+    policies: Sequence[str],
+    folder: Path,
+    *,
+    episodes: int = 100,
+    seed: int = 0,
+    workers: Workers = HERE,
+    worlds: Sequence[str] = ("graph",),
+    progress: Progress = lambda done, total: None,
+) -> Summary:
+    """Run policies on the same episodes and leave a complete run folder.
+
+    Parameters
+    ----------
+    setting : scenario and map
+    policies, worlds : names
+    folder : run folder; an unfinished run of the same settings in it is resumed
+    episodes : episodes per policy and world, 1 or more
+    seed : of the run
+    workers : who computes
+    progress : called with (episodes done, episodes in all)
+
+    Returns
+    -------
+    The content of `summary.json`.
+
+    Raises
+    ------
+    UserError
+        For unknown names, a folder that holds something else, a failure to write, or workers that
+        are lost.
+    """
+    run = Run.plan(setting, policies, folder, episodes=episodes, seed=seed, worlds=worlds)
+    call = workers.call(policies)
+    run.open()
+    with run.folder.claimed():
+        return carry_out([run], workers, call, progress)[0]

@@ -1,0 +1,87 @@
+"""Recording one episode as a `Replay`, by playing it again from its seed."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.policies import create_policy
+from mjforage.physics.worlds import create_mission
+from mjforage.physics.dynamics.debris import draw_classes
+from mjforage.physics.dynamics.fleet_scene import hull_names, item_choices
+from mjforage.core.film import Film
+from mjforage.core.mission import Mission, Observer, Setting
+from mjforage.runs.replay import Replay
+
+
+class _Recorder(Observer):
+    """Copies what is visible in the first episode of a batch."""
+
+    def __init__(self) -> None:
+        self.agents: list[NDArray[np.float32]] = []
+        self.items: list[NDArray[np.float32]] = []
+        self.present: list[NDArray[np.bool_]] = []
+        self.belief: list[NDArray[np.int16]] = []
+        self.idleness: list[NDArray[np.float16]] = []
+        self.in_view: list[NDArray[np.uint8]] = []
+
+    def see(self, mission: Mission) -> None:
+        state, model, fleet = mission.state, mission.model, mission.setting.fleet
+        grid = mission.setting.graph.grid
+        self.agents.append(state.agent_rc[0].astype(np.float32))
+        self.items.append(state.item_rc[0].astype(np.float32))
+        self.present.append(state.item_node[0] >= 0)
+        self.belief.append(grid(model.knowledge.belief[0]).astype(np.int16))
+        idleness = model.idleness(mission.step, np.zeros(1, np.int64))[0]
+        self.idleness.append(grid(idleness).astype(np.float16))
+        by_scouts, by_foragers = (
+            model.times_seen(state.agent_node[:1], team)[0] > 0
+            for team in (fleet.scouts, fleet.foragers)
+        )
+        self.in_view.append(grid(by_scouts + np.uint8(2) * by_foragers).astype(np.uint8))
+
+
+def record(setting: Setting, world: str, policy: str, seed: int, episode: int) -> Replay:
+    """Play one episode and keep all of it.
+
+    Parameters
+    ----------
+    setting : scenario and map
+    world, policy : names
+    seed, episode : which episode
+
+    Raises
+    ------
+    KeyError
+        If there is no such policy or world.
+    """
+    film, recorder = Film(), _Recorder()
+    mission = create_mission(setting, world, film)
+    mission.reset(seed, np.array([episode], np.int64))
+    mission.run(create_policy(policy), (recorder,))
+    choice = setting.scenario.physics
+    classes = draw_classes(mission.keys, mission.world.item_node, item_choices(choice))
+    return Replay(
+        navigable=setting.grid.navigable,
+        pitch_m=setting.scenario.map.pitch_m,
+        horizon=setting.scenario.horizon,
+        period_s=setting.scenario.period_s,
+        team_names=setting.fleet.team_names,
+        agent_team=setting.fleet.team,
+        agent_collects=setting.fleet.collects,
+        agent_rc=np.stack(recorder.agents),
+        item_rc=np.stack(recorder.items),
+        item_present=np.stack(recorder.present),
+        belief=np.stack(recorder.belief),
+        idleness=np.stack(recorder.idleness),
+        in_view=np.stack(recorder.in_view),
+        vessels=hull_names(setting.fleet, choice),
+        item_class=classes[0].astype(np.int16),
+        frame_s=film.interval_s,
+        track_pose=film.pose,
+        track_items=film.items,
+        track_present=film.present,
+        track_wind=film.wind,
+        world=world,
+        policy=policy,
+        seed=seed,
+        episode=episode,
+    )

@@ -1,0 +1,71 @@
+"""An episode of a finished run, simulated again and checked against its logs."""
+
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+
+from graph_planner.navigation import navigation_graph
+from mjforage.core.errors import UserError
+from mjforage.core.maps import GridMap, check_starts
+from mjforage.core.mission import Setting
+from mjforage.runs.recording import record
+from mjforage.runs.replay import Replay
+from mjforage.runs.run_info import again, load_run
+from mjforage.core.scenario_file import scenario_from_tree
+from mjforage.runs.storage import RunFolder
+from mjforage.runs.evaluate import check_policies
+
+
+def replay_of_run(folder: Path, world: str | None, policy: str | None, episode: int) -> Replay:
+    """Simulate one logged episode again.
+
+    Parameters
+    ----------
+    folder : complete run folder
+    world, policy : names; None for the run's first
+    episode : number
+
+    Raises
+    ------
+    UserError
+        If the run does not hold that episode, or the episode does not come out as it was logged.
+    """
+    run = load_run(folder / "run.json")
+    policy, world = policy or run.policies[0], world or run.worlds[0]
+    if policy not in run.policies or world not in run.worlds or not 0 <= episode < run.episodes:
+        raise UserError(
+            f"{folder}: no episode {episode} of {policy} in world {world}; it holds episodes 0 to "
+            f"{run.episodes - 1} of {', '.join(run.policies)} in {', '.join(run.worlds)}"
+        )
+    check_policies([policy])
+    where = str(folder / "run.json")
+    setting = Setting(
+        scenario_from_tree(dict(run.scenario), where), GridMap(run.map.name, run.map.navigable)
+    )
+    check_starts(setting.start_cells, run.map.navigable, where, run.map.name)
+    replay = record(setting, world, policy, run.seed, episode)
+    _check(replay, RunFolder(folder))
+    return replay
+
+
+def _check(replay: Replay, run: RunFolder) -> None:
+    """Compare the agents' positions with the log, to the bit."""
+    logged = (
+        run.table("agents")
+        .filter(
+            (pl.col("world") == replay.world)
+            & (pl.col("policy") == replay.policy)
+            & (pl.col("episode") == replay.episode)
+        )
+        .sort("step", "agent")
+        .select("x_m", "y_m")
+        .to_numpy()
+    )
+    graph = navigation_graph(replay.navigable, replay.pitch_m, corner_cutting=True)
+    anew = graph.metres(replay.agent_rc).astype(np.float32).reshape(-1, 2)
+    if logged.shape != anew.shape or (logged != anew).any():
+        raise UserError(
+            f"{run.path}: episode {replay.episode} of {replay.policy} does not come out as logged; "
+            f"it was made with other versions (see run.json); {again(run.path)}"
+        )

@@ -1,0 +1,182 @@
+"""A study: named variants of a scenario, each an ordinary run folder, under one roof.
+
+`study.json` comes first and `summary.json` last; `variants/NAME/` are run folders, computed all
+together, so that workers pass from one to the next without a break.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from mjforage.core.errors import UserError
+from mjforage.core.mission import Setting
+from mjforage.runs.run_info import read_json
+from mjforage.core.scenario import Scenario
+from mjforage.core.scenario_file import scenario_to_tree
+from mjforage.runs.storage import claimed, open_folder, write_json
+from mjforage.runs.evaluate import HERE, Progress, Run, carry_out
+from mjforage.runs.identity import provenance, versions
+from mjforage.runs.workers import Workers
+
+IDENTITY = ("kind", "scenario", "variants", "worlds", "episodes", "seed", "options", "versions")
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One scenario of a study and who plays it."""
+
+    name: str  # of its run folder
+    title: str  # in tables
+    scenario: Scenario
+    policies: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Study:
+    """What a study is.
+
+    Attributes
+    ----------
+    kind : names its report: parts, ablation, corruption or paper
+    setting : scenario and map that the variants vary; all share the map
+    variants : in the order in which they are computed
+    worlds, episodes, seed : the same for all variants, so that episodes can be paired
+    options : what the report must know besides
+    """
+
+    kind: str
+    setting: Setting
+    variants: tuple[Variant, ...]
+    worlds: tuple[str, ...] = ("graph",)
+    episodes: int = 100
+    seed: int = 0
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def info(self) -> dict[str, Any]:
+        """Content of `study.json`."""
+        return provenance() | {
+            "kind": self.kind,
+            "scenario": scenario_to_tree(self.setting.scenario),
+            "variants": {
+                variant.name: {"title": variant.title, "policies": list(variant.policies)}
+                for variant in self.variants
+            },
+            "worlds": list(self.worlds),
+            "episodes": self.episodes,
+            "seed": self.seed,
+            "options": dict(self.options),
+            "versions": versions(),
+        }
+
+
+def variant_folder(folder: Path, name: str) -> Path:
+    """Run folder of a variant of the study in `folder`."""
+    return folder / "variants" / name
+
+
+def _told(info: Mapping[str, Any]) -> dict[str, str]:
+    """Flag -> its value in words, such as "with --step 0.05", of the flags that decide a study."""
+    players = [variant["policies"] for variant in info["variants"].values()]
+    values = {
+        "world": info["worlds"],
+        "policy": list(dict.fromkeys(name for policies in players for name in policies)),
+        "episodes": info["episodes"],
+        "seed": info["seed"],
+    } | info["options"]
+    return {name: _words(f"--{name.replace('_', '-')}", value) for name, value in values.items()}
+
+
+def _words(flag: str, value: object) -> str:
+    if isinstance(value, bool):
+        return f"with {flag}" if value else f"without {flag}"
+    several = value if isinstance(value, list) else [value]
+    return f"with {' '.join(f'{flag} {one}' for one in several)}"
+
+
+def _check_flags(folder: Path, info: Mapping[str, Any]) -> None:
+    """Name the flags that differ from those of the study in the folder, if it holds one.
+
+    What is no study, or one of another kind or scenario, is for `open_folder` to name.
+
+    Raises
+    ------
+    UserError
+        Naming the flags, both values and the remedy.
+    """
+    try:
+        found = read_json(folder / "study.json")
+        there, here = _told(found), _told(info)
+    except (UserError, KeyError, TypeError, AttributeError):
+        return
+    if found.get("kind") != info["kind"] or there.keys() != here.keys():
+        return
+    for before, now in zip(there.values(), here.values(), strict=True):
+        if before != now:
+            raise UserError(
+                f"{folder}: holds another study, made {before}, not {now}; go on {before}, or "
+                "choose another --out"
+            )
+
+
+def run_study(
+    study: Study,
+    folder: Path,
+    *,
+    workers: Workers = HERE,
+    progress: Progress = lambda done, total: None,
+    begin: Callable[[], None] = lambda: None,
+) -> dict[str, Any]:
+    """Compute what is missing of a study.
+
+    Parameters
+    ----------
+    folder : study folder; an unfinished study of the same settings in it is resumed
+    workers : who computes
+    progress : called with (episodes done, episodes in all)
+    begin : called once all is checked, before the first episode
+
+    Returns
+    -------
+    Content of `summary.json`: variant -> summary of its run
+
+    Raises
+    ------
+    UserError
+        For settings that cannot be run, a folder that holds something else, a failure to write, or
+        workers that are lost. Nothing computed is lost.
+    """
+    runs = [_plan(study, variant, folder) for variant in study.variants]
+    call = workers.call({policy for run in runs for policy in run.policies})
+    _check_flags(folder, study.info)
+    open_folder(folder, "study", study.info, IDENTITY)
+    with ExitStack() as stack:
+        stack.enter_context(claimed(folder))
+        for run in runs:
+            run.open()
+            stack.enter_context(run.folder.claimed())
+        begin()
+        summaries: Sequence[Any] = carry_out(runs, workers, call, progress)
+        names = [variant.name for variant in study.variants]
+        summary = dict(zip(names, summaries, strict=True))
+        write_json(folder / "summary.json", summary)
+    return summary
+
+
+def _plan(study: Study, variant: Variant, folder: Path) -> Run:
+    setting = Setting(variant.scenario, study.setting.grid)
+    try:
+        return Run.plan(
+            setting,
+            variant.policies,
+            variant_folder(folder, variant.name),
+            episodes=study.episodes,
+            seed=study.seed,
+            worlds=study.worlds,
+        )
+    except UserError as error:
+        if variant is study.variants[0]:  # the scenario as it is
+            raise
+        raise UserError(f"{study.kind} study, {variant.title}: {error}") from error

@@ -1,0 +1,177 @@
+"""Episode logs as the tables of a run folder (columns: docs/run-folder.md)."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from mjforage.core.dynamics import OUTCOMES
+from mjforage.core.episode_log import EpisodeLog
+from mjforage.core.errors import UserError
+from mjforage.core.mission import Setting
+from mjforage.core.scoring import Scores
+from mjforage.core.vocabulary import METRICS, SERIES
+
+SCALARS = tuple(METRICS)
+Columns = dict[str, NDArray[Any] | pl.Series]
+TABLES = ("episodes", "steps", "items", "agents")
+KEYS = {"world": pl.String, "policy": pl.String, "episode": pl.Int64}
+SCHEMAS: dict[str, dict[str, type[pl.DataType]]] = {
+    "episodes": KEYS | {"items": pl.Int64} | dict.fromkeys(SCALARS, pl.Float64),
+    "steps": KEYS | {"step": pl.Int32} | dict.fromkeys(SERIES, pl.Float32),
+    "items": KEYS
+    | {"item": pl.Int32, "row_start": pl.Float32, "col_start": pl.Float32}
+    | dict.fromkeys(("t_discovered", "discovered_by", "t_collected", "collected_by"), pl.Int32),
+    "agents": KEYS
+    | dict.fromkeys(("step", "agent", "node", "row", "col"), pl.Int32)
+    | {"direction": pl.Int8, "target": pl.Int32}
+    | dict.fromkeys(("x_m", "y_m", "yaw_rad", "speed_mps"), pl.Float32)
+    | {"outcome": pl.String, "distance_m": pl.Float32, "energy": pl.Float32}
+    | {"collisions": pl.Int32, "impact_mps": pl.Float32, "work_j": pl.Float32},
+}
+"""Table -> column -> type, in order."""
+
+
+def _frame(table: str, world: str, policy: str, columns: Columns) -> pl.DataFrame:
+    frame = pl.DataFrame(columns).with_columns(
+        world=pl.lit(world, pl.String), policy=pl.lit(policy, pl.String)
+    )
+    schema = SCHEMAS[table]
+    return frame.select(pl.col(name).cast(kind) for name, kind in schema.items())
+
+
+def _episodes(episodes: NDArray[np.int64], log: EpisodeLog, scores: Scores) -> Columns:
+    columns: Columns = {"episode": episodes, "items": log.n_items}
+    return columns | {key: scores.scalars[key] for key in SCALARS}
+
+
+def _steps(episodes: NDArray[np.int64], scores: Scores) -> Columns:
+    steps = scores.series["pta_c"].shape[1]
+    columns: Columns = {
+        "episode": np.repeat(episodes, steps),
+        "step": np.tile(np.arange(steps), episodes.size),
+    }
+    return columns | {key: scores.series[key].ravel() for key in SERIES}
+
+
+def _items(episodes: NDArray[np.int64], log: EpisodeLog) -> Columns:
+    shape = log.t_discovered.shape
+    exists = np.arange(shape[1])[None, :] < log.n_items[:, None]
+    columns: Columns = {
+        "episode": np.broadcast_to(episodes[:, None], shape)[exists],
+        "item": np.broadcast_to(np.arange(shape[1]), shape)[exists],
+        "row_start": log.item_start[exists, 0],
+        "col_start": log.item_start[exists, 1],
+    }
+    for name in ("t_discovered", "discovered_by", "t_collected", "collected_by"):
+        values = getattr(log, name)[exists].astype(np.int32)
+        series = pl.Series(values)
+        columns[name] = series.set(series < 0, None)
+    return columns
+
+
+def _agents(episodes: NDArray[np.int64], log: EpisodeLog, setting: Setting) -> Columns:
+    shape, graph = log.agent_node.shape, setting.graph
+    pitch_m, period_s = setting.scenario.map.pitch_m, setting.scenario.period_s
+    made = np.broadcast_to(np.arange(shape[1])[None, :, None] <= log.length[:, None, None], shape)
+    node, xy = log.agent_node[made], graph.metres(log.agent_rc[made])
+    step = np.broadcast_to(np.arange(shape[1])[None, :, None], shape)[made]
+    names = np.array(("start", *OUTCOMES))
+    direction = pl.Series(log.direction[made])
+    return {
+        "episode": np.broadcast_to(episodes[:, None, None], shape)[made],
+        "step": step,
+        "agent": np.broadcast_to(np.arange(shape[2]), shape)[made],
+        "node": node,
+        "row": graph.rows[node],
+        "col": graph.cols[node],
+        "direction": direction.set(direction < 0, None),
+        "target": log.target[made],
+        "x_m": xy[:, 0],
+        "y_m": xy[:, 1],
+        "yaw_rad": log.yaw[made],
+        "speed_mps": log.speed[made] * (pitch_m / period_s),
+        "outcome": names[np.where(step == 0, 0, log.outcome[made] + 1)],
+        "distance_m": log.distance[made] * pitch_m,
+        "energy": log.energy[made],
+        "collisions": log.collisions[made],
+        "impact_mps": log.impact[made],
+        "work_j": log.work[made],
+    }
+
+
+def frames(
+    setting: Setting,
+    world: str,
+    policy: str,
+    episodes: NDArray[np.int64],
+    log: EpisodeLog,
+    scores: Scores,
+) -> dict[str, pl.DataFrame]:
+    """The four tables of a finished batch, by name.
+
+    Parameters
+    ----------
+    setting : scenario and map
+    world, policy : names, written into every row
+    episodes : (episode,) numbers of the batch's episodes
+    log, scores : the batch
+    """
+    columns: dict[str, Columns] = {
+        "episodes": _episodes(episodes, log, scores),
+        "steps": _steps(episodes, scores),
+        "items": _items(episodes, log),
+        "agents": _agents(episodes, log, setting),
+    }
+    return {name: _frame(name, world, policy, columns[name]) for name in TABLES}
+
+
+def check_table(path: Path, table: str, remedy: str = "") -> None:
+    """Check that a file is a table of this package, by its schema.
+
+    Parameters
+    ----------
+    path : Parquet file
+    table : one of `TABLES`
+    remedy : last words of the message; to move the file away and compute it again if empty
+
+    Raises
+    ------
+    UserError
+        If the file is missing, truncated, not Parquet or has other columns.
+    """
+    remedy = remedy or _remedy(path)
+    try:
+        schema = dict(pl.scan_parquet(path, glob=False).collect_schema())
+    except (OSError, pl.exceptions.PolarsError) as error:
+        raise UserError(
+            f"{path}: missing, truncated or not Parquet ({_reason(error)}); {remedy}"
+        ) from error
+    if schema != SCHEMAS[table]:
+        wrong = ", ".join(sorted(set(schema) ^ set(SCHEMAS[table]))) or "column types"
+        raise UserError(f"{path}: not a table of {table} ({wrong} differ); {remedy}")
+
+
+def read_table(path: Path, table: str, remedy: str = "") -> pl.DataFrame:
+    """Check and read a table; parameters as for `check_table`.
+
+    Raises
+    ------
+    UserError
+        As `check_table`, and if the file is damaged inside.
+    """
+    check_table(path, table, remedy)
+    try:
+        return pl.read_parquet(path, glob=False)
+    except (OSError, pl.exceptions.PolarsError) as error:
+        raise UserError(f"{path}: damaged ({_reason(error)}); {remedy or _remedy(path)}") from error
+
+
+def _remedy(path: Path) -> str:
+    return f"move {path} away and run the command that wrote it again"
+
+
+def _reason(error: Exception) -> str:
+    return str(error).splitlines()[0] if str(error) else type(error).__name__

@@ -1,0 +1,290 @@
+"""Carrying out chunks of episodes: here, in worker processes, or on a dask cluster.
+
+The unit of work is (scenario, map, policy, world, chunk of episodes) -> one folder; joblib
+distributes it. The map travels with the work, so that every chunk is of the map that `run.json`
+holds. Workers on other machines write into the same run folder, which all must share.
+"""
+
+import json
+import os
+import socket
+import threading
+import time
+import warnings
+import zipfile
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from functools import lru_cache
+from pathlib import Path
+
+import joblib
+import numpy as np
+from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+from graph_planner.policies import create_policy
+from graph_planner.policies.registry import own_weights
+from mjforage.physics.worlds import create_mission
+from mjforage.runs.costs import Call, Cost
+from mjforage.core.episode_log import EpisodeLog
+from mjforage.core.errors import UserError
+from mjforage.core.maps import GridMap
+from mjforage.core.mission import Mission, Setting
+from mjforage.runs.recording import record
+from mjforage.core.scenario_file import canonical_json, scenario_from_tree, scenario_to_tree
+from mjforage.core.scoring import score
+from mjforage.runs.storage import Chunk, RunFolder, writing
+from mjforage.runs import cluster
+from mjforage.runs.identity import versions
+from mjforage.runs.interrupts import interrupts_held
+from mjforage.runs.tables import frames
+
+PARENT_CHECK_S = 1.0
+
+
+@dataclass(frozen=True)
+class Workers:
+    """Who computes.
+
+    Attributes
+    ----------
+    jobs : processes of this machine; 1 stays in this process
+    scheduler : address of a dask scheduler, whose workers compute instead
+    local_cluster : worker processes of a dask cluster started on this machine instead
+    """
+
+    jobs: int = 1
+    scheduler: str = ""
+    local_cluster: int = 0
+
+    def __post_init__(self) -> None:
+        for flag, count, least in (
+            ("jobs", self.jobs, 1),
+            ("local-cluster", self.local_cluster, 0),
+        ):
+            if count < least:
+                raise UserError(f"--{flag} {count}: give at least 1 worker")
+        if (self.jobs > 1) + bool(self.scheduler) + bool(self.local_cluster) > 1:
+            raise UserError("--jobs, --scheduler and --local-cluster: give one of them")
+        if self.scheduler:
+            cluster.check_address(self.scheduler)
+
+    @property
+    def remote(self) -> bool:
+        """Whether a dask cluster computes."""
+        return bool(self.scheduler or self.local_cluster)
+
+    def call(self, policies: Iterable[str]) -> Call:
+        """Check that they can compute these policies, before anything is written.
+
+        Raises
+        ------
+        UserError
+            If dask is missing, the scheduler cannot be reached or has no workers, or they lack the
+            weights.
+        """
+        started, count = datetime.now(UTC).isoformat(), self.local_cluster or self.jobs
+        how = "local dask cluster" if self.local_cluster else "processes"
+        if self.remote:
+            cluster.check_dask()
+        if self.scheduler:
+            _check_weights(policies)
+            how = f"dask at {self.scheduler}"
+            with cluster.connected(self.scheduler, 0) as client:
+                count = cluster.cores(client)
+        return Call(started, how, count)
+
+
+def _check_weights(policies: Iterable[str]) -> None:
+    for name in policies:
+        if own_weights(name) is not None:
+            raise UserError(
+                f"policy {name}: weights of this folder are not where a cluster's workers are; "
+                "compute it with --jobs"
+            )
+
+
+@dataclass(frozen=True)
+class Order:
+    """What all chunks of a run have in common, in a form that hashes and travels."""
+
+    scenario_json: str
+    map_name: str
+    shape: tuple[int, int]  # of the map
+    cells: bytes  # np.packbits of the map's cells
+    seed: int
+    folder: Path
+    hash: str  # of the run
+    call: Call
+    parent: int | None  # process that asked for it and must outlive its workers; None: a cluster
+    versions: tuple[tuple[str, str], ...] = ()  # of the process that asked a cluster
+
+    @classmethod
+    def of(
+        cls,
+        setting: Setting,
+        seed: int,
+        folder: Path,
+        run_hash: str,
+        call: Call,
+        remote: bool = False,
+    ) -> "Order":
+        """Pack a setting."""
+        rows, columns = setting.grid.navigable.shape
+        return cls(
+            canonical_json(scenario_to_tree(setting.scenario)),
+            setting.grid.name,
+            (rows, columns),
+            np.packbits(setting.grid.navigable).tobytes(),
+            seed,
+            folder.resolve() if remote else folder,
+            run_hash,
+            call,
+            None if remote else os.getpid(),
+            tuple(versions().items()) if remote else (),
+        )
+
+
+@lru_cache(maxsize=4)
+def _setting(order: Order) -> Setting:
+    """The setting of an order, built (and on a cluster checked) once per process.
+
+    Raises
+    ------
+    UserError
+        If this is a worker of a cluster that does not agree with the process that asked.
+    """
+    if order.parent is None:
+        cluster.check_versions(order.versions)
+    packed = np.frombuffer(order.cells, np.uint8)
+    rows, columns = order.shape
+    navigable = np.unpackbits(packed, count=rows * columns).reshape(order.shape).astype(np.bool_)
+    scenario = scenario_from_tree(json.loads(order.scenario_json), "scenario")
+    setting = Setting(scenario, GridMap(order.map_name, navigable))
+    if order.parent is None:
+        cluster.check_run(order.folder, order.hash, setting)
+    return setting
+
+
+@lru_cache(maxsize=1)
+def _die_with(parent: int) -> None:
+    """Let this worker end when its parent has gone, even by kill -9."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(PARENT_CHECK_S)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True, name="parent watch").start()
+
+
+@contextmanager
+def _started(parallel: joblib.Parallel, tasks: Iterable[object]) -> Iterator[Iterator[str | None]]:
+    """Start tasks; at the end cancel those that are left without a word."""
+    results = None
+    try:
+        with interrupts_held():
+            results = parallel(tasks)
+        yield results
+    finally:
+        if results is not None:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)
+                results.close()
+
+
+def keep_replay(setting: Setting, world: str, policy: str, seed: int, folder: Path) -> None:
+    """Simulate the first episode once more for the report and the web replay, unless it is there.
+
+    Raises
+    ------
+    UserError
+        If it cannot be written.
+    """
+    path = folder / "replay" / f"{world}-{policy}-0.npz"
+    with writing(path):
+        path.parent.mkdir(exist_ok=True)
+        if not zipfile.is_zipfile(path):  # missing or truncated
+            temporary = path.with_name(f".{os.getpid()}-{path.name}")
+            try:
+                record(setting, world, policy, seed, 0).save(temporary)
+                temporary.replace(path)
+            finally:
+                temporary.unlink(missing_ok=True)
+
+
+def run_chunk(order: Order, chunk: Chunk) -> str | None:
+    """Play, score and store one chunk, and with the first one the replay of its first episode.
+
+    Returns
+    -------
+    None, or the message of the error that a user can mend (exceptions with a cause do not survive
+    the way between processes unharmed)
+    """
+    cpu_s, wall_s, began_s = time.process_time(), time.perf_counter(), time.time()
+    run = RunFolder(order.folder)
+    try:
+        if order.parent is not None and os.getpid() != order.parent:
+            _die_with(order.parent)
+        setting = _setting(order)
+        if order.parent is None and run.has(chunk):
+            return None  # made by a worker that was lost before it could tell
+        episodes = np.arange(chunk.first, chunk.first + chunk.count)
+        mission = create_mission(setting, chunk.world)
+        mission.reset(order.seed, episodes)
+        log = EpisodeLog(mission)
+        mission.run(create_policy(chunk.policy), (log,))
+        scores = score(log, setting.fleet, setting.scenario.horizon)
+        tables = frames(setting, chunk.world, chunk.policy, episodes, log, scores)
+        cost = Cost(
+            chunk.world,
+            chunk.policy,
+            chunk.count,
+            int(log.length.sum()),
+            time.process_time() - cpu_s,
+            time.perf_counter() - wall_s,
+            began_s,
+            f"{socket.gethostname()}-{os.getpid()}",
+            **asdict(order.call),
+        )
+        run.write(chunk, tables, cost)
+        if chunk.first == 0:
+            keep_replay(setting, chunk.world, chunk.policy, order.seed, order.folder)
+    except UserError as error:
+        return str(error)
+    return None
+
+
+def run_chunks(work: Sequence[tuple[Order, Chunk]], workers: Workers) -> Generator[int]:
+    """Carry out chunks in their order, yielding the place of each one that is finished.
+
+    Raises
+    ------
+    UserError
+        If a chunk fails for a reason that a user can mend, a worker was killed, or the cluster
+        cannot be used. Finished chunks stay.
+    """
+    tasks = (joblib.delayed(run_chunk)(order, chunk) for order, chunk in work)
+    try:
+        with _parallel(workers, len(work)) as parallel, _started(parallel, tasks) as results:
+            for place, error in enumerate(results):
+                if error is not None:
+                    raise UserError(error)
+                yield place
+    except TerminatedWorkerError as error:
+        raise UserError(
+            "a worker process was killed, perhaps for want of memory; run the same command again "
+            "with fewer --jobs: finished chunks are kept"
+        ) from error
+
+
+@contextmanager
+def _parallel(workers: Workers, tasks: int) -> Iterator[joblib.Parallel]:
+    """Give joblib with processes of this machine, or its dask backend with all tasks queued."""
+    if not workers.remote:
+        jobs = min(workers.jobs, max(1, tasks))
+        yield joblib.Parallel(n_jobs=jobs, return_as="generator")
+        return
+    with cluster.connected(workers.scheduler, workers.local_cluster) as client:
+        yield cluster.parallel(client)

@@ -1,6 +1,0 @@
-"""MuJoCo scenes: quays, fleet and debris as one model that the force callback understands."""
-
-from mjforage.scene.build import Scene, build_scene, check_passages
-from mjforage.scene.debris import DebrisClass, load_debris
-
-__all__ = ["DebrisClass", "Scene", "build_scene", "check_passages", "load_debris"]

@@ -1,0 +1,1 @@
+"""What people look at: reports, films, pictures, the web player."""

@@ -1,0 +1,136 @@
+"""An episode into a file, by whichever drawing suits its world and camera."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.core.errors import UserError
+from mjforage.runs.replay import Replay
+from mjforage.view.render.cameras import CAMERAS
+from mjforage.view.render.times import frame_times
+from mjforage.view.render.top_view import TopView
+from mjforage.view.render.video import check_target, is_numbered, write_video
+
+WIDTH, HEIGHT = 1280, 720  # [pixel]
+MOST_WIDTH, MOST_HEIGHT, LEAST = 3840, 2160, 64
+_STILL_DETAIL = 2  # a single picture is drawn so many times larger and shrunk
+
+Progress = Callable[[int, int], None]
+Frame = Callable[[float], NDArray[np.uint8]]
+
+
+def default_camera(world: str) -> str:
+    """The camera where none is asked for."""
+    return "top" if world == "graph" else "overview"
+
+
+def needs_opengl(world: str, camera: str) -> bool:
+    """Whether MuJoCo draws: everything but the graph world from above, which is plain drawing."""
+    return (world, camera) != ("graph", "top")
+
+
+def render_replay(
+    replay: Replay,
+    path: Path,
+    *,
+    camera: str | None = None,
+    follow: str | None = None,
+    width: int | None = None,
+    height: int | None = None,
+    start_s: float = 0.0,
+    duration_s: float | None = None,
+    fps: float = 30.0,
+    speed: float | None = None,
+    progress: Progress | None = None,
+) -> int:
+    """Show an episode as an MP4, a GIF, one PNG or numbered PNGs.
+
+    Parameters
+    ----------
+    replay : Replay
+        The episode.
+    path : Path
+        Its suffix chooses the kind, see `write_video`; a single PNG shows the time `start_s`.
+    camera : str, optional
+        overview, chase, top or scout; by default `default_camera`.
+    follow : str, optional
+        Vessel of chase and scout, such as ``forager-1``.
+    width, height : int, optional
+        Of a frame [pixel], by default 1280 x 720. The drawing of the graph world from above takes
+        `width` for its longer side and finds its own height.
+    start_s, duration_s : float
+        What to show, in simulated seconds; by default all of the episode.
+    fps : float
+        Frames per second of video.
+    speed : float, optional
+        Simulated seconds per second of video, 1 being real time; by default four decisions (40 s in
+        the default scenario), for chase and scout one.
+    progress : callable, optional
+        Called as `progress(done, total)` after every frame.
+
+    Returns
+    -------
+    int
+        Number of frames written.
+
+    Raises
+    ------
+    UserError
+        If there is no such camera or vessel, a time lies outside the episode, a number does not
+        fit, there is no OpenGL, or the file cannot be written.
+    """
+    check_target(path, fps)
+    name = camera or default_camera(replay.world)
+    if name not in CAMERAS:
+        raise UserError(f"camera {name}: unknown; choose {', '.join(CAMERAS)}")
+    if speed is None:
+        speed = CAMERAS[name].steps_per_film_s * replay.period_s
+    times = frame_times(replay, start_s=start_s, duration_s=duration_s, fps=fps, speed=speed)
+    still = path.suffix.lower() == ".png" and not is_numbered(path)
+    times = times[:1] if still else times
+    if not needs_opengl(replay.world, name):
+        draw = _drawing(replay, follow, width, height).frame
+        return write_video(_frames(draw, times, progress), path, fps)
+    size = (
+        _checked("width", width, WIDTH, MOST_WIDTH),
+        _checked("height", height, HEIGHT, MOST_HEIGHT),
+    )
+    from mjforage.view.render.harbour_view import (
+        HarbourView,  # loads MuJoCo, the drawing goes without
+    )
+
+    detail = _STILL_DETAIL if still else 1
+    with HarbourView(replay, name, *size, follow=follow, speed=speed, detail=detail) as view:
+        return write_video(_frames(view.frame, times, progress), path, fps)
+
+
+def _drawing(replay: Replay, follow: str | None, width: int | None, height: int | None) -> TopView:
+    """The plain drawing from above, for which some options mean nothing."""
+    if follow is not None:
+        raise UserError(f"follow {follow}: camera top follows nobody; choose chase or scout")
+    if height is not None:
+        raise UserError(
+            f"height {height}: the drawing from above finds its own; leave height out, or choose "
+            "another camera"
+        )
+    if width is not None and not 320 <= width <= 7680:
+        raise UserError(f"width {width}: must be 320 to 7680 pixels, for example 1280")
+    return TopView(replay, width)
+
+
+def _checked(name: str, value: int | None, default: int, most: int) -> int:
+    if value is not None and not LEAST <= value <= most:
+        raise UserError(f"{name} {value}: must be {LEAST} to {most} pixels, for example {default}")
+    return default if value is None else value
+
+
+def _frames(
+    draw: Frame, times: NDArray[np.float64], progress: Progress | None
+) -> Iterator[NDArray[np.uint8]]:
+    """One frame after the other; none is kept."""
+    for done, time in enumerate(times.tolist(), start=1):
+        yield draw(time)
+        if progress is not None:
+            progress(done, len(times))

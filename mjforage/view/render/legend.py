@@ -1,0 +1,101 @@
+"""The legend: every sign of the map, drawn by the same functions as on the map."""
+
+import numpy as np
+
+from mjforage.view.render import palette, symbols
+from mjforage.view.render.layout import LEGEND_ROW, PANEL_WIDTH, Layout
+from mjforage.view.render.palette import Colour
+from mjforage.view.render.raster import Floats, Image, paint_box, paint_rings
+from mjforage.view.render.text import fit, write
+
+_TEXT_LEFT = 46.0  # [unit]
+
+
+class Legend:
+    """Writes rows downwards from a corner of the panel; painted once per replay."""
+
+    def __init__(self, image: Image, corner: tuple[float, float], layout: Layout) -> None:
+        self._image, self._layout = image, layout
+        self._left, self._y = corner[0], corner[1] + 13 * layout.unit
+        self._mark_x = corner[0] + 17 * layout.unit
+
+    def _row(self, text: str) -> None:
+        u, size = self._layout.unit, self._layout.size(13)
+        label = fit(text, size, (PANEL_WIDTH - _TEXT_LEFT) * u)
+        write(self._image, label, self._left + _TEXT_LEFT * u, self._y + 4.5 * u, size)
+        self._y += LEGEND_ROW * u
+
+    def _water(self) -> None:
+        """Lay a patch of water under a sign, as its colours are made for water."""
+        u = self._layout.unit
+        patch = (self._left, self._y - 10.5 * u, self._left + 34 * u, self._y + 10.5 * u)
+        paint_box(self._image, patch, 5 * u, 0.0, 1.0, palette.CLEAR_DEEP)
+
+    def team(self, name: str, count: int, collects: bool, colour: Colour) -> None:
+        """Two rows: the hull of a team and its view."""
+        self._water()
+        place = np.array([self._mark_x - 1.0, self._y])
+        length = 20.0 * self._layout.unit
+        symbols.paint_hull(self._image, place, 0.0, length, collects, colour)
+        self._row(f"{name} ({count})")
+        self._water()
+        u = self._layout.unit
+        box = (self._mark_x - 11 * u, self._y - 6.5 * u, self._mark_x + 11 * u, self._y + 6.5 * u)
+        paint_box(self._image, box, 6 * u, 0.0, 0.16, colour)
+        paint_box(self._image, box, 6 * u, 1.6 * u, 0.85, colour)
+        self._row(f"in view of {name}")
+
+    def items(self) -> None:
+        """Rows for discovered and undiscovered items, beliefs and a collection."""
+        u, one = self._layout.unit, np.ones(1)
+        dot, ring = 4.0 * u, 7.0 * u
+        for known, text in ((True, "item, discovered"), (False, "item, not yet discovered")):
+            self._water()
+            symbols.paint_items(self._image, self._mark(), one, dot, known=known)
+            self._row(text)
+        self._water()
+        symbols.paint_beliefs(self._image, self._mark(-7.5 * u), one, one, ring)
+        symbols.paint_beliefs(self._image, self._mark(8.5 * u), 4.0 * one, one, ring)
+        self._row("items believed here, 1 and 4")
+        self._water()
+        paint_rings(
+            self._image, self._mark(), 8.0 * u * one, 2.0 * u * one, 0.9 * one, palette.WHITE
+        )
+        self._row("item just collected")
+
+    def _mark(self, shift: float = 0.0) -> Floats:
+        return np.array([[self._mark_x + shift, self._y]])
+
+    def idleness(self) -> None:
+        """Row with the scale of the veil, from just seen to idle."""
+        u = self._layout.unit
+        y0, y1 = round(self._y - 8 * u), round(self._y + 8 * u)
+        x0, x1 = round(self._left), round(self._left + 110 * u)
+        part = np.linspace(0.0, 1.0, x1 - x0)[:, None]
+        clear, hazy = np.array(palette.CLEAR_DEEP), np.array(palette.HAZY_DEEP)
+        self._image[y0:y1, x0:x1] = np.rint(clear + (hazy - clear) * part).astype(np.uint8)
+        size = self._layout.size(13)
+        write(self._image, "idleness 0 to 1", x1 + 12 * u, self._y + 4.5 * u, size)
+        self._y += LEGEND_ROW * u
+
+    def scale_bar(self, pitch_m: float) -> None:
+        """Row with a bar of a round number of metres."""
+        u = self._layout.unit
+        metre = self._layout.scale / pitch_m  # [pixel/m]
+        length_m = round_length(150 * u / metre)
+        x0, x1 = self._left, self._left + length_m * metre
+        for box in (
+            (x0, self._y - 1 * u, x1, self._y + 1 * u),
+            (x0, self._y - 5 * u, x0 + 2 * u, self._y + 5 * u),
+            (x1 - 2 * u, self._y - 5 * u, x1, self._y + 5 * u),
+        ):
+            paint_box(self._image, box, 0.0, 0.0, 1.0, palette.INK)
+        size = self._layout.size(13)
+        write(self._image, f"{length_m:g} m", x1 + 12 * u, self._y + 4.5 * u, size)
+        self._y += LEGEND_ROW * u
+
+
+def round_length(most: float) -> float:
+    """Return the largest 1, 2 or 5 times a power of ten that is at most `most`."""
+    power = 10.0 ** np.floor(np.log10(most))
+    return float(max(factor * power for factor in (1.0, 2.0, 5.0) if factor * power <= most))

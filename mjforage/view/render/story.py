@@ -1,0 +1,93 @@
+"""What happens when in a replay, and where everything is between two steps."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.runs.replay import Replay
+
+TURN_PART = 0.35  # part of a step that a vessel takes to turn
+NEVER = np.iinfo(np.int64).max
+
+
+@dataclass(frozen=True)
+class Story:
+    """Events of one episode of T' steps; `course` is the angle from east, clockwise on screen."""
+
+    length: int  # T' [step]
+    discovered: NDArray[np.int64]  # (item,) step, NEVER if not
+    removed: NDArray[np.int64]  # (item,) step, NEVER if not
+    pta_d: NDArray[np.float64]  # (T'+1,) [%]
+    pta_c: NDArray[np.float64]  # (T'+1,) [%]
+    course: NDArray[np.float64]  # (T'+1, agent) [rad], of the move that ends at the step
+
+
+def tell_story(replay: Replay) -> Story:
+    """Derive discoveries (an item in a seen node, or removed), removals and courses."""
+    steps, items = replay.item_present.shape
+    rows, columns = replay.navigable.shape
+    node = np.rint(replay.item_rc).astype(np.int64)
+    row, column = np.clip(node[..., 0], 0, rows - 1), np.clip(node[..., 1], 0, columns - 1)
+    seen = replay.in_view[np.arange(steps)[:, None], row, column] != 0
+    removed = _first(~replay.item_present)
+    discovered = np.minimum(_first(seen & replay.item_present), removed)
+    step = np.arange(steps)[:, None]
+    share = 100.0 / max(items, 1)
+    return Story(
+        length=steps - 1,
+        discovered=discovered,
+        removed=removed,
+        pta_d=share * (discovered <= step).sum(axis=1),
+        pta_c=share * (removed <= step).sum(axis=1),
+        course=_courses(replay.agent_rc),
+    )
+
+
+def _first(happened: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """First True along axis 0 of (step, item), NEVER without one."""
+    first: NDArray[np.int64] = np.where(happened.any(axis=0), happened.argmax(axis=0), NEVER)
+    return first
+
+
+def _courses(agent_rc: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Course per step (step, agent); a vessel that stays keeps its last, at first its next one."""
+    course = np.full(agent_rc.shape[:2], np.nan)
+    move = np.diff(agent_rc.astype(np.float64), axis=0)
+    moving = np.any(move != 0.0, axis=-1)
+    course[1:][moving] = np.arctan2(move[..., 0], move[..., 1])[moving]
+    for step in range(1, len(course)):
+        course[step] = np.where(np.isnan(course[step]), course[step - 1], course[step])
+    for step in range(len(course) - 2, -1, -1):
+        course[step] = np.where(np.isnan(course[step]), course[step + 1], course[step])
+    return np.where(np.isnan(course), -np.pi / 2.0, course)
+
+
+def split_time(time: float, length: int) -> tuple[int, int, float]:
+    """Return the step before, the step after and the part of the way between, at `time` [step].
+
+    Raises
+    ------
+    ValueError
+        If `time` lies outside 0..length.
+    """
+    if not 0.0 <= time <= length:
+        raise ValueError(f"time {time} lies outside the episode, 0 to {length} steps")
+    before = min(int(time), max(length - 1, 0))
+    return before, min(before + 1, length), time - before
+
+
+def course_at(story: Story, time: float) -> NDArray[np.float64]:
+    """Return courses (agent,) [rad] at `time` [step], turning early in each step."""
+    before, after, part = split_time(time, story.length)
+    turn = (story.course[after] - story.course[before] + np.pi) % (2.0 * np.pi) - np.pi
+    turned: NDArray[np.float64] = story.course[before] + turn * min(1.0, part / TURN_PART)
+    return turned
+
+
+def between(values: NDArray[np.float32], time: float) -> NDArray[np.float64]:
+    """Interpolate (step, ...) linearly at `time` [step]."""
+    before, after, part = split_time(time, len(values) - 1)
+    first, second = values[before].astype(np.float64), values[after].astype(np.float64)
+    mixed: NDArray[np.float64] = first + (second - first) * part
+    return mixed

@@ -1,0 +1,103 @@
+"""The things on the water: hulls, trails, items, believed items."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.view.render import palette
+from mjforage.view.render.layout import Layout
+from mjforage.view.render.palette import Colour
+from mjforage.view.render.raster import (
+    Floats,
+    Image,
+    paint_discs,
+    paint_polygon,
+    paint_rings,
+    paint_stroke,
+)
+
+# Outlines with the bow towards +x, in hull lengths: a slender delta, and two floats with a mouth.
+SCOUT_HULL: Floats = np.array(
+    [[0.56, 0.0], [0.1, 0.2], [-0.44, 0.36], [-0.28, 0.0], [-0.44, -0.36], [0.1, -0.2]]
+)
+_FORAGER_HALF = [[0.42, 0.4], [-0.34, 0.4], [-0.46, 0.26]]
+FORAGER_HULL: Floats = np.array(
+    [
+        [0.08, 0.16],
+        [0.52, 0.2],
+        *_FORAGER_HALF,
+        *[[x, -y] for x, y in reversed(_FORAGER_HALF)],
+        [0.52, -0.2],
+        [0.08, -0.16],
+    ]
+)
+
+
+def hull_length(layout: Layout) -> float:
+    """Length of a drawn hull [pixel]: one and a half nodes, within legible bounds."""
+    return float(np.clip(1.5 * layout.scale, 17.0 * layout.unit, 52.0 * layout.unit))
+
+
+def item_radius(layout: Layout) -> float:
+    """Radius of an item's dot [pixel]."""
+    return float(np.clip(0.19 * layout.scale, 2.1 * layout.unit, 7.0 * layout.unit))
+
+
+def belief_radius(layout: Layout) -> float:
+    """Radius of a belief ring [pixel]: inside its node, but never too small to see."""
+    return float(np.clip(0.43 * layout.scale, 4.2 * layout.unit, 20.0 * layout.unit))
+
+
+def paint_hull(
+    image: Image,
+    place: Floats,
+    course: float,
+    length: float,
+    collects: bool,
+    colour: Colour,
+) -> None:
+    """Paint one vessel at `place` (2,) [pixel] with a soft shadow, a white rim and a deck."""
+    outline = FORAGER_HULL if collects else SCOUT_HULL
+    turn = np.array(
+        [[np.cos(course), np.sin(course)], [-np.sin(course), np.cos(course)]], np.float64
+    )
+    corners = length * outline @ turn + place
+    rim = max(1.0, 0.055 * length)
+    shadow = corners + 0.07 * length
+    paint_polygon(image, shadow, rim, max(1.0, 0.22 * length), 0.45, palette.WATER_SHADOW)
+    paint_polygon(image, corners, 1.75 * rim, 1.0, 0.9, palette.INK)
+    paint_polygon(image, corners, rim, 1.0, 1.0, palette.WHITE)
+    paint_polygon(image, corners, -0.25 * rim, 1.0, 1.0, colour)
+    cabin = np.array([[-0.16 if collects else -0.02, 0.0]]) * length @ turn + place
+    size = np.array([0.075 * length])
+    paint_discs(image, cabin, size, np.ones(1), palette.WHITE)
+
+
+def paint_trail(image: Image, points: Floats, length: float, colour: Colour) -> None:
+    """Paint the way (n, 2) [pixel] that a vessel came, oldest first, fading into the past."""
+    age = np.linspace(0.0, 1.0, len(points))
+    paint_stroke(image, points, length * (0.06 + 0.10 * age), 0.75 * age**1.3, colour)
+
+
+def paint_items(image: Image, points: Floats, alpha: Floats, radius: float, *, known: bool) -> None:
+    """Paint litter (n, 2) [pixel]: bright with a dark rim; small and dim until discovered."""
+    size = np.full(len(points), radius if known else 0.72 * radius)
+    strength = alpha if known else 0.62 * alpha
+    paint_discs(image, points, size + max(0.9, 0.3 * radius), strength, palette.ITEM_RIM)
+    paint_discs(image, points, size, alpha if known else 0.75 * alpha, palette.ITEM)
+
+
+def paint_beliefs(
+    image: Image, points: Floats, count: NDArray[np.float64], alpha: Floats, radius: float
+) -> None:
+    """Paint rings (n, 2) [pixel] where `count` items are believed; more items, thicker ring."""
+    width = radius * (0.2 + 0.1 * np.minimum(count, 6.0))
+    outer = np.full(len(points), radius)
+    paint_rings(image, points, outer, width + max(1.0, 0.2 * radius), 0.7 * alpha, palette.WHITE)
+    paint_rings(image, points, outer, width, alpha, palette.BELIEF)
+
+
+def paint_collected(image: Image, points: Floats, age: Floats, layout: Layout) -> None:
+    """Paint the ring that spreads where an item was just collected; `age` (n,) in 0..1."""
+    radius = item_radius(layout) + age * 0.9 * hull_length(layout)
+    width = (1.0 - age) * max(2.5, 0.16 * hull_length(layout)) + 0.5
+    paint_rings(image, points, radius, width, 0.95 * (1.0 - age), palette.WHITE)

@@ -1,0 +1,162 @@
+"""A replay seen from above: one frame at any time of the episode."""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.runs.replay import Replay
+from mjforage.view.render import palette, symbols
+from mjforage.view.render.background import paint_background
+from mjforage.view.render.fields import fields_at, nearest_water, paint_fields
+from mjforage.view.render.layout import plan_layout
+from mjforage.view.render.legend import Legend
+from mjforage.view.render.panel import Panel, team_collects
+from mjforage.view.render.raster import Floats, Image, paint_box
+from mjforage.view.render.story import between, course_at, split_time, tell_story
+
+TRAIL_STEPS = 14.0  # how far back trails reach [step]
+FADE_PART = 0.3  # the last part of a step, in which things appear and vanish
+FLASH_STEPS = 0.9  # how long a collection stays marked [step]
+
+
+class TopView:
+    """Draws frames (height, width, 3) uint8 of one replay; `frame(73.5)` is between two steps.
+
+    Parameters
+    ----------
+    replay : Replay
+        The episode.
+    long_side : int, optional
+        Most pixels along the wider side; by default 1280, 1600 for maps of over 200 nodes a side.
+    """
+
+    def __init__(self, replay: Replay, long_side: int | None = None) -> None:
+        self._replay = replay
+        self._story = tell_story(replay)
+        rows, columns = replay.navigable.shape
+        self._layout = plan_layout(rows, columns, len(replay.team_names), long_side)
+        self._background = paint_background(replay.navigable, self._layout)
+        self._collects = team_collects(replay)
+        self._colours = palette.team_colours(self._collects)
+        self._panel = Panel(replay, self._story, self._layout)
+        self._page = self._paint_page()
+        nearest = nearest_water(replay.navigable)
+        self._fields = lru_cache(maxsize=2)(lambda step: fields_at(replay, step, nearest))
+
+    @property
+    def length(self) -> int:
+        """Last step of the episode."""
+        return self._story.length
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Height and width of a frame [pixel], both even."""
+        return self._layout.height, self._layout.width
+
+    def place(self, rc: NDArray[np.floating]) -> tuple[float, float]:
+        """Pixel (x, y) in a frame of the map position (row, column) [node]."""
+        x, y = self._pixels(np.asarray(rc, np.float64)[None])[0]
+        return float(x) + self._layout.map_left, float(y) + self._layout.map_top
+
+    def frame(self, time: float) -> Image:
+        """Draw the state at `time` [step], 0 to `length`.
+
+        Raises
+        ------
+        ValueError
+            If `time` lies outside the episode.
+        """
+        before, after, part = split_time(time, self._story.length)
+        image = self._page.copy()
+        sea = self._map_area(image)
+        fields = self._fields(before).mixed(self._fields(after), part)
+        colours = (self._panel.scout or palette.WHITE, self._panel.forager or palette.WHITE)
+        paint_fields(sea, self._background, fields, self._layout, colours)
+        self._paint_trails(sea, time)
+        self._paint_beliefs(sea, before, after, part)
+        self._paint_items(sea, time)
+        self._paint_vessels(sea, time)
+        self._paint_edge(image)
+        self._panel.paint_moving(image, time)
+        return image
+
+    def _paint_page(self) -> Image:
+        """Everything outside the map that stays: paper, title, legend."""
+        page = np.empty((self._layout.height, self._layout.width, 3), np.uint8)
+        page[:] = np.array(palette.PAGE, np.uint8)
+        self._panel.paint_fixed(page)
+        legend = Legend(page, self._panel.legend, self._layout)
+        for team, name in enumerate(self._replay.team_names):
+            count = int((self._replay.agent_team == team).sum())
+            legend.team(name, count, self._collects[team], self._colours[team])
+        legend.items()
+        legend.idleness()
+        legend.scale_bar(self._replay.pitch_m)
+        return page
+
+    def _map_area(self, image: Image) -> Image:
+        layout = self._layout
+        return image[
+            layout.map_top : layout.map_top + layout.map_height,
+            layout.map_left : layout.map_left + layout.map_width,
+        ]
+
+    def _paint_edge(self, image: Image) -> None:
+        """A fine frame around the map."""
+        layout, line = self._layout, 1.5 * self._layout.unit
+        left, top = layout.map_left, layout.map_top
+        box = (left - line / 2, top - line / 2)
+        corner = (left + layout.map_width + line / 2, top + layout.map_height + line / 2)
+        paint_box(image, (*box, *corner), 0.0, line, 1.0, palette.QUAY_FOOT)
+
+    def _pixels(self, rc: Floats) -> Floats:
+        """Pixels (n, 2) in the map area as (x, y) from positions (n, 2) as (row, column)."""
+        shift = self._layout.border + 0.5
+        return np.ascontiguousarray((rc[:, ::-1] + shift) * self._layout.scale)
+
+    def _paint_trails(self, sea: Image, time: float) -> None:
+        first = max(0.0, time - TRAIL_STEPS)
+        inner = np.arange(np.floor(first) + 1.0, np.ceil(time))
+        times = np.concatenate([[first], inner, [time]])
+        way = np.stack([between(self._replay.agent_rc, moment) for moment in times])
+        length = symbols.hull_length(self._layout)
+        for agent, team in enumerate(self._replay.agent_team):
+            symbols.paint_trail(sea, self._pixels(way[:, agent]), length, self._colours[team])
+
+    def _paint_beliefs(self, sea: Image, before: int, after: int, part: float) -> None:
+        """Rings appear and vanish at the end of a step, when the fleet has looked."""
+        late = max(0.0, (part - 1.0 + FADE_PART) / FADE_PART)
+        old, new = self._replay.belief[before], self._replay.belief[after]
+        row, column = np.nonzero((old > 0) | (new > 0))
+        was, will = old[row, column].astype(np.float64), new[row, column].astype(np.float64)
+        alpha = (1.0 - late) * (was > 0) + late * (will > 0)
+        count = np.where(was > 0, was, will) if late < 0.5 else np.where(will > 0, will, was)
+        points = self._pixels(np.column_stack([row, column]).astype(np.float64))
+        symbols.paint_beliefs(sea, points, count, alpha, symbols.belief_radius(self._layout))
+
+    def _paint_items(self, sea: Image, time: float) -> None:
+        story, radius = self._story, symbols.item_radius(self._layout)
+        points = self._pixels(between(self._replay.item_rc, time))
+        left = np.clip((story.removed - time) / FADE_PART, 0.0, 1.0)
+        known = story.discovered <= time
+        for group, is_known in ((~known, False), (known, True)):
+            shown = group & (left > 0.0)
+            symbols.paint_items(sea, points[shown], left[shown], radius, known=is_known)
+        age: Floats = (time - story.removed.astype(np.float64)) / FLASH_STEPS
+        flash = (age >= 0.0) & (age < 1.0)
+        symbols.paint_collected(sea, points[flash], age[flash], self._layout)
+
+    def _paint_vessels(self, sea: Image, time: float) -> None:
+        replay, course = self._replay, course_at(self._story, time)
+        points = self._pixels(between(replay.agent_rc, time))
+        length = symbols.hull_length(self._layout)
+        for agent in np.argsort(replay.agent_collects, kind="stable")[::-1]:
+            symbols.paint_hull(
+                sea,
+                points[agent],
+                float(course[agent]),
+                length,
+                bool(replay.agent_collects[agent]),
+                self._colours[replay.agent_team[agent]],
+            )

@@ -1,0 +1,213 @@
+"""Frames into a file: MP4, GIF, one PNG or numbered PNGs; streamed, and whole or not at all."""
+
+import contextlib
+import os
+import re
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image as PilImage
+
+from mjforage.core.errors import UserError
+from mjforage.view.render.gif import GIF_MOST_FPS, write_gif
+
+Frames = Iterator[NDArray[np.uint8]]  # each (height, width, 3)
+NUMBERED = re.compile(r"%0?\d*d")
+_ENCODERS = (
+    ("libx264", {"preset": "veryfast", "crf": "19"}),
+    ("libopenh264", {"b": "8000000"}),
+    ("mpeg4", {"qscale": "3"}),
+)  # the first that this build of FFmpeg has
+_FORMATS = "FILE.mp4, FILE.gif, FILE.png, frames-%04d.png or an existing folder"
+
+
+def write_video(frames: Frames, path: Path, fps: float) -> int:
+    """Write frames as the suffix of `path` says and return their number.
+
+    A folder, or a name with a number pattern such as ``frames-%04d.png``, takes one PNG per frame,
+    counted from 0. A file appears under its name only once it is complete; an older one stays
+    until then. Odd sizes are widened by one pixel for MP4.
+
+    Raises
+    ------
+    UserError
+        If the name is of no known kind, `fps` does not fit, or the file cannot be written.
+    ValueError
+        If there are no frames.
+    """
+    write = check_target(path, fps)
+    count = write(_counted(frames), path, fps)
+    if count == 0:
+        raise ValueError(f"no frames to write to {path}")
+    return count
+
+
+def check_target(path: Path, fps: float) -> Callable[[Frames, Path, float], int]:
+    """Return the writer for `path`; call it before a long job to fail early.
+
+    Raises
+    ------
+    UserError
+        As `write_video`.
+    """
+    if not (np.isfinite(fps) and 0.0 < fps <= 1000.0):
+        raise UserError(f"fps {fps:g}: must be over 0 and at most 1000, for example 30")
+    if is_numbered(path):
+        folder = path if path.is_dir() else path.parent
+        writer = _write_pngs
+    else:
+        folder = path.parent
+        known = {".mp4": _write_mp4, ".gif": _write_gif, ".png": _write_png}
+        if path.suffix.lower() not in known:
+            raise UserError(f"output {path}: unknown kind of file; name {_FORMATS}")
+        writer = known[path.suffix.lower()]
+    if path.suffix.lower() == ".gif" and fps > GIF_MOST_FPS:
+        raise UserError(f"fps {fps:g}: a GIF shows at most {GIF_MOST_FPS} frames/s; name an .mp4")
+    if not folder.is_dir():
+        raise UserError(f"output {path}: folder {folder} does not exist; create it first")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise UserError(f"output {path}: folder {folder} is read-only; choose another")
+    return writer
+
+
+def is_numbered(path: Path) -> bool:
+    """Whether `path` takes one file per frame."""
+    return path.is_dir() or (
+        path.suffix.lower() == ".png" and NUMBERED.search(path.name) is not None
+    )
+
+
+def _counted(frames: Frames) -> Frames:
+    """Check that every frame has the shape of the first."""
+    shape = None
+    for frame in frames:
+        shape = shape or frame.shape
+        if frame.shape != shape or frame.ndim != 3 or frame.shape[2] != 3:
+            raise ValueError(
+                f"frame of shape {frame.shape}, expected {shape} as (height, width, 3)"
+            )
+        yield frame
+
+
+@contextlib.contextmanager
+def _complete(path: Path) -> Iterator[Path]:
+    """A temporary name next to `path`; renamed to it if all goes well, else removed."""
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        yield part
+        if part.exists():
+            part.replace(path)
+    except (OSError, av.FFmpegError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        remedy = "free space there or choose another folder"
+        raise UserError(f"output {path}: cannot be written ({reason}); {remedy}") from error
+    finally:
+        with contextlib.suppress(OSError):
+            part.unlink(missing_ok=True)
+
+
+def _write_mp4(frames: Frames, path: Path, fps: float) -> int:
+    first = next(frames, None)
+    if first is None:
+        return 0
+    with _complete(path) as part:
+        options = {"movflags": "faststart"}
+        with av.open(str(part), "w", format="mp4", options=options) as container:
+            stream = _video_stream(container, fps, first.shape[0], first.shape[1])
+            count = 0
+            for frame in _chain(first, frames):
+                picture = av.VideoFrame.from_ndarray(_even(frame), format="rgb24")
+                picture.pts = count
+                picture.time_base = 1 / Fraction(stream.codec_context.framerate)
+                container.mux(stream.encode(picture))
+                count += 1
+            container.mux(stream.encode(None))
+    return count
+
+
+def _video_stream(
+    container: av.container.OutputContainer, fps: float, height: int, width: int
+) -> av.video.stream.VideoStream:
+    name, options = next((n, o) for n, o in _ENCODERS if _has_encoder(n))
+    rate = Fraction(fps).limit_denominator(1001)
+    stream = container.add_stream(name, rate=rate, options=dict(options))
+    assert isinstance(stream, av.video.stream.VideoStream)
+    stream.width, stream.height = width + width % 2, height + height % 2
+    stream.pix_fmt = "yuv420p"
+    return stream
+
+
+def _has_encoder(name: str) -> bool:
+    try:
+        av.codec.Codec(name, "w")
+    except av.codec.codec.UnknownCodecError:
+        return False
+    return True
+
+
+def _even(frame: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    height, width = frame.shape[:2]
+    if height % 2 == 0 and width % 2 == 0:
+        return np.ascontiguousarray(frame)
+    return np.pad(frame, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
+
+
+def _chain(first: NDArray[np.uint8], rest: Frames) -> Frames:
+    yield first
+    yield from rest
+
+
+def _write_gif(frames: Frames, path: Path, fps: float) -> int:
+    first = next(frames, None)
+    if first is None:
+        return 0
+    with _complete(path) as part, part.open("wb") as file:
+        return write_gif(_chain(first, frames), file, fps)
+
+
+def _write_png(frames: Frames, path: Path, fps: float) -> int:
+    frame = next(frames, None)
+    if frame is None:
+        return 0
+    if next(frames, None) is not None:
+        raise UserError(
+            f"output {path}: one PNG holds one frame; name {path.stem}-%04d.png or .mp4"
+        )
+    _save_png(frame, path)
+    return 1
+
+
+def _write_pngs(frames: Frames, path: Path, fps: float) -> int:
+    pattern = path / "frames-%04d.png" if path.is_dir() else path
+    _refuse_old(pattern)
+    start, number, end = _split_pattern(pattern.name)
+    count = 0
+    for frame in frames:
+        _save_png(frame, pattern.with_name(start + number % count + end))
+        count += 1
+    return count
+
+
+def _split_pattern(name: str) -> tuple[str, str, str]:
+    """What stands before the number, its format, and what stands after."""
+    found = NUMBERED.search(name)
+    assert found is not None, name
+    return name[: found.start()], found[0], name[found.end() :]
+
+
+def _refuse_old(pattern: Path) -> None:
+    """Old and new numbered frames would mix into one film."""
+    start, _, end = _split_pattern(pattern.name)
+    matching = re.compile(re.escape(start) + r"\d+" + re.escape(end))
+    for file in sorted(pattern.parent.iterdir()):
+        if matching.fullmatch(file.name):
+            raise UserError(f"output {pattern}: {file.name} is already there; use an empty folder")
+
+
+def _save_png(frame: NDArray[np.uint8], path: Path) -> None:
+    with _complete(path) as part, part.open("wb") as file:
+        PilImage.fromarray(frame).save(file, format="PNG", compress_level=4)

@@ -1,0 +1,155 @@
+"""MuJoCo's own viewer on a scenario's scene, or on an episode that it plays back in a loop."""
+
+import os
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.core.errors import UserError
+from mjforage.core.mission import Mission, Setting
+from mjforage.physics.scene import Scene, build_scene
+from mjforage.physics.vessels import load_vessel
+from mjforage.runs.replay import Replay
+from mjforage.view.render.stage import vessels_of
+from mjforage.view.render.track import Track
+
+Floats = NDArray[np.float64]
+_FRAME_S = 1.0 / 50.0  # of a screen
+_CLOSING_S = 10.0  # how long a window may take to close
+
+
+def check_display() -> None:
+    """Check that there is a display.
+
+    Raises
+    ------
+    UserError
+        If there is none.
+    """
+    names = ("DISPLAY", "WAYLAND_DISPLAY")
+    if sys.platform == "linux" and not any(os.environ.get(name) for name in names):
+        raise UserError(
+            "view: no display here (neither DISPLAY nor WAYLAND_DISPLAY is set); "
+            "mjforage render writes pictures and films without one"
+        )
+
+
+def view_scenario(setting: Setting, seed: int, episode: int) -> None:
+    """Show a scenario's scene with everything where the episode starts, until the window closes.
+
+    Raises
+    ------
+    UserError
+        If there is no display, or the scene cannot be built.
+    """
+    check_display()
+    scene, hulls, items = start_of(setting, seed, episode)
+    data = mujoco.MjData(scene.model)
+    put(scene, data, hulls, items)
+    with _window(scene.model, data, hulls) as window:
+        while window.is_running():
+            window.sync()
+            time.sleep(_FRAME_S)
+
+
+def start_of(setting: Setting, seed: int, episode: int) -> tuple[Scene, Floats, Floats]:
+    """Scene of a scenario, hulls (agent, 3) and items (item, 3) as `put` takes them."""
+    from mjforage.physics.dynamics.debris import draw_classes
+    from mjforage.physics.dynamics.fleet_scene import hull_names, item_choices
+
+    mission, choice = Mission(setting), setting.scenario.physics
+    mission.reset(seed, np.array([episode], np.int64))
+    state, metres = mission.state, setting.graph.metres
+    hulls = np.column_stack((metres(state.agent_rc[0]), state.agent_yaw[0]))
+    there = state.item_node[0] >= 0
+    items = np.column_stack((metres(state.item_rc[0]), there.astype(np.float64)))
+    classes = draw_classes(mission.keys, mission.world.item_node, item_choices(choice))[0]
+    scene = build_scene(
+        [load_vessel(name) for name in hull_names(setting.fleet, choice)],
+        navigable=setting.grid.navigable,
+        pitch_m=setting.scenario.map.pitch_m,
+        items=len(items),
+        looks=np.maximum(classes, 0).tolist(),
+    )
+    return scene, hulls, items
+
+
+def view_replay(replay: Replay, speed: float) -> None:
+    """Play an episode back over and over, until the window closes.
+
+    Parameters
+    ----------
+    speed : simulated seconds per second
+
+    Raises
+    ------
+    UserError
+        If there is no display, or `speed` is not above 0.
+    """
+    if not 0.0 < speed < np.inf:
+        raise UserError(f"speed {speed:g}: must be over 0")
+    check_display()
+    track, scene = Track.of(replay), scene_of(replay)
+    data = mujoco.MjData(scene.model)
+    with _window(scene.model, data, track.hulls_at(0.0)) as window:
+        begin, before = time.monotonic(), track.hulls_at(0.0)
+        while window.is_running():
+            time_s = (time.monotonic() - begin) * speed % (track.end_s + _FRAME_S)
+            hulls = track.hulls_at(time_s)
+            with window.lock():
+                put(scene, data, hulls, track.items_at(time_s))
+                data.time = time_s
+                window.cam.lookat[:2] += (hulls - before).mean(axis=0)[:2]  # goes with the fleet
+            before = hulls
+            window.sync()
+            time.sleep(_FRAME_S)
+
+
+def scene_of(replay: Replay) -> Scene:
+    """The physical scene of a replay, with looks."""
+    vessels, labels = vessels_of(replay)
+    return build_scene(
+        vessels,
+        navigable=replay.navigable,
+        pitch_m=replay.pitch_m,
+        items=len(replay.item_class),
+        names=labels,
+        looks=np.maximum(replay.item_class, 0).tolist(),
+    )
+
+
+def put(scene: Scene, data: Any, hulls: Floats, items: Floats) -> None:
+    """Put hulls (agent, 3) and items (item, 3: x, y, there or not) in their places; no forces."""
+    there = items[:, 2:] > 0.0
+    data.qpos[: hulls.size] = hulls.reshape(-1)
+    data.qpos[hulls.size :] = np.where(there, items[:, :2], scene.parking).reshape(-1)
+    mujoco.mj_kinematics(scene.model, data)
+    mujoco.mj_camlight(scene.model, data)
+
+
+@contextmanager
+def _window(model: mujoco.MjModel, data: Any, hulls: Floats) -> Iterator[Any]:
+    """MuJoCo's viewer over the fleet."""
+    from mujoco import viewer
+
+    others = set(threading.enumerate())
+    try:
+        window = viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False)
+    except (RuntimeError, mujoco.FatalError) as error:
+        reason = " ".join(str(error).split())
+        raise UserError(f"view: the viewer does not open ({reason}); see DISPLAY") from error
+    try:
+        window.cam.lookat[:] = (*hulls[:, :2].mean(axis=0), 0.0)
+        window.cam.distance, window.cam.elevation, window.cam.azimuth = 40.0, -35.0, 90.0
+        yield window
+    finally:
+        window.close()
+        for thread in set(threading.enumerate()) - others:
+            thread.join(_CLOSING_S)  # the window's own, before its library ends under it

@@ -1,0 +1,48 @@
+"""Tables, figures and one self-contained report.html, from a run folder's logs alone."""
+
+from pathlib import Path
+
+from mjforage.view.report.comparison import comparison_table
+from mjforage.view.report.figures import draw_figures, save_figure
+from mjforage.view.report.gap import gap_table, ladder_table
+from mjforage.view.report.html import render, shown
+from mjforage.view.report.hulls import hulls_table
+from mjforage.view.report.logs import load_logs
+from mjforage.view.report.picture import write_bytes
+from mjforage.view.report.tables import full_table, headline_table, paper_tables, terminal_table
+
+__all__ = ["terminal_table", "write_report"]
+
+
+def write_report(folder: Path) -> Path:
+    """Write ``figures/*.png|svg`` and ``report.html`` into a run folder.
+
+    Nothing is re-simulated, and the same logs give the same bytes.
+
+    Returns
+    -------
+    Path
+        The report.
+
+    Raises
+    ------
+    UserError
+        If a log is missing, truncated, foreign or incomplete, or the folder cannot be written.
+    """
+    logs = load_logs(folder)
+    figures = [
+        shown(picture, *save_figure(folder / "figures", picture)) for picture in draw_figures(logs)
+    ]
+    gap_tables = (ladder_table(logs), hulls_table(logs), gap_table(logs))
+    text = render(
+        logs,
+        figures,
+        headline_table(logs),
+        paper_tables(logs),
+        full_table(logs),
+        comparison_table(logs),
+        [table for table in gap_tables if table is not None],
+    )
+    target = folder / "report.html"
+    write_bytes(target, text.encode("utf-8"))
+    return target

@@ -1,0 +1,148 @@
+"""Distributions: discovery-to-service latency per item and inter-team lag per episode."""
+
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+import polars as pl
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgb
+from numpy.typing import NDArray
+
+from mjforage.view.report import style
+from mjforage.view.report.logs import RunLogs, Series
+from mjforage.view.report.picture import WIDTH_IN, Panel, Picture, canvas, joined, undefined
+
+FloatArray = NDArray[np.float64]
+GOLDEN = 0.6180339887498949  # fractional golden ratio: its multiples fill an interval evenly
+LISTED = 4
+
+
+@dataclass(frozen=True)
+class Violin:
+    """One violin: the values whose density is drawn, and the points beside it."""
+
+    values: FloatArray  # (value,)
+    points: FloatArray  # (episode,)
+
+
+def item_latencies(logs: RunLogs, series: Series) -> FloatArray:
+    """Return (t_c - t_d) / T of every removed item that a scout had discovered: (item,)."""
+    scouts = [i for i, collects in enumerate(logs.collects()) if not collects]
+    rows = logs.select(logs.items, series).filter(
+        pl.col("t_collected").is_not_null() & pl.col("discovered_by").is_in(scouts)
+    )
+    gaps = rows.select(pl.col("t_collected") - pl.col("t_discovered")).to_series()
+    return gaps.cast(pl.Float64).to_numpy() / logs.run.horizon
+
+
+def _draw(
+    axes: Axes, place: float, width: float, violin: Violin, colour: str, line: style.Line
+) -> None:
+    values = violin.values
+    if len(values) > 2 and np.ptp(values) > 0:
+        parts = axes.violinplot([values], [place], widths=width, showextrema=False, points=200)
+        for body in cast("list[PolyCollection]", parts["bodies"]):
+            body.set(alpha=None, linewidth=1.3, linestyle=line)
+            body.set(facecolor=(*to_rgb(colour), 0.2), edgecolor=colour)
+    spread = (np.arange(len(violin.points)) * GOLDEN % 1.0 - 0.5) * 0.34 * width
+    axes.scatter(
+        place + spread, violin.points, s=9, color=colour, alpha=0.55, linewidths=0, zorder=3
+    )
+    low, middle, high = np.quantile(values, [0.25, 0.5, 0.75])
+    axes.plot(
+        [place, place],
+        [low, high],
+        color=style.INK,
+        linewidth=4.5,
+        zorder=4,
+        alpha=0.85,
+        solid_capstyle="butt",
+    )
+    axes.plot(
+        place, middle, "o", color="white", markeredgecolor=style.INK, markersize=5.5, zorder=5
+    )
+
+
+def _violins(axes: Axes, logs: RunLogs, violins: dict[Series, Violin], words: str) -> None:
+    policies, worlds = logs.policies, logs.run.worlds
+    looks, lines = style.looks(policies), style.world_lines(worlds)
+    width = 0.8 / len(worlds)
+    for (world, policy), violin in violins.items():
+        offset = (worlds.index(world) - (len(worlds) - 1) / 2) * width
+        if len(violin.values):
+            place = policies.index(policy) + offset
+            _draw(axes, place, 0.92 * width, violin, looks[policy].colour, lines[world])
+    if not any(len(violin.values) for violin in violins.values()):
+        undefined(axes, words)
+    crowded = len(policies) * max(len(name) for name in policies) > 44
+    axes.set_xticks(range(len(policies)), policies)
+    axes.tick_params(axis="x", rotation=35 if crowded else 0, length=0)
+    if crowded:
+        for label in axes.get_xticklabels():
+            label.set(horizontalalignment="right", rotation_mode="anchor")
+    axes.set_xlim(-0.6, len(policies) - 0.4)
+    axes.grid(axis="x", visible=False)
+
+
+def _counts(logs: RunLogs, violins: dict[Series, Violin], what: str) -> str:
+    several = len(logs.run.worlds) > 1
+    listed = [
+        f"{len(v.values)} ({s[1]}{', ' + s[0] if several else ''})" for s, v in violins.items()
+    ]
+    if len(listed) > LISTED:
+        sizes = [len(v.values) for v in violins.values()]
+        span = f"{min(sizes)} to {max(sizes)}" if min(sizes) < max(sizes) else f"{max(sizes)}"
+        return f"Defined for {span} {what} per policy."
+    return f"Defined for {joined(listed)} {what}."
+
+
+def _figure(
+    logs: RunLogs, violins: dict[Series, Violin], axis: str, name: str, title: str, caption: str
+) -> Picture:
+    figure = canvas(WIDTH_IN, 3.55)
+    axes = figure.subplots()
+    _violins(axes, logs, violins, axis)
+    axes.set_ylabel(f"{axis}  [of horizon $T$]")
+    axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+    if len(logs.run.worlds) > 1:
+        Panel((), logs.run.worlds).legend(figure)
+    return Picture(name, title, caption, figure)
+
+
+def _defined(values: FloatArray) -> FloatArray:
+    return values[np.isfinite(values)]
+
+
+def distribution_figures(logs: RunLogs) -> list[Picture]:
+    """Draw the latency and the lag figure."""
+    marks = "Bar: quartiles, white dot: median"
+    latency = {
+        s: Violin(item_latencies(logs, s), _defined(logs.scalar(s, "dsl"))) for s in logs.series
+    }
+    lag = {
+        s: Violin(_defined(logs.scalar(s, "itl")), _defined(logs.scalar(s, "itl")))
+        for s in logs.series
+    }
+    return [
+        _figure(
+            logs,
+            latency,
+            "DSL",
+            "dsl",
+            "Discovery-to-service latency",
+            f"{_counts(logs, latency, 'items')} Violin: every item that a scout discovered and a "
+            f"forager removed; points: means of the episodes. {marks}, of the items. DSL: steps "
+            "from discovery to removal, over T.",
+        ),
+        _figure(
+            logs,
+            lag,
+            "ITL",
+            "itl",
+            "Inter-team temporal lag",
+            f"{_counts(logs, lag, 'episodes')} Violin and points: episodes. {marks}. ITL: steps "
+            "between the largest single-step rises of PTA_D and of PTA_C, over T.",
+        ),
+    ]

@@ -1,0 +1,106 @@
+"""How the hulls did: outcomes of moves, speeds, touches and energy, from `agents.parquet`."""
+
+import math
+from pathlib import Path
+
+import polars as pl
+
+from graph_planner.navigation import STAY
+from mjforage.core.dynamics import ARRIVED, BLOCKED, OUTCOMES
+from mjforage.view.report.logs import RunLogs, read_columns
+from mjforage.view.report.tables import Row, Table, number, row_name
+
+COLUMNS = (
+    *("step", "agent", "direction", "outcome", "speed_mps"),
+    *("collisions", "impact_mps", "work_j"),
+)
+
+
+def _figures(rows: pl.DataFrame, collected: float) -> tuple[str, ...]:
+    """Cells of one world, policy and team.
+
+    Parameters
+    ----------
+    rows : of the decisions made (step 1 on)
+    collected : items removed in all episodes
+    """
+    stays = (pl.col("direction") == STAY) & (pl.col("outcome") != OUTCOMES[BLOCKED])
+    moves, kept = rows.filter(~stays), rows.filter(stays)
+    shares = [_share(moves, pl.col("outcome") == name) for name in OUTCOMES]
+    moving = rows.filter(pl.col("speed_mps") > 0)["speed_mps"]
+    last = rows.filter(pl.col("step") == pl.col("step").max().over("episode", "agent"))
+    episodes = max(1, rows["episode"].n_unique())
+    work = float(last["work_j"].sum())
+    speed = moving.mean()
+    impact = rows["impact_mps"].max()
+    return (
+        str(len(moves)),
+        *(number(share, 2) for share in shares),
+        str(len(kept)),
+        number(_share(kept, pl.col("outcome") == OUTCOMES[ARRIVED]), 2),
+        number(float(speed) if isinstance(speed, float) else math.nan, 2),
+        number(float(last["collisions"].sum()) / episodes, 2),
+        number(float(impact) if isinstance(impact, float) else math.nan, 2),
+        number(work / episodes / 1000, 1),
+        number(work / collected / 1000 if collected else math.nan, 2),
+    )
+
+
+def _share(rows: pl.DataFrame, wanted: pl.Expr) -> float:
+    """Percentage of the rows; NaN without any."""
+    return 100 * len(rows.filter(wanted)) / len(rows) if len(rows) else math.nan
+
+
+def hulls_table(logs: RunLogs) -> Table | None:
+    """Outcomes, speeds, touches and energy of every team; None for a run at graph level only."""
+    worlds = [world for world in logs.run.worlds if world != "graph"]
+    if not worlds or not logs.run.agents:
+        return None
+    frame = read_columns(logs.folder / Path("agents.parquet"), COLUMNS)
+    frame = frame.filter(pl.col("step") > 0)
+    teams = list(dict.fromkeys(agent.team for agent in logs.run.agents))
+    rows = []
+    for policy in logs.policies:
+        for world in worlds:
+            series = (world, policy)
+            mine = logs.select(frame, series)
+            items = logs.select(logs.items, series)
+            collected = float(items["t_collected"].drop_nulls().len())
+            for team in teams:
+                numbers = [i for i, agent in enumerate(logs.run.agents) if agent.team == team]
+                cells = _figures(mine.filter(pl.col("agent").is_in(numbers)), collected)
+                rows.append(Row(team, cells, group=row_name(series, logs.run.worlds)))
+    columns = (
+        "moves",
+        "arrived",
+        "late",
+        "blocked",
+        "stays",
+        "kept",
+        "speed",
+        "touches",
+        "fastest touch",
+        "energy",
+        "energy",
+    )
+    units = (
+        "",
+        "%",
+        "%",
+        "%",
+        "",
+        "%",
+        "m/s",
+        "per episode",
+        "m/s",
+        "kJ per episode",
+        "kJ per item",
+    )
+    notes = (
+        "Arrived: midships came within 1 m of the target's centre during the decision; blocked: "
+        "slower than 0.1 m/s for 2 s because of contact or giving way, or no legal move; late: "
+        "neither. Stays: decisions to stay put; kept: within 1 m of the centre at some time of "
+        "the decision. Speed: mean over the decisions with any way made. Touch: of a quay or "
+        "another hull. Energy: least energy of the propellers by momentum theory.",
+    )
+    return Table("hulls", "How the hulls did", columns, tuple(rows), notes, units)

@@ -1,0 +1,246 @@
+"""A run folder's logs, loaded strictly: what is missing, truncated or foreign is named."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from mjforage.core.errors import UserError
+from mjforage.core.vocabulary import METRICS, SERIES
+from mjforage.runs.replay import Replay
+from mjforage.runs.run_info import REMEDY, RunInfo, again, load_run, read_json
+from mjforage.view.report import style
+
+KEYS = ("world", "policy", "episode")
+ITEM_COLUMNS = ("item", "t_discovered", "discovered_by", "t_collected", "collected_by")
+AGENT_COLUMNS = ("step", "agent", "x_m", "y_m")
+
+
+@dataclass(frozen=True)
+class Summary:
+    """One metric of one world and policy over the episodes where it is defined; NaN = undefined."""
+
+    mean: float
+    sem: float  # standard error of the mean, not multiplied
+    low: float  # bootstrap 95 % interval
+    high: float
+    iqm: float  # interquartile mean
+    n: int  # episodes where the metric is defined
+
+
+Summaries = dict[str, dict[str, dict[str, Summary]]]
+"""World, policy, metric key."""
+
+Series = tuple[str, str]
+"""World and policy."""
+
+
+@dataclass(frozen=True)
+class RunLogs:
+    """Everything the report is made from. Undefined numbers in the frames are null."""
+
+    folder: Path
+    run: RunInfo
+    summary: Summaries
+    episodes: pl.DataFrame  # a row per world, policy, episode
+    steps: pl.DataFrame  # a row per world, policy, episode, step 0..T
+    items: pl.DataFrame  # a row per world, policy, episode, item
+    tracks: pl.DataFrame  # AGENT_COLUMNS of the lowest episode of every world and policy
+
+    @property
+    def policies(self) -> tuple[str, ...]:
+        """Policies in the fixed order of `style.ordered`."""
+        return style.ordered(self.run.policies)
+
+    @property
+    def series(self) -> tuple[Series, ...]:
+        """Every world and policy, worlds outermost."""
+        return tuple((world, policy) for world in self.run.worlds for policy in self.policies)
+
+    def select(self, frame: pl.DataFrame, series: Series) -> pl.DataFrame:
+        """Rows of one world and policy."""
+        return frame.filter((pl.col("world") == series[0]) & (pl.col("policy") == series[1]))
+
+    def scalar(self, series: Series, key: str) -> NDArray[np.float64]:
+        """Return one metric per episode, in episode order; NaN where undefined: (episode,)."""
+        column = self.select(self.episodes, series).sort("episode")[key]
+        return column.cast(pl.Float64).fill_null(float("nan")).to_numpy()
+
+    def collects(self) -> list[bool]:
+        """Whether each agent collects: (agent,)."""
+        return [agent.collects for agent in self.run.agents]
+
+
+def _scan(path: Path, columns: tuple[str, ...]) -> pl.LazyFrame:
+    """Open a Parquet file lazily and check that it has the columns."""
+    if not path.is_file():
+        raise UserError(f"{path}: file is missing; {REMEDY}")
+    frame = pl.scan_parquet(path, glob=False)
+    names = set(frame.collect_schema().names())
+    missing = [name for name in (*KEYS, *columns) if name not in names]
+    if missing:
+        raise UserError(
+            f"{path}: column '{missing[0]}' is missing, not a log of mjforage; {REMEDY}"
+        )
+    return frame.select(*KEYS, *columns)
+
+
+def read_columns(path: Path, columns: tuple[str, ...], lowest_only: bool = False) -> pl.DataFrame:
+    """Columns of a table, beside world, policy and episode.
+
+    Raises
+    ------
+    UserError
+        If the file is missing, truncated, or lacks a column.
+    """
+    try:
+        frame = _scan(path, columns)
+        if lowest_only:
+            frame = frame.filter(
+                pl.col("episode") == pl.col("episode").min().over("world", "policy")
+            )
+        return frame.collect()
+    except (pl.exceptions.PolarsError, OSError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise UserError(
+            f"{path}: truncated or not Parquet ({reason}); delete it and {REMEDY}"
+        ) from error
+
+
+def _numbers(path: Path, frame: pl.DataFrame, columns: tuple[str, ...]) -> pl.DataFrame:
+    """Cast metric columns to float64, with null for undefined."""
+    for name in columns:
+        if not frame.schema[name].is_numeric():
+            raise UserError(
+                f"{path}: column '{name}' is {frame.schema[name]}, not numeric; {REMEDY}"
+            )
+    return frame.with_columns(pl.col(*columns).cast(pl.Float64).fill_nan(None))
+
+
+def _check_rows(path: Path, frame: pl.DataFrame, run: RunInfo, rows: int) -> None:
+    """Every world and policy of the run must have its rows, and no other may be there."""
+    counts = {
+        (str(world), str(policy)): int(count)
+        for world, policy, count in frame.group_by("world", "policy").len().iter_rows()
+    }
+    wanted = {(world, policy) for world in run.worlds for policy in run.policies}
+    for world, policy in sorted(set(counts) - wanted):
+        raise UserError(f"{path}: holds {world}/{policy}, which run.json does not name; {REMEDY}")
+    for world, policy in sorted(wanted):
+        found = counts.get((world, policy), 0)
+        if found != rows:
+            raise UserError(
+                f"{path}: {world}/{policy} has {found} rows, expected {rows}; "
+                f"{again(path.parent)}, it completes the folder"
+            )
+
+
+def _summary(path: Path, run: RunInfo) -> Summaries:
+    summaries = parse_summary(read_json(path), str(path))
+    for world in run.worlds:
+        for policy in run.policies:
+            if policy not in summaries.get(world, {}):
+                raise UserError(f"{path}: {world}/{policy} is missing; {REMEDY}")
+    return summaries
+
+
+def _entry(value: Mapping[str, object]) -> Summary:
+    low, high = _pair(value["ci95"])
+    mean, sem, iqm = (_number(value[key]) for key in ("mean", "sem", "iqm"))
+    return Summary(mean, sem, low, high, iqm, int(_number(value["n"])))
+
+
+def _pair(value: object) -> tuple[float, float]:
+    if not isinstance(value, list) or len(value) != 2:
+        raise ValueError(f"ci95 is {value}")
+    return _number(value[0]), _number(value[1])
+
+
+def _number(value: object) -> float:
+    """Return a JSON number as float, null as NaN."""
+    if value is None:
+        return math.nan
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"{value!r} is not a number")
+    return float(value)
+
+
+def parse_summary(data: Mapping[str, Any], where: str = "summary") -> Summaries:
+    """Convert the nested dict of `summary.json`.
+
+    Raises
+    ------
+    UserError
+        If an entry lacks a key or holds something that is not a number or null.
+    """
+    try:
+        return {
+            world: {
+                policy: {key: _entry(value) for key, value in metrics.items()}
+                for policy, metrics in policies.items()
+            }
+            for world, policies in data.items()
+        }
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise UserError(f"{where}: incomplete or malformed ({error!r}); {REMEDY}") from error
+
+
+def load_episodes(folder: Path, run: RunInfo) -> pl.DataFrame:
+    """Load the scalar metrics of every episode; undefined ones are null.
+
+    Raises
+    ------
+    UserError
+        If the table is missing, truncated, foreign or incomplete.
+    """
+    path, scalars = folder / "episodes.parquet", ("items", *METRICS)
+    episodes = _numbers(path, read_columns(path, scalars), scalars)
+    _check_rows(path, episodes, run, run.episodes)
+    return episodes
+
+
+def load_logs(folder: Path) -> RunLogs:
+    """Load a run folder.
+
+    Raises
+    ------
+    UserError
+        If the folder or a file of it is missing, truncated, foreign or does not agree with
+        `run.json`.
+    """
+    if not folder.is_dir():
+        raise UserError(f"{folder}: no such folder; name one that evaluate, compare or study wrote")
+    run = load_run(folder / "run.json")
+    summary = _summary(folder / "summary.json", run)
+    episodes = load_episodes(folder, run)
+    path = folder / "steps.parquet"
+    steps = _numbers(path, read_columns(path, ("step", *SERIES)), SERIES)
+    _check_rows(path, steps, run, run.episodes * (run.horizon + 1))
+    items = read_columns(folder / "items.parquet", ITEM_COLUMNS)
+    tracks = read_columns(folder / "agents.parquet", AGENT_COLUMNS, lowest_only=True)
+    return RunLogs(folder, run, summary, episodes, steps, items, tracks)
+
+
+def pick_replay(logs: RunLogs) -> Replay:
+    """Load the replay that the scenario figure shows: first world and policy, lowest episode.
+
+    Raises
+    ------
+    UserError
+        If no replay is there, or the chosen one cannot be read.
+    """
+    for world, policy in logs.series:
+        prefix = f"{world}-{policy}-"
+        found = {
+            int(path.stem.removeprefix(prefix)): path
+            for path in (logs.folder / "replay").glob("*.npz")
+            if path.stem.startswith(prefix) and path.stem.removeprefix(prefix).isdigit()
+        }
+        if found:
+            return Replay.load(found[min(found)])
+    raise UserError(f"{logs.folder / 'replay'}: holds no replay of this run; {REMEDY}")

@@ -1,0 +1,146 @@
+"""What every figure shares: the record of one, its canvas, its legend and its files."""
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from mjforage.core.errors import UserError
+from mjforage.view.report import style
+
+WIDTH_IN = 5.6  # half a page of the report
+WIDE_IN = 11.2  # a whole page
+PNG_DPI = 150
+SVG_RASTER_DPI = 150  # of maps inside an SVG
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A drawn figure with its words. `title` and `caption` are plain text."""
+
+    name: str  # file stem in figures/
+    title: str
+    caption: str
+    figure: Figure
+    wide: bool = False  # takes the whole width of the page
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Canvas and legend entries of one figure over policies and worlds."""
+
+    policies: tuple[str, ...]
+    worlds: tuple[str, ...]
+
+    def looks(self) -> dict[str, style.Look]:
+        """Colour and marker per policy."""
+        return style.looks(self.policies)
+
+    def lines(self) -> dict[str, style.Line]:
+        """Line style per world."""
+        return style.world_lines(self.worlds)
+
+    @property
+    def marked(self) -> bool:
+        """Whether lines carry markers: once there are too many for colour alone."""
+        return len(self.policies) > 3
+
+    def legend(self, figure: Figure) -> None:
+        """Draw the legend above the axes: policies and, for several worlds, their lines."""
+        handles = [self._handle(name, look) for name, look in self.looks().items()]
+        if len(self.worlds) > 1:
+            handles += [
+                Line2D([], [], color=style.INK, linestyle=line, label=f"{world} world")
+                for world, line in self.lines().items()
+            ]
+        longest = max(len(str(handle.get_label())) for handle in handles)
+        columns = max(1, min(len(handles), int(WIDTH_IN / (0.55 + 0.09 * longest))))
+        figure.legend(
+            handles=handles,
+            loc="outside upper left",
+            ncols=columns,
+            columnspacing=1.4,
+            handlelength=1.8,
+        )
+
+    def _handle(self, name: str, look: style.Look) -> Line2D:
+        marker = look.marker if self.marked else ""
+        line = self.lines()[self.worlds[0]] if len(self.worlds) == 1 else "-"
+        look_of: dict[str, Any] = {"color": look.colour, "linestyle": line, "marker": marker}
+        return Line2D([], [], markersize=5, label=name, **look_of)
+
+
+def canvas(width_in: float, height_in: float) -> Figure:
+    """Return an empty figure bound to the Agg canvas, with no pyplot state."""
+    figure = Figure(figsize=(width_in, height_in), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def undefined(axes: Axes, what: str) -> None:
+    """Say inside empty axes that nothing was defined."""
+    axes.set(ylim=(0.0, 1.0), yticks=[])
+    axes.text(
+        0.5,
+        0.5,
+        f"{what} is undefined in every episode",
+        transform=axes.transAxes,
+        ha="center",
+        va="center",
+        color=style.MUTED,
+    )
+
+
+def joined(words: Sequence[str]) -> str:
+    """Join words with commas and a final 'and'."""
+    if len(words) < 2:
+        return "".join(words)
+    return ", ".join(words[:-1]) + " and " + words[-1]
+
+
+def svg_bytes(figure: Figure) -> bytes:
+    """Render to SVG with no date and salted ids, so that equal figures give equal bytes."""
+    buffer = io.BytesIO()
+    metadata: dict[str, Any] = {"Date": None, "Creator": None}
+    with mpl.rc_context(style.RC):
+        FigureCanvasSVG(figure).print_figure(
+            buffer, format="svg", dpi=SVG_RASTER_DPI, metadata=metadata
+        )
+    return buffer.getvalue()
+
+
+def png_bytes(figure: Figure) -> bytes:
+    """Render to PNG at 150 dpi, without the software stamp."""
+    buffer = io.BytesIO()
+    with mpl.rc_context(style.RC):
+        FigureCanvasAgg(figure).print_figure(
+            buffer, format="png", dpi=PNG_DPI, metadata={"Software": None}
+        )
+    return buffer.getvalue()
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a file in one go: to a temporary name first, then renamed.
+
+    Raises
+    ------
+    UserError
+        If the folder is read-only, the disk full or the path taken by a folder.
+    """
+    partial = path.with_name(path.name + ".partial")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        partial.write_bytes(content)
+        partial.replace(path)
+    except OSError as error:
+        raise UserError(
+            f"{path}: cannot be written ({error}); make room or mend its rights"
+        ) from error

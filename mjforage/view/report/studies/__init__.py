@@ -1,0 +1,48 @@
+"""One page for a study: all its variants in tables and figures, from their logs alone."""
+
+from pathlib import Path
+
+from mjforage.core.errors import UserError
+from mjforage.runs.run_info import again
+from mjforage.view.report.html import definition_notes
+from mjforage.view.report.picture import write_bytes
+from mjforage.view.report.studies import ablation, corruption, paper, parts
+from mjforage.view.report.studies.logs import load_study
+from mjforage.view.report.studies.page import render
+
+__all__ = ["is_study", "write_study_report"]
+
+PAGES = {
+    "parts": parts.sections,
+    "ablation": ablation.sections,
+    "corruption": corruption.sections,
+    "paper": paper.sections,
+}
+"""Kind of study -> what makes the sections of its page."""
+
+
+def is_study(folder: Path) -> bool:
+    """Whether a folder holds a study rather than a run."""
+    return (folder / "study.json").is_file()
+
+
+def write_study_report(folder: Path) -> Path:
+    """Write ``figures/*.png|svg`` and ``report.html`` into a study folder.
+
+    Nothing is simulated, and the same logs give the same bytes.
+
+    Raises
+    ------
+    UserError
+        If a log is missing, truncated, foreign or incomplete, or the folder cannot be written.
+    """
+    logs = load_study(folder)
+    if logs.kind not in PAGES:
+        raise UserError(
+            f"{folder / 'study.json'}: kind {logs.kind!r} is not one of {', '.join(PAGES)}; "
+            f"{again(folder, 'study.json')}"
+        )
+    target = folder / "report.html"
+    text = render(logs, PAGES[logs.kind](logs), definition_notes())
+    write_bytes(target, text.encode("utf-8"))
+    return target

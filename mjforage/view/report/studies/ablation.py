@@ -1,0 +1,136 @@
+"""What an agent of each team is worth: the paper's Tables 5 and 6."""
+
+from metrics import paired_contribution
+from mjforage.core.vocabulary import describe
+from mjforage.runs.variants import COMPLETE, lesser_name
+from mjforage.view.report import style
+from mjforage.view.report.differences import SEED, Estimate
+from mjforage.view.report.figures import house_style
+from mjforage.view.report.picture import Picture
+from mjforage.view.report.published import LABEL, published_for
+from mjforage.view.report.studies.forest import Subject, forest
+from mjforage.view.report.studies.logs import Player, StudyLogs
+from mjforage.view.report.studies.page import Section
+from mjforage.view.report.tables import Row, Table, number, plus_minus, policy_name
+
+IN_PAPER = ("pta_d", "pta_c", "rmse_columns", "rmse")
+BEYOND = ("nt50", "nt90", "csr")
+KEYS = (*IN_PAPER, *BEYOND)
+DIGITS = 3  # of a contribution
+
+
+def teams(logs: StudyLogs) -> list[str]:
+    """Teams of which an agent was left out."""
+    return [team for team in logs.base.scenario["team"] if lesser_name(team) in logs.runs]
+
+
+def contribution(logs: StudyLogs, team: str, world: str, policy: str, key: str) -> Estimate:
+    """Marginal Contribution of one agent of a team."""
+    full, without = (
+        logs.values(Player(variant, world, policy), key)
+        for variant in (COMPLETE, lesser_name(team))
+    )
+    higher = describe(key).better > 0
+    return Estimate(paired_contribution(full, without, SEED, higher_is_better=higher), DIGITS)
+
+
+def setups_table(logs: StudyLogs) -> Table:
+    """Return the paper's Table 5: every fleet's performance."""
+    rows = []
+    metrics = [describe(key) for key in KEYS]
+    for policy in style.ordered(logs.base.policies):
+        known = published_for(logs.base, policy)
+        for variant in (COMPLETE, *map(lesser_name, teams(logs))):
+            group = policy_name(policy)
+            for world in logs.worlds:
+                player = Player(variant, world, policy)
+                cells = tuple(plus_minus(logs.entry(player, m.key), m.digits) for m in metrics)
+                head, colour = logs.title(variant) + logs.suffix(world), style.policy_colour(policy)
+                rows.append(Row(head, cells, colour, group=group))
+            if known:
+                team = variant.removesuffix(lesser_name(""))
+                found = known.printed if variant == COMPLETE else known.ablated[team]
+                cells = tuple(number(found.get(m.key, float("nan")), m.digits) for m in metrics)
+                rows.append(Row(LABEL, cells, group=group, paper=True))
+    notes = ["Mean ± 1.96 SEM."]
+    if any(row.paper for row in rows):
+        notes.append(
+            "The paper's table has the PTA_D and PTA_C columns of its ablated rows exchanged; they "
+            "stand right here. RMSE_columns is the number that it printed."
+        )
+    labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
+    title = "Table 5: every fleet with one agent less"
+    return Table("table-5", title, labels, tuple(rows), tuple(notes), units)
+
+
+def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str, ...]) -> Table:
+    """Marginal Contribution per role and metric."""
+    rows = []
+    for team in teams(logs):
+        for policy in style.ordered(logs.base.policies):
+            for world in logs.worlds:
+                found = [contribution(logs, team, world, policy, key) for key in keys]
+                rows.append(
+                    Row(
+                        policy_name(policy) + logs.suffix(world),
+                        tuple(one.cell for one in found),
+                        style.policy_colour(policy),
+                        best=frozenset(i for i, one in enumerate(found) if one.apart),
+                        group=f"one agent of {team}",
+                    )
+                )
+            known = published_for(logs.base, policy)
+            if known and set(keys) & set(known.contribution[team]):
+                values = known.contribution[team]
+                cells = tuple(number(values.get(key, float("nan")), 4) for key in keys)
+                head, group = f"{known.algorithm}, {LABEL}", f"one agent of {team}"
+                rows.append(Row(head, cells, group=group, paper=True))
+    notes = (
+        "Share of the performance that an agent brings: (full − without) / full, for costs "
+        "(without − full) / without, of the means; in parentheses the bootstrap 95 % interval over "
+        "pairs of the same episodes, bold where it leaves out zero. Negative: better without.",
+    )
+    return Table(name, title, tuple(describe(key).label for key in keys), tuple(rows), notes)
+
+
+def pictures(logs: StudyLogs) -> list[Picture]:
+    """A figure of contributions per world."""
+    drawn = []
+    for world in logs.worlds:
+        subjects = [
+            Subject(
+                f"{policy}, {team}",
+                style.policy_colour(policy),
+                {key: contribution(logs, team, world, policy, key) for key in KEYS},
+                known.contribution[team] if known else {},
+            )
+            for team in teams(logs)
+            for policy in style.ordered(logs.base.policies)
+            for known in [published_for(logs.base, policy)]
+        ]
+        metrics = [describe(key) for key in KEYS]
+        title = f"Marginal contribution of one agent{logs.suffix(world)}"
+        with house_style():
+            drawn.append(
+                forest(
+                    f"contribution-{world}",
+                    title,
+                    "Share of the performance that one agent of the team brings, a ratio of means.",
+                    metrics,
+                    subjects,
+                    gains=True,
+                )
+            )
+    return drawn
+
+
+def sections(logs: StudyLogs) -> list[Section]:
+    """The page's sections."""
+    title = "Table 6: marginal contribution of one agent"
+    beyond = "Marginal contribution to times and cooperation"
+    tables = [
+        setups_table(logs),
+        contributions_table(logs, "table-6", title, IN_PAPER),
+        contributions_table(logs, "contribution-beyond", beyond, BEYOND),
+    ]
+    return [Section("ablation", "One agent less", "", tables, pictures(logs))]

@@ -1,0 +1,81 @@
+"""Figures of estimates with their intervals, one panel per metric and one row per subject."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from matplotlib.axes import Axes
+
+from mjforage.core.vocabulary import Metric
+from mjforage.view.report import style
+from mjforage.view.report.differences import FEWEST, Estimate
+from mjforage.view.report.picture import WIDE_IN, Picture, canvas
+
+COLUMNS = 4  # panels beside one another, at most
+
+
+@dataclass(frozen=True)
+class Subject:
+    """One row of a forest figure."""
+
+    head: str
+    colour: str  # "#rrggbb"
+    estimates: Mapping[str, Estimate]  # by metric key
+    paper: Mapping[str, float] = field(default_factory=dict)  # the paper's, where it has one
+
+
+def mathtext(metric: Metric) -> str:
+    """Label of a metric with its subscript, for a figure."""
+    stem, _, below = metric.label.partition("_")
+    return f"{stem}$_{{\\mathrm{{{below}}}}}$" if below else stem
+
+
+def _draw(axes: Axes, row: int, subject: Subject, metric: Metric) -> None:
+    found = subject.estimates[metric.key]
+    if found.n:
+        axes.plot([found.low, found.high], [row, row], color=subject.colour, linewidth=2.2)
+        fill = subject.colour if found.apart else "white"
+        axes.plot(found.value, row, "o", color=subject.colour, markerfacecolor=fill, markersize=6)
+    if metric.key in subject.paper:
+        look: dict[str, Any] = {"color": style.INK, "markerfacecolor": "none", "markersize": 8}
+        axes.plot(subject.paper[metric.key], row, "D", zorder=3, **look)
+
+
+def forest(
+    name: str,
+    title: str,
+    caption: str,
+    metrics: Sequence[Metric],
+    subjects: Sequence[Subject],
+    *,
+    gains: bool = False,
+) -> Picture:
+    """Draw the estimates, filled where the interval leaves out zero.
+
+    With `gains` more is better whatever the metric; else they are in the metric's own unit.
+    """
+    lines = -(-len(metrics) // COLUMNS)
+    columns = -(-len(metrics) // lines)
+    figure = canvas(WIDE_IN, lines * (1.0 + 0.24 * len(subjects)))
+    grid = figure.subplots(lines, columns, sharey=True, squeeze=False)
+    for axes, metric in zip(grid.flat, metrics, strict=False):
+        axes.axvline(0.0, color=style.MUTED, linewidth=1.0)
+        for row, subject in enumerate(subjects):
+            _draw(axes, row, subject, metric)
+        worse = {1: "left is worse", -1: "right is worse", 0: ""}[metric.better]
+        unit = f" [{metric.unit}]" if metric.unit and not gains else ""
+        axes.set_title(f"{mathtext(metric)}{unit}")
+        axes.set_xlabel("" if gains else worse)
+        axes.locator_params(axis="x", nbins=5)
+    for axes in grid.flat[len(metrics) :]:
+        axes.set_axis_off()
+    for axes in grid[:, 0]:
+        axes.set_yticks(range(len(subjects)), [subject.head for subject in subjects])
+    grid[0, 0].set_ylim(len(subjects) - 0.5, -0.5)
+    words = (
+        "Dot and bar: estimate and bootstrap 95 % interval; filled where it leaves out zero and is "
+        f"of {FEWEST} episodes or more."
+    )
+    if any(subject.paper for subject in subjects):
+        words += " Hollow diamond: the paper's number, of its own map at graph level."
+    return Picture(name, title, f"{caption} {words}", figure, wide=True)

@@ -1,0 +1,93 @@
+"""The page of a study: sections of tables and figures, what was run, and what it took."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from markupsafe import Markup
+
+from mjforage.view.report import style
+from mjforage.view.report.differences import too_few
+from mjforage.view.report.figures import save_figure
+from mjforage.view.report.html import environment, shown, template
+from mjforage.view.report.picture import Picture
+from mjforage.view.report.studies.cost import cost_table, throughput_picture, throughput_table
+from mjforage.view.report.studies.logs import StudyLogs
+from mjforage.view.report.tables import Table
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the page. `words` may carry subscripts and code as tables do."""
+
+    name: str  # anchor
+    title: str
+    words: str = ""
+    tables: Sequence[Table] = ()
+    pictures: Sequence[Picture] = ()
+
+
+def _option(key: str, value: Any) -> str:
+    """One option of a study in words."""
+    if key == "whole_team":
+        return "one draw for the whole team" if value else "a draw per agent"
+    return f"{key.replace('_', ' ')} {value}"
+
+
+def facts(logs: StudyLogs) -> list[tuple[str, str]]:
+    """What was run, as pairs of a term and its value."""
+    run, info = logs.base, logs.info
+    rows, columns = run.map.navigable.shape
+    policies = style.ordered(policy for one in logs.runs.values() for policy in one.policies)
+    options = ", ".join(_option(key, value) for key, value in logs.options.items())
+    pairs = [
+        ("Scenario", run.name),
+        ("Map", f"{run.map.name}: {rows} × {columns}, {run.map.nodes} nodes"),
+        ("Horizon", f"T = {run.horizon} steps"),
+        ("Worlds", ", ".join(logs.worlds)),
+        ("Policies", ", ".join(policies)),
+        ("Variants", str(len(logs.runs))),
+        ("Episodes", f"{info['episodes']} for each variant, policy and world, seed {info['seed']}"),
+        ("Options", options),
+        ("Started", str(info["started"])),
+        ("Versions", ", ".join(f"{name} {number}" for name, number in run.versions.items())),
+    ]
+    return [(term, value) for term, value in pairs if value]
+
+
+def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -> str:
+    """Set the page as HTML, and save its figures in the study's folder."""
+    if any(logs.costs.values()):
+        drawn = [picture for picture in (throughput_picture(logs),) if picture is not None]
+        tables = [cost_table(logs), throughput_table(logs)]
+        sections = [*sections, Section("cost", "Cost and throughput", "", tables, drawn)]
+    parts: list[dict[str, Any]] = []
+    for section in sections:
+        figures = [
+            shown(picture, *save_figure(logs.folder / "figures", picture))
+            for picture in section.pictures
+        ]
+        parts.append(
+            {
+                "name": section.name,
+                "title": section.title,
+                "words": section.words,
+                "tables": section.tables,
+                "wide": [figure for figure in figures if figure.wide],
+                "narrow": [figure for figure in figures if not figure.wide],
+            }
+        )
+    context: dict[str, Any] = {
+        "logs": logs,
+        "facts": facts(logs),
+        "variants": [
+            (name, logs.title(name), ", ".join(run.policies)) for name, run in logs.runs.items()
+        ],
+        "sections": parts,
+        "few": too_few(int(logs.info["episodes"])),
+        "notes": notes,
+        "scenario_json": json.dumps(logs.info["scenario"], indent=2, ensure_ascii=False),
+        "stylesheet": Markup(template("report.css.j2")),
+    }
+    return environment().get_template("study.html.j2").render(context)

@@ -1,0 +1,188 @@
+"""Everything in the paper: its numbers beside ours, its tables and its figures."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mjforage.core.vocabulary import describe
+from mjforage.runs.variants import COMPLETE, lesser_name
+from mjforage.view.report import style
+from mjforage.view.report.comparison import comparison_table
+from mjforage.view.report.curves import time_figures
+from mjforage.view.report.distributions import distribution_figures
+from mjforage.view.report.figures import house_style
+from mjforage.view.report.gap import gap_table, ladder_table
+from mjforage.view.report.published import LABEL, Published, published_for
+from mjforage.view.report.studies import ablation, corruption
+from mjforage.view.report.studies.logs import Player, StudyLogs
+from mjforage.view.report.studies.page import Section
+from mjforage.view.report.tables import (
+    NOTHING,
+    Row,
+    Table,
+    headline_table,
+    mean_only,
+    number,
+    paper_tables,
+    policy_name,
+)
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A number of the paper and ours, of the same meaning unless `like` is false."""
+
+    name: str
+    paper: float
+    ours: float
+    low: float  # our bootstrap 95 % interval
+    high: float
+    half: float  # 1.96 SEM of the paper's, 0 where it prints none
+    digits: int
+    like: bool  # the same quantity, so that it may be asked whether the numbers agree
+
+    @property
+    def row(self) -> Row:
+        """The pair as a row."""
+        if not np.isfinite([self.low, self.high]).all():
+            return Row(self.name, (number(self.paper, self.digits), *(NOTHING,) * 4))
+        meets = self.low - self.half <= self.paper <= self.high + self.half
+        theirs = number(self.paper, self.digits)
+        if self.half:
+            theirs += f" ± {number(self.half, self.digits)}"
+        cells = (
+            theirs,
+            number(self.ours, self.digits),
+            f"{number(self.low, self.digits)} to {number(self.high, self.digits)}",
+            number(self.ours - self.paper, self.digits),
+            ("yes" if meets else "no") if self.like else NOTHING,
+        )
+        return Row(self.name, cells)
+
+
+def _means(logs: StudyLogs, known: Published, policy: str, world: str) -> list[Beside]:
+    found = []
+    fleets = {COMPLETE: known.printed | known.measured} | {
+        lesser_name(team): values
+        for team, values in known.ablated.items()
+        if lesser_name(team) in logs.runs
+    }
+    for variant, values in fleets.items():
+        end = "" if variant == COMPLETE else f", {logs.title(variant)}"
+        for key, value in values.items():
+            metric, entry = describe(key), logs.entry(Player(variant, world, policy), key)
+            half = known.interval.get(key, 0.0) if variant == COMPLETE else 0.0
+            ours = (entry.mean, entry.low, entry.high)
+            found.append(
+                Beside(f"{metric.label}{end}", value, *ours, half, metric.digits, _same(world))
+            )
+    return found
+
+
+def _slopes(
+    logs: StudyLogs, known: Published, policy: str, world: str, fits: corruption.Fits
+) -> list[Beside]:
+    found = []
+    for (team, key), value in known.slopes.items():
+        fit = fits.of(team, world, policy, key)
+        if fit is not None:
+            metric, (low, high) = describe(key), fit.intervals.slope
+            name = f"SS of {metric.label}, {team} corrupted"
+            like = _same(world) and not corruption.unlike_draws(logs)
+            slope = float(fit.line.slope)
+            found.append(Beside(name, value, slope, low, high, 0.0, metric.digits, like))
+    return found
+
+
+def _contributions(logs: StudyLogs, known: Published, policy: str, world: str) -> list[Beside]:
+    found = []
+    for team in ablation.teams(logs):
+        for key, value in known.contribution[team].items():
+            ours = ablation.contribution(logs, team, world, policy, key)
+            name = f"MC of {describe(key).label}, one of {team}"
+            found.append(Beside(name, value, ours.value, ours.low, ours.high, 0.0, 4, _same(world)))
+    return found
+
+
+def _same(world: str) -> bool:
+    """Whether the paper's numbers are of this world."""
+    return world == "graph"
+
+
+def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table | None:
+    """Every number of the paper beside ours; None where the run is not one to compare with."""
+    rows = []
+    for policy in style.ordered(logs.base.policies):
+        known = published_for(logs.base, policy)
+        if known is None:
+            continue
+        for world in logs.worlds:
+            group = f"{policy} · {world}, beside the paper's {known.algorithm} (graph)"
+            unlike, colour = corruption.unlike_draws(logs), style.policy_colour(policy)
+            slopes = f"{group}: slopes" if unlike else group
+            for place, note, pairs in (
+                (group, "", _means(logs, known, policy, world)),
+                (group, "", _contributions(logs, known, policy, world)),
+                (slopes, unlike, _slopes(logs, known, policy, world, fits)),
+            ):
+                heads = [pair.row for pair in pairs]
+                rows += [Row(r.head, r.cells, colour, group=place, note=note) for r in heads]
+    if not rows:
+        return None
+    notes = (
+        "The paper's numbers are of its own map, ours of the map named above. Interval: bootstrap "
+        "95 % over our episodes. Within: whether the paper's number lies in it, widened by the "
+        "paper's own ± where it prints one; not asked where the two are unlike, with hulls or with "
+        "another rule of corruption. RMSE without a subscript is not "
+        "printed in the paper but measured by running its public code.",
+    )
+    columns = ("paper", "ours", "95 % interval", "difference", "within")
+    return Table("beside", "The paper's numbers beside ours", columns, tuple(rows), notes)
+
+
+def table_4(logs: StudyLogs, fits: corruption.Fits) -> Table:
+    """Return the paper's Table 4: CSR and the two Sensitivity Slopes."""
+    rows, found = [], (("scouts", "pta_c"), ("foragers", "rmse_columns"))
+    asked = tuple(pair for pair in found if pair[0] in corruption.teams(logs))
+    for policy in style.ordered(logs.base.policies):
+        for world in logs.worlds:
+            cells = [mean_only(logs.entry(Player(COMPLETE, world, policy), "csr"), 3)]
+            for team, key in asked:
+                fit = fits.of(team, world, policy, key)
+                slope = float(fit.line.slope) if fit else float("nan")
+                cells.append(number(slope, describe(key).digits))
+            head, colour = policy_name(policy) + logs.suffix(world), style.policy_colour(policy)
+            rows.append(Row(head, tuple(cells), colour))
+        known = published_for(logs.base, policy)
+        if known:
+            csr = number(known.printed["csr"], 3)
+            slopes = (number(known.slopes[pair], describe(pair[1]).digits) for pair in asked)
+            rows.append(Row(f"{known.algorithm}, {LABEL}", (csr, *slopes), paper=True))
+    columns = ("CSR", *(f"SS of {describe(key).label}, {team}" for team, key in asked))
+    title = "Table 4: cooperative success ratio and sensitivity slopes"
+    unlike = corruption.unlike_draws(logs) if any(row.paper for row in rows) else ""
+    units = ("", *(unlike for _ in asked))
+    return Table("table-4", title, columns, tuple(rows), (), units)
+
+
+def sections(logs: StudyLogs) -> list[Section]:
+    """The page's sections."""
+    fits, whole = corruption.Fits(logs), logs.whole
+    compared = comparison_table(whole)
+    first = [headline_table(whole), beside_table(logs, fits)]
+    gaps = [table for table in (ladder_table(whole), gap_table(whole)) if table is not None]
+    with house_style():
+        curves = [*time_figures(whole), *distribution_figures(whole)]
+    figures = "Lines: mean of the episodes; bands: ± 1.96 SEM. Time is normalised by the horizon."
+    found = [
+        Section("result", "In brief", "", [table for table in first if table is not None]),
+        Section("tables", "Tables 2 to 4", "", [*paper_tables(whole)[:2], table_4(logs, fits)]),
+        *corruption.sections(logs, fits),
+        *ablation.sections(logs),
+        Section("figures", "Figures over time", figures, (), curves),
+    ]
+    if gaps:
+        found.append(Section("gap", "The reality gap", "", gaps))
+    if compared is not None:
+        found.append(Section("paired", "Paired comparison", "", [compared]))
+    return found

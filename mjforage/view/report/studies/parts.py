@@ -1,0 +1,174 @@
+"""What each part of the belief planner is worth, and what a world it does not expect costs it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from graph_planner.policies import is_bound
+from mjforage.core.vocabulary import describe
+from mjforage.runs.variants import BASELINES, COMPLETE, PARTS, WRONG
+from mjforage.view.report import style
+from mjforage.view.report.differences import Difference
+from mjforage.view.report.figures import house_style
+from mjforage.view.report.picture import Picture
+from mjforage.view.report.studies.forest import Subject, forest
+from mjforage.view.report.studies.logs import Player, StudyLogs
+from mjforage.view.report.studies.page import Section
+from mjforage.view.report.tables import Row, Table, plus_minus, policy_name
+
+COMPARED = ("pta_d", "pta_c", "nt50", "nt90", "csr", "rmse")
+SHOWN = (*COMPARED, "cleared", "length")
+WORLDS_MET = (COMPLETE, *WRONG)
+PAIRED = (
+    "Mean difference over the same episodes, with its bootstrap 95 % interval; bold where that "
+    "leaves out zero."
+)
+
+
+@dataclass(frozen=True)
+class Line:
+    """A player under its name in these tables."""
+
+    head: str
+    player: Player
+
+    @property
+    def colour(self) -> str:
+        """Colour of its policy."""
+        return style.policy_colour(self.player.policy)
+
+
+def _planner(logs: StudyLogs, world: str) -> list[Line]:
+    """The whole planner, then with each part switched off, fast and robust."""
+    lines = [Line("whole planner", Player(COMPLETE, world, "belief"))]
+    variants = [*(f"no-{part}" for part in PARTS), "fast", f"{COMPLETE}-robust"]
+    names = [*(f"without {part}" for part in PARTS), "fast", "robust"]
+    found = zip(variants, names, strict=True)
+    return lines + [Line(name, Player(v, world, "belief")) for v, name in found if v in logs.runs]
+
+
+def _others(variant: str, world: str) -> list[Line]:
+    return [Line(policy_name(policy), Player(variant, world, policy)) for policy in BASELINES]
+
+
+def _means(logs: StudyLogs, name: str, title: str, groups: dict[str, list[Line]]) -> Table:
+    metrics = [describe(key) for key in SHOWN]
+    rows = [
+        Row(
+            line.head,
+            tuple(plus_minus(logs.entry(line.player, m.key), m.digits) for m in metrics),
+            line.colour,
+            group=group,
+        )
+        for group, lines in groups.items()
+        for line in lines
+    ]
+    labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
+    return Table(name, title, labels, tuple(rows), ("Mean ± 1.96 SEM.",), units)
+
+
+def _difference(logs: StudyLogs, line: Line, against: Line, key: str) -> Difference:
+    x, y = (logs.values(one.player, key) for one in (line, against))
+    return Difference(x, y, describe(key))
+
+
+def _differences(
+    logs: StudyLogs, name: str, title: str, groups: dict[str, tuple[Line, list[Line]]]
+) -> Table:
+    """Each group of lines against its own reference."""
+    rows = []
+    for group, (against, lines) in groups.items():
+        for line in lines:
+            steps = [_difference(logs, line, against, key) for key in COMPARED]
+            best = frozenset(place for place, step in enumerate(steps) if step.apart)
+            cells = tuple(step.cell for step in steps)
+            rows.append(Row(line.head, cells, line.colour, best=best, group=group))
+    metrics = [describe(key) for key in COMPARED]
+    labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
+    return Table(name, title, labels, tuple(rows), (PAIRED,), units, stacked=True)
+
+
+def _picture(
+    logs: StudyLogs, name: str, title: str, caption: str, pairs: Sequence[tuple[Line, Line]]
+) -> Picture:
+    subjects = [
+        Subject(
+            line.head,
+            line.colour,
+            {key: _difference(logs, line, against, key) for key in COMPARED},
+        )
+        for line, against in pairs
+    ]
+    with house_style():
+        return forest(name, title, caption, [describe(key) for key in COMPARED], subjects)
+
+
+def _parts(logs: StudyLogs) -> Section:
+    tables, pictures = [], []
+    for world in logs.worlds:
+        planner, others = _planner(logs, world), _others(COMPLETE, world)
+        whole, oracle = planner[0], next(line for line in others if is_bound(line.player.policy))
+        rest = [*planner[1:], *others]
+        means = {"": [*planner, *others]}
+        short, to_oracle = {"": (whole, rest)}, [*planner, *others[:1]]
+        end = logs.suffix(world)
+        tables += [
+            _means(logs, f"parts-{world}", f"Means{end}", means),
+            _differences(logs, f"parts-whole-{world}", f"Minus the whole planner{end}", short),
+            _differences(
+                logs,
+                f"parts-oracle-{world}",
+                f"Minus the oracle, which is a bound{end}",
+                {"": (oracle, to_oracle)},
+            ),
+        ]
+        pictures.append(
+            _picture(
+                logs,
+                f"parts-{world}",
+                f"What each part is worth{end}",
+                "Difference to the whole planner on the same episodes.",
+                [(line, whole) for line in rest],
+            )
+        )
+    words = (
+        "`belief` plays with one of its parts switched off at a time (the keys of the scenario's "
+        "table `[belief]`). The oracle sees every item and the drift: it is a bound, not a policy."
+    )
+    return Section("parts", "What each part is worth", words, tables, pictures)
+
+
+def _wrong(logs: StudyLogs) -> Section:
+    tables, pictures = [], []
+    for world in logs.worlds:
+        means, groups, pairs = {}, {}, []
+        for variant in WORLDS_MET:
+            met = "expected world" if variant == COMPLETE else logs.title(variant)
+            planner = [
+                Line("belief", Player(variant, world, "belief")),
+                Line("belief, robust", Player(f"{variant}-robust", world, "belief")),
+            ]
+            others = _others(variant, world)
+            greedy, oracle = others
+            means[met] = [*planner, *others]
+            groups[met] = (greedy, [*planner, oracle])
+            pairs += [(Line(f"{line.head}: {met}", line.player), greedy) for line in planner]
+        end = logs.suffix(world)
+        tables += [
+            _means(logs, f"wrong-{world}", f"Means{end}", means),
+            _differences(logs, f"wrong-greedy-{world}", f"Minus greedy{end}", groups),
+        ]
+        caption = "Difference to Greedy on the same episodes."
+        title = f"The belief planner in worlds it does not expect{end}"
+        pictures.append(_picture(logs, f"wrong-{world}", title, caption, pairs))
+    assumed = logs.info["scenario"]["belief"]
+    words = (
+        f"The planner assumes {assumed['hotspots']} hotspot(s) and a drift of up to "
+        f"{assumed['drift_node_per_step']:g} nodes per step and axis; with `robust` up to three "
+        "hotspots and twice the drift. Here the world is another one."
+    )
+    return Section("wrong", "Wrong worlds", words, tables, pictures)
+
+
+def sections(logs: StudyLogs) -> list[Section]:
+    """The page's sections."""
+    return [_parts(logs), _wrong(logs)]

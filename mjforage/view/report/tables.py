@@ -1,0 +1,262 @@
+"""The report's tables as plain text cells, from the summary, for page and terminal."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rich.table import Table as RichTable
+from rich.text import Text
+
+from graph_planner.policies import is_bound
+from mjforage.core.vocabulary import HEADLINE, METRICS, Metric, describe
+from mjforage.view.report import style
+from mjforage.view.report.logs import RunLogs, Series, Summaries, Summary, parse_summary
+from mjforage.view.report.published import LABEL, Published, published_for
+
+NORMAL_95 = 1.96
+NOTHING = "–"
+MEASURED = "†"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row: its head, its cells, and what sets it apart."""
+
+    head: str
+    cells: tuple[str, ...]
+    colour: str = ""  # chip before the head, "#rrggbb"
+    paper: bool = False  # published figures, not ours
+    best: frozenset[int] = frozenset()  # cells with the best mean of their column
+    group: str = ""  # heading above this row, where it differs from the row before
+    note: str = ""  # small print beside the group
+
+
+@dataclass(frozen=True)
+class Table:
+    """A titled table. Column labels may carry a subscript after an underscore."""
+
+    name: str
+    title: str
+    columns: tuple[str, ...]  # without the head column
+    rows: tuple[Row, ...]
+    notes: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()  # below the labels
+    stacked: bool = False  # intervals stand below their numbers, for wide tables
+
+
+def number(value: float, digits: int) -> str:
+    """Fixed decimals with a true minus sign; a dash where undefined."""
+    if math.isnan(value):
+        return NOTHING
+    text = f"{value:.{digits}f}"
+    if text.startswith("-"):
+        text = text[1:] if float(text) == 0 else f"−{text[1:]}"
+    return text
+
+
+def plus_minus(entry: Summary, digits: int) -> str:
+    """Mean ± 1.96 SEM; the mean alone where the SEM is undefined."""
+    mean = number(entry.mean, digits)
+    return mean if math.isnan(entry.sem) else f"{mean} ± {number(NORMAL_95 * entry.sem, digits)}"
+
+
+def mean_only(entry: Summary, digits: int) -> str:
+    """Return the mean."""
+    return number(entry.mean, digits)
+
+
+def policy_name(policy: str) -> str:
+    """Policy, marked where it is shown the truth and is therefore only a bound."""
+    return f"{policy} (bound)" if is_bound(policy) else policy
+
+
+def row_name(series: Series, worlds: Sequence[str]) -> str:
+    """Policy, with its world where there are several."""
+    name = policy_name(series[1])
+    return name if len(worlds) == 1 else f"{name} · {series[0]}"
+
+
+def entry_of(summary: Summaries, series: Series, key: str) -> Summary:
+    """Summary of one metric; all undefined with n = 0 where the run has none."""
+    missing = Summary(math.nan, math.nan, math.nan, math.nan, math.nan, 0)
+    return summary[series[0]][series[1]].get(key, missing)
+
+
+def _best(summary: Summaries, series: Sequence[Series], metric: Metric) -> set[Series]:
+    """World and policy with the best shown mean, per world, bounds aside; none where it has no
+    direction.
+    """
+    series = [s for s in series if not is_bound(s[1])]
+    winners: set[Series] = set()
+    for world in dict.fromkeys(s[0] for s in series):
+        means = {s: entry_of(summary, s, metric.key).mean for s in series if s[0] == world}
+        means = {s: round(m, metric.digits) for s, m in means.items() if not math.isnan(m)}
+        if metric.better and len(means) > 1 and len(set(means.values())) > 1:
+            top = max(means.values(), key=lambda m: metric.better * m)
+            winners |= {s for s, m in means.items() if m == top}
+    return winners
+
+
+def _paper_cell(paper: Published, metric: Metric, intervals: bool) -> str:
+    if metric.key in paper.measured:
+        return number(paper.measured[metric.key], metric.digits) + MEASURED
+    text = number(paper.printed.get(metric.key, math.nan), metric.digits)
+    if intervals and metric.key in paper.interval:
+        text += f" ± {number(paper.interval[metric.key], metric.digits)}"
+    return text
+
+
+def _by_policy(logs: RunLogs) -> list[Series]:
+    """Worlds of one policy next to one another."""
+    return [(world, policy) for policy in logs.policies for world in logs.run.worlds]
+
+
+def metric_table(
+    logs: RunLogs,
+    name: str,
+    title: str,
+    keys: Sequence[str],
+    *,
+    cell: Callable[[Summary, int], str] = plus_minus,
+    paper: bool = True,
+    notes: Sequence[str] = (),
+) -> Table:
+    """Policies down, metrics across; the paper's figures under the policies that it has."""
+    metrics = [describe(key) for key in keys]
+    looks, several = style.looks(logs.policies), _by_policy(logs)
+    winners = [_best(logs.summary, logs.series, metric) for metric in metrics]
+    rows, marked = [], False
+    for place, series in enumerate(several):
+        cells = tuple(cell(entry_of(logs.summary, series, m.key), m.digits) for m in metrics)
+        best = frozenset(i for i, winner in enumerate(winners) if series in winner)
+        colour = looks[series[1]].colour
+        rows.append(Row(row_name(series, logs.run.worlds), cells, colour, best=best))
+        last = place + 1 == len(several) or several[place + 1][1] != series[1]
+        known = published_for(logs.run, series[1]) if paper and last else None
+        if known:
+            cells = tuple(_paper_cell(known, m, cell is plus_minus) for m in metrics)
+            marked = marked or any(MEASURED in text for text in cells)
+            rows.append(Row(f"{known.algorithm}, {LABEL}", cells, paper=True))
+    extra = [
+        f"{MEASURED} not printed in the paper; measured by running its public code, 100 episodes."
+    ]
+    return Table(
+        name,
+        title,
+        tuple(metric.label for metric in metrics),
+        tuple(rows),
+        (*notes, *(extra if marked else ())),
+        tuple(metric.unit for metric in metrics),
+    )
+
+
+def headline_table(logs: RunLogs) -> Table:
+    """Return the few numbers that a reader wants first."""
+    note = "Mean ± 1.96 SEM over the episodes where the metric is defined; bold: best mean."
+    return metric_table(logs, "headline", "Result in brief", HEADLINE, paper=False, notes=[note])
+
+
+def paper_tables(logs: RunLogs) -> list[Table]:
+    """Return the paper's Tables 2, 3 and 4 (its CSR column) with our numbers."""
+    columns = "RMSE_columns is the number that the paper printed; RMSE follows its equation."
+    return [
+        metric_table(
+            logs,
+            "table-2",
+            "Table 2: PTA and RMSE at the end, mean ± 1.96 SEM",
+            ("pta_d", "pta_c", "rmse", "rmse_columns"),
+            notes=[columns],
+        ),
+        metric_table(
+            logs,
+            "table-3",
+            "Table 3: normalised time to remove 50 and 90 %, and throughput",
+            ("nt50", "nt90", "throughput"),
+            cell=mean_only,
+        ),
+        metric_table(
+            logs,
+            "table-4",
+            "Table 4: cooperative success ratio",
+            ("csr",),
+            cell=mean_only,
+            notes=["The sensitivity slopes of this table come from `mjforage study corruption`."],
+        ),
+    ]
+
+
+def full_table(logs: RunLogs) -> Table:
+    """Every metric of the summary: mean, 1.96 SEM, bootstrap 95 % interval, IQM and n."""
+    found = {key for world, policy in logs.series for key in logs.summary[world][policy]}
+    keys = [key for key in METRICS if key in found] + sorted(found - set(METRICS))
+    looks = style.looks(logs.policies)
+    rows = []
+    for metric in map(describe, keys):
+        unit = f" [{metric.unit}]" if metric.unit else ""
+        for series in _by_policy(logs):
+            entry = entry_of(logs.summary, series, metric.key)
+            cells = full_cells(entry, metric.digits)
+            head, colour = row_name(series, logs.run.worlds), looks[series[1]].colour
+            rows.append(Row(head, cells, colour, group=metric.label + unit, note=metric.definition))
+    columns = ("mean", "1.96 SEM", "95 % interval", "IQM", "n")
+    notes = (
+        "Interval: bootstrap of the mean over episodes. IQM: mean of the middle half. n: episodes "
+        "where the metric is defined; the others are left out.",
+    )
+    return Table("metrics", "All metrics", columns, tuple(rows), notes)
+
+
+def full_cells(entry: Summary, digits: int) -> tuple[str, ...]:
+    """Cells of `full_table` for one entry."""
+    interval = NOTHING
+    if not math.isnan(entry.low):
+        interval = f"{number(entry.low, digits)} to {number(entry.high, digits)}"
+    return (
+        number(entry.mean, digits),
+        number(NORMAL_95 * entry.sem, digits),
+        interval,
+        number(entry.iqm, digits),
+        str(entry.n),
+    )
+
+
+TERMINAL = ("pta_d", "pta_c", "rmse", "nt50", "nt90", "throughput", "csr", "length")
+
+
+def terminal_table(summary: Mapping[str, Any]) -> RichTable:
+    """Headline numbers of a `summary.json` for the terminal, mean and 1.96 SEM below it.
+
+    Parameters
+    ----------
+    summary
+        {world: {policy: {metric: {"mean", "sem", "ci95", "iqm", "n"}}}}
+
+    Raises
+    ------
+    UserError
+        If an entry lacks a key or holds something that is not a number.
+    """
+    parsed = parse_summary(summary)
+    metrics = [describe(key) for key in TERMINAL]
+    table = RichTable(
+        title="mean ± 1.96 SEM",
+        title_justify="left",
+        title_style="dim",
+        box=None,
+        padding=(0, 1, 0, 0),
+    )
+    table.add_column("policy", no_wrap=True)
+    for metric in metrics:
+        unit = f"\n[{metric.unit}]" if metric.unit else "\n"
+        table.add_column(Text(metric.plain + unit), justify="right", no_wrap=True)
+    series = [(world, policy) for world in parsed for policy in style.ordered(parsed[world])]
+    for world, policy in series:
+        cells = [
+            plus_minus(entry_of(parsed, (world, policy), m.key), m.digits).replace(" ± ", "\n± ")
+            for m in metrics
+        ]
+        name = row_name((world, policy), list(parsed)).replace(" (bound)", "\n(bound)")
+        shown = Text(name, style=style.policy_colour(policy))
+        table.add_row(shown, *(Text(cell) for cell in cells))
+    return table

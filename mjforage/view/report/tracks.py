@@ -1,0 +1,99 @@
+"""Figure of the fleet's tracks: one episode per policy and world, from `agents.parquet`."""
+
+import math
+from typing import Any
+
+import numpy as np
+import polars as pl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from mjforage.view.report import style
+from mjforage.view.report.logs import RunLogs, Series
+from mjforage.view.report.maps import draw_port
+from mjforage.view.report.picture import WIDE_IN, WIDTH_IN, Picture, canvas
+
+SPREAD = 0.34  # node; tracks over the same nodes are drawn side by side within this width
+ENDS = {False: "^", True: "D"}  # marker by whether the vessel collects
+LEGEND_AGENTS = 10  # more agents than this are named by team only
+
+
+def _track(axes: Axes, line: NDArray[np.float64], colour: str, collects: bool) -> None:
+    """Draw one track, (step, 2) of rows and columns, with its start and its end."""
+    axes.plot(line[:, 1], line[:, 0], color=colour, linewidth=1.2, alpha=0.85)
+    axes.plot(line[0, 1], line[0, 0], "o", color="white", markeredgecolor=colour, markersize=4.5)
+    end: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.6, "zorder": 5}
+    axes.plot(line[-1, 1], line[-1, 0], ENDS[collects], color=colour, markersize=5.5, **end)
+
+
+def _draw(axes: Axes, logs: RunLogs, series: Series) -> None:
+    rows = logs.select(logs.tracks, series).sort("agent", "step")
+    collects = logs.collects()
+    port = logs.run.map
+    spread = SPREAD / 2 if series[0] == "graph" else 0.0  # hulls keep apart by themselves
+    offsets = np.linspace(-spread, spread, max(2, len(collects)))
+    draw_port(axes, logs.run.map.navigable)
+    for agent, colour in enumerate(style.agent_colours(collects)):
+        xy = rows.filter(pl.col("agent") == agent).select("x_m", "y_m").to_numpy() / port.pitch_m
+        if len(xy):
+            track = np.column_stack((port.navigable.shape[0] - 1 - xy[:, 1], xy[:, 0]))
+            _track(axes, track + offsets[agent], colour, collects[agent])
+    world = f" · {series[0]}" if len(logs.run.worlds) > 1 else ""
+    axes.set_title(f"{series[1]}{world}")
+
+
+def _legend(figure: Figure, logs: RunLogs) -> None:
+    names = {i: agent.name for i, agent in enumerate(logs.run.agents)}
+    if len(names) > LEGEND_AGENTS:
+        first = {agent.team: i for i, agent in reversed(list(enumerate(logs.run.agents)))}
+        names = {i: team for team, i in first.items()}
+    colours = style.agent_colours(logs.collects())
+    handles = [Line2D([], [], color=colours[i], label=name) for i, name in names.items()]
+    mark: dict[str, Any] = {"linestyle": "", "markersize": 5.5, "markeredgecolor": style.MUTED}
+    handles.append(Line2D([], [], marker="o", color="white", label="start", **mark))
+    for role, collects in (("scout", False), ("forager", True)):
+        if collects in logs.collects():
+            label = f"end, {role}"
+            handles.append(
+                Line2D([], [], marker=ENDS[collects], color=style.MUTED, label=label, **mark)
+            )
+    longest = max(len(str(handle.get_label())) for handle in handles)
+    columns = max(1, min(len(handles), int(figure.get_figwidth() / (0.6 + 0.09 * longest))))
+    figure.legend(handles=handles, loc="outside lower left", ncols=columns)
+
+
+def _panels(logs: RunLogs) -> tuple[Figure, list[Axes]]:
+    """Figure with a panel per world and policy; rows are worlds where the policies fit in one."""
+    height, width = logs.run.map.navigable.shape
+    tall = height / width
+    wanted = 5 if tall > 1 else 3 if tall > 0.6 else 2
+    by_world = len(logs.run.worlds) > 1 and 1 < len(logs.policies) <= wanted
+    columns = len(logs.policies) if by_world else min(wanted, len(logs.series))
+    rows = math.ceil(len(logs.series) / columns)
+    columns = math.ceil(len(logs.series) / rows)
+    panel_in = WIDE_IN / min(wanted, max(3, columns))
+    height_in = rows * (min(8.0, max(1.5, panel_in * tall)) + 0.35) + 0.5
+    figure = canvas(max(WIDTH_IN, columns * panel_in), height_in)
+    panels = list(figure.subplots(rows, columns, squeeze=False).flat)
+    for axes in panels[len(logs.series) :]:
+        axes.set_visible(False)
+    return figure, panels[: len(logs.series)]
+
+
+def tracks_figure(logs: RunLogs) -> Picture:
+    """Draw the tracks of the lowest episode, a panel per policy and world."""
+    figure, panels = _panels(logs)
+    for axes, series in zip(panels, logs.series, strict=True):
+        _draw(axes, logs, series)
+    words = "No vessel took part."
+    if logs.run.agents:
+        _legend(figure, logs)
+        lowest = logs.tracks.select(pl.col("episode").min()).item()
+        words = (
+            f"Tracks of episode {lowest}, the same items and starts for every policy and world. At "
+            "graph level, tracks over the same nodes are drawn side by side; elsewhere they join "
+            "where midships was after each decision. An episode ends once no item is left."
+        )
+    return Picture("tracks", "Where the fleet went", words, figure, wide=True)

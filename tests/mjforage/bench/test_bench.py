@@ -1,0 +1,45 @@
+import pytest
+
+from mjforage.bench import learning as speeds
+from mjforage.bench import running as bench
+
+
+def test_bench_measures_every_promised_figure(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a tiny load: the figures are there, positive, and have units."""
+    monkeypatch.setattr(bench, "BATCH", 2)
+    monkeypatch.setattr(bench, "REPEATS", 1)
+    monkeypatch.setattr(bench, "BELIEF_BATCH", 4)
+    monkeypatch.setattr(bench, "BELIEF_HORIZON", 3)
+    monkeypatch.setattr(bench, "BELIEF_FLEETS", (4, 6))
+    monkeypatch.setattr(bench, "LARGE_SHAPE", (90, 120))
+    monkeypatch.setattr(bench, "LARGE_STEPS", 2)
+    monkeypatch.setattr(bench, "PHYSICS_S", 10.0)
+    monkeypatch.setattr(bench, "PHYSICS_BATCH", 1)
+    monkeypatch.setattr(bench, "MISSION", (2, 3))
+    monkeypatch.setattr(speeds, "LANES", 2)
+    monkeypatch.setattr(speeds, "STEPS", 3)
+    monkeypatch.setattr(speeds, "ROUNDS", 1)
+    monkeypatch.setattr(speeds, "UPDATES", 2)
+    monkeypatch.setattr(speeds, "SMALL", {"lanes": 1, "warmup": 100, "batch": 8})
+    measured: list[str] = []
+    figures = bench.bench(measured.append)
+    promised = {
+        *(f"graph_{name}_steps_per_core_s" for name in ("random", "greedy", "levy")),
+        *("graph_belief_steps_per_core_s", "graph_belief_fast_steps_per_core_s"),
+        *(f"belief_decisions_{agents}_agents_per_core_s" for agents in (4, 6)),
+        *("evaluate_greedy_steps_per_core_s", "metrics_episodes_per_s"),
+        *("peak_memory", "peak_memory_large", "peak_memory_physics"),
+        *("physics_steps_per_core_s", "physics_sim_s_per_core_s", "physics_callback_overhead"),
+        *("physics_mission_sim_s_per_core_s", "physics_core_min_per_100_episodes"),
+        *(f"env_obs_steps_per_core_s_{kind}" for kind in ("egocentric", "paper")),
+        *("ddqn_updates_per_s", "ddqn_share_environment", "ddqn_share_network"),
+        *(f"physics_share_{part}" for part in ("stepping", "control", "weather", "watching")),
+    }
+    assert promised <= set(figures)
+    assert set(measured) - set(figures) == {"physics", "learning", "memory"}
+    for kind, least in (("physics_share", 0.5), ("ddqn_share", 0.999)):
+        shares = [float(figure["value"]) for key, figure in figures.items() if kind in key]
+        assert least < sum(shares) <= 1.0 + 1e-9
+    for key, figure in figures.items():
+        assert figure["unit"]
+        assert float(figure["value"]) > (-0.9 if "overhead" in key else 0.0), key

@@ -1,0 +1,125 @@
+"""`mjforage manoeuvre` and `vessels`, to the letter of their contract."""
+
+import csv
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+COLUMNS = ["t_s", "x_m", "y_m", "yaw_rad", "surge_mps", "sway_mps", "yaw_rate_radps"]
+
+
+def rows_of(path: Path) -> np.ndarray[Any, np.dtype[np.float64]]:
+    with path.open() as file:
+        table = list(csv.reader(file))
+    assert table[0] == COLUMNS
+    return np.array(table[1:], np.float64)
+
+
+def test_a_schedule_becomes_a_trajectory(command: Callable[..., Any], tmp_path: Path) -> None:
+    schedule, out = tmp_path / "in.csv", tmp_path / "out.csv"
+    schedule.write_text("t_s,left,right\n0,60,60\n10,40,60\n")
+    done = command("manoeuvre", "otter", "--schedule", schedule, "--duration", "30", "--out", out)
+    assert done.code == 0, done
+    rows = rows_of(out)
+    assert rows[0].tolist() == [0.0] * 7
+    assert rows[-1, 0] == 30.0 and np.diff(rows[:, 0]).max() <= 0.05 + 1e-12
+    straight = rows[rows[:, 0] <= 10.0]
+    assert (straight[:, [2, 3]] == 0.0).all() and straight[-1, 4] > 0.8
+    # The starboard propeller turns faster: the boat turns to port, yaw grows.
+    assert rows[-1, 6] > 0.05 and rows[-1, 3] > 0.5
+
+
+def test_current_and_heading_are_counter_clockwise_from_east(
+    command: Callable[..., Any], tmp_path: Path
+) -> None:
+    out = tmp_path / "out.csv"
+    words = ("--test", "drift", "--current", "0.5@90", "--heading", "90", "--duration", "60")
+    assert command("manoeuvre", "otter", *words, "--out", out).code == 0
+    last = rows_of(out)[-1]
+    assert last[2] > 25.0 and abs(last[1]) < 1e-6  # carried north
+    assert last[4] == pytest.approx(0.5, abs=1e-3)  # surge over ground, bow to the north
+
+
+def test_a_standard_test_prints_its_figures_and_draws(
+    command: Callable[..., Any], tmp_path: Path
+) -> None:
+    plot = tmp_path / "turn.png"
+    done = command("manoeuvre", "scout", "--test", "turning-circle", "--plot", plot)
+    assert done.code == 0 and "diameter" in done.out
+    assert plot.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (("ottter", "--test", "stop"), "ottter"),
+        (("otter",), "--schedule"),
+        (("otter", "--test", "loop"), "loop"),
+        (("otter", "--test", "stop", "--current", "fast"), "--current"),
+        (("otter", "--schedule", "missing.csv"), "; give a CSV file with the columns t_s,left"),
+        (("otter", "--test", "stop", "--dt", "0"), "0"),
+        (("otter", "--test", "stop", "--out", "no/where.csv"), "--out no/where.csv: cannot be"),
+        (("otter", "--test", "stop", "--plot", "turn.xyz"), "--plot turn.xyz: unknown kind"),
+        (("otter", "--test", "stop", "--plot", "turn"), "--plot turn: unknown kind"),
+        (("otter", "--test", "stop", "--plot", "no/turn.png"), "--plot no/turn.png: cannot"),
+        (("otter", "--test", "stop", "--duration", "1e-12"), "--duration 1e-12"),
+        (("otter", "--test", "stop", "--duration", "inf"), "--duration inf: give a finite"),
+        (("otter", "--test", "stop", "--current", "-1@0"), "--current -1@0: speed is out of"),
+        (("otter", "--test", "stop", "--wind", "-1@0"), "--wind -1@0: speed is out of range"),
+        (("otter", "--test", "stop", "--heading", "1e300"), "--heading 1e+300"),
+        (
+            ("otter", "--test", "stop", "--current", "0.3"),
+            "--current 0.3: expected",
+        ),
+        (
+            ("otter", "--test", "stop", "--current=-0.3@0"),
+            "--current -0.3@0: speed",
+        ),
+        (("otter", "--test", "stop", "--wind", "nan@0"), "--wind nan@0"),
+        (
+            ("scout", "--test", "drift", "--wind", "100@0", "--current", "100@200", "--dt", "1"),
+            "scout",
+        ),
+    ],
+)
+def test_bad_manoeuvres_are_refused(
+    refused: Callable[..., str], words: tuple[str, ...], named: str
+) -> None:
+    assert named in refused("manoeuvre", *words)
+
+
+@pytest.mark.parametrize("option", ["--out", "--plot"])
+def test_files_are_checked_before_the_run(
+    refused: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, option: str
+) -> None:
+    def run(*_: object) -> None:
+        raise AssertionError("ran")
+
+    monkeypatch.setattr("mjforage.physics.manoeuvre.manoeuvre", run)
+    (tmp_path / "folder.png").mkdir()
+    (tmp_path / "file").touch()
+    for name in ("none/a.png", "folder.png", "file/a.png"):
+        said = refused("manoeuvre", "otter", "--test", "stop", option, tmp_path / name)
+        assert f"{name}: cannot be written; name a file in a folder" in said
+
+
+def test_schedules_out_of_order_or_range_are_refused(
+    refused: Callable[..., str], tmp_path: Path
+) -> None:
+    schedule = tmp_path / "in.csv"
+    for text, named in (
+        ("t_s,left,right\n0,1,1\n0,2,2\n", "t_s"),
+        ("t_s,left,right\n0,500,1\n", "500"),
+        ("t_s,port\n0,1\n", "left"),
+        ("", "in.csv"),
+    ):
+        schedule.write_text(text)
+        assert named in refused("manoeuvre", "otter", "--schedule", schedule)
+
+
+def test_vessels_are_listed(command: Callable[..., Any]) -> None:
+    listed = command("vessels").out
+    assert all(name in listed for name in ("otter", "scout", "forager"))

@@ -1,0 +1,218 @@
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from graph_planner.policies import create_policy, policy_names
+from mjforage.core.episode_log import EpisodeLog
+from mjforage.core.errors import UserError
+from mjforage.core.maps import GridMap
+from mjforage.core.mission import Mission, Setting
+from mjforage.core.scenario_file import load_scenario
+from tests.mjforage.core.slow_mission import SlowMission
+
+VARIANTS = {
+    "published": (),
+    "comb-port": (),
+    "open-bay": ("team.foragers.radius=2.5", "weather.drift_node_per_step=0.6"),
+    "channels": ("team.scouts.moves=3", "team.scouts.energy=25", "team.foragers.capacity=3"),
+}
+
+
+def setting_of(preset: str, *overrides: str) -> Setting:
+    return Setting.of(load_scenario(preset, overrides))
+
+
+def played(
+    setting: Setting, policy: str, episodes: NDArray[np.int64], seed: int = 0
+) -> tuple[EpisodeLog, Mission]:
+    mission = Mission(setting)
+    mission.reset(seed, episodes)
+    log = EpisodeLog(mission)
+    mission.run(create_policy(policy), (log,))
+    return log, mission
+
+
+@pytest.mark.parametrize("preset", VARIANTS)
+def test_kernels_agree_with_the_mission_in_plain_python(preset: str) -> None:
+    """Every step of two episodes: nodes, items, belief, idleness, events, RMSE and overlap."""
+    more = ("horizon=60", "items.mean=40", "team.foragers.count=3", *VARIANTS[preset])
+    setting = setting_of(preset, *more)
+    mission, log = Mission(setting), EpisodeLog(Mission(setting))
+    mission.reset(5, np.arange(2))
+    log.see(mission)
+    slow = [SlowMission(setting, 5, episode) for episode in range(2)]
+    rng = np.random.default_rng(0)
+    while mission.active.any():
+        agree(mission, slow)
+        preferences = rng.random((2, len(setting.fleet), 9))
+        active = mission.active.copy()
+        mission.advance(preferences)
+        log.see(mission)
+        for e in np.flatnonzero(active).tolist():
+            slow[e].advance(preferences[e])
+    agree(mission, slow)
+    for i, oracle in enumerate(slow):
+        end = oracle.state.step
+        assert (log.series["rmse"][i, end], log.series["rmse_columns"][i, end]) == pytest.approx(
+            oracle.rmse(), abs=1e-12
+        )
+        assert log.series["mi"][i, end] == pytest.approx(oracle.state.idleness.mean(), abs=1e-12)
+        assert log.series["co_scouts"][i, -1] == oracle.overlap(setting.fleet.scouts)
+        assert mission.state.distance[i] == pytest.approx(oracle.travelled)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_kernels_agree_on_small_ragged_maps_with_water_at_the_border(seed: int) -> None:
+    """Items drift hard against land and against the edge of the array."""
+    rng = np.random.default_rng(seed)
+    label, _ = ndimage.label(rng.random((rng.integers(3, 12), rng.integers(3, 12))) < 0.75)
+    navigable = label == np.bincount(label.ravel())[1:].argmax() + 1
+    overrides = (
+        *("horizon=25", "items.mean=30", "map.starts=[]", "team.scouts.count=1"),
+        *("team.foragers.count=1", "weather.drift_node_per_step=0.4"),
+        f"map.corner_cutting={str(bool(seed % 2)).lower()}",
+    )
+    setting = Setting(load_scenario("comb-port", overrides), GridMap("ragged", navigable))
+    mission, slow = Mission(setting), [SlowMission(setting, seed, e) for e in range(3)]
+    mission.reset(seed, np.arange(3))
+    while mission.active.any():
+        agree(mission, slow)
+        preferences = rng.random((3, 2, 9))
+        active = mission.active.copy()
+        mission.advance(preferences)
+        for e in np.flatnonzero(active).tolist():
+            slow[e].advance(preferences[e])
+    agree(mission, slow)
+
+
+def agree(mission: Mission, slow: list[SlowMission]) -> None:
+    for e, oracle in enumerate(slow):
+        state, model = oracle.state, mission.model.knowledge
+        assert mission.state.agent_node[e].tolist() == state.nodes
+        present = np.flatnonzero(mission.state.item_node[e] >= 0).tolist()
+        assert present == sorted(state.items)
+        for k in present:
+            assert mission.state.item_rc[e, k] == pytest.approx(state.items[k], abs=1e-12)
+        np.testing.assert_array_equal(model.truth[e], oracle.truth())
+        np.testing.assert_array_equal(model.belief[e], state.belief)
+        known = model.known[e, : model.n_known[e]]
+        assert sorted(known.tolist()) == np.flatnonzero(state.belief).tolist()
+        idleness = mission.model.idleness(mission.step, np.array([e]))[0]
+        np.testing.assert_allclose(idleness, state.idleness, atol=1e-12)
+        for k in range(oracle.total):
+            found = (
+                int(model.t_discovered[e, k]),
+                int(model.discovered_by[e, k]),
+            )
+            taken = (int(model.t_collected[e, k]), int(mission.state.collected_by[e, k]))
+            assert found == state.found.get(k, (-1, -1))
+            assert taken == state.taken.get(k, (-1, -1))
+
+
+@pytest.mark.parametrize("policy", policy_names())
+def test_logs_are_the_same_bits_whatever_the_batch(policy: str) -> None:
+    setting = setting_of("comb-port", "horizon=50")
+    whole, _ = played(setting, policy, np.arange(100))
+    for batch in (np.array([63]), np.arange(60, 67), np.array([66, 60])):
+        part, _ = played(setting, policy, batch)
+        for name in ("agent_node", "yaw", "distance", "length", "n_items"):
+            np.testing.assert_array_equal(getattr(part, name), getattr(whole, name)[batch])
+        for name, series in part.series.items():
+            np.testing.assert_array_equal(series, whole.series[name][batch])
+        for name in ("t_discovered", "discovered_by", "t_collected", "collected_by", "item_start"):
+            for i, episode in enumerate(batch):
+                k = part.n_items[i]
+                np.testing.assert_array_equal(
+                    getattr(part, name)[i, :k], getattr(whole, name)[episode, :k]
+                )
+
+
+def test_item_worlds_do_not_depend_on_policy_or_team() -> None:
+    """With nobody collecting, every item drifts the same way whoever watches."""
+    tracks = []
+    for policy, team in (("random", 2), ("greedy", 2), ("greedy", 5)):
+        overrides = ("horizon=30", "team.foragers.count=0", f"team.scouts.count={team}")
+        mission = Mission(setting_of("comb-port", *overrides))
+        mission.reset(3, np.arange(6))
+        mission.run(create_policy(policy))
+        tracks.append(mission.state.item_rc.copy())
+    np.testing.assert_array_equal(tracks[0], tracks[1])
+    np.testing.assert_array_equal(tracks[0], tracks[2])
+
+
+def test_policies_start_every_batch_afresh() -> None:
+    setting = setting_of("comb-port", "horizon=40")
+    mission = Mission(setting)
+    for name in policy_names():
+        policy, ends = create_policy(name), []
+        for episodes in (np.arange(5), np.arange(9), np.arange(5)):
+            mission.reset(1, episodes)
+            mission.run(policy)
+            ends.append(mission.state.agent_node.copy())
+        np.testing.assert_array_equal(ends[0], ends[2])
+
+
+@pytest.mark.parametrize("without", ["scouts", "foragers"])
+@pytest.mark.parametrize("policy", policy_names())
+def test_a_fleet_may_lack_scouts_or_foragers(policy: str, without: str) -> None:
+    setting = setting_of("comb-port", f"team.{without}.count=0", "horizon=40")
+    log, mission = played(setting, policy, np.arange(3))
+    assert (mission.state.agent_node >= 0).all()
+    if without == "foragers":
+        assert (log.t_collected == -1).all() and (log.length == 40).all()
+
+
+def test_an_episode_ends_when_no_item_is_left_and_its_series_are_padded() -> None:
+    setting = setting_of("open-bay", "items.mean=1", "items.std=0", "horizon=150")
+    log, mission = played(setting, "greedy", np.arange(30))
+    assert (mission.model.knowledge.truth[log.length < 150] == 0).all()
+    ended = np.flatnonzero(log.length < 150)
+    assert ended.size > 10
+    for e in ended:
+        assert log.t_collected[e, 0] == log.length[e]
+        assert (log.series["mi"][e, log.length[e] :] == log.series["mi"][e, log.length[e]]).all()
+        assert log.series["rmse"][e, -1] == log.series["rmse"][e, log.length[e]]
+
+
+def test_nothing_is_removed_at_the_start_but_what_is_in_view_is_discovered() -> None:
+    setting = setting_of("comb-port", "items.mean=2000", "items.std=0")
+    mission = Mission(setting)
+    mission.reset(0, np.arange(20))
+    assert (mission.state.item_node >= 0).all()
+    found = mission.model.knowledge.t_discovered == 0
+    assert found.any()
+    by_scouts = mission.model.times_seen(mission.state.agent_node, setting.fleet.scouts) > 0
+    seen_by_scouts = np.take_along_axis(by_scouts, mission.state.item_node, axis=1)
+    np.testing.assert_array_equal(  # a tie goes to the scouts
+        np.isin(mission.model.knowledge.discovered_by, setting.fleet.scouts), seen_by_scouts
+    )
+    assert (mission.model.knowledge.t_discovered[~found] == -1).all()
+
+
+def test_a_map_replaces_the_grid_and_nothing_else() -> None:
+    scenario = load_scenario("published", map_file="open_bay")
+    assert scenario.map.starts == load_scenario("published").map.starts
+    assert scenario.map.corner_cutting and not scenario.rules.stay
+
+
+def test_starts_on_land_and_crowded_ponds_are_refused() -> None:
+    with pytest.raises(UserError, match=r"start \(0, 0\).*land.*map\.starts"):
+        setting_of("comb-port", "map.starts=[[0,0]]")
+    with pytest.raises(UserError, match=r"200 agents do not fit|agents"):
+        setting_of("comb-port", "team.scouts.count=255", "team.foragers.count=200")
+
+
+def test_more_agents_than_starts_take_the_nearest_free_nodes() -> None:
+    setting = setting_of("comb-port", "team.scouts.count=7")
+    mission = Mission(setting)
+    mission.reset(0, np.arange(50))
+    nodes = mission.state.agent_node
+    assert all(np.unique(row).size == 9 for row in nodes)
+    assert set(setting.start_nodes.tolist()) <= set(nodes[0].tolist())
+    assert np.unique(nodes[:, 0]).size > 4  # who starts where is drawn per episode
+
+
+def test_reachable_share_is_a_quarter_for_published_scouts() -> None:
+    assert setting_of("published").reachable_shares["scouts"] == pytest.approx(0.25, abs=0.01)
+    assert setting_of("comb-port").reachable_shares == {"scouts": 1.0, "foragers": 1.0}

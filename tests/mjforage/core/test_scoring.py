@@ -1,0 +1,94 @@
+"""From a log to the keys of summary.json, on an episode small enough to follow by hand."""
+
+import numpy as np
+import pytest
+
+from graph_planner.policies import create_policy
+from mjforage.core.episode_log import EpisodeLog
+from mjforage.core.mission import Mission, Setting
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.scoring import event_table, score
+from mjforage.core.vocabulary import SERIES
+from mjforage.runs.tables import SCALARS
+
+
+@pytest.fixture(scope="module")
+def setting() -> Setting:
+    return Setting.of(load_scenario("comb-port", ("horizon=10",)))
+
+
+def log_by_hand(setting: Setting) -> EpisodeLog:
+    """Two scouts (0, 1) and two foragers (2, 3); four items, of which one is never found."""
+    log = EpisodeLog(Mission(setting))
+    log.n_items = np.array([4], np.int32)
+    log.t_discovered = np.array([[1, 2, 5, -1, -1]], np.int16)
+    log.discovered_by = np.array([[0, 1, 3, -1, -1]], np.int16)
+    log.t_collected = np.array([[3, -1, 5, -1, -1]], np.int16)
+    log.collected_by = np.array([[2, -1, 3, -1, -1]], np.int16)
+    log.length = np.array([10], np.int32)
+    steps = np.linspace(1.0, 0.5, 11)[None, :]
+    log.series = {
+        "rmse": steps * 0.2,
+        "rmse_columns": steps * 0.1,
+        "mi": steps,
+        "co_scouts": np.linspace(0.0, 0.5, 11)[None, :],
+        "co_foragers": np.zeros((1, 11)),
+    }
+    return log
+
+
+def test_scalars_of_an_episode_by_hand(setting: Setting) -> None:
+    scores = score(log_by_hand(setting), setting.fleet, 10)
+    assert set(scores.scalars) == set(SCALARS) and set(SERIES) <= set(scores.series)
+    expected = {
+        "pta_d": 75.0,  # 3 of 4 found
+        "pta_c": 50.0,  # 2 of 4 removed
+        "rmse": 0.1,
+        "rmse_columns": 0.05,
+        "nt50": 0.5,  # the second one at step 5 of 10
+        "nt90": 1.0,  # never
+        "throughput": 2 / (2 * 10),
+        "throughput_scouts": 3 / (2 * 10),
+        "mi_final": 0.5,
+        "mi_mean": 0.75,
+        "irr_mean": 0.05,  # (1 - 0.5) / 10
+        "dsl": 0.2,  # item 0: (3 - 1) / 10; item 1 is not removed, item 2 not a scout's
+        "itl": 0.2,  # first largest rises at steps 1 and 3
+        "itl_level": 0.0,  # both reach their maximum at step 5
+        "csr": 0.5,
+        "gini_foragers": 0.0,
+        "gini_scouts": 0.0,
+        "co_scouts": 0.25,
+        "co_foragers": 0.0,
+        "length": 10.0,
+        "cleared": 0.0,
+    }
+    for key, value in expected.items():
+        assert scores.scalars[key][0] == pytest.approx(value), key
+
+
+def test_series_follow_the_events(setting: Setting) -> None:
+    series = score(log_by_hand(setting), setting.fleet, 10).series
+    assert series["pta_d"][0].tolist() == [0, 25, 50, 50, 50, 75, 75, 75, 75, 75, 75]
+    assert series["pta_c"][0].tolist() == [0, 0, 0, 25, 25, 50, 50, 50, 50, 50, 50]
+    assert np.isnan(series["csr"][0, :3]).all() and series["csr"][0, 3:6].tolist() == [1, 1, 0.5]
+    assert series["gini_foragers"][0, 3] == 0.5 and np.isnan(series["irr"][0, -1])
+
+
+def test_padding_items_do_not_count(setting: Setting) -> None:
+    events = event_table(log_by_hand(setting))
+    assert events.exists[0].tolist() == [True] * 4 + [False]
+
+
+def test_metrics_are_those_of_the_run_itself(setting: Setting) -> None:
+    """Counted straight from the mission's state, not through events."""
+    mission = Mission(setting)
+    mission.reset(0, np.arange(20))
+    log = EpisodeLog(mission)
+    mission.run(create_policy("greedy"), (log,))
+    scores = score(log, setting.fleet, 10)
+    left = (mission.state.item_node >= 0).sum(axis=1)
+    removed = 100 * (1 - left / mission.world.n_items)
+    np.testing.assert_allclose(scores.scalars["pta_c"], removed)
+    np.testing.assert_array_equal(scores.scalars["cleared"] == 1, left == 0)
+    assert (scores.scalars["pta_d"] >= scores.scalars["pta_c"]).all()

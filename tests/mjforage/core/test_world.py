@@ -1,0 +1,119 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import stats
+
+from graph_planner.compiled import kernel
+from graph_planner.navigation import Water, navigation_graph
+from graph_planner.randomness import episode_keys
+from mjforage.core.scenario import Items, Weather
+from mjforage.core.world import create_world, into_water, nodes_around
+
+KEYS = episode_keys(0, np.arange(3000))
+OPEN = navigation_graph(np.ones((60, 60), np.bool_), 4.0, False)
+
+
+@kernel
+def pushed(water: Water, row: float, col: float) -> tuple[float, float, int]:
+    return into_water(water, row, col)
+
+
+def test_counts_hotspots_and_drift_have_their_distributions() -> None:
+    starts = np.arange(4, dtype=np.int32)
+    world = create_world(OPEN, Items(), Weather(), starts, 4, KEYS)
+    assert abs(world.n_items.mean() - 75) < 1 and abs(world.n_items.std() - 10) < 0.6
+    for axis in range(2):
+        assert stats.kstest(world.drift_rc[:, axis], "uniform", (-0.1, 0.2)).pvalue > 0.01
+    exists = np.arange(world.item_rc.shape[1])[None, :] < world.n_items[:, None]
+    centres = np.array([rc[e].mean(axis=0) for rc, e in zip(world.item_rc, exists, strict=True)])
+    inland = (centres > 18).all(axis=1) & (centres < 41).all(axis=1)
+    scatter = np.concatenate(
+        [world.item_rc[i][exists[i]] - centres[i] for i in np.flatnonzero(inland)]
+    )
+    covariance = np.cov(scatter.T) * 75 / 74
+    np.testing.assert_allclose(covariance, 20 * np.eye(2), atol=0.5)
+    assert stats.kstest(centres[inland][:, 0], "uniform", (18, 23)).pvalue > 0.001
+
+
+def test_there_is_always_an_item() -> None:
+    world = create_world(
+        OPEN, Items(mean=0.0, std=0.5), Weather(), KEYS[:0].astype(np.int32), 1, KEYS
+    )
+    assert world.n_items.min() == 1
+
+
+@given(
+    cells=st.lists(st.integers(0, 2**12 - 1), min_size=1, max_size=12).filter(any),
+    row=st.floats(-30, 40),
+    col=st.floats(-30, 40),
+)
+def test_items_are_pushed_to_the_nearest_node_like_by_brute_force(
+    cells: list[int], row: float, col: float
+) -> None:
+    navigable = np.array([[bool(line >> i & 1) for i in range(12)] for line in cells])
+    graph = navigation_graph(navigable, 1.0, True)
+    found_row, found_col, node = pushed(graph.water, row, col)
+    r, c = int(np.floor(row + 0.5)), int(np.floor(col + 0.5))
+    inside = 0 <= r < len(cells) and 0 <= c < 12
+    if inside and navigable[r, c]:
+        assert (found_row, found_col, node) == (row, col, graph.node_of_cell[r, c])
+        return
+    row, col = float(np.clip(row, 0, len(cells) - 1)), float(np.clip(col, 0, 11))
+    squared = (graph.rows - row) ** 2 + (graph.cols - col) ** 2
+    assert squared[node] <= squared.min() + 1e-12
+    assert node == np.flatnonzero(squared <= squared.min())[0] or squared[node] == squared.min()
+    assert abs(found_row - graph.rows[node]) <= 0.49 + 1e-9
+    assert abs(found_col - graph.cols[node]) <= 0.49 + 1e-9
+
+
+def test_a_tie_goes_to_the_lowest_row_major_node() -> None:
+    graph = navigation_graph(np.array([[1, 0, 1], [0, 0, 0], [1, 0, 1]], np.bool_), 1.0, True)
+    assert pushed(graph.water, 1.0, 1.0)[2] == 0
+    far = np.zeros((9, 9), np.bool_)
+    far[8, 0] = far[0, 8] = True
+    graph = navigation_graph(far, 1.0, True)
+    assert pushed(graph.water, 4.0, 4.0)[2] == 0
+
+
+def test_starts_are_assigned_at_random_and_clusters_are_close_together() -> None:
+    starts = np.array([0, 5, 100, 900], np.int32)
+    listed = create_world(OPEN, Items(), Weather(), starts, 4, KEYS).agent_node
+    assert (np.sort(listed, axis=1) == starts).all()
+    assert np.bincount(listed[:, 0], minlength=901)[starts].min() > 600
+    cluster = create_world(OPEN, Items(), Weather(), starts[:0], 4, KEYS[:200]).agent_node
+    rows, cols = OPEN.rows[cluster], OPEN.cols[cluster]
+    assert (np.ptp(rows, axis=1) <= 2).all() and (np.ptp(cols, axis=1) <= 2).all()
+    assert np.unique(rows[:, 0]).size > 40
+
+
+def test_nodes_around_keeps_the_given_ones_first() -> None:
+    around = nodes_around(OPEN, np.array([61], np.int32), 5)
+    assert around.tolist() == [61, 1, 60, 62, 121]
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_world_is_the_same_alone_and_in_company(seed: int) -> None:
+    keys = episode_keys(seed, np.arange(40))
+    whole = create_world(OPEN, Items(), Weather(), np.empty(0, np.int32), 3, keys)
+    alone = create_world(OPEN, Items(), Weather(), np.empty(0, np.int32), 3, keys[17:18])
+    k = int(alone.n_items[0])
+    np.testing.assert_array_equal(alone.item_rc[0], whole.item_rc[17, :k])
+    np.testing.assert_array_equal(alone.agent_node[0], whole.agent_node[17])
+
+
+def test_several_hotspots_share_the_items_and_one_is_the_default() -> None:
+    starts = np.arange(4, dtype=np.int32)
+    one, two = (
+        create_world(OPEN, Items(hotspots=n, covariance_node2=1.0), Weather(), starts, 4, KEYS[:50])
+        for n in (1, 2)
+    )
+    np.testing.assert_array_equal(one.n_items, two.n_items)
+    np.testing.assert_array_equal(one.item_rc[:, ::2], two.item_rc[:, ::2])
+    inland = (one.item_rc[:, :30] > 5).all(axis=(1, 2)) & (one.item_rc[:, :30] < 54).all(
+        axis=(1, 2)
+    )
+    assert inland.sum() > 10
+    assert one.item_rc[inland, :40].std(axis=1).max() < 1.6
+    apart = np.abs(two.item_rc[:, 0:40:2].mean(axis=1) - two.item_rc[:, 1:40:2].mean(axis=1))
+    assert np.median(apart.max(axis=1)) > 10

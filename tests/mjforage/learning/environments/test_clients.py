@@ -1,0 +1,128 @@
+"""The checkers of Gymnasium and PettingZoo, and the clients that are to work without adapters."""
+
+import os
+import shutil
+import subprocess
+import sys
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from pettingzoo.test import parallel_api_test
+from stable_baselines3 import DQN
+from stable_baselines3.common import env_checker
+
+import mjforage
+from mjforage.core.errors import UserError
+
+SHORT = ("horizon=12",)
+FORAGING = ("mjforage/Foraging-v0", "mjforage/SharedPolicy-v0")
+
+
+@pytest.mark.parametrize("world", ["graph", "physics"])
+@pytest.mark.parametrize("kind", ["egocentric", "paper"])
+@pytest.mark.parametrize("name", FORAGING)
+def test_gymnasium_accepts_the_foraging_environments(name: str, kind: str, world: str) -> None:
+    env = gymnasium.make(name, world=world, observation=kind, set=SHORT, render_mode="rgb_array")
+    check_env(env.unwrapped)
+
+
+def test_gymnasium_accepts_the_waypoints() -> None:
+    check_env(gymnasium.make("mjforage/Waypoint-v0", render_mode="rgb_array").unwrapped)
+
+
+@pytest.mark.parametrize("world", ["graph", "physics"])
+def test_pettingzoo_accepts_the_parallel_view(world: str) -> None:
+    env = mjforage.parallel_env(world=world, set=SHORT, render_mode="rgb_array")
+    parallel_api_test(env, 30)
+    env.reset(seed=0)
+    assert env.render().dtype == np.uint8
+
+
+def test_default_arguments_work_once_mjforage_is_imported() -> None:
+    for name in (*FORAGING, "mjforage/Waypoint-v0"):
+        env = gymnasium.make(name)
+        env.reset(seed=0)
+        env.step(env.action_space.sample())
+        env.close()
+
+
+def test_registration_imports_neither_torch_nor_mujoco_nor_numba() -> None:
+    program = (
+        "import sys, mjforage, gymnasium\n"
+        "assert 'mjforage/Waypoint-v0' in gymnasium.registry\n"
+        "print(sorted({'torch', 'mujoco', 'numba', 'scipy', 'pettingzoo'} & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("name", ["mjforage/SharedPolicy-v0", "mjforage/Waypoint-v0"])
+def test_stable_baselines3_accepts(name: str) -> None:
+    env_checker.check_env(gymnasium.make(name), warn=False)  # it takes maps in [0, 1] for pictures
+
+
+def test_stable_baselines3_has_its_dqn_too() -> None:
+    env = gymnasium.make("mjforage/SharedPolicy-v0", set=SHORT)
+    DQN("MultiInputPolicy", env, buffer_size=200, learning_starts=20, device="cpu").learn(60)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"world": "mars"}, "world = 'mars': unknown; choose graph, hulls"),
+        ({"observation": "pixels"}, "observation = 'pixels': unknown; choose paper, egocentric"),
+        ({"reward": {"remove": 1.0}}, "reward remove: unknown term; did you mean removed?"),
+        ({"reward": {"removed": float("nan")}}, "reward removed = nan: give a finite number"),
+        ({"render_mode": "ansi"}, "render_mode = 'ansi': unknown; choose None, rgb_array"),
+        ({"scenario": "nowhere"}, "scenario nowhere: neither a preset nor a TOML file"),
+    ],
+)
+def test_bad_options_are_named(options: dict[str, object], words: str) -> None:
+    with pytest.raises(UserError) as raised:
+        mjforage.parallel_env(**options)
+    assert words in str(raised.value)
+
+
+SHOWN = """
+import gymnasium, mjforage
+from PIL import ImageGrab
+for name in ("mjforage/Foraging-v0", "mjforage/SharedPolicy-v0", "mjforage/Waypoint-v0"):
+    env = gymnasium.make(name, render_mode="human")
+    assert env.render_mode == "human" and env.unwrapped.metadata["render_modes"][1] == "human"
+    env.reset(seed=0)
+    first = ImageGrab.grab(xdisplay="").tobytes()
+    for _ in range(8):
+        env.step(env.action_space.sample())
+    assert len(set(first)) > 5 and ImageGrab.grab(xdisplay="").tobytes() != first, name
+    assert env.unwrapped.render() is None
+    env.close()
+assert len(set(ImageGrab.grab(xdisplay="").tobytes())) == 1  # the windows are closed
+print("shown")
+"""
+
+
+@pytest.mark.skipif(not shutil.which("xvfb-run"), reason="needs a virtual display")
+def test_a_window_shows_the_present() -> None:
+    pytest.importorskip("tkinter")
+    done = subprocess.run(
+        ["xvfb-run", "-a", sys.executable, "-c", SHOWN], capture_output=True, text=True
+    )
+    assert done.stdout.strip() == "shown", done.stderr
+
+
+def test_without_a_display_a_window_is_refused() -> None:
+    program = (
+        "import mjforage\nfrom mjforage.core.errors import UserError\n"
+        "try:\n    mjforage.parallel_env(render_mode='human')\n"
+        "except UserError as error:\n    print(error)"
+    )
+    hidden = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True, env=hidden
+    )
+    words = "render_mode = 'human': there is no display; choose None, rgb_array"
+    assert not sys.platform.startswith("linux") or done.stdout.strip() == words

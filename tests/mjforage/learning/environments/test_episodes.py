@@ -1,0 +1,265 @@
+"""Whole episodes: determinism, exact reset, spaces, masks, ends."""
+
+from functools import cache
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+import mjforage
+from graph_planner.policies import create_policy
+from mjforage.core.errors import UserError
+
+FEW = ("horizon=20", "items.mean=3", "items.std=1", "items.covariance_node2=4")
+NAMES = ("mjforage/Foraging-v0", "mjforage/SharedPolicy-v0", "mjforage/Waypoint-v0")
+
+
+def make(name: str, **options: Any) -> gymnasium.Env[Any, Any]:
+    if name != "mjforage/Waypoint-v0":
+        options = {"scenario": "published", "set": FEW} | options
+    return gymnasium.make(name, **options)
+
+
+def flat(observation: Any) -> bytes:
+    if isinstance(observation, dict):
+        return b"".join(observation[name].tobytes() for name in sorted(observation))
+    return bytes(observation.tobytes())
+
+
+def episode(env: gymnasium.Env[Any, Any], seed: int | None, actions: int) -> list[Any]:
+    """Everything that an episode shows, under random actions."""
+    random = np.random.default_rng(actions)
+    observation, info = env.reset(seed=seed)
+    shown: list[Any] = [flat(observation), sorted(info.items())]
+    for _ in range(400):
+        if isinstance(env.action_space, gymnasium.spaces.Box):
+            action: Any = random.uniform(-1, 1, 2).astype(np.float32)
+        else:
+            action = random.integers(0, 9, env.action_space.shape)
+        observation, reward, terminated, truncated, info = env.step(action)
+        shown.append((flat(observation), reward, terminated, truncated, sorted(info.items())))
+        if terminated or truncated:
+            return shown
+    raise AssertionError("an episode without an end")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_seed_is_an_episode_and_nothing_remains_of_the_one_before(name: str) -> None:
+    used = make(name)
+    episode(used, 5, 1)  # leaves whatever it leaves
+    used.reset(seed=6)
+    used.step(used.action_space.sample())  # and an episode half played
+    assert episode(used, 3, 2) == episode(make(name), 3, 2)
+    assert episode(used, 3, 2) != episode(used, 4, 2)
+
+
+def test_physics_repeats_too() -> None:
+    env = make(NAMES[0], world="physics", set=("horizon=6",))
+    first = episode(env, 3, 2)
+    assert episode(env, 3, 2) == first
+
+
+def test_a_seed_has_many_episodes() -> None:
+    one, other = make(NAMES[0]), make(NAMES[0])
+    one.reset(seed=8)
+    other.reset(seed=8)
+    second = episode(one, None, 0)
+    assert second == episode(other, None, 0)
+    assert second != episode(one, None, 0)
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_lanes_are_single_environments_to_the_bit(mode: AutoresetMode) -> None:
+    """Ends, final observations and rewards included: the bootstrap mask is what one env shows."""
+    lanes = 4
+    batch = gymnasium.make_vec(NAMES[0], lanes, scenario="published", set=FEW, autoreset_mode=mode)
+    assert batch.metadata["autoreset_mode"] is mode
+    singles = [make(NAMES[0]) for _ in range(lanes)]
+    together, _ = batch.reset(seed=7)
+    for i, env in enumerate(singles):
+        assert flat(env.reset(seed=7 + i)[0]) == lane(together, i)
+    random, again, ends = np.random.default_rng(0), [False] * lanes, 0
+    for _ in range(60):
+        actions = random.integers(0, 9, (lanes, 4))
+        together, rewards, terminated, truncated, info = batch.step(actions)
+        for i, env in enumerate(singles):
+            if again[i]:
+                assert flat(env.reset()[0]) == lane(together, i)
+                assert rewards[i] == 0.0 and not terminated[i] and not truncated[i]
+                again[i] = False
+                continue
+            seen, reward, ended, late, _ = env.step(actions[i])
+            assert (reward, ended, late) == (rewards[i], terminated[i], truncated[i])
+            if ended or late:
+                ends += 1
+                if mode is AutoresetMode.SAME_STEP:
+                    assert info["_final_obs"][i]
+                    assert flat(seen) == lane(info["final_obs"], i)
+                    seen, _ = env.reset()
+                else:
+                    again[i] = True
+            assert flat(seen) == lane(together, i)
+    assert ends >= 2 * lanes
+
+
+def lane(observation: dict[str, NDArray[Any]], i: int) -> bytes:
+    return b"".join(observation[name][i].tobytes() for name in sorted(observation))
+
+
+def test_lanes_start_again_only_when_told_if_autoreset_is_off() -> None:
+    batch = gymnasium.make_vec(
+        NAMES[0], 2, scenario="published", set=("horizon=3",), autoreset_mode="Disabled"
+    )
+    batch.reset(seed=0)
+    for _ in range(3):
+        _, _, _, truncated, _ = batch.step(np.full((2, 4), 8))
+    assert truncated.all()
+    _, info = batch.reset(options={"reset_mask": np.array([True, False])})
+    assert info["step"].tolist() == [0, 3]
+
+
+def test_physics_lanes_have_missions_of_their_own() -> None:
+    batch = gymnasium.make_vec(NAMES[0], 2, world="physics", set=("horizon=4",))
+    single = make(NAMES[0], scenario="comb-port", world="physics", set=("horizon=4",))
+    together, _ = batch.reset(seed=1)
+    assert flat(single.reset(seed=2)[0]) == lane(together, 1)
+    actions = np.full((2, 4), 2)
+    assert flat(single.step(actions[1])[0]) == lane(batch.step(actions)[0], 1)
+
+
+PLACES = [
+    *((name, kind, "graph") for name in NAMES[:2] for kind in ("egocentric", "paper")),
+    (NAMES[2], "", ""),
+    (NAMES[0], "egocentric", "physics"),
+    (NAMES[1], "paper", "physics"),
+]
+
+
+@pytest.mark.parametrize("place", PLACES, ids="-".join)
+@settings(max_examples=8)
+@given(data=st.data())
+def test_no_observation_leaves_its_space(place: tuple[str, str, str], data: st.DataObject) -> None:
+    """Nor does anything but an action pass for one."""
+    env = environment(*place)
+    observation, _ = env.reset(seed=data.draw(st.integers(0, 2**31)))
+    assert env.observation_space.contains(observation)
+    inside, outside = actions_of(env.action_space)
+    for _ in range(data.draw(st.integers(1, 25))):
+        if data.draw(st.integers(0, 4)) == 0:
+            with pytest.raises(UserError, match=r"^action"):
+                env.step(data.draw(outside))
+        observation, reward, terminated, truncated, _ = env.step(data.draw(inside))
+        assert env.observation_space.contains(observation)
+        assert np.isfinite(float(reward))
+        if terminated or truncated:
+            break
+
+
+@cache
+def environment(name: str, kind: str, world: str) -> gymnasium.Env[Any, Any]:
+    return make(name, **({"observation": kind, "world": world} if kind else {}))
+
+
+def actions_of(
+    space: gymnasium.Space[Any],
+) -> tuple[st.SearchStrategy[Any], st.SearchStrategy[Any]]:
+    """Of a space and outside it: one entry of the wrong kind or size, or another shape."""
+    shape = space.shape or ()
+    if isinstance(space, gymnasium.spaces.Box):
+        good: st.SearchStrategy[Any] = st.floats(-1, 1, width=32)
+        bad: st.SearchStrategy[Any] = st.sampled_from([np.nan, np.inf, -np.inf])
+    else:
+        good = st.integers(0, 8)
+        bad = st.integers(-(2**62), -1) | st.integers(9, 2**62) | st.floats(-1e9, 1e9)
+    size = int(np.prod(shape))
+    inside = st.lists(good, min_size=size, max_size=size).map(lambda x: np.reshape(x, shape))
+
+    def spoiled(action: NDArray[Any], entry: Any, place: int) -> NDArray[Any]:
+        values = action.reshape(-1).astype(type(entry))
+        values[place] = entry
+        return values.reshape(shape)
+
+    one_wrong = st.builds(spoiled, inside, bad, st.integers(0, size - 1))
+    return inside, one_wrong | inside.map(lambda action: np.stack((action, action)))
+
+
+def test_observations_share_no_memory() -> None:
+    env = make(NAMES[0])
+    before, _ = env.reset(seed=0)
+    kept = {name: value.copy() for name, value in before.items()}
+    env.step(np.array([2, 2, 2, 2]))
+    for name, value in kept.items():
+        np.testing.assert_array_equal(before[name], value)
+
+
+def test_a_mask_says_what_is_legal() -> None:
+    """An agent that chooses by its mask is never corrected in SharedPolicy-v0."""
+    env, random = make(NAMES[1], set=("horizon=30",)), np.random.default_rng(0)
+    observation, _ = env.reset(seed=0)
+    over, corrected = False, 0
+    while not over:
+        legal = np.flatnonzero(observation["action_mask"])
+        observation, _, terminated, truncated, info = env.step(random.choice(legal))
+        corrected += info.get("illegal", 0)
+        over = terminated or truncated
+    assert corrected == 0
+    assert env.unwrapped.action_masks().dtype == np.bool_  # type: ignore[attr-defined]
+
+
+def test_illegal_choices_are_counted() -> None:
+    env = make(NAMES[0])  # its rules have no staying put
+    env.reset(seed=0)
+    *_, info = env.step(np.full(4, 8))
+    assert info["illegal"] == 4
+    free = make(NAMES[0], scenario="comb-port")
+    free.reset(seed=0)
+    *_, info = free.step(np.full(4, 8))
+    assert info["illegal"] == 0
+
+
+def test_named_terms_add_up() -> None:
+    weights = dict.fromkeys(("removed", "idleness", "distance", "approach", "time", "belief"), 0.5)
+    for name in NAMES[:2]:
+        env = make(name, reward=weights, scenario="comb-port", set=("horizon=15",))
+        env.reset(seed=1)
+        for _ in range(60):
+            _, reward, terminated, truncated, info = env.step(env.action_space.sample())
+            parts = [value for key, value in info.items() if key.startswith("reward/")]
+            assert reward == pytest.approx(sum(parts), abs=1e-12)
+            assert not parts or len(parts) == len(weights)
+            if terminated or truncated:
+                break
+
+
+def test_ends_are_told_apart() -> None:
+    full = make(NAMES[0], set=("horizon=5",))
+    assert episode(full, 0, 0)[-1][2:4] == (False, True)  # the horizon, with items left
+    few = ("horizon=400", "items.mean=1", "items.std=0", "items.covariance_node2=0")
+    env = make(NAMES[0], set=few)
+    policy, game = create_policy("greedy"), env.unwrapped.game  # type: ignore[attr-defined]
+    env.reset(seed=0)
+    policy.reset(game.setting.task, game.mission.keys)
+    over = False
+    while not over:
+        action = game.mission.decide(policy.act(game.mission.observation)).direction[0]
+        _, _, over, late, info = env.step(action)
+        assert not late
+    assert info["pta_c"] == 100.0  # nothing is left
+
+
+def test_an_agent_without_energy_is_over_and_the_others_go_on() -> None:
+    env = mjforage.parallel_env(set=("team.foragers.energy=3", "horizon=12"))
+    seen, _ = env.reset(seed=0)
+    gone = 0
+    while env.agents:
+        before = set(env.agents)
+        actions = {a: int(np.flatnonzero(seen[a]["action_mask"])[0]) for a in env.agents}
+        seen, _, terminated, truncated, _ = env.step(actions)
+        gone += sum(terminated.values())
+        assert before - set(env.agents) == {a for a in before if terminated[a] or truncated[a]}
+    assert gone == 2  # both foragers, of four agents

@@ -1,0 +1,94 @@
+import gymnasium
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mjforage.core.errors import UserError
+from mjforage.learning.environments.course import FARTHEST_M, NEAREST_M
+from mjforage.learning.environments.waypoint import REWARD, WaypointEnv
+
+
+@pytest.fixture(scope="module")
+def env() -> WaypointEnv:
+    return WaypointEnv()
+
+
+def test_the_built_in_controller_reaches_all_waypoints_and_noise_none(env: WaypointEnv) -> None:
+    env.reset(seed=0)
+    pilot, total, over = env.builtin_pilot(), 0.0, False
+    while not over:
+        observation, reward, over, late, info = env.step_builtin(pilot)
+        assert env.observation_space.contains(observation)
+        assert not late
+        total += reward
+    assert info["reached"] == 8
+    start, length = np.zeros((1, 2)), 0.0
+    for leg in np.diff(np.concatenate((start, env.course.waypoints)), axis=0):
+        assert NEAREST_M <= np.hypot(*leg) <= FARTHEST_M
+        length += float(np.hypot(*leg))
+    assert 0.5 * length < total < 8 * REWARD["reached"] + length  # progress is bounded by the way
+    env.reset(seed=0)
+    env.action_space.seed(0)
+    noise = sum(env.step(env.action_space.sample())[1] for _ in range(300))
+    assert noise < 0.0 < total
+
+
+def test_progress_is_the_way_made_good(env: WaypointEnv) -> None:
+    env.reset(seed=4)
+    before = env.course.distance_m
+    *_, info = env.step(np.array([1.0, 1.0], np.float32))
+    assert info["reward/progress"] == pytest.approx(before - env.course.distance_m)
+    assert info["reward/effort"] == pytest.approx(REWARD["effort"])
+    assert info["reward/time"] == REWARD["time"]
+
+
+def test_entries_in_the_body_frame(env: WaypointEnv) -> None:
+    observation, _ = env.reset(seed=2)
+    x, y, yaw = env.course.pose
+    bearing = np.arctan2(*(env.course.target - (x, y))[::-1]) - yaw
+    distance = env.course.distance_m
+    np.testing.assert_allclose(
+        observation[:2] * 20.0, distance * np.array([np.cos(bearing), np.sin(bearing)]), rtol=1e-5
+    )
+    assert np.hypot(*observation[11:13]) * 15.0 > 0.5  # there is wind
+    assert np.hypot(*observation[13:15]) == pytest.approx(0.15, abs=1e-6)  # and current
+    assert observation[15] == 1.0
+
+
+def test_calm_water_and_other_hulls() -> None:
+    env = gymnasium.make(
+        "mjforage/Waypoint-v0", vessel="otter", wind_mps=0.0, gust_intensity=0.0, current_mps=0.0
+    )
+    observation, _ = env.reset(seed=0)
+    assert not observation[11:15].any()
+    with pytest.raises(UserError, match="reward speed: unknown term"):
+        WaypointEnv(reward={"speed": 1.0})
+
+
+def test_the_built_in_controller_pays_for_effort_like_actions_do(env: WaypointEnv) -> None:
+    """Full astern is an action of -1 in both kinds of step."""
+
+    class Astern:
+        def command(self, *_: object) -> NDArray[np.float64]:
+            return np.full((1, 1, 2), env.course.vessel.thruster.command_range[0])
+
+    env.reset(seed=1)
+    *_, builtin = env.step_builtin(Astern())  # type: ignore[arg-type]
+    env.reset(seed=1)
+    *_, ours = env.step(np.array([-1.0, -1.0], np.float32))
+    assert builtin == ours
+    assert ours["reward/effort"] == pytest.approx(REWARD["effort"])
+
+
+def test_thrusts_beyond_full_are_cut_off(env: WaypointEnv) -> None:
+    env.reset(seed=1)
+    beyond = env.step(np.array([3.0, -2.0], np.float32))
+    env.reset(seed=1)
+    np.testing.assert_equal(beyond, env.step(np.array([1.0, -1.0], np.float32)))
+
+
+def test_info_has_the_same_facts_at_a_reset_and_at_a_step(env: WaypointEnv) -> None:
+    _, facts = env.reset(seed=3)
+    *_, info = env.step(np.zeros(2, np.float32))
+    assert facts.keys() == {name for name in info if not name.startswith("reward/")}
+    assert facts == {"reached": 0, "distance_m": np.hypot(*env.course.waypoints[0])}

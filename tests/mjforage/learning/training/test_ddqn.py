@@ -1,0 +1,121 @@
+"""The algorithm on problems whose values are known."""
+
+import numpy as np
+import pytest
+import torch
+
+from graph_planner.perception import Shapes
+from mjforage.learning.training.ddqn import Learner, lead_lacking
+from mjforage.learning.training.replay import FINAL, PLAYED, Batch
+from mjforage.learning.training.settings import Settings, changed
+
+SHAPES: Shapes = {"x": (2,)}
+
+
+def learner(**changes: object) -> Learner:
+    plain = {"n_step": 1, "gamma": 0.5, "learning_rate": 1e-2}
+    settings = changed(Settings(), plain | changes)
+    return Learner(SHAPES, 1, settings, seed=0)
+
+
+def batch(legal: list[int], discount: float = 0.5, shown: tuple[int, ...] = ()) -> Batch:
+    mask = np.zeros((1, 9), np.bool_)
+    mask[0, legal] = True
+    teacher = np.zeros((1, 9), np.bool_)
+    teacher[0, list(shown)] = True
+    return Batch(
+        rows=np.zeros(1, np.int64),
+        levels={"x": np.array([[255, 0]], np.uint8)},
+        moves=np.array([3]),
+        shown=teacher,
+        rewards=np.ones(1, np.float32),
+        discount=np.array([discount], np.float32),
+        following={"x": np.array([[0, 255]], np.uint8)},
+        legal=mask,
+        weights=np.ones(1, np.float32),
+    )
+
+
+@pytest.mark.parametrize("legal", [[0], [4, 7], list(range(9))])
+def test_the_goal_masks_both_argmaxes(legal: list[int]) -> None:
+    """The online network chooses among the legal moves, the target values the choice."""
+    one = learner()
+    with torch.no_grad():
+        for parameter in one.target.parameters():
+            parameter.add_(0.1)
+    b = batch(legal)
+    following = {"x": torch.from_numpy(b.following["x"])}
+    online, target = one.online(following)[0].detach(), one.target(following)[0]
+    best = max(legal, key=lambda move: float(online[move]))
+    goal = 1.0 + 0.5 * float(target[best])
+    value = float(one.online({"x": torch.from_numpy(b.levels["x"])}).detach()[0, 3])
+    _, errors = one.learn(b)
+    assert errors[0] == pytest.approx(value - goal, abs=1e-5)
+
+
+def test_nothing_is_hoped_for_after_the_end() -> None:
+    one = learner()
+    value = float(one.online({"x": torch.tensor([[255, 0]], dtype=torch.uint8)}).detach()[0, 3])
+    _, errors = one.learn(batch([0], discount=0.0))
+    assert errors[0] == pytest.approx(value - 1.0, abs=1e-5)
+
+
+def test_the_target_follows_slowly() -> None:
+    one = learner(target_rate=0.25)
+    old = [p.clone() for p in one.target.parameters()]
+    one.learn(batch([0]))
+    for before, now, online in zip(
+        old, one.target.parameters(), one.online.parameters(), strict=True
+    ):
+        torch.testing.assert_close(now, before + 0.25 * (online - before))
+
+
+def test_a_shown_move_comes_to_lead_by_the_margin() -> None:
+    one = learner(margin=0.5, margin_weight=1.0)
+    for _ in range(150):
+        one.learn(batch([0], discount=0.0, shown=(6,)))
+    values = one.values({"x": np.array([[255, 0]], np.uint8)})[0]
+    others = np.delete(values, 6)
+    assert values[6] - others.max() > 0.4
+    assert values[3] == pytest.approx(1.0, abs=0.35)  # its reward pulls, too
+
+
+def test_any_of_the_shown_moves_may_lead() -> None:
+    values = torch.tensor([[0.0, 1.0, 2.0, 1.8], [0.0, 1.0, 2.0, 1.8]])
+    both = torch.tensor([[False, False, True, True], [False, False, False, True]])
+    found = lead_lacking(values, both, margin=0.5)
+    torch.testing.assert_close(found, torch.tensor([0.0, 2.5 - 1.8]))
+    nothing = lead_lacking(values, torch.zeros_like(both), margin=0.5)
+    torch.testing.assert_close(nothing, torch.zeros(2))
+
+
+def test_it_learns_the_values_of_a_chain() -> None:
+    """Two states: move 1 in the first earns 1 and leads on, where move 2 earns 2 and ends."""
+    one, random = learner(batch=32, target_rate=0.1), np.random.default_rng(0)
+    first, second = np.array([[255, 0]], np.uint8), np.array([[0, 255]], np.uint8)
+    legal, nothing = np.ones((1, 9), np.bool_), np.zeros((1, 9), np.bool_)
+    for _ in range(150):
+        a, b = random.integers(0, 9, 2)
+        one.replay.open({"x": first}, legal, np.array([PLAYED], np.uint8))
+        one.replay.close(np.array([a]), nothing, np.array([float(a == 1)]), np.array([a != 1]))
+        if a == 1:
+            one.replay.open({"x": second}, legal, np.array([PLAYED], np.uint8))
+            one.replay.close(np.array([b]), nothing, np.array([2.0 * (b == 2)]), np.array([True]))
+        one.replay.open({"x": second}, legal, np.array([FINAL], np.uint8))
+        one.replay.finish()
+    for _ in range(400):
+        drawn = one.replay.draw(32, 0.5, random)
+        _, errors = one.learn(drawn)
+        one.replay.reprioritise(drawn.rows, errors, 0.6)
+    values = one.values({"x": np.concatenate((first, second))})
+    assert values.argmax(axis=1).tolist() == [1, 2]
+    assert values[1, 2] == pytest.approx(2.0, abs=0.25)
+    assert values[0, 1] == pytest.approx(1.0 + 0.5 * 2.0, abs=0.3)
+
+
+def test_the_learning_rate_falls_to_a_tenth() -> None:
+    one = learner(rate_updates=10, learning_rate=1e-3)
+    for updates, rate in ((0, 1e-3), (5, 5.5e-4), (10, 1e-4), (99, 1e-4)):
+        one.updates = updates
+        one.learn(batch([0]))
+        assert one.optimiser.param_groups[0]["lr"] == pytest.approx(rate)

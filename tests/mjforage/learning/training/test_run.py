@@ -1,0 +1,373 @@
+"""Whole training runs, tiny ones: determinism, resuming, what they leave behind, errors."""
+
+import json
+import shutil
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from unittest.mock import Mock
+
+import numpy as np
+import polars as pl
+import pytest
+import torch
+from safetensors import safe_open
+
+from graph_planner.errors import WeightsError
+from graph_planner.policies.ddqn import QPolicy
+from mjforage.core.errors import UserError
+from mjforage.core.mission import Mission, Setting
+from mjforage.core.scenario import Scenario
+from mjforage.core.scenario_file import load_scenario
+from mjforage.learning.training import run
+from mjforage.learning.training.checkpoint import save_checkpoint
+from mjforage.learning.training.logs import Logs
+from mjforage.learning.training.run import train
+from mjforage.learning.training.settings import Settings, changed
+from mjforage.learning.training.training import Progress, Trainer, save_weights
+from mjforage.runs.storage import claimed
+
+TINY = {
+    "lanes": 3,
+    "capacity": 1000,
+    "batch": 16,
+    "warmup": 40,
+    "explore_updates": 20,
+    "evaluate_every": 15,
+    "evaluate_episodes": 2,
+}
+
+
+def scenario() -> Scenario:
+    return load_scenario("published", ("horizon=12",))
+
+
+def settings(**changes: object) -> Settings:
+    return changed(Settings(), TINY | changes)
+
+
+def state(trainer: Trainer) -> dict[str, torch.Tensor]:
+    return {
+        f"{team}.{name}": value
+        for team, learner in trainer.learners.items()
+        for name, value in learner.tensors().items()
+    }
+
+
+def assert_same(one: Trainer, other: Trainer) -> None:
+    first, second = state(one), state(other)
+    assert first.keys() == second.keys()
+    for name, value in first.items():
+        assert torch.equal(value, second[name]), name
+    assert one.random.bit_generator.state == other.random.bit_generator.state
+    assert one.progress.updates == other.progress.updates > 0
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Trainer]:
+    folder = tmp_path_factory.mktemp("train") / "run"
+    return folder, train(scenario(), settings(), folder, seed=3, updates=40)
+
+
+def test_one_seed_gives_the_same_weights(finished: tuple[Path, Trainer], tmp_path: Path) -> None:
+    again = train(scenario(), settings(), tmp_path / "again", seed=3, updates=40)
+    assert_same(finished[1], again)
+    for name in ("weights", "best"):
+        first, second = (f / f"{name}.safetensors" for f in (finished[0], tmp_path / "again"))
+        assert first.read_bytes() == second.read_bytes(), name
+    for path in (tmp_path / "a", tmp_path / "b"):
+        save_checkpoint(again, path)
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+    other = train(scenario(), settings(), tmp_path / "other", seed=4, updates=15)
+    assert not torch.equal(
+        state(other)["scout.online.trunk.0.bias"], state(again)["scout.online.trunk.0.bias"]
+    )
+
+
+def test_n_and_m_updates_are_n_stop_resume_m(
+    finished: tuple[Path, Trainer], tmp_path: Path
+) -> None:
+    folder = tmp_path / "run"
+    train(scenario(), settings(), folder, seed=3, updates=20)
+    resumed = train(scenario(), settings(), folder, seed=3, updates=40)
+    assert_same(finished[1], resumed)
+    for name in ("training", "evaluations"):
+        whole, parts = (pl.read_parquet(f / f"{name}.parquet") for f in (finished[0], folder))
+        whole, parts = whole.drop("seconds"), parts.drop("seconds")
+        if name == "training":
+            assert whole.equals(parts, null_equal=True)
+        else:  # the end of the first part was evaluated, too
+            assert whole.equals(parts.join(whole, on="rounds", how="semi"), null_equal=True)
+            assert parts.height == whole.height + 1
+        assert parts["rounds"].is_sorted()
+
+
+@pytest.mark.parametrize(
+    ("what", "call"),
+    [("Trainer.play_round", 4), ("save_checkpoint", 3), ("save_weights", 4), ("Logs.write", 3)],
+)
+def test_a_killed_run_goes_on_from_its_checkpoint(
+    finished: tuple[Path, Trainer],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    what: str,
+    call: int,
+) -> None:
+    """Wherever it is killed: to the bit, and with every row of the tables once."""
+    monkeypatch.setattr(run, "CHECKPOINT_S", 0.0)
+    owner, _, name = what.rpartition(".")
+    place = getattr(run, owner) if owner else run
+    original, calls = getattr(place, name), [0]
+
+    def dying(*arguments: Any) -> Any:
+        calls[0] += 1
+        if calls[0] == call:
+            raise KeyboardInterrupt
+        return original(*arguments)
+
+    folder = tmp_path / "run"
+    with monkeypatch.context() as patch:
+        patch.setattr(place, name, dying)
+        with pytest.raises(KeyboardInterrupt):
+            train(scenario(), settings(), folder, seed=3, updates=40)
+    assert_same(finished[1], train(scenario(), settings(), folder, seed=3, updates=40))
+    for table in ("training", "evaluations"):
+        whole, parts = (pl.read_parquet(f / f"{table}.parquet") for f in (finished[0], folder))
+        assert whole.drop("seconds").equals(parts.drop("seconds"), null_equal=True)
+
+
+def test_what_a_run_leaves_behind(finished: tuple[Path, Trainer]) -> None:
+    folder, trainer = finished
+    names = {path.name for path in folder.iterdir()}
+    assert names == {
+        *("training.json", "training.parquet", "evaluations.parquet", "tensorboard"),
+        *("checkpoint.safetensors", "weights.safetensors", "best.safetensors"),
+    }
+    facts = json.loads((folder / "training.json").read_text())
+    assert facts["seed"] == 3 and facts["settings"]["lanes"] == 3
+    rows = pl.read_parquet(folder / "training.parquet")
+    assert rows.height == trainer.progress.rounds
+    assert {"return_scout", "return_forager", "loss", "pta_c", "seconds"} <= set(rows.columns)
+    assert any((folder / "tensorboard").iterdir())
+    with safe_open(folder / "checkpoint.safetensors", "pt") as file:
+        assert (
+            json.loads(file.metadata()["mjforage"])["progress"]["updates"]
+            == trainer.progress.updates
+        )
+    policy = QPolicy(folder / "weights.safetensors")
+    mission = Mission(Setting.of(scenario()))
+    mission.reset(0, np.arange(2))
+    mission.run(policy)
+    assert not mission.active.any()
+
+
+def test_trained_weights_are_a_policy_by_their_file_name(
+    finished: tuple[Path, Trainer],
+    command: Callable[..., object],
+    refused: Callable[..., str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ("evaluate", "published", "--set", "horizon=8", "--episodes", 2, "--out", "run")
+    assert "policy mine: unknown; choose belief" in refused(*words, "--policy", "mine")
+    shutil.copy(finished[0] / "weights.safetensors", "mine.safetensors")
+    done = command(*words, "--policy", "mine")
+    assert done.code == 0, done  # type: ignore[attr-defined]
+    Path("bad.safetensors").write_bytes(b"none")
+    assert "weights" in refused(*words, "--policy", "bad")
+
+
+def test_a_teacher_is_followed(tmp_path: Path) -> None:
+    """Shown moves are stored for every decision, and its lanes play them."""
+    trainer = Trainer([scenario()], settings(teacher="greedy", teacher_updates=1000), seed=0)
+    trainer.play_round()
+    for learner in trainer.learners.values():
+        replay = learner.replay
+        rows = replay.tree[replay.tree.size // 2 :][: replay.kind.size] > 0
+        shown, moves = replay.shown[: replay.kind.size][rows], replay.moves[rows].astype(np.int64)
+        assert shown.any(axis=1).all()
+        same = np.take_along_axis(shown, moves[:, None], axis=1)
+        assert same.mean() > 0.8  # the first lanes are all the teacher's
+
+
+def test_rounds_take_scenarios_in_turn(tmp_path: Path) -> None:
+    other = load_scenario("open-bay", ("horizon=12",))
+    trainer = Trainer([scenario(), other], settings(), seed=0)
+    nodes = set()
+    for _ in range(2):
+        trainer.play_round()
+        nodes.add(len(trainer.game.setting.graph))
+    assert nodes == {len(game.setting.graph) for game in trainer.games} and len(nodes) == 2
+    train(scenario(), settings(), tmp_path, also=[other], updates=1)
+    with pytest.raises(UserError, match=r"also is .* there and .* here"):
+        train(scenario(), settings(), tmp_path, updates=1)
+    with pytest.raises(UserError, match="scenarios published and comb-port: fleets or arrays"):
+        Trainer([scenario(), load_scenario("comb-port", ("team.scouts.count=1",))], settings())
+
+
+def test_ends_and_folders_are_checked(
+    finished: tuple[Path, Trainer], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(UserError, match="no end given; add --hours 2 or --updates 10000"):
+        train(scenario(), settings(), tmp_path)
+    copy = tmp_path / "copy"
+    shutil.copytree(finished[0], copy)
+    with pytest.raises(UserError, match=r"holds another training: seed is 3 there and 5 here"):
+        train(scenario(), settings(), copy, seed=5, updates=1)
+    with pytest.raises(UserError, match=r"settings.batch is 16 there and 8 here"):
+        train(scenario(), settings(batch=8), copy, seed=3, updates=1)
+    with pytest.raises(UserError, match=r"scenario.horizon is 12 there and 13 here"):
+        train(load_scenario("published", ("horizon=13",)), settings(), copy, seed=3, updates=1)
+    monkeypatch.setattr(run, "_device", lambda name: "meta")
+    with pytest.raises(UserError, match=r"device is .cpu. there and .meta. here"):
+        train(scenario(), settings(), copy, seed=3, updates=1)
+    monkeypatch.undo()
+    (copy / "evaluations.parquet").write_bytes(b"none")
+    with pytest.raises(UserError, match=r"evaluations.parquet: not a table of training"):
+        train(scenario(), settings(), copy, seed=3, updates=1)
+    shutil.copy(copy / "weights.safetensors", copy / "checkpoint.safetensors")
+    with pytest.raises(UserError, match="format 'mjforage dueling q-network 1', expected"):
+        train(scenario(), settings(), copy, seed=3, updates=1)
+    (copy / "checkpoint.safetensors").write_bytes(b"none")
+    with pytest.raises(UserError, match="cannot be read"):
+        train(scenario(), settings(), copy, seed=3, updates=1)
+    with pytest.raises(UserError, match="--device tpu: choose auto, cpu or cuda"):
+        train(scenario(), settings(), tmp_path, updates=1, device="tpu")
+    with claimed(copy), pytest.raises(UserError, match="another process is writing this run"):
+        train(scenario(), settings(), copy, seed=3, updates=1)
+
+
+def test_a_folder_is_its_trainings_from_the_start(tmp_path: Path) -> None:
+    """Before the first checkpoint, and beside what something else has written."""
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(Trainer, "play_round", Mock(side_effect=KeyboardInterrupt))
+        train(scenario(), settings(), tmp_path / "run", seed=3, updates=1)
+    with pytest.raises(UserError, match="holds another training: seed is 3 there and 4 here"):
+        train(scenario(), settings(), tmp_path / "run", seed=4, updates=1)
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "run.json").write_text("{}")
+    with pytest.raises(UserError, match=r"holds run.json but no training.json"):
+        train(scenario(), settings(), other, updates=1)
+    assert [path.name for path in other.iterdir()] == ["run.json"]
+
+
+def test_the_board_forgets_what_no_checkpoint_holds(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A run that was killed before its first checkpoint begins anew, and so do its curves."""
+    board = Mock()
+    monkeypatch.setattr("torch.utils.tensorboard.SummaryWriter", board)
+    for progress, first in ((Progress(), 0), (Progress(rounds=2, updates=7), 8)):
+        Logs(tmp_path, progress)
+        assert board.call_args.kwargs["purge_step"] == first
+
+
+def test_hours_count_evaluations(tmp_path: Path) -> None:
+    original = Trainer.evaluate
+
+    def slow(trainer: Trainer) -> dict[str, float]:
+        time.sleep(0.2)
+        return original(trainer)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Trainer, "evaluate", slow)
+        done = train(scenario(), settings(evaluate_every=1), tmp_path, updates=10)
+    rounds, found = (
+        pl.read_parquet(tmp_path / f"{name}.parquet") for name in ("training", "evaluations")
+    )
+    both = rounds.join(found, on="rounds", suffix="_after")
+    assert both.height > 0
+    assert (both["seconds_after"] - both["seconds"]).min() >= 0.2  # type: ignore[operator]
+    assert done.progress.seconds >= float(found["seconds"][-1])
+
+
+def test_a_team_without_agents_has_no_weights(tmp_path: Path) -> None:
+    alone = load_scenario("published", ("horizon=12", "team.scouts.count=0", "map.starts=[]"))
+    train(alone, settings(), tmp_path, updates=1)
+    mission = Mission(Setting.of(alone))
+    mission.reset(0, np.arange(1))
+    mission.run(QPolicy(tmp_path / "weights.safetensors"))
+    mission = Mission(Setting.of(scenario()))
+    mission.reset(0, np.arange(1))
+    with pytest.raises(WeightsError, match="none for a scout"):
+        mission.run(QPolicy(tmp_path / "weights.safetensors"))
+
+
+def test_files_that_cannot_be_written_are_named(
+    finished: tuple[Path, Trainer], tmp_path: Path
+) -> None:
+    for save in (save_weights, save_checkpoint):
+        with pytest.raises(UserError, match=r"none/w.safetensors: cannot be written"):
+            save(finished[1], tmp_path / "none" / "w.safetensors")
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"batchsize": 3}, "batchsize: unknown setting"),
+        ({"batch": 1.5}, "batch = 1.5: expected int"),
+        ({"gamma": 2}, "gamma = 2.0: out of range; give 0 to 1"),
+        ({"reward.removd": 2.0}, "reward removd: unknown term; did you mean removed"),
+        ({"warmup": 1001}, "warmup = 1001: the replay holds only capacity = 1000"),
+        ({"updates_per_step": 0}, "updates_per_step = 0.0: out of range"),
+        ({"gamma": float("nan")}, "gamma = nan: out of range"),
+        ({"teacher": "belief"}, "teacher = 'belief', teacher_updates = 0: give both"),
+        ({"teacher_updates": 9}, "teacher = '', teacher_updates = 9: give both"),
+    ],
+)
+def test_settings_are_checked(changes: dict[str, object], words: str) -> None:
+    with pytest.raises(UserError, match=words):
+        settings(**changes)
+
+
+@pytest.mark.parametrize(
+    ("end", "words"),
+    [
+        ({"hours": float("nan")}, "--hours nan: give a positive number"),
+        ({"hours": float("inf")}, "--hours inf: give a positive number"),
+        ({"hours": -1.0}, "--hours -1.0: give a positive number"),
+        ({"updates": 0}, "--updates 0: give a positive number"),
+        ({"updates": 1, "hours": 0.0}, "--hours 0.0: give a positive number"),
+        ({"updates": 1, "seed": -1}, "seed -1: out of range; give 0 to 1099511627775"),
+        ({"updates": 1, "seed": 1 << 64}, "seed 18446744073709551616: out of range"),
+    ],
+)
+def test_ends_and_seeds_are_checked_before_a_folder_is_made(
+    end: dict[str, Any], words: str, tmp_path: Path
+) -> None:
+    with pytest.raises(UserError, match=words):
+        train(scenario(), settings(), tmp_path / "run", **end)
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_full_replay_ends_the_warm_up() -> None:
+    """A replay has room for rows that no update can draw, so it may never hold `warmup`."""
+    trainer = Trainer([scenario()], settings(warmup=1000), seed=0)
+    while not trainer.progress.updates and trainer.progress.rounds < 60:
+        trainer.play_round()
+    assert trainer.progress.updates > 0
+
+
+def test_the_command_line_trains(command: Callable[..., object], tmp_path: Path) -> None:
+    words = [f"--learning={key}={value}" for key, value in TINY.items()]
+    out = tmp_path / "run"
+    also = ("--also", "published:open_bay", "--also", "channels")
+    first = ("train", "ddqn", "--set", "horizon=6", "--updates", 1, "--out", out, *also)
+    done = command(*first, *words)
+    assert done.code == 0, done  # type: ignore[attr-defined]
+    assert "PTA_C" in done.out  # type: ignore[attr-defined]
+    assert (out / "best.safetensors").is_file()
+
+
+def test_the_command_line_names_what_is_wrong(refused: Callable[..., str], tmp_path: Path) -> None:
+    assert "no end given" in refused("train", "ddqn", "--out", tmp_path)
+    taught = ("--teacher", "foo", "--learning", "teacher_updates=9", "--updates", 1)
+    words = refused("train", "ddqn", *taught, "--out", tmp_path / "run")
+    assert "policy foo: unknown" in words
+    assert not (tmp_path / "run").exists()
+    assert "expected KEY=VALUE" in refused(
+        "train", "ddqn", "--learning", "lanes", "--out", tmp_path
+    )

@@ -1,0 +1,84 @@
+"""The weights that ship."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from graph_planner.policies import create_policy
+from graph_planner.weights import shipped_weights
+from mjforage.core.episode_log import EpisodeLog
+from mjforage.core.mission import Mission, Setting
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.scoring import score
+
+SHIPPED = ("ddqn", "ddqn-reward")
+PAPER = {"pta_d": 99.41, "pta_c": 98.68, "csr": 0.946}
+"""The paper's learned policy: more is better."""
+PAPER_LOW = {"nt50": 0.281, "nt90": 0.512, "rmse_columns": 0.0010}
+"""Less is better."""
+
+
+@pytest.fixture(scope="module")
+def published() -> Setting:
+    return Setting.of(load_scenario("published"))
+
+
+def scores(setting: Setting, policy: str, episodes: int) -> dict[str, float]:
+    mission = Mission(setting)
+    mission.reset(11, np.arange(episodes))
+    log = EpisodeLog(mission)
+    mission.run(create_policy(policy), (log,))
+    found = score(log, setting.fleet, setting.scenario.horizon).scalars
+    return {name: float(np.nanmean(found[name])) for name in (*PAPER, *PAPER_LOW)}
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_they_beat_greedy_by_the_published_rules(published: Setting, name: str) -> None:
+    learned, greedy = scores(published, name, 40), scores(published, "greedy", 40)
+    assert learned["pta_c"] > greedy["pta_c"]
+    assert learned["nt50"] < greedy["nt50"]
+    assert learned["nt90"] < greedy["nt90"]
+
+
+@pytest.mark.parametrize("name", ["published", "open-bay"])
+def test_the_best_beats_the_papers_row_also_on_a_map_it_has_not_seen(name: str) -> None:
+    found = scores(Setting.of(load_scenario(name)), "ddqn", 100)
+    for column, value in PAPER.items():
+        assert found[column] > value, column
+    for column, value in PAPER_LOW.items():
+        assert found[column] < value, column
+
+
+def test_they_work_on_other_maps_and_fleets() -> None:
+    crew = ("team.scouts.count=1", "team.foragers.count=3", "map.starts=[]")
+    for map_file in ("open_bay", "channels"):
+        setting = Setting.of(load_scenario("comb-port", ("horizon=40", *crew), map_file))
+        for name in SHIPPED:
+            assert scores(setting, name, 4)["pta_c"] > scores(setting, "random", 4)["pta_c"]
+
+
+def test_decisions_do_not_depend_on_the_batch(published: Setting) -> None:
+    nodes = []
+    for episodes in (np.arange(5), np.array([3])):
+        mission = Mission(published)
+        mission.reset(2, episodes)
+        log = EpisodeLog(mission)
+        mission.run(create_policy("ddqn-reward"), (log,))
+        nodes.append(log.agent_node[int(np.flatnonzero(episodes == 3)[0])])
+    assert nodes[0].tobytes() == nodes[1].tobytes()
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_they_are_small(name: str) -> None:
+    assert shipped_weights(name).stat().st_size < 5_000_000
+
+
+def test_the_command_line_names_missing_weights(
+    refused: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("graph_planner.weights._PLACES", (tmp_path,))
+    words = refused("evaluate", "--policy", "ddqn-reward", "--out", tmp_path / "run")
+    assert "weights ddqn-reward: not found as" in words
+    assert not (tmp_path / "run").exists()

@@ -1,0 +1,237 @@
+"""The mission in MuJoCo: same worlds, same bits, honest outcomes."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from graph_planner.policies import create_policy
+from mjforage.core.dynamics import ARRIVED, BLOCKED, LATE
+from mjforage.core.episode_log import EpisodeLog
+from mjforage.core.errors import UserError
+from mjforage.core.film import Film
+from mjforage.core.mission import Setting
+from mjforage.core.scenario_file import load_scenario
+from mjforage.physics.dynamics.physics import PhysicsDynamics
+from mjforage.physics.simulation import InstabilityError
+from mjforage.physics.worlds import WORLDS, create_mission
+
+SHORT = ("horizon=6",)
+IDEAL = (
+    "physics.vessels.scouts=ideal",
+    "physics.vessels.foragers=ideal",
+    "physics.items=graph",
+)
+
+
+@cache
+def setting_of(preset: str, *overrides: str) -> Setting:
+    return Setting.of(load_scenario(preset, overrides))
+
+
+def played(
+    setting: Setting,
+    episodes: list[int],
+    world: str = "physics",
+    policy: str = "greedy",
+    film: Film | None = None,
+) -> EpisodeLog:
+    mission = create_mission(setting, world, film)
+    mission.reset(3, np.array(episodes, np.int64))
+    log = EpisodeLog(mission)
+    mission.run(create_policy(policy), (log,))
+    return log
+
+
+def fingerprint(log: EpisodeLog, episode: int) -> bytes:
+    """Everything that is logged of one episode of a batch."""
+    count = int(log.n_items[episode])
+    agents: list[NDArray[np.generic]] = [
+        log.agent_rc[episode],
+        log.yaw[episode],
+        log.speed[episode],
+        log.outcome[episode],
+        log.work[episode],
+        log.impact[episode],
+    ]
+    items = [log.t_collected[episode, :count], log.t_discovered[episode, :count]]
+    return b"".join(part.tobytes() for part in (*agents, *items, log.series["rmse"][episode]))
+
+
+@pytest.mark.parametrize("preset", ["comb-port", "comb-port-weather"])
+def test_an_episode_is_the_same_to_the_bit_in_any_batch(preset: str) -> None:
+    """Alone, in another order, and beside an episode that needs a larger pool of bodies."""
+    setting = setting_of(preset, *SHORT, "items.mean=95", "items.std=8")
+    log = played(setting, [0, 1, 2, 3, 4, 5])
+    pools = {int(n > 96) for n in log.n_items}
+    assert pools == {0, 1}, "the batch should need another pool than its smallest episode"
+    for episode in (int(np.argmin(log.n_items)), 5):
+        assert fingerprint(played(setting, [episode]), 0) == fingerprint(log, episode)
+    back = played(setting, [5, 3])
+    assert fingerprint(back, 0) == fingerprint(log, 5)
+    assert fingerprint(back, 1) == fingerprint(log, 3)
+
+
+def test_filming_changes_nothing_and_shows_where_hulls_were() -> None:
+    setting, film = setting_of("comb-port", *SHORT), Film()
+    log = played(setting, [1], film=film)
+    assert fingerprint(log, 0) == fingerprint(played(setting, [1]), 0)
+    assert film.pose.shape == (1 + 6 * 20, 4, 3)
+    ends = setting.graph.row_column(film.pose[::20, :, :2].astype(np.float64))
+    np.testing.assert_allclose(ends, log.agent_rc[0], atol=1e-5)
+    assert film.items.shape[1] == log.n_items[0]
+    steps, taken = np.arange(7)[:, None], log.t_collected[0][None]
+    assert (film.present[::20] == ~((taken >= 0) & (taken <= steps))).all()
+    assert taken.max() > 0
+
+
+@pytest.mark.parametrize("world", WORLDS)
+def test_every_world_plays_with_every_kind_of_policy(world: str) -> None:
+    for policy in ("greedy", "levy", "random"):
+        log = played(setting_of("comb-port-weather", *SHORT), [0, 1], world, policy)
+        assert log.length.tolist() == [6, 6]
+        assert np.isfinite(log.agent_rc).all()
+        assert set(np.unique(log.outcome[:, 1:]).tolist()) <= {ARRIVED, LATE, BLOCKED}
+
+
+def test_worlds_of_one_seed_start_alike_and_have_the_same_items() -> None:
+    setting = setting_of("comb-port-weather", *SHORT)
+    logs = [played(setting, [4], world) for world in WORLDS]
+    for log in logs[1:]:
+        assert (log.item_start == logs[0].item_start).all()
+        assert (log.agent_node[:, 0] == logs[0].agent_node[:, 0]).all()
+
+
+def test_ideal_hulls_play_the_graphs_mission() -> None:
+    """Fast hulls, no wind load, node capture, items moved by the rule: the same nodes."""
+    setting = setting_of("comb-port", *IDEAL)
+    graph, physics = (played(setting, list(range(3)), world) for world in ("graph", "physics"))
+    assert (graph.length == physics.length).all()
+    same = (graph.agent_node == physics.agent_node).all(axis=-1)
+    assert same.mean() >= 0.99
+    assert (physics.outcome[:, 1:] == ARRIVED).mean() >= 0.99
+
+
+def test_a_hull_that_is_too_slow_is_late_and_decides_from_where_it_is() -> None:
+    """A third of the time that a decision needs: far nodes are not reached, nodes still fit."""
+    setting = setting_of("comb-port", "horizon=12", "period_s=3.0")
+    log = played(setting, [0], policy="random")
+    outcome = log.outcome[0, 1:]
+    assert (outcome[:, :2] == LATE).any()
+    nodes = np.rint(log.agent_rc[0]).astype(int)
+    graph = setting.graph
+    assert (graph.rows[log.agent_node[0]] == nodes[..., 0]).all()
+    assert (graph.cols[log.agent_node[0]] == nodes[..., 1]).all()
+    for agent in range(4):
+        here = graph.metres(log.agent_rc[0, :, agent].astype(np.float64))
+        way = np.hypot(*np.diff(here, axis=0).T)
+        assert (log.speed[0, 1:, agent] * 4.0 >= way - 1e-3).all(), "way made is at least the chord"
+
+
+def test_items_drift_as_at_graph_level_in_open_water() -> None:
+    """Nobody near: after ten decisions most bodies are where the rule puts them, within 0.4 m."""
+    setting = setting_of(
+        "open-bay", "horizon=10", "team.scouts.count=0", "items.covariance_node2=4"
+    )
+    ends = []
+    for world in ("graph", "physics"):
+        mission = create_mission(setting, world)
+        mission.reset(0, np.arange(6))
+        mission.run(create_policy("random"))
+        ends.append((mission.state.item_rc.copy(), mission.state.item_node >= 0))
+    both = ends[0][1] & ends[1][1]
+    apart = np.hypot(*np.moveaxis(ends[0][0] - ends[1][0], -1, 0))[both]
+    assert np.median(apart) < 0.05
+    assert (apart < 0.1).mean() > 0.7  # the others lie against a quay
+
+
+def test_a_collector_grows_heavier_and_capacity_ends_it() -> None:
+    setting = setting_of("comb-port", "horizon=60", "team.foragers.capacity=2")
+    log = played(setting, [0, 1, 2])
+    for episode in range(3):
+        taken = np.bincount(log.collected_by[episode][log.collected_by[episode] >= 0], minlength=4)
+        assert taken[:2].sum() == 0 and taken.max() <= 2
+    assert (log.collected_by >= 0).any()
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        (("period_s=9.8",), "period_s = 9.8 s does not fit; 9.8 s has to be a whole number"),
+        (("physics.step_s=0.03",), "physics.step_s = 0.03 s does not fit; 0.1 s has to be"),
+        (("physics.vessels.scouts=skout",), "vessel skout: neither a shipped vessel"),
+        (('physics.item_classes=["botle"]',), "physics.item_classes: 'botle'; choose from bottle"),
+        (
+            ("physics.capture=intake", "physics.items=graph"),
+            "physics.capture = 'intake' with physics.items = 'graph': items without bodies enter",
+        ),
+        (("physics.item_classes=[]",), "physics.item_classes is empty"),
+        (("map.pitch_m=1.1",), "needs 2.27 m to turn, the narrowest corridor is"),
+    ],
+)
+def test_what_cannot_be_run_is_named(overrides: tuple[str, ...], words: str) -> None:
+    with pytest.raises(UserError, match=words.replace("(", r"\(")):
+        create_mission(setting_of("comb-port", *overrides), "physics")
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("physics.capture=net", "physics.capture = 'net'; choose node, intake"),
+        ("physics.vessels.whales=scout", "physics.vessels.whales: no such team"),
+        ("physics.vessels=scout", "physics.vessels = 'scout', expected a table of teams"),
+        ("sensors.detection=1.5", "sensors.detection = 1.5 is out of range"),
+        ("weather.gust_intensity=2", "weather.gust_intensity = 2.0 is out of range"),
+    ],
+)
+def test_a_scenario_that_means_nothing_is_refused(override: str, words: str) -> None:
+    with pytest.raises(UserError) as caught:
+        load_scenario("comb-port", [override])
+    assert words in str(caught.value)
+
+
+def test_an_instability_names_seed_episode_time_and_body() -> None:
+    mission = create_mission(setting_of("comb-port", *SHORT), "physics")
+    mission.reset(3, np.array([7, 12]))
+    dynamics = mission._dynamics
+    assert isinstance(dynamics, PhysicsDynamics)
+    preferences = np.zeros((2, 4, 9))
+    mission.advance(preferences)
+    speed = np.zeros((2, 4, 3))
+    speed[1, 2] = 1e12
+    dynamics._simulation.place_vessels(dynamics._simulation.vessel_pose, speed)
+    with pytest.raises(InstabilityError) as caught:
+        mission.advance(preferences)
+    assert "seed 3, episode 12, t = 10.00 s, body foragers-0" in str(caught.value)
+
+
+def test_the_belief_planner_forages_better_than_greedy_with_hulls_too() -> None:
+    """Gusts, a current, a collector to be steered onto items, late and blocked moves."""
+    setting = setting_of("comb-port-weather", "belief.fast=true", "horizon=110")
+    shares = {}
+    for policy in ("greedy", "belief"):
+        log = played(setting, [1, 2, 3], policy=policy)
+        shares[policy] = (log.t_collected >= 0).sum(axis=1) / log.n_items
+    assert (shares["belief"] > shares["greedy"]).all() and shares["belief"].min() > 0.8
+    assert fingerprint(played(setting, [2], policy="belief"), 0) == fingerprint(log, 1)
+
+
+@pytest.mark.parametrize("world", ["hulls", "debris", "intake", "physics"])
+def test_what_was_collected_is_carried(world: str) -> None:
+    mission = create_mission(setting_of("comb-port-weather", "horizon=25"), world)
+    mission.reset(3, np.arange(4))
+    mission.run(create_policy("greedy"))
+    dynamics = mission._dynamics
+    assert isinstance(dynamics, PhysicsDynamics)
+    taken = (mission.state.collected_by[..., None] == np.arange(4)).sum(axis=1)
+    assert taken.sum() > 0
+    assert (dynamics._simulation.load == taken).all()
+
+
+@pytest.mark.parametrize("world", ["graph", "physics"])
+def test_without_energy_a_hull_stays_and_that_is_no_hindrance(world: str) -> None:
+    setting = setting_of("comb-port", "horizon=8", "team.scouts.energy=2", "team.foragers.energy=1")
+    log = played(setting, [0, 1], world)
+    assert (log.outcome[:, 4:] == ARRIVED).all()
+    assert (log.energy[:, -1] < 4.0).all()

@@ -1,0 +1,120 @@
+import math
+
+import numpy as np
+import pytest
+
+from mjforage.core.dynamics import ARRIVED, BLOCKED, LATE
+from mjforage.physics.dynamics.watch import (
+    PROPELLER_DISC_M2,
+    WATER_DENSITY_KGPM3,
+    Watched,
+    judge,
+    propeller_power,
+    watch,
+)
+from mjforage.physics.hydrodynamics.parameters import pack
+from mjforage.physics.vessels import load_vessel
+
+OTTER = load_vessel("otter")
+OPEN = np.pad(np.arange(25, dtype=np.int32).reshape(5, 5), 1, constant_values=-1)
+ON = np.ones(1, np.bool_)
+
+
+def noted(
+    seen: Watched,
+    ticks: int,
+    *,
+    at: tuple[float, float] = (8.0, 8.0),
+    speed: float = 0.0,
+    target: tuple[float, float] = (0.0, 0.0),
+    giving_way: bool = False,
+    lagged: float = 0.0,
+    water: float = 0.0,
+) -> None:
+    """The same tick several times: one otter heading east at `speed`, 0.1 s each."""
+    pose = np.array([[[*at, 0.0]]])
+    before = pose - [0.1 * speed, 0.0, 0.0]
+    velocity = np.array([[[speed, 0.0, 0.0]]])
+    for _ in range(ticks):
+        watch(
+            ON,
+            0.1,
+            pose,
+            velocity,
+            before,
+            velocity,
+            np.array([[target]]),
+            np.full((1, 1), giving_way),
+            np.array([[[water, 0.0]]]),
+            np.full((1, 1, 2), lagged),
+            pack(OTTER)[None],
+            np.array([[1.0, 0.54]]),
+            OPEN,
+            4.0,
+            seen,
+        )
+
+
+def outcome(seen: Watched, *, no_move: bool = False) -> int:
+    result = np.full((1, 1), 9, np.int8)
+    judge(ON, np.full((1, 1), no_move), seen, result)
+    return int(result[0, 0])
+
+
+def test_within_a_metre_of_the_target_is_arrived_for_the_rest_of_the_period() -> None:
+    seen = Watched.of((1, 1))
+    noted(seen, 1, target=(9.01, 8.0))
+    assert outcome(seen) == LATE
+    noted(seen, 1, target=(8.59, 8.8))
+    noted(seen, 30, target=(0.0, 0.0), giving_way=True)
+    assert outcome(seen) == ARRIVED
+    assert outcome(seen, no_move=True) == BLOCKED
+    seen.begin(ON)
+    assert outcome(seen) == LATE
+
+
+def test_slow_for_two_seconds_without_a_break_and_for_a_reason_is_blocked() -> None:
+    seen = Watched.of((1, 1))
+    noted(seen, 40)  # slow for no reason
+    noted(seen, 19, giving_way=True)
+    noted(seen, 1, speed=0.11, giving_way=True)
+    noted(seen, 19, giving_way=True)
+    assert outcome(seen) == LATE
+    noted(seen, 1, speed=0.09, giving_way=True)
+    assert outcome(seen) == BLOCKED
+
+
+def test_contact_is_a_reason_and_counts_once_per_touch() -> None:
+    seen = Watched.of((1, 1))
+    noted(seen, 20, at=(17.0, 8.0), speed=0.05)  # bow at the east edge, x = 18
+    assert outcome(seen) == BLOCKED
+    noted(seen, 1)
+    noted(seen, 1, at=(17.0, 8.0), speed=0.25)
+    assert seen.collisions.tolist() == [[2]]
+    assert seen.impact_mps.tolist() == [[0.25]]
+    seen.begin(ON)
+    assert seen.collisions.tolist() == [[2]]
+    assert seen.impact_mps.tolist() == [[0.0]]
+
+
+def test_way_and_energy_add_up() -> None:
+    seen = Watched.of((1, 1))
+    noted(seen, 50, speed=1.5, lagged=60.0, water=0.5)
+    assert seen.travelled_m[0, 0] == pytest.approx(7.5)
+    thrust = 0.01108 * 60.0**2
+    assert seen.work_j[0, 0] == pytest.approx(5.0 * 2 * propeller_power(thrust, 1.0))
+    seen.begin(ON)
+    assert seen.travelled_m[0, 0] == 0.0
+    assert seen.work_j[0, 0] > 0.0
+
+
+def test_propeller_power_is_momentum_theory() -> None:
+    """Bollard pull: T^1.5 / sqrt(2 rho A); fast: T u; astern mirrored."""
+    disc = WATER_DENSITY_KGPM3 * PROPELLER_DISC_M2
+    assert propeller_power(40.0, 0.0) == pytest.approx(40.0**1.5 / math.sqrt(2 * disc))
+    assert propeller_power(1e-3, 3.0) == pytest.approx(3e-3, rel=1e-4)
+    assert propeller_power(-40.0, -1.0) == propeller_power(40.0, 1.0)
+    assert propeller_power(40.0, -1.0) == propeller_power(40.0, 0.0)
+    assert propeller_power(0.0, 2.0) == 0.0
+    slip, thrust = propeller_power(40.0, 1.0) / 40.0 - 1.0, 40.0
+    assert thrust == pytest.approx(2 * disc * (1.0 + slip) * slip)  # T = 2 rho A (u + a) a

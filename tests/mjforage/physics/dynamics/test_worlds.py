@@ -1,0 +1,63 @@
+import pytest
+
+from mjforage.core.scenario import Scenario
+from mjforage.core.scenario_file import load_scenario
+from mjforage.physics.worlds import WORLDS, rungs
+
+WEATHER = load_scenario("comb-port-weather")
+
+
+@pytest.mark.parametrize(
+    ("overrides", "expected"),
+    [
+        ((), ("graph", "hulls", "debris", "intake", "physics")),
+        (("physics.capture=node",), ("graph", "hulls", "debris", "physics")),
+        (
+            (
+                "weather.gust_intensity=0.0",
+                "sensors.position_noise_m=0.0",
+                "sensors.heading_noise_deg=0.0",
+                "sensors.detection=1.0",
+            ),
+            ("graph", "hulls", "debris", "physics"),
+        ),
+        (("sensors.detection=0.9",), ("graph", "hulls", "debris", "intake", "physics")),
+    ],
+)
+def test_rungs_that_a_scenario_lacks_are_left_out(
+    overrides: tuple[str, ...], expected: tuple[str, ...]
+) -> None:
+    assert rungs(load_scenario("comb-port-weather", overrides)) == expected
+
+
+def test_the_default_port_has_only_hulls_and_bodies() -> None:
+    assert rungs(load_scenario("comb-port")) == ("graph", "hulls", "physics")
+
+
+def pieces(scenario: Scenario) -> tuple[bool, ...]:
+    """Bodies, current, intake, gusts, noise."""
+    weather, physics, sensors = scenario.weather, scenario.physics, scenario.sensors
+    return (
+        physics.items == "bodies",
+        weather.circulation_mps > 0 and weather.current_wander_mps > 0,
+        physics.capture == "intake",
+        weather.gust_intensity > 0,
+        sensors.position_noise_m > 0 and sensors.detection < 1,
+    )
+
+
+def test_each_world_adds_its_piece() -> None:
+    table = {name: pieces(kind.adapt(WEATHER)) for name, kind in WORLDS.items() if name != "graph"}
+    assert table == {
+        "hulls": (False, False, False, False, False),
+        "debris": (True, True, False, False, False),
+        "intake": (True, True, True, False, False),
+        "physics": (True, True, True, True, True),
+    }
+
+
+def test_wind_and_drift_are_the_same_in_every_world() -> None:
+    for kind in WORLDS.values():
+        weather = kind.adapt(WEATHER).weather
+        assert weather.drift_node_per_step == WEATHER.weather.drift_node_per_step
+        assert weather.noise_node_per_step == WEATHER.weather.noise_node_per_step

@@ -1,0 +1,116 @@
+"""Forces against hand cases and against the momentum that potential flow must keep."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from mjforage.physics.hydrodynamics import (
+    hull_force,
+    hull_force_inertial,
+    load_drag,
+    load_mass,
+    pack,
+)
+from mjforage.physics.hydrodynamics.hull import added_coriolis, damping
+from mjforage.physics.hydrodynamics.motion import acceleration
+from mjforage.physics.vessels import Vessel, load_vessel
+
+OTTER, SCOUT, FORAGER = (load_vessel(name) for name in ("otter", "scout", "forager"))
+SPEED, RATE = st.floats(-2.0, 2.0), st.floats(-1.0, 1.0)
+LOSSLESS = dataclasses.replace(
+    OTTER, crossflow=None, linear_surge=0.0, linear_sway=0.0, linear_yaw=0.0
+)
+
+
+def turned(yaw: float) -> NDArray[np.float64]:
+    return np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
+
+
+def test_yaw_damping_of_the_otter_grows_with_the_rate() -> None:
+    bare = pack(dataclasses.replace(OTTER, crossflow=None))
+    assert damping(bare, 0.0, 0.0, 0.3)[2] == pytest.approx(-40.05 * (1.0 + 3.0) * 0.3)
+    assert damping(bare, 0.0, 0.0, -0.3)[2] == pytest.approx(40.05 * (1.0 + 3.0) * 0.3)
+
+
+def test_scout_damping_by_hand() -> None:
+    x, y, n = damping(pack(SCOUT), -2.0, 0.5, 0.5)
+    assert x == pytest.approx(17.3 * 4.0)
+    assert y == pytest.approx(-(70.0 + 100.0 * 0.5) * 0.5)
+    assert n == pytest.approx(-(3.3 + 17.3 * 0.5) * 0.5)
+
+
+def test_munk_moment_turns_the_hull_across_the_flow() -> None:
+    """Ahead and to port: the bow turns away from the velocity, clockwise."""
+    assert added_coriolis(pack(OTTER), 2.0, 0.1, 0.0) == pytest.approx(
+        (0.0, 0.0, -(82.5 - 5.28) * 2.0 * 0.1)
+    )
+
+
+@given(SPEED, SPEED, RATE)
+def test_added_mass_does_no_work(u: float, v: float, r: float) -> None:
+    x, y, n = added_coriolis(pack(OTTER), u, v, r)
+    assert x * u + y * v + n * r == pytest.approx(0.0, abs=1e-9)
+
+
+@given(SPEED, SPEED, RATE)
+@pytest.mark.parametrize("vessel", [OTTER, SCOUT, FORAGER], ids=lambda v: v.name)
+def test_mirrored_motion_gives_mirrored_force(vessel: Vessel, u: float, v: float, r: float) -> None:
+    p = pack(vessel)
+    x, y, n = hull_force(p, u, v, r)
+    np.testing.assert_allclose(hull_force(p, u, -v, -r), (x, -y, -n), rtol=1e-12, atol=1e-9)
+
+
+@given(SPEED, SPEED, RATE, st.floats(-3.0, 3.0))
+def test_without_drag_momentum_in_the_world_is_kept(
+    u: float, v: float, r: float, yaw: float
+) -> None:
+    """Kirchhoff: d/dt of R (M nu) and of the angular momentum about a fixed point are zero."""
+    du, dv, dr = acceleration(pack(LOSSLESS), (u, v, r), (0.0, 0.0), (u, v))
+
+    def momentum(h: float) -> NDArray[np.float64]:
+        uu, vv, rr = u + h * du, v + h * dv, r + h * dr
+        linear = turned(yaw + h * r) @ (85.28 * uu, 162.5 * vv + 80.0 * 0.153 * rr)
+        x, y = h * (turned(yaw) @ (u, v))  # midships moves
+        angular = (16.01 + 24.03) * rr + 80.0 * 0.153 * vv + x * linear[1] - y * linear[0]
+        return np.array([*linear, angular])
+
+    h = 1e-5
+    np.testing.assert_allclose((momentum(h) - momentum(-h)) / (2 * h), 0.0, atol=1e-5)
+
+
+@given(SPEED, SPEED, RATE, st.floats(-3.0, 3.0))
+def test_inertial_form_keeps_it_where_accelerations_are_in_world_axes(
+    u: float, v: float, r: float, yaw: float
+) -> None:
+    """(m + R M_A R^T) a = R F, solved as MuJoCo would: m v + R M_A R^T v is constant."""
+    force = hull_force_inertial(pack(LOSSLESS), u, v, r)
+    added = np.diag([5.28, 82.5])
+
+    def mass(angle: float) -> NDArray[np.float64]:
+        return 80.0 * np.eye(2) + turned(angle) @ added @ turned(angle).T
+
+    velocity = turned(yaw) @ (u, v)
+    a = np.linalg.solve(mass(yaw), turned(yaw) @ force[:2])
+    h = 1e-5
+    after = mass(yaw + h * r) @ (velocity + h * a)
+    before = mass(yaw - h * r) @ (velocity - h * a)
+    np.testing.assert_allclose((after - before) / (2 * h), 0.0, atol=1e-5)
+    assert force[2] == pytest.approx(hull_force(pack(LOSSLESS), u, v, r)[2])
+
+
+def test_load_adds_weight_and_drag() -> None:
+    p = pack(FORAGER)
+    assert load_mass(p, 50.0) == pytest.approx(10.0)
+    assert load_drag(p, 50.0, -2.0) == pytest.approx(15.0 * 4.0)
+    assert load_drag(pack(OTTER), 50.0, 1.0) == 0.0
+
+
+def test_forager_takes_80_newton_and_its_collector_at_one_metre_per_second() -> None:
+    hull, _, _ = damping(pack(OTTER), 1.0, 0.0, 0.0)
+    both, _, _ = damping(pack(FORAGER), 1.0, 0.0, 0.0)
+    assert hull == pytest.approx(-80.0, rel=0.05)
+    assert both - hull == pytest.approx(-30.0)

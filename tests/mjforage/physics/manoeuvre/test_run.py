@@ -1,0 +1,178 @@
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjforage.core.errors import UserError
+from mjforage.physics.hydrodynamics.conditions import Conditions, State
+from mjforage.physics.manoeuvre import (
+    Schedule,
+    Trajectory,
+    manoeuvre,
+    read_trajectory,
+    run_manoeuvre,
+    run_test,
+    write_trajectory,
+)
+from mjforage.physics.manoeuvre.run import time_grid
+from mjforage.physics.manoeuvre.trajectory import COLUMNS
+from mjforage.physics.vessels import Vessel, load_vessel
+from mjforage.view.manoeuvre_plot import manoeuvre_figure
+
+OTTER = load_vessel("otter")
+AHEAD = Schedule((0.0,), ((60.0, 60.0),))
+
+
+class Recorder:
+    """A hull that does not move and writes down what it is told."""
+
+    def __init__(self, vessel: Vessel, conditions: Conditions) -> None:
+        self.vessel, self.conditions = vessel, conditions
+        self.time, self.told = 0.0, [(0.0, 0.0, 0.0)][:0]
+
+    def step(self, port: float, starboard: float, step_s: float) -> None:
+        self.told.append((self.time, port, starboard))
+        self.time += step_s
+
+    def state(self) -> State:
+        return self.conditions.start
+
+
+class Diverging(Recorder):
+    def state(self) -> State:
+        return (0.0, 0.0, 0.0, math.inf if self.time > 0.5 else 0.0, 0.0, 0.0)
+
+
+def test_hull_starts_at_rest_over_ground_with_its_heading() -> None:
+    conditions = Conditions(current_mps=(0.3, 0.1), heading_rad=0.7)
+    run = run_manoeuvre(OTTER, AHEAD, conditions, duration_s=1.0)
+    np.testing.assert_allclose(run.states[0], [0, 0, 0.7, 0, 0, 0], atol=1e-15)
+    assert run.times_s[0] == 0.0
+
+
+def test_rows_are_at_most_0_05_s_apart_from_zero_to_the_end() -> None:
+    run = run_manoeuvre(OTTER, AHEAD, duration_s=7.03)
+    assert run.times_s[-1] == 7.03
+    assert np.diff(run.times_s).max() <= 0.05 + 1e-9
+    assert len(run.times_s) == len(run.states) == len(run.commands) == 142
+
+
+def test_commands_change_when_the_schedule_says_not_at_the_next_step() -> None:
+    told: list[tuple[float, float, float]] = []
+
+    def simulate(vessel: Vessel, conditions: Conditions) -> Recorder:
+        hull = Recorder(vessel, conditions)
+        hull.told = told
+        return hull
+
+    schedule = Schedule((0.02, 1.013), ((5.0, 6.0), (7.0, 8.0)))
+    run_manoeuvre(OTTER, schedule, duration_s=2.0, simulate=simulate)
+    for time, port, starboard in told:
+        assert (port, starboard) == schedule.at(time + 1e-6)
+    assert any(abs(time - 1.013) < 1e-9 for time, _, _ in told)
+
+
+def test_duration_is_the_schedule_and_a_minute_unless_given() -> None:
+    late = Schedule((0.0, 3.0), ((60.0, 60.0), (0.0, 0.0)))
+    assert run_manoeuvre(OTTER, late, dt_s=0.1).times_s[-1] == 63.0
+
+
+def test_longer_steps_still_give_rows_every_0_05_s() -> None:
+    """Between steps poses are cubic and velocities linear; at steps nothing changes."""
+    turn = Schedule((0.0,), ((40.0, 60.0),))
+    fine, coarse = (run_manoeuvre(OTTER, turn, duration_s=10.0, dt_s=dt) for dt in (0.05, 0.2))
+    np.testing.assert_array_equal(fine.times_s, coarse.times_s)
+    np.testing.assert_allclose(coarse.states[:, :3], fine.states[:, :3], atol=2e-3)
+    np.testing.assert_allclose(coarse.states[:, 3:], fine.states[:, 3:], atol=2e-2)
+    np.testing.assert_array_equal(coarse.commands, fine.commands)
+
+
+@pytest.mark.parametrize(
+    ("duration", "step", "message"),
+    [
+        (0.0, 0.05, "--duration 0: give 0.001 s or more"),
+        (1e-12, 0.05, "--duration 1e-12: give 0.001 s or more"),
+        (-1.0, 0.05, "--duration -1"),
+        (math.nan, 0.05, "--duration nan: give a finite number of seconds"),
+        (math.inf, 0.05, "--duration inf: give a finite number of seconds"),
+        (10.0, 0.0, "--dt 0: give seconds above 0, at most 1"),
+        (10.0, math.nan, "--dt nan"),
+        (10.0, 1.5, "--dt 1.5"),
+        (1e9, 0.05, "more than 10000000 steps"),
+    ],
+)
+def test_bad_times_are_named(duration: float, step: float, message: str) -> None:
+    with pytest.raises(UserError) as caught:
+        time_grid(duration, step)
+    assert message in str(caught.value)
+
+
+def test_motion_that_is_not_finite_is_an_error_with_its_time() -> None:
+    with pytest.raises(UserError, match=r"physics: motion of otter is not finite at t = 0\.55 s"):
+        run_manoeuvre(OTTER, AHEAD, duration_s=2.0, simulate=Diverging)
+
+
+def test_unknown_tests_are_refused() -> None:
+    with pytest.raises(UserError, match="--test loop: unknown; choose turning-circle, "):
+        run_test(OTTER, "loop")
+
+
+def test_trajectory_reads_back_bit_by_bit(tmp_path: Path) -> None:
+    run = run_test(OTTER, "turning-circle", duration_s=20.0)
+    write_trajectory(run, tmp_path / "way.csv")
+    header = (tmp_path / "way.csv").read_text(encoding="utf-8").splitlines()[0]
+    assert header == "t_s,x_m,y_m,yaw_rad,surge_mps,sway_mps,yaw_rate_radps" == ",".join(COLUMNS)
+    table = read_trajectory(tmp_path / "way.csv")
+    np.testing.assert_array_equal(table[:, 0], run.times_s)
+    np.testing.assert_array_equal(table[:, 1:], run.states)
+
+
+@pytest.mark.parametrize("text", ["", "t_s\n1\n", "t_s,x_m\n1,2,3\n", ",".join(COLUMNS) + "\n1\n"])
+def test_other_tables_are_refused(tmp_path: Path, text: str) -> None:
+    (tmp_path / "way.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(UserError, match=r"trajectory way\.csv: "):
+        read_trajectory(tmp_path / "way.csv")
+
+
+def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
+    run = run_manoeuvre(OTTER, AHEAD, duration_s=0.1)
+    with pytest.raises(UserError, match=r"cannot be written .*; name a file in a folder"):
+        write_trajectory(run, tmp_path / "none" / "way.csv")
+
+
+def test_command_line_words_become_a_run(tmp_path: Path) -> None:
+    plan = tmp_path / "plan.csv"
+    plan.write_text("t_s,left,right\n0,20,20\n", encoding="utf-8")
+    run = manoeuvre("scout", plan, current="0.2@90", wind="3@180", heading_deg=90.0, duration_s=5.0)
+    expected = run_manoeuvre(
+        load_vessel("scout"),
+        Schedule((0.0,), ((20.0, 20.0),)),
+        Conditions((0.0, 0.2), (-3.0, 0.0), math.pi / 2.0),
+        5.0,
+    )
+    np.testing.assert_array_equal(run.states, expected.states)
+    assert manoeuvre("scout", test="drift", duration_s=1.0).test == "drift"
+
+
+@pytest.mark.parametrize("both", [{}, {"schedule": "plan.csv", "test": "drift"}])
+def test_either_a_schedule_or_a_test(both: dict[str, str]) -> None:
+    with pytest.raises(UserError, match=r"either --schedule FILE\.csv or --test NAME"):
+        manoeuvre("otter", both.get("schedule"), both.get("test"))
+
+
+@pytest.mark.parametrize("heading", [math.nan, math.inf, -3601.0, 1e300])
+def test_headings_without_an_exact_sine_are_refused(heading: float) -> None:
+    with pytest.raises(
+        UserError, match=rf"--heading {heading:g}: give degrees".replace("+", r"\+")
+    ):
+        manoeuvre("otter", test="drift", heading_deg=heading)
+
+
+def test_figure_shows_the_track(tmp_path: Path) -> None:
+    run: Trajectory = run_test(OTTER, "turning-circle", duration_s=60.0)
+    figure = manoeuvre_figure(run)
+    track = figure.axes[0].lines[0]
+    np.testing.assert_array_equal(track.get_xydata(), run.states[:, :2])
+    figure.savefig(tmp_path / "way.png")
+    assert (tmp_path / "way.png").stat().st_size > 10_000

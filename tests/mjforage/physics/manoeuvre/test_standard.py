@@ -1,0 +1,146 @@
+"""Standard tests and their key figures, against closed forms and balances of force."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from mjforage.physics.hydrodynamics.conditions import Conditions
+from mjforage.physics.manoeuvre import STANDARD_TESTS, key_figures, run_test
+from mjforage.physics.manoeuvre.figures import coast_time_s, crossing_s, last_turn_s, rise_time_s
+from mjforage.physics.manoeuvre.standard import shares
+from mjforage.physics.manoeuvre.zigzag import zigzag_figures
+from mjforage.physics.validation.turning import steady_turn
+from mjforage.physics.vessels import load_vessel
+
+OTTER, SCOUT, FORAGER = (load_vessel(name) for name in ("otter", "scout", "forager"))
+TIMES = np.linspace(0.0, 40.0, 4001)
+
+
+def figures(vessel: str, test: str, conditions: Conditions | None = None) -> dict[str, float]:
+    run = run_test(load_vessel(vessel), test, conditions)
+    return {name: figure.value for name, figure in key_figures(run).items()}
+
+
+def test_rise_and_coast_of_an_exponential_are_its_time_constant() -> None:
+    assert rise_time_s(TIMES, 1.0 - np.exp(-TIMES / 3.0)) == pytest.approx(3.0, abs=1e-4)
+    assert coast_time_s(TIMES, 2.0 * np.exp(-TIMES / 3.0)) == pytest.approx(3.0, abs=1e-4)
+    assert rise_time_s(TIMES + 5.0, 1.0 - np.exp(-TIMES / 3.0)) == pytest.approx(3.0, abs=1e-4)
+
+
+def test_crossing_lies_between_rows_or_is_nan() -> None:
+    times, values = np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 3.0])
+    assert crossing_s(times, values, 2.0) == 1.5
+    assert math.isnan(crossing_s(times, values, 5.0))
+
+
+def test_last_turn_of_a_steady_and_of_no_turn() -> None:
+    assert last_turn_s(TIMES, -0.5 * TIMES) == pytest.approx(2.0 * math.pi / 0.5)
+    assert math.isnan(last_turn_s(TIMES, 0.1 * TIMES))
+
+
+def test_zigzag_of_a_sine_by_hand() -> None:
+    """14 degrees sin(2 pi t / 8) overshoots 10 degrees by 4, with a period of 8 s."""
+    heading = np.radians(14.0) * np.sin(2.0 * np.pi * TIMES / 8.0)
+    overshoots, period = zigzag_figures(TIMES, heading, math.radians(10.0))
+    np.testing.assert_allclose(np.degrees(overshoots), 4.0, atol=1e-4)
+    assert len(overshoots) == 9  # the last of ten half swings is cut off
+    assert period == pytest.approx(8.0, abs=1e-6)
+
+
+def test_zigzag_without_a_swing_has_no_figures() -> None:
+    overshoots, period = zigzag_figures(TIMES, 0.01 * TIMES, 0.1)
+    assert overshoots == []
+    assert math.isnan(period)
+
+
+def test_shares_are_of_the_thrust_of_each_way() -> None:
+    assert shares(SCOUT, 0.5, -0.5) == pytest.approx((16.8, -9.95))
+    assert shares(OTTER, 1.0, -1.0) == pytest.approx((103.94, -101.74))
+    assert shares(OTTER, 0.25, 0.0) == pytest.approx((51.97, 0.0))
+
+
+@pytest.mark.parametrize("test", STANDARD_TESTS)
+@pytest.mark.parametrize("vessel", ["otter", "scout", "forager"])
+def test_every_test_gives_finite_figures_with_unit_and_meaning(vessel: str, test: str) -> None:
+    run = run_test(load_vessel(vessel), test)
+    found = key_figures(run)
+    assert {"top_speed", "final_speed", "distance"} <= set(found)
+    assert all(math.isfinite(f.value) and f.unit and f.meaning for f in found.values())
+
+
+def test_turning_circle_of_the_otter_balances_its_forces() -> None:
+    u, v, r = steady_turn()
+    found = figures("otter", "turning-circle")
+    assert found["turning_speed"] == pytest.approx(math.hypot(u, v), rel=1e-5)
+    assert found["turning_rate"] == pytest.approx(r, rel=1e-5)
+    assert found["turning_diameter"] == pytest.approx(2.0 * math.hypot(u, v) / r, rel=1e-5)
+    assert found["drift_angle"] == pytest.approx(math.degrees(math.atan2(v, u)), abs=1e-3)
+
+
+def test_turning_circles_to_both_sides_have_the_same_figures() -> None:
+    port, starboard = (
+        figures("scout", test) for test in ("turning-circle", "turning-circle-starboard")
+    )
+    assert port["turning_diameter"] == pytest.approx(starboard["turning_diameter"], rel=1e-9)
+    assert port["drift_angle"] == pytest.approx(-starboard["drift_angle"], rel=1e-9)
+
+
+def test_centre_of_the_circle_drifts_with_the_current() -> None:
+    found = figures("otter", "turning-circle", Conditions(current_mps=(0.24, -0.1)))
+    calm = figures("otter", "turning-circle")
+    assert found["centre_drift"] == pytest.approx(0.26, rel=1e-3)
+    assert found["turning_diameter"] == pytest.approx(calm["turning_diameter"], rel=1e-4)
+    assert found["drift_angle"] == pytest.approx(calm["drift_angle"], abs=1e-2)
+
+
+def test_straight_figures_of_the_otter_follow_from_mass_and_linear_drag() -> None:
+    """Coasting: M/d = 1.10 s; the propeller's run-down adds less than its lag of 0.1 s."""
+    found = figures("otter", "straight")
+    assert found["steady_speed"] == pytest.approx(2.0 * 119.703 / 77.55, rel=1e-4)
+    assert 85.28 / 77.55 < found["coast_time"] < 85.28 / 77.55 + 0.1
+    assert 85.28 / 77.55 < found["rise_time"] < 85.28 / 77.55 + 0.2
+
+
+def test_stopping_distance_lies_between_that_of_full_and_of_no_delay() -> None:
+    """M u' = -(T + k u^2): x = M / 2k ln(1 + k u0^2 / T) without lag, plus at most lag * u0."""
+    found = figures("scout", "stop")
+    k, mass, thrust = 17.3, 38.25, 2.0 * 19.9
+    u0 = found["top_speed"]
+    at_once = mass / (2.0 * k) * math.log(1.0 + k * u0**2 / thrust)
+    later = SCOUT.lag_s * u0 * (1.0 + 2.0 * 33.6 / thrust)
+    assert at_once < found["stopping_distance"] < at_once + later
+
+
+@pytest.mark.parametrize(("test", "angle"), [("zigzag", 10.0), ("zigzag-20", 20.0)])
+def test_zigzag_reverses_past_its_angle_on_both_sides(test: str, angle: float) -> None:
+    run = run_test(OTTER, test, Conditions(heading_rad=1.0))
+    heading = np.degrees(run.states[:, 2] - 1.0)
+    switches = np.flatnonzero(np.diff(run.commands[:, 0] - run.commands[:, 1]))[1:] + 1
+    assert switches.size > 10
+    rate = np.degrees(np.abs(run.states[:, 5]).max())
+    assert (np.abs(heading[switches]) >= angle).all()
+    assert (np.abs(heading[switches]) < angle + 0.05 * rate).all()
+    assert (np.sign(heading[switches[1:]]) == -np.sign(heading[switches[:-1]])).all()
+    overshoots = [v.value for k, v in key_figures(run).items() if k.startswith("overshoot")]
+    assert len(overshoots) == 4
+    assert np.abs(heading).max() == pytest.approx(angle + max(overshoots), abs=0.3)
+
+
+def test_leeway_of_the_forager_head_to_wind_balances_air_and_water() -> None:
+    """1/2 rho A CDl (W - s)^2 = (d + k s) s of the speed s astern."""
+
+    def surplus(s: float) -> float:
+        return 0.5 * 1.224 * 0.45 * 0.55 * (8.0 - s) ** 2 - (77.55 + 30.0 * s) * s
+
+    speed = brentq(surplus, 0.0, 1.0)
+    found = figures("forager", "drift", Conditions(wind_mps=(-8.0, 0.0)))
+    assert found["drift_speed"] == pytest.approx(speed, rel=1e-6)
+    assert found["leeway"] == pytest.approx(speed / 0.08, rel=1e-6)
+
+
+def test_drift_in_a_current_reports_no_leeway_without_wind() -> None:
+    found = figures("otter", "drift", Conditions(current_mps=(0.3, 0.0)))
+    assert found["drift_speed"] == pytest.approx(0.3, rel=1e-3)
+    assert "leeway" not in found

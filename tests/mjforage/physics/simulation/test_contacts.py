@@ -1,0 +1,76 @@
+"""Items against quays and hulls; forces in contacts are in the validation checks."""
+
+import numpy as np
+import pytest
+
+from mjforage.physics.hydrodynamics import command_for, pack
+from mjforage.physics.scene import build_scene
+from mjforage.physics.simulation import Integrator, Simulation
+from mjforage.physics.vessels import load_vessel
+
+FORAGER = load_vessel("forager")
+BOTH = pytest.mark.parametrize("integrator", Integrator)
+BASIN = np.vstack((np.zeros((1, 9), bool), np.ones((4, 9), bool)))  # a quay along the north
+QUAY_Y_M = 14.0
+
+
+def pressed(
+    integrator: Integrator, wind_mps: float, current_mps: float, moment: float = 0.0
+) -> tuple[float, float]:
+    """Force [N] and moment [N m] between the forager and a quay on its port side, at rest."""
+    scene = build_scene([FORAGER], navigable=BASIN, pitch_m=4.0)
+    simulation = Simulation(scene, integrator=integrator)
+    simulation.place_vessels(np.array([16.0, QUAY_Y_M - 0.5 * FORAGER.beam_m - 0.01, 0.0]))
+    simulation.vessel_wind[:], simulation.vessel_water[:] = (0.0, wind_mps), (0.0, current_mps)
+    side, p = 0.5 * moment / FORAGER.lever_m, pack(FORAGER)
+    simulation.commands[:] = command_for(p, -side), command_for(p, side)
+    contact = simulation.engine.bind("qfrc_constraint")  # filled by the steps that follow
+    loads = []
+    for _ in range(400):
+        simulation.step()
+        loads.append(contact[0, 1:3].copy())
+    force, turn = -np.mean(loads[-100:], axis=0)
+    return float(force), float(turn)
+
+
+@BOTH
+@pytest.mark.parametrize(
+    ("wind", "current"), [(12.0, 0.0), (22.5, 0.0), (0.0, 0.5), (12.0, 0.3), (12.0, -0.1)]
+)
+def test_a_quay_bears_wind_and_current(integrator: Integrator, wind: float, current: float) -> None:
+    """Blendermann's load, linear damping and cross-flow drag of a hull at rest, beam on."""
+    air = 0.5 * 1.224 * 0.85 * 0.90 * wind**2
+    water = 162.5 * current + 0.5 * 1025.0 * 0.195 * 2.0 * current * abs(current)
+    force, moment = pressed(integrator, wind, current)
+    assert force == pytest.approx(air + water, rel=5e-3)
+    assert moment == pytest.approx(0.0, abs=0.5)
+
+
+@BOTH
+@pytest.mark.parametrize(("current", "moment"), [(0.0, 50.0), (0.0, -50.0), (0.3, 40.0)])
+def test_a_quay_bears_a_turning_hull_at_one_corner(
+    integrator: Integrator, current: float, moment: float
+) -> None:
+    """Thrusters turn it; wind presses it on; the quay holds it by the bow or by the stern.
+
+    67 N of wind bear 50 N m at most 0.75 m from midships: near a corner, as neither can pull.
+    """
+    force, turn = pressed(integrator, 12.0, current, moment)
+    assert turn == pytest.approx(moment, rel=1e-2)
+    assert force == pytest.approx(134.16 if current else 67.42, rel=1e-2)
+
+
+@BOTH
+def test_items_stop_at_quays_and_give_way_to_hulls(integrator: Integrator) -> None:
+    scene = build_scene([FORAGER], navigable=BASIN, pitch_m=4.0, items=2)
+    simulation = Simulation(scene, integrator=integrator)
+    simulation.place_vessels(np.array([4.0, 4.0, 0.0]))
+    simulation.place_items(np.array([[20.0, 12.0], [8.0, 4.0]]), np.array([0, 2]))
+    simulation.item_wind[0, 0] = 0.0, 10.0
+    simulation.commands[:] = 60.0
+    simulation.step(100)
+    (_, y), (x, _) = simulation.item_xy[0]
+    assert y == pytest.approx(QUAY_Y_M - 0.1, abs=0.02)
+    bow = simulation.vessel_pose[0, 0, 0] + 1.0
+    assert x == pytest.approx(bow + 0.1, abs=0.03)
+    assert bow > 9.0

@@ -1,0 +1,226 @@
+import dataclasses
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjforage.bench.simulations import physics_speeds
+from mjforage.core.errors import UserError
+from mjforage.core.maps import load_map
+from mjforage.physics import callback
+from mjforage.physics.callback import Route
+from mjforage.physics.hydrodynamics.conditions import Conditions
+from mjforage.physics.hydrodynamics.reference import OdeHull
+from mjforage.physics.scene import build_scene
+from mjforage.physics.simulation import InstabilityError, Integrator, Simulation
+from mjforage.physics.simulation.hull import MujocoHull
+from mjforage.physics.validation.port_drive import (
+    drive,
+    port_scene,
+    port_simulation,
+)
+from mjforage.physics.vessels import load_vessel
+
+OTTER = load_vessel("otter")
+PORT = port_scene()
+BOTH = pytest.mark.parametrize("integrator", Integrator)
+
+
+@BOTH
+def test_a_copied_state_resumes_to_the_bit(integrator: Integrator) -> None:
+    first = port_simulation(PORT, integrator, 2)
+    drive(first, 30.0)
+    saved = first.state.copy()
+    drive(first, 20.0, seed=1)
+    second = Simulation(PORT, 2, integrator=integrator)
+    second.state[:] = saved
+    drive(second, 20.0, seed=1)
+    np.testing.assert_array_equal(second.state, first.state)
+
+
+def test_looks_change_no_bit_of_the_motion() -> None:
+    bare, shown = (
+        port_simulation(build_scene(PORT.vessels, items=75, looks=looks), Integrator.FAST, 1)
+        for looks in (False, True)
+    )
+    drive(bare, 30.0)
+    drive(shown, 30.0)
+    np.testing.assert_array_equal(shown.state, bare.state)
+
+
+def test_bodies_that_lie_parked_change_no_bit() -> None:
+    """The solver ends on its progress relative to all masses, those of parked items too.
+
+    Pools differ by a multiple of 32 bodies, as those of missions do: sums are made in blocks.
+    """
+    start = port_simulation(PORT, Integrator.FAST, 8)
+    ends = []
+    for pool in (96, 128):
+        scene = build_scene(
+            PORT.vessels, navigable=load_map("comb_port").navigable, pitch_m=4.0, items=pool
+        )
+        simulation = Simulation(scene, 8, integrator=Integrator.FAST, step_s=start.step_s)
+        simulation.place_vessels(start.vessel_pose)
+        xy = np.array(np.broadcast_to(scene.parking, (8, pool, 2)))
+        kinds = np.full((8, pool), -1)
+        xy[:, : PORT.items], kinds[:, : PORT.items] = start.item_xy, start.item_class
+        simulation.place_items(xy, kinds)
+        simulation.vessel_wind[:] = simulation.item_wind[:] = start.item_wind[0, 0]
+        drive(simulation, 100.0)
+        ends.append((simulation.item_xy[:, : PORT.items], simulation.vessel_pose))
+    np.testing.assert_array_equal(ends[1][0], ends[0][0])
+    np.testing.assert_array_equal(ends[1][1], ends[0][1])
+
+
+@BOTH
+def test_the_python_route_agrees(integrator: Integrator) -> None:
+    native = port_simulation(PORT, integrator, 2)
+    drive(native, 20.0)
+    callback.uninstall()
+    try:
+        callback.install(Route.PYTHON)
+        slow = port_simulation(PORT, integrator, 2)
+        assert slow.route is Route.PYTHON
+        drive(slow, 20.0)
+    finally:
+        callback.install(Route.NATIVE)
+    np.testing.assert_allclose(slow.vessel_pose, native.vessel_pose, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(slow.item_xy, native.item_xy, rtol=0, atol=1e-9)
+    np.testing.assert_array_equal(slow.time_s, native.time_s)
+
+
+@BOTH
+@pytest.mark.parametrize("step_s", [0.05, 0.2, 1.0])
+def test_items_reach_leeway_at_any_step(integrator: Integrator, step_s: float) -> None:
+    scene = build_scene([dataclasses.replace(OTTER, lag_s=0.5)], items=5)
+    simulation = Simulation(scene, integrator=integrator, step_s=step_s)
+    simulation.place_items(np.arange(10.0).reshape(5, 2) * 10, np.arange(5))
+    simulation.place_vessels(np.array([-50.0, -50.0, 0.0]))
+    wind, water = np.array([6.0, -8.0]), np.array([0.2, 0.1])
+    simulation.item_wind[:], simulation.item_water[:] = wind, water
+    simulation.step(round(200 / step_s))
+    alpha = np.array([kind.leeway for kind in scene.classes])[:, None]
+    expected = water + alpha * (wind - water)
+    np.testing.assert_allclose(simulation.item_velocity[0], expected, rtol=0, atol=1e-6)
+
+
+def test_parked_items_do_not_move() -> None:
+    simulation = Simulation(build_scene([OTTER], items=3))
+    simulation.item_wind[:] = 20.0, 5.0
+    simulation.place_items(np.array([9.0, 9.0]), np.array([-1, 0, -1]))
+    simulation.step(100)
+    np.testing.assert_array_equal(simulation.item_xy[0, ::2], simulation.scene.parking[::2])
+    assert simulation.item_xy[0, 1, 0] > 9.5
+    simulation.park_items(np.array([[False, True, False]]))
+    simulation.step(100)
+    np.testing.assert_array_equal(simulation.item_xy[0], simulation.scene.parking)
+
+
+def test_reset_by_mask_leaves_the_others_alone() -> None:
+    simulation = port_simulation(PORT, Integrator.FAST, 3)
+    drive(simulation, 10.0)
+    before = simulation.state.copy()
+    simulation.reset(np.array([False, True, False]))
+    np.testing.assert_array_equal(simulation.state[::2], before[::2])
+    assert simulation.time_s.tolist() == [before[0, 0], 0.0, before[2, 0]]
+    assert (simulation.item_class[1] == -1.0).all()
+    simulation.step(10, ids=np.array([1]))
+    np.testing.assert_array_equal(simulation.state[::2], before[::2])
+    assert simulation.time_s[1] == pytest.approx(1.0)
+
+
+def far(simulation: Simulation) -> None:
+    """Beyond MuJoCo's largest position."""
+    simulation.place_vessels(np.array([[0.0, 0.0, 0.0], [1e11, 0.0, 0.0]]), ids=np.array([1]))
+
+
+def fast(simulation: Simulation) -> None:
+    """Beyond MuJoCo's largest velocity, at a place within."""
+    at = np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]])
+    simulation.place_vessels(at, at * (1.5e10 / 9.0), ids=np.array([1]))
+
+
+def pulled(simulation: Simulation) -> None:
+    """Water of a speed that no number holds the square of."""
+    simulation.vessel_water[1, 1] = 1e160, 0.0
+
+
+@pytest.mark.parametrize("route", Route)
+@pytest.mark.parametrize(
+    ("spoil", "label"), [(far, "BADQPOS"), (fast, "BADQVEL"), (pulled, "BADQACC")]
+)
+def test_instability_names_seed_time_and_body(
+    route: Route,
+    spoil: Callable[[Simulation], None],
+    label: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    callback.install(route)
+    try:
+        scene = build_scene([OTTER, OTTER], names=("calm", "wild"), items=1)
+        simulation = Simulation(scene, 3, step_s=0.1, seeds=[11, 22, 33])
+        simulation.place_vessels(np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]]))
+        simulation.step(10)
+        spoil(simulation)
+        named = rf"seed 22, t = 1.00 s, body wild \({label}\)"
+        with pytest.raises(InstabilityError, match=named):
+            simulation.step(10)
+    finally:
+        callback.install(Route.NATIVE)
+    assert not list(tmp_path.iterdir())
+    assert capfd.readouterr().out == ""
+
+
+@pytest.mark.parametrize("step_s", [0.05, 0.1, 0.5])
+def test_the_fast_integrator_solves_the_lag_exactly(step_s: float) -> None:
+    """After a step of h, c (1 - exp(-h / lag)): Euler's c h / lag overshoots from h = lag on."""
+    crew = [OTTER, load_vessel("scout")]
+    simulation = Simulation(build_scene(crew), step_s=step_s)
+    simulation.commands[0] = command = np.array([[60.0, -40.0], [20.0, -10.0]])
+    simulation.place_vessels(np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]]))
+    simulation.step()
+    risen = np.array([[1.0 - math.exp(-step_s / vessel.lag_s)] for vessel in crew])
+    np.testing.assert_allclose(simulation.thruster_state[0], risen * command, rtol=1e-12)
+
+
+def test_steps_that_runge_kutta_cannot_take_are_named() -> None:
+    """Twice the lag is the limit; Runge-Kutta of order 4 is unstable from 2.785 on."""
+    quick = dataclasses.replace(load_vessel("scout"), lag_s=0.04)
+    scene = build_scene([OTTER, quick])
+    Simulation(scene, integrator=Integrator.REFERENCE, step_s=0.08)
+    Simulation(scene, integrator=Integrator.FAST, step_s=0.5)
+    with pytest.raises(UserError, match=r"step 0.1 s .* lag_s = 0.04 s of scout-0; .* 0.08 s"):
+        Simulation(scene, integrator=Integrator.REFERENCE, step_s=0.1)
+
+
+def test_numbers_out_of_range_are_named() -> None:
+    with pytest.raises(UserError, match=r"step -0.1 s; give numbers above 0"):
+        Simulation(PORT, step_s=-0.1)
+    with pytest.raises(UserError, match="2 seeds, expected 3"):
+        Simulation(PORT, 3, seeds=[1, 2])
+    with pytest.raises(UserError, match="debris class 5: the scene has 5, counted from 0"):
+        Simulation(PORT).place_items(PORT.parking, 5)
+
+
+def test_one_hull_moves_as_the_plain_equations_say() -> None:
+    conditions = Conditions((0.1, 0.2), (0.0, 3.0), 0.5, (0.4, -0.1), 0.05)
+    forager = load_vessel("forager")
+    ours, plain = MujocoHull(forager, conditions), OdeHull(forager, conditions)
+    for k in range(600):
+        for hull in (ours, plain):
+            hull.step(40.0, 30.0 + 20.0 * (k > 300), 0.05 if k % 3 else 0.025)
+    np.testing.assert_allclose(ours.state(), plain.state(), rtol=0, atol=1e-4)
+
+
+def test_speeds_are_measured_in_contact() -> None:
+    speeds = physics_speeds(seconds=5.0, simulations=1)
+    assert speeds["physics_contacts"] > 5.0
+    assert speeds["physics_sim_s_per_core_s"] > speeds["physics_sim_s_per_core_s_reference"] > 0.0
+    assert speeds["physics_steps_per_core_s"] == pytest.approx(
+        10.0 * speeds["physics_sim_s_per_core_s"]
+    )

@@ -1,0 +1,103 @@
+"""From vessels to helms, and tunings for vessels that bring none."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from mjforage.physics.helm import default_control, helm_of
+from mjforage.physics.vessels import (
+    CrossFlow,
+    ForceThruster,
+    Vessel,
+    Windage,
+    load_vessel,
+    vessel_names,
+)
+from tests.controllers.plant import beam_gusts, sail
+
+YAWS = np.linspace(-np.pi, np.pi, 7)[:-1]
+
+WORKBOAT = Vessel(
+    name="otter",  # for its looks
+    description="a workboat of 6 m",
+    length_m=6.0,
+    beam_m=2.4,
+    draft_m=0.5,
+    mass_kg=1800.0,
+    cog_x_m=0.0,
+    inertia_z_kgm2=5500.0,
+    added_mass_surge_kg=120.0,
+    added_mass_sway_kg=1500.0,
+    added_mass_yaw_kgm2=3000.0,
+    linear_surge=150.0,
+    linear_sway=900.0,
+    linear_yaw=3000.0,
+    quadratic_surge=120.0,
+    quadratic_sway=0.0,
+    quadratic_yaw=2000.0,
+    yaw_linear_growth=0.0,
+    lever_m=0.9,
+    lag_s=0.4,
+    thruster=ForceThruster(1200.0, 800.0, 10.0),
+    crossflow=CrossFlow("integrated", 0.9, 0.5, 6.0, 1025.0),
+    windage=Windage(2.5, 5.0, 0.9, 0.55, 0.6, 0.6, 0.0),
+)
+
+
+def test_numbers_of_a_propeller_and_of_a_force() -> None:
+    otter, scout = helm_of(load_vessel("otter")), helm_of(load_vessel("scout"))
+    assert (otter.mass_surge_kg, otter.mass_sway_kg) == (80.0 + 5.28, 80.0 + 82.5)
+    assert otter.inertia_yaw_kgm2 == pytest.approx(16.01 + 24.03)
+    assert otter.munk_kg == pytest.approx(82.5 - 5.28)
+    assert (otter.exponent, otter.k_ahead, otter.dead_zone) == (2.0, 0.01108, 0.0)
+    assert (scout.exponent, scout.k_ahead, scout.dead_zone) == (1.0, 1.0, 1.0)
+    assert (scout.command_low, scout.command_high) == (-19.9, 33.6)
+
+
+def test_cross_flow_is_part_of_the_drag() -> None:
+    """1/2 rho Cd T L in sway; in yaw the integral of x^2|x| over the length, L^4 / 32."""
+    half, forager = 0.5 * 1025.0 * 0.195, helm_of(load_vessel("forager"))
+    assert forager.quadratic_sway == pytest.approx(half * 2.0)
+    assert forager.quadratic_yaw == pytest.approx(40.05 * 10.0 + half * 2.0**4 / 32.0)
+
+
+def test_the_table_of_a_vessel_is_its_tuning() -> None:
+    scout = load_vessel("scout")
+    assert scout.control is not None
+    assert dataclasses.asdict(helm_of(scout).tuning) == dataclasses.asdict(scout.control)
+
+
+@pytest.mark.parametrize("name", vessel_names())
+def test_default_tunings_can_be_done(name: str) -> None:
+    """At cruise speed drag takes 90 % of the thrust; braking needs less than there is."""
+    vessel = load_vessel(name)
+    control, (low, high) = default_control(vessel), vessel.thruster.thrust_range
+    u, surge = control.cruise_ahead_mps, vessel.mass_kg + vessel.added_mass_surge_kg
+    assert (vessel.linear_surge + vessel.quadratic_surge * u) * u == pytest.approx(1.8 * high)
+    assert control.brake_mps2 * surge == pytest.approx(0.7 * -2.0 * low)
+    r, helm = control.yaw_rate_radps, helm_of(vessel)
+    drag = (helm.linear_yaw + helm.quadratic_yaw * r) * r
+    assert drag < vessel.lever_m * (high - low)
+
+
+@pytest.mark.parametrize("name", ["scout", "forager"])
+def test_default_tunings_sail(name: str) -> None:
+    vessel = dataclasses.replace(load_vessel(name), control=None)
+    track = sail(vessel, YAWS, (4.0, 0.0), 15.0)
+    assert track.first_within((4.0, 0.0), 1.0).max() < 10.0
+    assert track.off((4.0, 0.0))[-1].max() < 0.6
+
+
+def test_a_hull_of_another_size_sails_by_default() -> None:
+    """Three times as long, twenty times as heavy: legs reached, turned into, and kept in gusts."""
+    track = sail(WORKBOAT, YAWS, (40.0, 0.0), 60.0)
+    assert np.isfinite(track.first_within((40.0, 0.0), 1.0)).all()
+    assert track.pose[..., 0].max() < 42.0
+    away = sail(WORKBOAT, np.zeros(3), (100.0, 0.0), 70.0, weather=beam_gusts())
+    x, y = away.pose[..., 0], away.pose[..., 1]
+    there = (x > 40.0) & (x < 99.0)
+    assert math.sqrt((y[there] ** 2).mean()) < 0.5
+    kept = sail(WORKBOAT, YAWS, (0.0, 0.0), 90.0, stay=True, weather=beam_gusts())
+    assert math.sqrt((kept.off((0.0, 0.0))[450:] ** 2).mean()) < 1.0

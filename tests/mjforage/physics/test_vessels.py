@@ -1,0 +1,183 @@
+import dataclasses
+import math
+from pathlib import Path
+
+import pytest
+
+from mjforage.core.assets import models_folder
+from mjforage.core.errors import UserError
+from mjforage.physics.vessels import (
+    Control,
+    ForceThruster,
+    Propeller,
+    Vessel,
+    load_vessel,
+    vessel_names,
+    with_load,
+)
+
+GOOD = """
+description = "a raft"
+length_m = { value = 2, unit = "m", source = "test" }
+beam_m = { value = 1.0, unit = "m", source = "test" }
+draft_m = { value = 0.2, unit = "m", source = "test" }
+mass_kg = { value = 50.0, unit = "kg", source = "test" }
+cog_x_m = { value = 0.1, unit = "m", source = "test" }
+inertia_z_kgm2 = { value = 9.0, unit = "kg m2", source = "test" }
+added_mass_surge_kg = { value = 5.0, unit = "kg", source = "test" }
+added_mass_sway_kg = { value = 40.0, unit = "kg", source = "test" }
+added_mass_yaw_kgm2 = { value = 6.0, unit = "kg m2", source = "test" }
+linear_surge = { value = 20.0, unit = "N s/m", source = "test" }
+linear_sway = { value = 50.0, unit = "N s/m", source = "test" }
+linear_yaw = { value = 9.0, unit = "N m s", source = "test" }
+quadratic_surge = { value = 0.0, unit = "N s2/m2", source = "test" }
+quadratic_sway = { value = 0.0, unit = "N s2/m2", source = "test" }
+quadratic_yaw = { value = 0.0, unit = "N m s2", source = "test" }
+yaw_linear_growth = { value = 0.0, unit = "s", source = "test" }
+lever_m = { value = 0.4, unit = "m", source = "test" }
+lag_s = { value = 0.1, unit = "s", source = "test" }
+[thruster]
+kind = "force"
+max_ahead_newton = { value = 20.0, unit = "N", source = "test" }
+max_astern_newton = { value = 10.0, unit = "N", source = "test" }
+dead_zone_newton = { value = 0.0, unit = "N", source = "test" }
+"""
+
+
+def load(folder: Path, text: str) -> Vessel:
+    path = folder / "raft.toml"
+    path.write_text(text, encoding="utf-8")
+    return load_vessel(path)
+
+
+def changed(key: str, value: str) -> str:
+    """GOOD with another value of one key."""
+    lines = [line for line in GOOD.splitlines() if not line.startswith(f"{key} =")]
+    old = next(line for line in GOOD.splitlines() if line.startswith(f"{key} ="))
+    before, after = old.split("value = ")[0], old.split(",", 1)[1]
+    place = GOOD.splitlines().index(old)
+    lines.insert(place, f"{before}value = {value},{after}")
+    return "\n".join(lines)
+
+
+def test_four_vessels_ship_and_load() -> None:
+    assert vessel_names() == ["forager", "ideal", "otter", "scout"]
+    for name in vessel_names():
+        vessel = load_vessel(name)
+        assert vessel.name == name
+        assert vessel.description
+        assert vessel.control is not None
+
+
+def test_the_ideal_hull_feels_no_wind_and_is_strong() -> None:
+    ideal, scout = load_vessel("ideal"), load_vessel("scout")
+    assert ideal.windage.area_front_m2 == ideal.windage.area_side_m2 == 0.0
+    assert ideal.thruster.thrust_range[1] / ideal.mass_kg > 5.0 * 33.6 / scout.mass_kg
+
+
+def test_a_file_of_ones_own_loads(tmp_path: Path) -> None:
+    raft = load(tmp_path, GOOD)
+    assert raft.name == "raft"
+    assert raft.length_m == 2.0
+    assert isinstance(raft.length_m, float)
+    assert raft.crossflow is None
+    assert raft.windage.area_side_m2 == 0.0
+    assert raft.thruster == ForceThruster(20.0, 10.0, 0.0)
+    assert raft.control is None
+
+
+def test_a_tuning_of_ones_own_loads(tmp_path: Path) -> None:
+    shipped = (models_folder() / "vessels" / "scout.toml").read_text(encoding="utf-8")
+    table = shipped[shipped.index("[control]") :]
+    assert load(tmp_path, GOOD + table).control == load_vessel("scout").control
+
+
+def test_otter_is_the_published_one() -> None:
+    """Numbers of physics.md section 2, and what follows from them."""
+    otter = load_vessel("otter")
+    assert (otter.mass_kg, otter.inertia_z_kgm2, otter.cog_x_m) == (80.0, 16.01, 0.153)
+    added = (otter.added_mass_surge_kg, otter.added_mass_sway_kg, otter.added_mass_yaw_kgm2)
+    assert added == (5.28, 82.5, 24.03)
+    assert (otter.linear_surge, otter.linear_sway, otter.linear_yaw) == (77.55, 162.5, 40.05)
+    assert otter.crossflow is not None
+    assert otter.crossflow.kind == "strips-otter"
+    assert otter.windage.area_front_m2 == otter.windage.area_side_m2 == 0.0
+    assert isinstance(otter.thruster, Propeller)
+    low, high = otter.thruster.thrust_range
+    assert high == pytest.approx(119.7, abs=0.05)
+    assert low == pytest.approx(-66.7, abs=0.05)
+    assert round(otter.thruster.n_max_ahead, 1) == 103.9
+    assert round(otter.thruster.n_max_astern, 1) == 101.7
+
+
+def test_forager_is_an_otter_that_its_load_slows() -> None:
+    empty, otter = load_vessel("forager"), load_vessel("otter")
+    assert (empty.mass_kg, empty.linear_surge) == (otter.mass_kg, otter.linear_surge)
+    full = with_load(empty, 100)
+    assert full.mass_kg == pytest.approx(100.0)  # payload 45 kg
+    assert full.quadratic_surge == pytest.approx(60.0)  # collector drag, upper estimate
+    assert full.mass_kg * full.cog_x_m == pytest.approx(empty.mass_kg * empty.cog_x_m)
+    assert full.inertia_z_kgm2 == empty.inertia_z_kgm2  # the load lies at midships
+    assert with_load(otter, 100) == otter
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (changed("mass_kg", "-50.0"), "mass_kg = -50.0 is out of range; give above 0 to"),
+        (changed("mass_kg", "0"), "mass_kg = 0 is out of range"),
+        (changed("mass_kg", "nan"), "mass_kg = nan is out of range"),
+        (changed("linear_surge", "inf"), "linear_surge = inf is out of range"),
+        (changed("linear_sway", "-1"), "linear_sway = -1 is out of range; give 0 to"),
+        (changed("added_mass_sway_kg", "-40.0"), "added_mass_sway_kg = -40.0 is out of range"),
+        (changed("lag_s", "0"), "lag_s = 0 is out of range"),
+        (changed("max_ahead_newton", "0.0"), "thruster.max_ahead_newton = 0.0 is out of range"),
+        (changed("mass_kg", '"heavy"'), "mass_kg = 'heavy', expected a number"),
+        (changed("mass_kg", "true"), "mass_kg = True, expected a number"),
+        (changed("mass_kg", "1" + "0" * 400), "is out of range"),
+        (changed("inertia_z_kgm2", "0.5"), "about midships; raise inertia_z_kgm2 or bring"),
+        (changed("cog_x_m", "0.6"), "is indefinite inertia"),
+        (
+            changed("cog_x_m", "1.0").replace("value = 9.0", "value = 99.0", 1),
+            "cog_x_m = 1 is outside the hull of 2 m",
+        ),
+        (changed("linear_yaw", "0"), "no damping in yaw; give linear_yaw or quadratic_yaw"),
+        (changed("dead_zone_newton", "10.0"), "dead_zone_newton = 10 leaves no thrust"),
+        (GOOD.replace('unit = "kg",', 'unit = "lb",'), "mass_kg has unit 'lb', expected \"kg\""),
+        (GOOD.replace(', source = "test" }\nbeam', " }\nbeam"), "length_m has value, unit; give"),
+        (GOOD.replace('"test" }\nbeam', '" " }\nbeam'), "length_m has no source; say where 2"),
+        (GOOD.replace("length_m", "lenght_m"), "unknown key lenght_m; did you mean length_m?"),
+        (GOOD.replace("lag_s", "# lag_s"), "missing lag_s; add it as the shipped vessels have it"),
+        (GOOD.replace('"force"', '"sail"'), "thruster.kind = 'sail'; choose propeller, force"),
+        (GOOD.replace('kind = "force"\n', ""), "thruster.kind = ''; choose propeller, force"),
+        (GOOD.replace('"force"', '"propeller"'), "unknown key thruster.max_ahead_newton"),
+        (GOOD.replace('"a raft"', "3"), "description = 3, expected text"),
+        (GOOD + "[control]\n", "missing control.cruise_ahead_mps, control.cruise_astern_mps"),
+        (GOOD + "[control]\nbrake = 1\n", "unknown key control.brake; did you mean control.brake_"),
+        (GOOD + "[windage]\n", "missing windage.area_front_m2, windage.area_side_m2"),
+        (GOOD + '[crossflow]\nkind = "guess"\n', "missing crossflow.coefficient"),
+        ("mass_kg = 3\n" + GOOD.replace("mass_kg", "# mass_kg", 1), "mass_kg = 3, expected a tab"),
+        (GOOD + "[", "not readable as TOML"),
+    ],
+)  # fmt: skip
+def test_errors_name_file_key_and_remedy(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(UserError) as caught:
+        load(tmp_path, text)
+    assert str(caught.value).startswith("vessel raft: ")
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["oter", "nowhere.toml", "a\0b"])
+def test_unknown_vessels_are_refused(name: str) -> None:
+    with pytest.raises(UserError, match=r"neither a shipped vessel nor a TOML file|cannot be op"):
+        load_vessel(name)
+
+
+def test_every_number_of_the_shipped_files_is_checked_by_its_field() -> None:
+    """No float field lacks a unit, so that none can be read unchecked."""
+    for schema in (Vessel, Propeller, ForceThruster, Control):
+        for field in dataclasses.fields(schema):
+            if field.type in (float, "float"):
+                assert field.metadata["unit"]
+                assert math.isfinite(field.metadata["high"])

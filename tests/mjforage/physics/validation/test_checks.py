@@ -1,0 +1,152 @@
+"""Every check passes on the shipped physics, and fails once the physics is spoilt.
+
+These are the tests of the issue's physical promises; other test files hold what a check does not.
+"""
+
+import itertools
+from collections.abc import Callable
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+from mjforage.physics import callback
+from mjforage.physics.callback import Route
+from mjforage.physics.callback.layout import HEADER, ITEM_AIR, N_VESSELS
+from mjforage.physics.hydrodynamics import parameters as P  # noqa: N812 - a table of index constants
+from mjforage.physics.simulation import InstabilityError, Integrator, hull, simulation
+from mjforage.physics.validation import Finding, repeats, rest, run_checks
+from mjforage.physics.validation.registry import check_names
+from mjforage.physics.weather import Field
+
+RUNS = 2  # of 900 s each; `mjforage validate --runs N` makes more
+Fault = Callable[[mujoco.MjModel], None]
+_count = itertools.count(1)
+
+
+def of(name: str) -> Finding:
+    (finding,) = run_checks([name], runs=RUNS)
+    return finding
+
+
+@pytest.mark.parametrize("name", [name for name in check_names() if name != "roll-pitch-heave"])
+def test_check_passes(name: str) -> None:
+    finding = of(name)
+    failed = [measure for measure in finding.measures if not measure.passed]
+    assert finding.status == "passed", failed
+
+
+def test_planar_hulls_have_no_roll_to_check() -> None:
+    assert of("roll-pitch-heave").status == "does not apply"
+
+
+def scaled(index: int, factor: float) -> Fault:
+    """One parameter of every vessel times a factor."""
+
+    def fault(model: mujoco.MjModel) -> None:
+        for v in range(int(model.numeric_data[N_VESSELS])):
+            model.numeric_data[HEADER + v * P.SIZE + index] *= factor
+
+    return fault
+
+
+def pulled(model: mujoco.MjModel) -> None:
+    """A steady pull on everything, to the north-east."""
+    model.opt.gravity[:] = 0.1, 0.2, 0.0
+
+
+def moored(model: mujoco.MjModel) -> None:
+    """Drag against the ground."""
+    model.dof_damping[:] = 0.5
+
+
+def different(model: mujoco.MjModel) -> None:
+    """Every model a little different."""
+    model.dof_damping[:] = 1e-9 * next(_count)
+
+
+def crude(model: mujoco.MjModel) -> None:
+    """Forces of an instant under Euler's method."""
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
+    model.numeric_data[4] = 0.0
+
+
+def draughty(model: mujoco.MjModel) -> None:
+    """Items catch a quarter more of the wind."""
+    start = HEADER + int(model.numeric_data[N_VESSELS]) * P.SIZE + ITEM_AIR
+    model.numeric_data[start::3] *= 1.25
+
+
+FAULTS: dict[str, Fault] = {
+    "rest": pulled,
+    "energy": scaled(P.LINEAR_SWAY, -1.0),
+    "straight": scaled(P.ADDED_SURGE, 0.5),
+    "speeds": scaled(P.K_AHEAD, 0.9),
+    "turning-circle": scaled(P.ADDED_SWAY, 0.95),
+    "zigzag": scaled(P.ADDED_YAW, 0.9),
+    "crash-stop": scaled(P.K_ASTERN, 0.95),
+    "galilean": moored,
+    "heading": pulled,
+    "current": moored,
+    "leeway": draughty,
+    "step-halving": crude,
+    "fast-reference": crude,
+    "determinism": different,
+    "endurance": scaled(P.LINEAR_SWAY, -1e3),
+    "quay-force": pulled,
+    "ramming": scaled(P.ADDED_SWAY, 0.5),
+    "added-mass": scaled(P.ADDED_SWAY, 0.9),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_check_notices_a_fault(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rest, "REST_S", 30.0)
+    monkeypatch.setattr(
+        repeats, "elsewhere", lambda: [repeats.digest(repeats.states(kind)) for kind in Integrator]
+    )
+
+    def spoil(prepared: Callable[..., mujoco.MjModel]) -> Callable[..., mujoco.MjModel]:
+        def spoilt(*arguments: Any) -> mujoco.MjModel:
+            model = prepared(*arguments)
+            FAULTS[name](model)
+            return model
+
+        return spoilt
+
+    for room in (simulation, hull):
+        monkeypatch.setattr(room, "prepared", spoil(room.prepared))
+    assert of(name).status == "failed"
+
+
+@pytest.mark.parametrize("hurry", [0.8, 1.25])
+def test_gusts_of_another_memory_are_noticed(hurry: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    wind = Field.wind
+    monkeypatch.setattr(Field, "wind", lambda self, t, xy: wind(self, hurry * t, xy))
+    assert of("gusts").status == "failed"
+
+
+@pytest.mark.parametrize("name", ["quay-force", "galilean", "added-mass"])
+def test_the_python_route_passes_too(name: str) -> None:
+    callback.uninstall()
+    callback.install(Route.PYTHON)
+    try:
+        assert of(name).status == "passed"
+    finally:
+        callback.install(Route.NATIVE)
+
+
+def test_no_check_is_without_its_fault() -> None:
+    assert set(check_names()) == set(FAULTS) | {"gusts", "roll-pitch-heave"}
+
+
+def test_an_unstable_simulation_fails_its_check(monkeypatch: pytest.MonkeyPatch) -> None:
+    def unstable(self: Any, steps: int = 1) -> None:
+        raise InstabilityError("physics: unstable at seed 0, t = 1.00 s, body otter-0")
+
+    monkeypatch.setattr(simulation.Simulation, "step", unstable)
+    finding = of("rest")
+    assert finding.status == "failed"
+    assert "body otter-0" in finding.measures[0].what
+    assert np.isnan(finding.measures[0].value)

@@ -1,0 +1,178 @@
+"""The harbour circulation: no flow through quays, no divergence, and a closed form in a box."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import quad
+
+from graph_planner.navigation import NavigationGraph, navigation_graph
+from mjforage.core.maps import load_map
+from mjforage.physics.weather.circulation import (
+    LAYER,
+    _stream_function,
+    circulation,
+    circulation_velocity,
+)
+
+PITCH = 4.0
+GAUSS = np.array([-1.0, 0.0, 1.0]) * np.sqrt(0.6) / 2  # exact for polynomials of degree 5
+WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18
+
+
+def harbour() -> NavigationGraph:
+    return navigation_graph(load_map("comb_port").navigable, PITCH, False)
+
+
+def velocity(graph: NavigationGraph, x: float, y: float) -> tuple[float, float]:
+    field = circulation(graph)
+    return circulation_velocity(field.patches, field.spacing_m, field.corner_m, x, y)
+
+
+def flux(
+    graph: NavigationGraph, start: tuple[float, float], end: tuple[float, float]
+) -> tuple[float, float]:
+    """Flow through a straight line to its right, and the integral of the speed along it."""
+    spacing = circulation(graph).spacing_m
+    (x0, y0), (x1, y1) = start, end
+    length = float(np.hypot(x1 - x0, y1 - y0))
+    parts = max(1, round(length / spacing))
+    through = total = 0.0
+    for part in range(parts):
+        for node, weight in zip(GAUSS, WEIGHTS, strict=True):
+            s = (part + 0.5 + node) / parts
+            u, v = velocity(graph, x0 + s * (x1 - x0), y0 + s * (y1 - y0))
+            through += weight * (u * (y1 - y0) - v * (x1 - x0)) / parts
+            total += weight * float(np.hypot(u, v)) * length / parts
+    return through, total
+
+
+def faces(graph: NavigationGraph) -> NDArray[np.float64]:
+    """(face, along, 2) points on every face between water and land, rim included [m]."""
+    water = np.pad(graph.navigable, 1)
+    along = np.linspace(-0.5, 0.5, 33)
+    points = []
+    for offset in ((0, 1), (1, 0), (0, -1), (-1, 0)):
+        beside = np.roll(water, (-offset[0], -offset[1]), (0, 1))
+        for row, col in np.argwhere(water & ~beside) - 1:
+            rc = np.stack(
+                [
+                    row + offset[0] / 2 + along * abs(offset[1]),
+                    col + offset[1] / 2 + along * abs(offset[0]),
+                ],
+                axis=-1,
+            )
+            points.append(graph.metres(rc))
+    return np.array(points)
+
+
+def test_quays_let_nothing_through_and_nothing_along() -> None:
+    graph = harbour()
+    points = faces(graph)
+    assert len(points) > 400
+    speeds = [np.hypot(*velocity(graph, x, y)) for x, y in points.reshape(-1, 2)]
+    assert max(speeds) < 1e-12
+    land = graph.metres(np.argwhere(~graph.navigable).astype(np.float64))
+    assert max(np.hypot(*velocity(graph, x, y)) for x, y in land) == 0.0
+
+
+def test_every_node_of_the_harbour_moves_and_keeps_its_water() -> None:
+    """Divergence: what flows into the square of a node flows out of it, to rounding."""
+    graph = harbour()
+    centres = graph.metres(np.stack((graph.rows, graph.cols), axis=-1))
+    half = PITCH / 2
+    for x, y in centres[::7]:
+        corners = [(x - half, y - half), (x + half, y - half), (x + half, y + half)]
+        corners.append((x - half, y + half))
+        sides = [flux(graph, corners[i], corners[(i + 1) % 4]) for i in range(4)]
+        assert abs(sum(through for through, _ in sides)) < 1e-13
+    assert min(np.hypot(*velocity(graph, x + 0.3, y + 0.2)) for x, y in centres) > 0.0
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_no_divergence_inside_a_patch(seed: int) -> None:
+    graph, spacing = harbour(), circulation(harbour()).spacing_m
+    rng = np.random.default_rng(seed)
+    node = rng.integers(len(graph))
+    x, y = graph.metres(np.array([graph.rows[node], graph.cols[node]])) - PITCH / 2
+    x0, y0 = x + spacing * rng.uniform(0.1, 0.4), y + spacing * rng.uniform(0.1, 0.4)
+    x1, y1 = x0 + spacing * 0.5, y0 + spacing * 0.3
+    path = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+    assert abs(sum(flux(graph, path[i], path[(i + 1) % 4])[0] for i in range(4))) < 1e-15
+    assert flux(graph, path[0], path[1])[1] > 1e-6
+
+
+def test_nothing_flows_through_a_section_of_a_closed_basin() -> None:
+    graph = navigation_graph(np.ones((6, 15), np.bool_), PITCH, False)
+    for column in (2.5, 7.0, 11.5):
+        section = [tuple(graph.metres(np.array([row, column]))) for row in (5.5, -0.5)]
+        through, total = flux(graph, section[0], section[1])
+        assert abs(through) < 1e-12 and total > 1.0
+
+
+def test_the_peak_is_one_metre_per_second_counter_clockwise() -> None:
+    graph = harbour()
+    rng = np.random.default_rng(0)
+    node = rng.integers(len(graph), size=100_000)
+    rc = np.stack((graph.rows[node], graph.cols[node]), -1) + rng.uniform(-0.5, 0.5, (100_000, 2))
+    speeds = [np.hypot(*velocity(graph, x, y)) for x, y in graph.metres(rc)]
+    assert 0.98 < max(speeds) < 1.001
+    box = navigation_graph(np.ones((8, 8), np.bool_), PITCH, False)
+    middle = 3.5 * PITCH
+    assert velocity(box, middle + 10, middle)[1] > 0.8
+    assert velocity(box, middle, middle + 10)[0] < -0.8
+
+
+@pytest.mark.parametrize(("rows", "tolerance"), [(1, 0.05), (2, 0.015), (8, 0.005)])
+def test_a_long_channel_has_the_profile_of_friction_and_viscosity(
+    rows: int, tolerance: float
+) -> None:
+    """Friction, viscosity and stress of curl 1: u - L^2 d2u/dy2 = -y, u = 0 at both sides y = +-h,
+    so that u = h sinh(y/L) / sinh(h/L) - y.
+    """
+    graph = navigation_graph(np.ones((rows, 8 * rows + 6), np.bool_), PITCH, False)
+    half, layer = rows * PITCH / 2, LAYER * PITCH
+    y = np.linspace(-half, half, 101)
+    exact = half * np.sinh(y / layer) / np.sinh(half / layer) - y
+    middle = (graph.shape[1] - 1) * PITCH / 2
+    found = np.array([velocity(graph, middle, at + half - PITCH / 2) for at in y])
+    assert np.abs(found[:, 1]).max() < 1e-3
+    scale = (exact @ found[:, 0]) / (exact @ exact)
+    error = np.abs(found[:, 0] / scale - exact).max()
+    assert error < tolerance * exact.max() and scale > 0
+
+
+def test_without_friction_it_bends_like_a_clamped_plate() -> None:
+    """Deflection of a square plate's centre: 0.00126532 a^4 q/D (Timoshenko and Woinowsky-Krieger,
+    Theory of Plates and Shells, section 44; more digits by Taylor and Govindjee 2004).
+    """
+    layer = 1e5
+    psi = _stream_function(np.ones((12, 12), np.bool_), layer)[..., 0]
+    assert layer**2 * psi[6, 6] / 12**4 == pytest.approx(0.00126532, rel=1e-4)
+    np.testing.assert_allclose(psi, psi.T, atol=1e-12 * psi.max())
+
+
+def test_velocity_is_continuous_and_patches_meet() -> None:
+    graph, spacing = harbour(), circulation(harbour()).spacing_m
+    x, y = graph.metres(np.array([graph.rows[600], graph.cols[600]]))
+    for step in range(-4, 5):
+        edge = -PITCH / 2 + spacing * (round((x + PITCH / 2) / spacing) + step)
+        for other in (y + 0.31, y - 0.77):
+            before, after = velocity(graph, edge - 1e-9, other), velocity(graph, edge + 1e-9, other)
+            np.testing.assert_allclose(before, after, atol=1e-8)
+
+
+def test_positions_off_the_map_are_still_and_lost_ones_stay_lost() -> None:
+    graph = harbour()
+    for x, y in ((-1e6, 0.0), (0.0, 1e6), (np.inf, 3.0), (-2.0000001, 9.0)):
+        assert velocity(graph, x, y) == (0.0, 0.0)
+    assert np.isnan(velocity(graph, np.nan, 3.0)).all()
+
+
+def test_the_integral_of_speed_sees_a_leak() -> None:
+    """The flux helper is no oracle that always gives zero: half a section carries water."""
+    graph = navigation_graph(np.ones((6, 15), np.bool_), PITCH, False)
+    start, end = graph.metres(np.array([[5.5, 7.0], [2.5, 7.0]]))
+    through, total = flux(graph, tuple(start), tuple(end))
+    numeric = quad(lambda y: velocity(graph, float(start[0]), y)[0], start[1], end[1], limit=200)[0]
+    assert through == pytest.approx(numeric, rel=1e-6)
+    assert abs(through) > 0.9 * total > 1.0

@@ -1,0 +1,230 @@
+"""Queries: determinism in any company, the paper's drift, directions, gust statistics."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy import stats
+
+from graph_planner.fleet import Fleet, Role
+from graph_planner.moves import Moves
+from graph_planner.navigation import STAY, navigation_graph
+from graph_planner.randomness import episode_keys
+from mjforage.core.errors import UserError
+from mjforage.core.graph_dynamics import GraphDynamics
+from mjforage.core.maps import load_map
+from mjforage.core.scenario import Items, Weather
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.world import World, create_world
+from mjforage.physics.weather import Field, WeatherSettings
+
+PITCH, PERIOD = 4.0, 10.0
+HARBOUR = navigation_graph(load_map("comb_port").navigable, PITCH, False)
+OPEN = navigation_graph(np.ones((60, 60), np.bool_), PITCH, False)
+EVERYTHING = WeatherSettings(
+    wind_speed_mps=4.0,
+    wind_toward_deg=None,
+    drawn_drift_mps=0.04,
+    wind_profile="log",
+    gust_intensity=0.15,
+    gusts_travel=True,
+    current_speed_mps=0.1,
+    current_toward_deg=None,
+    current_wander_mps=0.05,
+    circulation_mps=-0.2,
+    item_noise_mps=0.036,
+)
+
+
+def points(episodes: int, count: int) -> NDArray[np.float64]:
+    return np.random.default_rng(5).uniform(-10, 260, (episodes, count, 2))
+
+
+def field(settings: WeatherSettings, episodes: int, seed: int = 0) -> Field:
+    return Field.create(settings, episode_keys(seed, np.arange(episodes)), HARBOUR)
+
+
+def correlation(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+    return float(stats.pearsonr(a, b).statistic)
+
+
+@pytest.mark.parametrize("travel", [False, True])
+def test_the_same_bits_in_any_company_and_order(travel: bool) -> None:
+    settings = WeatherSettings(**(vars(EVERYTHING) | {"gusts_travel": travel}))
+    whole, keys = field(settings, 9), episode_keys(0, np.arange(9))
+    xy, times = points(9, 79), np.linspace(0.0, 1500.0, 9)
+    height = np.linspace(0.05, 2.0, 79)
+    wind, current = whole.wind(times, xy, height), whole.current(times, xy)
+    noise = whole.item_noise(times, 75)
+    for e in (8, 3, 0):
+        alone = Field.create(settings, keys[e : e + 1], HARBOUR)
+        some = np.array([70, 2, 41])
+        here = xy[e : e + 1, some]
+        assert (alone.wind(times[e], here, height[some])[0] == wind[e, some]).all()
+        assert (alone.current(times[e], here)[0] == current[e, some]).all()
+        assert (alone.item_noise(times[e], 4)[0] == noise[e, :4]).all()
+    for now in np.arange(100)[::-1] * 0.17:
+        whole.wind(now, xy), whole.current(now, xy)
+    assert (whole.wind(times, xy, height) == wind).all()
+    assert (whole.current(times, xy) == current).all()
+
+
+def test_every_part_changes_with_what_it_should() -> None:
+    whole, rng = field(EVERYTHING, 3), np.random.default_rng(2)
+    node = rng.integers(len(HARBOUR), size=(3, 5))
+    xy = HARBOUR.metres(np.stack((HARBOUR.rows[node], HARBOUR.cols[node]), axis=-1) + 0.2)
+    wind, current = whole.wind(7.0, xy, 1.0), whole.current(7.0, xy)
+    assert np.unique(wind).size == np.unique(current).size == 30
+    assert (whole.wind(7.1, xy, 1.0) != wind).all() and (whole.current(7.1, xy) != current).all()
+    assert (field(EVERYTHING, 3, seed=1).wind(7.0, xy, 1.0) != wind).all()
+    ratio = whole.wind(7.0, xy) / wind
+    np.testing.assert_allclose(ratio, math.log(10 / 2e-4) / math.log(1 / 2e-4), rtol=1e-13)
+
+
+def test_directions_are_where_air_and_water_flow_to() -> None:
+    settings = WeatherSettings(
+        wind_speed_mps=2.0, wind_toward_deg=90.0, current_speed_mps=0.3, current_toward_deg=-180.0
+    )
+    calm, xy = field(settings, 2), points(2, 3)
+    np.testing.assert_allclose(calm.wind(1.0, xy), np.broadcast_to([0, 2.0], xy.shape), atol=1e-15)
+    still = np.broadcast_to([-0.3, 0], xy.shape)
+    np.testing.assert_allclose(calm.current(1.0, xy), still, atol=1e-15)
+
+
+@pytest.mark.parametrize("part", ["wind", "current"])
+def test_a_drawn_direction_is_uniform_over_the_circle(part: str) -> None:
+    options: dict[str, Any] = {f"{part}_speed_mps": 2.0, f"{part}_toward_deg": None}
+    drawn = getattr(field(WeatherSettings(**options), 3000), f"mean_{part}_mps")
+    np.testing.assert_allclose(np.hypot(*drawn.T), 2.0, rtol=1e-14)
+    angle = np.arctan2(drawn[:, 1], drawn[:, 0])
+    assert stats.kstest(angle, "uniform", (-math.pi, 2 * math.pi)).pvalue > 0.01
+
+
+def paper_world(episodes: int) -> tuple[World, Field]:
+    keys = episode_keys(3, np.arange(episodes))
+    nobody = np.empty(0, np.int32)
+    world = create_world(OPEN, Items(covariance_node2=4.0), Weather(), nobody, 1, keys)
+    return world, Field.create(WeatherSettings.of_scenario(Weather(), PITCH, PERIOD), keys)
+
+
+def test_the_papers_drift_has_its_distribution_and_is_the_graphs() -> None:
+    world, weather = paper_world(3000)
+    drift = 0.03 * weather.mean_wind_mps
+    for axis in range(2):
+        assert stats.kstest(drift[:, axis], "uniform", (-0.04, 0.08)).pvalue > 0.01
+    assert abs(correlation(drift[:, 0], drift[:, 1])) < 4 / math.sqrt(3000)
+    graphs = np.stack((world.drift_rc[:, 1], -world.drift_rc[:, 0]), axis=-1) * PITCH / PERIOD
+    np.testing.assert_allclose(drift, graphs, rtol=1e-14)
+
+
+def test_wind_and_noise_carry_items_as_the_graph_does() -> None:
+    """Three decisions of the graph in open water against the integral of leeway and noise."""
+    world, weather = paper_world(20)
+    anchored = Fleet.of({"scouts": Role(count=1, moves=1, radius=1.0, collects=False)})
+    scenario = load_scenario("comb-port")
+    dynamics = GraphDynamics(OPEN, anchored, scenario)
+    state = dynamics.reset(world, episode_keys(3, np.arange(20)), [""] * 20)
+    zero = np.zeros((20, 1), np.int8)
+    moves = Moves(zero + np.int8(STAY), world.agent_node, zero, zero.astype(np.bool_))
+    inland = ((world.item_rc > 2) & (world.item_rc < 57)).all(axis=-1) & (world.item_node >= 0)
+    assert inland.sum() > 1000
+    here = OPEN.metres(world.item_rc)
+    for step in range(3):
+        decision = np.full(20, step + 1, np.int32)
+        state = dynamics.advance(np.ones(20, np.bool_), decision, moves)
+        middle = PERIOD * (step + 0.5)
+        speed = 0.03 * weather.wind(middle, here) + weather.item_noise(middle, here.shape[1])
+        here = here + PERIOD * speed
+        np.testing.assert_allclose(here[inland], OPEN.metres(state.item_rc)[inland], atol=1e-10)
+
+
+def test_noise_is_held_for_a_period_even_if_time_was_summed_up() -> None:
+    _, weather = paper_world(4)
+    summed = sum([0.1] * 300)
+    assert summed != 30.0 and summed == pytest.approx(30.0)
+    third = weather.item_noise(30.0, 75)
+    assert (weather.item_noise(np.array([summed, 30.1, 35.0, 39.99]), 75) == third).all()
+    assert (weather.item_noise(29.9, 75) != third).all()
+    assert (weather.item_noise(40.0, 75) != third).all()
+    assert 0.035 < np.abs(weather.item_noise(0.0, 75)).max() <= 0.036
+
+
+@pytest.mark.parametrize("step_s", [0.02, 0.1, 1.0, 5.0])
+def test_gusts_have_their_size_and_memory_at_every_time_step(step_s: float) -> None:
+    """Along 0.15 U and across 0.8 of it, correlation exp(-step / tau), at the wind's own axes."""
+    settings = WeatherSettings(
+        wind_speed_mps=5.0, wind_toward_deg=30.0, gust_intensity=0.15, gust_tau_s=2.0
+    )
+    gusty = field(settings, 10_000)
+    xy = np.zeros((10_000, 1, 2))
+    axes = np.array([[math.cos(math.pi / 6), -0.5], [0.5, math.cos(math.pi / 6)]])
+    now = gusty.wind(100.0, xy)[:, 0] @ axes - [5.0, 0.0]
+    then = gusty.wind(100.0 + step_s, xy)[:, 0] @ axes - [5.0, 0.0]
+    np.testing.assert_allclose(now.mean(axis=0), 0.0, atol=4 * 0.75 / 100)
+    np.testing.assert_allclose(now.std(axis=0), [0.75, 0.6], rtol=4 / math.sqrt(20_000))
+    memory = math.exp(-step_s / 2.0)
+    for axis in range(2):
+        found = correlation(now[:, axis], then[:, axis])
+        assert abs(found - memory) < 4 * (1 - memory**2) / 100
+    assert abs(correlation(now[:, 0], now[:, 1])) < 4 / 100
+
+
+def test_travelling_gusts_arrive_with_the_mean_wind() -> None:
+    options = {"wind_speed_mps": 5.0, "wind_toward_deg": 90.0, "gust_intensity": 0.2}
+    moving = field(WeatherSettings(**options, gusts_travel=True), 4)  # type: ignore[arg-type]
+    places = np.broadcast_to([[3.0, 0.0], [3.0, 40.0], [99.0, 40.0]], (4, 3, 2))
+    wind = moving.wind(20.0, places)
+    np.testing.assert_allclose(moving.wind(12.0, places)[:, 0], wind[:, 1], rtol=1e-9)
+    np.testing.assert_allclose(wind[:, 1], wind[:, 2], rtol=1e-9)
+    assert (np.abs(wind[:, 0] - wind[:, 1]) > 1e-6).all()
+    still = field(WeatherSettings(**options), 4).wind(20.0, places)  # type: ignore[arg-type]
+    assert (still[:, 0] == still[:, 1]).all() and (still[:, 0] == wind[:, 0]).all()
+
+
+def test_a_wandering_current_has_its_size_and_memory() -> None:
+    settings = WeatherSettings(current_speed_mps=0.2, current_wander_mps=0.05)
+    wandering, xy = field(settings, 10_000), np.zeros((10_000, 1, 2))
+    now, then = (wandering.current(t, xy)[:, 0] - [0.2, 0.0] for t in (50.0, 350.0))
+    np.testing.assert_allclose(now.std(axis=0), 0.05, rtol=4 / math.sqrt(20_000))
+    memory = math.exp(-0.5)
+    for axis in range(2):
+        found = correlation(now[:, axis], then[:, axis])
+        assert abs(found - memory) < 4 * (1 - memory**2) / 100
+
+
+def test_circulation_has_its_peak_and_sense() -> None:
+    xy = HARBOUR.metres(np.stack((HARBOUR.rows, HARBOUR.cols), axis=-1))[None]
+    left, right = (
+        field(WeatherSettings(circulation_mps=peak), 1).current(0.0, xy) for peak in (0.2, -0.2)
+    )
+    np.testing.assert_array_equal(left, -right)
+    assert 0.18 < np.hypot(left[..., 0], left[..., 1]).max() < 0.2
+    assert not field(WeatherSettings(), 1).current(0.0, xy).any()
+
+
+def test_a_circulation_needs_a_map() -> None:
+    with pytest.raises(UserError, match=r"circulation_mps = 0\.2 without a map; give a map, or 0"):
+        Field.create(WeatherSettings(circulation_mps=0.2), episode_keys(0, np.arange(1)))
+
+
+@pytest.mark.parametrize("shape", [(3, 4, 2), (2, 4, 3), (4, 2), (1, 4, 2)])
+def test_points_of_another_batch_are_refused(shape: tuple[int, ...]) -> None:
+    weather = field(WeatherSettings(), 2)
+    with pytest.raises(ValueError, match="xy: shape"):
+        weather.wind(0.0, np.zeros(shape))
+    with pytest.raises(ValueError, match="xy: shape"):
+        weather.current(0.0, np.zeros(shape))
+
+
+@pytest.mark.parametrize("time", [math.nan, math.inf])
+def test_times_that_are_none_are_refused(time: float) -> None:
+    with pytest.raises(ValueError, match="t_s"):
+        field(EVERYTHING, 2).wind(np.array([1.0, time]), np.zeros((2, 1, 2)))
+
+
+def test_lost_positions_stay_lost() -> None:
+    xy = np.full((1, 1, 2), np.nan)
+    assert np.isnan(field(EVERYTHING, 1).wind(0.0, xy)).all()
+    assert np.isnan(field(EVERYTHING, 1).current(0.0, xy)).all()

@@ -1,0 +1,67 @@
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mjforage.core.errors import UserError
+from mjforage.core.scenario import Weather
+from mjforage.physics.weather.settings import WeatherSettings
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "fault"),
+    [
+        ("wind_speed_mps", -1.0, "out of range; give 0 to 60"),
+        ("wind_speed_mps", float("nan"), "out of range"),
+        ("current_wander_tau_s", float("inf"), "out of range"),
+        ("gust_intensity", 0.6, "out of range; give 0 to 0.5"),
+        ("gust_tau_s", 0.0, "out of range"),
+        ("gust_tau_s", None, "expected a number"),
+        ("wind_speed_mps", "5", "expected a number"),
+        ("wind_speed_mps", True, "expected a number"),
+        ("gusts_travel", 1, "expected true or false"),
+        ("wind_toward_deg", 400.0, "out of range; give -360 to 360"),
+        ("wind_profile", "logarithmic", "choose uniform, log, power"),
+        ("wind_profile", 3, "expected text"),
+        ("drawn_drift_leeway", 0.0, "out of range"),
+        ("item_noise_period_s", 0.0, "out of range"),
+        ("circulation_mps", 9.0, "out of range"),
+    ],
+)
+def test_bad_values_are_named(name: str, value: Any, fault: str) -> None:
+    with pytest.raises(UserError) as error:
+        WeatherSettings(**{name: value})
+    message = str(error.value)
+    assert message.startswith(f"weather: {name} = {value!r}") and fault in message
+
+
+def test_roughness_stays_below_the_reference_height() -> None:
+    with pytest.raises(UserError, match=r"roughness_m = 0\.5 is not below wind_height_m = 0\.5"):
+        WeatherSettings(wind_profile="log", roughness_m=0.5, wind_height_m=0.5)
+
+
+def test_every_number_has_a_range_and_keeps_to_it() -> None:
+    for entry in dataclasses.fields(WeatherSettings):
+        if entry.name in ("wind_profile", "gusts_travel"):
+            continue
+        for bound in (entry.metadata["low"], entry.metadata["high"]):
+            assert getattr(WeatherSettings(**{entry.name: bound}), entry.name) == bound
+        with pytest.raises(UserError, match=entry.name):
+            WeatherSettings(**{entry.name: np.nextafter(entry.metadata["high"], np.inf)})
+
+
+def test_integers_become_floats() -> None:
+    assert type(WeatherSettings(wind_speed_mps=3).wind_speed_mps) is float
+
+
+def test_the_papers_drift_in_metres_per_second() -> None:
+    settings = WeatherSettings.of_scenario(Weather(), pitch_m=4.0, period_s=10.0)
+    assert settings.drawn_drift_mps == pytest.approx(0.04, rel=1e-15)
+    assert settings.item_noise_mps == pytest.approx(0.036, rel=1e-15)
+    assert settings == WeatherSettings(
+        drawn_drift_mps=0.1 * 0.4,
+        item_noise_mps=0.09 * 0.4,
+        item_noise_period_s=10.0,
+        current_toward_deg=None,
+    )

@@ -1,0 +1,293 @@
+"""dask clusters: the same bytes whatever dies, and named errors for what does not fit."""
+
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from mjforage.runs.costs import Call, load_costs
+from mjforage.core.errors import UserError
+from mjforage.core.mission import Setting
+from mjforage.core.scenario_file import load_scenario
+from mjforage.runs import cluster, variants
+from mjforage.runs.evaluate import Run, plan
+from mjforage.runs.identity import versions
+from mjforage.runs.study import Study, run_study
+from mjforage.runs.workers import Order, Workers, run_chunk
+
+pytest.importorskip("distributed")
+Start = Callable[..., "subprocess.Popen[str]"]
+Refused = Callable[..., str]
+PATIENCE_S = 120.0
+EPISODES = 150
+needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs /proc")
+
+
+def wait_for(condition: Callable[[], object], what: str) -> None:
+    end = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < end, f"waited in vain for {what}"
+        time.sleep(0.01)
+
+
+def dask_workers(pid: int) -> list[int]:
+    """Worker processes of a cluster that a process started."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*"):
+        try:
+            parent = (path / "stat").read_text().rpartition(")")[2].split()[1]
+            if int(parent) == pid and "spawn_main" in (path / "cmdline").read_text():
+                found.append(int(path.name))
+        except OSError:
+            continue
+    return found
+
+
+def chunks(folder: Path) -> int:
+    return len(list(folder.glob("variants/*/chunks/[g]*")))
+
+
+@needs_proc
+def test_a_worker_killed_in_the_middle_changes_no_bit(start: Start, tmp_path: Path) -> None:
+    setting = Setting.of(load_scenario("published", ["horizon=60"]))
+    plain, killed = tmp_path / "plain", tmp_path / "killed"
+    study = Study(
+        "ablation",
+        setting,
+        variants.ablation(setting.scenario, ["greedy"]),
+        episodes=EPISODES,
+        options={},
+    )
+    run_study(study, plain)
+    process = start(
+        *("study", "ablation", "published", "--policy", "greedy", "--set", "horizon=60"),
+        *("--episodes", EPISODES, "--local-cluster", 2, "--out", killed),
+    )
+    wait_for(lambda: chunks(killed), "a finished chunk")
+    before = dask_workers(process.pid)
+    assert len(before) == 2
+    os.kill(before[0], signal.SIGKILL)
+    out, err = process.communicate(timeout=PATIENCE_S)
+    assert (process.returncode, err) == (0, ""), out
+    for name in ("summary.json", "variants/scouts-less/steps.parquet"):
+        assert (killed / name).read_bytes() == (plain / name).read_bytes(), name
+    costs = [one for path in killed.glob("variants/*/costs.json") for one in load_costs(path)]
+    assert sum(cost.episodes for cost in costs) == 3 * EPISODES
+    assert {(cost.workers, cost.how) for cost in costs} == {(2, "local dask cluster")}
+
+
+def unused_port() -> int:
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return int(listener.getsockname()[1])
+
+
+def test_a_scheduler_that_does_not_answer_is_named(
+    refused: Refused, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "PATIENCE_S", 0.5)
+    address, folder = f"tcp://127.0.0.1:{unused_port()}", tmp_path / "study"
+    words = refused("study", "ablation", "--scheduler", address, "--out", folder)
+    assert words.startswith(f"mjforage: scheduler {address}: no answer or no worker within 0.5 s")
+    assert "start `dask scheduler`" in words
+    assert not folder.exists()
+
+
+def test_another_program_at_the_address_is_named(
+    refused: Refused, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "PATIENCE_S", 0.5)
+    with socket.create_server(("127.0.0.1", 0)) as mute:
+        address = f"tcp://127.0.0.1:{mute.getsockname()[1]}"
+        words = refused("study", "ablation", "--scheduler", address, "--out", tmp_path / "study")
+    assert words.startswith(f"mjforage: scheduler {address}: no answer or no worker within 0.5 s")
+    assert not (tmp_path / "study").exists()
+
+
+@pytest.mark.parametrize(
+    ("address", "words"),
+    [
+        ("tcp://node7", "has no port"),
+        ("tcp://:8786", "has no host"),
+        ("tcp://node 7:8786", "has no host"),
+        ("tcp://node7:many", "Port could not be cast"),
+        ("tcp://node7:99999", "Port out of range"),
+        ("tcp://node7:8786/status", "has more than host and port"),
+        ("node7:8786", "does not begin with tcp://"),
+        ("http://node7:8787", "does not begin with tcp://"),
+        ("", "the address is empty"),
+    ],
+)
+def test_what_is_no_address_is_named_at_once(
+    address: str,
+    words: str,
+    refused: Refused,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(cluster, "connected", lambda *_: pytest.fail("dask was asked"))
+    for study in (("study", "ablation"), ("evaluate", "comb-port", "--policy", "greedy")):
+        line = refused(*study, "--scheduler", address, "--out", tmp_path / "out")
+        assert line.startswith(f"mjforage: --scheduler{' ' * bool(address)}{address}: {words}"), (
+            line
+        )
+        assert "tcp://host:8786" in line
+        assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("address", ["tcp://node7:8786", "tls://10.0.0.7:1", "tcp://[::1]:8786"])
+def test_addresses_that_dask_prints_are_taken(address: str) -> None:
+    assert Workers(scheduler=address).scheduler == address
+
+
+@pytest.mark.parametrize(
+    "flags", [("--jobs", 2, "--local-cluster", 2), ("--jobs", 0), ("--local-cluster", -1)]
+)
+def test_workers_are_counted_once(flags: tuple[object, ...], refused: Refused) -> None:
+    words = refused("evaluate", "comb-port", "--policy", "greedy", *flags)
+    assert "give one of them" in words or "give at least 1 worker" in words
+
+
+@pytest.fixture
+def order(tmp_path: Path) -> Order:
+    """Return an order as the workers of a cluster get it."""
+    setting = Setting.of(load_scenario("published", ["horizon=5"]))
+    run = Run.plan(setting, ["greedy"], tmp_path / "run", episodes=2)
+    run.open()
+    call = Call("now", "dask", 1)
+    return Order.of(run.setting, 0, run.folder.path, run.info["hash"], call, remote=True)
+
+
+def refusal(order: Order) -> str:
+    chunk = plan(["greedy"], ["graph"], 2)[0]
+    return str(run_chunk(order, chunk))
+
+
+def test_workers_that_agree_compute(order: Order) -> None:
+    assert refusal(order) == "None"
+    assert order.versions == tuple(versions().items()) and dict(order.versions)["code"]
+
+
+@pytest.mark.parametrize("name", ["mjforage", "mujoco", "numpy", "code"])
+def test_a_worker_of_another_version_is_named(order: Order, name: str) -> None:
+    others = tuple((key, "99" if key == name else value) for key, value in order.versions)
+    words = refusal(replace(order, versions=others))
+    assert words.startswith(f"worker on {socket.gethostname()}: {name} is ")
+    assert "but 99 where the command was given" in words
+
+
+def test_a_worker_that_does_not_see_the_folder_is_named(order: Order, tmp_path: Path) -> None:
+    words = refusal(replace(order, folder=tmp_path / "elsewhere"))
+    assert words.startswith(f"worker on {socket.gethostname()}: {tmp_path / 'elsewhere'}/run.json")
+    assert "--out must lie on a disk that all machines share" in words
+
+
+def test_a_worker_with_another_scenario_is_named(order: Order) -> None:
+    words = refusal(replace(order, scenario_json=order.scenario_json.replace("75.0", "74.0")))
+    assert "scenario and hulls have the hash" in words
+    assert "give all machines the same files" in words
+
+
+def test_workers_are_one_or_the_other() -> None:
+    with pytest.raises(UserError, match="give one of them"):
+        Workers(2, "tcp://host:1")
+
+
+class KilledWorker(Exception):  # noqa: N818 - as dask calls it
+    pass
+
+
+@pytest.mark.parametrize(
+    ("status", "states", "words"),
+    [
+        ("closed", [], "scheduler tcp://host:1: connection lost; run the same command again"),
+        ("running", [("error", KilledWorker())], "killed several workers, perhaps for want of mem"),
+        (
+            "running",
+            [("finished", None), ("cancelled", None)],
+            "up by the cluster (cancelled)",
+        ),
+    ],
+)
+@pytest.mark.parametrize("background", [False, True])
+def test_what_will_never_be_done_ends_the_wait(
+    background: bool,
+    status: str,
+    states: list[tuple[str, Exception | None]],
+    words: str,
+    request: pytest.FixtureRequest,
+) -> None:
+    """A shell's background jobs ignore the signal of Ctrl-C."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN if background else signal.SIG_DFL)
+    request.addfinalizer(lambda: signal.signal(signal.SIGINT, before))
+    client = SimpleNamespace(
+        status=status,
+        scheduler=SimpleNamespace(address="tcp://host:1"),
+        futures={n: SimpleNamespace(status=s, exception=e) for n, (s, e) in enumerate(states)},
+    )
+    with pytest.raises(UserError, match=re.escape(words)), cluster.watched(client):
+        wait_for(lambda: False, "the end of the wait")
+
+
+def test_a_scheduler_that_is_killed_on_the_way_is_named(
+    start: Start, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    """A real one: joblib hears of it before the watch does."""
+    address, programs = f"tcp://127.0.0.1:{unused_port()}", []
+    for name, *flags in (
+        ("dask_scheduler", "--host", address, "--no-dashboard"),
+        ("dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"),
+    ):
+        program = subprocess.Popen(
+            [sys.executable, "-m", f"distributed.cli.{name}", *flags],
+            cwd=tmp_path,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        request.addfinalizer(program.wait)
+        request.addfinalizer(program.kill)
+        programs.append(program)
+    folder = tmp_path / "study"
+    process = start(
+        *("study", "ablation", "published", "--policy", "greedy", "--episodes", 400),
+        *("--scheduler", address, "--out", folder),
+    )
+    wait_for(lambda: chunks(folder), "a finished chunk")
+    programs[0].kill()
+    _, err = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 2 and err.count("\n") == 1, err
+    assert err.startswith("mjforage: ") and "finished chunks are kept" in err
+
+
+def test_an_interruption_stays_one() -> None:
+    client = SimpleNamespace(status="running", futures={})
+    with pytest.raises(KeyboardInterrupt), cluster.watched(client):
+        raise KeyboardInterrupt
+
+
+def test_one_worker_computes_too(start: Start, tmp_path: Path) -> None:
+    process = start(
+        *("evaluate", "published", "--policy", "greedy", "--set", "horizon=5", "--episodes", 30),
+        *("--local-cluster", 1, "--out", tmp_path / "run"),
+        before="from mjforage.runs import workers; workers.score = None",
+    )
+    _, err = process.communicate(timeout=PATIENCE_S)
+    assert (process.returncode, err) == (0, ""), "the command computed itself"
+
+
+def test_dask_that_is_missing_is_named(
+    refused: Refused, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    flags = ("--local-cluster", 1, "--out", tmp_path / "run")
+    words = refused("evaluate", "comb-port", "--policy", "greedy", *flags)
+    assert "dask is not installed; pip install 'mjforage[cluster]'" in words

@@ -1,0 +1,130 @@
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pytest
+
+from mjforage.core.errors import UserError
+from mjforage.core.mission import Setting
+from mjforage.runs.replay import Replay
+from mjforage.core.scenario_file import load_scenario
+from mjforage.runs.evaluate import evaluate
+from mjforage.runs.replaying import replay_of_run
+
+
+def error_of(
+    folder: Path, world: str = "graph", policy: str | None = None, episode: int = 0
+) -> str:
+    with pytest.raises(UserError) as caught:
+        replay_of_run(folder, world, policy, episode)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def change(path: Path, edit: Callable[[dict[str, Any]], object]) -> None:
+    content = json.loads(path.read_text())
+    edit(content)
+    path.write_text(json.dumps(content))
+
+
+@pytest.mark.parametrize("policy", ["greedy", "levy"])
+@pytest.mark.parametrize("episode", [0, 2])
+def test_an_episode_comes_out_as_logged(finished: Path, policy: str, episode: int) -> None:
+    replay = replay_of_run(finished, "graph", policy, episode)
+    key = (pl.col("policy") == policy) & (pl.col("episode") == episode)
+    items = pl.read_parquet(finished / "items.parquet").filter(key)
+    assert (replay.policy, replay.episode, replay.seed) == (policy, episode, 0)
+    assert replay.item_rc.shape[1] == items.height
+    assert np.array_equal(replay.item_rc[0], items.select("row_start", "col_start").to_numpy())
+    removed = items["t_collected"].fill_null(10_000).to_numpy()
+    steps = np.arange(len(replay.item_present))
+    assert np.array_equal(replay.item_present, steps[:, None] < removed[None, :])
+
+
+def test_the_first_policy_is_the_default_and_the_stored_replay_is_equal(finished: Path) -> None:
+    replay = replay_of_run(finished, "graph", None, 0)
+    stored = Replay.load(finished / "replay" / "graph-greedy-0.npz")
+    for name, value in vars(replay).items():
+        assert np.array_equal(value, getattr(stored, name)), name
+
+
+@pytest.mark.parametrize(
+    ("choice", "words"),
+    [
+        ({"episode": 3}, "no episode 3 of greedy in world graph; it holds episodes 0 to 2"),
+        ({"episode": -1}, "no episode -1 of greedy"),
+        (
+            {"policy": "pso"},
+            "no episode 0 of pso in world graph; it holds episodes 0 to 2 of greedy",
+        ),
+        ({"world": "physics"}, "no episode 0 of greedy in world physics"),
+    ],
+)
+def test_what_the_run_does_not_hold_is_named(
+    finished: Path, choice: dict[str, Any], words: str
+) -> None:
+    assert words in error_of(finished, **choice)
+
+
+def test_a_tampered_log_does_not_come_out(run_copy: Path) -> None:
+    path = run_copy / "agents.parquet"
+    frame = pl.read_parquet(path)
+    east = frame["x_m"].to_list()
+    east[-1] += 0.01
+    frame.with_columns(x_m=pl.Series(east, dtype=pl.Float32)).write_parquet(path)
+    assert replay_of_run(run_copy, "graph", "levy", 0).episode == 0
+    message = error_of(run_copy, policy="levy", episode=2)
+    assert "episode 2 of levy does not come out as logged" in message
+
+
+def test_a_shortened_log_does_not_come_out(run_copy: Path) -> None:
+    path = run_copy / "agents.parquet"
+    pl.read_parquet(path).filter(pl.col("step") < 12).write_parquet(path)
+    assert "does not come out as logged" in error_of(run_copy)
+
+
+@pytest.mark.parametrize("content", [None, b"", b"PAR1"])
+def test_a_spoilt_log_is_named(run_copy: Path, content: bytes | None) -> None:
+    path = run_copy / "agents.parquet"
+    path.unlink()
+    if content is not None:
+        path.write_bytes(content)
+    assert error_of(run_copy).startswith(f"{path}: missing, truncated or not Parquet")
+
+
+@pytest.mark.parametrize(
+    ("edit", "words"),
+    [
+        (lambda run: run.update(seed=1), "does not come out as logged"),
+        (lambda run: run.pop("map"), "key 'map' is missing"),
+        (
+            lambda run: run.update(policies=["gready"]),
+            "policy gready: unknown; did you mean greedy",
+        ),
+        (lambda run: run["scenario"].update(horizn=3), "unknown key horizn; did you mean horizon?"),
+        (lambda run: run["scenario"]["map"].update(starts=[[0, 0]]), "start (0, 0) of"),
+        (lambda run: run["map"].update(rows=3), "'navigable' is not 3 strings"),
+    ],
+)
+def test_a_tampered_run_json_is_named(
+    run_copy: Path, edit: Callable[[dict[str, Any]], object], words: str
+) -> None:
+    change(run_copy / "run.json", edit)
+    assert words in error_of(run_copy)
+
+
+def test_the_map_file_is_not_needed_any_more(tmp_path: Path) -> None:
+    path = tmp_path / "harbour.csv"
+    path.write_text("1,1,1,1\n1,1,1,1\n1,1,1,1\n")
+    starts = path.with_name("harbour.starts.csv")
+    starts.write_text("0,0\n0,1\n1,0\n1,1\n")
+    setting = Setting.of(load_scenario("channels", ["horizon=3"], str(path)))
+    evaluate(setting, ["random"], tmp_path / "run", episodes=2)
+    path.unlink()
+    starts.unlink()
+    replay = replay_of_run(tmp_path / "run", "graph", "random", 1)
+    assert replay.navigable.shape == (3, 4)
+    assert {tuple(rc) for rc in replay.agent_rc[0].tolist()} == {(0, 0), (0, 1), (1, 0), (1, 1)}

@@ -1,0 +1,262 @@
+"""Runs that are killed, interrupted or out of disk: one clear error, and nothing lost."""
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from mjforage.core.mission import Setting
+from mjforage.core.scenario_file import load_scenario
+from mjforage.runs.storage import Chunk, RunFolder
+from mjforage.runs.evaluate import evaluate, plan
+from mjforage.runs.workers import Order, run_chunk
+from mjforage.runs.tables import TABLES
+
+PATIENCE_S = 120.0
+Start = Callable[..., "subprocess.Popen[str]"]
+INTERRUPTED = "mjforage: interrupted; finished work is kept, run the same command again to resume\n"
+TELL_CHUNKS = """
+import json
+from mjforage.runs.storage import RunFolder
+from mjforage.runs import evaluate
+run_chunks, merge = evaluate.run_chunks, RunFolder.merge
+def tell_missing(work, workers):
+    print(json.dumps([chunk.name for _, chunk in work]))
+    return run_chunks(work, workers)
+def tell_finished(run, chunks):
+    print(json.dumps({p.name: p.stat().st_ino for p in (run.path / "chunks").glob("[gp]*-*")}))
+    merge(run, chunks)
+evaluate.run_chunks, RunFolder.merge = tell_missing, tell_finished
+"""
+LIMIT = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({0}, {0}))"
+needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs /proc")
+
+
+HORIZON = {"graph": 100, "physics": 5}
+
+
+def arguments(folder: Path, episodes: int, jobs: int, world: str = "graph") -> tuple[object, ...]:
+    return (
+        *("evaluate", "comb-port", "--policy", "greedy", "--world", world, "--seed", 3),
+        *("--set", f"horizon={HORIZON[world]}"),
+        *("--episodes", episodes, "--jobs", jobs, "--out", folder),
+    )
+
+
+def wait_for(condition: Callable[[], object], what: str) -> None:
+    end = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < end, f"waited in vain for {what}"
+        time.sleep(0.005)
+
+
+def chunks(folder: Path) -> dict[str, int]:
+    """Finished chunks and the inode of each."""
+    return {path.name: path.stat().st_ino for path in (folder / "chunks").glob("[gp]*-*")}
+
+
+def children(pid: int) -> dict[int, str]:
+    """Living processes started by one, with their command lines."""
+    found = {}
+    for path in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            fields = (path / "stat").read_text().rpartition(")")[2].split()
+            if fields[0] != "Z" and int(fields[1]) == pid:
+                found[int(path.name)] = (path / "cmdline").read_text()
+    return found
+
+
+def workers(pid: int) -> set[int]:
+    return {child for child, line in children(pid).items() if "popen_loky" in line}
+
+
+def alive(pid: int) -> bool:
+    with contextlib.suppress(OSError):
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    return False
+
+
+@pytest.fixture(scope="module", autouse=True)
+def compiled(finished: Path) -> None:
+    """Compile all kernels, so that no process waits for that or writes caches on a full disk."""
+    assert finished.is_dir()
+    assert Setting.of(load_scenario("comb-port")).reachable_shares["scouts"] == 1.0
+
+
+def undisturbed(folder: Path, episodes: int, world: str = "graph") -> Path:
+    setting = Setting.of(load_scenario("comb-port", [f"horizon={HORIZON[world]}"]))
+    evaluate(setting, ["greedy"], folder, episodes=episodes, seed=3, worlds=(world,))
+    return folder
+
+
+@needs_proc
+@pytest.mark.parametrize(("world", "episodes"), [("graph", 600), ("physics", 60)])
+def test_a_killed_run_resumes_to_the_same_bytes(
+    start: Start, tmp_path: Path, world: str, episodes: int
+) -> None:
+    run, everything = tmp_path / "run", len(plan(["greedy"], [world], episodes))
+    killed = start(*arguments(run, episodes, 2, world))
+    wait_for(lambda: chunks(run), "a finished chunk")
+    wait_for(lambda: len(workers(killed.pid)) == 2, "two workers")
+    helpers = children(killed.pid)
+    os.kill(killed.pid, signal.SIGKILL)
+    killed.wait(PATIENCE_S)
+    wait_for(lambda: not any(alive(pid) for pid in helpers), "the end of the workers")
+    kept = chunks(run)
+    assert 1 <= len(kept) < everything
+    assert not (run / "summary.json").exists()
+    resumed = start(*arguments(run, episodes, 2, world), before=TELL_CHUNKS)
+    out, err = resumed.communicate(timeout=PATIENCE_S)
+    assert (resumed.returncode, err) == (0, "")
+    computed, merged = (json.loads(line) for line in out.splitlines()[1:3])
+    assert set(computed) == set(merged) - set(kept), "finished chunks were computed again"
+    assert len(merged) == everything
+    assert kept.items() <= merged.items(), "finished chunks were written again"
+    assert not (run / "chunks").exists()
+    whole = undisturbed(tmp_path / "whole", episodes, world)
+    for name in ("summary.json", *(f"{table}.parquet" for table in TABLES)):
+        assert (run / name).read_bytes() == (whole / name).read_bytes(), name
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_ctrl_c_is_one_line_and_keeps_finished_chunks(
+    jobs: int, start: Start, tmp_path: Path
+) -> None:
+    run = tmp_path / "run"
+    process = start(*arguments(run, 5000, jobs))
+    wait_for(lambda: chunks(run), "a finished chunk")
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=PATIENCE_S)
+    assert (process.returncode, err) == (2, INTERRUPTED)
+    assert 1 <= len(chunks(run)) < 200
+    run_folder = RunFolder(run)
+    finished = [chunk for chunk in plan(["greedy"], ["graph"], 5000) if run_folder.has(chunk)]
+    assert len(finished) == len(chunks(run))
+
+
+@needs_proc
+def test_ctrl_c_while_workers_start_is_one_line(start: Start, tmp_path: Path) -> None:
+    process = start(*arguments(tmp_path / "run", 5000, 2))
+    wait_for(lambda: workers(process.pid), "a worker")
+    helpers = children(process.pid)
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=PATIENCE_S)
+    assert (process.returncode, err) == (2, INTERRUPTED)
+    wait_for(lambda: not any(alive(pid) for pid in helpers), "the end of the workers")
+
+
+@needs_proc
+def test_a_killed_worker_is_one_line(start: Start, tmp_path: Path) -> None:
+    process = start(*arguments(tmp_path / "run", 5000, 2))
+    wait_for(lambda: chunks(tmp_path / "run"), "a finished chunk")
+    os.kill(workers(process.pid).pop(), signal.SIGKILL)
+    _, err = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 2
+    assert err.startswith("mjforage: a worker process was killed, perhaps for want of memory")
+    assert err.count("\n") == 1
+    assert chunks(tmp_path / "run")
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_full_disk_is_one_line_and_keeps_finished_chunks(
+    jobs: int, start: Start, tmp_path: Path
+) -> None:
+    pytest.importorskip("resource")
+    run, episodes = tmp_path / "run", 100
+    stop_after_one_chunk(run, episodes)
+    kept = chunks(run)
+    assert len(kept) == 1
+    process = start(*arguments(run, episodes, jobs), before=LIMIT.format(20_000))
+    _, err = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 2
+    assert "cannot be written (File too large); free some space or choose another --out" in err
+    assert err.count("\n") == 1
+    assert chunks(run) == kept
+    assert [path.name for path in (run / "chunks").glob("[!.]*")] == list(kept)
+    undisturbed(run, episodes)
+    assert not (run / "chunks").exists()
+    whole = undisturbed(tmp_path / "whole", episodes)
+    assert (run / "summary.json").read_bytes() == (whole / "summary.json").read_bytes()
+
+
+def test_a_disk_that_fills_while_merging_keeps_every_chunk(start: Start, tmp_path: Path) -> None:
+    pytest.importorskip("resource")
+    run, episodes = tmp_path / "run", 500
+    process = start(*arguments(run, episodes, 1), before=LIMIT.format(150_000))
+    _, err = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 2
+    assert err.startswith(f"mjforage: {run}/")
+    assert "parquet: cannot be written (" in err
+    assert err.count("\n") == 1
+    assert len(chunks(run)) == 20
+    assert not (run / "summary.json").exists()
+    assert not list(run.glob(".*"))
+
+
+def stop_after_one_chunk(folder: Path, episodes: int) -> None:
+    def stop(done: int, _: int) -> None:
+        if done:
+            raise KeyboardInterrupt
+
+    setting = Setting.of(load_scenario("comb-port", ["horizon=100"]))
+    with contextlib.suppress(KeyboardInterrupt):
+        evaluate(setting, ["greedy"], folder, episodes=episodes, seed=3, progress=stop)
+
+
+def test_only_missing_chunks_are_computed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = tmp_path / "run"
+    stop_after_one_chunk(run, 60)
+    asked: list[int] = []
+
+    def note(order: Order, chunk: Chunk) -> str | None:
+        asked.append(chunk.first)
+        return run_chunk(order, chunk)
+
+    monkeypatch.setattr("mjforage.runs.workers.run_chunk", note)
+    undisturbed(run, 60)
+    assert asked == [25, 50]
+
+
+DIE_AT = """
+import os, shutil, signal, sys
+from pathlib import Path
+calls = 0
+def dying(inner):
+    def call(*arguments, **options):
+        global calls
+        calls += 1
+        if calls == {moment}:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return inner(*arguments, **options)
+    return call
+for owner, name in ((Path, "replace"), (Path, "rename"), (Path, "rmdir"), (shutil, "rmtree")):
+    setattr(owner, name, dying(getattr(owner, name)))
+"""
+
+
+@pytest.mark.parametrize("moment", [5, 13])
+def test_a_comparison_killed_while_it_finishes_ends_the_same(
+    start: Start, tmp_path: Path, moment: int
+) -> None:
+    """Killed at a renaming or a removal: of a chunk, a table, a replay, the summary, the chunks."""
+    run = tmp_path / "run"
+    asked = ("compare", "comb-port", "--policy", "greedy", "--set", "horizon=5", "--episodes", 3)
+    killed = start(*asked, "--out", run, before=DIE_AT.format(moment=moment))
+    killed.communicate(timeout=PATIENCE_S)
+    assert killed.returncode == -signal.SIGKILL
+    resumed = start(*asked, "--out", run)
+    _, err = resumed.communicate(timeout=PATIENCE_S)
+    assert (resumed.returncode, err) == (0, "")
+    whole = tmp_path / "whole"
+    setting = Setting.of(load_scenario("comb-port", ["horizon=5"]))
+    evaluate(setting, ["greedy"], whole, episodes=3, worlds=("graph", "physics"))
+    for name in ("summary.json", *(f"{table}.parquet" for table in TABLES)):
+        assert (run / name).read_bytes() == (whole / name).read_bytes(), name
+    assert not (run / "chunks").exists()
+    assert not list(run.glob(".*.*"))

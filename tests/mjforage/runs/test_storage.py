@@ -1,0 +1,330 @@
+import json
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import polars as pl
+import pytest
+
+from mjforage.runs.costs import Cost
+from mjforage.core.errors import UserError
+from mjforage.runs.storage import Chunk, RunFolder, run_hash, write_json, writing
+from mjforage.runs.tables import SCHEMAS, TABLES
+
+INFO: dict[str, Any] = {
+    "command": "mjforage study paper --policy greedy",
+    "scenario": {"name": "x", "team": {"scouts": {"count": 2}}},
+    "map": {"name": "m", "navigable": ["01", "11"]},
+    "versions": {"mjforage": "1", "mujoco": "3", "code": "ab", "numpy": "2"},
+    "seed": 0,
+    "episodes": 3,
+    "worlds": ["graph"],
+    "policies": ["greedy"],
+    "agents": [{"name": "scouts-0"}],
+}
+FIRST, SECOND = Chunk("graph", "greedy", 0, 2), Chunk("graph", "greedy", 2, 1)
+COST = Cost("graph", "greedy", 2, 300, 1.5, 2.0, 1e9, "node7-1", "now", "processes", 1)
+
+
+def frames(chunk: Chunk) -> dict[str, pl.DataFrame]:
+    """One row per episode in every table, its number in every column that is not a key."""
+    keys = {"world": chunk.world, "policy": chunk.policy}
+    numbers = [episode for _, _, episode in chunk.keys]
+    return {
+        table: pl.DataFrame({name: keys.get(name, numbers) for name in schema}).cast(schema)  # type: ignore[arg-type]
+        for table, schema in SCHEMAS.items()
+    }
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> RunFolder:
+    """Return an open run with one chunk of two."""
+    folder = RunFolder(tmp_path / "run")
+    folder.open(INFO)
+    folder.write(FIRST, frames(FIRST), COST)
+    return folder
+
+
+def chunk_folder(run: RunFolder) -> Path:
+    return run.path / "chunks" / FIRST.name
+
+
+def error_of(function: Callable[..., object], *arguments: object) -> str:
+    with pytest.raises(UserError) as caught:
+        function(*arguments)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_chunks_merge_in_the_given_order_and_go(run: RunFolder) -> None:
+    assert run.has(FIRST)
+    assert not run.has(SECOND)
+    run.write(SECOND, frames(SECOND), COST)
+    assert run.costs([FIRST, SECOND]) == [COST, COST]
+    assert not run.complete
+    run.merge([SECOND, FIRST])
+    assert not run.complete
+    write_json(run.path / "summary.json", {})
+    assert run.complete
+    run.finish([FIRST, SECOND])
+    assert sorted(path.name for path in run.path.iterdir()) == sorted(
+        ["run.json", "summary.json", *(f"{table}.parquet" for table in TABLES)]
+    )
+    for table in TABLES:
+        assert run.table(table)["episode"].to_list() == [2, 0, 1]
+        assert dict(run.table(table).schema) == SCHEMAS[table]
+    assert run.episodes([FIRST, SECOND]).height == 3
+
+
+def test_brackets_and_stars_in_a_folder_name_are_letters(tmp_path: Path) -> None:
+    folder = RunFolder(tmp_path / "a [1]*?")
+    folder.open(INFO)
+    folder.write(FIRST, frames(FIRST), COST)
+    assert folder.has(FIRST)
+    folder.merge([FIRST])
+    assert folder.table("items").height == 2
+
+
+def test_same_run_may_be_opened_again_and_keeps_its_file(run: RunFolder) -> None:
+    before = (run.path / "run.json").read_bytes()
+    run.open(INFO | {"started": "later", "versions": INFO["versions"] | {"numpy": "3"}})
+    assert (run.path / "run.json").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("seed", 7, "seed is 0 there and 7 here"),
+        ("episodes", 4, "episodes is 3 there and 4 here"),
+        ("policies", ["levy"], 'policies is ["greedy"] there and ["levy"] here'),
+        ("worlds", ["physics"], 'worlds is ["graph"] there and ["physics"] here'),
+        ("scenario", {"name": "x", "team": {"scouts": {"count": 3}}}, "scouts.count is 2 there"),
+        ("scenario", {"name": "x", "team": {}}, '.scouts is {"count": 2} there and null'),
+        ("map", {"name": "m", "navigable": ["11", "11"]}, "the map's cells differ"),
+        ("versions", {"mjforage": "2", "mujoco": "3"}, 'mjforage is "1" there and "2" here'),
+        (
+            "versions",
+            INFO["versions"] | {"code": "cd"},
+            'code is "ab" there and "cd"',
+        ),
+        ("agents", [{"name": "other-0"}], "the agents are others or in another order"),
+    ],
+)
+def test_another_run_is_refused_with_the_difference(
+    run: RunFolder, key: str, value: object, words: str
+) -> None:
+    message = error_of(run.open, INFO | {key: value})
+    assert message.startswith(f"{run.path}: holds another run: ")
+    assert words in message
+    assert run.has(FIRST)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[1]", "\udcff", "null"])
+def test_a_run_json_that_is_none_is_refused_and_kept(tmp_path: Path, text: str) -> None:
+    file = tmp_path / "run.json"
+    file.write_bytes(text.encode("utf-8", "surrogateescape"))
+    message = error_of(RunFolder(tmp_path).open, INFO)
+    assert message == f"{file}: is not the run.json of a run; choose another --out"
+    assert file.read_bytes() == text.encode("utf-8", "surrogateescape")
+
+
+@pytest.mark.parametrize("text", ["{}", '{"versions": 3, "scenario": [], "map": null}'])
+def test_a_foreign_run_json_is_refused(tmp_path: Path, text: str) -> None:
+    (tmp_path / "run.json").write_text(text)
+    assert "holds another run" in error_of(RunFolder(tmp_path).open, INFO)
+
+
+def test_a_folder_of_something_else_is_refused_but_hidden_files_do_not_count(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / ".hidden").write_text("")
+    RunFolder(tmp_path).open(INFO)
+    (tmp_path / "run.json").rename(tmp_path / "thesis.tex")
+    message = error_of(RunFolder(tmp_path).open, INFO)
+    assert message.startswith(f"{tmp_path}: holds thesis.tex but no run.json")
+    assert not (tmp_path / "run.json").exists()
+
+
+def truncate(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def damage(path: Path) -> None:
+    """Spoil what is inside; the footer, which holds the schema, stays."""
+    content = bytearray(path.read_bytes())
+    content[4:40] = bytes(36)
+    path.write_bytes(bytes(content))
+
+
+def replace(path: Path) -> None:
+    pl.DataFrame({"price": [1.0]}).write_parquet(path)
+
+
+def retype(path: Path) -> None:
+    frame = pl.read_parquet(path)
+    frame.with_columns(pl.col("episode").cast(pl.Float64)).write_parquet(path)
+
+
+@pytest.mark.parametrize("table", TABLES)
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (truncate, "missing, truncated or not Parquet"),
+        (Path.unlink, "missing, truncated or not Parquet"),
+        (damage, "damaged"),
+        (replace, "price, "),
+        (retype, "(column types differ)"),
+    ],
+)
+def test_a_spoilt_chunk_is_named_and_left(
+    run: RunFolder, table: str, spoil: Callable[[Path], object], words: str
+) -> None:
+    path = chunk_folder(run) / f"{table}.parquet"
+    spoil(path)
+    left = sorted(chunk_folder(run).iterdir())
+    message = error_of(run.has, FIRST)
+    assert message.startswith(f"{path}: ")
+    assert words in message
+    assert message.endswith(f"move {chunk_folder(run)} away and run `{INFO['command']}` again")
+    assert sorted(chunk_folder(run).iterdir()) == left
+
+
+@pytest.mark.parametrize(
+    "other", [SECOND, Chunk("graph", "levy", 0, 2), Chunk("sea", "greedy", 0, 2)]
+)
+def test_a_chunk_of_other_episodes_is_named(run: RunFolder, other: Chunk) -> None:
+    for name, frame in frames(other).items():
+        frame.write_parquet(chunk_folder(run) / f"{name}.parquet")
+    assert "does not hold the 2 episodes that it should" in error_of(run.has, FIRST)
+
+
+@pytest.mark.parametrize("text", [None, "{", '{"cpu_s": "much"}', '{"cpu_s": null}'])
+def test_a_spoilt_cost_of_a_chunk_is_named(run: RunFolder, text: str | None) -> None:
+    path = chunk_folder(run) / "cost.json"
+    path.unlink()
+    if text is not None:
+        path.write_text(text)
+    words = f"delete {chunk_folder(run)} and run `{INFO['command']}` again"
+    assert words in error_of(run.has, FIRST)
+
+
+@pytest.mark.parametrize("spoil", [truncate, replace])
+def test_a_foreign_table_beside_the_chunks_is_refused_and_not_overwritten(
+    run: RunFolder, spoil: Callable[[Path], object]
+) -> None:
+    path = run.path / "steps.parquet"
+    shutil.copy(chunk_folder(run) / "steps.parquet", path)
+    run.open(INFO)
+    spoil(path)
+    before = path.read_bytes()
+    assert f"move {path} away" in error_of(run.open, INFO)
+    assert path.read_bytes() == before
+    assert run.has(FIRST)
+
+
+def test_a_merged_table_of_other_episodes_is_named(run: RunFolder) -> None:
+    run.merge([FIRST])
+    assert run.episodes([FIRST]).height == 2
+    assert "does not hold the 3 episodes" in error_of(run.episodes, [FIRST, SECOND])
+
+
+def test_finishing_leaves_what_is_not_of_the_run(run: RunFolder) -> None:
+    mine = run.path / "chunks" / "notes.txt"
+    mine.write_text("mine")
+    (run.path / "chunks" / ".half-written").mkdir()
+    run.finish([FIRST])
+    assert [path.name for path in (run.path / "chunks").iterdir()] == ["notes.txt"]
+
+
+def test_a_chunk_that_another_process_finished_first_stays(run: RunFolder) -> None:
+    before = (chunk_folder(run) / "steps.parquet").stat().st_ino
+    run.write(FIRST, frames(FIRST), COST)
+    assert (chunk_folder(run) / "steps.parquet").stat().st_ino == before
+    assert [path.name for path in (run.path / "chunks").iterdir()] == [FIRST.name]
+
+
+def test_a_chunk_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
+    run = RunFolder(tmp_path / "run")
+    run.open(INFO)
+    run.write(FIRST, frames(FIRST), COST)
+    (chunk_folder(run) / "steps.parquet").unlink()
+    message = error_of(run.write, FIRST, frames(FIRST), COST)
+    assert "steps.parquet: missing, truncated" in message
+    assert [path.name for path in (run.path / "chunks").iterdir()] == [FIRST.name]
+
+
+@pytest.mark.parametrize("place", ["file/run", "/proc/nowhere/run", "x" * 300])
+def test_an_impossible_folder_is_one_error(tmp_path: Path, place: str) -> None:
+    (tmp_path / "file").write_text("")
+    message = error_of(RunFolder(tmp_path / place).open, INFO)
+    assert "cannot be written" in message
+    assert "choose another --out" in message
+
+
+@pytest.mark.parametrize("place", ["file", "file/run"])
+def test_a_file_in_the_way_of_a_folder_is_named(tmp_path: Path, place: str) -> None:
+    (tmp_path / "file").write_text("kept")
+    message = error_of(RunFolder(tmp_path / place).open, INFO)
+    assert "cannot be written (a file is there, or where a folder above it should be)" in message
+    assert "space" not in message
+    assert (tmp_path / "file").read_text() == "kept"
+
+
+def test_json_is_whole_strict_and_untouched_where_equal(tmp_path: Path) -> None:
+    path = tmp_path / "a.json"
+    write_json(path, {"a": None, "b": [1.5]})
+    assert json.loads(path.read_text()) == {"a": None, "b": [1.5]}
+    inode = path.stat().st_ino
+    write_json(path, {"a": None, "b": [1.5]})
+    assert path.stat().st_ino == inode
+    with pytest.raises(ValueError, match="JSON compliant"):
+        write_json(path, {"a": float("nan")})
+    assert json.loads(path.read_text())["b"] == [1.5]
+    assert list(tmp_path.iterdir()) == [path]
+    assert "cannot be written" in error_of(write_json, tmp_path / "none" / "a.json", {})
+
+
+def test_writing_lets_other_errors_pass(tmp_path: Path) -> None:
+    with pytest.raises(ZeroDivisionError), writing(tmp_path):
+        raise ZeroDivisionError
+    with pytest.raises(UserError, match="No space left"), writing(tmp_path):
+        raise OSError(28, "No space left on device")
+
+
+def test_hash_depends_on_scenario_map_code_and_the_two_versions_alone() -> None:
+    assert run_hash(INFO) == run_hash(INFO | {"seed": 9, "started": "later"})
+    numpy = INFO["versions"] | {"numpy": "3"}
+    assert run_hash(INFO) == run_hash(INFO | {"versions": numpy})
+    for key, value in (
+        ("scenario", {"name": "y"}),
+        ("map", {"name": "m", "navigable": ["11", "11"]}),
+        ("versions", INFO["versions"] | {"mujoco": "4"}),
+        ("versions", INFO["versions"] | {"code": "cd"}),
+    ):
+        assert run_hash(INFO) != run_hash(INFO | {key: value})
+    assert len(run_hash(INFO)) == 16
+
+
+def test_a_folder_is_written_by_one_process_at_a_time(tmp_path: Path) -> None:
+    hold = "import sys; from pathlib import Path; from mjforage.runs.storage import RunFolder\n"
+    hold += "with RunFolder(Path(sys.argv[1])).claimed(): print('mine', flush=True); input()"
+    other = subprocess.Popen(
+        [sys.executable, "-c", hold, str(tmp_path)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    with other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == "mine\n"
+        with (
+            pytest.raises(UserError, match="another process is writing this run"),
+            RunFolder(tmp_path).claimed(),
+        ):
+            pass
+        other.communicate("\n")
+    with RunFolder(tmp_path).claimed():
+        pass

@@ -1,0 +1,226 @@
+"""Studies: resumable, every variant a run folder, one report, named errors."""
+
+import contextlib
+import json
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mjforage.runs.costs import load_costs
+from mjforage.core.mission import Setting
+from mjforage.view.report.studies import write_study_report
+from mjforage.core.scenario_file import load_scenario
+from mjforage.runs import variants
+from mjforage.runs.evaluate import evaluate
+from mjforage.runs.study import Study, run_study
+
+Command = Callable[..., Any]
+Refused = Callable[..., str]
+SMALL = ("--episodes", 3, "--set", "horizon=12")
+COSTS = "variants/complete/costs"
+PAPER = ("study", "paper", "--policy", "greedy", "--policy", "levy", "--step", 0.25, *SMALL)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a finished study of the paper that nobody may change."""
+    folder = tmp_path_factory.mktemp("study") / "paper"
+    run_study(plan(), folder)
+    return folder
+
+
+def plan(episodes: int = 3) -> Study:
+    setting = Setting.of(load_scenario("published", ["horizon=12"]))
+    varied = variants.paper(setting.scenario, ("greedy", "levy"), 0.25, False)
+    options = {"step": 0.25, "whole_team": False}
+    return Study("paper", setting, varied, episodes=episodes, options=options)
+
+
+@pytest.fixture
+def folder(finished: Path, tmp_path: Path) -> Path:
+    """Return a finished study to spoil."""
+    return Path(shutil.copytree(finished, tmp_path / "study"))
+
+
+def test_a_variant_is_the_run_that_evaluate_makes(finished: Path, tmp_path: Path) -> None:
+    overrides = ["horizon=12", "corruption.team=scouts", "corruption.epsilon=0.5"]
+    setting = Setting.of(load_scenario("published", overrides))
+    evaluate(setting, ["greedy", "levy"], tmp_path / "run", episodes=3)
+    here, there = tmp_path / "run", finished / "variants" / "scouts-0.5"
+    assert {path.name for path in there.iterdir()} == {path.name for path in here.iterdir()}
+    for name in ("summary.json", "episodes.parquet", "steps.parquet", "agents.parquet"):
+        assert (there / name).read_bytes() == (here / name).read_bytes(), name
+    keys = ("hash", "scenario", "seed", "policies")
+    told = [json.loads((path / "run.json").read_text()) for path in (here, there)]
+    assert {key: told[0][key] for key in keys} == {key: told[1][key] for key in keys}
+
+
+def test_variants_share_their_episodes(finished: Path) -> None:
+    lists = [
+        (path / "run.json").read_text().count('"seed": 0') for path in finished.glob("variants/*")
+    ]
+    assert lists == [1] * (1 + 2 + 2 * 4)
+
+
+def test_a_stopped_study_goes_on_where_it_was(finished: Path, tmp_path: Path) -> None:
+    def stop(done: int, _: int) -> None:
+        if done >= 30:
+            raise KeyboardInterrupt
+
+    folder = tmp_path / "study"
+    with contextlib.suppress(KeyboardInterrupt):
+        run_study(plan(), folder, progress=stop)
+    assert not (folder / "summary.json").exists()
+    finished_runs = {p: p.stat().st_mtime_ns for p in folder.glob("variants/*/episodes.parquet")}
+    assert len(finished_runs) == 4
+    seen: list[int] = []
+    run_study(plan(), folder, progress=lambda done, total: seen.append(done))
+    assert seen[0] == 30, "finished chunks were computed again"
+    assert {p: p.stat().st_mtime_ns for p in finished_runs} == finished_runs
+    assert (folder / "summary.json").read_bytes() == (finished / "summary.json").read_bytes()
+    costs = [one for path in folder.glob("variants/*/costs.json") for one in load_costs(path)]
+    calls = sorted({cost.started for cost in costs})
+    counted = [sum(c.episodes for c in costs if c.started == call) for call in calls]
+    assert counted == [30, 36], "what the stopped call computed is counted as its own"
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (("--seed", 1), "made with --seed 0, not with --seed 1; go on with --seed 0, or choose"),
+        (("--whole-team",), "made without --whole-team, not with --whole-team; go on without"),
+        (("--set", "items.mean=50.0"), "scenario.items.mean is 75.0 there and 50.0 here"),
+        (
+            ("--policy", "random"),
+            "with --policy greedy --policy levy, not with --policy greedy --policy levy --policy r",
+        ),
+        (("--world", "hulls"), "made with --world graph, not with --world hulls; go on with"),
+    ],
+)
+def test_other_settings_are_named(
+    folder: Path, changes: tuple[object, ...], words: str, refused: Refused
+) -> None:
+    assert words in refused(*PAPER, "--out", folder, *changes)
+
+
+def test_another_step_is_named_rather_than_the_variants_that_it_makes(
+    folder: Path, refused: Refused
+) -> None:
+    flags = ("study", "paper", "--policy", "greedy", "--policy", "levy", *SMALL, "--out", folder)
+    words = "made with --step 0.25, not with --step 0.05; go on with --step 0.25, or choose another"
+    for step in ((), ("--step", 0.05)):
+        line = refused(*flags, *step)
+        assert words in line
+        assert "variant" not in line
+
+
+def test_another_kind_and_other_folders_are_named(
+    folder: Path, tmp_path: Path, refused: Refused
+) -> None:
+    ablation = ("study", "ablation", "--policy", "greedy", *SMALL, "--out")
+    assert "kind is " in refused(*ablation, folder)
+    run = folder / "variants" / "complete"
+    assert "holds agents.parquet but no study.json, so it is no study folder" in refused(
+        *ablation, run
+    )
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (("--policy", "gredy"), "policy gredy: unknown; did you mean greedy?"),
+        (("--world", "moon"), "world moon: unknown"),
+        (("--step", 0.3), "--step 0.3: give 1/N"),
+        (("--episodes", 0), "episodes 0"),
+        (("--jobs", 0), "jobs 0"),
+        (("--scheduler", "tcp://node7"), "has no port"),
+        (("--set", "team.scouts.count=-1"), "team.scouts.count"),
+        (("--map", "nowhere"), "nowhere"),
+    ],
+)
+def test_bad_input_is_named_before_anything_is_written_or_printed(
+    changes: tuple[object, ...], words: str, tmp_path: Path, command: Command
+) -> None:
+    outcome = command("study", "paper", *changes, "--out", tmp_path / "new")
+    assert outcome.code == 2
+    assert words in outcome.err
+    assert outcome.out == ""
+    assert not (tmp_path / "new").exists()
+
+
+def test_the_report_is_whole_and_the_same_twice(folder: Path, command: Command) -> None:
+    first = write_study_report(folder).read_bytes()
+    assert command("report", folder).code == 0
+    assert (folder / "report.html").read_bytes() == first
+    page = first.decode()
+    for words in ("Table 5", "Table 6", "Sensitivity slopes", "Corruption of scouts", "Throughput"):
+        assert words in page, words
+    names = {path.name for path in (folder / "figures").glob("*.png")}
+    assert {"corruption-scouts.png", "corruption-foragers.png", "contribution-graph.png"} <= names
+    assert not re.search(r'(?:src|href)="https?:', page)
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "words"),
+    [
+        (COSTS, lambda read: read.clear(), "key 'chunks' is missing"),
+        (COSTS, lambda read: read["chunks"][0].pop("wall_s"), "key 'wall_s' is missing"),
+        ("study", lambda read: read["options"].pop("step"), "options: key 'step' is missing"),
+        ("study", lambda read: read["variants"]["complete"].pop("title"), "'title' is missing"),
+    ],
+)
+def test_what_a_study_lacks_is_named(
+    name: str, change: Callable[[Any], object], words: str, folder: Path, refused: Refused
+) -> None:
+    path = folder / f"{name}.json"
+    read = json.loads(path.read_text())
+    change(read)
+    path.write_text(json.dumps(read))
+    assert words in refused("report", folder)
+
+
+def test_an_unfinished_study_has_no_report(folder: Path, refused: Refused) -> None:
+    (folder / "summary.json").unlink()
+    command = json.loads((folder / "study.json").read_text())["command"]
+    words = " ".join(f"the study is not finished; run `{command}` again, it completes".split())
+    assert words in refused("report", folder)
+
+
+def test_a_spoilt_chunk_names_the_command_that_was_run(tmp_path: Path, refused: Refused) -> None:
+    folder = tmp_path / "study"
+    small = ("study", "ablation", "--policy", "greedy", "--episodes", 2, "--set", "horizon=5")
+    setting = Setting.of(load_scenario("published", ["horizon=5"]))
+    varied = variants.ablation(setting.scenario, ["greedy"])
+
+    def stop(done: int, _: int) -> None:
+        if done >= 2:
+            raise KeyboardInterrupt
+
+    with contextlib.suppress(KeyboardInterrupt):
+        run_study(Study("ablation", setting, varied, episodes=2), folder, progress=stop)
+    info = folder / "variants" / "complete" / "run.json"
+    info.write_text(
+        json.dumps(json.loads(info.read_text()) | {"command": "mjforage study ablation"})
+    )
+    (folder / "variants" / "complete" / "episodes.parquet").write_bytes(b"PAR1")
+    words = refused(*small, "--out", folder)
+    assert "away and run `mjforage study ablation` again" in words
+    assert "evaluate" not in words
+
+
+def test_parts_mark_the_bound_in_every_table(tmp_path: Path, command: Command) -> None:
+    folder = tmp_path / "parts"
+    small = ("--episodes", 2, "--set", "horizon=3", "--set", "belief.fast=true")
+    assert command("study", "parts", *small, "--out", folder).code == 0
+    page = (folder / "report.html").read_text()
+    tables = re.findall(r'<div class="table[^"]*" id="([^"]+)">(.*?)</table>', page, re.DOTALL)
+    texts = {name: text for name, text in tables if name != "throughput" and name != "cost"}
+    names = {"parts", "parts-whole", "parts-oracle", "wrong", "wrong-greedy"}
+    assert set(texts) == {f"{name}-graph" for name in names}
+    for name, text in texts.items():
+        assert ("oracle (bound)" in text) or name == "parts-oracle-graph", name
+    assert "Minus the oracle, which is a bound" in page

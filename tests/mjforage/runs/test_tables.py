@@ -1,0 +1,84 @@
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pytest
+
+from mjforage.core.errors import UserError
+from mjforage.runs.tables import SCHEMAS, TABLES, check_table, read_table
+from mjforage.core.vocabulary import METRICS, SERIES
+
+HORIZON = 12
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_tables_are_what_they_are_checked_for(finished: Path, table: str) -> None:
+    path = finished / f"{table}.parquet"
+    check_table(path, table)
+    assert dict(read_table(path, table).schema) == SCHEMAS[table]
+    other = TABLES[(TABLES.index(table) + 1) % len(TABLES)]
+    with pytest.raises(UserError, match=f"not a table of {other}"):
+        check_table(path, other)
+
+
+def test_columns_are_the_metrics_of_the_vocabulary() -> None:
+    assert list(SCHEMAS["episodes"]) == ["world", "policy", "episode", "items", *METRICS]
+    assert list(SCHEMAS["steps"]) == ["world", "policy", "episode", "step", *SERIES]
+
+
+def test_a_message_asks_to_move_the_file_unless_told_better(tmp_path: Path) -> None:
+    path = tmp_path / "items.parquet"
+    path.write_bytes(b"PAR1")
+    with pytest.raises(UserError, match=r"items\.parquet away and run the command that wrote it"):
+        check_table(path, "items")
+    with pytest.raises(UserError, match=r"; mend it$"):
+        read_table(path, "items", "mend it")
+
+
+def test_steps_run_to_the_horizon_and_end_as_the_episode_does(finished: Path) -> None:
+    episodes = pl.read_parquet(finished / "episodes.parquet")
+    steps = pl.read_parquet(finished / "steps.parquet")
+    assert (
+        steps.filter(pl.col("policy") == "greedy")["step"].to_list()
+        == [
+            *range(HORIZON + 1),
+        ]
+        * 3
+    )
+    last = steps.filter(pl.col("step") == HORIZON)
+    for name in ("pta_d", "pta_c", "rmse", "rmse_columns", "gini_scouts", "csr"):
+        assert np.allclose(last[name], episodes[name], equal_nan=True, rtol=1e-6), name
+    assert last["irr"].is_nan().all()
+    assert (steps["mi"] <= 1).all()
+
+
+def test_events_agree_with_the_episodes(finished: Path) -> None:
+    items = pl.read_parquet(finished / "items.parquet")
+    key = ["world", "policy", "episode"]
+    counted = items.group_by(key, maintain_order=True).agg(
+        items=pl.len(),
+        pta_d=100 * pl.col("t_discovered").is_not_null().mean(),
+        pta_c=100 * pl.col("t_collected").is_not_null().mean(),
+    )
+    episodes = pl.read_parquet(finished / "episodes.parquet")
+    assert counted["items"].to_list() == episodes["items"].to_list()
+    assert np.allclose(counted["pta_d"], episodes["pta_d"])
+    assert np.allclose(counted["pta_c"], episodes["pta_c"])
+    assert counted["pta_d"].sum() > 0
+    for when, who in (("t_discovered", "discovered_by"), ("t_collected", "collected_by")):
+        assert items[when].is_null().equals(items[who].is_null())
+
+
+def test_agents_move_on_nodes_and_add_up_their_way(finished: Path) -> None:
+    agents = pl.read_parquet(finished / "agents.parquet").sort("policy", "episode", "agent", "step")
+    key = ["policy", "episode", "agent"]
+    moved = agents.with_columns(
+        way=((pl.col("x_m").diff() ** 2 + pl.col("y_m").diff() ** 2) ** 0.5).over(key),
+        more=pl.col("distance_m").diff().over(key),
+    ).filter(pl.col("step") > 0)
+    assert np.allclose(moved["way"], moved["more"], atol=1e-3)
+    assert np.allclose(moved["more"] / 10.0, moved["speed_mps"], atol=1e-4)
+    assert moved["more"].max() > 0  # type: ignore[operator]
+    assert set(moved["outcome"].unique()) <= {"arrived", "blocked"}
+    assert (agents["x_m"] == 4.0 * agents["col"]).all()
+    assert (agents["y_m"] == 4.0 * (61 - agents["row"])).all()

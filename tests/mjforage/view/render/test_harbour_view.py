@@ -1,0 +1,194 @@
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import av
+import mujoco
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image as PilImage
+
+from mjforage.core.errors import UserError
+from mjforage.physics.callback.installation import uninstall
+from mjforage.physics.scene import build_scene
+from mjforage.physics.simulation import Simulation
+from mjforage.physics.vessels import load_vessel
+from mjforage.runs.replay import Replay
+from mjforage.view.render import palette, render_replay
+from mjforage.view.render.cameras import CAMERAS
+from mjforage.view.render.harbour_view import HarbourView, afloat, floating
+
+pytestmark = pytest.mark.usefixtures("opengl")
+Image = NDArray[np.uint8]
+SIZE, LARGE = (160, 120), (400, 300)
+
+
+@pytest.fixture(scope="module")
+def replay(build: Callable[..., Replay]) -> Replay:
+    """A small harbour with a pier and an open edge."""
+    water = np.ones((14, 18), np.bool_)
+    water[0], water[:, 0], water[6:8, 5:14] = False, False, False
+    return build(water, steps=6, items=8)
+
+
+@pytest.fixture(scope="module")
+def physics(replay: Replay, refine: Callable[..., Replay]) -> Replay:
+    return refine(replay)
+
+
+def frame(
+    replay: Replay, camera: str, time: float, size: tuple[int, int] = SIZE, **options: Any
+) -> Image:
+    with HarbourView(replay, camera, *size, **options) as view:
+        return view.frame(time)
+
+
+def close_to(image: Image, colour: palette.Colour, tolerance: float) -> int:
+    """Number of pixels of a colour."""
+    return int((np.abs(image.astype(float) - np.array(colour)).max(axis=-1) < tolerance).sum())
+
+
+@pytest.mark.parametrize("camera", CAMERAS)
+def test_frames_of_both_worlds_have_the_size_asked_for_and_repeat_to_the_bit(
+    replay: Replay, physics: Replay, camera: str
+) -> None:
+    for episode in (replay, physics):
+        with HarbourView(episode, camera, *SIZE) as view:
+            first = view.frame(2.3)
+            later = view.frame(4.0)
+            np.testing.assert_array_equal(view.frame(2.3), first)
+        assert first.shape == (SIZE[1], SIZE[0], 3)
+        assert first.dtype == np.uint8
+        assert first.std() > 15.0
+        assert (first != later).mean() > 0.05
+        np.testing.assert_array_equal(frame(episode, camera, 2.3), first)
+
+
+def test_hulls_are_drawn_in_their_teams_colours_and_behind_them_nothing(replay: Replay) -> None:
+    colours = palette.team_colours([False, True])
+    image = frame(replay, "top", 0.0, LARGE)
+    assert all(close_to(image, colour, 30.0) > 2 for colour in colours)
+    far = replay.track_pose.copy()
+    far[..., :2] += 5000.0
+    image = frame(replace(replay, track_pose=far), "top", 0.0, LARGE)
+    assert all(close_to(image, colour, 30.0) == 0 for colour in colours)
+
+
+def test_taken_items_are_gone(replay: Replay) -> None:
+    none = np.zeros_like(replay.track_present)
+    still = replace(
+        replay, item_present=none, item_class=np.full(8, 4, np.int16), track_present=none
+    )
+    left = replace(still, item_present=~none, track_present=~none)
+    sun = (240.0, 205.0, 60.0)
+    shown, taken = (close_to(frame(one, "top", 5.0, LARGE), sun, 45.0) for one in (left, still))
+    assert shown > taken
+
+
+def test_the_mast_of_another_vessel_shows_another_view(replay: Replay) -> None:
+    views = [frame(replay, "scout", 1.0, follow=name) for name in ("scouts-0", "scouts-1")]
+    assert np.abs(views[0].astype(int) - views[1]).mean() > 3.0
+    np.testing.assert_array_equal(views[0], frame(replay, "scout", 1.0))
+
+
+def test_more_detail_changes_no_size_and_little_else(replay: Replay) -> None:
+    plain, fine = (frame(replay, "overview", 1.0, detail=detail) for detail in (1, 2))
+    assert plain.shape == fine.shape
+    assert np.abs(plain.astype(int) - fine).mean() < 8.0
+
+
+@pytest.mark.parametrize(
+    ("camera", "follow", "message"),
+    [
+        ("front", None, "camera front: unknown; choose overview, chase, top, scout"),
+        (
+            "chase",
+            "otter-0",
+            "follow otter-0: no such vessel; choose scouts-0, scouts-1",
+        ),
+        ("top", "scouts-0", "follow scouts-0: camera top follows nobody; chase and scout do"),
+    ],
+)
+def test_bad_choices_are_named(
+    physics: Replay, camera: str, follow: str | None, message: str
+) -> None:
+    with pytest.raises(UserError, match=message):
+        HarbourView(physics, camera, *SIZE, follow=follow)
+    HarbourView(physics, "top", *SIZE).close()
+
+
+def test_times_outside_the_episode_are_refused(replay: Replay) -> None:
+    with HarbourView(replay, "top", *SIZE) as view, pytest.raises(ValueError, match="outside"):
+        view.frame(6.1)
+
+
+@pytest.fixture
+def alarm() -> Iterator[list[str]]:
+    """A passive callback that notes every call."""
+    uninstall()
+    yield []
+    mujoco.set_mjcb_passive(None)
+
+
+def test_drawing_calls_no_physics_and_changes_no_simulation(
+    physics: Replay, alarm: list[str]
+) -> None:
+    def run(draw: bool) -> NDArray[np.float64]:
+        simulation = Simulation(build_scene([load_vessel("scout")]))
+        simulation.commands[:] = 20.0
+        simulation.step(20)
+        if draw:
+            frame(physics, "chase", 1.0)
+        simulation.step(20)
+        return np.array(simulation.vessel_pose[0, 0], np.float64)
+
+    np.testing.assert_array_equal(run(draw=True), run(draw=False))
+    with HarbourView(physics, "chase", *SIZE) as view:
+        uninstall()
+        mujoco.set_mjcb_passive(lambda model, data: alarm.append("called"))
+        view.frame(1.0)
+        mujoco.set_mjcb_passive(None)
+    assert alarm == []
+
+
+def test_films_series_and_pictures_are_written(
+    physics: Replay, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    seen: list[tuple[int, int]] = []
+    options: dict[str, Any] = {"width": 128, "height": 96, "start_s": 10.0, "fps": 2.0}
+    film = tmp_path / "film.mp4"
+    count = render_replay(
+        physics,
+        film,
+        **options,
+        duration_s=20.0,
+        speed=20.0,
+        progress=lambda done, total: seen.append((done, total)),
+    )
+    assert seen == [(1, 3), (2, 3), (3, 3)]
+    with av.open(str(film)) as file:
+        frames = [f.to_ndarray(format="rgb24") for f in file.decode(video=0)]
+    assert len(frames) == count == 3
+    assert frames[0].shape == (96, 128, 3)
+    gif, series, still = tmp_path / "a.gif", tmp_path / "b-%d.png", tmp_path / "c.png"
+    assert render_replay(physics, gif, camera="chase", **options, duration_s=10.0) == 3
+    assert render_replay(physics, series, camera="scout", **options, duration_s=10.0) == 3
+    assert render_replay(physics, still, **options) == 1
+    with PilImage.open(still) as picture:
+        assert (picture.size, picture.mode) == ((128, 96), "RGB")
+    assert len(list(tmp_path.glob("b-*.png"))) == 3
+
+
+def test_hulls_and_items_rock_a_little_around_their_places() -> None:
+    hulls = np.array([[1.0, 2.0, 0.5], [3.0, 4.0, -2.0]])
+    items = np.array([[5.0, 6.0, 1.0], [7.0, 8.0, 0.0]])
+    for t in (0.0, 1.3, 700.0):
+        poses, spots = afloat(hulls, t), floating(items, t)
+        np.testing.assert_array_equal(poses[:, [0, 1, 5]], hulls)
+        np.testing.assert_array_equal(spots[:, [0, 1, 5]], items)
+        assert np.abs(poses[:, 2:5]).max() < 0.05
+        assert np.abs(spots[:, 2]).max() < 0.05
+    np.testing.assert_array_equal(afloat(hulls, 1.3), afloat(hulls, 1.3))
+    assert (afloat(hulls, 1.3) != afloat(hulls, 2.0)).any()

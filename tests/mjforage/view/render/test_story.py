@@ -1,0 +1,70 @@
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mjforage.runs.replay import Replay
+from mjforage.view.render.panel import mission_clock
+from mjforage.view.render.story import NEVER, course_at, tell_story
+
+
+@pytest.fixture
+def small(build: Callable[..., Replay]) -> Replay:
+    """Four items in nodes (0, 0)..(0, 3) of a 4 x 4 map over three steps, nothing seen."""
+    replay = build(np.ones((4, 4), np.bool_), steps=3, items=4, agents=(1, 1))
+    places = np.stack([np.zeros(4), np.arange(4) + 0.3], axis=1)
+    return replace(
+        replay,
+        item_rc=np.tile(places.astype(np.float32), (4, 1, 1)),
+        item_present=np.ones((4, 4), np.bool_),
+        in_view=np.zeros_like(replay.in_view),
+    )
+
+
+def test_discoveries_and_removals_give_pta(small: Replay) -> None:
+    seen, present = small.in_view.copy(), small.item_present.copy()
+    seen[0, 0, 0] = 1  # item 0 at the start, by a scout
+    seen[2:, 0, 1] = 2  # item 1 at step 2, by a forager
+    present[3:, 0] = False
+    present[1:, 2] = False  # removed unseen counts as discovered
+    story = tell_story(replace(small, in_view=seen, item_present=present))
+    assert story.discovered.tolist() == [0, 2, 1, NEVER]
+    assert story.removed.tolist() == [3, NEVER, 1, NEVER]
+    assert story.pta_d.tolist() == [25.0, 50.0, 75.0, 75.0]
+    assert story.pta_c.tolist() == [0.0, 25.0, 25.0, 50.0]
+
+
+def test_removed_items_are_not_discovered_by_later_views(small: Replay) -> None:
+    seen, present = small.in_view.copy(), small.item_present.copy()
+    present[1:, 0] = False
+    seen[2:, 0, 0] = 1
+    story = tell_story(replace(small, in_view=seen, item_present=present))
+    assert story.discovered[0] == 1
+
+
+def test_course_follows_the_motion_and_is_kept_when_staying(small: Replay) -> None:
+    east, south = [0.0, 1.0], [1.0, 0.0]
+    steps = np.array([[0.0, 0.0], [0.0, 0.0], south])
+    scout = np.cumsum(np.vstack([[[0.0, 0.0]], [east, [0.0, 0.0], south]]), axis=0)
+    forager = np.cumsum(np.vstack([[[0.0, 0.0]], steps]), axis=0)
+    route = np.stack([scout, forager], axis=1).astype(np.float32)
+    story = tell_story(replace(small, agent_rc=route))
+    np.testing.assert_allclose(story.course[:, 0], [0.0, 0.0, 0.0, np.pi / 2])
+    np.testing.assert_allclose(story.course[:, 1], np.pi / 2)
+    assert 0.0 < course_at(story, 2.1)[0] < np.pi / 2
+    np.testing.assert_allclose(course_at(story, 2.9)[0], np.pi / 2)
+
+
+def test_turns_take_the_short_way(small: Replay) -> None:
+    route = np.zeros((4, 2, 2), np.float32)
+    route[:, 0] = [[0, 2], [-1, 0], [0, -2], [1, -4]]  # west by north, then west by south
+    story = tell_story(replace(small, agent_rc=route))
+    assert abs(abs(course_at(story, 1.17)[0]) - np.pi) < 0.5
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"), [(0.0, "00:00"), (69.9, "01:09"), (1500.0, "25:00"), (3725.0, "1:02:05")]
+)
+def test_mission_clock(seconds: float, text: str) -> None:
+    assert mission_clock(seconds) == text

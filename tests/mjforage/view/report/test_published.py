@@ -1,0 +1,47 @@
+"""The paper's figures may stand beside runs of its own mission only."""
+
+from pathlib import Path
+
+import pytest
+
+from metrics import marginal_contribution
+from mjforage.core.mission import Setting
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.vocabulary import describe
+from mjforage.runs.identity import run_info
+from mjforage.runs.run_info import load_run
+from mjforage.runs.storage import write_json
+from mjforage.view.report.published import PAPER, comparable, published_for
+
+
+@pytest.mark.parametrize(
+    ("preset", "overrides", "map_file", "expected"),
+    [
+        ("published", (), None, True),
+        ("comb-port", (), None, True),
+        ("comb-port", ("team.scouts.count=20",), None, False),
+        ("published", ("horizon=100",), None, False),
+        ("comb-port", ("map.starts=[]",), "open_bay", False),
+        ("open-bay", (), None, False),
+    ],
+)
+def test_only_an_unchanged_mission_on_a_map_of_the_same_size_is_comparable(
+    tmp_path: Path, preset: str, overrides: tuple[str, ...], map_file: str | None, expected: bool
+) -> None:
+    setting = Setting.of(load_scenario(preset, overrides, map_file))
+    write_json(tmp_path / "run.json", run_info(setting, ["greedy"], ["graph"], 1, 0))
+    run = load_run(tmp_path / "run.json")
+    assert comparable(run) is expected
+    assert (published_for(run, "greedy") is not None) is expected
+    assert published_for(run, "lawnmower") is None
+
+
+@pytest.mark.parametrize("policy", list(PAPER))
+@pytest.mark.parametrize("team", ["scouts", "foragers"])
+def test_its_contributions_follow_from_its_ablations(policy: str, team: str) -> None:
+    paper = PAPER[policy]
+    for key, value in paper.contribution[team].items():
+        full, without = paper.printed[key], paper.ablated[team][key]
+        better = describe(key).better > 0
+        again = float(marginal_contribution(full, without, higher_is_better=better))
+        assert again == pytest.approx(value, abs=1e-4), key

@@ -1,0 +1,269 @@
+import json
+import re
+import shutil
+from collections.abc import Callable
+from html import unescape
+from pathlib import Path
+from typing import Any
+
+import polars as pl
+import pytest
+from rich.console import Console
+
+from mjforage.core.errors import UserError
+from mjforage.core.vocabulary import METRICS
+from mjforage.view.report import published, style, terminal_table, write_report
+from mjforage.view.report.tables import number, policy_name
+
+MakeRun = Callable[..., Path]
+
+FIGURES = (
+    "scenario",
+    "tracks",
+    "pta",
+    "idleness",
+    "rmse",
+    "csr",
+    "gini-foragers",
+    "overlap-scouts",
+    "dsl",
+    "itl",
+)
+SECTIONS = (
+    "run",
+    "result",
+    "replay",
+    "scene",
+    "figures",
+    "tables",
+    "all",
+    "comparison",
+    "notes",
+    "settings",
+)
+
+
+def written(folder: Path) -> str:
+    return write_report(folder).read_text(encoding="utf-8")
+
+
+def table_rows(page: str, name: str) -> dict[str, list[str]]:
+    """Cells of a table by row head, without markup."""
+    block = page.split(f'id="{name}"', 1)[1].split("</table>", 1)[0]
+    rows = re.findall(r'<th scope="row">(.*?)</th>(.*?)</tr>', block)
+    plain = {
+        unescape(re.sub(r"<[^>]+>", "", head)): [
+            unescape(re.sub(r"<[^>]+>", "", cell))
+            for cell in re.findall(r"<td[^>]*>(.*?)</td>", cells)
+        ]
+        for head, cells in rows
+    }
+    assert plain
+    return plain
+
+
+def test_every_section_and_figure_is_there(make_run: MakeRun) -> None:
+    folder = make_run()
+    page = written(folder)
+    assert re.findall(r'<section id="([a-z]+)">', page) == list(SECTIONS)
+    assert set(re.findall(r'<figure id="figure-([a-z-]+)"', page)) == set(FIGURES)
+    assert page.count("data:image/") == len(FIGURES)
+    files = {path.name for path in (folder / "figures").iterdir()}
+    assert files == {f"{name}.{kind}" for name in FIGURES for kind in ("png", "svg")}
+
+
+def test_the_page_needs_nothing_from_outside(make_run: MakeRun) -> None:
+    page = written(make_run())
+    references = re.findall(r'(?:src|href|url)\s*[=(]\s*"?([^")>\s]+)', page)
+    assert references
+    assert all(ref.startswith(("#", "data:image/")) for ref in references)
+    assert page.count("<script") == page.count("<script>") + 1  # the replay's code and data
+    assert "<link" not in page
+    assert "@import" not in page
+
+
+def test_table_2_shows_the_summary_and_the_paper_beside_it(
+    make_run: MakeRun, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(published, "comparable", lambda run: True)
+    folder = make_run(name="published")
+    rows = table_rows(written(folder), "table-2")
+    summary = json.loads((folder / "summary.json").read_text())["graph"]["greedy"]
+    entries = [(summary["pta_d"], 2), (summary["pta_c"], 2), (summary["rmse"], 4)]
+    expected = [f"{e['mean']:.{d}f} ± {1.96 * e['sem']:.{d}f}" for e, d in entries]
+    assert rows["greedy"][:3] == expected
+    assert rows["Greedy, paper (its own map)"] == [
+        "98.85 ± 1.04",
+        "98.20 ± 1.15",
+        "0.0063†",
+        "0.0017 ± 0.0012",
+    ]
+    assert rows["Lévy walks, paper (its own map)"][0] == "82.28 ± 5.93"
+
+
+def test_tables_3_and_4_show_means(make_run: MakeRun, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(published, "comparable", lambda run: True)
+    folder = make_run()
+    page = written(folder)
+    summary = json.loads((folder / "summary.json").read_text())["graph"]["levy"]
+    means = [f"{summary[key]['mean']:.3f}" for key in ("nt50", "nt90", "throughput")]
+    assert table_rows(page, "table-3")["levy"] == means
+    assert table_rows(page, "table-4")["levy"] == [f"{summary['csr']['mean']:.3f}"]
+    assert table_rows(page, "table-4")["Greedy, paper (its own map)"] == ["0.899"]
+
+
+def test_another_scenario_is_not_set_beside_the_paper(make_run: MakeRun) -> None:
+    assert "its own map" not in written(make_run(name="open-bay"))
+
+
+def test_every_metric_is_in_the_full_table(make_run: MakeRun) -> None:
+    folder = make_run(policies=("greedy",))
+    page = written(folder)
+    block = page.split('id="metrics"', 1)[1].split("</table>", 1)[0]
+    values = json.loads((folder / "summary.json").read_text())["graph"]["greedy"]
+    rows = re.findall(r'<th scope="row">.*?</th>(.*?)</tr>', block)
+    shown = [re.findall(r"<td[^>]*>(.*?)</td>", row) for row in rows]
+    expected = []
+    for key, metric in METRICS.items():
+        entry, digits = values[key], metric.digits
+        if entry["n"] < 2:
+            pytest.fail(f"{key} is meant to be defined twice here")
+        low, high = (number(end, digits) for end in entry["ci95"])
+        mean, iqm = number(entry["mean"], digits), number(entry["iqm"], digits)
+        half = number(1.96 * entry["sem"], digits)
+        expected.append([mean, half, f"{low} to {high}", iqm, str(entry["n"])])
+    assert shown == expected
+
+
+def test_the_same_logs_give_the_same_bytes(make_run: MakeRun) -> None:
+    folder = make_run()
+    first = write_report(folder).read_bytes()
+    images = {path.name: path.read_bytes() for path in (folder / "figures").iterdir()}
+    assert write_report(folder).read_bytes() == first
+    assert {path.name: path.read_bytes() for path in (folder / "figures").iterdir()} == images
+
+
+def test_a_hostile_name_is_escaped(make_run: MakeRun) -> None:
+    name = "<script>alert(1)</script>\"'&{{ 7*7 }}`x`"
+    policy = "<img src=x onerror=alert(2)>"
+    page = written(make_run(name=name, policies=("greedy", policy), replays=("greedy",)))
+    assert "<script>alert" not in page
+    assert "<img src=x" not in page
+    assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
+    assert "49" not in page.split("<h1>", 1)[1].split("</h1>", 1)[0]
+
+
+def test_undefined_values_are_left_out_and_counted(make_run: MakeRun) -> None:
+    folder = make_run(episodes=2)
+    page = written(folder)
+    assert "Defined at the end in 1 for levy of 2 episodes" in page
+    entry = json.loads((folder / "summary.json").read_text())["graph"]["levy"]["csr"]
+    assert (entry["n"], entry["sem"]) == (1, None)
+    assert table_rows(page, "table-4")["levy"] == [f"{entry['mean']:.3f}"]
+
+
+@pytest.mark.parametrize(
+    ("settings", "phrase"),
+    [
+        ({"scouts": 0}, "CO is undefined in every episode"),
+        ({"foragers": 0}, "CSR is undefined in every episode"),
+        ({"scouts": 0, "foragers": 0}, "no vessels"),
+        ({"episodes": 1, "policies": ("greedy",)}, "1 policy, 1 episode each"),
+        ({"worlds": ("graph", "physics"), "episodes": 2}, "levy · physics"),
+        ({"shape": (9, 30)}, "The scenario"),
+    ],
+)
+def test_unusual_runs(make_run: MakeRun, settings: dict[str, Any], phrase: str) -> None:
+    page = written(make_run(**settings))
+    words = re.sub(r"data:image/[^\"]+", "", page)
+    assert phrase in " ".join(words.split())
+    assert not re.search(r"\b(nan|None|inf)\b", words.split("<main>", 1)[1].split("<pre>{", 1)[0])
+
+
+def test_ten_policies(make_run: MakeRun) -> None:
+    shipped = list(style.POLICY_COLOURS)[:9]
+    page = written(make_run(policies=("mine", *reversed(shipped)), episodes=2))
+    heads = [policy_name(name) for name in (*shipped, "mine")]
+    assert list(table_rows(page, "headline")) == heads and "oracle (bound)" in heads
+    assert "45 pairs of policies" in page
+
+
+def cut(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def foreign(path: Path) -> None:
+    pl.DataFrame({"a": [1]}).write_parquet(path)
+
+
+def drop_rows(path: Path) -> None:
+    pl.read_parquet(path).head(-1).write_parquet(path)
+
+
+def text(path: Path) -> None:
+    path.write_text("not what it says")
+
+
+@pytest.mark.parametrize(
+    ("name", "damage", "words"),
+    [
+        ("run.json", Path.unlink, "missing"),
+        ("run.json", cut, "cannot be read as JSON"),
+        ("run.json", lambda path: path.write_text("[1]"), "holds a list"),
+        ("run.json", lambda path: path.write_text("{}"), "key 'scenario' is missing"),
+        ("summary.json", Path.unlink, "missing"),
+        ("summary.json", lambda path: path.write_text('{"graph": {}}'), "graph/greedy is missing"),
+        ("summary.json", lambda path: path.write_text('{"graph": 3}'), "malformed"),
+        ("episodes.parquet", Path.unlink, "missing"),
+        ("episodes.parquet", cut, "truncated or not Parquet"),
+        ("episodes.parquet", text, "truncated or not Parquet"),
+        ("episodes.parquet", foreign, "column 'world' is missing"),
+        ("episodes.parquet", drop_rows, "has 2 rows, expected 3"),
+        ("steps.parquet", cut, "truncated or not Parquet"),
+        ("steps.parquet", drop_rows, "has 38 rows, expected 39"),
+        ("items.parquet", foreign, "column 'world' is missing"),
+        ("agents.parquet", cut, "truncated or not Parquet"),
+        ("replay/graph-greedy-0.npz", cut, "greedy-0.npz"),
+        ("replay", shutil.rmtree, "holds no replay"),
+    ],
+)
+def test_damage_is_named(
+    make_run: MakeRun, name: str, damage: Callable[[Path], object], words: str
+) -> None:
+    folder = make_run()
+    damage(folder / name)
+    with pytest.raises(UserError, match=re.escape(words)) as caught:
+        write_report(folder)
+    assert Path(name).name in str(caught.value)
+    assert "evaluate" in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert not (folder / "report.html").exists()
+
+
+def test_logs_of_another_run_are_refused(make_run: MakeRun) -> None:
+    folder, other = make_run(), make_run(policies=("greedy", "pso"))
+    shutil.copy(other / "episodes.parquet", folder / "episodes.parquet")
+    with pytest.raises(UserError, match=r"holds graph/pso, which run\.json"):
+        write_report(folder)
+
+
+def test_missing_folder_and_blocked_target(make_run: MakeRun, tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="no such folder"):
+        write_report(tmp_path / "nowhere")
+    folder = make_run()
+    (folder / "figures").write_text("a file where the folder should be")
+    with pytest.raises(UserError, match="cannot be written"):
+        write_report(folder)
+
+
+def test_terminal_table(make_run: MakeRun) -> None:
+    folder = make_run(foragers=0)
+    summary = json.loads((folder / "summary.json").read_text())
+    console = Console(width=100, record=True, quiet=False, file=(folder / "out.txt").open("w"))
+    with console.file:
+        console.print(terminal_table(summary))
+    shown = console.export_text()
+    assert f"{summary['graph']['greedy']['pta_d']['mean']:.2f}" in shown
+    assert "–" in shown
+    assert "greedy" in shown
+    assert "…" not in shown

@@ -1,0 +1,102 @@
+"""What the cost section of a study's page says, on records written by hand."""
+
+from pathlib import Path
+
+import numpy as np
+
+from mjforage.runs.costs import Cost
+from mjforage.view.report.picture import Picture
+from mjforage.view.report.studies.cost import cost_table, throughput_picture, throughput_table
+from mjforage.view.report.studies.logs import StudyLogs
+from mjforage.view.report.tables import Table
+
+CALLS = {"monday": 1, "tuesday": 4}
+
+
+def chunk(
+    policy: str, began_s: float, wall_s: float, *, call: str = "monday", worker: str = "a-1"
+) -> Cost:
+    """A chunk of 10 episodes of 100 decisions; the worker is busy for 0.8 of the time."""
+    cpu_s = 0.8 * wall_s
+    return Cost(
+        *("graph", policy, 10, 1000, cpu_s, wall_s, began_s, worker, call, "processes"),
+        CALLS[call],
+    )
+
+
+def dots(picture: Picture) -> list[list[list[float]]]:
+    drawn = [line for line in picture.figure.axes[0].lines if line.get_marker() != "None"]
+    return [np.asarray(line.get_xydata()).tolist() for line in drawn]
+
+
+def study(*variants: tuple[Cost, ...], kind: str = "paper") -> StudyLogs:
+    costs = {str(place): costs for place, costs in enumerate(variants)}
+    return StudyLogs(Path(), {"kind": kind, "worlds": ["graph"]}, {}, {}, {}, costs)
+
+
+def cells(table: Table, head: str) -> dict[str, str]:
+    """Label and unit -> text, of the row of that name."""
+    (row,) = [row for row in table.rows if head in (row.head, f"{row.group}: {row.head}")]
+    labels = [
+        f"{label} {unit}".strip() for label, unit in zip(table.columns, table.units, strict=True)
+    ]
+    return dict(zip(labels, row.cells, strict=True))
+
+
+def test_the_whole_paper_is_extrapolated_from_cpu_time_per_episode_of_each_policy() -> None:
+    # Greedy: 10 episodes took 8 and 16 CPU s in two variants after a first chunk that compiled:
+    # 0.8 and 1.6 s per episode, mean 1.2, SEM sqrt(0.32 / 2) = 0.4, so 1.2 +- 0.784 s; times 4,300
+    # / 3,600 = 1.1944 that is 1.433 +- 0.936 hours. Levy has one chunk: no interval.
+    logs = study(
+        (chunk("greedy", 0.0, 500.0), chunk("greedy", 500.0, 10.0), chunk("levy", 510.0, 50.0)),
+        (chunk("greedy", 560.0, 20.0),),
+    )
+    table = cost_table(logs)
+    greedy, levy = cells(table, "greedy"), cells(table, "levy")
+    assert greedy["CPU time s per episode"] == "1.20 ± 0.78"
+    assert greedy["all of the paper CPU hours"] == "1.43 ± 0.94"
+    assert (greedy["variants"], greedy["episodes"]) == ("2", "20")
+    assert levy["CPU time s per episode"] == "4.00"
+    assert levy["all of the paper CPU hours"] == "4.78"
+
+
+def test_studies_of_other_variants_are_not_extrapolated_to_the_paper() -> None:
+    table = cost_table(study((chunk("belief", 0.0, 1.0),), kind="parts"))
+    assert "all of the paper" not in table.columns
+
+
+def test_throughput_of_a_policy_does_not_hang_on_what_else_a_call_computed() -> None:
+    # Monday, one worker: 10 episodes of greedy in 100 s, then 10 of levy in 1,000 s. Tuesday, four:
+    # greedy alone, 40 episodes in 100 s.
+    tuesday = tuple(
+        chunk("greedy", 5000.0, 100.0, call="tuesday", worker=f"b-{n}") for n in range(4)
+    )
+    logs = study((chunk("greedy", 0.0, 100.0), chunk("levy", 100.0, 1000.0)), tuesday)
+    table = throughput_table(logs)
+    alone, shared = cells(table, "greedy: tuesday UTC"), cells(table, "greedy: monday UTC")
+    assert (shared["episodes per s"], alone["episodes per s"]) == ("0.10", "0.40")
+    assert cells(table, "levy: monday UTC")["episodes per s"] == "0.01"
+    assert (shared["busy %"], alone["busy %"]) == ("80", "80")
+    picture = throughput_picture(logs)
+    assert picture is not None
+    assert dots(picture) == [[[1.0, 1.0], [4.0, 4.0]]]
+
+
+def test_workers_that_wait_lower_the_throughput() -> None:
+    calls = (
+        chunk("greedy", 0.0, 10.0, call="tuesday", worker="a-1"),
+        chunk("greedy", 0.0, 30.0, call="tuesday", worker="a-2"),
+    )
+    row = cells(throughput_table(study(calls)), "greedy: tuesday UTC")
+    assert row["episodes per s"] == "0.67"
+    assert row["busy %"] == "27"
+
+
+def test_calls_of_different_work_are_not_drawn_beside_one_another() -> None:
+    logs = study((chunk("greedy", 0.0, 100.0), chunk("levy", 100.0, 100.0, call="tuesday")))
+    assert throughput_picture(logs) is None
+
+
+def test_calls_that_hardly_began_are_not_drawn() -> None:
+    logs = study((chunk("greedy", 0.0, 100.0), chunk("greedy", 500.0, 59.0, call="tuesday")))
+    assert throughput_picture(logs) is None

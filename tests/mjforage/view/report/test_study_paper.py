@@ -1,0 +1,174 @@
+"""A study's numbers beside the paper's: judged only where they are the same quantity."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from metrics import (
+    bootstrap_sensitivity,
+    break_test,
+    half_width_95,
+    sensitivity_slope,
+    two_segment_fit,
+)
+from mjforage.core.mission import Setting
+from mjforage.core.scenario_file import load_scenario
+from mjforage.runs import variants
+from mjforage.runs.study import Study, run_study
+from mjforage.view.report.curves import time_figures
+from mjforage.view.report.studies import ablation, corruption, paper
+from mjforage.view.report.studies.logs import StudyLogs, load_study
+from mjforage.view.report.studies.page import facts, render
+from mjforage.view.report.tables import NOTHING, Table
+
+Make = Callable[..., StudyLogs]
+STEP = 0.25
+WORDS = "paper: one draw for the team; ours: one per agent"
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Make:
+    """Make a small study of the paper, with one draw for the team or one per agent."""
+
+    def make(whole_team: bool, overrides: tuple[str, ...] = ()) -> StudyLogs:
+        setting = Setting.of(load_scenario("published", overrides))
+        varied = variants.paper(setting.scenario, ["greedy"], STEP, whole_team)
+        options = {"step": STEP, "whole_team": whole_team}
+        folder = tmp_path_factory.mktemp("studies") / "paper"
+        run_study(Study("paper", setting, varied, episodes=2, options=options), folder)
+        return load_study(folder)
+
+    return make
+
+
+def _with_fits(logs: StudyLogs) -> tuple[StudyLogs, corruption.Fits]:
+    return logs, corruption.Fits(logs)
+
+
+def verdicts(table: Table | None) -> dict[str, str]:
+    assert table is not None
+    place = table.columns.index("within")
+    return {row.head: row.cells[place] for row in table.rows}
+
+
+def noted(table: Table | None) -> set[str]:
+    """Heads of the rows under a note on unlike draws."""
+    assert table is not None
+    return {row.head for row in table.rows if row.note == WORDS}
+
+
+def test_slopes_of_another_rule_of_corruption_are_named_and_not_judged(study: Make) -> None:
+    logs = study(False)
+    fits = corruption.Fits(logs)
+    found = verdicts(paper.beside_table(logs, fits))
+    slopes = {head: verdict for head, verdict in found.items() if head.startswith("SS of")}
+    assert len(slopes) == 2
+    for head, verdict in slopes.items():
+        assert verdict == NOTHING, head
+    assert {found[head] for head in found if head not in slopes} <= {"yes", "no"}
+    assert noted(paper.beside_table(logs, fits)) == set(slopes)
+    assert noted(corruption.slopes_table(logs, fits)) == {"greedy"}
+    assert paper.table_4(logs, fits).units == ("", WORDS, WORDS)
+    assert WORDS in corruption.picture(logs, fits, "scouts").caption
+
+
+def test_slopes_of_the_papers_rule_are_judged(study: Make) -> None:
+    logs = study(True)
+    fits = corruption.Fits(logs)
+    assert set(verdicts(paper.beside_table(logs, fits)).values()) <= {"yes", "no"}
+    tables = (paper.beside_table(logs, fits), corruption.slopes_table(logs, fits))
+    assert [noted(table) for table in tables] == [set(), set()]
+    assert paper.table_4(logs, fits).units == ("", "", "")
+    foragers = corruption.picture(logs, fits, "foragers")
+    labels = [axes.get_ylabel() for axes in foragers.figure.axes]
+    assert "The paper's SS of RMSE_columns" in foragers.caption
+    assert any("columns" in label for label in labels), "the figure lacks what its caption tells"
+    assert "p of one line" in corruption.slopes_table(logs, fits).columns
+
+
+def test_the_words_on_corruption_are_of_the_rule_that_was_run(study: Make) -> None:
+    for whole, words in ((True, "once per step for the whole team"), (False, "Each action")):
+        logs = study(whole)
+        assert words in corruption.sections(logs)[0].words
+        options = dict(facts(logs))["Options"]
+        assert options == f"step {STEP:g}, " + (
+            "one draw for the whole team" if whole else "a draw per agent"
+        )
+
+
+def test_another_fleet_has_no_words_on_the_papers_rows(study: Make) -> None:
+    logs = study(False, ("team.scouts.count=3",))
+    fits = corruption.Fits(logs)
+    tables = (
+        ablation.setups_table(logs),
+        corruption.slopes_table(logs, fits),
+        paper.table_4(logs, fits),
+    )
+    for table in tables:
+        assert not any(row.paper for row in table.rows)
+        said = " ".join((*table.notes, *table.units))
+        for words in ("printed", "stand right here", WORDS):
+            assert words not in said, table.name
+    assert "printed slopes" in " ".join(corruption.slopes_table(*_with_fits(study(False))).notes)
+
+
+def test_hulls_are_not_judged_against_the_papers_world() -> None:
+    pair = {"ours": 98.0, "low": 97.0, "high": 99.0, "half": 0.0, "digits": 2}
+    asked, other = (paper.Beside("PTA_C", 98.2, like=like, **pair) for like in (True, False))  # type: ignore[arg-type]
+    assert (asked.row.cells[-1], other.row.cells[-1]) == ("yes", NOTHING)
+    assert [paper._same(world) for world in ("graph", "hulls", "physics")] == [True, False, False]
+
+
+def test_a_study_of_few_episodes_says_so_and_has_no_bold_interval(study: Make) -> None:
+    logs = study(False)
+    sections = paper.sections(logs)
+    page = render(logs, sections, ())
+    assert page.count("Intervals from fewer than 10 episodes are too narrow; none is bold.") == 1
+    for section in (*corruption.sections(logs), *ablation.sections(logs)):
+        assert not any(row.best for table in section.tables for row in table.rows), section.name
+
+
+def test_figures_carry_the_papers_numbers_where_the_tables_do(study: Make) -> None:
+    def captions(logs: StudyLogs) -> dict[str, str]:
+        drawn = (*ablation.pictures(logs), *time_figures(logs.whole))
+        return {picture.name: picture.caption for picture in drawn}
+
+    logs = study(True)
+    found = captions(logs)
+    assert "Paper (its own map): 98.85 % (greedy)." in found["pta"]
+    assert "Paper (its own map): 0.899 (greedy)." in found["csr"]
+    assert "Paper (its own map): 0.0017 (greedy)." in found["rmse"]
+    assert "Paper's public code (its own map): 0.0063 (greedy)." in found["rmse"]
+    assert "Hollow diamond: the paper's number" in found["contribution-graph"]
+    panel = ablation.pictures(logs)[0].figure.axes[ablation.KEYS.index("pta_c")]
+    diamonds = {
+        (float(np.ravel(line.get_xdata())[0]), int(np.ravel(line.get_ydata())[0]))
+        for line in panel.lines
+        if line.get_marker() == "D"
+    }
+    assert diamonds == {(0.1623, 0), (0.0337, 1)}  # its Table 6: greedy without a scout, a forager
+    for caption in captions(study(False, ("team.scouts.count=3",))).values():
+        assert "its own map" not in caption
+
+
+@pytest.mark.parametrize(("place", "cut"), [(1, {"before"}), (10, set()), (19, {"after"})])
+def test_one_level_beside_a_break_has_no_slope(place: int, cut: set[str]) -> None:
+    levels = np.linspace(0.0, 1.0, 21)
+    means = 90 - 40 * levels - 20 * np.maximum(0.0, levels - levels[place])
+    values = np.repeat(means[:, None], 12, axis=1)
+    values += np.random.default_rng(0).normal(0.0, 1e-6, values.shape)
+    fit = corruption.Fit(
+        levels,
+        values.mean(axis=1),
+        half_width_95(values),
+        sensitivity_slope(levels, values.mean(axis=1)),
+        two_segment_fit(levels, values.mean(axis=1)),
+        bootstrap_sensitivity(levels, values, 0, resamples=20),
+        break_test(levels, values, 0, resamples=20),
+    )
+    cells = dict(zip(corruption.COLUMNS, corruption._cells(fit, 1), strict=True))
+    slopes = {"before": "−40.0", "after": "−60.0"}
+    assert {side: cells[side] for side in slopes} == {
+        side: NOTHING if side in cut else slope for side, slope in slopes.items()
+    }
