@@ -17,7 +17,7 @@ from rich.console import Console
 
 from graph_planner.policies.ddqn import QPolicy
 from graph_planner.policies.registry import register
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.training.run import train
 from mjforage.learning.training.settings import Settings, changed
@@ -52,7 +52,7 @@ def main(hours: float) -> None:
     train(scenario, SETTINGS, FOLDER / "training", hours=hours)
     run = FOLDER / f"run-{hours:g}h"
     summary = evaluate(
-        Setting.of(scenario), ["mine", "greedy"], run, episodes=20, worlds=("graph", "physics")
+        Setup.of(scenario), ["mine", "greedy"], run, episodes=20, worlds=("graph", "physics")
     )
     for world, policies in summary.items():
         for name, scores in policies.items():

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
-from graph_planner.kept import Kept, row_of, rows_worth_keeping
+from graph_planner.row_cache import RowCache, row_of, rows_worth_keeping
 
 Int32Array = NDArray[np.int32]
 Float32Array = NDArray[np.float32]
@@ -149,20 +149,20 @@ def all_pairs(neighbours: Int32Array) -> Float32Array:
 class DistanceRows(NamedTuple):
     """Distances from single nodes: all of them on a small graph, those asked for last on others."""
 
-    kept: Kept
+    kept: RowCache
     distance: Float32Array  # (row, node) [node], inf where there is no way
 
     @classmethod
     def of_table(cls, table: Float32Array) -> "DistanceRows":
         """All rows, from the table of all pairs (node, node)."""
         every = np.arange(table.shape[0], dtype=np.int32)
-        return cls(Kept(every, every, np.zeros(1, np.int64)), table)
+        return cls(RowCache(every, every, np.zeros(1, np.int64)), table)
 
     @classmethod
     def none_yet(cls, nodes: int) -> "DistanceRows":
         """Memory for as many rows of a large graph as are worth keeping."""
         rows = rows_worth_keeping(nodes, 4)
-        return cls(Kept.of(nodes, rows), np.empty((rows, nodes), np.float32))
+        return cls(RowCache.of(nodes, rows), np.empty((rows, nodes), np.float32))
 
 
 @kernel

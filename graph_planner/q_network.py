@@ -3,7 +3,7 @@
 import torch
 from torch import Tensor, nn
 
-from graph_planner.perception import Shapes
+from graph_planner.encodings import Shapes
 
 MOVES = 9
 WIDTH, HEAD = 192, 64
@@ -14,12 +14,12 @@ class DuelingNetwork(nn.Module):
     """Q(picture, move) = V + A(move) - mean A (Wang et al. 2016), for one agent of a team.
 
     Maps (channel, row, column) go through two convolutions, everything is joined into a trunk of
-    WIDTH numbers. Where the perception has a row of features per move, one advantage head reads the
+    WIDTH numbers. Where the encoding has a row of features per move, one advantage head reads the
     trunk with each row, the same for all moves; else it reads the trunk for all moves at once.
     """
 
     def __init__(self, shapes: Shapes) -> None:
-        """Build for arrays of these shapes, see `Perception.shapes`."""
+        """Build for arrays of these shapes, see `Encoder.shapes`."""
         super().__init__()
         self.maps = nn.ModuleDict({k: _eye(s) for k, s in shapes.items() if len(s) == 3})
         self.flat = [name for name, shape in shapes.items() if len(shape) < 3]

@@ -8,14 +8,14 @@ from graph_planner.geodesics import DIAGONAL, FAR, Int32Array, Workspace, distan
 from graph_planner.moves import free_move, move_length
 from graph_planner.navigation import STAY
 from graph_planner.randomness import Stream, stream_key, uniform
-from graph_planner.task import Ground, Observation, Task
+from graph_planner.task import Observation, Task, TaskArrays
 
 NO_TOKEN = -1
 TIE = 1e-7  # breaks ties at random: far below any real difference, far above rounding
 
 
 @kernel
-def possible_targets(ground: Ground, agent_node: Int32Array, targets: Int32Array) -> None:
+def possible_targets(arrays: TaskArrays, agent_node: Int32Array, targets: Int32Array) -> None:
     """Where each move of each agent would end, -1 where illegal.
 
     Parameters
@@ -23,7 +23,7 @@ def possible_targets(ground: Ground, agent_node: Int32Array, targets: Int32Array
     agent_node : (agent,) of one episode
     targets : (agent, 9) filled; other agents' choices are not looked at
     """
-    neighbours, moves = ground.neighbours, ground.moves
+    neighbours, moves = arrays.neighbours, arrays.moves
     nobody = np.empty(0, np.int64)
     for a in range(agent_node.size):
         for move in range(9):
@@ -34,8 +34,8 @@ def possible_targets(ground: Ground, agent_node: Int32Array, targets: Int32Array
                 agent_node[a],
                 move,
                 moves[a],
-                ground.stay,
-                ground.shorten,
+                arrays.stay,
+                arrays.shorten,
             )
             targets[a, move] = end
 
@@ -48,19 +48,19 @@ def longest_move(moves: NDArray[np.int64]) -> float:
 
 @kernel
 def _seek(
-    seen: Observation, ground: Ground, workspace: Workspace, preferences: NDArray[np.float64]
+    seen: Observation, arrays: TaskArrays, workspace: Workspace, preferences: NDArray[np.float64]
 ) -> None:
     active, step, keys, agent_node = seen.active, seen.step, seen.keys, seen.agent_node
     known, n_known = seen.known, seen.n_known
-    neighbours, distances = ground.neighbours, ground.distances
-    moves, collects = ground.moves, ground.collects
+    neighbours, distances = arrays.neighbours, arrays.distances
+    moves, collects = arrays.moves, arrays.collects
     n_agents, slack = agent_node.shape[1], longest_move(moves)
     targets = np.empty((n_agents, 9), np.int32)
     nearest = np.empty((n_agents, 9))
     for e in range(active.size):
         if not active[e] or n_known[e] == 0:
             continue
-        possible_targets(ground, agent_node[e], targets)
+        possible_targets(arrays, agent_node[e], targets)
         for a in range(n_agents):
             if not collects[a]:
                 targets[a] = -1
@@ -84,9 +84,9 @@ class ItemSeeker:
     """Preferences that take foragers to the nearest known item by a shortest path."""
 
     def __init__(self, task: Task) -> None:
-        self._ground = task.ground
+        self._arrays = task.arrays
         self._workspace = Workspace.of(len(task.graph))
 
     def guide(self, observation: Observation, preferences: NDArray[np.float64]) -> None:
         """Overwrite the foragers' rows of preferences (episode, agent, 9) where items are known."""
-        _seek(observation, self._ground, self._workspace, preferences)
+        _seek(observation, self._arrays, self._workspace, preferences)

@@ -18,7 +18,7 @@ NEVER = np.int16(-32768)
 """Value of `last_seen` for a node that no agent has seen yet."""
 
 
-class Ground(NamedTuple):
+class TaskArrays(NamedTuple):
     """A task as kernels read it: where agents can go, what each can do, how fast maps age."""
 
     neighbours: Int32Array  # (node, 8), -1 where there is no edge
@@ -71,9 +71,9 @@ class Task:
         return self.graph.views(self.view_radii)
 
     @cached_property
-    def ground(self) -> Ground:
+    def arrays(self) -> TaskArrays:
         """The task as kernels read it."""
-        return Ground(
+        return TaskArrays(
             neighbours=self.graph.neighbours,
             distances=self.graph.distances,
             rows=self.graph.rows,

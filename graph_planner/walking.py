@@ -8,7 +8,7 @@ from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import STAY
 from graph_planner.randomness import Stream, normal, stream_key, uniform
 from graph_planner.seeking import possible_targets
-from graph_planner.task import Ground, Observation, Task
+from graph_planner.task import Observation, Task, TaskArrays
 
 NO_HEADING = -1
 NO_LIMIT = 2**31 - 1  # decisions; a walk that only obstacles end
@@ -29,7 +29,7 @@ def levy_length(key: np.uint64, index: int, step: int, cap: int) -> int:
 @kernel
 def _walk(
     seen: Observation,
-    ground: Ground,
+    arrays: TaskArrays,
     cap: int,
     heading: NDArray[np.int8],
     left: Int32Array,
@@ -43,7 +43,7 @@ def _walk(
         if not active[e]:
             continue
         key = stream_key(keys[e], Stream.POLICY)
-        possible_targets(ground, agent_node[e], targets)
+        possible_targets(arrays, agent_node[e], targets)
         for a in range(n_agents):
             here = heading[e, a]
             back = (here + 4) % 8 if here != NO_HEADING else NO_HEADING
@@ -78,7 +78,7 @@ class Walker:
     """
 
     def __init__(self, task: Task, episodes: int, levy: bool) -> None:
-        self._ground = task.ground
+        self._arrays = task.arrays
         self.cap = max(1, int(0.8 * max(task.graph.shape))) if levy else NO_LIMIT
         agents = (episodes, len(task.fleet))
         self._heading = np.full(agents, NO_HEADING, np.int8)
@@ -87,5 +87,5 @@ class Walker:
 
     def walk(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9) of the next step of every walk."""
-        _walk(observation, self._ground, self.cap, self._heading, self._left, self._preferences)
+        _walk(observation, self._arrays, self.cap, self._heading, self._left, self._preferences)
         return self._preferences

@@ -10,8 +10,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from graph_planner.encodings import ENCODERS, Shapes
 from graph_planner.errors import WeightsError
-from graph_planner.perception import PERCEPTIONS, Shapes
 from graph_planner.task import Task
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ _HERE = Path(__file__).resolve().parent
 _PLACES = (_HERE.parent / "mjforage" / "models", _HERE.parent / "models")  # a wheel, a checkout
 _LARGEST_HEADER = 1 << 20
 _NOTE = "mjforage"  # the one entry of the safetensors metadata, as several have no order
-_MAP_BOUND = ("paper",)  # perceptions whose weights are of no use on another map
+_MAP_BOUND = ("paper",)  # encodings whose weights are of no use on another map
 
 
 @dataclass(frozen=True)
@@ -36,12 +36,12 @@ class WeightsHeader:
 
     Attributes
     ----------
-    perception : name in `PERCEPTIONS`
+    encoding : name in `ENCODERS`
     shapes : of the arrays that the networks read
     grounds : maps and rules that they were trained on, see `ground_note`; empty: not known
     """
 
-    perception: str
+    encoding: str
     shapes: Shapes
     grounds: tuple[Mapping[str, Any], ...] = ()
 
@@ -92,10 +92,10 @@ def read_header(path: Path) -> WeightsHeader:
             f"weights {path}: not a safetensors file; give one that `mjforage train` wrote"
         )
     notes = _notes(header.get("__metadata__"))
-    if notes.get("format") != FORMAT or notes.get("perception") not in list(PERCEPTIONS):
+    if notes.get("format") != FORMAT or notes.get("perception") not in list(ENCODERS):
         raise WeightsError(
             f"weights {path}: format {notes.get('format')!r}, perception "
-            f"{notes.get('perception')!r}; expected {FORMAT!r} and one of {', '.join(PERCEPTIONS)}"
+            f"{notes.get('perception')!r}; expected {FORMAT!r} and one of {', '.join(ENCODERS)}"
         )
     shapes: Any = notes.get("shapes")
     grounds: Any = notes.get("grounds", [])
@@ -149,7 +149,7 @@ def load_networks(path: Path, task: Task) -> "dict[str, DuelingNetwork]":
     ------
     WeightsError
         If the file is damaged, made for arrays of another shape than the task's or, with a
-        perception that is bound to its map, for another map, or lacks a team of the task.
+        encoding that is bound to its map, for another map, or lacks a team of the task.
     """
     from safetensors import SafetensorError
     from safetensors.torch import load_file
@@ -180,17 +180,17 @@ def load_networks(path: Path, task: Task) -> "dict[str, DuelingNetwork]":
 
 def _check_fit(path: Path, header: WeightsHeader, task: Task) -> None:
     """Refuse weights that were made for something else."""
-    shapes = PERCEPTIONS[header.perception](task).shapes
+    shapes = ENCODERS[header.encoding](task).shapes
     if shapes != header.shapes:
         raise WeightsError(
-            f"weights {path}: made for {header.perception} arrays of {header.shapes}, but this "
+            f"weights {path}: made for {header.encoding} arrays of {header.shapes}, but this "
             f"scenario's are {shapes}; use its own weights, or egocentric ones, which fit every map"
         )
-    if header.perception in _MAP_BOUND and header.grounds:
+    if header.encoding in _MAP_BOUND and header.grounds:
         here = ground_note(task)
         if here not in header.grounds:
             raise WeightsError(
-                f"weights {path}: {header.perception} weights trained on "
+                f"weights {path}: {header.encoding} weights trained on "
                 f"{' and '.join(str(dict(ground)) for ground in header.grounds)}, but this "
                 f"scenario is {here}; use its own weights, or egocentric ones, which fit every map"
             )

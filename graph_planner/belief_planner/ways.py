@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
-from graph_planner.kept import Kept, row_of, rows_worth_keeping
 from graph_planner.moves import free_move
 from graph_planner.navigation import STAY, TABLE_LIMIT, NavigationGraph
+from graph_planner.row_cache import RowCache, row_of, rows_worth_keeping
 
 UInt16Array = NDArray[np.uint16]
 
@@ -28,7 +28,7 @@ class Ways(NamedTuple):
     ends: Int32Array  # (node, 9) where a move ends, -1 illegal
     before_start: NDArray[np.int64]  # (node + 1,) the moves that end in a node come from
     before: Int32Array  # (move,) `before[before_start[v]:before_start[v + 1]]`
-    kept: Kept  # rows of targets
+    kept: RowCache  # rows of targets
     decisions: UInt16Array  # (row, node) decisions from a node to the row's target
 
 
@@ -119,6 +119,6 @@ def ways_of(graph: NavigationGraph, moves: int, stay: bool, shorten: bool) -> Wa
         ends=ends,
         before_start=start,
         before=before,
-        kept=Kept.of(n, rows),
+        kept=RowCache.of(n, rows),
         decisions=np.empty((rows, n), np.uint16),
     )

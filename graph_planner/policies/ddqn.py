@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.perception import PERCEPTIONS
+from graph_planner.encodings import ENCODERS
 from graph_planner.policies.registry import register
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task
@@ -34,8 +34,8 @@ class QPolicy:
         """Get ready for a batch of episodes (episode,)."""
         self._networks = self._load(task)
         self._teams = (task.fleet.scouts, task.fleet.foragers)
-        self._perception = PERCEPTIONS[self._header.perception](task)
-        self._perception.reset(keys.size)
+        self._encoder = ENCODERS[self._header.encoding](task)
+        self._encoder.reset(keys.size)
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
 
     def _load(self, task: Task) -> "dict[str, DuelingNetwork]":
@@ -46,7 +46,7 @@ class QPolicy:
         from graph_planner.inference import values_of
 
         rows = np.flatnonzero(observation.active)
-        levels = self._perception.see(observation, rows)
+        levels = self._encoder.see(observation, rows)
         for team, agents in zip(TEAMS, self._teams, strict=True):
             if agents.size:
                 chosen = np.ix_(rows, agents)

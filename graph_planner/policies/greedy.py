@@ -13,7 +13,7 @@ from graph_planner.geodesics import FAR, Int32Array, Workspace, distances_to_nea
 from graph_planner.policies.registry import register
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from graph_planner.seeking import TIE, longest_move, possible_targets
-from graph_planner.task import Ground, Observation, Task
+from graph_planner.task import Observation, Task, TaskArrays
 from graph_planner.visibility import NodeLists
 
 ITEM_WEIGHT = 5.91
@@ -35,24 +35,24 @@ def _idleness_around(
 @kernel
 def _rewards(
     seen: Observation,
-    ground: Ground,
+    arrays: TaskArrays,
     discs: NodeLists,
     workspace: Workspace,
     preferences: NDArray[np.float64],
 ) -> None:
     active, step, keys, agent_node = seen.active, seen.step, seen.keys, seen.agent_node
     belief, last_seen, known, n_known = seen.belief, seen.last_seen, seen.known, seen.n_known
-    neighbours, distances, collects = ground.neighbours, ground.distances, ground.collects
-    radius_number, forgetting = ground.radius_number, ground.forgetting
+    neighbours, distances, collects = arrays.neighbours, arrays.distances, arrays.collects
+    radius_number, forgetting = arrays.radius_number, arrays.forgetting
     start, nodes = discs.start, discs.nodes
-    n_agents, slack = agent_node.shape[1], longest_move(ground.moves)
+    n_agents, slack = agent_node.shape[1], longest_move(arrays.moves)
     targets = np.empty((n_agents, 9), np.int32)
     nearest = np.empty((n_agents, 9))
     for e in range(active.size):
         if not active[e]:
             continue
         key, items = stream_key(keys[e], Stream.POLICY), known[e, : n_known[e]]
-        possible_targets(ground, agent_node[e], targets)
+        possible_targets(arrays, agent_node[e], targets)
         distances_to_nearest(
             neighbours, distances, items, agent_node[e], targets, slack, workspace, nearest
         )
@@ -81,12 +81,12 @@ class GreedyPolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self._ground = task.ground
+        self._arrays = task.arrays
         self._discs = task.graph.discs(task.view_radii)
         self._workspace = Workspace.of(len(task.graph))
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Instant rewards (episode, agent, 9) of all moves."""
-        _rewards(observation, self._ground, self._discs, self._workspace, self._preferences)
+        _rewards(observation, self._arrays, self._discs, self._workspace, self._preferences)
         return self._preferences

@@ -18,7 +18,7 @@ from graph_planner.navigation import STAY, NavigationGraph
 from graph_planner.policies.registry import register
 from graph_planner.randomness import UInt64Array
 from graph_planner.seeking import ItemSeeker, longest_move, possible_targets
-from graph_planner.task import Ground, Observation, Task
+from graph_planner.task import Observation, Task, TaskArrays
 
 
 def lane_corners(graph: NavigationGraph, spacing: int) -> Int32Array:
@@ -56,13 +56,13 @@ class Sweep(NamedTuple):
 @kernel
 def _sweep(
     seen: Observation,
-    ground: Ground,
+    arrays: TaskArrays,
     sweep: Sweep,
     workspace: Workspace,
     preferences: NDArray[np.float64],
 ) -> None:
-    active, agent_node, moves = seen.active, seen.agent_node, ground.moves
-    neighbours, distances = ground.neighbours, ground.distances
+    active, agent_node, moves = seen.active, seen.agent_node, arrays.moves
+    neighbours, distances = arrays.neighbours, arrays.distances
     current, patience = sweep.current, sweep.patience
     n_agents, slack = agent_node.shape[1], longest_move(moves)
     targets = np.empty((n_agents, 9), np.int32)
@@ -71,7 +71,7 @@ def _sweep(
     for e in range(active.size):
         if not active[e]:
             continue
-        possible_targets(ground, agent_node[e], targets)
+        possible_targets(arrays, agent_node[e], targets)
         for a in range(n_agents):
             centre, size = agent_node[e, a : a + 1], sweep.share_size[a]
             first = sweep.share_start[a] + current[e, a]
@@ -107,7 +107,7 @@ class LawnmowerPolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self._ground = task.ground
+        self._arrays = task.arrays
         self._seeker = ItemSeeker(task)
         self._workspace = Workspace.of(len(task.graph))
         self.sweep = self._plan(task, keys.size)
@@ -133,6 +133,6 @@ class LawnmowerPolicy:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9): down the way to the agent's next corner."""
-        _sweep(observation, self._ground, self.sweep, self._workspace, self._preferences)
+        _sweep(observation, self._arrays, self.sweep, self._workspace, self._preferences)
         self._seeker.guide(observation, self._preferences)
         return self._preferences

@@ -18,7 +18,7 @@ from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import OFFSETS, STAY
 from graph_planner.policies.registry import register
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
-from graph_planner.task import Ground, Observation, Task
+from graph_planner.task import Observation, Task, TaskArrays
 from graph_planner.visibility import NodeLists
 
 INERTIA = 0.7298
@@ -36,9 +36,11 @@ class Swarm(NamedTuple):
 
 
 @kernel
-def _best_place(values: NDArray[np.float64], nodes: Int32Array, ground: Ground, node: int) -> int:
+def _best_place(
+    values: NDArray[np.float64], nodes: Int32Array, arrays: TaskArrays, node: int
+) -> int:
     """The one of `nodes` with the largest value, the nearest of them to `node`; -1 if empty."""
-    rows, cols = ground.rows, ground.cols
+    rows, cols = arrays.rows, arrays.cols
     best, best_value, best_squared = NOWHERE, -np.inf, 0
     for i in range(nodes.size):
         if values[i] < best_value:
@@ -53,17 +55,17 @@ def _best_place(values: NDArray[np.float64], nodes: Int32Array, ground: Ground, 
 
 @kernel
 def _pull(
-    velocity: NDArray[np.float64], weight: float, place: int, node: int, ground: Ground
+    velocity: NDArray[np.float64], weight: float, place: int, node: int, arrays: TaskArrays
 ) -> None:
     if place >= 0:
-        velocity[0] += weight * (ground.rows[place] - ground.rows[node])
-        velocity[1] += weight * (ground.cols[place] - ground.cols[node])
+        velocity[0] += weight * (arrays.rows[place] - arrays.rows[node])
+        velocity[1] += weight * (arrays.cols[place] - arrays.cols[node])
 
 
 @kernel
 def _pull_forager(
     seen: Observation,
-    ground: Ground,
+    arrays: TaskArrays,
     e: int,
     node: int,
     first: float,
@@ -74,16 +76,16 @@ def _pull_forager(
     items, belief = seen.known[e, : seen.n_known[e]], seen.belief[e]
     for i in range(items.size):
         values[i] = belief[items[i]]
-    _pull(velocity, RICHEST_WEIGHT * first, _best_place(values, items, ground, node), node, ground)
+    _pull(velocity, RICHEST_WEIGHT * first, _best_place(values, items, arrays, node), node, arrays)
     values[: items.size] = 0.0
-    nearest = _best_place(values, items, ground, node)
-    _pull(velocity, NEAREST_WEIGHT * second, nearest, node, ground)
+    nearest = _best_place(values, items, arrays, node)
+    _pull(velocity, NEAREST_WEIGHT * second, nearest, node, arrays)
 
 
 @kernel
 def _pull_scout(
     seen: Observation,
-    ground: Ground,
+    arrays: TaskArrays,
     e: int,
     node: int,
     best_node: int,
@@ -93,31 +95,31 @@ def _pull_scout(
     velocity: NDArray[np.float64],
 ) -> None:
     full_after, now, last_seen = (
-        np.ceil(1.0 / ground.forgetting),
+        np.ceil(1.0 / arrays.forgetting),
         seen.step[e] - 1.0,
         seen.last_seen[e],
     )
     for i in range(values.size):
         values[i] = min(full_after, now - last_seen[i])
     everywhere = np.arange(values.size).astype(np.int32)
-    idlest = _best_place(values, everywhere, ground, node)
-    _pull(velocity, OWN_BEST_WEIGHT * first, best_node, node, ground)
-    _pull(velocity, IDLEST_WEIGHT * second, idlest, node, ground)
+    idlest = _best_place(values, everywhere, arrays, node)
+    _pull(velocity, OWN_BEST_WEIGHT * first, best_node, node, arrays)
+    _pull(velocity, IDLEST_WEIGHT * second, idlest, node, arrays)
 
 
 @kernel
 def _fly(
     seen: Observation,
-    ground: Ground,
+    arrays: TaskArrays,
     views: NodeLists,
     swarm: Swarm,
     preferences: NDArray[np.float64],
 ) -> None:
     active, step, keys = seen.active, seen.step, seen.keys
     agent_node, belief = seen.agent_node, seen.belief
-    start, nodes, radius_number = views.start, views.nodes, ground.radius_number
+    start, nodes, radius_number = views.start, views.nodes, arrays.radius_number
     best_items, best_nodes = swarm.best_items, swarm.best_node
-    values = np.empty(ground.rows.size)
+    values = np.empty(arrays.rows.size)
     for e in range(active.size):
         if not active[e]:
             continue
@@ -130,11 +132,11 @@ def _fly(
                 if items > best_items[e, a]:
                     best_items[e, a], best_nodes[e, a] = items, nodes[i]
             velocity *= INERTIA
-            if ground.collects[a]:
-                _pull_forager(seen, ground, e, node, first, second, values, velocity)
+            if arrays.collects[a]:
+                _pull_forager(seen, arrays, e, node, first, second, values, velocity)
             else:
                 best = best_nodes[e, a]
-                _pull_scout(seen, ground, e, node, best, first, second, values, velocity)
+                _pull_scout(seen, arrays, e, node, best, first, second, values, velocity)
             speed = np.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
             for d in range(8):
                 norm = np.sqrt(OFFSETS[d, 0] ** 2 + OFFSETS[d, 1] ** 2)
@@ -150,7 +152,7 @@ class PsoPolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self._ground, self._views = task.ground, task.views
+        self._arrays, self._views = task.arrays, task.views
         agents = (keys.size, len(task.fleet))
         self._swarm = Swarm(
             velocity=np.zeros((*agents, 2)),
@@ -161,5 +163,5 @@ class PsoPolicy:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9): cosine between the velocity and each move."""
-        _fly(observation, self._ground, self._views, self._swarm, self._preferences)
+        _fly(observation, self._arrays, self._views, self._swarm, self._preferences)
         return self._preferences

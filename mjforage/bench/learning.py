@@ -5,7 +5,7 @@ import time
 import gymnasium
 import numpy as np
 
-from graph_planner.perception import PERCEPTIONS
+from graph_planner.encodings import ENCODERS
 from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.training.settings import Settings, changed
 from mjforage.learning.training.training import Trainer
@@ -41,7 +41,7 @@ def learning_speeds() -> dict[str, float]:
     team's network, draw and priorities included; `ddqn_share_<part>`: of the time of training on
     the published scenario.
     """
-    figures = {f"env_obs_steps_per_core_s_{kind}": _observed_per_s(kind) for kind in PERCEPTIONS}
+    figures = {f"env_obs_steps_per_core_s_{kind}": _observed_per_s(kind) for kind in ENCODERS}
     trainer = Trainer([load_scenario("published")], changed(Settings(), SMALL))
     trainer.play_round()  # compiles, and fills the replay
     for part in trainer.clock.seconds:

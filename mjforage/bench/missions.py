@@ -8,7 +8,7 @@ import numpy as np
 
 from graph_planner.policies import create_policy
 from mjforage.core.episode_log import EpisodeLog
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.physics.worlds import create_mission
 
@@ -39,25 +39,25 @@ def mission_speeds(episodes: int = 25, horizon: int = 150) -> dict[str, float]:
         mission does; ``physics_core_min_per_100_episodes`` of 1500 s each;
         ``physics_share_PART``: of the time of a second, profiled run.
     """
-    setting = Setting.of(load_scenario("comb-port", [f"horizon={horizon}"]))
-    _play(setting, 2)
+    setup = Setup.of(load_scenario("comb-port", [f"horizon={horizon}"]))
+    _play(setup, 2)
     started = time.process_time()
-    rate = _play(setting, episodes) / (time.process_time() - started)
+    rate = _play(setup, episodes) / (time.process_time() - started)
     profile = cProfile.Profile()
-    profile.runcall(_play, setting, episodes)
+    profile.runcall(_play, setup, episodes)
     return {
         "physics_mission_sim_s_per_core_s": rate,
         "physics_core_min_per_100_episodes": 100 * 1500.0 / rate / 60.0,
     } | _shares(profile)
 
 
-def _play(setting: Setting, episodes: int) -> float:
+def _play(setup: Setup, episodes: int) -> float:
     """Simulated time of all episodes [s]."""
-    mission = create_mission(setting, "physics")
+    mission = create_mission(setup, "physics")
     mission.reset(0, np.arange(episodes))
     log = EpisodeLog(mission)
     mission.run(create_policy("greedy"), (log,))
-    return float(log.length.sum()) * setting.scenario.period_s
+    return float(log.length.sum()) * setup.scenario.period_s
 
 
 def _shares(profile: cProfile.Profile) -> dict[str, float]:

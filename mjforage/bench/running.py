@@ -19,7 +19,7 @@ from mjforage.bench.missions import mission_speeds
 from mjforage.bench.simulations import physics_speeds
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.maps import GridMap
-from mjforage.core.mission import Mission, Setting
+from mjforage.core.mission import Mission, Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.scoring import score
 from mjforage.runs.evaluate import evaluate
@@ -57,8 +57,8 @@ def _rate(work: Callable[[], float]) -> float:
     return statistics.median(rates)
 
 
-def _steps(setting: Setting, policy_name: str, episodes: int) -> Callable[[], float]:
-    mission, policy = Mission(setting), create_policy(policy_name)
+def _steps(setup: Setup, policy_name: str, episodes: int) -> Callable[[], float]:
+    mission, policy = Mission(setup), create_policy(policy_name)
 
     def work() -> float:
         mission.reset(0, np.arange(episodes))
@@ -70,37 +70,37 @@ def _steps(setting: Setting, policy_name: str, episodes: int) -> Callable[[], fl
 
 def _evaluated_steps(episodes: int, world: str = "graph", horizon: int = 150) -> float:
     """Steps of an evaluation of Greedy on the default scenario, logs and summary included."""
-    setting = Setting.of(load_scenario("comb-port", (f"horizon={horizon}",)))
+    setup = Setup.of(load_scenario("comb-port", (f"horizon={horizon}",)))
     with tempfile.TemporaryDirectory() as folder:
         run = Path(folder) / "run"
-        summary = evaluate(setting, ["greedy"], run, worlds=[world], episodes=episodes)
+        summary = evaluate(setup, ["greedy"], run, worlds=[world], episodes=episodes)
     return float(summary[world]["greedy"]["length"]["mean"]) * episodes
 
 
-def _scoring(setting: Setting, episodes: int) -> Callable[[], float]:
-    mission = Mission(setting)
+def _scoring(setup: Setup, episodes: int) -> Callable[[], float]:
+    mission = Mission(setup)
     mission.reset(0, np.arange(episodes))
     log = EpisodeLog(mission)
     mission.run(create_policy("greedy"), (log,))
 
     def work() -> float:
-        score(log, setting.fleet, setting.scenario.horizon)
+        score(log, setup.fleet, setup.scenario.horizon)
         return float(episodes)
 
     return work
 
 
-def _large_setting(shape: tuple[int, int]) -> Setting:
+def _large_setup(shape: tuple[int, int]) -> Setup:
     """64 agents and 5,000 items in a large harbour of basins behind long moles."""
     navigable = np.ones(shape, np.bool_)
     navigable[::40, : shape[1] - 30] = False
     navigable[20::40, 30:] = False
-    return Setting(load_scenario("comb-port", LARGE), GridMap("large", navigable))
+    return Setup(load_scenario("comb-port", LARGE), GridMap("large", navigable))
 
 
 def _large_steps(policy_name: str, shape: tuple[int, int], steps: int) -> Callable[[], float]:
-    setting = _large_setting(shape)
-    mission, policy = Mission(setting), create_policy(policy_name)
+    setup = _large_setup(shape)
+    mission, policy = Mission(setup), create_policy(policy_name)
 
     def work() -> float:
         for _ in range(steps):
@@ -108,7 +108,7 @@ def _large_steps(policy_name: str, shape: tuple[int, int], steps: int) -> Callab
         return float(steps)
 
     mission.reset(0, np.arange(1))
-    policy.reset(setting.task, mission.keys)
+    policy.reset(setup.task, mission.keys)
     return work
 
 
@@ -117,21 +117,21 @@ def _go_large(shape: tuple[int, int], steps: int) -> float:
     return _large_steps("greedy", shape, steps)()
 
 
-def _belief_setting(agents: int, fast: bool) -> Setting:
+def _belief_setup(agents: int, fast: bool) -> Setup:
     """The default mission with so many agents, cut where most of the work is done."""
     half = agents // 2
     teams = (f"team.scouts.count={half}", f"team.foragers.count={agents - half}")
     overrides = (*teams, f"horizon={BELIEF_HORIZON}", f"belief.fast={str(fast).lower()}")
-    return Setting.of(load_scenario("comb-port", overrides))
+    return Setup.of(load_scenario("comb-port", overrides))
 
 
 def _belief_speeds(measure: Callable[[str, str, Callable[[], float]], None]) -> None:
     """The belief planner: speed of both settings, and what a decision of a fleet costs."""
     for name, fast in (("belief", False), ("belief_fast", True)):
-        setting = Setting.of(load_scenario("comb-port", (f"belief.fast={str(fast).lower()}",)))
-        measure(f"graph_{name}_steps_per_core_s", STEPS, _steps(setting, "belief", BELIEF_BATCH))
+        setup = Setup.of(load_scenario("comb-port", (f"belief.fast={str(fast).lower()}",)))
+        measure(f"graph_{name}_steps_per_core_s", STEPS, _steps(setup, "belief", BELIEF_BATCH))
     for agents in BELIEF_FLEETS:
-        steps = _steps(_belief_setting(agents, False), "belief", BELIEF_BATCH // 4)
+        steps = _steps(_belief_setup(agents, False), "belief", BELIEF_BATCH // 4)
         measure(f"belief_decisions_{agents}_agents_per_core_s", DECISIONS, steps)
 
 
@@ -142,7 +142,7 @@ def bench(progress: Progress = lambda name: None) -> Figures:
     ----------
     progress : called with the key that is about to be measured
     """
-    setting = Setting.of(load_scenario("comb-port"))
+    setup = Setup.of(load_scenario("comb-port"))
     figures: Figures = {}
 
     def measure(key: str, unit: str, work: Callable[[], float]) -> None:
@@ -150,11 +150,11 @@ def bench(progress: Progress = lambda name: None) -> Figures:
         figures[key] = {"value": _rate(work), "unit": unit}
 
     for name in POLICIES:
-        measure(f"graph_{name}_steps_per_core_s", STEPS, _steps(setting, name, BATCH))
+        measure(f"graph_{name}_steps_per_core_s", STEPS, _steps(setup, name, BATCH))
     _belief_speeds(measure)
     whole = partial(_evaluated_steps, BATCH)
     measure("evaluate_greedy_steps_per_core_s", STEPS, whole)
-    measure("metrics_episodes_per_s", "episodes per CPU second", _scoring(setting, BATCH))
+    measure("metrics_episodes_per_s", "episodes per CPU second", _scoring(setup, BATCH))
     large = (LARGE_SHAPE, LARGE_STEPS)
     for name in ("random", "greedy"):
         measure(f"graph_large_{name}_steps_per_core_s", STEPS, _large_steps(name, *large))

@@ -115,7 +115,7 @@ def view(
     seed
         Seed of a scenario's episode; a run has its own.
     """
-    from mjforage.core.mission import Setting
+    from mjforage.core.mission import Setup
     from mjforage.core.scenario_file import load_scenario
     from mjforage.runs.replaying import replay_of_run
     from mjforage.view.render.viewer import check_display, view_replay, view_scenario
@@ -124,4 +124,4 @@ def view(
     if Path(what).is_dir():
         view_replay(replay_of_run(Path(what), world, policy, episode), speed)
     else:
-        view_scenario(Setting.of(load_scenario(what)), seed, episode)
+        view_scenario(Setup.of(load_scenario(what)), seed, episode)

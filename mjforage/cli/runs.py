@@ -9,7 +9,7 @@ from mjforage.cli.computing import HERE, By, Computing
 from mjforage.cli.console import app, bar, errors, output
 
 if TYPE_CHECKING:
-    from mjforage.core.mission import Setting
+    from mjforage.core.mission import Setup
 
 Policies = Annotated[list[str], Parameter(name="--policy", negative="")]
 Overrides = Annotated[tuple[str, ...], Parameter(name="--set", negative="")]
@@ -50,12 +50,12 @@ def evaluate(
     out
         Run folder; default runs/SCENARIO. An unfinished run of the same settings is resumed.
     """
-    from mjforage.core.mission import Setting
+    from mjforage.core.mission import Setup
     from mjforage.core.scenario_file import load_scenario
 
-    setting = Setting.of(load_scenario(scenario, set, map))
-    folder = out or Path("runs") / setting.scenario.name
-    _play(setting, policy, (world,), folder, episodes, seed, by)
+    setup = Setup.of(load_scenario(scenario, set, map))
+    folder = out or Path("runs") / setup.scenario.name
+    _play(setup, policy, (world,), folder, episodes, seed, by)
 
 
 @app.command
@@ -93,18 +93,18 @@ def compare(
     out
         Run folder; default runs/SCENARIO-gap. An unfinished run of the same settings is resumed.
     """
-    from mjforage.core.mission import Setting
+    from mjforage.core.mission import Setup
     from mjforage.core.scenario_file import load_scenario
     from mjforage.physics.worlds import rungs
 
-    setting = Setting.of(load_scenario(scenario, set, map))
-    worlds = rungs(setting.scenario) if ladder else ("graph", "physics")
-    folder = out or Path("runs") / f"{setting.scenario.name}-gap"
-    _play(setting, policy, worlds, folder, episodes, seed, by)
+    setup = Setup.of(load_scenario(scenario, set, map))
+    worlds = rungs(setup.scenario) if ladder else ("graph", "physics")
+    folder = out or Path("runs") / f"{setup.scenario.name}-gap"
+    _play(setup, policy, worlds, folder, episodes, seed, by)
 
 
 def _play(
-    setting: "Setting",
+    setup: "Setup",
     policies: list[str],
     worlds: tuple[str, ...],
     folder: Path,
@@ -116,15 +116,15 @@ def _play(
     from mjforage.runs.evaluate import evaluate as run
     from mjforage.view.report import terminal_table, write_report
 
-    shares = ", ".join(f"{n} reach {share:.0%}" for n, share in setting.reachable_shares.items())
-    rows, columns = setting.graph.shape
+    shares = ", ".join(f"{n} reach {share:.0%}" for n, share in setup.reachable_shares.items())
+    rows, columns = setup.graph.shape
     output.print(
-        f"{setting.scenario.name} on map {setting.grid.name} ({rows} x {columns}, "
-        f"{len(setting.graph)} nodes; {shares} of them)"
+        f"{setup.scenario.name} on map {setup.grid.name} ({rows} x {columns}, "
+        f"{len(setup.graph)} nodes; {shares} of them)"
     )
     with bar("episodes") as shown:
         summary = run(
-            setting,
+            setup,
             policies,
             folder,
             episodes=episodes,

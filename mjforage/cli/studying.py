@@ -177,22 +177,22 @@ def _play(
     **options: object,
 ) -> None:
     """Compute a study and draw its report."""
-    from mjforage.core.mission import Setting
+    from mjforage.core.mission import Setup
     from mjforage.core.scenario_file import load_scenario
     from mjforage.runs.identity import pinned
     from mjforage.runs.study import Study, run_study
     from mjforage.view.report.studies import write_study_report
 
     workers = by.workers
-    setting = pinned(Setting.of(load_scenario(scenario, choice.set, choice.map)))
-    variants = varied(setting.scenario)
+    setup = pinned(Setup.of(load_scenario(scenario, choice.set, choice.map)))
+    variants = varied(setup.scenario)
     worlds, episodes, seed = tuple(choice.world), choice.episodes, choice.seed
-    plan = Study(kind, setting, variants, worlds, episodes, seed, options)
-    folder = choice.out or Path("runs") / f"{setting.scenario.name}-{kind}"
+    plan = Study(kind, setup, variants, worlds, episodes, seed, options)
+    folder = choice.out or Path("runs") / f"{setup.scenario.name}-{kind}"
 
     def begin() -> None:
         output.print(
-            f"{kind} study of {setting.scenario.name} on map {setting.grid.name}: "
+            f"{kind} study of {setup.scenario.name} on map {setup.grid.name}: "
             f"{len(variants)} variants, {episodes} episodes each"
         )
 

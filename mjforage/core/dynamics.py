@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from graph_planner.geodesics import Int32Array
 from graph_planner.moves import Moves
 from graph_planner.randomness import UInt64Array
-from mjforage.core.world import World
+from mjforage.core.initial_state import InitialState
 
 ARRIVED, LATE, BLOCKED = 0, 1, 2
 OUTCOMES = ("arrived", "late", "blocked")
@@ -33,23 +33,23 @@ class Transition(NamedTuple):
     work: NDArray[np.float64]  # (episode, agent) energy of the propellers so far [J]; 0 in graphs
 
 
-def start_state(world: World, centres: NDArray[np.float64]) -> Transition:
+def start_state(initial: InitialState, centres: NDArray[np.float64]) -> Transition:
     """State at step 0: everybody at rest on the centre of a node.
 
     Parameters
     ----------
     centres : (node, 2) row and column of each node
     """
-    episodes, count = world.item_node.shape
-    agents = (episodes, world.agent_node.shape[1])
+    episodes, count = initial.item_node.shape
+    agents = (episodes, initial.agent_node.shape[1])
     return Transition(
-        agent_node=world.agent_node.copy(),
-        agent_rc=centres[world.agent_node],
+        agent_node=initial.agent_node.copy(),
+        agent_rc=centres[initial.agent_node],
         agent_yaw=np.zeros(agents),
         agent_speed=np.zeros(agents),
         outcome=np.full(agents, ARRIVED, np.int8),
-        item_rc=world.item_rc.copy(),
-        item_node=world.item_node.copy(),
+        item_rc=initial.item_rc.copy(),
+        item_node=initial.item_node.copy(),
         collected_by=np.full((episodes, count), -1, np.int16),
         distance=np.zeros(agents),
         energy=np.zeros(agents),
@@ -69,7 +69,7 @@ class Dynamics(Protocol):
 
     detection: float
 
-    def reset(self, world: World, keys: UInt64Array, names: Sequence[str]) -> Transition:
+    def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0.
 
         Parameters

@@ -29,9 +29,9 @@ class EpisodeLog(Observer):
     """
 
     def __init__(self, mission: Mission) -> None:
-        self._scouts = mission.setting.fleet.scouts
-        self._foragers = mission.setting.fleet.foragers
-        self._navigable = mission.setting.grid.navigable
+        self._scouts = mission.setup.fleet.scouts
+        self._foragers = mission.setup.fleet.foragers
+        self._navigable = mission.setup.grid.navigable
         self._started = False
         self._open = np.zeros(0, np.bool_)  # (episode,) not over when last seen
 
@@ -50,11 +50,11 @@ class EpisodeLog(Observer):
 
     def _start(self, mission: Mission) -> None:
         self._started = True
-        steps = mission.setting.scenario.horizon + 1
+        steps = mission.setup.scenario.horizon + 1
         episodes, agents = mission.state.agent_node.shape
         shape = (episodes, steps, agents)
-        self.n_items = mission.world.n_items
-        self.item_start = mission.world.item_rc
+        self.n_items = mission.initial.n_items
+        self.item_start = mission.initial.item_rc
         self.agent_node = np.zeros(shape, np.int32)
         self.agent_rc = np.zeros((*shape, 2), np.float32)
         self.yaw = np.zeros(shape, np.float32)
@@ -95,7 +95,7 @@ class EpisodeLog(Observer):
             self.series[name][at] = coverage_overlap(seen)
 
     def _finish(self, mission: Mission) -> None:
-        steps = np.arange(mission.setting.scenario.horizon + 1)
+        steps = np.arange(mission.setup.scenario.horizon + 1)
         last = np.minimum(steps[None, :], self.length[:, None])
         for name, values in self.series.items():
             self.series[name] = np.take_along_axis(values, last, axis=1)

@@ -17,9 +17,9 @@ from graph_planner.randomness import UInt64Array
 from graph_planner.rows import put_rows
 from mjforage.core.dynamics import ARRIVED, BLOCKED, Transition, start_state
 from mjforage.core.film import Film
+from mjforage.core.initial_state import LEEWAY, InitialState
 from mjforage.core.item_rule import ItemRule
 from mjforage.core.scenario import Scenario
-from mjforage.core.world import LEEWAY, World
 
 
 @kernel
@@ -72,11 +72,11 @@ class GraphDynamics:
         if film is not None:
             film.interval_s = scenario.period_s
 
-    def reset(self, world: World, keys: UInt64Array, names: Sequence[str]) -> Transition:
+    def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0."""
-        self._items.reset(world, keys)
-        self._state = start_state(world, self._centres)
-        drift = world.drift_rc[0] * self._mps / LEEWAY
+        self._items.reset(initial, keys)
+        self._state = start_state(initial, self._centres)
+        drift = initial.drift_rc[0] * self._mps / LEEWAY
         self._wind = np.array((drift[1], -drift[0]))
         self._shoot()
         return self._state

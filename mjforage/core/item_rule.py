@@ -13,7 +13,7 @@ from graph_planner.navigation import NavigationGraph, Water
 from graph_planner.randomness import Stream, UInt64Array, stream_key
 from graph_planner.rows import put_rows
 from mjforage.core.dynamics import Transition
-from mjforage.core.world import INSET, World, into_water, item_noise
+from mjforage.core.initial_state import INSET, InitialState, into_water, item_noise
 
 
 @kernel
@@ -137,16 +137,16 @@ class ItemRule:
         """
         self._graph, self._fleet, self._noise = graph, fleet, noise
 
-    def reset(self, world: World, keys: UInt64Array) -> None:
+    def reset(self, initial: InitialState, keys: UInt64Array) -> None:
         """Start a batch of episodes."""
-        episodes, items = world.item_node.shape
-        self._keys, self._drift_rc = keys, world.drift_rc
+        episodes, items = initial.item_node.shape
+        self._keys, self._drift_rc = keys, initial.drift_rc
         self.room_left = np.tile(self._fleet.capacity, (episodes, 1))  # (episode, agent) items
         self._items_in_node = np.zeros((episodes, len(self._graph)), np.int16)
         self._gone = np.empty((episodes, items), np.int32)
         self._n_gone = np.empty(episodes, np.int32)
-        present = world.item_node >= 0
-        np.add.at(self._items_in_node, (np.nonzero(present)[0], world.item_node[present]), 1)
+        present = initial.item_node >= 0
+        np.add.at(self._items_in_node, (np.nonzero(present)[0], initial.item_node[present]), 1)
 
     def adopt(self, rows: NDArray[np.int64], other: "ItemRule") -> None:
         """Replace episodes (row,) of the batch by those of another one."""

@@ -18,20 +18,20 @@ from graph_planner.shared_model import SharedModel
 from graph_planner.task import Observation, Task, Truth
 from mjforage.core.dynamics import Dynamics, Transition
 from mjforage.core.graph_dynamics import GraphDynamics
+from mjforage.core.initial_state import InitialState, create_initial_state, nodes_around
 from mjforage.core.maps import GridMap, check_starts, load_map, load_starts, reachable_share
 from mjforage.core.scenario import Scenario
-from mjforage.core.world import World, create_world, nodes_around
 
 
 @dataclass(frozen=True, eq=False)
-class Setting:
+class Setup:
     """A scenario with its map read and its graph built."""
 
     scenario: Scenario
     grid: GridMap
 
     @classmethod
-    def of(cls, scenario: Scenario) -> "Setting":
+    def of(cls, scenario: Scenario) -> "Setup":
         """Load the map and check that the scenario fits on it.
 
         Raises
@@ -45,10 +45,10 @@ class Setting:
             corner_cutting=choice.corner_cutting,
             largest_component=choice.largest_component,
         )
-        setting = cls(scenario, grid)
-        check_starts(setting.start_cells, grid.navigable, f"scenario {scenario.name}", choice.file)
-        nodes_around(setting.graph, setting.start_nodes, len(setting.fleet))
-        return setting
+        setup = cls(scenario, grid)
+        check_starts(setup.start_cells, grid.navigable, f"scenario {scenario.name}", choice.file)
+        nodes_around(setup.graph, setup.start_nodes, len(setup.fleet))
+        return setup
 
     @property
     def start_cells(self) -> tuple[tuple[int, int], ...]:
@@ -103,10 +103,10 @@ class Setting:
         epsilon = np.where(names == choice.team, choice.epsilon, 0.0)
         return Corruption(epsilon, choice.whole_team)
 
-    def create_world(self, keys: UInt64Array) -> World:
+    def create_initial_state(self, keys: UInt64Array) -> InitialState:
         """Initial state of the episodes with the given keys (episode,)."""
         scenario = self.scenario
-        return create_world(
+        return create_initial_state(
             self.graph,
             scenario.items,
             scenario.weather,
@@ -128,22 +128,20 @@ class Mission:
     moves : Moves of the last decision; None before the first
     """
 
-    def __init__(self, setting: Setting, dynamics: Dynamics | None = None) -> None:
+    def __init__(self, setup: Setup, dynamics: Dynamics | None = None) -> None:
         """Compose a mission.
 
         Parameters
         ----------
         dynamics : the world it runs in (`mjforage.physics.worlds`); absent: the paper's graph
         """
-        self.setting = setting
+        self.setup = setup
         if dynamics is None:
-            dynamics = GraphDynamics(setting.graph, setting.fleet, setting.scenario)
-        self.model = SharedModel(setting.task, dynamics.detection)
+            dynamics = GraphDynamics(setup.graph, setup.fleet, setup.scenario)
+        self.model = SharedModel(setup.task, dynamics.detection)
         self._dynamics = dynamics
-        self._resolver = Resolver(
-            setting.graph, setting.fleet, setting.task.rules, setting.corruption
-        )
-        self._energy = setting.fleet.energy
+        self._resolver = Resolver(setup.graph, setup.fleet, setup.task.rules, setup.corruption)
+        self._energy = setup.fleet.energy
 
     def reset(self, seed: int, episodes: NDArray[np.int64]) -> None:
         """Start the given episodes of a seed.
@@ -165,9 +163,9 @@ class Mission:
         names : (episode,) for messages; absent: their keys
         """
         self.keys = keys
-        self.world = self.setting.create_world(self.keys)
+        self.initial = self.setup.create_initial_state(self.keys)
         names = names or [f"key {key}" for key in keys]
-        self.state: Transition = self._dynamics.reset(self.world, self.keys, names)
+        self.state: Transition = self._dynamics.reset(self.initial, self.keys, names)
         self.model.reset(self.state.agent_node, self.state.item_node, self.keys)
         self.step = np.zeros(keys.size, np.int32)
         self.active = np.ones(keys.size, np.bool_)
@@ -198,7 +196,7 @@ class Mission:
     @property
     def room_left(self) -> NDArray[np.int64]:
         """(episode, agent) items that can still be taken aboard, `UNLIMITED` if any number."""
-        capacity, taken_by = self.setting.fleet.capacity, self.state.collected_by
+        capacity, taken_by = self.setup.fleet.capacity, self.state.collected_by
         room = np.tile(capacity, (taken_by.shape[0], 1))
         for agent in np.flatnonzero(capacity < UNLIMITED):
             room[:, agent] -= (taken_by == agent).sum(axis=1)
@@ -223,7 +221,7 @@ class Mission:
     @property
     def truth(self) -> Truth:
         """What no policy may see but a bound."""
-        return Truth(self.state.item_rc, self.state.item_node, self.world.drift_rc)
+        return Truth(self.state.item_rc, self.state.item_node, self.initial.drift_rc)
 
     def ask(self, policy: Policy) -> NDArray[np.float64]:
         """The preferences of a policy, which sees the observation, or the truth too if a bound."""
@@ -266,12 +264,12 @@ class Mission:
             self.state.collected_by,
         )
         left = (self.state.item_node >= 0).any(axis=1)
-        self.active = self.active & left & (self.step < self.setting.scenario.horizon)
+        self.active = self.active & left & (self.step < self.setup.scenario.horizon)
         return self.state
 
     def run(self, policy: Policy, observers: "tuple[Observer, ...]" = ()) -> None:
         """Play the batch to its end, showing every state to the observers."""
-        policy.reset(self.setting.task, self.keys)
+        policy.reset(self.setup.task, self.keys)
         for observer in observers:
             observer.see(self)
         while self.active.any():

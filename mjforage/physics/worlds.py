@@ -13,7 +13,7 @@ from graph_planner.navigation import NavigationGraph
 from mjforage.core.dynamics import Dynamics
 from mjforage.core.film import Film
 from mjforage.core.graph_dynamics import GraphDynamics
-from mjforage.core.mission import Mission, Setting
+from mjforage.core.mission import Mission, Setup
 from mjforage.core.scenario import Scenario, Sensors
 
 Factory = Callable[[NavigationGraph, Fleet, Scenario, Film | None], Dynamics]
@@ -78,12 +78,12 @@ WORLDS = {
 """Name -> world, from the graph upwards."""
 
 
-def create_mission(setting: Setting, world: str = "graph", film: Film | None = None) -> Mission:
+def create_mission(setup: Setup, world: str = "graph", film: Film | None = None) -> Mission:
     """A mission in one of the worlds.
 
     Parameters
     ----------
-    setting : scenario and map
+    setup : scenario and map
     world : name in `WORLDS`
     film : takes the frames of the batch's first episode
 
@@ -93,8 +93,8 @@ def create_mission(setting: Setting, world: str = "graph", film: Film | None = N
         If the scenario cannot be run in that world.
     """
     kind = WORLDS[world]
-    scenario = kind.adapt(setting.scenario)
-    return Mission(setting, kind.dynamics(setting.graph, setting.fleet, scenario, film))
+    scenario = kind.adapt(setup.scenario)
+    return Mission(setup, kind.dynamics(setup.graph, setup.fleet, scenario, film))
 
 
 def added(scenario: Scenario, before: str, world: str) -> tuple[str, ...]:

@@ -20,7 +20,7 @@ from urllib.parse import urlsplit
 import joblib
 
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.runs.run_info import read_json
 from mjforage.runs.identity import run_info, versions
 from mjforage.runs.interrupts import interrupts_held
@@ -242,7 +242,7 @@ def check_versions(asked: tuple[tuple[str, str], ...]) -> None:
             )
 
 
-def check_run(folder: Path, run_hash: str, setting: Setting) -> None:
+def check_run(folder: Path, run_hash: str, setup: Setup) -> None:
     """Check in a worker that it shares the run folder, and reads the same scenario and hulls.
 
     Raises
@@ -257,7 +257,7 @@ def check_run(folder: Path, run_hash: str, setting: Setting) -> None:
             "share, under the same path"
         )
     info = read_json(file)
-    own = run_info(setting, (), info["worlds"], 0, 0)["hash"]
+    own = run_info(setup, (), info["worlds"], 0, 0)["hash"]
     if not run_hash == own == info["hash"]:
         raise UserError(
             f"worker on {here}: scenario and hulls have the hash {own} there, {run_hash} where the "

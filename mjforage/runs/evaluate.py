@@ -17,7 +17,7 @@ from mjforage.runs.costs import Call, costs_content
 from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission, Setting
+from mjforage.core.mission import Mission, Setup
 from mjforage.runs.storage import Chunk, RunFolder, write_json
 from mjforage.runs.identity import pinned, run_info
 from mjforage.runs.workers import Order, Workers, keep_replay, run_chunks
@@ -93,7 +93,7 @@ def summarise(table: pl.DataFrame) -> Summary:
 class Run:
     """A run of policies in its folder: what evaluate makes one of, and a study many."""
 
-    setting: Setting
+    setup: Setup
     policies: tuple[str, ...]
     worlds: tuple[str, ...]
     seed: int
@@ -104,7 +104,7 @@ class Run:
     @classmethod
     def plan(
         cls,
-        setting: Setting,
+        setup: Setup,
         policies: Sequence[str],
         folder: Path,
         *,
@@ -125,17 +125,17 @@ class Run:
                 raise UserError(f"world {world}: unknown; choose {', '.join(WORLDS)}")
             if list(worlds).count(world) > 1:
                 raise UserError(f"world {world}: given twice")
-            create_mission(setting, world)  # what cannot be run says so before anything is written
+            create_mission(setup, world)  # what cannot be run says so before anything is written
         if episodes < 1 or not 0 <= seed < 1 << 64:
             raise UserError(
                 f"episodes {episodes}, seed {seed}: give at least 1 and 0 (below 2**64)"
             )
-        item_choices(setting.scenario.physics)  # which replays need, also at graph level
-        setting = pinned(setting)
-        info = run_info(setting, policies, worlds, episodes, seed)
+        item_choices(setup.scenario.physics)  # which replays need, also at graph level
+        setup = pinned(setup)
+        info = run_info(setup, policies, worlds, episodes, seed)
         chunks = plan(policies, worlds, episodes)
         names = tuple(policies), tuple(worlds)
-        return cls(setting, *names, seed, info, RunFolder(folder), chunks)
+        return cls(setup, *names, seed, info, RunFolder(folder), chunks)
 
     def open(self) -> None:
         """Create the folder, or find the same run in it.
@@ -170,7 +170,7 @@ class Run:
         summary = summarise(self.folder.episodes(self.chunks))
         for world in self.worlds:
             for policy in self.policies:
-                keep_replay(self.setting, world, policy, self.seed, path)
+                keep_replay(self.setup, world, policy, self.seed, path)
         write_json(path / "summary.json", summary)
         self.folder.finish(self.chunks)
         return summary
@@ -194,7 +194,7 @@ def carry_out(
     started, work, summaries = time.perf_counter(), [], []
     orders = {
         place: Order.of(
-            run.setting, run.seed, run.folder.path, run.info["hash"], call, remote=workers.remote
+            run.setup, run.seed, run.folder.path, run.info["hash"], call, remote=workers.remote
         )
         for place, run in enumerate(runs)
         if not run.folder.complete
@@ -223,7 +223,7 @@ def carry_out(
 
 
 def evaluate(
-    setting: Setting,
+    setup: Setup,
     policies: Sequence[str],
     folder: Path,
     *,
@@ -237,7 +237,7 @@ def evaluate(
 
     Parameters
     ----------
-    setting : scenario and map
+    setup : scenario and map
     policies, worlds : names
     folder : run folder; an unfinished run of the same settings in it is resumed
     episodes : episodes per policy and world, 1 or more
@@ -255,7 +255,7 @@ def evaluate(
         For unknown names, a folder that holds something else, a failure to write, or workers that
         are lost.
     """
-    run = Run.plan(setting, policies, folder, episodes=episodes, seed=seed, worlds=worlds)
+    run = Run.plan(setup, policies, folder, episodes=episodes, seed=seed, worlds=worlds)
     call = workers.call(policies)
     run.open()
     with run.folder.claimed():

@@ -17,18 +17,18 @@ import graph_planner
 import metrics
 from graph_planner.policies.registry import is_bound, weights_of
 from mjforage.core.assets import models_folder
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import scenario_to_tree
 from mjforage.runs.storage import run_hash
 
 
-def pinned(setting: Setting) -> Setting:
-    """The same setting with the starts beside its map written into its scenario.
+def pinned(setup: Setup) -> Setup:
+    """The same setup with the starts beside its map written into its scenario.
 
     So that `run.json` alone says what was run, whatever becomes of the map's files.
     """
-    choice = replace(setting.scenario.map, starts=setting.start_cells)
-    return replace(setting, scenario=replace(setting.scenario, map=choice))
+    choice = replace(setup.scenario.map, starts=setup.start_cells)
+    return replace(setup, scenario=replace(setup.scenario, map=choice))
 
 
 @lru_cache(maxsize=1)
@@ -62,15 +62,15 @@ def provenance() -> dict[str, str]:
     }
 
 
-def hull_facts(setting: Setting, worlds: Sequence[str]) -> dict[str, Any]:
+def hull_facts(setup: Setup, worlds: Sequence[str]) -> dict[str, Any]:
     """Parameters of every vessel and class of debris that the run needs; none at graph level."""
     if set(worlds) <= {"graph"}:
         return {}
     from mjforage.physics.dynamics.fleet_scene import fleet_vessels, hull_names  # MuJoCo where it is wanted
     from mjforage.physics.scene import load_debris
 
-    choice = setting.scenario.physics
-    names, vessels = hull_names(setting.fleet, choice), fleet_vessels(setting.fleet, choice)
+    choice = setup.scenario.physics
+    names, vessels = hull_names(setup.fleet, choice), fleet_vessels(setup.fleet, choice)
     return {
         "vessels": {name: asdict(vessel) for name, vessel in zip(names, vessels, strict=True)},
         "debris": [asdict(kind) for kind in load_debris() if kind.name in choice.item_classes],
@@ -88,20 +88,20 @@ def weight_hashes(policies: Sequence[str]) -> dict[str, str]:
 
 
 def run_info(
-    setting: Setting, policies: Sequence[str], worlds: Sequence[str], episodes: int, seed: int
+    setup: Setup, policies: Sequence[str], worlds: Sequence[str], episodes: int, seed: int
 ) -> dict[str, Any]:
     """Content of `run.json` before the run: what it is and where it comes from."""
-    navigable = setting.grid.navigable
+    navigable = setup.grid.navigable
     origin = provenance()
     info: dict[str, Any] = {
         "command": origin["command"],
-        "scenario": scenario_to_tree(setting.scenario),
+        "scenario": scenario_to_tree(setup.scenario),
         "map": {
-            "name": setting.grid.name,
+            "name": setup.grid.name,
             "rows": navigable.shape[0],
             "columns": navigable.shape[1],
-            "nodes": len(setting.graph),
-            "pitch_m": setting.scenario.map.pitch_m,
+            "nodes": len(setup.graph),
+            "pitch_m": setup.scenario.map.pitch_m,
             "navigable": ["".join("01"[int(cell)] for cell in row) for row in navigable],
         },
         "versions": versions(),
@@ -112,12 +112,12 @@ def run_info(
         "bounds": [name for name in policies if is_bound(name)],
         "weights": weight_hashes(policies),
         "agents": [
-            {"name": name, "team": setting.fleet.team_names[team], "collects": bool(collects)}
+            {"name": name, "team": setup.fleet.team_names[team], "collects": bool(collects)}
             for name, team, collects in zip(
-                setting.fleet.names, setting.fleet.team, setting.fleet.collects, strict=True
+                setup.fleet.names, setup.fleet.team, setup.fleet.collects, strict=True
             )
         ],
-        "hulls": hull_facts(setting, worlds),
+        "hulls": hull_facts(setup, worlds),
         "started": origin["started"],
         "timings": {},
     }

@@ -8,7 +8,7 @@ from mjforage.physics.worlds import create_mission
 from mjforage.physics.dynamics.debris import draw_classes
 from mjforage.physics.dynamics.fleet_scene import hull_names, item_choices
 from mjforage.core.film import Film
-from mjforage.core.mission import Mission, Observer, Setting
+from mjforage.core.mission import Mission, Observer, Setup
 from mjforage.runs.replay import Replay
 
 
@@ -24,8 +24,8 @@ class _Recorder(Observer):
         self.in_view: list[NDArray[np.uint8]] = []
 
     def see(self, mission: Mission) -> None:
-        state, model, fleet = mission.state, mission.model, mission.setting.fleet
-        grid = mission.setting.graph.grid
+        state, model, fleet = mission.state, mission.model, mission.setup.fleet
+        grid = mission.setup.graph.grid
         self.agents.append(state.agent_rc[0].astype(np.float32))
         self.items.append(state.item_rc[0].astype(np.float32))
         self.present.append(state.item_node[0] >= 0)
@@ -39,12 +39,12 @@ class _Recorder(Observer):
         self.in_view.append(grid(by_scouts + np.uint8(2) * by_foragers).astype(np.uint8))
 
 
-def record(setting: Setting, world: str, policy: str, seed: int, episode: int) -> Replay:
+def record(setup: Setup, world: str, policy: str, seed: int, episode: int) -> Replay:
     """Play one episode and keep all of it.
 
     Parameters
     ----------
-    setting : scenario and map
+    setup : scenario and map
     world, policy : names
     seed, episode : which episode
 
@@ -54,26 +54,26 @@ def record(setting: Setting, world: str, policy: str, seed: int, episode: int) -
         If there is no such policy or world.
     """
     film, recorder = Film(), _Recorder()
-    mission = create_mission(setting, world, film)
+    mission = create_mission(setup, world, film)
     mission.reset(seed, np.array([episode], np.int64))
     mission.run(create_policy(policy), (recorder,))
-    choice = setting.scenario.physics
-    classes = draw_classes(mission.keys, mission.world.item_node, item_choices(choice))
+    choice = setup.scenario.physics
+    classes = draw_classes(mission.keys, mission.initial.item_node, item_choices(choice))
     return Replay(
-        navigable=setting.grid.navigable,
-        pitch_m=setting.scenario.map.pitch_m,
-        horizon=setting.scenario.horizon,
-        period_s=setting.scenario.period_s,
-        team_names=setting.fleet.team_names,
-        agent_team=setting.fleet.team,
-        agent_collects=setting.fleet.collects,
+        navigable=setup.grid.navigable,
+        pitch_m=setup.scenario.map.pitch_m,
+        horizon=setup.scenario.horizon,
+        period_s=setup.scenario.period_s,
+        team_names=setup.fleet.team_names,
+        agent_team=setup.fleet.team,
+        agent_collects=setup.fleet.collects,
         agent_rc=np.stack(recorder.agents),
         item_rc=np.stack(recorder.items),
         item_present=np.stack(recorder.present),
         belief=np.stack(recorder.belief),
         idleness=np.stack(recorder.idleness),
         in_view=np.stack(recorder.in_view),
-        vessels=hull_names(setting.fleet, choice),
+        vessels=hull_names(setup.fleet, choice),
         item_class=classes[0].astype(np.int16),
         frame_s=film.interval_s,
         track_pose=film.pose,

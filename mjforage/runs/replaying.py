@@ -8,7 +8,7 @@ import polars as pl
 from graph_planner.navigation import navigation_graph
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap, check_starts
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.runs.recording import record
 from mjforage.runs.replay import Replay
 from mjforage.runs.run_info import again, load_run
@@ -40,11 +40,11 @@ def replay_of_run(folder: Path, world: str | None, policy: str | None, episode: 
         )
     check_policies([policy])
     where = str(folder / "run.json")
-    setting = Setting(
+    setup = Setup(
         scenario_from_tree(dict(run.scenario), where), GridMap(run.map.name, run.map.navigable)
     )
-    check_starts(setting.start_cells, run.map.navigable, where, run.map.name)
-    replay = record(setting, world, policy, run.seed, episode)
+    check_starts(setup.start_cells, run.map.navigable, where, run.map.name)
+    replay = record(setup, world, policy, run.seed, episode)
     _check(replay, RunFolder(folder))
     return replay
 

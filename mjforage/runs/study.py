@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.runs.run_info import read_json
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import scenario_to_tree
@@ -40,14 +40,14 @@ class Study:
     Attributes
     ----------
     kind : names its report: parts, ablation, corruption or paper
-    setting : scenario and map that the variants vary; all share the map
+    setup : scenario and map that the variants vary; all share the map
     variants : in the order in which they are computed
     worlds, episodes, seed : the same for all variants, so that episodes can be paired
     options : what the report must know besides
     """
 
     kind: str
-    setting: Setting
+    setup: Setup
     variants: tuple[Variant, ...]
     worlds: tuple[str, ...] = ("graph",)
     episodes: int = 100
@@ -59,7 +59,7 @@ class Study:
         """Content of `study.json`."""
         return provenance() | {
             "kind": self.kind,
-            "scenario": scenario_to_tree(self.setting.scenario),
+            "scenario": scenario_to_tree(self.setup.scenario),
             "variants": {
                 variant.name: {"title": variant.title, "policies": list(variant.policies)}
                 for variant in self.variants
@@ -166,10 +166,10 @@ def run_study(
 
 
 def _plan(study: Study, variant: Variant, folder: Path) -> Run:
-    setting = Setting(variant.scenario, study.setting.grid)
+    setup = Setup(variant.scenario, study.setup.grid)
     try:
         return Run.plan(
-            setting,
+            setup,
             variant.policies,
             variant_folder(folder, variant.name),
             episodes=study.episodes,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mjforage.core.dynamics import OUTCOMES
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.core.scoring import Scores
 from mjforage.core.vocabulary import METRICS, SERIES
 
@@ -72,9 +72,9 @@ def _items(episodes: NDArray[np.int64], log: EpisodeLog) -> Columns:
     return columns
 
 
-def _agents(episodes: NDArray[np.int64], log: EpisodeLog, setting: Setting) -> Columns:
-    shape, graph = log.agent_node.shape, setting.graph
-    pitch_m, period_s = setting.scenario.map.pitch_m, setting.scenario.period_s
+def _agents(episodes: NDArray[np.int64], log: EpisodeLog, setup: Setup) -> Columns:
+    shape, graph = log.agent_node.shape, setup.graph
+    pitch_m, period_s = setup.scenario.map.pitch_m, setup.scenario.period_s
     made = np.broadcast_to(np.arange(shape[1])[None, :, None] <= log.length[:, None, None], shape)
     node, xy = log.agent_node[made], graph.metres(log.agent_rc[made])
     step = np.broadcast_to(np.arange(shape[1])[None, :, None], shape)[made]
@@ -103,7 +103,7 @@ def _agents(episodes: NDArray[np.int64], log: EpisodeLog, setting: Setting) -> C
 
 
 def frames(
-    setting: Setting,
+    setup: Setup,
     world: str,
     policy: str,
     episodes: NDArray[np.int64],
@@ -114,7 +114,7 @@ def frames(
 
     Parameters
     ----------
-    setting : scenario and map
+    setup : scenario and map
     world, policy : names, written into every row
     episodes : (episode,) numbers of the batch's episodes
     log, scores : the batch
@@ -123,7 +123,7 @@ def frames(
         "episodes": _episodes(episodes, log, scores),
         "steps": _steps(episodes, scores),
         "items": _items(episodes, log),
-        "agents": _agents(episodes, log, setting),
+        "agents": _agents(episodes, log, setup),
     }
     return {name: _frame(name, world, policy, columns[name]) for name in TABLES}
 

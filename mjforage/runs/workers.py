@@ -30,7 +30,7 @@ from mjforage.runs.costs import Call, Cost
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap
-from mjforage.core.mission import Mission, Setting
+from mjforage.core.mission import Mission, Setup
 from mjforage.runs.recording import record
 from mjforage.core.scenario_file import canonical_json, scenario_from_tree, scenario_to_tree
 from mjforage.core.scoring import score
@@ -123,20 +123,20 @@ class Order:
     @classmethod
     def of(
         cls,
-        setting: Setting,
+        setup: Setup,
         seed: int,
         folder: Path,
         run_hash: str,
         call: Call,
         remote: bool = False,
     ) -> "Order":
-        """Pack a setting."""
-        rows, columns = setting.grid.navigable.shape
+        """Pack a setup."""
+        rows, columns = setup.grid.navigable.shape
         return cls(
-            canonical_json(scenario_to_tree(setting.scenario)),
-            setting.grid.name,
+            canonical_json(scenario_to_tree(setup.scenario)),
+            setup.grid.name,
             (rows, columns),
-            np.packbits(setting.grid.navigable).tobytes(),
+            np.packbits(setup.grid.navigable).tobytes(),
             seed,
             folder.resolve() if remote else folder,
             run_hash,
@@ -147,8 +147,8 @@ class Order:
 
 
 @lru_cache(maxsize=4)
-def _setting(order: Order) -> Setting:
-    """The setting of an order, built (and on a cluster checked) once per process.
+def _setup(order: Order) -> Setup:
+    """The setup of an order, built (and on a cluster checked) once per process.
 
     Raises
     ------
@@ -161,10 +161,10 @@ def _setting(order: Order) -> Setting:
     rows, columns = order.shape
     navigable = np.unpackbits(packed, count=rows * columns).reshape(order.shape).astype(np.bool_)
     scenario = scenario_from_tree(json.loads(order.scenario_json), "scenario")
-    setting = Setting(scenario, GridMap(order.map_name, navigable))
+    setup = Setup(scenario, GridMap(order.map_name, navigable))
     if order.parent is None:
-        cluster.check_run(order.folder, order.hash, setting)
-    return setting
+        cluster.check_run(order.folder, order.hash, setup)
+    return setup
 
 
 @lru_cache(maxsize=1)
@@ -194,7 +194,7 @@ def _started(parallel: joblib.Parallel, tasks: Iterable[object]) -> Iterator[Ite
                 results.close()
 
 
-def keep_replay(setting: Setting, world: str, policy: str, seed: int, folder: Path) -> None:
+def keep_replay(setup: Setup, world: str, policy: str, seed: int, folder: Path) -> None:
     """Simulate the first episode once more for the report and the web replay, unless it is there.
 
     Raises
@@ -208,7 +208,7 @@ def keep_replay(setting: Setting, world: str, policy: str, seed: int, folder: Pa
         if not zipfile.is_zipfile(path):  # missing or truncated
             temporary = path.with_name(f".{os.getpid()}-{path.name}")
             try:
-                record(setting, world, policy, seed, 0).save(temporary)
+                record(setup, world, policy, seed, 0).save(temporary)
                 temporary.replace(path)
             finally:
                 temporary.unlink(missing_ok=True)
@@ -227,16 +227,16 @@ def run_chunk(order: Order, chunk: Chunk) -> str | None:
     try:
         if order.parent is not None and os.getpid() != order.parent:
             _die_with(order.parent)
-        setting = _setting(order)
+        setup = _setup(order)
         if order.parent is None and run.has(chunk):
             return None  # made by a worker that was lost before it could tell
         episodes = np.arange(chunk.first, chunk.first + chunk.count)
-        mission = create_mission(setting, chunk.world)
+        mission = create_mission(setup, chunk.world)
         mission.reset(order.seed, episodes)
         log = EpisodeLog(mission)
         mission.run(create_policy(chunk.policy), (log,))
-        scores = score(log, setting.fleet, setting.scenario.horizon)
-        tables = frames(setting, chunk.world, chunk.policy, episodes, log, scores)
+        scores = score(log, setup.fleet, setup.scenario.horizon)
+        tables = frames(setup, chunk.world, chunk.policy, episodes, log, scores)
         cost = Cost(
             chunk.world,
             chunk.policy,
@@ -250,7 +250,7 @@ def run_chunk(order: Order, chunk: Chunk) -> str | None:
         )
         run.write(chunk, tables, cost)
         if chunk.first == 0:
-            keep_replay(setting, chunk.world, chunk.policy, order.seed, order.folder)
+            keep_replay(setup, chunk.world, chunk.policy, order.seed, order.folder)
     except UserError as error:
         return str(error)
     return None

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csgraph
 
-from graph_planner import kept, navigation
+from graph_planner import navigation, row_cache
 from graph_planner.geodesics import DistanceRows, Workspace, distances_of, distances_to_nearest
 from graph_planner.navigation import COMPASS, OFFSETS, NavigationGraph, navigation_graph
 from tests.graph_planner.charts import grid
@@ -83,8 +83,8 @@ def test_rows_of_distances_make_room_for_one_another(
     monkeypatch: pytest.MonkeyPatch, ragged_coast: NavigationGraph
 ) -> None:
     """The same distances whether kept, searched again or taken from the table."""
-    monkeypatch.setattr(kept, "FEWEST_ROWS", 3)
-    monkeypatch.setattr(kept, "MEMORY", 0)
+    monkeypatch.setattr(row_cache, "FEWEST_ROWS", 3)
+    monkeypatch.setattr(row_cache, "MEMORY", 0)
     rows, workspace = DistanceRows.none_yet(len(ragged_coast)), Workspace.of(len(ragged_coast))
     assert rows.distance.shape == (3, len(ragged_coast))
     for node_asked in (0, 5, 0, 9, 17, 0, 5, len(ragged_coast) - 1, 17):

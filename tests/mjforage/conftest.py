@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from mjforage.cli import main
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.runs.evaluate import evaluate
 
@@ -103,7 +103,7 @@ def small_run(folder: Path, **settings: Any) -> Path:
     overrides = (f"horizon={settings.pop('horizon', HORIZON)}", *settings.pop("overrides", ()))
     scenario = load_scenario("comb-port", overrides)
     policies = settings.pop("policies", POLICIES)
-    evaluate(Setting.of(scenario), policies, folder, **{"episodes": 3} | settings)
+    evaluate(Setup.of(scenario), policies, folder, **{"episodes": 3} | settings)
     return folder
 
 

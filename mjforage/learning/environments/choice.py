@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypedDict
 
-from graph_planner.perception import PERCEPTIONS
+from graph_planner.encodings import ENCODERS
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.environments.rewards import PUBLISHED, checked_weights
@@ -33,7 +33,7 @@ class Choice:
     ----------
     scenario : preset, path of a TOML file, or a scenario
     world : name in `mjforage.physics.worlds.WORLDS`
-    observation : name in `graph_planner.perception.PERCEPTIONS`
+    observation : name in `graph_planner.encodings.ENCODERS`
     reward : term -> weight, see `rewards`; absent: the published weights
     map : replaces the scenario's grid: a name, CSV or image
     set : overrides KEY=VALUE of the scenario
@@ -51,13 +51,13 @@ class Choice:
     map: str | None = None
     set: Sequence[str] = ()
     render_mode: str | None = None
-    setting: Setting = field(init=False)
+    setup: Setup = field(init=False)
     weights: dict[str, float] = field(init=False)
 
     def __post_init__(self) -> None:
         for word, value, known in (
             ("world", self.world, list(WORLDS)),
-            ("observation", self.observation, list(PERCEPTIONS)),
+            ("observation", self.observation, list(ENCODERS)),
         ):
             if value not in known:
                 raise UserError(f"{word} = {value!r}: unknown; choose {', '.join(known)}")
@@ -66,6 +66,6 @@ class Choice:
             scenario = load_scenario(scenario, self.set, self.map)
         elif self.map is not None or self.set:
             raise UserError("map and set change a scenario's file; give the scenario by its name")
-        object.__setattr__(self, "setting", Setting.of(scenario))
+        object.__setattr__(self, "setup", Setup.of(scenario))
         weights = PUBLISHED if self.reward is None else self.reward
         object.__setattr__(self, "weights", checked_weights(weights))

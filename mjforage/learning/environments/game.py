@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.encodings import ENCODERS, legal_moves
 from graph_planner.navigation import STAY
-from graph_planner.perception import PERCEPTIONS, legal_moves
 from graph_planner.randomness import UInt64Array
 from mjforage.core.mission import Mission
 from mjforage.learning.environments.checks import checked_seed, checked_started
@@ -41,14 +41,14 @@ class Game:
         lanes : episodes side by side; more than one in the graph world only
         """
         self.choice, self.lanes = choice, lanes
-        self.setting = choice.setting
-        self.agents = len(self.setting.fleet)
-        self.mission = create_mission(self.setting, choice.world)
-        self._spare = Mission(self.setting) if lanes > 1 else None
+        self.setup = choice.setup
+        self.agents = len(self.setup.fleet)
+        self.mission = create_mission(self.setup, choice.world)
+        self._spare = Mission(self.setup) if lanes > 1 else None
         self._weights = choice.weights
-        self._terms = RewardTerms(self.setting.task, tuple(self._weights))
-        self._perception = PERCEPTIONS[choice.observation](self.setting.task)
-        self.shapes = self._perception.shapes
+        self._terms = RewardTerms(self.setup.task, tuple(self._weights))
+        self._encoder = ENCODERS[choice.observation](self.setup.task)
+        self.shapes = self._encoder.shapes
         self.started = False  # whether there are episodes
 
     def start(self, lanes: NDArray[np.int64], keys: UInt64Array) -> None:
@@ -56,13 +56,13 @@ class Game:
         if self._spare is None or not self.started or lanes.size == self.lanes:
             assert lanes.size == self.lanes, "all lanes are started at first"
             self.mission.start(keys)
-            self._perception.reset(self.lanes)
-            self.n_items = self.mission.world.n_items.copy()
+            self._encoder.reset(self.lanes)
+            self.n_items = self.mission.initial.n_items.copy()
             self.started = True
             return
         self._spare.start(keys)
         self.mission.adopt(lanes, self._spare)
-        self.n_items[lanes] = self._spare.world.n_items
+        self.n_items[lanes] = self._spare.initial.n_items
 
     def step(self, actions: NDArray[np.int64]) -> Outcome:
         """Play one decision of every lane that is not over.
@@ -117,12 +117,12 @@ class Game:
     def masks(self) -> NDArray[np.int8]:
         """(lane, agent, 9) 1 where a move is legal whatever the others choose."""
         seen = self.mission.observation
-        legal = legal_moves(self.setting.task, seen.agent_node, seen.energy_left)
+        legal = legal_moves(self.setup.task, seen.agent_node, seen.energy_left)
         return legal.astype(np.int8)
 
     def see(self, lanes: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
-        """Levels (lane, agent, ...) of the perception; live, only `lanes` are of this moment."""
-        return self._perception.see(self.mission.observation, lanes)
+        """Levels (lane, agent, ...) of the observation; live, only `lanes` are of this moment."""
+        return self._encoder.see(self.mission.observation, lanes)
 
     def facts(self, lane: int = 0) -> dict[str, float]:
         """Shares of the lane's items discovered and removed so far [%], and its step."""

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.perception.base import Levels
+from graph_planner.encodings.encoder import Levels
 from mjforage.learning.environments.checks import checked_started
 from mjforage.learning.environments.choice import Choice, Options
 from mjforage.learning.environments.game import Episodes, Game, Outcome
@@ -59,7 +59,7 @@ class OneLane:
         return outcome
 
     def _seen(self) -> dict[str, Levels]:
-        """Levels (agent, ...) of the perception; live."""
+        """Levels (agent, ...) of the observation; live."""
         return {name: level[0] for name, level in self._game.see(LANE).items()}
 
     def _note(self) -> None:

@@ -35,7 +35,7 @@ class ForagingParallelEnv(OneLane, ParallelEnv[str, Pictures, int]):  # type: ig
     def __init__(self, **options: Unpack[Options]) -> None:
         OneLane.__init__(self, options)
         self._entropy = np.random.default_rng()
-        self.possible_agents = list(self._game.setting.fleet.names)
+        self.possible_agents = list(self._game.setup.fleet.names)
         self.agents: list[str] = []
 
     @cached_property

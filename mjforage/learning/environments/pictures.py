@@ -27,7 +27,7 @@ class Picture:
         lane, state, model = self._lane, mission.state, mission.model
         if mission.step[lane] == 0:
             self._steps = []
-        grid, fleet = mission.setting.graph.grid, mission.setting.fleet
+        grid, fleet = mission.setup.graph.grid, mission.setup.fleet
         idle = model.idleness(mission.step, np.array([lane]))[0]
         scouts, foragers = (
             model.times_seen(state.agent_node[lane : lane + 1], team)[0] > 0
@@ -54,18 +54,18 @@ class Picture:
         }
         for name in ("item_rc", "item_present"):
             arrays[name] = arrays[name][:, : items.size][:, items]
-        setting, fleet = game.setting, game.setting.fleet
+        setup, fleet = game.setup, game.setup.fleet
         replay = Replay(
-            navigable=setting.grid.navigable,
-            pitch_m=setting.scenario.map.pitch_m,
-            horizon=setting.scenario.horizon,
-            period_s=setting.scenario.period_s,
+            navigable=setup.grid.navigable,
+            pitch_m=setup.scenario.map.pitch_m,
+            horizon=setup.scenario.horizon,
+            period_s=setup.scenario.period_s,
             team_names=fleet.team_names,
             agent_team=fleet.team,
             agent_collects=fleet.collects,
             vessels=("",) * len(fleet),
             item_class=np.zeros(int(items.sum()), np.int16),
-            frame_s=setting.scenario.period_s,
+            frame_s=setup.scenario.period_s,
             track_pose=np.zeros((1, len(fleet), 3), np.float32),
             track_items=np.zeros((1, int(items.sum()), 2), np.float32),
             track_present=np.zeros((1, int(items.sum())), np.bool_),

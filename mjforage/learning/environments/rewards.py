@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import FAR, Int32Array, Workspace, distances_to_nearest
-from graph_planner.task import Ground, Task
+from graph_planner.task import Task, TaskArrays
 from graph_planner.visibility import NodeLists
 from mjforage.core.dynamics import BLOCKED
 from mjforage.core.errors import UserError
@@ -75,7 +75,7 @@ def _in_view(
 
 @kernel
 def _nearest_known(
-    ground: Ground,
+    arrays: TaskArrays,
     known: Int32Array,
     n_known: Int32Array,
     agent_node: Int32Array,
@@ -83,7 +83,7 @@ def _nearest_known(
     out: Amounts,
 ) -> None:
     """Distance of each agent to the nearest known item [node]; 0 if none is known."""
-    neighbours, table = ground.neighbours, ground.distances
+    neighbours, table = arrays.neighbours, arrays.distances
     agents = agent_node.shape[1]
     targets = np.full((agents, 9), np.int32(-1), np.int32)
     nearest = np.empty((agents, 9))
@@ -188,7 +188,7 @@ class RewardTerms:
 
     def _nearest(self, known: Int32Array, n_known: Int32Array, agent_node: Int32Array) -> Amounts:
         out = np.empty(agent_node.shape)
-        _nearest_known(self._task.ground, known, n_known, agent_node, self._workspace, out)
+        _nearest_known(self._task.arrays, known, n_known, agent_node, self._workspace, out)
         return out
 
 

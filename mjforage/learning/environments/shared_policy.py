@@ -6,8 +6,8 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.encodings.masks import legal_of_agent
 from graph_planner.navigation import STAY
-from graph_planner.perception.masks import legal_of_agent
 from mjforage.learning.environments.checks import checked_moves, checked_started
 from mjforage.learning.environments.choice import Options
 from mjforage.learning.environments.game import CHOSEN, OTHERWISE_STAY
@@ -34,7 +34,7 @@ class SharedPolicyEnv(OneLane, gymnasium.Env[Pictures, np.int64]):
 
     def __init__(self, **options: Unpack[Options]) -> None:
         OneLane.__init__(self, options)
-        self._claimed = np.zeros(len(self._game.setting.graph), np.int64)
+        self._claimed = np.zeros(len(self._game.setup.graph), np.int64)
         self._round = 0
         self.observation_space = picture_space(self._game.shapes)
         self.action_space = gymnasium.spaces.Discrete(9)
@@ -64,7 +64,7 @@ class SharedPolicyEnv(OneLane, gymnasium.Env[Pictures, np.int64]):
         checked_started(self._game.started, "action_masks")
         seen, agent = self._game.mission.observation, self._turn
         return legal_of_agent(
-            self._game.setting.task.ground,
+            self._game.setup.task.arrays,
             self._claimed,
             self._round,
             agent,

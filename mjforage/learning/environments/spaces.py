@@ -6,7 +6,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from graph_planner.perception.base import TOP, Shapes
+from graph_planner.encodings.encoder import TOP, Shapes
 
 Pictures: TypeAlias = dict[str, NDArray[Any]]
 

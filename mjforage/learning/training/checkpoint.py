@@ -23,7 +23,7 @@ _NOTE = "mjforage"
 
 def identity(trainer: Trainer) -> dict[str, Any]:
     """What two runs must share for one to go on where the other stopped."""
-    first, *others = (game.setting.scenario for game in trainer.games)
+    first, *others = (game.setup.scenario for game in trainer.games)
     return {
         "scenario": scenario_to_tree(first),
         "also": [scenario_to_tree(scenario) for scenario in others],

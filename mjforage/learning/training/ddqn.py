@@ -13,8 +13,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from graph_planner.encodings import Shapes
 from graph_planner.inference import one_thread, values_of
-from graph_planner.perception import Shapes
 from graph_planner.q_network import DuelingNetwork
 from mjforage.learning.training.replay import Batch, Replay
 from mjforage.learning.training.settings import Settings

@@ -44,8 +44,8 @@ Row = dict[str, float]
 class LearnersPolicy(QPolicy):
     """The networks of a run in training, without exploration."""
 
-    def __init__(self, networks: "dict[str, DuelingNetwork]", perception: str) -> None:
-        self._header = WeightsHeader(perception, {})
+    def __init__(self, networks: "dict[str, DuelingNetwork]", encoding: str) -> None:
+        self._header = WeightsHeader(encoding, {})
         self._trained = networks
 
     def _load(self, task: Task) -> "dict[str, DuelingNetwork]":
@@ -124,7 +124,7 @@ class Trainer:
         ]
         self.games = [Game(choice, settings.lanes) for choice in choices]
         self.game = self.games[0]
-        fleet = self.game.setting.fleet
+        fleet = self.game.setup.fleet
         _check_alike(self.games)
         self.agents = dict(zip(TEAMS, (fleet.scouts, fleet.foragers), strict=True))
         self.learners = {
@@ -199,7 +199,7 @@ class Trainer:
         if left == 0.0:
             return None, taught
         teacher = create_policy(settings.teacher)
-        teacher.reset(self.game.setting.task, keys)
+        teacher.reset(self.game.setup.task, keys)
         return teacher, taught
 
     def _step(self, teacher: Policy | None, taught: NDArray[np.bool_]) -> Outcome:
@@ -287,12 +287,12 @@ class Trainer:
 
     def evaluate(self) -> Row:
         """Scores on held-out episodes, without exploration; `rank` is better when lower."""
-        setting, settings = self.games[0].setting, self.settings
-        mission = Mission(setting)
+        setup, settings = self.games[0].setup, self.settings
+        mission = Mission(setup)
         mission.reset(HELD_OUT, np.arange(settings.evaluate_episodes))
         log = EpisodeLog(mission)
         mission.run(LearnersPolicy(self.networks, settings.observation), (log,))
-        scores = score(log, setting.fleet, setting.scenario.horizon).scalars
+        scores = score(log, setup.fleet, setup.scenario.horizon).scalars
         row = {name: _mean(scores[name]) for name in SCORES}
         row["rank"] = row["nt50"] + row["nt90"] + (100.0 - row["pta_c"]) / 20.0
         self.book_time()
@@ -301,10 +301,10 @@ class Trainer:
 
 def _check_alike(games: Sequence[Game]) -> None:
     """Refuse scenarios that cannot share networks and replays."""
-    first, *others = [(game.setting.fleet.collects.tolist(), game.shapes) for game in games]
+    first, *others = [(game.setup.fleet.collects.tolist(), game.shapes) for game in games]
     for number, other in enumerate(others, start=1):
         if other != first:
-            names = [games[i].setting.scenario.name for i in (0, number)]
+            names = [games[i].setup.scenario.name for i in (0, number)]
             raise UserError(
                 f"scenarios {names[0]} and {names[1]}: fleets or arrays differ; train together "
                 "scenarios with as many scouts and foragers, on the egocentric observation"
@@ -330,6 +330,6 @@ def save_weights(trainer: Trainer, path: Path) -> None:
         for team, network in trainer.networks.items()
         for name, value in network.state_dict().items()
     }
-    grounds = tuple(ground_note(game.setting.task) for game in trainer.games)
+    grounds = tuple(ground_note(game.setup.task) for game in trainer.games)
     header = WeightsHeader(trainer.settings.observation, trainer.game.shapes, grounds)
     save_tensors(path, tensors, header_note(header))

@@ -18,9 +18,9 @@ from graph_planner.randomness import UInt64Array
 from mjforage.core.dynamics import Transition, start_state
 from mjforage.core.errors import UserError
 from mjforage.core.film import Film
+from mjforage.core.initial_state import InitialState, nearest_nodes
 from mjforage.core.item_rule import ItemRule, collect
 from mjforage.core.scenario import Scenario
-from mjforage.core.world import World, nearest_nodes
 from mjforage.physics.dynamics.debris import draw_classes, nearest_items, read_items, take_at_mouth
 from mjforage.physics.dynamics.fleet_scene import fleet_scene, fleet_vessels, item_choices
 from mjforage.physics.dynamics.sensing import measured_poses
@@ -75,10 +75,10 @@ class PhysicsDynamics:
         centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._centres, self._centres_xy = centres, graph.metres(centres)
 
-    def reset(self, world: World, keys: UInt64Array, names: Sequence[str]) -> Transition:
+    def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0."""
-        episodes, items = world.item_node.shape
-        self._keys, self._state = keys, start_state(world, self._centres)
+        episodes, items = initial.item_node.shape
+        self._keys, self._state = keys, start_state(initial, self._centres)
         self._field = Field.create(self._settings, keys, self._graph)
         scene = fleet_scene(
             self._graph, self._vessels, self._fleet.names, items if self._bodies else 0
@@ -91,36 +91,36 @@ class PhysicsDynamics:
             seeds=names,
         )
         self._pilot = Pilot(self._helms, self._chart, episodes, CONTROL_S)
-        self._watched = Watched.of(world.agent_node.shape)
-        pose = np.zeros((*world.agent_node.shape, 3))
-        pose[..., :2] = self._centres_xy[world.agent_node]
+        self._watched = Watched.of(initial.agent_node.shape)
+        pose = np.zeros((*initial.agent_node.shape, 3))
+        pose[..., :2] = self._centres_xy[initial.agent_node]
         self._simulation.place_vessels(pose)
         self._pose = self._simulation.vessel_pose
         self._velocity = self._simulation.vessel_velocity
-        self._place_items(world)
+        self._place_items(initial)
         self._tick = np.zeros(episodes, np.int64)
         if self._film is not None:
             self._film.interval_s = WEATHER_TICKS * CONTROL_S
             self._shoot()
         return self._state
 
-    def _place_items(self, world: World) -> None:
-        self._room_left = np.tile(self._fleet.capacity, (len(world.n_items), 1))
+    def _place_items(self, initial: InitialState) -> None:
+        self._room_left = np.tile(self._fleet.capacity, (len(initial.n_items), 1))
         self._rule: ItemRule | None = None
         if not self._bodies:
             noise = self._scenario.weather.noise_node_per_step
             self._rule = ItemRule(self._graph, self._fleet, noise)
-            self._rule.reset(world, self._keys)
+            self._rule.reset(initial, self._keys)
             self._room_left = self._rule.room_left
             return
-        episodes, items = world.item_node.shape
+        episodes, items = initial.item_node.shape
         self._items_in_node = np.zeros((episodes, len(self._graph)), np.int16)
-        present = world.item_node >= 0
-        np.add.at(self._items_in_node, (np.nonzero(present)[0], world.item_node[present]), 1)
+        present = initial.item_node >= 0
+        np.add.at(self._items_in_node, (np.nonzero(present)[0], initial.item_node[present]), 1)
         classes = np.full((episodes, self._simulation.scene.items), -1, np.int64)
-        classes[:, :items] = draw_classes(self._keys, world.item_node, self._classes)
+        classes[:, :items] = draw_classes(self._keys, initial.item_node, self._classes)
         xy = np.array(np.broadcast_to(self._simulation.scene.parking, (*classes.shape, 2)))
-        xy[:, :items][present] = self._graph.metres(world.item_rc)[present]
+        xy[:, :items][present] = self._graph.metres(initial.item_rc)[present]
         self._simulation.place_items(xy, classes)
 
     def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:

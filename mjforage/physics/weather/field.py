@@ -10,7 +10,7 @@ from graph_planner.compiled import kernel
 from graph_planner.navigation import NavigationGraph
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.core.errors import UserError
-from mjforage.core.world import item_noise
+from mjforage.core.initial_state import item_noise
 from mjforage.physics.weather.circulation import Circulation, circulation, circulation_velocity
 from mjforage.physics.weather.gauss_markov import gauss_markov_pair
 from mjforage.physics.weather.profile import height_factor
@@ -33,9 +33,7 @@ def _stream_keys(keys: UInt64Array, stream: int) -> UInt64Array:
 
 @kernel
 def _drawn_vectors(keys: UInt64Array, reach: float) -> FloatArray:
-    """Vectors (x, y) uniform in +-reach: the drift of `mjforage.core.world`, whose axes are (row,
-    column).
-    """
+    """Vectors (x, y) uniform in +-reach: the drift of `InitialState`, there in (row, column)."""
     result = np.empty((keys.size, 2))
     for e in range(keys.size):
         key = stream_key(keys[e], Stream.WEATHER)

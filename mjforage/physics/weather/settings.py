@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from typing import get_args, get_type_hints
 
 from mjforage.core.errors import UserError
+from mjforage.core.initial_state import LEEWAY
 from mjforage.core.scenario import Weather, bounded
-from mjforage.core.world import LEEWAY
 
 PROFILES = ("uniform", "log", "power")
 

@@ -15,7 +15,7 @@ from mjforage.view.render.overlay import Overlay
 from mjforage.view.render.sheet import Sheet, blank_sheet
 from mjforage.view.render.smoothing import smooth_edges
 from mjforage.view.render.stage import Stage, build_look, distance_ahead, mirrored
-from mjforage.view.render.story import split_time, tell_story
+from mjforage.view.render.timeline import split_time, timeline_of
 from mjforage.view.render.track import Track
 from mjforage.view.render.wakes import TRAIL_STEPS
 from mjforage.view.render.water import Water, shore_of
@@ -62,7 +62,7 @@ class HarbourView:
         """
         self._camera = _camera_named(camera)
         kind = self._camera
-        self._replay, self._track, self._story = replay, Track.of(replay), tell_story(replay)
+        self._replay, self._track, self._timeline = replay, Track.of(replay), timeline_of(replay)
         area = water_area(replay)
         self._scales = magnified(kind, area)
         self._look = build_look(replay, *self._scales)
@@ -78,7 +78,7 @@ class HarbourView:
         )
         self._surface_rate = min(1.0, _CALM_FILM / speed)
         self._water = Water(shore_of(Ground.of(replay.navigable, replay.pitch_m)))
-        self._overlay = Overlay(replay, self._story, width, height)
+        self._overlay = Overlay(replay, self._timeline, width, height)
         self._size, self._detail = (height, width), detail
         drawn = detail * height, detail * width
         self._rgb, self._depth = _buffers(drawn)
@@ -113,10 +113,10 @@ class HarbourView:
         ValueError
             If `time` lies outside the episode.
         """
-        split_time(time, self._story.length)
+        split_time(time, self._timeline.length)
         time_s = time * self._replay.period_s
         hulls, items = self._track.hulls_at(time_s), self._track.items_at(time_s)
-        known = self._story.discovered <= time
+        known = self._timeline.discovered <= time
         surface_s = self._surface_rate * time_s
         self._stage.place(afloat(hulls, surface_s), floating(items, surface_s), known)
         view = self._camera.view(self._circumstances, time_s)

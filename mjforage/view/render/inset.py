@@ -7,7 +7,7 @@ from mjforage.runs.replay import Replay
 from mjforage.view.render import palette
 from mjforage.view.render.palette import Colour
 from mjforage.view.render.raster import Floats, Image, paint_box, paint_discs
-from mjforage.view.render.story import split_time
+from mjforage.view.render.timeline import split_time
 
 _LAND: Colour = (120.0, 122.0, 118.0)
 _CLEAR: Colour = (150.0, 205.0, 222.0)

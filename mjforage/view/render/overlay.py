@@ -8,8 +8,8 @@ from mjforage.view.render.inset import Inset
 from mjforage.view.render.palette import Colour, team_colours
 from mjforage.view.render.panel import mission_clock, team_collects
 from mjforage.view.render.raster import Floats, Image, paint_box
-from mjforage.view.render.story import Story
 from mjforage.view.render.text import fit, width, write
+from mjforage.view.render.timeline import Timeline
 
 _GLASS: Colour = (14.0, 30.0, 42.0)
 _GLASS_ALPHA = 0.66
@@ -28,8 +28,8 @@ _BRIEF_WIDTH, _BRIEF_HEIGHT = 480, 320  # smaller frames have room for one line 
 class Overlay:
     """Paints one replay's figures into frames of `width` x `height`."""
 
-    def __init__(self, replay: Replay, story: Story, width: int, height: int) -> None:
-        self._replay, self._story = replay, story
+    def __init__(self, replay: Replay, timeline: Timeline, width: int, height: int) -> None:
+        self._replay, self._timeline = replay, timeline
         self._width, self._height = width, height
         self._unit = max(_LEAST_UNIT, min(height / _FULL_HEIGHT, width / _FULL_WIDTH))
         self._brief = width < _BRIEF_WIDTH or height < _BRIEF_HEIGHT
@@ -100,7 +100,7 @@ class Overlay:
     def _paint_line(self, image: Image, time: float) -> None:
         """Clock and shares, as much of it as there is room for."""
         step = int(time + 1e-9)
-        shares = (("PTA_D", self._story.pta_d[step]), ("PTA_C", self._story.pta_c[step]))
+        shares = (("PTA_D", self._timeline.pta_d[step]), ("PTA_C", self._timeline.pta_c[step]))
         words = [mission_clock(time * self._replay.period_s)]
         words += [f"{key} {share:.0f} %" for key, share in shares]
         size, room = self._size(13), self._width - 18.0
@@ -111,7 +111,7 @@ class Overlay:
         write(image, line, 9.0, 6.0 + size, size, bold=True, colour=palette.WHITE)
 
     def _paint_card(self, image: Image, time: float) -> None:
-        u, replay, story = self._unit, self._replay, self._story
+        u, replay, timeline = self._unit, self._replay, self._timeline
         left, top = _MARGIN * u, _MARGIN * u
         right, bottom = left + _CARD_WIDTH * u, top + _CARD_HEIGHT * u
         self._glass(image, (left, top, right, bottom))
@@ -126,11 +126,11 @@ class Overlay:
         step = int(time + 1e-9)
         count = f"step {step} of {replay.horizon}"
         write(image, count, end, top + 71 * u, self._size(12.5), colour=_PALE, align="right")
-        items = len(story.discovered)
-        found, taken = (int((e <= step).sum()) for e in (story.discovered, story.removed))
+        items = len(timeline.discovered)
+        found, taken = (int((e <= step).sum()) for e in (timeline.discovered, timeline.removed))
         rows = (
-            ("PTA_D", f"{found} of {items} discovered", story.pta_d[step], self._scout),
-            ("PTA_C", f"{taken} of {items} collected", story.pta_c[step], self._forager),
+            ("PTA_D", f"{found} of {items} discovered", timeline.pta_d[step], self._scout),
+            ("PTA_C", f"{taken} of {items} collected", timeline.pta_c[step], self._forager),
         )
         for number, row in enumerate(rows):
             self._paint_bar(image, x, end, top + (100 + 44 * number) * u, row)

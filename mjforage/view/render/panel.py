@@ -15,8 +15,8 @@ from mjforage.view.render.layout import (
 )
 from mjforage.view.render.palette import Colour
 from mjforage.view.render.raster import Image, paint_box, paint_discs, paint_stroke
-from mjforage.view.render.story import Story
 from mjforage.view.render.text import fit, width, write
+from mjforage.view.render.timeline import Timeline
 
 _CHART_TOP, _CHART_HEIGHT, _CHART_LEFT = 132.0, 96.0, 40.0  # [unit] in the progress block
 _MOST_CHART_GROWTH = 120.0  # [unit] where the panel has room to spare
@@ -25,8 +25,8 @@ _MOST_CHART_GROWTH = 120.0  # [unit] where the panel has room to spare
 class Panel:
     """Writes the panel of one replay: `paint_fixed` once, `paint_moving` on every frame."""
 
-    def __init__(self, replay: Replay, story: Story, layout: Layout) -> None:
-        self._replay, self._story, self._layout = replay, story, layout
+    def __init__(self, replay: Replay, timeline: Timeline, layout: Layout) -> None:
+        self._replay, self._timeline, self._layout = replay, timeline, layout
         u = layout.unit
         down, across = (1, 0) if layout.stacked else (0, 1)
         left, top = layout.panel_left, layout.panel_top
@@ -81,7 +81,7 @@ class Panel:
 
     def paint_moving(self, image: Image, time: float) -> None:
         """Paint clock, bars and curves at `time` [step]."""
-        replay, story, size = self._replay, self._story, self._layout.size
+        replay, timeline, size = self._replay, self._timeline, self._layout.size
         u, (left, top) = self._layout.unit, self.title
         step = int(time + 1e-9)
         write(
@@ -91,11 +91,11 @@ class Panel:
         write(image, f"step {step}", right, top + 110 * u, size(15), bold=True, align="right")
         of = f"of {replay.horizon}"
         write(image, of, right, top + 128 * u, size(13.5), colour=_SOFT, align="right")
-        items = len(story.discovered)
+        items = len(timeline.discovered)
         for row, (label, key, events, shares, colour) in enumerate(
             (
-                ("Discovered", "PTA_D", story.discovered, story.pta_d, self.scout or _SOFT),
-                ("Collected", "PTA_C", story.removed, story.pta_c, self.forager or _SOFT),
+                ("Discovered", "PTA_D", timeline.discovered, timeline.pta_d, self.scout or _SOFT),
+                ("Collected", "PTA_C", timeline.removed, timeline.pta_c, self.forager or _SOFT),
             )
         ):
             count = f"{int((events <= step).sum())} of {items}"

@@ -13,7 +13,7 @@ from mjforage.view.render.layout import plan_layout
 from mjforage.view.render.legend import Legend
 from mjforage.view.render.panel import Panel, team_collects
 from mjforage.view.render.raster import Floats, Image, paint_box
-from mjforage.view.render.story import between, course_at, split_time, tell_story
+from mjforage.view.render.timeline import between, course_at, split_time, timeline_of
 
 TRAIL_STEPS = 14.0  # how far back trails reach [step]
 FADE_PART = 0.3  # the last part of a step, in which things appear and vanish
@@ -33,13 +33,13 @@ class TopView:
 
     def __init__(self, replay: Replay, long_side: int | None = None) -> None:
         self._replay = replay
-        self._story = tell_story(replay)
+        self._timeline = timeline_of(replay)
         rows, columns = replay.navigable.shape
         self._layout = plan_layout(rows, columns, len(replay.team_names), long_side)
         self._background = paint_background(replay.navigable, self._layout)
         self._collects = team_collects(replay)
         self._colours = palette.team_colours(self._collects)
-        self._panel = Panel(replay, self._story, self._layout)
+        self._panel = Panel(replay, self._timeline, self._layout)
         self._page = self._paint_page()
         nearest = nearest_water(replay.navigable)
         self._fields = lru_cache(maxsize=2)(lambda step: fields_at(replay, step, nearest))
@@ -47,7 +47,7 @@ class TopView:
     @property
     def length(self) -> int:
         """Last step of the episode."""
-        return self._story.length
+        return self._timeline.length
 
     @property
     def size(self) -> tuple[int, int]:
@@ -67,7 +67,7 @@ class TopView:
         ValueError
             If `time` lies outside the episode.
         """
-        before, after, part = split_time(time, self._story.length)
+        before, after, part = split_time(time, self._timeline.length)
         image = self._page.copy()
         sea = self._map_area(image)
         fields = self._fields(before).mixed(self._fields(after), part)
@@ -136,19 +136,19 @@ class TopView:
         symbols.paint_beliefs(sea, points, count, alpha, symbols.belief_radius(self._layout))
 
     def _paint_items(self, sea: Image, time: float) -> None:
-        story, radius = self._story, symbols.item_radius(self._layout)
+        timeline, radius = self._timeline, symbols.item_radius(self._layout)
         points = self._pixels(between(self._replay.item_rc, time))
-        left = np.clip((story.removed - time) / FADE_PART, 0.0, 1.0)
-        known = story.discovered <= time
+        left = np.clip((timeline.removed - time) / FADE_PART, 0.0, 1.0)
+        known = timeline.discovered <= time
         for group, is_known in ((~known, False), (known, True)):
             shown = group & (left > 0.0)
             symbols.paint_items(sea, points[shown], left[shown], radius, known=is_known)
-        age: Floats = (time - story.removed.astype(np.float64)) / FLASH_STEPS
+        age: Floats = (time - timeline.removed.astype(np.float64)) / FLASH_STEPS
         flash = (age >= 0.0) & (age < 1.0)
         symbols.paint_collected(sea, points[flash], age[flash], self._layout)
 
     def _paint_vessels(self, sea: Image, time: float) -> None:
-        replay, course = self._replay, course_at(self._story, time)
+        replay, course = self._replay, course_at(self._timeline, time)
         points = self._pixels(between(replay.agent_rc, time))
         length = symbols.hull_length(self._layout)
         for agent in np.argsort(replay.agent_collects, kind="stable")[::-1]:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.runs.replay import Replay
-from mjforage.view.render.story import TURN_PART
+from mjforage.view.render.timeline import TURN_PART
 
 Floats = NDArray[np.float64]
 FADE_PART = 0.3  # of the time between two frames, in which a collected item vanishes

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission, Setting
+from mjforage.core.mission import Mission, Setup
 from mjforage.physics.scene import Scene, build_scene
 from mjforage.physics.vessels import load_vessel
 from mjforage.runs.replay import Replay
@@ -41,7 +41,7 @@ def check_display() -> None:
         )
 
 
-def view_scenario(setting: Setting, seed: int, episode: int) -> None:
+def view_scenario(setup: Setup, seed: int, episode: int) -> None:
     """Show a scenario's scene with everything where the episode starts, until the window closes.
 
     Raises
@@ -50,7 +50,7 @@ def view_scenario(setting: Setting, seed: int, episode: int) -> None:
         If there is no display, or the scene cannot be built.
     """
     check_display()
-    scene, hulls, items = start_of(setting, seed, episode)
+    scene, hulls, items = start_of(setup, seed, episode)
     data = mujoco.MjData(scene.model)
     put(scene, data, hulls, items)
     with _window(scene.model, data, hulls) as window:
@@ -59,22 +59,22 @@ def view_scenario(setting: Setting, seed: int, episode: int) -> None:
             time.sleep(_FRAME_S)
 
 
-def start_of(setting: Setting, seed: int, episode: int) -> tuple[Scene, Floats, Floats]:
+def start_of(setup: Setup, seed: int, episode: int) -> tuple[Scene, Floats, Floats]:
     """Scene of a scenario, hulls (agent, 3) and items (item, 3) as `put` takes them."""
     from mjforage.physics.dynamics.debris import draw_classes
     from mjforage.physics.dynamics.fleet_scene import hull_names, item_choices
 
-    mission, choice = Mission(setting), setting.scenario.physics
+    mission, choice = Mission(setup), setup.scenario.physics
     mission.reset(seed, np.array([episode], np.int64))
-    state, metres = mission.state, setting.graph.metres
+    state, metres = mission.state, setup.graph.metres
     hulls = np.column_stack((metres(state.agent_rc[0]), state.agent_yaw[0]))
     there = state.item_node[0] >= 0
     items = np.column_stack((metres(state.item_rc[0]), there.astype(np.float64)))
-    classes = draw_classes(mission.keys, mission.world.item_node, item_choices(choice))[0]
+    classes = draw_classes(mission.keys, mission.initial.item_node, item_choices(choice))[0]
     scene = build_scene(
-        [load_vessel(name) for name in hull_names(setting.fleet, choice)],
-        navigable=setting.grid.navigable,
-        pitch_m=setting.scenario.map.pitch_m,
+        [load_vessel(name) for name in hull_names(setup.fleet, choice)],
+        navigable=setup.grid.navigable,
+        pitch_m=setup.scenario.map.pitch_m,
         items=len(items),
         looks=np.maximum(classes, 0).tolist(),
     )

@@ -98,17 +98,17 @@ def _measure(measure: Measure) -> dict[str, Any]:
 
 
 def _page(findings: Sequence[Finding], figures: dict[str, Shown]) -> str:
-    setting = jinja2.Environment(
+    setup = jinja2.Environment(
         loader=jinja2.FunctionLoader(_template),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    setting.filters.update(rich_text=rich_text, number=shown)
+    setup.filters.update(rich_text=rich_text, number=shown)
     style = resources.files("mjforage.view.report").joinpath("report.css.j2").read_text("utf-8")
     count = [finding.status for finding in findings].count
-    return setting.get_template("validation.html.j2").render(
+    return setup.get_template("validation.html.j2").render(
         findings=findings,
         figures=figures,
         environment=environment(),

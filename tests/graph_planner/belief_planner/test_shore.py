@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from graph_planner.belief_planner.shore import drifted, settled, shore_of
 from graph_planner.compiled import kernel
 from graph_planner.navigation import Water, navigation_graph
-from mjforage.core.world import into_water
+from mjforage.core.initial_state import into_water
 from tests.graph_planner.charts import grid
 
 MAP = navigation_graph(grid("..##....", ".###..#.", "....#...", "##......"), 1.0, False)

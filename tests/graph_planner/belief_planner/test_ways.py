@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from graph_planner import kept
+from graph_planner import row_cache
 from graph_planner.belief_planner import ways as w
 from graph_planner.belief_planner.ways import UNREACHED, Ways, row_to, ways_of
 from graph_planner.navigation import NavigationGraph, navigation_graph
@@ -44,8 +44,8 @@ def test_rows_that_made_room_for_others_come_back_the_same(
 ) -> None:
     whole = ways_of(ragged_coast, 1, True, True)
     monkeypatch.setattr(w, "TABLE_LIMIT", 10)
-    monkeypatch.setattr(kept, "MEMORY", 0)
-    monkeypatch.setattr(kept, "FEWEST_ROWS", 3)
+    monkeypatch.setattr(row_cache, "MEMORY", 0)
+    monkeypatch.setattr(row_cache, "FEWEST_ROWS", 3)
     few = w.ways_of.__wrapped__(ragged_coast, 1, True, True)
     assert few.decisions.shape[0] == 3
     for target in (5, 9, 100, 5, 200, 9, 201, 5):

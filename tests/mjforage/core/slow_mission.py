@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from graph_planner.randomness import Stream, episode_keys, stream_key
-from mjforage.core.mission import Setting
-from mjforage.core.world import item_noise
+from mjforage.core.initial_state import item_noise
+from mjforage.core.mission import Setup
 
 
 @dataclass
@@ -31,10 +31,10 @@ class Slow:
 class SlowMission:
     """Plays one episode by the book."""
 
-    def __init__(self, setting: Setting, seed: int, episode: int) -> None:
-        self.setting, self.graph, self.fleet = setting, setting.graph, setting.fleet
+    def __init__(self, setup: Setup, seed: int, episode: int) -> None:
+        self.setup, self.graph, self.fleet = setup, setup.graph, setup.fleet
         keys = episode_keys(seed, np.array([episode]))
-        world = setting.create_world(keys)
+        world = setup.create_initial_state(keys)
         self.drift = world.drift_rc[0]
         self.noise_key = np.uint64(stream_key(keys[0], Stream.NOISE))
         n = int(world.n_items[0])
@@ -60,12 +60,12 @@ class SlowMission:
         return counts
 
     def views(self, agent: int) -> set[int]:
-        task = self.setting.task
+        task = self.setup.task
         radius = int(task.radius_number[agent])
         return set(task.views.of(self.state.nodes[agent], radius).tolist())
 
     def move(self, preferences: NDArray[np.float64]) -> None:
-        rules, chosen = self.setting.scenario.rules, set[int]()
+        rules, chosen = self.setup.scenario.rules, set[int]()
         for agent in reversed(range(len(self.fleet))):
             here, options = self.state.nodes[agent], {}
             for d in range(8):
@@ -102,7 +102,7 @@ class SlowMission:
                     self.state.found.setdefault(k, (self.state.step, agent))
 
     def drift_items(self) -> None:
-        strength = self.setting.scenario.weather.noise_node_per_step
+        strength = self.setup.scenario.weather.noise_node_per_step
         for k, (row, col) in self.state.items.items():
             noise = item_noise(self.noise_key, k, self.state.step)
             row = row + (self.drift[0] + strength * noise[0])
@@ -122,7 +122,7 @@ class SlowMission:
     def _see(self) -> None:
         state, truth = self.state, self.truth()
         if state.step > 0:
-            growth = 1.0 / (0.9 * self.setting.scenario.horizon)
+            growth = 1.0 / (0.9 * self.setup.scenario.horizon)
             state.idleness = np.clip(state.idleness + growth, 0.0, 1.0)
         for agent in [*self.fleet.scouts.tolist(), *self.fleet.foragers.tolist()]:
             for node in self.views(agent):

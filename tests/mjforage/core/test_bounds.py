@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from graph_planner.policies import Policy, create_policy, policy_names
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task, Truth
-from mjforage.core.mission import Mission, Setting
+from mjforage.core.mission import Mission, Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.view.report.comparison import comparison_table
 from mjforage.view.report.logs import load_logs
@@ -34,7 +34,7 @@ class Peeper(Watcher):
 
 
 def played(policy: Policy) -> Mission:
-    mission = Mission(Setting.of(load_scenario("comb-port", ["horizon=5"])))
+    mission = Mission(Setup.of(load_scenario("comb-port", ["horizon=5"])))
     mission.reset(0, np.arange(3))
     mission.run(policy)
     return mission
@@ -44,8 +44,8 @@ def test_a_bound_is_shown_the_truth_before_every_decision() -> None:
     peeper, watcher = Peeper(), Watcher()
     mission = played(peeper)
     assert len(peeper.told) == 5
-    np.testing.assert_array_equal(peeper.told[0].item_rc, mission.world.item_rc)
-    np.testing.assert_array_equal(peeper.told[3].drift_rc, mission.world.drift_rc)
+    np.testing.assert_array_equal(peeper.told[0].item_rc, mission.initial.item_rc)
+    np.testing.assert_array_equal(peeper.told[3].drift_rc, mission.initial.drift_rc)
     assert (peeper.told[4].item_rc != peeper.told[3].item_rc).any()
     played(watcher)
     assert watcher.told == []

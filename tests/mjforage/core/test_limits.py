@@ -5,7 +5,7 @@ import pytest
 
 from graph_planner.fleet import UNLIMITED
 from graph_planner.policies import create_policy
-from mjforage.core.mission import Mission, Setting
+from mjforage.core.mission import Mission, Setup
 from mjforage.core.scenario_file import load_scenario
 
 FAST = ("belief.fast=true", "horizon=70")
@@ -18,10 +18,10 @@ SOON_SPENT = (
 
 def collected(*overrides: str, ignore: bool = False, episodes: int = 6) -> int:
     """Items that the belief planner's foragers collect, if it may ignore what they have left."""
-    setting = Setting.of(load_scenario("comb-port", (*FAST, *overrides)))
-    mission, policy = Mission(setting), create_policy("belief")
+    setup = Setup.of(load_scenario("comb-port", (*FAST, *overrides)))
+    mission, policy = Mission(setup), create_policy("belief")
     mission.reset(5, np.arange(episodes))
-    policy.reset(setting.task, mission.keys)
+    policy.reset(setup.task, mission.keys)
     while mission.active.any():
         seen = mission.observation
         if ignore:
@@ -46,8 +46,8 @@ def test_a_boat_with_energy_takes_over_from_those_without() -> None:
 
 @pytest.mark.parametrize("name", ["belief", "oracle"])
 def test_room_for_one_item_is_filled(name: str) -> None:
-    setting = Setting.of(load_scenario("comb-port", (*FAST, "team.foragers.capacity=1")))
-    mission = Mission(setting)
+    setup = Setup.of(load_scenario("comb-port", (*FAST, "team.foragers.capacity=1")))
+    mission = Mission(setup)
     mission.reset(5, np.arange(2))
     assert (mission.room_left[0] == [UNLIMITED, UNLIMITED, 1, 1]).all()
     mission.run(create_policy(name))

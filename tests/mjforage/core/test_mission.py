@@ -7,7 +7,7 @@ from graph_planner.policies import create_policy, policy_names
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap
-from mjforage.core.mission import Mission, Setting
+from mjforage.core.mission import Mission, Setup
 from mjforage.core.scenario_file import load_scenario
 from tests.mjforage.core.slow_mission import SlowMission
 
@@ -19,14 +19,14 @@ VARIANTS = {
 }
 
 
-def setting_of(preset: str, *overrides: str) -> Setting:
-    return Setting.of(load_scenario(preset, overrides))
+def setup_of(preset: str, *overrides: str) -> Setup:
+    return Setup.of(load_scenario(preset, overrides))
 
 
 def played(
-    setting: Setting, policy: str, episodes: NDArray[np.int64], seed: int = 0
+    setup: Setup, policy: str, episodes: NDArray[np.int64], seed: int = 0
 ) -> tuple[EpisodeLog, Mission]:
-    mission = Mission(setting)
+    mission = Mission(setup)
     mission.reset(seed, episodes)
     log = EpisodeLog(mission)
     mission.run(create_policy(policy), (log,))
@@ -37,15 +37,15 @@ def played(
 def test_kernels_agree_with_the_mission_in_plain_python(preset: str) -> None:
     """Every step of two episodes: nodes, items, belief, idleness, events, RMSE and overlap."""
     more = ("horizon=60", "items.mean=40", "team.foragers.count=3", *VARIANTS[preset])
-    setting = setting_of(preset, *more)
-    mission, log = Mission(setting), EpisodeLog(Mission(setting))
+    setup = setup_of(preset, *more)
+    mission, log = Mission(setup), EpisodeLog(Mission(setup))
     mission.reset(5, np.arange(2))
     log.see(mission)
-    slow = [SlowMission(setting, 5, episode) for episode in range(2)]
+    slow = [SlowMission(setup, 5, episode) for episode in range(2)]
     rng = np.random.default_rng(0)
     while mission.active.any():
         agree(mission, slow)
-        preferences = rng.random((2, len(setting.fleet), 9))
+        preferences = rng.random((2, len(setup.fleet), 9))
         active = mission.active.copy()
         mission.advance(preferences)
         log.see(mission)
@@ -58,7 +58,7 @@ def test_kernels_agree_with_the_mission_in_plain_python(preset: str) -> None:
             oracle.rmse(), abs=1e-12
         )
         assert log.series["mi"][i, end] == pytest.approx(oracle.state.idleness.mean(), abs=1e-12)
-        assert log.series["co_scouts"][i, -1] == oracle.overlap(setting.fleet.scouts)
+        assert log.series["co_scouts"][i, -1] == oracle.overlap(setup.fleet.scouts)
         assert mission.state.distance[i] == pytest.approx(oracle.travelled)
 
 
@@ -73,8 +73,8 @@ def test_kernels_agree_on_small_ragged_maps_with_water_at_the_border(seed: int) 
         *("team.foragers.count=1", "weather.drift_node_per_step=0.4"),
         f"map.corner_cutting={str(bool(seed % 2)).lower()}",
     )
-    setting = Setting(load_scenario("comb-port", overrides), GridMap("ragged", navigable))
-    mission, slow = Mission(setting), [SlowMission(setting, seed, e) for e in range(3)]
+    setup = Setup(load_scenario("comb-port", overrides), GridMap("ragged", navigable))
+    mission, slow = Mission(setup), [SlowMission(setup, seed, e) for e in range(3)]
     mission.reset(seed, np.arange(3))
     while mission.active.any():
         agree(mission, slow)
@@ -112,10 +112,10 @@ def agree(mission: Mission, slow: list[SlowMission]) -> None:
 
 @pytest.mark.parametrize("policy", policy_names())
 def test_logs_are_the_same_bits_whatever_the_batch(policy: str) -> None:
-    setting = setting_of("comb-port", "horizon=50")
-    whole, _ = played(setting, policy, np.arange(100))
+    setup = setup_of("comb-port", "horizon=50")
+    whole, _ = played(setup, policy, np.arange(100))
     for batch in (np.array([63]), np.arange(60, 67), np.array([66, 60])):
-        part, _ = played(setting, policy, batch)
+        part, _ = played(setup, policy, batch)
         for name in ("agent_node", "yaw", "distance", "length", "n_items"):
             np.testing.assert_array_equal(getattr(part, name), getattr(whole, name)[batch])
         for name, series in part.series.items():
@@ -133,7 +133,7 @@ def test_item_worlds_do_not_depend_on_policy_or_team() -> None:
     tracks = []
     for policy, team in (("random", 2), ("greedy", 2), ("greedy", 5)):
         overrides = ("horizon=30", "team.foragers.count=0", f"team.scouts.count={team}")
-        mission = Mission(setting_of("comb-port", *overrides))
+        mission = Mission(setup_of("comb-port", *overrides))
         mission.reset(3, np.arange(6))
         mission.run(create_policy(policy))
         tracks.append(mission.state.item_rc.copy())
@@ -142,8 +142,8 @@ def test_item_worlds_do_not_depend_on_policy_or_team() -> None:
 
 
 def test_policies_start_every_batch_afresh() -> None:
-    setting = setting_of("comb-port", "horizon=40")
-    mission = Mission(setting)
+    setup = setup_of("comb-port", "horizon=40")
+    mission = Mission(setup)
     for name in policy_names():
         policy, ends = create_policy(name), []
         for episodes in (np.arange(5), np.arange(9), np.arange(5)):
@@ -156,16 +156,16 @@ def test_policies_start_every_batch_afresh() -> None:
 @pytest.mark.parametrize("without", ["scouts", "foragers"])
 @pytest.mark.parametrize("policy", policy_names())
 def test_a_fleet_may_lack_scouts_or_foragers(policy: str, without: str) -> None:
-    setting = setting_of("comb-port", f"team.{without}.count=0", "horizon=40")
-    log, mission = played(setting, policy, np.arange(3))
+    setup = setup_of("comb-port", f"team.{without}.count=0", "horizon=40")
+    log, mission = played(setup, policy, np.arange(3))
     assert (mission.state.agent_node >= 0).all()
     if without == "foragers":
         assert (log.t_collected == -1).all() and (log.length == 40).all()
 
 
 def test_an_episode_ends_when_no_item_is_left_and_its_series_are_padded() -> None:
-    setting = setting_of("open-bay", "items.mean=1", "items.std=0", "horizon=150")
-    log, mission = played(setting, "greedy", np.arange(30))
+    setup = setup_of("open-bay", "items.mean=1", "items.std=0", "horizon=150")
+    log, mission = played(setup, "greedy", np.arange(30))
     assert (mission.model.knowledge.truth[log.length < 150] == 0).all()
     ended = np.flatnonzero(log.length < 150)
     assert ended.size > 10
@@ -176,16 +176,16 @@ def test_an_episode_ends_when_no_item_is_left_and_its_series_are_padded() -> Non
 
 
 def test_nothing_is_removed_at_the_start_but_what_is_in_view_is_discovered() -> None:
-    setting = setting_of("comb-port", "items.mean=2000", "items.std=0")
-    mission = Mission(setting)
+    setup = setup_of("comb-port", "items.mean=2000", "items.std=0")
+    mission = Mission(setup)
     mission.reset(0, np.arange(20))
     assert (mission.state.item_node >= 0).all()
     found = mission.model.knowledge.t_discovered == 0
     assert found.any()
-    by_scouts = mission.model.times_seen(mission.state.agent_node, setting.fleet.scouts) > 0
+    by_scouts = mission.model.times_seen(mission.state.agent_node, setup.fleet.scouts) > 0
     seen_by_scouts = np.take_along_axis(by_scouts, mission.state.item_node, axis=1)
     np.testing.assert_array_equal(  # a tie goes to the scouts
-        np.isin(mission.model.knowledge.discovered_by, setting.fleet.scouts), seen_by_scouts
+        np.isin(mission.model.knowledge.discovered_by, setup.fleet.scouts), seen_by_scouts
     )
     assert (mission.model.knowledge.t_discovered[~found] == -1).all()
 
@@ -198,21 +198,21 @@ def test_a_map_replaces_the_grid_and_nothing_else() -> None:
 
 def test_starts_on_land_and_crowded_ponds_are_refused() -> None:
     with pytest.raises(UserError, match=r"start \(0, 0\).*land.*map\.starts"):
-        setting_of("comb-port", "map.starts=[[0,0]]")
+        setup_of("comb-port", "map.starts=[[0,0]]")
     with pytest.raises(UserError, match=r"200 agents do not fit|agents"):
-        setting_of("comb-port", "team.scouts.count=255", "team.foragers.count=200")
+        setup_of("comb-port", "team.scouts.count=255", "team.foragers.count=200")
 
 
 def test_more_agents_than_starts_take_the_nearest_free_nodes() -> None:
-    setting = setting_of("comb-port", "team.scouts.count=7")
-    mission = Mission(setting)
+    setup = setup_of("comb-port", "team.scouts.count=7")
+    mission = Mission(setup)
     mission.reset(0, np.arange(50))
     nodes = mission.state.agent_node
     assert all(np.unique(row).size == 9 for row in nodes)
-    assert set(setting.start_nodes.tolist()) <= set(nodes[0].tolist())
+    assert set(setup.start_nodes.tolist()) <= set(nodes[0].tolist())
     assert np.unique(nodes[:, 0]).size > 4  # who starts where is drawn per episode
 
 
 def test_reachable_share_is_a_quarter_for_published_scouts() -> None:
-    assert setting_of("published").reachable_shares["scouts"] == pytest.approx(0.25, abs=0.01)
-    assert setting_of("comb-port").reachable_shares == {"scouts": 1.0, "foragers": 1.0}
+    assert setup_of("published").reachable_shares["scouts"] == pytest.approx(0.25, abs=0.01)
+    assert setup_of("comb-port").reachable_shares == {"scouts": 1.0, "foragers": 1.0}

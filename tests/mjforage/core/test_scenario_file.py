@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import (
     canonical_json,
@@ -54,7 +54,7 @@ def test_preset_loads_onto_its_map_and_is_described(name: str) -> None:
     scenario = load_scenario(name)
     assert scenario.name == name
     assert scenario.description
-    assert len(Setting.of(scenario).fleet) == 4
+    assert len(Setup.of(scenario).fleet) == 4
 
 
 def test_presets_are_the_five_of_the_project() -> None:
@@ -116,7 +116,7 @@ def test_absent_tables_take_their_defaults_and_teams_have_any_name(tmp_path: Pat
     assert scenario.team["pilots"].radius == 6.0
     assert isinstance(scenario.team["pilots"].radius, float)
     assert (scenario.horizon, scenario.map.starts) == (150, None)
-    assert Setting.of(scenario).fleet.names == ("pilots-0", "skimmers-0", "skimmers-1")
+    assert Setup.of(scenario).fleet.names == ("pilots-0", "skimmers-0", "skimmers-1")
 
 
 def test_overrides_apply_in_order_and_create_tables() -> None:
@@ -145,7 +145,7 @@ def test_map_replaces_only_the_grid() -> None:
 @pytest.mark.parametrize("team", ["scouts", "foragers"])
 def test_a_team_may_be_empty(team: str) -> None:
     scenario = load_scenario("comb-port", [f"team.{team}.count=0"])
-    assert len(Setting.of(scenario).fleet) == 2
+    assert len(Setup.of(scenario).fleet) == 2
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 
 from graph_planner.policies import create_policy
 from mjforage.core.episode_log import EpisodeLog
-from mjforage.core.mission import Mission, Setting
+from mjforage.core.mission import Mission, Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.scoring import event_table, score
 from mjforage.core.vocabulary import SERIES
@@ -13,13 +13,13 @@ from mjforage.runs.tables import SCALARS
 
 
 @pytest.fixture(scope="module")
-def setting() -> Setting:
-    return Setting.of(load_scenario("comb-port", ("horizon=10",)))
+def setup() -> Setup:
+    return Setup.of(load_scenario("comb-port", ("horizon=10",)))
 
 
-def log_by_hand(setting: Setting) -> EpisodeLog:
+def log_by_hand(setup: Setup) -> EpisodeLog:
     """Two scouts (0, 1) and two foragers (2, 3); four items, of which one is never found."""
-    log = EpisodeLog(Mission(setting))
+    log = EpisodeLog(Mission(setup))
     log.n_items = np.array([4], np.int32)
     log.t_discovered = np.array([[1, 2, 5, -1, -1]], np.int16)
     log.discovered_by = np.array([[0, 1, 3, -1, -1]], np.int16)
@@ -37,8 +37,8 @@ def log_by_hand(setting: Setting) -> EpisodeLog:
     return log
 
 
-def test_scalars_of_an_episode_by_hand(setting: Setting) -> None:
-    scores = score(log_by_hand(setting), setting.fleet, 10)
+def test_scalars_of_an_episode_by_hand(setup: Setup) -> None:
+    scores = score(log_by_hand(setup), setup.fleet, 10)
     assert set(scores.scalars) == set(SCALARS) and set(SERIES) <= set(scores.series)
     expected = {
         "pta_d": 75.0,  # 3 of 4 found
@@ -67,28 +67,28 @@ def test_scalars_of_an_episode_by_hand(setting: Setting) -> None:
         assert scores.scalars[key][0] == pytest.approx(value), key
 
 
-def test_series_follow_the_events(setting: Setting) -> None:
-    series = score(log_by_hand(setting), setting.fleet, 10).series
+def test_series_follow_the_events(setup: Setup) -> None:
+    series = score(log_by_hand(setup), setup.fleet, 10).series
     assert series["pta_d"][0].tolist() == [0, 25, 50, 50, 50, 75, 75, 75, 75, 75, 75]
     assert series["pta_c"][0].tolist() == [0, 0, 0, 25, 25, 50, 50, 50, 50, 50, 50]
     assert np.isnan(series["csr"][0, :3]).all() and series["csr"][0, 3:6].tolist() == [1, 1, 0.5]
     assert series["gini_foragers"][0, 3] == 0.5 and np.isnan(series["irr"][0, -1])
 
 
-def test_padding_items_do_not_count(setting: Setting) -> None:
-    events = event_table(log_by_hand(setting))
+def test_padding_items_do_not_count(setup: Setup) -> None:
+    events = event_table(log_by_hand(setup))
     assert events.exists[0].tolist() == [True] * 4 + [False]
 
 
-def test_metrics_are_those_of_the_run_itself(setting: Setting) -> None:
+def test_metrics_are_those_of_the_run_itself(setup: Setup) -> None:
     """Counted straight from the mission's state, not through events."""
-    mission = Mission(setting)
+    mission = Mission(setup)
     mission.reset(0, np.arange(20))
     log = EpisodeLog(mission)
     mission.run(create_policy("greedy"), (log,))
-    scores = score(log, setting.fleet, 10)
+    scores = score(log, setup.fleet, 10)
     left = (mission.state.item_node >= 0).sum(axis=1)
-    removed = 100 * (1 - left / mission.world.n_items)
+    removed = 100 * (1 - left / mission.initial.n_items)
     np.testing.assert_allclose(scores.scalars["pta_c"], removed)
     np.testing.assert_array_equal(scores.scalars["cleared"] == 1, left == 0)
     assert (scores.scalars["pta_d"] >= scores.scalars["pta_c"]).all()

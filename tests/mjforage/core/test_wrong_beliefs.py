@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from graph_planner.policies import create_policy
-from mjforage.core.mission import Mission, Setting
+from mjforage.core.mission import Mission, Setup
 from mjforage.core.scenario_file import load_scenario
 
 
 def played(*overrides: str, episodes: int) -> Mission:
     """Some episodes to their ends."""
-    setting = Setting.of(load_scenario("published", ("belief.fast=true", *overrides)))
-    mission = Mission(setting)
+    setup = Setup.of(load_scenario("published", ("belief.fast=true", *overrides)))
+    mission = Mission(setup)
     mission.reset(0, np.arange(episodes))
     mission.run(create_policy("belief"))
     return mission
@@ -21,7 +21,7 @@ def collected(*overrides: str, episodes: int = 5) -> float:
     """Share of the items that are collected."""
     mission = played(*overrides, episodes=episodes)
     taken = (mission.state.collected_by >= 0).sum(axis=1)
-    return float((taken / mission.world.n_items).mean())
+    return float((taken / mission.initial.n_items).mean())
 
 
 @pytest.mark.parametrize(
@@ -42,7 +42,7 @@ def test_scouts_that_search_in_vain_look_everywhere(wrong: tuple[str, ...]) -> N
 def test_more_hotspots_than_assumed_are_found() -> None:
     """98 % of their items are discovered; 87 % where no sighting refutes the assumed number."""
     mission = played("items.hotspots=3", episodes=20)
-    seen = (mission.model.knowledge.t_discovered >= 0).sum(axis=1) / mission.world.n_items
+    seen = (mission.model.knowledge.t_discovered >= 0).sum(axis=1) / mission.initial.n_items
     assert seen.mean() > 0.94
 
 

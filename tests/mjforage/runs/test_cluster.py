@@ -16,7 +16,7 @@ import pytest
 
 from mjforage.runs.costs import Call, load_costs
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.runs import cluster, variants
 from mjforage.runs.evaluate import Run, plan
@@ -58,12 +58,12 @@ def chunks(folder: Path) -> int:
 
 @needs_proc
 def test_a_worker_killed_in_the_middle_changes_no_bit(start: Start, tmp_path: Path) -> None:
-    setting = Setting.of(load_scenario("published", ["horizon=60"]))
+    setup = Setup.of(load_scenario("published", ["horizon=60"]))
     plain, killed = tmp_path / "plain", tmp_path / "killed"
     study = Study(
         "ablation",
-        setting,
-        variants.ablation(setting.scenario, ["greedy"]),
+        setup,
+        variants.ablation(setup.scenario, ["greedy"]),
         episodes=EPISODES,
         options={},
     )
@@ -160,11 +160,11 @@ def test_workers_are_counted_once(flags: tuple[object, ...], refused: Refused) -
 @pytest.fixture
 def order(tmp_path: Path) -> Order:
     """Return an order as the workers of a cluster get it."""
-    setting = Setting.of(load_scenario("published", ["horizon=5"]))
-    run = Run.plan(setting, ["greedy"], tmp_path / "run", episodes=2)
+    setup = Setup.of(load_scenario("published", ["horizon=5"]))
+    run = Run.plan(setup, ["greedy"], tmp_path / "run", episodes=2)
     run.open()
     call = Call("now", "dask", 1)
-    return Order.of(run.setting, 0, run.folder.path, run.info["hash"], call, remote=True)
+    return Order.of(run.setup, 0, run.folder.path, run.info["hash"], call, remote=True)
 
 
 def refusal(order: Order) -> str:

@@ -10,7 +10,7 @@ import pytest
 
 from graph_planner.weights import shipped_weights
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.runs.replay import Replay
 from mjforage.core.scenario_file import load_scenario
 from mjforage.runs import evaluate as module
@@ -275,7 +275,7 @@ def on_harbour(harbour: Path, folder: Path, *overrides: str) -> pl.DataFrame:
     overrides = ("horizon=4", *overrides)
     scenario = load_scenario("channels", overrides, str(harbour))
     assert text or scenario.map.starts is None
-    evaluate(Setting.of(scenario), ["greedy"], folder, episodes=2)
+    evaluate(Setup.of(scenario), ["greedy"], folder, episodes=2)
     return pl.read_parquet(folder / "agents.parquet")
 
 
@@ -353,7 +353,7 @@ def test_progress_counts_from_what_is_done_to_all(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "CHUNK", 2)
-    setting = Setting.of(load_scenario("comb-port", ["horizon=3"]))
+    setup = Setup.of(load_scenario("comb-port", ["horizon=3"]))
     seen: list[tuple[int, int]] = []
 
     def stop(done: int, total: int) -> None:
@@ -362,11 +362,11 @@ def test_progress_counts_from_what_is_done_to_all(
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        evaluate(setting, ["greedy"], tmp_path / "run", episodes=5, progress=stop)
+        evaluate(setup, ["greedy"], tmp_path / "run", episodes=5, progress=stop)
     assert seen == [(0, 5), (2, 5)]
     seen.clear()
     evaluate(
-        setting, ["greedy"], tmp_path / "run", episodes=5, progress=lambda d, t: seen.append((d, t))
+        setup, ["greedy"], tmp_path / "run", episodes=5, progress=lambda d, t: seen.append((d, t))
     )
     assert seen == [(2, 5), (4, 5), (5, 5)]
     shutil.rmtree(tmp_path / "run")

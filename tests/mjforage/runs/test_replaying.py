@@ -8,7 +8,7 @@ import polars as pl
 import pytest
 
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.runs.replay import Replay
 from mjforage.core.scenario_file import load_scenario
 from mjforage.runs.evaluate import evaluate
@@ -121,8 +121,8 @@ def test_the_map_file_is_not_needed_any_more(tmp_path: Path) -> None:
     path.write_text("1,1,1,1\n1,1,1,1\n1,1,1,1\n")
     starts = path.with_name("harbour.starts.csv")
     starts.write_text("0,0\n0,1\n1,0\n1,1\n")
-    setting = Setting.of(load_scenario("channels", ["horizon=3"], str(path)))
-    evaluate(setting, ["random"], tmp_path / "run", episodes=2)
+    setup = Setup.of(load_scenario("channels", ["horizon=3"], str(path)))
+    evaluate(setup, ["random"], tmp_path / "run", episodes=2)
     path.unlink()
     starts.unlink()
     replay = replay_of_run(tmp_path / "run", "graph", "random", 1)

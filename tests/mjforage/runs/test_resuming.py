@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.evaluate import evaluate, plan
@@ -86,12 +86,12 @@ def alive(pid: int) -> bool:
 def compiled(finished: Path) -> None:
     """Compile all kernels, so that no process waits for that or writes caches on a full disk."""
     assert finished.is_dir()
-    assert Setting.of(load_scenario("comb-port")).reachable_shares["scouts"] == 1.0
+    assert Setup.of(load_scenario("comb-port")).reachable_shares["scouts"] == 1.0
 
 
 def undisturbed(folder: Path, episodes: int, world: str = "graph") -> Path:
-    setting = Setting.of(load_scenario("comb-port", [f"horizon={HORIZON[world]}"]))
-    evaluate(setting, ["greedy"], folder, episodes=episodes, seed=3, worlds=(world,))
+    setup = Setup.of(load_scenario("comb-port", [f"horizon={HORIZON[world]}"]))
+    evaluate(setup, ["greedy"], folder, episodes=episodes, seed=3, worlds=(world,))
     return folder
 
 
@@ -204,9 +204,9 @@ def stop_after_one_chunk(folder: Path, episodes: int) -> None:
         if done:
             raise KeyboardInterrupt
 
-    setting = Setting.of(load_scenario("comb-port", ["horizon=100"]))
+    setup = Setup.of(load_scenario("comb-port", ["horizon=100"]))
     with contextlib.suppress(KeyboardInterrupt):
-        evaluate(setting, ["greedy"], folder, episodes=episodes, seed=3, progress=stop)
+        evaluate(setup, ["greedy"], folder, episodes=episodes, seed=3, progress=stop)
 
 
 def test_only_missing_chunks_are_computed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -254,8 +254,8 @@ def test_a_comparison_killed_while_it_finishes_ends_the_same(
     _, err = resumed.communicate(timeout=PATIENCE_S)
     assert (resumed.returncode, err) == (0, "")
     whole = tmp_path / "whole"
-    setting = Setting.of(load_scenario("comb-port", ["horizon=5"]))
-    evaluate(setting, ["greedy"], whole, episodes=3, worlds=("graph", "physics"))
+    setup = Setup.of(load_scenario("comb-port", ["horizon=5"]))
+    evaluate(setup, ["greedy"], whole, episodes=3, worlds=("graph", "physics"))
     for name in ("summary.json", *(f"{table}.parquet" for table in TABLES)):
         assert (run / name).read_bytes() == (whole / name).read_bytes(), name
     assert not (run / "chunks").exists()

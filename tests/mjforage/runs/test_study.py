@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from mjforage.runs.costs import load_costs
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.view.report.studies import write_study_report
 from mjforage.core.scenario_file import load_scenario
 from mjforage.runs import variants
@@ -34,10 +34,10 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def plan(episodes: int = 3) -> Study:
-    setting = Setting.of(load_scenario("published", ["horizon=12"]))
-    varied = variants.paper(setting.scenario, ("greedy", "levy"), 0.25, False)
+    setup = Setup.of(load_scenario("published", ["horizon=12"]))
+    varied = variants.paper(setup.scenario, ("greedy", "levy"), 0.25, False)
     options = {"step": 0.25, "whole_team": False}
-    return Study("paper", setting, varied, episodes=episodes, options=options)
+    return Study("paper", setup, varied, episodes=episodes, options=options)
 
 
 @pytest.fixture
@@ -48,8 +48,8 @@ def folder(finished: Path, tmp_path: Path) -> Path:
 
 def test_a_variant_is_the_run_that_evaluate_makes(finished: Path, tmp_path: Path) -> None:
     overrides = ["horizon=12", "corruption.team=scouts", "corruption.epsilon=0.5"]
-    setting = Setting.of(load_scenario("published", overrides))
-    evaluate(setting, ["greedy", "levy"], tmp_path / "run", episodes=3)
+    setup = Setup.of(load_scenario("published", overrides))
+    evaluate(setup, ["greedy", "levy"], tmp_path / "run", episodes=3)
     here, there = tmp_path / "run", finished / "variants" / "scouts-0.5"
     assert {path.name for path in there.iterdir()} == {path.name for path in here.iterdir()}
     for name in ("summary.json", "episodes.parquet", "steps.parquet", "agents.parquet"):
@@ -193,15 +193,15 @@ def test_an_unfinished_study_has_no_report(folder: Path, refused: Refused) -> No
 def test_a_spoilt_chunk_names_the_command_that_was_run(tmp_path: Path, refused: Refused) -> None:
     folder = tmp_path / "study"
     small = ("study", "ablation", "--policy", "greedy", "--episodes", 2, "--set", "horizon=5")
-    setting = Setting.of(load_scenario("published", ["horizon=5"]))
-    varied = variants.ablation(setting.scenario, ["greedy"])
+    setup = Setup.of(load_scenario("published", ["horizon=5"]))
+    varied = variants.ablation(setup.scenario, ["greedy"])
 
     def stop(done: int, _: int) -> None:
         if done >= 2:
             raise KeyboardInterrupt
 
     with contextlib.suppress(KeyboardInterrupt):
-        run_study(Study("ablation", setting, varied, episodes=2), folder, progress=stop)
+        run_study(Study("ablation", setup, varied, episodes=2), folder, progress=stop)
     info = folder / "variants" / "complete" / "run.json"
     info.write_text(
         json.dumps(json.loads(info.read_text()) | {"command": "mjforage study ablation"})

@@ -43,7 +43,7 @@ def test_numbers_of_its_own_are_as_documented() -> None:
     observation, info = env.reset(seed=0)
     for turn in range(10):
         game = env.unwrapped.game
-        seen, task = game.mission.observation, game.setting.task
+        seen, task = game.mission.observation, game.setup.task
         agent, own = info["agent"], observation["self"]
         expected = {
             0: float(agent >= 3),

@@ -243,7 +243,7 @@ def test_ends_are_told_apart() -> None:
     env = make(NAMES[0], set=few)
     policy, game = create_policy("greedy"), env.unwrapped.game  # type: ignore[attr-defined]
     env.reset(seed=0)
-    policy.reset(game.setting.task, game.mission.keys)
+    policy.reset(game.setup.task, game.mission.keys)
     over = False
     while not over:
         action = game.mission.decide(policy.act(game.mission.observation)).direction[0]

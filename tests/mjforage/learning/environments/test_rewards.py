@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from graph_planner.policies import create_policy
-from mjforage.core.mission import Mission, Setting
+from mjforage.core.mission import Mission, Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.environments.rewards import PUBLISHED, TERMS, RewardTerms
 
@@ -14,16 +14,16 @@ def test_the_published_weights() -> None:
 
 
 @pytest.fixture(scope="module")
-def setting() -> Setting:
-    return Setting.of(load_scenario("published", ("horizon=60",)))
+def setup() -> Setup:
+    return Setup.of(load_scenario("published", ("horizon=60",)))
 
 
-def test_terms_by_their_definitions(setting: Setting) -> None:
-    mission, policy = Mission(setting), create_policy("greedy")
-    terms = RewardTerms(setting.task, tuple(TERMS))
+def test_terms_by_their_definitions(setup: Setup) -> None:
+    mission, policy = Mission(setup), create_policy("greedy")
+    terms = RewardTerms(setup.task, tuple(TERMS))
     mission.reset(3, np.arange(3))
-    policy.reset(setting.task, mission.keys)
-    graph, fleet, task = setting.graph, setting.fleet, setting.task
+    policy.reset(setup.task, mission.keys)
+    graph, fleet, task = setup.graph, setup.fleet, setup.task
     sums = dict.fromkeys(TERMS, 0.0)
     while mission.active.any():
         played = mission.active.copy()
@@ -69,7 +69,7 @@ def test_terms_by_their_definitions(setting: Setting) -> None:
         for name, value in found.items():
             assert not value[~played].any()
             sums[name] += value.sum()
-    total = mission.world.n_items.sum()
+    total = mission.initial.n_items.sum()
     assert sums["removed"] == (mission.model.knowledge.t_collected >= 0).sum() <= total
     assert sums["discovered"] <= (mission.model.knowledge.t_discovered >= 0).sum()
     assert all(sums[name] != 0.0 for name in ("belief", "idleness", "distance", "approach"))

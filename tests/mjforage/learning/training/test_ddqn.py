@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from graph_planner.perception import Shapes
+from graph_planner.encodings import Shapes
 from mjforage.learning.training.ddqn import Learner, lead_lacking
 from mjforage.learning.training.replay import FINAL, PLAYED, Batch
 from mjforage.learning.training.settings import Settings, changed

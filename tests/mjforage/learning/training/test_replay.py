@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from graph_planner.perception import Shapes
+from graph_planner.encodings import Shapes
 from mjforage.learning.training.replay import FINAL, LAST, NOTHING, PLAYED, Replay
 
 SHAPES: Shapes = {"x": (1,)}

@@ -17,7 +17,7 @@ from safetensors import safe_open
 from graph_planner.errors import WeightsError
 from graph_planner.policies.ddqn import QPolicy
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission, Setting
+from mjforage.core.mission import Mission, Setup
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.training import run
@@ -156,7 +156,7 @@ def test_what_a_run_leaves_behind(finished: tuple[Path, Trainer]) -> None:
             == trainer.progress.updates
         )
     policy = QPolicy(folder / "weights.safetensors")
-    mission = Mission(Setting.of(scenario()))
+    mission = Mission(Setup.of(scenario()))
     mission.reset(0, np.arange(2))
     mission.run(policy)
     assert not mission.active.any()
@@ -198,8 +198,8 @@ def test_rounds_take_scenarios_in_turn(tmp_path: Path) -> None:
     nodes = set()
     for _ in range(2):
         trainer.play_round()
-        nodes.add(len(trainer.game.setting.graph))
-    assert nodes == {len(game.setting.graph) for game in trainer.games} and len(nodes) == 2
+        nodes.add(len(trainer.game.setup.graph))
+    assert nodes == {len(game.setup.graph) for game in trainer.games} and len(nodes) == 2
     train(scenario(), settings(), tmp_path, also=[other], updates=1)
     with pytest.raises(UserError, match=r"also is .* there and .* here"):
         train(scenario(), settings(), tmp_path, updates=1)
@@ -287,10 +287,10 @@ def test_hours_count_evaluations(tmp_path: Path) -> None:
 def test_a_team_without_agents_has_no_weights(tmp_path: Path) -> None:
     alone = load_scenario("published", ("horizon=12", "team.scouts.count=0", "map.starts=[]"))
     train(alone, settings(), tmp_path, updates=1)
-    mission = Mission(Setting.of(alone))
+    mission = Mission(Setup.of(alone))
     mission.reset(0, np.arange(1))
     mission.run(QPolicy(tmp_path / "weights.safetensors"))
-    mission = Mission(Setting.of(scenario()))
+    mission = Mission(Setup.of(scenario()))
     mission.reset(0, np.arange(1))
     with pytest.raises(WeightsError, match="none for a scout"):
         mission.run(QPolicy(tmp_path / "weights.safetensors"))

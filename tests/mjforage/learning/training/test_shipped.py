@@ -9,7 +9,7 @@ import pytest
 from graph_planner.policies import create_policy
 from graph_planner.weights import shipped_weights
 from mjforage.core.episode_log import EpisodeLog
-from mjforage.core.mission import Mission, Setting
+from mjforage.core.mission import Mission, Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.scoring import score
 
@@ -21,21 +21,21 @@ PAPER_LOW = {"nt50": 0.281, "nt90": 0.512, "rmse_columns": 0.0010}
 
 
 @pytest.fixture(scope="module")
-def published() -> Setting:
-    return Setting.of(load_scenario("published"))
+def published() -> Setup:
+    return Setup.of(load_scenario("published"))
 
 
-def scores(setting: Setting, policy: str, episodes: int) -> dict[str, float]:
-    mission = Mission(setting)
+def scores(setup: Setup, policy: str, episodes: int) -> dict[str, float]:
+    mission = Mission(setup)
     mission.reset(11, np.arange(episodes))
     log = EpisodeLog(mission)
     mission.run(create_policy(policy), (log,))
-    found = score(log, setting.fleet, setting.scenario.horizon).scalars
+    found = score(log, setup.fleet, setup.scenario.horizon).scalars
     return {name: float(np.nanmean(found[name])) for name in (*PAPER, *PAPER_LOW)}
 
 
 @pytest.mark.parametrize("name", SHIPPED)
-def test_they_beat_greedy_by_the_published_rules(published: Setting, name: str) -> None:
+def test_they_beat_greedy_by_the_published_rules(published: Setup, name: str) -> None:
     learned, greedy = scores(published, name, 40), scores(published, "greedy", 40)
     assert learned["pta_c"] > greedy["pta_c"]
     assert learned["nt50"] < greedy["nt50"]
@@ -44,7 +44,7 @@ def test_they_beat_greedy_by_the_published_rules(published: Setting, name: str) 
 
 @pytest.mark.parametrize("name", ["published", "open-bay"])
 def test_the_best_beats_the_papers_row_also_on_a_map_it_has_not_seen(name: str) -> None:
-    found = scores(Setting.of(load_scenario(name)), "ddqn", 100)
+    found = scores(Setup.of(load_scenario(name)), "ddqn", 100)
     for column, value in PAPER.items():
         assert found[column] > value, column
     for column, value in PAPER_LOW.items():
@@ -54,12 +54,12 @@ def test_the_best_beats_the_papers_row_also_on_a_map_it_has_not_seen(name: str) 
 def test_they_work_on_other_maps_and_fleets() -> None:
     crew = ("team.scouts.count=1", "team.foragers.count=3", "map.starts=[]")
     for map_file in ("open_bay", "channels"):
-        setting = Setting.of(load_scenario("comb-port", ("horizon=40", *crew), map_file))
+        setup = Setup.of(load_scenario("comb-port", ("horizon=40", *crew), map_file))
         for name in SHIPPED:
-            assert scores(setting, name, 4)["pta_c"] > scores(setting, "random", 4)["pta_c"]
+            assert scores(setup, name, 4)["pta_c"] > scores(setup, "random", 4)["pta_c"]
 
 
-def test_decisions_do_not_depend_on_the_batch(published: Setting) -> None:
+def test_decisions_do_not_depend_on_the_batch(published: Setup) -> None:
     nodes = []
     for episodes in (np.arange(5), np.array([3])):
         mission = Mission(published)

@@ -4,7 +4,7 @@ from numpy.typing import NDArray
 from graph_planner.navigation import navigation_graph
 from graph_planner.randomness import episode_keys
 from mjforage.core.dynamics import Transition, start_state
-from mjforage.core.world import World
+from mjforage.core.initial_state import InitialState
 from mjforage.physics.dynamics.debris import draw_classes, nearest_items, read_items, take_at_mouth
 
 ON = np.ones(1, np.bool_)
@@ -16,7 +16,7 @@ def state_of(item_node: list[int]) -> tuple[Transition, NDArray[np.int16]]:
     nodes = np.array([item_node], np.int32)
     rc = np.where(nodes[..., None] >= 0, CENTRES[nodes], 0.0)
     count = np.array([sum(n >= 0 for n in item_node)], np.int32)
-    world = World(count, rc, nodes, np.zeros((1, 2)), np.array([[0, 2]], np.int32))
+    world = InitialState(count, rc, nodes, np.zeros((1, 2)), np.array([[0, 2]], np.int32))
     in_node = np.zeros((1, len(GRAPH)), np.int16)
     for node in item_node:
         if node >= 0:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from graph_planner.policies import create_policy
 from mjforage.core.dynamics import ARRIVED, LATE
 from mjforage.core.episode_log import EpisodeLog
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.physics.dynamics.physics import PhysicsDynamics
 from mjforage.physics.worlds import create_mission
@@ -26,8 +26,8 @@ def random_moves(
     counts = (f"team.{name}.count={int(name == team)}" for name in TEAMS)
     current = f"weather.current_speed_mps={current_mps}"
     overrides = (*counts, current, f"period_s={period_s}", f"horizon={PERIODS}", "items.mean=5")
-    setting = Setting.of(load_scenario("open-bay", overrides))
-    mission = create_mission(setting, "physics")
+    setup = Setup.of(load_scenario("open-bay", overrides))
+    mission = create_mission(setup, "physics")
     mission.reset(5, np.arange(episodes))
     dynamics = mission._dynamics
     assert isinstance(dynamics, PhysicsDynamics)

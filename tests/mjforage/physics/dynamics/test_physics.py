@@ -11,7 +11,7 @@ from mjforage.core.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
 from mjforage.core.film import Film
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.physics.dynamics.physics import PhysicsDynamics
 from mjforage.physics.simulation import InstabilityError
@@ -26,18 +26,18 @@ IDEAL = (
 
 
 @cache
-def setting_of(preset: str, *overrides: str) -> Setting:
-    return Setting.of(load_scenario(preset, overrides))
+def setup_of(preset: str, *overrides: str) -> Setup:
+    return Setup.of(load_scenario(preset, overrides))
 
 
 def played(
-    setting: Setting,
+    setup: Setup,
     episodes: list[int],
     world: str = "physics",
     policy: str = "greedy",
     film: Film | None = None,
 ) -> EpisodeLog:
-    mission = create_mission(setting, world, film)
+    mission = create_mission(setup, world, film)
     mission.reset(3, np.array(episodes, np.int64))
     log = EpisodeLog(mission)
     mission.run(create_policy(policy), (log,))
@@ -62,23 +62,23 @@ def fingerprint(log: EpisodeLog, episode: int) -> bytes:
 @pytest.mark.parametrize("preset", ["comb-port", "comb-port-weather"])
 def test_an_episode_is_the_same_to_the_bit_in_any_batch(preset: str) -> None:
     """Alone, in another order, and beside an episode that needs a larger pool of bodies."""
-    setting = setting_of(preset, *SHORT, "items.mean=95", "items.std=8")
-    log = played(setting, [0, 1, 2, 3, 4, 5])
+    setup = setup_of(preset, *SHORT, "items.mean=95", "items.std=8")
+    log = played(setup, [0, 1, 2, 3, 4, 5])
     pools = {int(n > 96) for n in log.n_items}
     assert pools == {0, 1}, "the batch should need another pool than its smallest episode"
     for episode in (int(np.argmin(log.n_items)), 5):
-        assert fingerprint(played(setting, [episode]), 0) == fingerprint(log, episode)
-    back = played(setting, [5, 3])
+        assert fingerprint(played(setup, [episode]), 0) == fingerprint(log, episode)
+    back = played(setup, [5, 3])
     assert fingerprint(back, 0) == fingerprint(log, 5)
     assert fingerprint(back, 1) == fingerprint(log, 3)
 
 
 def test_filming_changes_nothing_and_shows_where_hulls_were() -> None:
-    setting, film = setting_of("comb-port", *SHORT), Film()
-    log = played(setting, [1], film=film)
-    assert fingerprint(log, 0) == fingerprint(played(setting, [1]), 0)
+    setup, film = setup_of("comb-port", *SHORT), Film()
+    log = played(setup, [1], film=film)
+    assert fingerprint(log, 0) == fingerprint(played(setup, [1]), 0)
     assert film.pose.shape == (1 + 6 * 20, 4, 3)
-    ends = setting.graph.row_column(film.pose[::20, :, :2].astype(np.float64))
+    ends = setup.graph.row_column(film.pose[::20, :, :2].astype(np.float64))
     np.testing.assert_allclose(ends, log.agent_rc[0], atol=1e-5)
     assert film.items.shape[1] == log.n_items[0]
     steps, taken = np.arange(7)[:, None], log.t_collected[0][None]
@@ -89,15 +89,15 @@ def test_filming_changes_nothing_and_shows_where_hulls_were() -> None:
 @pytest.mark.parametrize("world", WORLDS)
 def test_every_world_plays_with_every_kind_of_policy(world: str) -> None:
     for policy in ("greedy", "levy", "random"):
-        log = played(setting_of("comb-port-weather", *SHORT), [0, 1], world, policy)
+        log = played(setup_of("comb-port-weather", *SHORT), [0, 1], world, policy)
         assert log.length.tolist() == [6, 6]
         assert np.isfinite(log.agent_rc).all()
         assert set(np.unique(log.outcome[:, 1:]).tolist()) <= {ARRIVED, LATE, BLOCKED}
 
 
 def test_worlds_of_one_seed_start_alike_and_have_the_same_items() -> None:
-    setting = setting_of("comb-port-weather", *SHORT)
-    logs = [played(setting, [4], world) for world in WORLDS]
+    setup = setup_of("comb-port-weather", *SHORT)
+    logs = [played(setup, [4], world) for world in WORLDS]
     for log in logs[1:]:
         assert (log.item_start == logs[0].item_start).all()
         assert (log.agent_node[:, 0] == logs[0].agent_node[:, 0]).all()
@@ -105,8 +105,8 @@ def test_worlds_of_one_seed_start_alike_and_have_the_same_items() -> None:
 
 def test_ideal_hulls_play_the_graphs_mission() -> None:
     """Fast hulls, no wind load, node capture, items moved by the rule: the same nodes."""
-    setting = setting_of("comb-port", *IDEAL)
-    graph, physics = (played(setting, list(range(3)), world) for world in ("graph", "physics"))
+    setup = setup_of("comb-port", *IDEAL)
+    graph, physics = (played(setup, list(range(3)), world) for world in ("graph", "physics"))
     assert (graph.length == physics.length).all()
     same = (graph.agent_node == physics.agent_node).all(axis=-1)
     assert same.mean() >= 0.99
@@ -115,12 +115,12 @@ def test_ideal_hulls_play_the_graphs_mission() -> None:
 
 def test_a_hull_that_is_too_slow_is_late_and_decides_from_where_it_is() -> None:
     """A third of the time that a decision needs: far nodes are not reached, nodes still fit."""
-    setting = setting_of("comb-port", "horizon=12", "period_s=3.0")
-    log = played(setting, [0], policy="random")
+    setup = setup_of("comb-port", "horizon=12", "period_s=3.0")
+    log = played(setup, [0], policy="random")
     outcome = log.outcome[0, 1:]
     assert (outcome[:, :2] == LATE).any()
     nodes = np.rint(log.agent_rc[0]).astype(int)
-    graph = setting.graph
+    graph = setup.graph
     assert (graph.rows[log.agent_node[0]] == nodes[..., 0]).all()
     assert (graph.cols[log.agent_node[0]] == nodes[..., 1]).all()
     for agent in range(4):
@@ -131,12 +131,10 @@ def test_a_hull_that_is_too_slow_is_late_and_decides_from_where_it_is() -> None:
 
 def test_items_drift_as_at_graph_level_in_open_water() -> None:
     """Nobody near: after ten decisions most bodies are where the rule puts them, within 0.4 m."""
-    setting = setting_of(
-        "open-bay", "horizon=10", "team.scouts.count=0", "items.covariance_node2=4"
-    )
+    setup = setup_of("open-bay", "horizon=10", "team.scouts.count=0", "items.covariance_node2=4")
     ends = []
     for world in ("graph", "physics"):
-        mission = create_mission(setting, world)
+        mission = create_mission(setup, world)
         mission.reset(0, np.arange(6))
         mission.run(create_policy("random"))
         ends.append((mission.state.item_rc.copy(), mission.state.item_node >= 0))
@@ -147,8 +145,8 @@ def test_items_drift_as_at_graph_level_in_open_water() -> None:
 
 
 def test_a_collector_grows_heavier_and_capacity_ends_it() -> None:
-    setting = setting_of("comb-port", "horizon=60", "team.foragers.capacity=2")
-    log = played(setting, [0, 1, 2])
+    setup = setup_of("comb-port", "horizon=60", "team.foragers.capacity=2")
+    log = played(setup, [0, 1, 2])
     for episode in range(3):
         taken = np.bincount(log.collected_by[episode][log.collected_by[episode] >= 0], minlength=4)
         assert taken[:2].sum() == 0 and taken.max() <= 2
@@ -172,7 +170,7 @@ def test_a_collector_grows_heavier_and_capacity_ends_it() -> None:
 )
 def test_what_cannot_be_run_is_named(overrides: tuple[str, ...], words: str) -> None:
     with pytest.raises(UserError, match=words.replace("(", r"\(")):
-        create_mission(setting_of("comb-port", *overrides), "physics")
+        create_mission(setup_of("comb-port", *overrides), "physics")
 
 
 @pytest.mark.parametrize(
@@ -192,7 +190,7 @@ def test_a_scenario_that_means_nothing_is_refused(override: str, words: str) -> 
 
 
 def test_an_instability_names_seed_episode_time_and_body() -> None:
-    mission = create_mission(setting_of("comb-port", *SHORT), "physics")
+    mission = create_mission(setup_of("comb-port", *SHORT), "physics")
     mission.reset(3, np.array([7, 12]))
     dynamics = mission._dynamics
     assert isinstance(dynamics, PhysicsDynamics)
@@ -208,18 +206,18 @@ def test_an_instability_names_seed_episode_time_and_body() -> None:
 
 def test_the_belief_planner_forages_better_than_greedy_with_hulls_too() -> None:
     """Gusts, a current, a collector to be steered onto items, late and blocked moves."""
-    setting = setting_of("comb-port-weather", "belief.fast=true", "horizon=110")
+    setup = setup_of("comb-port-weather", "belief.fast=true", "horizon=110")
     shares = {}
     for policy in ("greedy", "belief"):
-        log = played(setting, [1, 2, 3], policy=policy)
+        log = played(setup, [1, 2, 3], policy=policy)
         shares[policy] = (log.t_collected >= 0).sum(axis=1) / log.n_items
     assert (shares["belief"] > shares["greedy"]).all() and shares["belief"].min() > 0.8
-    assert fingerprint(played(setting, [2], policy="belief"), 0) == fingerprint(log, 1)
+    assert fingerprint(played(setup, [2], policy="belief"), 0) == fingerprint(log, 1)
 
 
 @pytest.mark.parametrize("world", ["hulls", "debris", "intake", "physics"])
 def test_what_was_collected_is_carried(world: str) -> None:
-    mission = create_mission(setting_of("comb-port-weather", "horizon=25"), world)
+    mission = create_mission(setup_of("comb-port-weather", "horizon=25"), world)
     mission.reset(3, np.arange(4))
     mission.run(create_policy("greedy"))
     dynamics = mission._dynamics
@@ -231,7 +229,7 @@ def test_what_was_collected_is_carried(world: str) -> None:
 
 @pytest.mark.parametrize("world", ["graph", "physics"])
 def test_without_energy_a_hull_stays_and_that_is_no_hindrance(world: str) -> None:
-    setting = setting_of("comb-port", "horizon=8", "team.scouts.energy=2", "team.foragers.energy=1")
-    log = played(setting, [0, 1], world)
+    setup = setup_of("comb-port", "horizon=8", "team.scouts.energy=2", "team.foragers.energy=1")
+    log = played(setup, [0, 1], world)
     assert (log.outcome[:, 4:] == ARRIVED).all()
     assert (log.energy[:, -1] < 4.0).all()

@@ -14,10 +14,10 @@ from graph_planner.navigation import STAY, navigation_graph
 from graph_planner.randomness import episode_keys
 from mjforage.core.errors import UserError
 from mjforage.core.graph_dynamics import GraphDynamics
+from mjforage.core.initial_state import InitialState, create_initial_state
 from mjforage.core.maps import load_map
 from mjforage.core.scenario import Items, Weather
 from mjforage.core.scenario_file import load_scenario
-from mjforage.core.world import World, create_world
 from mjforage.physics.weather import Field, WeatherSettings
 
 PITCH, PERIOD = 4.0, 10.0
@@ -102,10 +102,10 @@ def test_a_drawn_direction_is_uniform_over_the_circle(part: str) -> None:
     assert stats.kstest(angle, "uniform", (-math.pi, 2 * math.pi)).pvalue > 0.01
 
 
-def paper_world(episodes: int) -> tuple[World, Field]:
+def paper_world(episodes: int) -> tuple[InitialState, Field]:
     keys = episode_keys(3, np.arange(episodes))
     nobody = np.empty(0, np.int32)
-    world = create_world(OPEN, Items(covariance_node2=4.0), Weather(), nobody, 1, keys)
+    world = create_initial_state(OPEN, Items(covariance_node2=4.0), Weather(), nobody, 1, keys)
     return world, Field.create(WeatherSettings.of_scenario(Weather(), PITCH, PERIOD), keys)
 
 

@@ -7,7 +7,7 @@ from mjforage.runs.replay import Replay
 from mjforage.view.render.inset import Inset
 from mjforage.view.render.overlay import Overlay
 from mjforage.view.render.palette import team_colours
-from mjforage.view.render.story import tell_story
+from mjforage.view.render.timeline import timeline_of
 
 COLOURS = team_colours([False, True])
 
@@ -24,7 +24,7 @@ def test_words_stay_inside_the_frame_and_off_its_middle(
     replay: Replay, size: tuple[int, int]
 ) -> None:
     width, height = size
-    overlay = Overlay(replay, tell_story(replay), width, height)
+    overlay = Overlay(replay, timeline_of(replay), width, height)
     image = np.full((height, width, 3), 200, np.uint8)
     overlay.paint(image, 3.5, replay.agent_rc[3].astype(np.float64), "a note")
     changed = (image != 200).any(axis=2)
@@ -41,7 +41,7 @@ def test_words_stay_inside_the_frame_and_off_its_middle(
 def test_small_frames_have_one_line_that_fits(replay: Replay, size: tuple[int, int]) -> None:
     width, height = size
     image = np.full((height, width, 3), 200, np.uint8)
-    overlay = Overlay(replay, tell_story(replay), width, height)
+    overlay = Overlay(replay, timeline_of(replay), width, height)
     overlay.paint(image, 3.5, replay.agent_rc[3].astype(np.float64), "a note")
     overlay.tags(image, np.array([[30.0, 50.0]] * 4), ("a", "b", "c", "d"))
     changed = (image != 200).any(axis=2)
@@ -51,7 +51,7 @@ def test_small_frames_have_one_line_that_fits(replay: Replay, size: tuple[int, i
 
 
 def test_figures_change_with_the_story(replay: Replay) -> None:
-    overlay = Overlay(replay, tell_story(replay), 640, 480)
+    overlay = Overlay(replay, timeline_of(replay), 640, 480)
     images = []
     for time in (0.0, 8.0):
         image = np.full((480, 640, 3), 200, np.uint8)
@@ -61,7 +61,7 @@ def test_figures_change_with_the_story(replay: Replay) -> None:
 
 
 def test_tags_do_not_cover_each_other(replay: Replay) -> None:
-    overlay = Overlay(replay, tell_story(replay), 1280, 720)
+    overlay = Overlay(replay, timeline_of(replay), 1280, 720)
     taken: list[tuple[float, float, float, float]] = []
     for x, y in ((600.0, 300.0), (610.0, 302.0), (604.0, 306.0), (605.0, 296.0)):
         box = overlay._free_box(x, y, "forager-0", taken)

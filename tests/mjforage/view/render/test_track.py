@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from mjforage.runs.replay import Replay
-from mjforage.view.render.story import TURN_PART
+from mjforage.view.render.timeline import TURN_PART
 from mjforage.view.render.track import FADE_PART, Track
 
 Build = Callable[..., Replay]

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.runs.replay import Replay
 from mjforage.view.render.track import Track
@@ -30,7 +30,7 @@ def test_without_a_display_the_way_out_is_named(replay: Replay) -> None:
     with pytest.raises(UserError, match=r"no display here.*mjforage render writes"):
         view_replay(replay, 10.0)
     with pytest.raises(UserError, match="no display here"):
-        view_scenario(Setting.of(load_scenario("comb-port")), 0, 0)
+        view_scenario(Setup.of(load_scenario("comb-port")), 0, 0)
     with pytest.raises(UserError, match="speed -1: must be over 0"):
         view_replay(replay, -1.0)
 
@@ -50,9 +50,9 @@ def test_bodies_are_put_where_the_track_says(replay: Replay) -> None:
 
 
 def test_a_scenario_starts_where_its_episode_does() -> None:
-    setting = Setting.of(load_scenario("comb-port"))
-    scene, hulls, items = start_of(setting, 0, 3)
-    starts = setting.graph.metres(np.array(setting.start_cells, np.float64))
+    setup = Setup.of(load_scenario("comb-port"))
+    scene, hulls, items = start_of(setup, 0, 3)
+    starts = setup.graph.metres(np.array(setup.start_cells, np.float64))
     assert {tuple(xy) for xy in hulls[:, :2].tolist()} == {tuple(xy) for xy in starts.tolist()}
     assert scene.items == len(items) > 10
     assert scene.model.ngeom > 300

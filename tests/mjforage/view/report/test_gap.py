@@ -8,7 +8,7 @@ import polars as pl
 import pytest
 
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.vocabulary import METRICS
 from mjforage.runs.evaluate import evaluate
@@ -21,10 +21,8 @@ from mjforage.view.report.tables import NOTHING
 @pytest.fixture(scope="module")
 def logs(tmp_path_factory: pytest.TempPathFactory) -> RunLogs:
     folder = tmp_path_factory.mktemp("gap") / "run"
-    setting = Setting.of(load_scenario("comb-port", ["horizon=8"]))
-    evaluate(
-        setting, ["greedy", "random"], folder, episodes=3, worlds=("graph", "hulls", "physics")
-    )
+    setup = Setup.of(load_scenario("comb-port", ["horizon=8"]))
+    evaluate(setup, ["greedy", "random"], folder, episodes=3, worlds=("graph", "hulls", "physics"))
     return load_logs(folder)
 
 

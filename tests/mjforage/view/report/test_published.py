@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from metrics import marginal_contribution
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.vocabulary import describe
 from mjforage.runs.identity import run_info
@@ -28,8 +28,8 @@ from mjforage.view.report.published import PAPER, comparable, published_for
 def test_only_an_unchanged_mission_on_a_map_of_the_same_size_is_comparable(
     tmp_path: Path, preset: str, overrides: tuple[str, ...], map_file: str | None, expected: bool
 ) -> None:
-    setting = Setting.of(load_scenario(preset, overrides, map_file))
-    write_json(tmp_path / "run.json", run_info(setting, ["greedy"], ["graph"], 1, 0))
+    setup = Setup.of(load_scenario(preset, overrides, map_file))
+    write_json(tmp_path / "run.json", run_info(setup, ["greedy"], ["graph"], 1, 0))
     run = load_run(tmp_path / "run.json")
     assert comparable(run) is expected
     assert (published_for(run, "greedy") is not None) is expected

@@ -12,7 +12,7 @@ from metrics import (
     sensitivity_slope,
     two_segment_fit,
 )
-from mjforage.core.mission import Setting
+from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.runs import variants
 from mjforage.runs.study import Study, run_study
@@ -32,11 +32,11 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Make:
     """Make a small study of the paper, with one draw for the team or one per agent."""
 
     def make(whole_team: bool, overrides: tuple[str, ...] = ()) -> StudyLogs:
-        setting = Setting.of(load_scenario("published", overrides))
-        varied = variants.paper(setting.scenario, ["greedy"], STEP, whole_team)
+        setup = Setup.of(load_scenario("published", overrides))
+        varied = variants.paper(setup.scenario, ["greedy"], STEP, whole_team)
         options = {"step": STEP, "whole_team": whole_team}
         folder = tmp_path_factory.mktemp("studies") / "paper"
-        run_study(Study("paper", setting, varied, episodes=2, options=options), folder)
+        run_study(Study("paper", setup, varied, episodes=2, options=options), folder)
         return load_study(folder)
 
     return make

@@ -7,8 +7,8 @@ from scipy import stats
 from graph_planner.compiled import kernel
 from graph_planner.navigation import Water, navigation_graph
 from graph_planner.randomness import episode_keys
+from mjforage.core.initial_state import create_initial_state, into_water, nodes_around
 from mjforage.core.scenario import Items, Weather
-from mjforage.core.world import create_world, into_water, nodes_around
 
 KEYS = episode_keys(0, np.arange(3000))
 OPEN = navigation_graph(np.ones((60, 60), np.bool_), 4.0, False)
@@ -21,7 +21,7 @@ def pushed(water: Water, row: float, col: float) -> tuple[float, float, int]:
 
 def test_counts_hotspots_and_drift_have_their_distributions() -> None:
     starts = np.arange(4, dtype=np.int32)
-    world = create_world(OPEN, Items(), Weather(), starts, 4, KEYS)
+    world = create_initial_state(OPEN, Items(), Weather(), starts, 4, KEYS)
     assert abs(world.n_items.mean() - 75) < 1 and abs(world.n_items.std() - 10) < 0.6
     for axis in range(2):
         assert stats.kstest(world.drift_rc[:, axis], "uniform", (-0.1, 0.2)).pvalue > 0.01
@@ -37,7 +37,7 @@ def test_counts_hotspots_and_drift_have_their_distributions() -> None:
 
 
 def test_there_is_always_an_item() -> None:
-    world = create_world(
+    world = create_initial_state(
         OPEN, Items(mean=0.0, std=0.5), Weather(), KEYS[:0].astype(np.int32), 1, KEYS
     )
     assert world.n_items.min() == 1
@@ -78,10 +78,10 @@ def test_a_tie_goes_to_the_lowest_row_major_node() -> None:
 
 def test_starts_are_assigned_at_random_and_clusters_are_close_together() -> None:
     starts = np.array([0, 5, 100, 900], np.int32)
-    listed = create_world(OPEN, Items(), Weather(), starts, 4, KEYS).agent_node
+    listed = create_initial_state(OPEN, Items(), Weather(), starts, 4, KEYS).agent_node
     assert (np.sort(listed, axis=1) == starts).all()
     assert np.bincount(listed[:, 0], minlength=901)[starts].min() > 600
-    cluster = create_world(OPEN, Items(), Weather(), starts[:0], 4, KEYS[:200]).agent_node
+    cluster = create_initial_state(OPEN, Items(), Weather(), starts[:0], 4, KEYS[:200]).agent_node
     rows, cols = OPEN.rows[cluster], OPEN.cols[cluster]
     assert (np.ptp(rows, axis=1) <= 2).all() and (np.ptp(cols, axis=1) <= 2).all()
     assert np.unique(rows[:, 0]).size > 40
@@ -95,8 +95,8 @@ def test_nodes_around_keeps_the_given_ones_first() -> None:
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_world_is_the_same_alone_and_in_company(seed: int) -> None:
     keys = episode_keys(seed, np.arange(40))
-    whole = create_world(OPEN, Items(), Weather(), np.empty(0, np.int32), 3, keys)
-    alone = create_world(OPEN, Items(), Weather(), np.empty(0, np.int32), 3, keys[17:18])
+    whole = create_initial_state(OPEN, Items(), Weather(), np.empty(0, np.int32), 3, keys)
+    alone = create_initial_state(OPEN, Items(), Weather(), np.empty(0, np.int32), 3, keys[17:18])
     k = int(alone.n_items[0])
     np.testing.assert_array_equal(alone.item_rc[0], whole.item_rc[17, :k])
     np.testing.assert_array_equal(alone.agent_node[0], whole.agent_node[17])
@@ -105,7 +105,9 @@ def test_a_world_is_the_same_alone_and_in_company(seed: int) -> None:
 def test_several_hotspots_share_the_items_and_one_is_the_default() -> None:
     starts = np.arange(4, dtype=np.int32)
     one, two = (
-        create_world(OPEN, Items(hotspots=n, covariance_node2=1.0), Weather(), starts, 4, KEYS[:50])
+        create_initial_state(
+            OPEN, Items(hotspots=n, covariance_node2=1.0), Weather(), starts, 4, KEYS[:50]
+        )
         for n in (1, 2)
     )
     np.testing.assert_array_equal(one.n_items, two.n_items)

@@ -1,9 +1,9 @@
 import numpy as np
 
+from graph_planner.encodings import legal_moves
 from graph_planner.fleet import Role
 from graph_planner.moves import MoveRules
 from graph_planner.navigation import STAY, navigation_graph
-from graph_planner.perception import legal_moves
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import task_of
 

@@ -1,8 +1,8 @@
 import numpy as np
 
+from graph_planner.encodings import PaperChannels
 from graph_planner.fleet import Role
 from graph_planner.navigation import navigation_graph
-from graph_planner.perception import PaperChannels
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import observation_of, task_of
 

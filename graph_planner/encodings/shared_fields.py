@@ -1,4 +1,4 @@
-"""What the agents of one episode share in the egocentric perception: idleness, ways, haunts."""
+"""What the agents of one episode share in the egocentric encoding: idleness, ways, haunts."""
 
 from typing import NamedTuple
 
@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
+from graph_planner.encodings.encoder import TOP, Levels
 from graph_planner.geodesics import (
     FAR,
     Float32Array,
@@ -15,9 +16,8 @@ from graph_planner.geodesics import (
     spread,
 )
 from graph_planner.navigation import STAY
-from graph_planner.perception.base import TOP, Levels
 from graph_planner.seeking import longest_move, possible_targets
-from graph_planner.task import Ground, Observation, Task
+from graph_planner.task import Observation, Task, TaskArrays
 from graph_planner.visibility import NodeLists
 
 REACH = 7  # nodes to each side in the crop
@@ -147,7 +147,7 @@ def remember_haunts(
 def share_fields(
     e: int,
     seen: Observation,
-    ground: Ground,
+    arrays: TaskArrays,
     chart: Chart,
     haunts: NDArray[np.bool_],
     fields: Fields,
@@ -158,7 +158,7 @@ def share_fields(
     haunt, suspects, cell_haunt = fields.haunt, fields.suspects, fields.cell_haunt
     cell_idle, cell_items = fields.cell_idle, fields.cell_items
     last_seen, belief, now = seen.last_seen[e], seen.belief[e], seen.step[e] - 1
-    forgetting = ground.forgetting
+    forgetting = arrays.forgetting
     cell_idle[:] = 0.0
     cell_haunt[:] = 0.0
     cell_items[:] = 0
@@ -175,12 +175,12 @@ def share_fields(
         if haunt[node] >= SUSPECT:
             suspects[suspected] = node
             suspected += 1
-    neighbours, table, targets = ground.neighbours, ground.distances, fields.targets
+    neighbours, table, targets = arrays.neighbours, arrays.distances, fields.targets
     agent_node = seen.agent_node[e]
     _ways(neighbours, table, seen.known[e, : seen.n_known[e]], workspace, fields.way)
-    possible_targets(ground, agent_node, targets)
+    possible_targets(arrays, agent_node, targets)
     targets[:, STAY] = agent_node
-    slack = longest_move(ground.moves)
+    slack = longest_move(arrays.moves)
     distances_to_nearest(
         neighbours, table, unseen[:count], agent_node, targets, slack, workspace, fields.gap
     )

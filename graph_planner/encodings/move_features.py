@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import inlined, kernel
+from graph_planner.encodings.encoder import TOP, Levels, item_level
 from graph_planner.geodesics import (
     FAR,
     DistanceRows,
@@ -38,8 +39,7 @@ from graph_planner.geodesics import (
 )
 from graph_planner.moves import free_move, move_length
 from graph_planner.navigation import STAY
-from graph_planner.perception.base import TOP, Levels, item_level
-from graph_planner.task import Ground
+from graph_planner.task import TaskArrays
 from graph_planner.visibility import NodeLists
 
 MOVE_FEATURES = (
@@ -75,14 +75,14 @@ class Sample(NamedTuple):
 def take_sample(
     candidates: Int32Array,
     agent_node: Int32Array,
-    ground: Ground,
+    arrays: TaskArrays,
     rows: DistanceRows,
     workspace: Workspace,
     sample: Sample,
 ) -> None:
     """Choose evenly among the candidates (candidate,)."""
     nodes, nearest, shortest = sample.nodes, sample.nearest, sample.shortest
-    total, collects = candidates.size, ground.collects
+    total, collects = candidates.size, arrays.collects
     count = min(total, MOST_SAMPLES)
     sample.size[0] = count
     for i in range(count):
@@ -93,7 +93,7 @@ def take_sample(
         return
     for a in range(agent_node.size):
         kind = int(collects[a])
-        row = distances_of(rows, ground.neighbours, agent_node[a], workspace)
+        row = distances_of(rows, arrays.neighbours, agent_node[a], workspace)
         for i in range(count):
             if row[nodes[i]] < shortest[kind, i]:
                 nearest[kind, i], shortest[kind, i] = a, row[nodes[i]]
@@ -142,7 +142,7 @@ def describe_moves(
     agent: int,
     node: int,
     energy: float,
-    ground: Ground,
+    arrays: TaskArrays,
     belief: NDArray[np.int16],
     idle: NDArray[np.float64],
     way: Float32Array,
@@ -167,9 +167,9 @@ def describe_moves(
     disc : nodes in view on open water
     items, gaps, lost : samples of the known nodes, of those of idleness 1, of haunts
     """
-    neighbours, moves = ground.neighbours, ground.moves
-    radius, start, nodes = ground.radius_number[agent], views.start, views.nodes
-    nobody, kind = np.empty(0, np.int64), int(ground.collects[agent])
+    neighbours, moves = arrays.neighbours, arrays.moves
+    radius, start, nodes = arrays.radius_number[agent], views.start, views.nodes
+    nobody, kind = np.empty(0, np.int64), int(arrays.collects[agent])
     here = distances_of(rows, neighbours, node, workspace).copy()
     here_own = _own_item(here, kind, agent, items)
     here_lost = _own_item(here, kind, agent, lost)
@@ -177,7 +177,7 @@ def describe_moves(
     out[:] = 0
     for move in range(9):
         end, steps = free_move(
-            neighbours, nobody, -1, node, move, moves[agent], ground.stay, ground.shorten
+            neighbours, nobody, -1, node, move, moves[agent], arrays.stay, arrays.shorten
         )
         if end < 0 or move_length(move, steps) > energy:
             continue

@@ -12,7 +12,7 @@ NEVER = np.iinfo(np.int64).max
 
 
 @dataclass(frozen=True)
-class Story:
+class Timeline:
     """Events of one episode of T' steps; `course` is the angle from east, clockwise on screen."""
 
     length: int  # T' [step]
@@ -23,7 +23,7 @@ class Story:
     course: NDArray[np.float64]  # (T'+1, agent) [rad], of the move that ends at the step
 
 
-def tell_story(replay: Replay) -> Story:
+def timeline_of(replay: Replay) -> Timeline:
     """Derive discoveries (an item in a seen node, or removed), removals and courses."""
     steps, items = replay.item_present.shape
     rows, columns = replay.navigable.shape
@@ -34,7 +34,7 @@ def tell_story(replay: Replay) -> Story:
     discovered = np.minimum(_first(seen & replay.item_present), removed)
     step = np.arange(steps)[:, None]
     share = 100.0 / max(items, 1)
-    return Story(
+    return Timeline(
         length=steps - 1,
         discovered=discovered,
         removed=removed,
@@ -77,11 +77,11 @@ def split_time(time: float, length: int) -> tuple[int, int, float]:
     return before, min(before + 1, length), time - before
 
 
-def course_at(story: Story, time: float) -> NDArray[np.float64]:
+def course_at(timeline: Timeline, time: float) -> NDArray[np.float64]:
     """Return courses (agent,) [rad] at `time` [step], turning early in each step."""
-    before, after, part = split_time(time, story.length)
-    turn = (story.course[after] - story.course[before] + np.pi) % (2.0 * np.pi) - np.pi
-    turned: NDArray[np.float64] = story.course[before] + turn * min(1.0, part / TURN_PART)
+    before, after, part = split_time(time, timeline.length)
+    turn = (timeline.course[after] - timeline.course[before] + np.pi) % (2.0 * np.pi) - np.pi
+    turned: NDArray[np.float64] = timeline.course[before] + turn * min(1.0, part / TURN_PART)
     return turned
 
 

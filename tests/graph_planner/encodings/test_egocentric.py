@@ -3,13 +3,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from graph_planner.encodings import Egocentric
+from graph_planner.encodings.egocentric import SELF
+from graph_planner.encodings.encoder import Levels
+from graph_planner.encodings.move_features import MOVE_FEATURES
+from graph_planner.encodings.shared_fields import COARSE, REACH
 from graph_planner.fleet import Role
 from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
-from graph_planner.perception import Egocentric
-from graph_planner.perception.base import Levels
-from graph_planner.perception.egocentric import SELF
-from graph_planner.perception.fields import COARSE, REACH
-from graph_planner.perception.moves import MOVE_FEATURES
 from graph_planner.task import Task
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import observation_of, task_of
@@ -102,8 +102,8 @@ def test_a_map_too_large_for_a_table_of_distances_looks_the_same(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("graph_planner.navigation.TABLE_LIMIT", 3)
-    monkeypatch.setattr("graph_planner.kept.FEWEST_ROWS", 2)
-    monkeypatch.setattr("graph_planner.kept.MEMORY", 0)
+    monkeypatch.setattr("graph_planner.row_cache.FEWEST_ROWS", 2)
+    monkeypatch.setattr("graph_planner.row_cache.MEMORY", 0)
     graph = NavigationGraph(HARBOUR, 1.0, False)
     far = task_of(graph, scouts=SCOUT, foragers=FORAGER)
     _, near = harbour()

@@ -7,14 +7,14 @@ from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.moves import free_move, move_length
 from graph_planner.navigation import STAY
-from graph_planner.task import Ground, Task
+from graph_planner.task import Task, TaskArrays
 
 NOBODY = -1
 
 
 @kernel
 def legal_of_agent(
-    ground: Ground, claimed: NDArray[np.int64], token: int, agent: int, node: int, energy: float
+    arrays: TaskArrays, claimed: NDArray[np.int64], token: int, agent: int, node: int, energy: float
 ) -> NDArray[np.bool_]:
     """(9,) legal moves of one agent; only staying where none is, which counts as blocked.
 
@@ -23,11 +23,11 @@ def legal_of_agent(
     claimed, token : nodes chosen by others, see `free_move`; the token -1 for none
     energy : distance that it can still travel [node]
     """
-    neighbours, moves = ground.neighbours, ground.moves
+    neighbours, moves = arrays.neighbours, arrays.moves
     legal = np.zeros(9, np.bool_)
     for move in range(9):
         end, steps = free_move(
-            neighbours, claimed, token, node, move, moves[agent], ground.stay, ground.shorten
+            neighbours, claimed, token, node, move, moves[agent], arrays.stay, arrays.shorten
         )
         legal[move] = end >= 0 and move_length(move, steps) <= energy
     if not legal.any():
@@ -37,7 +37,7 @@ def legal_of_agent(
 
 @kernel
 def _legal(
-    ground: Ground,
+    arrays: TaskArrays,
     agent_node: Int32Array,
     energy_left: NDArray[np.float64],
     out: NDArray[np.bool_],
@@ -46,7 +46,7 @@ def _legal(
     for e in range(agent_node.shape[0]):
         for a in range(agent_node.shape[1]):
             out[e, a] = legal_of_agent(
-                ground, nobody, NOBODY, a, agent_node[e, a], energy_left[e, a]
+                arrays, nobody, NOBODY, a, agent_node[e, a], energy_left[e, a]
             )
 
 
@@ -63,5 +63,5 @@ def legal_moves(
     energy_left : (episode, agent) distance that can still be travelled [node]
     """
     out = np.empty((*agent_node.shape, 9), np.bool_)
-    _legal(task.ground, agent_node, energy_left, out)
+    _legal(task.arrays, agent_node, energy_left, out)
     return out

@@ -1,4 +1,4 @@
-"""What kinds of perception have in common: their interface, levels, and who was where before."""
+"""What observation encoders have in common: their interface, levels, and who was where before."""
 
 from typing import Protocol, TypeAlias
 
@@ -19,7 +19,7 @@ MOST_ITEMS = 10
 TOP = 255
 
 
-class Perception(Protocol):
+class Encoder(Protocol):
     """Pictures of what the fleet knows, one set per agent."""
 
     @property

@@ -25,7 +25,7 @@ _TO_SYMMETRIC = 2.0 / (1 << 32)
 
 
 @dataclass(frozen=True)
-class World:
+class InitialState:
     """Initial state of a batch of episodes."""
 
     n_items: Int32Array  # (episode,)
@@ -226,14 +226,14 @@ def _place_agents(
     return placed
 
 
-def create_world(
+def create_initial_state(
     graph: NavigationGraph,
     items: Items,
     weather: Weather,
     starts: Int32Array,
     n_agents: int,
     keys: UInt64Array,
-) -> World:
+) -> InitialState:
     """The worlds of a batch of episodes.
 
     Parameters
@@ -247,7 +247,7 @@ def create_world(
         If there are more agents than nodes.
     """
     counts, item_rc, item_node = _place_items(graph, items, keys)
-    return World(
+    return InitialState(
         n_items=counts,
         item_rc=item_rc,
         item_node=item_node,

@@ -16,7 +16,7 @@ def rows_worth_keeping(nodes: int, value_bytes: int) -> int:
     return min(nodes, max(FEWEST_ROWS, MEMORY // (value_bytes * nodes)))
 
 
-class Kept(NamedTuple):
+class RowCache(NamedTuple):
     """Which row of a table belongs to which node. The oldest row makes room."""
 
     slot: NDArray[np.int32]  # (node,) its row, -1 none now
@@ -24,7 +24,7 @@ class Kept(NamedTuple):
     following: NDArray[np.int64]  # (1,) row to be filled next
 
     @classmethod
-    def of(cls, nodes: int, rows: int) -> "Kept":
+    def of(cls, nodes: int, rows: int) -> "RowCache":
         """Nothing kept yet, of a table with so many rows."""
         return cls(
             slot=np.full(nodes, -1, np.int32),
@@ -34,7 +34,7 @@ class Kept(NamedTuple):
 
 
 @kernel
-def row_of(kept: Kept, node: int) -> tuple[int, bool]:
+def row_of(kept: RowCache, node: int) -> tuple[int, bool]:
     """Row of a node, and whether it is to be filled first. Asking for the next may overwrite it."""
     slot, owner, following = kept.slot, kept.owner, kept.following
     if slot[node] >= 0:

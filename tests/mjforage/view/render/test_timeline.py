@@ -6,7 +6,7 @@ import pytest
 
 from mjforage.runs.replay import Replay
 from mjforage.view.render.panel import mission_clock
-from mjforage.view.render.story import NEVER, course_at, tell_story
+from mjforage.view.render.timeline import NEVER, course_at, timeline_of
 
 
 @pytest.fixture
@@ -28,19 +28,19 @@ def test_discoveries_and_removals_give_pta(small: Replay) -> None:
     seen[2:, 0, 1] = 2  # item 1 at step 2, by a forager
     present[3:, 0] = False
     present[1:, 2] = False  # removed unseen counts as discovered
-    story = tell_story(replace(small, in_view=seen, item_present=present))
-    assert story.discovered.tolist() == [0, 2, 1, NEVER]
-    assert story.removed.tolist() == [3, NEVER, 1, NEVER]
-    assert story.pta_d.tolist() == [25.0, 50.0, 75.0, 75.0]
-    assert story.pta_c.tolist() == [0.0, 25.0, 25.0, 50.0]
+    timeline = timeline_of(replace(small, in_view=seen, item_present=present))
+    assert timeline.discovered.tolist() == [0, 2, 1, NEVER]
+    assert timeline.removed.tolist() == [3, NEVER, 1, NEVER]
+    assert timeline.pta_d.tolist() == [25.0, 50.0, 75.0, 75.0]
+    assert timeline.pta_c.tolist() == [0.0, 25.0, 25.0, 50.0]
 
 
 def test_removed_items_are_not_discovered_by_later_views(small: Replay) -> None:
     seen, present = small.in_view.copy(), small.item_present.copy()
     present[1:, 0] = False
     seen[2:, 0, 0] = 1
-    story = tell_story(replace(small, in_view=seen, item_present=present))
-    assert story.discovered[0] == 1
+    timeline = timeline_of(replace(small, in_view=seen, item_present=present))
+    assert timeline.discovered[0] == 1
 
 
 def test_course_follows_the_motion_and_is_kept_when_staying(small: Replay) -> None:
@@ -49,18 +49,18 @@ def test_course_follows_the_motion_and_is_kept_when_staying(small: Replay) -> No
     scout = np.cumsum(np.vstack([[[0.0, 0.0]], [east, [0.0, 0.0], south]]), axis=0)
     forager = np.cumsum(np.vstack([[[0.0, 0.0]], steps]), axis=0)
     route = np.stack([scout, forager], axis=1).astype(np.float32)
-    story = tell_story(replace(small, agent_rc=route))
-    np.testing.assert_allclose(story.course[:, 0], [0.0, 0.0, 0.0, np.pi / 2])
-    np.testing.assert_allclose(story.course[:, 1], np.pi / 2)
-    assert 0.0 < course_at(story, 2.1)[0] < np.pi / 2
-    np.testing.assert_allclose(course_at(story, 2.9)[0], np.pi / 2)
+    timeline = timeline_of(replace(small, agent_rc=route))
+    np.testing.assert_allclose(timeline.course[:, 0], [0.0, 0.0, 0.0, np.pi / 2])
+    np.testing.assert_allclose(timeline.course[:, 1], np.pi / 2)
+    assert 0.0 < course_at(timeline, 2.1)[0] < np.pi / 2
+    np.testing.assert_allclose(course_at(timeline, 2.9)[0], np.pi / 2)
 
 
 def test_turns_take_the_short_way(small: Replay) -> None:
     route = np.zeros((4, 2, 2), np.float32)
     route[:, 0] = [[0, 2], [-1, 0], [0, -2], [1, -4]]  # west by north, then west by south
-    story = tell_story(replace(small, agent_rc=route))
-    assert abs(abs(course_at(story, 1.17)[0]) - np.pi) < 0.5
+    timeline = timeline_of(replace(small, agent_rc=route))
+    assert abs(abs(course_at(timeline, 1.17)[0]) - np.pi) < 0.5
 
 
 @pytest.mark.parametrize(

@@ -7,14 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import inlined, kernel
-from graph_planner.geodesics import (
-    FAR,
-    DistanceRows,
-    Int32Array,
-    Workspace,
-)
-from graph_planner.navigation import STAY
-from graph_planner.perception.base import (
+from graph_planner.encodings.encoder import (
     TOP,
     TRAIL,
     Levels,
@@ -23,7 +16,8 @@ from graph_planner.perception.base import (
     remember_places,
     trail_level,
 )
-from graph_planner.perception.fields import (
+from graph_planner.encodings.move_features import MOVE_FEATURES, Sample, describe_moves, take_sample
+from graph_planner.encodings.shared_fields import (
     COARSE,
     HAUNT_RADIUS,
     REACH,
@@ -32,8 +26,14 @@ from graph_planner.perception.fields import (
     remember_haunts,
     share_fields,
 )
-from graph_planner.perception.moves import MOVE_FEATURES, Sample, describe_moves, take_sample
-from graph_planner.task import Ground, Observation, Task
+from graph_planner.geodesics import (
+    FAR,
+    DistanceRows,
+    Int32Array,
+    Workspace,
+)
+from graph_planner.navigation import STAY
+from graph_planner.task import Observation, Task, TaskArrays
 
 SIDE = 2 * REACH + 1
 CROP = ("water", "idleness", "belief", "way to items", "haunts", "scouts", "foragers", "trail")
@@ -55,14 +55,14 @@ def _paint_crop(
     e: int,
     a: int,
     seen: Observation,
-    ground: Ground,
+    arrays: TaskArrays,
     framed: Int32Array,
     fields: Fields,
     trail: Int32Array,
     crop: Levels,
 ) -> None:
     """The neighbourhood of one agent, (channel, SIDE, SIDE), north up."""
-    rows, cols, collects = ground.rows, ground.cols, ground.collects
+    rows, cols, collects = arrays.rows, arrays.cols, arrays.collects
     belief, agent_node = seen.belief[e], seen.agent_node[e]
     idle, way, haunt = fields.idle, fields.way, fields.haunt
     top, left = rows[agent_node[a]], cols[agent_node[a]]  # the frame adds REACH
@@ -117,7 +117,7 @@ def _paint_self(
     e: int,
     a: int,
     seen: Observation,
-    ground: Ground,
+    arrays: TaskArrays,
     horizon: int,
     radius: float,
     energy: float,
@@ -126,7 +126,7 @@ def _paint_self(
     out: Levels,
 ) -> None:
     """What an agent knows of itself and the time, in the order of `SELF`."""
-    collects, node = ground.collects, seen.agent_node[e, a]
+    collects, node = arrays.collects, seen.agent_node[e, a]
     number, team = 0, 0
     for other in range(collects.size):
         if collects[other] == collects[a]:
@@ -143,7 +143,7 @@ def _paint_self(
     out[7] = _way_level(fields.gap[a, STAY])
     out[8] = min(TOP, 32 * team)
     out[9] = min(TOP, 32 * (collects.size - team))
-    out[10] = min(TOP, 32 * ground.moves[a])
+    out[10] = min(TOP, 32 * arrays.moves[a])
     out[11] = min(TOP, int(16 * radius))
 
 
@@ -151,7 +151,7 @@ def _paint_self(
 def _look_around(
     rows: NDArray[np.int64],
     seen: Observation,
-    ground: Ground,
+    arrays: TaskArrays,
     chart: Chart,
     radius: NDArray[np.float64],
     energy: NDArray[np.float64],
@@ -169,23 +169,23 @@ def _look_around(
     moves: Levels,
     own: Levels,
 ) -> None:
-    collects, radius_number = ground.collects, ground.radius_number
+    collects, radius_number = arrays.collects, arrays.radius_number
     unseen, suspects = fields.unseen, fields.suspects
     for e in rows:
-        count, suspected = share_fields(e, seen, ground, chart, haunts[e], fields, workspace)
+        count, suspected = share_fields(e, seen, arrays, chart, haunts[e], fields, workspace)
         nodes = seen.agent_node[e]
-        take_sample(seen.known[e, : seen.n_known[e]], nodes, ground, distances, workspace, items)
-        take_sample(unseen[:count], nodes, ground, distances, workspace, gaps)
-        take_sample(suspects[:suspected], nodes, ground, distances, workspace, lost)
+        take_sample(seen.known[e, : seen.n_known[e]], nodes, arrays, distances, workspace, items)
+        take_sample(unseen[:count], nodes, arrays, distances, workspace, gaps)
+        take_sample(suspects[:suspected], nodes, arrays, distances, workspace, lost)
         for a in range(nodes.size):
-            _paint_crop(e, a, seen, ground, chart.framed, fields, trail[e], crop[e, a])
+            _paint_crop(e, a, seen, arrays, chart.framed, fields, trail[e], crop[e, a])
             _paint_globe(a, nodes, collects, chart, fields, globe[e, a])
-            _paint_self(e, a, seen, ground, horizon, radius[a], energy[a], count, fields, own[e, a])
+            _paint_self(e, a, seen, arrays, horizon, radius[a], energy[a], count, fields, own[e, a])
             describe_moves(
                 a,
                 nodes[a],
                 seen.energy_left[e, a],
-                ground,
+                arrays,
                 seen.belief[e],
                 fields.idle,
                 fields.way,
@@ -229,7 +229,7 @@ class Egocentric:
     | 3 | mean of channel 4 of `crop` over its nodes | 1 | the mean |
     | 4, 5, 6 | itself, scouts, foragers, the latter without itself | - | 1 where one is |
 
-    `moves` (9, 11): a row per move 0-7 compass, 8 stay; see `graph_planner.perception.moves`.
+    `moves` (9, 11): a row per move 0-7 compass, 8 stay; see `move_features`.
 
     `self` (12,), names in `SELF`; a kind is all scouts or all foragers.
 
@@ -291,7 +291,7 @@ class Egocentric:
         _look_around(
             rows,
             seen,
-            task.ground,
+            task.arrays,
             self._chart,
             task.fleet.radius,
             task.fleet.energy,

@@ -4,8 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
-from graph_planner.geodesics import Int32Array
-from graph_planner.perception.base import (
+from graph_planner.encodings.encoder import (
     TOP,
     TRAIL,
     Levels,
@@ -14,7 +13,8 @@ from graph_planner.perception.base import (
     remember_places,
     trail_level,
 )
-from graph_planner.task import Ground, Observation, Task
+from graph_planner.geodesics import Int32Array
+from graph_planner.task import Observation, Task, TaskArrays
 
 CHANNELS = ("idleness", "belief", "belief 1 step ago", "belief 2 steps ago", "self", "teammates")
 SCOUT_LEVEL, FORAGER_LEVEL = 128, TOP
@@ -43,14 +43,14 @@ def _remember_beliefs(
 def _paint(
     rows: NDArray[np.int64],
     seen: Observation,
-    ground: Ground,
+    arrays: TaskArrays,
     past: Levels,
     trail: Int32Array,
     out: Levels,
 ) -> None:
     step, agent_node, last_seen = seen.step, seen.agent_node, seen.last_seen
-    map_rows, map_cols, collects = ground.rows, ground.cols, ground.collects
-    forgetting = ground.forgetting
+    map_rows, map_cols, collects = arrays.rows, arrays.cols, arrays.collects
+    forgetting = arrays.forgetting
     agents = agent_node.shape[1]
     for e in rows:
         now = step[e] - 1
@@ -109,5 +109,5 @@ class PaperChannels:
         """Look at the episodes `rows` of the batch."""
         _remember_beliefs(rows, seen.step, self._seen_at, seen.belief, self._past)
         remember_places(rows, seen.step, seen.agent_node, self._seen_at, self._trail)
-        _paint(rows, seen, self._task.ground, self._past, self._trail, self._out)
+        _paint(rows, seen, self._task.arrays, self._past, self._trail, self._out)
         return {"map": self._out}
