@@ -1,4 +1,3 @@
-import dataclasses
 from typing import Any
 
 import numpy as np
@@ -6,6 +5,7 @@ import pytest
 
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Weather
+from mjforage.core.schema import rows
 from mjforage.physics.weather.settings import WeatherSettings
 
 
@@ -42,13 +42,14 @@ def test_roughness_stays_below_the_reference_height() -> None:
 
 
 def test_every_number_has_a_range_and_keeps_to_it() -> None:
-    for entry in dataclasses.fields(WeatherSettings):
-        if entry.name in ("wind_profile", "gusts_travel"):
+    for row in rows(WeatherSettings):
+        if row.type != "a number":
             continue
-        for bound in (entry.metadata["low"], entry.metadata["high"]):
-            assert getattr(WeatherSettings(**{entry.name: bound}), entry.name) == bound
-        with pytest.raises(UserError, match=entry.name):
-            WeatherSettings(**{entry.name: np.nextafter(entry.metadata["high"], np.inf)})
+        low, high = map(float, row.range.split(" to "))
+        for bound in (low, high):
+            assert getattr(WeatherSettings(**{row.key: bound}), row.key) == bound
+        with pytest.raises(UserError, match=row.key):
+            WeatherSettings(**{row.key: np.nextafter(high, np.inf)})
 
 
 def test_integers_become_floats() -> None:
