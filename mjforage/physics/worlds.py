@@ -110,7 +110,7 @@ def added(scenario: Scenario, before: str, world: str) -> tuple[str, ...]:
     return tuple(pieces)
 
 
-def rungs(scenario: Scenario) -> tuple[str, ...]:
+def ladder_of(scenario: Scenario) -> tuple[str, ...]:
     """The worlds that differ from the one below in this scenario; the last one is all of it."""
     ladder, before = ["graph"], None
     for name in list(WORLDS)[1:]:

@@ -16,7 +16,7 @@ from mjforage.core.errors import UserError
 from mjforage.core.mission import Mission, Setup
 from mjforage.physics.scene import Scene, build_scene
 from mjforage.physics.vessels import load_vessel
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.stage import vessels_of
 from mjforage.view.render.track import Track
 
