@@ -38,9 +38,11 @@ class WorldKind:
 def _physics(
     graph: NavigationGraph, fleet: Fleet, scenario: Scenario, film: Film | None
 ) -> Dynamics:
-    from mjforage.physics.dynamics.physics import PhysicsDynamics  # MuJoCo only where it is wanted
+    from mjforage.physics.dynamics.mujoco_dynamics import (
+        MujocoDynamics,  # MuJoCo only where it is wanted
+    )
 
-    return PhysicsDynamics(graph, fleet, scenario, film)
+    return MujocoDynamics(graph, fleet, scenario, film)
 
 
 def _whole(scenario: Scenario) -> Scenario:
