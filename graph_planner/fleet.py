@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.fields import Within
+from graph_planner.fields import Later, Within
 
 UNLIMITED = int(np.iinfo(np.int64).max)
 """Capacity of an agent that can take any number of items aboard."""
@@ -15,20 +15,33 @@ UNLIMITED = int(np.iinfo(np.int64).max)
 
 @dataclass(frozen=True)
 class Role:
-    """What every agent of one team can do. Any number of roles; `collects` makes a forager."""
+    """What every agent of one team can do. A fleet has any number of roles."""
 
     count: Annotated[int, Within(0, 255, "agents")]
     """Agents in the team."""
-    moves: Annotated[int, Within(1, 100, "nodes")]
+    moves: Annotated[int, Within(1, 100, "node")]
     """Nodes an agent moves per decision, in one direction."""
     radius: Annotated[float, Within(0, 1000, "node")]
     """Sensing radius."""
     collects: bool
-    """Whether it removes the items of the node it is in (a forager) or not (a scout)."""
+    """Whether it removes the items of the node it is in."""
     capacity: Annotated[int, Within(0, 1_000_000, "items")] = 0
     """Items an agent can take aboard in one episode; 0 means unlimited."""
     energy: Annotated[float, Within(0, 1e12, "node")] = 0.0
     """Distance an agent can travel in one episode; 0 means unlimited."""
+    carries: Annotated[bool, Later()] = False
+    """Whether it takes over what others have aboard."""
+    relays: Annotated[bool, Later()] = False
+    """Whether it passes on what it hears."""
+
+
+def choosing_order(teams: Mapping[str, Role]) -> tuple[str, ...]:
+    """Names of the teams in the order in which they choose, where a scenario gives none.
+
+    Teams that collect come first, then the others, each by name: the order in which a file lists
+    them plays no part.
+    """
+    return tuple(sorted(teams, key=lambda name: (not teams[name].collects, name)))
 
 
 def agent_names(team: NDArray[np.int64], team_names: Sequence[str]) -> tuple[str, ...]:
@@ -45,7 +58,7 @@ def agent_names(team: NDArray[np.int64], team_names: Sequence[str]) -> tuple[str
 class Fleet:
     """The teams as one table of agents, in the order of the scenario's teams.
 
-    Every array is (agent,).
+    Every array is (agent,), by what an agent can do; `order` lists the agents as they choose.
     """
 
     team_names: tuple[str, ...]
@@ -55,16 +68,27 @@ class Fleet:
     collects: NDArray[np.bool_]
     capacity: NDArray[np.int64]
     energy: NDArray[np.float64]
+    carries: NDArray[np.bool_]
+    relays: NDArray[np.bool_]
+    order: NDArray[np.int64]
 
     @classmethod
-    def of(cls, teams: Mapping[str, Role]) -> "Fleet":
-        """Lay the teams out agent by agent."""
-        roles = list(teams.values())
-        counts = [role.count for role in roles]
+    def of(cls, teams: Mapping[str, Role], order: Sequence[str] = ()) -> "Fleet":
+        """Lay the teams out agent by agent.
 
+        Parameters
+        ----------
+        order : names of all teams as they choose; empty: see `choosing_order`. Within a team the
+            highest number chooses first
+        """
+        roles, names = list(teams.values()), list(teams)
+        counts = [role.count for role in roles]
+        team = np.repeat(np.arange(len(roles), dtype=np.int64), counts)
+        choosing = [names.index(name) for name in order or choosing_order(teams)]
+        in_order = [np.flatnonzero(team == number)[::-1] for number in choosing]
         return cls(
             team_names=tuple(teams),
-            team=np.repeat(np.arange(len(roles), dtype=np.int64), counts),
+            team=team,
             moves=np.repeat(np.asarray([r.moves for r in roles], np.int64), counts),
             radius=np.repeat(np.asarray([r.radius for r in roles], np.float64), counts),
             collects=np.repeat(np.asarray([r.collects for r in roles], np.bool_), counts),
@@ -72,6 +96,9 @@ class Fleet:
                 np.asarray([r.capacity or UNLIMITED for r in roles], np.int64), counts
             ),
             energy=np.repeat(np.asarray([r.energy or np.inf for r in roles], np.float64), counts),
+            carries=np.repeat(np.asarray([r.carries for r in roles], np.bool_), counts),
+            relays=np.repeat(np.asarray([r.relays for r in roles], np.bool_), counts),
+            order=np.concatenate([np.empty(0, np.int64), *in_order]),
         )
 
     def __len__(self) -> int:
@@ -83,16 +110,16 @@ class Fleet:
         return agent_names(self.team, self.team_names)
 
     @property
-    def scouts(self) -> NDArray[np.int64]:
-        """Indices of the agents that do not collect."""
+    def discoverers(self) -> NDArray[np.int64]:
+        """Indices of the agents that discover without collecting: the scouts of the metrics."""
         return np.flatnonzero(~self.collects)
 
     @property
-    def foragers(self) -> NDArray[np.int64]:
-        """Indices of the agents that collect."""
+    def collectors(self) -> NDArray[np.int64]:
+        """Indices of the agents that collect: the foragers of the metrics."""
         return np.flatnonzero(self.collects)
 
     @property
     def credit_order(self) -> NDArray[np.int64]:
-        """Agents in the order in which a shared first sighting is credited: scouts first."""
-        return np.concatenate((self.scouts, self.foragers))
+        """Agents as a shared first sighting is credited: first those that do not collect."""
+        return np.concatenate((self.discoverers, self.collectors))

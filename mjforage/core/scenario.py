@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Annotated, Literal
 
 from graph_planner.belief_settings import BeliefSettings
-from graph_planner.fields import Within, source
+from graph_planner.fields import Later, Within, source
 from graph_planner.fleet import Role
 
 _Cell = Annotated[int, Within(-(2**63), 2**63 - 1)]  # of a grid; the map says which there are
@@ -40,6 +40,9 @@ class Rules:
     """Whether staying put is an action."""
     shorten: bool = True
     """Whether a blocked longer move ends before the obstacle instead of being illegal."""
+    order: Annotated[tuple[str, ...], Later()] = ()
+    """All teams as they choose, in each the highest number first; empty: those that collect, then
+    the others, each by name."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +135,7 @@ class Scenario:
     """Name of the mission, and of its run folder."""
     map: MapChoice
     team: Mapping[str, Role]
-    """Teams by name, in the order of the file: scouts before foragers."""
+    """Teams by name, in the order of the file, which numbers the agents."""
     description: str = ""
     """One line for lists and reports."""
     horizon: Annotated[int, Within(1, 30000, "decisions"), source("paper: T = 150")] = 150

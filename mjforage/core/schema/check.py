@@ -2,7 +2,7 @@
 
 import dataclasses
 import difflib
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypeVar, get_type_hints
 
@@ -63,17 +63,19 @@ def check_fields(instance: Any, where: str) -> None:
         As `check`.
     """
     fields = {f.name: getattr(instance, f.name) for f in dataclasses.fields(instance)}
-    checked = _checked(_fields(type(instance)), fields, where, "")
+    schema: Any = type(instance)
+    checked = _checked(_typed(schema), fields, where, "")
     for name, value in checked.items():
         object.__setattr__(instance, name, value)
 
 
 @lru_cache(maxsize=64)
-def _fields(schema: Any) -> Any:
+def _typed(schema: Hashable) -> Any:
     """The fields of a dataclass as a typed dictionary, so that to check them makes no instance."""
     from typing_extensions import TypedDict
 
-    return TypedDict(schema.__name__, get_type_hints(schema, include_extras=True))
+    make: Any = TypedDict
+    return make("Fields", get_type_hints(schema, include_extras=True))
 
 
 def _checked(schema: Any, tree: object, where: str, remedy: str) -> Any:
@@ -134,9 +136,8 @@ def _missing(root: Tree, locations: list[tuple[str | int, ...]]) -> str:
         return f"missing {names}; add them"
     node, key = found[0]
     unit = nodes.number(node).get("unit")
-    return f"missing {names}; add it, {nodes.type_words(node, key)}" + (
-        f" [{unit}]" if unit else ""
-    )
+    bracket = f" [{unit}]" if unit else ""
+    return f"missing {names}; add it, {nodes.type_words(node, key)}{bracket}"
 
 
 def _fault(node: Tree, key: str, value: object) -> str:

@@ -182,6 +182,8 @@ def test_a_team_may_be_empty(team: str) -> None:
         ("items=[1]", "items = [1], expected a table"),
         ("corruption.team=scuots", "corruption.team = 'scuots'; choose scouts, foragers"),
         ("corruption.epsilon=0.5", "corruption.team = ''; choose scouts, foragers"),
+        ("rules.order=['scouts']", "rules.order = ['scouts']; give every team once: scouts, forag"),
+        ("rules.order=['scouts','x']", "rules.order = ['scouts', 'x']; give every team once"),
         ("name=''", "name = '' names the run folder"),
         (f"team={{'a/b'={ROLE}}}", "team.'a/b' names files; give letters, digits and dashes"),
         (f"team={{'..'={ROLE}}}", "team.'..' names files; give letters, digits and dashes"),
@@ -308,3 +310,12 @@ def test_any_tree_gives_a_scenario_or_a_clear_error(key: str, value: object) -> 
         assert str(error).startswith("tree: ")
         return
     assert isinstance(scenario, Scenario)
+
+
+def test_what_a_younger_key_has_by_default_leaves_the_hash_as_it_was() -> None:
+    tree = scenario_to_tree(load_scenario("comb-port"))
+    assert list(tree["rules"]) == ["stay", "shorten"]
+    assert "relays" not in tree["team"]["scouts"]
+    used = load_scenario("comb-port", ["rules.order=['scouts','foragers']"])
+    assert scenario_to_tree(used)["rules"]["order"] == ["scouts", "foragers"]
+    assert scenario_from_tree(scenario_to_tree(used), "again") == used

@@ -145,7 +145,7 @@ def test_forager_is_an_otter_that_its_load_slows() -> None:
         (GOOD.replace(', source = "test" }\nbeam', " }\nbeam"), "length_m has value, unit; give"),
         (GOOD.replace('"test" }\nbeam', '" " }\nbeam'), "length_m has no source; say where 2"),
         (GOOD.replace("length_m", "lenght_m"), "unknown key lenght_m; did you mean length_m?"),
-        (GOOD.replace("lag_s", "# lag_s"), "missing lag_s; add it, a number with unit and source [s]"),
+        (GOOD.replace("lag_s", "# lag_s"), "missing lag_s; add it, a number with unit"),
         (GOOD.replace('"force"', '"sail"'), "thruster.kind = 'sail'; choose propeller, force"),
         (GOOD.replace('kind = "force"\n', ""), "thruster.kind = ''; choose propeller, force"),
         (GOOD.replace('"force"', '"propeller"'), "unknown key thruster.max_ahead_newton"),
