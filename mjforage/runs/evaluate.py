@@ -13,15 +13,15 @@ import polars as pl
 
 import metrics
 from graph_planner.policies.registry import create_policy
-from mjforage.runs.costs import Invocation, costs_content
+from mjforage.core.errors import UserError
+from mjforage.core.mission import Setup
 from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.worlds import WORLDS, create_mission
-from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission, Setup
-from mjforage.runs.storage import Chunk, RunFolder, write_json
+from mjforage.runs.costs import Invocation, costs_content
 from mjforage.runs.identity import pinned, run_info
-from mjforage.runs.workers import Assignment, Workers, keep_replay, run_chunks
+from mjforage.runs.storage import Chunk, RunFolder, write_json
 from mjforage.runs.tables import SCALARS
+from mjforage.runs.workers import Assignment, Workers, keep_replay, run_chunks
 
 CHUNK = 25  # episodes per unit of work at graph level
 PHYSICS_CHUNK = 10  # the same with hulls, which take a second each
@@ -194,7 +194,12 @@ def carry_out(
     started, work, summaries = time.perf_counter(), [], []
     assignments = {
         place: Assignment.of(
-            run.setup, run.seed, run.folder.path, run.info["hash"], invocation, remote=workers.remote
+            run.setup,
+            run.seed,
+            run.folder.path,
+            run.info["hash"],
+            invocation,
+            remote=workers.remote,
         )
         for place, run in enumerate(runs)
         if not run.folder.complete

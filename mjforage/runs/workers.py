@@ -25,19 +25,19 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from graph_planner.policies import create_policy
 from graph_planner.policies.registry import own_weights
-from mjforage.physics.worlds import create_mission
-from mjforage.runs.costs import Invocation, Cost
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap
-from mjforage.core.mission import Mission, Setup
-from mjforage.runs.recording import record
+from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import canonical_json, scenario_from_tree, scenario_to_tree
 from mjforage.core.scoring import score
-from mjforage.runs.storage import Chunk, RunFolder, writing
+from mjforage.physics.worlds import create_mission
 from mjforage.runs import cluster
+from mjforage.runs.costs import Cost, Invocation
 from mjforage.runs.identity import versions
 from mjforage.runs.interrupts import interrupts_held
+from mjforage.runs.recording import record
+from mjforage.runs.storage import Chunk, RunFolder, writing
 from mjforage.runs.tables import frames
 
 PARENT_CHECK_S = 1.0
@@ -159,7 +159,9 @@ def _setup(assignment: Assignment) -> Setup:
         cluster.check_versions(assignment.versions)
     packed = np.frombuffer(assignment.cells, np.uint8)
     rows, columns = assignment.shape
-    navigable = np.unpackbits(packed, count=rows * columns).reshape(assignment.shape).astype(np.bool_)
+    navigable = (
+        np.unpackbits(packed, count=rows * columns).reshape(assignment.shape).astype(np.bool_)
+    )
     scenario = scenario_from_tree(json.loads(assignment.scenario_json), "scenario")
     setup = Setup(scenario, GridMap(assignment.map_name, navigable))
     if assignment.parent is None:

@@ -14,11 +14,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from mjforage.runs.costs import Invocation, load_costs
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.runs import cluster, variants
+from mjforage.runs.costs import Invocation, load_costs
 from mjforage.runs.evaluate import Run, plan
 from mjforage.runs.identity import versions
 from mjforage.runs.study import Study, run_study
@@ -185,14 +185,18 @@ def test_a_worker_of_another_version_is_named(assignment: Assignment, name: str)
     assert "but 99 where the command was given" in words
 
 
-def test_a_worker_that_does_not_see_the_folder_is_named(assignment: Assignment, tmp_path: Path) -> None:
+def test_a_worker_that_does_not_see_the_folder_is_named(
+    assignment: Assignment, tmp_path: Path
+) -> None:
     words = refusal(replace(assignment, folder=tmp_path / "elsewhere"))
     assert words.startswith(f"worker on {socket.gethostname()}: {tmp_path / 'elsewhere'}/run.json")
     assert "--out must lie on a disk that all machines share" in words
 
 
 def test_a_worker_with_another_scenario_is_named(assignment: Assignment) -> None:
-    words = refusal(replace(assignment, scenario_json=assignment.scenario_json.replace("75.0", "74.0")))
+    words = refusal(
+        replace(assignment, scenario_json=assignment.scenario_json.replace("75.0", "74.0"))
+    )
     assert "scenario and hulls have the hash" in words
     assert "give all machines the same files" in words
 

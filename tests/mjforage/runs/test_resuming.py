@@ -13,10 +13,10 @@ import pytest
 
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
-from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.evaluate import evaluate, plan
-from mjforage.runs.workers import Assignment, run_chunk
+from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import TABLES
+from mjforage.runs.workers import Assignment, run_chunk
 
 PATIENCE_S = 120.0
 Start = Callable[..., "subprocess.Popen[str]"]
