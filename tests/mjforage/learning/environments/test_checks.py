@@ -70,7 +70,7 @@ def test_what_is_no_action_is_refused_and_not_played(name: str, action: Any, wor
         np.testing.assert_equal(one, two)
 
 
-def test_lanes_refuse_and_name_lane_and_agent() -> None:
+def test_sub_environments_refuse_and_name_sub_environment_and_agent() -> None:
     env = envs(2)
     env.reset(seed=0)
     actions = np.full((2, 4), 8)
@@ -136,7 +136,7 @@ def test_an_episode_has_to_begin_first() -> None:
         env.reset(options={"reset_mask": np.array([True, False])})
 
 
-def test_seeds_of_lanes_come_in_any_sequence() -> None:
+def test_seeds_of_sub_environments_come_in_any_sequence() -> None:
     env = envs(2)
     whole, _ = env.reset(seed=np.int64(5))  # type: ignore[arg-type]
     for seeds in ([5, 6], (5, 6), np.array([5, 6])):

@@ -74,7 +74,7 @@ def test_a_seed_has_many_episodes() -> None:
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
-def test_lanes_are_single_environments_to_the_bit(mode: AutoresetMode) -> None:
+def test_sub_environments_are_single_environments_to_the_bit(mode: AutoresetMode) -> None:
     """Ends, final observations and rewards included: the bootstrap mask is what one env shows."""
     num_envs = 4
     batch = gymnasium.make_vec(
@@ -113,7 +113,7 @@ def of_env(observation: dict[str, NDArray[Any]], i: int) -> bytes:
     return b"".join(observation[name][i].tobytes() for name in sorted(observation))
 
 
-def test_lanes_start_again_only_when_told_if_autoreset_is_off() -> None:
+def test_sub_environments_start_again_only_when_told_if_autoreset_is_off() -> None:
     batch = gymnasium.make_vec(
         NAMES[0], 2, scenario="published", set=("horizon=3",), autoreset_mode="Disabled"
     )
@@ -125,7 +125,7 @@ def test_lanes_start_again_only_when_told_if_autoreset_is_off() -> None:
     assert info["step"].tolist() == [0, 3]
 
 
-def test_physics_lanes_have_missions_of_their_own() -> None:
+def test_physics_sub_environments_have_missions_of_their_own() -> None:
     batch = gymnasium.make_vec(NAMES[0], 2, world="physics", set=("horizon=4",))
     single = make(NAMES[0], scenario="comb-port", world="physics", set=("horizon=4",))
     together, _ = batch.reset(seed=1)
