@@ -11,10 +11,10 @@ from mjforage.cli import (  # they add their commands
     drawing,
     hulls,
     lists,
-    runs,
+    run_folders,
     speeds,
     studying,
-    training,
+    train,
     validating,
 )
 from mjforage.cli.console import app, errors
@@ -25,10 +25,10 @@ __all__ = [
     "hulls",
     "lists",
     "main",
-    "runs",
+    "run_folders",
     "speeds",
     "studying",
-    "training",
+    "train",
     "validating",
 ]
 

@@ -66,10 +66,10 @@ def hull_facts(setup: Setup, worlds: Sequence[str]) -> dict[str, Any]:
     """Parameters of every vessel and class of debris that the run needs; none at graph level."""
     if set(worlds) <= {"graph"}:
         return {}
-    from mjforage.physics.dynamics.fleet_scene import (
+    from mjforage.physics.dynamics.fleet_scene import (  # MuJoCo where it is wanted
         fleet_vessels,
         hull_names,
-    )  # MuJoCo where it is wanted
+    )
     from mjforage.physics.scene import load_debris
 
     choice = setup.scenario.physics

@@ -4,12 +4,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.policies import create_policy
-from mjforage.physics.worlds import create_mission
-from mjforage.physics.dynamics.debris import draw_classes
-from mjforage.physics.dynamics.fleet_scene import hull_names, item_choices
 from mjforage.core.film import Film
 from mjforage.core.mission import Mission, Observer, Setup
-from mjforage.runs.replay import Replay
+from mjforage.physics.dynamics.fleet_scene import hull_names, item_choices
+from mjforage.physics.dynamics.item_bodies import draw_classes
+from mjforage.physics.worlds import create_mission
+from mjforage.runs.episode_replay import Replay
 
 
 class _Recorder(Observer):

@@ -82,7 +82,7 @@ def test_what_is_of_a_function_or_script_is_refused_with_the_remedy() -> None:
 
     table = boats()
     table.register("local")(Local)
-    with pytest.raises(UserError, match="boat local: .*Local is defined in the script itself or"):
+    with pytest.raises(UserError, match=r"boat local: .*Local is defined in the script itself or"):
         table.places(["local"])
 
 

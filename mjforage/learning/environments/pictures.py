@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mjforage.core.mission import Mission
 from mjforage.learning.environments.game import Episodes, Game
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 
 LONG_SIDE = 640  # pixels
 

@@ -16,7 +16,7 @@ from numba.extending import intrinsic
 from numba.np.numpy_support import carray
 
 from mjforage.physics.callback.forces import State, apply
-from mjforage.physics.callback.layout import (
+from mjforage.physics.callback.model_layout import (
     HEADER,
     ITEM_DOFS,
     MAGIC,
