@@ -35,7 +35,7 @@ class QPolicy:
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
         self._networks = self._load(task)
-        self._teams = (task.fleet.scouts, task.fleet.foragers)
+        self._teams = (task.fleet.discoverers, task.fleet.collectors)
         self._encoder = ENCODERS[self._header.encoding](task)
         self._encoder.reset(keys.size)
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))

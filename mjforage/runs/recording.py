@@ -34,7 +34,7 @@ class _Recorder(Observer):
         self.idleness.append(grid(idleness).astype(np.float16))
         by_scouts, by_foragers = (
             model.times_seen(state.agent_node[:1], team)[0] > 0
-            for team in (fleet.scouts, fleet.foragers)
+            for team in (fleet.discoverers, fleet.collectors)
         )
         self.in_view.append(grid(by_scouts + np.uint8(2) * by_foragers).astype(np.uint8))
 
