@@ -21,8 +21,8 @@ from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.training.run import train
 from mjforage.learning.training.settings import Settings, changed
+from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import evaluate
-from mjforage.runs.replay import Replay
 from mjforage.view.render import render_replay
 from mjforage.view.report import write_report
 

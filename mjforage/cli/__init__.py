@@ -7,15 +7,14 @@ from collections.abc import Sequence
 import cyclopts
 from rich.logging import RichHandler
 
-from graph_planner.errors import WeightsError
 from mjforage.cli import (  # they add their commands
     drawing,
     hulls,
     lists,
-    runs,
+    run_folders,
     speeds,
     studying,
-    training,
+    train,
     validating,
 )
 from mjforage.cli.console import app, errors
@@ -26,10 +25,10 @@ __all__ = [
     "hulls",
     "lists",
     "main",
-    "runs",
+    "run_folders",
     "speeds",
     "studying",
-    "training",
+    "train",
     "validating",
 ]
 
@@ -45,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     )
     try:
         app(arguments, exit_on_error=False, print_error=False)
-    except (UserError, WeightsError, cyclopts.CycloptsError) as error:
+    except (UserError, cyclopts.CycloptsError) as error:
         words = " ".join(str(error).split())
         errors.print(f"mjforage: {words}", style="red", markup=False)
         sys.exit(BAD_INPUT)

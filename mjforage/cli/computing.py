@@ -38,5 +38,5 @@ class Computing:
         return Workers(self.jobs, self.scheduler or "", self.local_cluster)
 
 
-HERE = Computing()
+THIS_PROCESS = Computing()
 By = Annotated[Computing, Parameter(name="*")]

@@ -57,7 +57,7 @@ def manoeuvre(
         write_trajectory,
     )
     from mjforage.physics.manoeuvre import manoeuvre as run
-    from mjforage.physics.simulation.hull import MujocoHull
+    from mjforage.physics.simulation.mujoco_hull import MujocoHull
     from mjforage.runs.storage import writing
     from mjforage.view.manoeuvre_plot import check_plot, manoeuvre_figure
 

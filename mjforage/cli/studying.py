@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import cyclopts
 from cyclopts import Parameter
 
-from mjforage.cli.computing import HERE, By, Computing
+from mjforage.cli.computing import THIS_PROCESS, By, Computing
 from mjforage.cli.console import app, bar, errors, output
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class Choice:
     Parameters
     ----------
     world
-        graph or physics, or a rung between; repeat the flag for several.
+        graph or physics, or a world between; repeat the flag for several.
     episodes
         Episodes per variant, policy and world.
     seed
@@ -78,7 +78,7 @@ Corrupted = Annotated[Draws, Parameter(name="*")]
 
 
 @study.command
-def parts(scenario: str = "published", /, *, choice: With = DEFAULT, by: By = HERE) -> None:
+def parts(scenario: str = "published", /, *, choice: With = DEFAULT, by: By = THIS_PROCESS) -> None:
     """What each part of the belief planner is worth, and what wrong assumptions cost it.
 
     Parameters
@@ -98,7 +98,7 @@ def ablation(
     *,
     policy: Policies = PAPER,
     choice: With = DEFAULT,
-    by: By = HERE,
+    by: By = THIS_PROCESS,
 ) -> None:
     """What an agent of each team is worth: marginal contributions (the paper's Tables 5 and 6).
 
@@ -122,7 +122,7 @@ def corruption(
     policy: Policies = PAPER,
     draws: Corrupted = USUAL,
     choice: With = DEFAULT,
-    by: By = HERE,
+    by: By = THIS_PROCESS,
 ) -> None:
     """How performance falls as a team's actions become random: sensitivity slopes (CSSC).
 
@@ -149,7 +149,7 @@ def paper(
     policy: Policies = PAPER,
     draws: Corrupted = USUAL,
     choice: With = DEFAULT,
-    by: By = HERE,
+    by: By = THIS_PROCESS,
 ) -> None:
     """All tables and figures of the paper, with its numbers beside ours.
 

@@ -38,9 +38,11 @@ class WorldKind:
 def _physics(
     graph: NavigationGraph, fleet: Fleet, scenario: Scenario, film: Film | None
 ) -> Dynamics:
-    from mjforage.physics.dynamics.physics import PhysicsDynamics  # MuJoCo only where it is wanted
+    from mjforage.physics.dynamics.mujoco_dynamics import (
+        MujocoDynamics,  # MuJoCo only where it is wanted
+    )
 
-    return PhysicsDynamics(graph, fleet, scenario, film)
+    return MujocoDynamics(graph, fleet, scenario, film)
 
 
 def _whole(scenario: Scenario) -> Scenario:
@@ -108,7 +110,7 @@ def added(scenario: Scenario, before: str, world: str) -> tuple[str, ...]:
     return tuple(pieces)
 
 
-def rungs(scenario: Scenario) -> tuple[str, ...]:
+def ladder_of(scenario: Scenario) -> tuple[str, ...]:
     """The worlds that differ from the one below in this scenario; the last one is all of it."""
     ladder, before = ["graph"], None
     for name in list(WORLDS)[1:]:

@@ -21,9 +21,9 @@ import joblib
 
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
-from mjforage.runs.run_info import read_json
 from mjforage.runs.identity import run_info, versions
 from mjforage.runs.interrupts import interrupts_held
+from mjforage.runs.run_info import read_json
 
 PROTOCOLS = ("tcp", "tls")
 PATIENCE_S = 20.0  # for a scheduler to answer, and for its first worker

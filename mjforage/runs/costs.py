@@ -9,7 +9,7 @@ from mjforage.runs.run_info import field, read_json
 
 
 @dataclass(frozen=True)
-class Call:
+class Invocation:
     """The command that computes, the same for all its chunks."""
 
     started: str  # ISO 8601 with microseconds, UTC: tells calls apart
@@ -29,7 +29,7 @@ class Cost:
     wall_s: float
     began_s: float  # since the epoch, by the worker's clock
     worker: str  # host and process
-    started: str  # these three as in `Call`
+    started: str  # these three as in `Invocation`
     how: str
     workers: int
 

@@ -13,21 +13,21 @@ import polars as pl
 
 import metrics
 from graph_planner.policies.registry import create_policy
-from mjforage.runs.costs import Call, costs_content
+from mjforage.core.errors import UserError
+from mjforage.core.mission import Setup
 from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.worlds import WORLDS, create_mission
-from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission, Setup
-from mjforage.runs.storage import Chunk, RunFolder, write_json
+from mjforage.runs.costs import Invocation, costs_content
 from mjforage.runs.identity import pinned, run_info
-from mjforage.runs.workers import Order, Workers, keep_replay, run_chunks
+from mjforage.runs.storage import Chunk, RunFolder, write_json
 from mjforage.runs.tables import SCALARS
+from mjforage.runs.workers import Assignment, Workers, keep_replay, run_chunks
 
 CHUNK = 25  # episodes per unit of work at graph level
 PHYSICS_CHUNK = 10  # the same with hulls, which take a second each
 BOOTSTRAP_SEED = 0
 
-HERE = Workers()
+THIS_PROCESS = Workers()
 
 Progress = Callable[[int, int], None]
 Summary = dict[str, dict[str, dict[str, dict[str, Any]]]]
@@ -44,10 +44,7 @@ def check_policies(policies: Sequence[str]) -> None:
     if not policies:
         raise UserError("no policy given; add --policy greedy")
     for name in policies:
-        try:
-            create_policy(name)
-        except KeyError as error:
-            raise UserError(str(error.args[0])) from error
+        create_policy(name)
         if list(policies).count(name) > 1:
             raise UserError(f"policy {name}: given twice")
 
@@ -177,7 +174,7 @@ class Run:
 
 
 def carry_out(
-    runs: Sequence[Run], workers: Workers, call: Call, progress: Progress
+    runs: Sequence[Run], workers: Workers, invocation: Invocation, progress: Progress
 ) -> list[Summary]:
     """Compute what is missing of all runs in one go, and close each one once it is whole.
 
@@ -192,21 +189,26 @@ def carry_out(
         As `run_chunks` and `Run.close`. Finished chunks stay.
     """
     started, work, summaries = time.perf_counter(), [], []
-    orders = {
-        place: Order.of(
-            run.setup, run.seed, run.folder.path, run.info["hash"], call, remote=workers.remote
+    assignments = {
+        place: Assignment.of(
+            run.setup,
+            run.seed,
+            run.folder.path,
+            run.info["hash"],
+            invocation,
+            remote=workers.remote,
         )
         for place, run in enumerate(runs)
         if not run.folder.complete
     }
-    for place in orders:
+    for place in assignments:
         run = runs[place]
         work += [(place, chunk) for chunk in run.chunks if not run.folder.has(chunk)]
     total = sum(chunk.count for run in runs for chunk in run.chunks)
     done = total - sum(chunk.count for _, chunk in work)
     progress(done, total)
     left = Counter(place for place, _ in work)
-    asked = [(orders[place], chunk) for place, chunk in work]
+    asked = [(assignments[place], chunk) for place, chunk in work]
     nothing = (place for place in range(0))
     with closing(run_chunks(asked, workers) if work else nothing) as results:
         for place, run in enumerate(runs):  # runs are computed in their order
@@ -215,7 +217,7 @@ def carry_out(
                 left[owner] -= 1
                 done += chunk.count
                 progress(done, total)
-            wall_s = time.perf_counter() - started if place in orders else None
+            wall_s = time.perf_counter() - started if place in assignments else None
             summaries.append(run.close(wall_s))
         for _ in results:  # none is left, but workers end by themselves
             pass
@@ -229,7 +231,7 @@ def evaluate(
     *,
     episodes: int = 100,
     seed: int = 0,
-    workers: Workers = HERE,
+    workers: Workers = THIS_PROCESS,
     worlds: Sequence[str] = ("graph",),
     progress: Progress = lambda done, total: None,
 ) -> Summary:
@@ -256,7 +258,7 @@ def evaluate(
         are lost.
     """
     run = Run.plan(setup, policies, folder, episodes=episodes, seed=seed, worlds=worlds)
-    call = workers.call(policies)
+    invocation = workers.invocation(policies)
     run.open()
     with run.folder.claimed():
-        return carry_out([run], workers, call, progress)[0]
+        return carry_out([run], workers, invocation, progress)[0]

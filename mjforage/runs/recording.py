@@ -4,12 +4,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.policies import create_policy
-from mjforage.physics.worlds import create_mission
-from mjforage.physics.dynamics.debris import draw_classes
-from mjforage.physics.dynamics.fleet_scene import hull_names, item_choices
 from mjforage.core.film import Film
 from mjforage.core.mission import Mission, Observer, Setup
-from mjforage.runs.replay import Replay
+from mjforage.physics.dynamics.fleet_scene import hull_names, item_choices
+from mjforage.physics.dynamics.item_bodies import draw_classes
+from mjforage.physics.worlds import create_mission
+from mjforage.runs.episode_replay import Replay
 
 
 class _Recorder(Observer):
@@ -34,7 +34,7 @@ class _Recorder(Observer):
         self.idleness.append(grid(idleness).astype(np.float16))
         by_scouts, by_foragers = (
             model.times_seen(state.agent_node[:1], team)[0] > 0
-            for team in (fleet.scouts, fleet.foragers)
+            for team in (fleet.discoverers, fleet.collectors)
         )
         self.in_view.append(grid(by_scouts + np.uint8(2) * by_foragers).astype(np.uint8))
 
@@ -50,8 +50,8 @@ def record(setup: Setup, world: str, policy: str, seed: int, episode: int) -> Re
 
     Raises
     ------
-    KeyError
-        If there is no such policy or world.
+    UserError
+        If there is no such policy.
     """
     film, recorder = Film(), _Recorder()
     mission = create_mission(setup, world, film)

@@ -9,12 +9,12 @@ from graph_planner.navigation import navigation_graph
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap, check_starts
 from mjforage.core.mission import Setup
-from mjforage.runs.recording import record
-from mjforage.runs.replay import Replay
-from mjforage.runs.run_info import again, load_run
 from mjforage.core.scenario_file import scenario_from_tree
-from mjforage.runs.storage import RunFolder
+from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import check_policies
+from mjforage.runs.recording import record
+from mjforage.runs.run_info import again, load_run
+from mjforage.runs.storage import RunFolder
 
 
 def replay_of_run(folder: Path, world: str | None, policy: str | None, episode: int) -> Replay:

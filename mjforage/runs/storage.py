@@ -20,10 +20,10 @@ from typing import Any
 
 import polars as pl
 
-from mjforage.runs.costs import Cost
 from mjforage.core.errors import UserError
-from mjforage.runs.run_info import again, read_json
 from mjforage.core.scenario_file import canonical_json
+from mjforage.runs.costs import Cost
+from mjforage.runs.run_info import again, read_json
 from mjforage.runs.tables import KEYS, TABLES, check_table, read_table
 
 try:

@@ -12,12 +12,12 @@ from typing import Any
 
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
-from mjforage.runs.run_info import read_json
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import scenario_to_tree
-from mjforage.runs.storage import claimed, open_folder, write_json
-from mjforage.runs.evaluate import HERE, Progress, Run, carry_out
+from mjforage.runs.evaluate import THIS_PROCESS, Progress, Run, carry_out
 from mjforage.runs.identity import provenance, versions
+from mjforage.runs.run_info import read_json
+from mjforage.runs.storage import claimed, open_folder, write_json
 from mjforage.runs.workers import Workers
 
 IDENTITY = ("kind", "scenario", "variants", "worlds", "episodes", "seed", "options", "versions")
@@ -125,7 +125,7 @@ def run_study(
     study: Study,
     folder: Path,
     *,
-    workers: Workers = HERE,
+    workers: Workers = THIS_PROCESS,
     progress: Progress = lambda done, total: None,
     begin: Callable[[], None] = lambda: None,
 ) -> dict[str, Any]:
@@ -149,7 +149,7 @@ def run_study(
         workers that are lost. Nothing computed is lost.
     """
     runs = [_plan(study, variant, folder) for variant in study.variants]
-    call = workers.call({policy for run in runs for policy in run.policies})
+    invocation = workers.invocation({policy for run in runs for policy in run.policies})
     _check_flags(folder, study.info)
     open_folder(folder, "study", study.info, IDENTITY)
     with ExitStack() as stack:
@@ -158,7 +158,7 @@ def run_study(
             run.open()
             stack.enter_context(run.folder.claimed())
         begin()
-        summaries: Sequence[Any] = carry_out(runs, workers, call, progress)
+        summaries: Sequence[Any] = carry_out(runs, workers, invocation, progress)
         names = [variant.name for variant in study.variants]
         summary = dict(zip(names, summaries, strict=True))
         write_json(folder / "summary.json", summary)

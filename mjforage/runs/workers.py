@@ -25,19 +25,19 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from graph_planner.policies import create_policy
 from graph_planner.policies.registry import own_weights
-from mjforage.physics.worlds import create_mission
-from mjforage.runs.costs import Call, Cost
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap
-from mjforage.core.mission import Mission, Setup
-from mjforage.runs.recording import record
+from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import canonical_json, scenario_from_tree, scenario_to_tree
 from mjforage.core.scoring import score
-from mjforage.runs.storage import Chunk, RunFolder, writing
+from mjforage.physics.worlds import create_mission
 from mjforage.runs import cluster
+from mjforage.runs.costs import Cost, Invocation
 from mjforage.runs.identity import versions
 from mjforage.runs.interrupts import interrupts_held
+from mjforage.runs.recording import record
+from mjforage.runs.storage import Chunk, RunFolder, writing
 from mjforage.runs.tables import frames
 
 PARENT_CHECK_S = 1.0
@@ -75,7 +75,7 @@ class Workers:
         """Whether a dask cluster computes."""
         return bool(self.scheduler or self.local_cluster)
 
-    def call(self, policies: Iterable[str]) -> Call:
+    def invocation(self, policies: Iterable[str]) -> Invocation:
         """Check that they can compute these policies, before anything is written.
 
         Raises
@@ -93,7 +93,7 @@ class Workers:
             how = f"dask at {self.scheduler}"
             with cluster.connected(self.scheduler, 0) as client:
                 count = cluster.cores(client)
-        return Call(started, how, count)
+        return Invocation(started, how, count)
 
 
 def _check_weights(policies: Iterable[str]) -> None:
@@ -106,7 +106,7 @@ def _check_weights(policies: Iterable[str]) -> None:
 
 
 @dataclass(frozen=True)
-class Order:
+class Assignment:
     """What all chunks of a run have in common, in a form that hashes and travels."""
 
     scenario_json: str
@@ -116,7 +116,7 @@ class Order:
     seed: int
     folder: Path
     hash: str  # of the run
-    call: Call
+    invocation: Invocation
     parent: int | None  # process that asked for it and must outlive its workers; None: a cluster
     versions: tuple[tuple[str, str], ...] = ()  # of the process that asked a cluster
 
@@ -127,9 +127,9 @@ class Order:
         seed: int,
         folder: Path,
         run_hash: str,
-        call: Call,
+        invocation: Invocation,
         remote: bool = False,
-    ) -> "Order":
+    ) -> "Assignment":
         """Pack a setup."""
         rows, columns = setup.grid.navigable.shape
         return cls(
@@ -140,30 +140,32 @@ class Order:
             seed,
             folder.resolve() if remote else folder,
             run_hash,
-            call,
+            invocation,
             None if remote else os.getpid(),
             tuple(versions().items()) if remote else (),
         )
 
 
 @lru_cache(maxsize=4)
-def _setup(order: Order) -> Setup:
-    """The setup of an order, built (and on a cluster checked) once per process.
+def _setup(assignment: Assignment) -> Setup:
+    """The setup of an assignment, built (and on a cluster checked) once per process.
 
     Raises
     ------
     UserError
         If this is a worker of a cluster that does not agree with the process that asked.
     """
-    if order.parent is None:
-        cluster.check_versions(order.versions)
-    packed = np.frombuffer(order.cells, np.uint8)
-    rows, columns = order.shape
-    navigable = np.unpackbits(packed, count=rows * columns).reshape(order.shape).astype(np.bool_)
-    scenario = scenario_from_tree(json.loads(order.scenario_json), "scenario")
-    setup = Setup(scenario, GridMap(order.map_name, navigable))
-    if order.parent is None:
-        cluster.check_run(order.folder, order.hash, setup)
+    if assignment.parent is None:
+        cluster.check_versions(assignment.versions)
+    packed = np.frombuffer(assignment.cells, np.uint8)
+    rows, columns = assignment.shape
+    navigable = (
+        np.unpackbits(packed, count=rows * columns).reshape(assignment.shape).astype(np.bool_)
+    )
+    scenario = scenario_from_tree(json.loads(assignment.scenario_json), "scenario")
+    setup = Setup(scenario, GridMap(assignment.map_name, navigable))
+    if assignment.parent is None:
+        cluster.check_run(assignment.folder, assignment.hash, setup)
     return setup
 
 
@@ -214,7 +216,7 @@ def keep_replay(setup: Setup, world: str, policy: str, seed: int, folder: Path) 
                 temporary.unlink(missing_ok=True)
 
 
-def run_chunk(order: Order, chunk: Chunk) -> str | None:
+def run_chunk(assignment: Assignment, chunk: Chunk) -> str | None:
     """Play, score and store one chunk, and with the first one the replay of its first episode.
 
     Returns
@@ -223,16 +225,16 @@ def run_chunk(order: Order, chunk: Chunk) -> str | None:
     the way between processes unharmed)
     """
     cpu_s, wall_s, began_s = time.process_time(), time.perf_counter(), time.time()
-    run = RunFolder(order.folder)
+    run = RunFolder(assignment.folder)
     try:
-        if order.parent is not None and os.getpid() != order.parent:
-            _die_with(order.parent)
-        setup = _setup(order)
-        if order.parent is None and run.has(chunk):
+        if assignment.parent is not None and os.getpid() != assignment.parent:
+            _die_with(assignment.parent)
+        setup = _setup(assignment)
+        if assignment.parent is None and run.has(chunk):
             return None  # made by a worker that was lost before it could tell
         episodes = np.arange(chunk.first, chunk.first + chunk.count)
         mission = create_mission(setup, chunk.world)
-        mission.reset(order.seed, episodes)
+        mission.reset(assignment.seed, episodes)
         log = EpisodeLog(mission)
         mission.run(create_policy(chunk.policy), (log,))
         scores = score(log, setup.fleet, setup.scenario.horizon)
@@ -246,17 +248,17 @@ def run_chunk(order: Order, chunk: Chunk) -> str | None:
             time.perf_counter() - wall_s,
             began_s,
             f"{socket.gethostname()}-{os.getpid()}",
-            **asdict(order.call),
+            **asdict(assignment.invocation),
         )
         run.write(chunk, tables, cost)
         if chunk.first == 0:
-            keep_replay(setup, chunk.world, chunk.policy, order.seed, order.folder)
+            keep_replay(setup, chunk.world, chunk.policy, assignment.seed, assignment.folder)
     except UserError as error:
         return str(error)
     return None
 
 
-def run_chunks(work: Sequence[tuple[Order, Chunk]], workers: Workers) -> Generator[int]:
+def run_chunks(work: Sequence[tuple[Assignment, Chunk]], workers: Workers) -> Generator[int]:
     """Carry out chunks in their order, yielding the place of each one that is finished.
 
     Raises
@@ -265,7 +267,7 @@ def run_chunks(work: Sequence[tuple[Order, Chunk]], workers: Workers) -> Generat
         If a chunk fails for a reason that a user can mend, a worker was killed, or the cluster
         cannot be used. Finished chunks stay.
     """
-    tasks = (joblib.delayed(run_chunk)(order, chunk) for order, chunk in work)
+    tasks = (joblib.delayed(run_chunk)(assignment, chunk) for assignment, chunk in work)
     try:
         with _parallel(workers, len(work)) as parallel, _started(parallel, tasks) as results:
             for place, error in enumerate(results):

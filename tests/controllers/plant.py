@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from controllers import Pilot
 from graph_planner.randomness import episode_keys
-from mjforage.physics.helm import helm_of
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
+from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import Vessel
 from mjforage.physics.weather.field import Field
 from mjforage.physics.weather.settings import WeatherSettings

@@ -5,9 +5,9 @@ import pytest
 
 from controllers.allocation import allocate, command_for, lagged, led_command, thrust_of
 from controllers.helm import LAG, LEVER, packed
-from mjforage.physics.helm import helm_of
 from mjforage.physics.hydrodynamics.parameters import pack
 from mjforage.physics.hydrodynamics.thruster import thrust
+from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 
 SCOUT, FORAGER = load_vessel("scout"), load_vessel("forager")

@@ -4,7 +4,7 @@ import pytest
 from controllers import state as at
 from controllers.estimate import estimate, surge_after, sway_after
 from controllers.helm import M_SURGE, M_SWAY, packed
-from mjforage.physics.helm import helm_of
+from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 
 P = packed(helm_of(load_vessel("forager")))

@@ -24,7 +24,7 @@ from controllers.loops import (
     turning_limit,
 )
 from controllers.steering import SAFE_SHARE, braking_moment
-from mjforage.physics.helm import helm_of
+from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 
 P = packed(helm_of(load_vessel("scout")))

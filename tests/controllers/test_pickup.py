@@ -6,9 +6,9 @@ from controllers import Chart, Pilot
 from controllers import state as at
 from controllers.helm import packed
 from controllers.pickup import pick_up
-from mjforage.physics.helm import helm_of
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
+from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 
 FORAGER = load_vessel("forager")

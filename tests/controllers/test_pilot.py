@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from controllers import Chart, Pilot
-from mjforage.physics.helm import helm_of
+from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 
 HELMS = [helm_of(load_vessel(name)) for name in ("scout", "forager")]

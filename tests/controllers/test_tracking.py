@@ -9,9 +9,9 @@ from controllers import state as at
 from controllers.estimate import estimate
 from controllers.helm import packed
 from controllers.steering import drive
-from mjforage.physics.helm import helm_of
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
+from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.weather.settings import WeatherSettings
 from tests.controllers.plant import CALM, FloatArray, beam_gusts, cross_current, sail

@@ -15,7 +15,7 @@ from controllers.prediction import SAMPLE_S, SAMPLES, predict
 from controllers.safety import REACTION_S, UNLIMITED, limit_speeds
 from controllers.steering import start_decision
 from controllers.traffic import plan_fleet, rank_fleet
-from mjforage.physics.helm import helm_of
+from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 from tests.controllers.plant import sail
 from tests.graph_planner.charts import grid

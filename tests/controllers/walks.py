@@ -16,9 +16,9 @@ from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
 from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
 from graph_planner.randomness import episode_keys
 from mjforage.core.maps import load_map
-from mjforage.physics.helm import helm_of
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
+from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import Vessel, load_vessel
 from mjforage.physics.weather.field import Field
 from mjforage.physics.weather.settings import WeatherSettings

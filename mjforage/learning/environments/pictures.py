@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mjforage.core.mission import Mission
 from mjforage.learning.environments.game import Episodes, Game
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 
 LONG_SIDE = 640  # pixels
 
@@ -31,7 +31,7 @@ class Picture:
         idle = model.idleness(mission.step, np.array([lane]))[0]
         scouts, foragers = (
             model.times_seen(state.agent_node[lane : lane + 1], team)[0] > 0
-            for team in (fleet.scouts, fleet.foragers)
+            for team in (fleet.discoverers, fleet.collectors)
         )
         self._steps.append(
             {

@@ -14,7 +14,7 @@ from mjforage.learning.environments.course import TICK_S, Course
 from mjforage.learning.environments.rewards import checked_names
 from mjforage.learning.environments.screen import Screen
 from mjforage.learning.environments.window import RENDER_MODES
-from mjforage.physics.helm import helm_of
+from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.weather import WeatherSettings
 

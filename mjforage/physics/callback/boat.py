@@ -14,10 +14,10 @@ from typing import NamedTuple
 from graph_planner.compiled import kernel
 from mjforage.physics.hydrodynamics import parameters as P  # noqa: N812 - a table of index constants
 from mjforage.physics.hydrodynamics.crossflow import cross_flow_slope
-from mjforage.physics.hydrodynamics.hull import hull_force_inertial, load_drag, load_mass
 from mjforage.physics.hydrodynamics.parameters import Float64Array
 from mjforage.physics.hydrodynamics.thruster import saturated, thruster_force
-from mjforage.physics.hydrodynamics.wind import wind_force, wind_slope
+from mjforage.physics.hydrodynamics.water_load import hull_force_inertial, load_drag, load_mass
+from mjforage.physics.hydrodynamics.wind_load import wind_force, wind_slope
 
 
 class Surroundings(NamedTuple):

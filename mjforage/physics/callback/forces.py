@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
 from mjforage.physics.callback import boat
-from mjforage.physics.callback.layout import (
+from mjforage.physics.callback.model_layout import (
     AVERAGED,
     CLASS_WIDTH,
     HEADER,
@@ -40,13 +40,13 @@ STIFF = 1.2  # item drag rate times step above which Runge-Kutta (limit 2.78 on 
 class State(NamedTuple):
     """The fields of mjModel and mjData that matter, as views."""
 
-    numeric: Float64Array  # (number,) model, see `layout`
+    numeric: Float64Array  # (number,) model, see `model_layout`
     row: NDArray[np.int32]  # (dof,) start of each row of M
     qpos: Float64Array  # (dof,) [m], [rad]
     qvel: Float64Array  # (dof,) over ground, world axes [m/s], [rad/s]
     act: Float64Array  # (vessel * 2,) lagged commands
     ctrl: Float64Array  # (vessel * 2,) commands
-    userdata: Float64Array  # (input,) see `layout`
+    userdata: Float64Array  # (input,) see `model_layout`
     force: Float64Array  # (dof,) qfrc_passive, added to [N], [N m]
     mass: Float64Array  # (entry,) M, rows set
     step_s: float

@@ -6,7 +6,7 @@
 import mujoco
 
 from mjforage.physics.callback.forces import State, apply
-from mjforage.physics.callback.layout import HEADER, MAGIC
+from mjforage.physics.callback.model_layout import HEADER, MAGIC
 
 
 def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:

@@ -5,7 +5,7 @@ import math
 import mujoco
 import numpy as np
 
-from mjforage.physics.callback.layout import HEADER_NAME, INSTANT, MAGIC, WATER
+from mjforage.physics.callback.model_layout import HEADER_NAME, INSTANT, MAGIC, WATER
 from mjforage.physics.hydrodynamics import parameters as P  # noqa: N812 - a table of index constants
 
 MASS, ADDED_SURGE, ADDED_SWAY, ADDED_YAW, INERTIA = 100.0, 50.0, 200.0, 5.0, 20.0

@@ -6,15 +6,15 @@ takes `hull_force_inertial` (see there). Nothing here knows MuJoCo; `reference` 
 forces as a plain ordinary differential equation.
 """
 
-from mjforage.physics.hydrodynamics.hull import (
+from mjforage.physics.hydrodynamics.parameters import pack
+from mjforage.physics.hydrodynamics.thruster import command_for, thrust, thruster_force
+from mjforage.physics.hydrodynamics.water_load import (
     hull_force,
     hull_force_inertial,
     load_drag,
     load_mass,
 )
-from mjforage.physics.hydrodynamics.parameters import pack
-from mjforage.physics.hydrodynamics.thruster import command_for, thrust, thruster_force
-from mjforage.physics.hydrodynamics.wind import wind_force
+from mjforage.physics.hydrodynamics.wind_load import wind_force
 
 __all__ = [
     "command_for",

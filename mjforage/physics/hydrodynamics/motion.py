@@ -1,7 +1,6 @@
 """Acceleration of a hull alone: (M_RB + M_A) d(nu_r)/dt = forces, in body axes (Fossen 2021)."""
 
 from graph_planner.compiled import kernel
-from mjforage.physics.hydrodynamics.hull import hull_force
 from mjforage.physics.hydrodynamics.parameters import (
     ADDED_SURGE,
     ADDED_SWAY,
@@ -12,7 +11,8 @@ from mjforage.physics.hydrodynamics.parameters import (
     Float64Array,
 )
 from mjforage.physics.hydrodynamics.thruster import thruster_force
-from mjforage.physics.hydrodynamics.wind import wind_force
+from mjforage.physics.hydrodynamics.water_load import hull_force
+from mjforage.physics.hydrodynamics.wind_load import wind_force
 
 
 @kernel

@@ -2,8 +2,7 @@
 
 from mjforage.physics.manoeuvre.command import manoeuvre
 from mjforage.physics.manoeuvre.directions import parse_flow
-from mjforage.physics.manoeuvre.figures import KeyFigure, key_figures
-from mjforage.physics.manoeuvre.run import run_manoeuvre, run_test
+from mjforage.physics.manoeuvre.key_figures import KeyFigure, key_figures
 from mjforage.physics.manoeuvre.schedule import Schedule, read_schedule
 from mjforage.physics.manoeuvre.standard import STANDARD_TESTS
 from mjforage.physics.manoeuvre.trajectory import (
@@ -12,6 +11,7 @@ from mjforage.physics.manoeuvre.trajectory import (
     read_trajectory,
     write_trajectory,
 )
+from mjforage.physics.manoeuvre.trial import run_manoeuvre, run_test
 
 __all__ = [
     "STANDARD_TESTS",

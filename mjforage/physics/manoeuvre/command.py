@@ -5,11 +5,11 @@ from pathlib import Path
 
 from mjforage.core.errors import UserError
 from mjforage.physics.hydrodynamics.conditions import Conditions
-from mjforage.physics.hydrodynamics.reference import OdeHull
+from mjforage.physics.hydrodynamics.ode_hull import OdeHull
 from mjforage.physics.manoeuvre.directions import parse_flow
-from mjforage.physics.manoeuvre.run import STEP_S, Simulate, run_manoeuvre, run_test
 from mjforage.physics.manoeuvre.schedule import read_schedule
 from mjforage.physics.manoeuvre.trajectory import Trajectory
+from mjforage.physics.manoeuvre.trial import STEP_S, Simulate, run_manoeuvre, run_test
 from mjforage.physics.vessels import load_vessel
 
 MOST_DEG = 3600.0  # ten turns; far beyond, a heading has no exact sine

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
-from mjforage.physics.callback.layout import (
+from mjforage.physics.callback.model_layout import (
     CLASS_WIDTH,
     HEADER,
     HEADER_NAME,
@@ -21,10 +21,10 @@ from mjforage.physics.callback.layout import (
 )
 from mjforage.physics.hydrodynamics.parameters import SIZE, pack
 from mjforage.physics.scene.debris import DebrisClass, add_items, load_debris, parking_xy
-from mjforage.physics.scene.fleet import add_vessel, hull_part, vessel_labels
-from mjforage.physics.scene.parts import compiled, shipped_part
+from mjforage.physics.scene.mjcf import compiled, shipped_part
 from mjforage.physics.scene.quays import add_quays
 from mjforage.physics.scene.rectangles import narrowest_passage
+from mjforage.physics.scene.vessel_bodies import add_vessel, hull_part, vessel_labels
 from mjforage.physics.vessels import Vessel
 
 
@@ -147,7 +147,7 @@ def _check_items(items: int, classes: Sequence[DebrisClass]) -> None:
 def _numbers(
     spec: mujoco.MjSpec, vessels: Sequence[Vessel], items: int, classes: Sequence[DebrisClass]
 ) -> None:
-    """What the callback reads, before any other numeric (see `callback.layout`)."""
+    """What the callback reads, before any other numeric (see `callback.model_layout`)."""
     header = [MAGIC, len(vessels), items, len(classes), INSTANT, SIZE]
     assert len(header) == HEADER
     table = [[c.mass_kg + c.added_mass_kg, c.air, c.water] for c in classes]

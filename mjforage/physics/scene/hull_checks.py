@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from mjforage.core.errors import UserError
-from mjforage.physics.scene.parts import compiled
+from mjforage.physics.scene.mjcf import compiled
 
 SLIDE, HINGE = mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_HINGE
 JOINTS = {"x": (SLIDE, 0), "y": (SLIDE, 1), "yaw": (HINGE, 2)}  # type and axis of each, in order

@@ -1,6 +1,6 @@
 """Running scenes: many simulations of one scene side by side, stepped by MuJoCo."""
 
-from mjforage.physics.simulation.errors import InstabilityError
+from mjforage.physics.simulation.instability import InstabilityError
 from mjforage.physics.simulation.integrators import Integrator
 from mjforage.physics.simulation.simulation import Simulation
 

@@ -10,7 +10,7 @@ from enum import Enum
 
 import mujoco
 
-from mjforage.physics.callback.layout import AVERAGED, INSTANT, SCHEME
+from mjforage.physics.callback.model_layout import AVERAGED, INSTANT, SCHEME
 
 
 class Integrator(Enum):

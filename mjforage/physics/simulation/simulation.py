@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
 from mjforage.physics.callback import Route, calling, install
-from mjforage.physics.callback.layout import INPUT_WIDTH, LOAD, VESSEL_DOFS, WATER, WIND
+from mjforage.physics.callback.model_layout import INPUT_WIDTH, LOAD, VESSEL_DOFS, WATER, WIND
 from mjforage.physics.scene import Scene
-from mjforage.physics.simulation.errors import check_warnings
+from mjforage.physics.simulation.instability import check_warnings
 from mjforage.physics.simulation.integrators import Integrator, half_step_s, prepared
 from mjforage.physics.simulation.loop import Loop
 from mjforage.physics.simulation.quiet import silent

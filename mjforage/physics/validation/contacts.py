@@ -17,7 +17,7 @@ from mjforage.physics.validation.finding import (
     within,
 )
 from mjforage.physics.validation.registry import Parts, check
-from mjforage.physics.validation.runs import INTEGRATORS, SPEED_KIND, STEP_S, clock
+from mjforage.physics.validation.shared_runs import INTEGRATORS, SPEED_KIND, STEP_S, clock
 from mjforage.physics.vessels import Vessel, load_vessel
 
 BASIN = np.vstack((np.zeros((1, 9), bool), np.ones((4, 9), bool)))  # a quay along the north

@@ -17,7 +17,7 @@ from mjforage.physics.validation.finding import (
     within,
 )
 from mjforage.physics.validation.registry import Parts, check
-from mjforage.physics.validation.runs import INTEGRATORS, SPEED_KIND, VESSELS, clock
+from mjforage.physics.validation.shared_runs import INTEGRATORS, SPEED_KIND, VESSELS, clock
 from mjforage.physics.vessels import load_vessel
 
 CURRENT = np.array([0.24, -0.18])  # [m/s]

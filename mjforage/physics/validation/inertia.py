@@ -15,7 +15,7 @@ from mjforage.physics.validation.finding import (
     near_share,
 )
 from mjforage.physics.validation.registry import Parts, check
-from mjforage.physics.validation.runs import INTEGRATORS, SPEED_KIND, VESSELS, body_axes, row
+from mjforage.physics.validation.shared_runs import INTEGRATORS, SPEED_KIND, VESSELS, body_axes, row
 from mjforage.physics.vessels import Vessel, load_vessel
 
 HEADINGS = np.linspace(0.0, 2.0 * np.pi, 25)[:-1] + 0.1

@@ -8,7 +8,7 @@ from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.validation.finding import Float64Array, Line, Panel, at_most
 from mjforage.physics.validation.registry import Parts, check
-from mjforage.physics.validation.runs import (
+from mjforage.physics.validation.shared_runs import (
     INTEGRATORS,
     SPEED_KIND,
     STEP_S,

@@ -19,7 +19,7 @@ from mjforage.physics.validation.finding import (
     within,
 )
 from mjforage.physics.validation.registry import Parts, check
-from mjforage.physics.validation.runs import (
+from mjforage.physics.validation.shared_runs import (
     INTEGRATORS,
     SPEED_KIND,
     STEP_S,

@@ -7,7 +7,7 @@ from scipy.optimize import fsolve
 
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.manoeuvre import Trajectory, key_figures, run_test
-from mjforage.physics.simulation.hull import MujocoHull
+from mjforage.physics.simulation.mujoco_hull import MujocoHull
 from mjforage.physics.validation import independent as otter
 from mjforage.physics.validation.finding import Float64Array, Line, Measure, Panel, near, near_share
 from mjforage.physics.validation.registry import Parts, check

@@ -9,7 +9,7 @@ from PIL import Image as PilImage
 from scipy import ndimage
 
 from mjforage.view.render import palette
-from mjforage.view.render.layout import Layout
+from mjforage.view.render.frame_layout import Layout
 from mjforage.view.render.raster import Image
 
 Field = NDArray[np.float32]  # (height, width)

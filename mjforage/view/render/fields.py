@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from graph_planner.compiled import inlined, kernel
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.background import Background
-from mjforage.view.render.layout import Layout
+from mjforage.view.render.frame_layout import Layout
 from mjforage.view.render.palette import Colour
 from mjforage.view.render.raster import Image
 

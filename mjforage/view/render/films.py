@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.cameras import CAMERAS
 from mjforage.view.render.times import frame_times
 from mjforage.view.render.top_view import TopView

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.cameras import CAMERAS, Area, Camera, Circumstances, View, magnified
 from mjforage.view.render.harbour import Ground
 from mjforage.view.render.markings import lay_hull, lay_rings

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render import palette
 from mjforage.view.render.palette import Colour
 from mjforage.view.render.raster import Floats, Image, paint_box, paint_discs

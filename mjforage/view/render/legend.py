@@ -3,7 +3,7 @@
 import numpy as np
 
 from mjforage.view.render import palette, symbols
-from mjforage.view.render.layout import LEGEND_ROW, PANEL_WIDTH, Layout
+from mjforage.view.render.frame_layout import LEGEND_ROW, PANEL_WIDTH, Layout
 from mjforage.view.render.palette import Colour
 from mjforage.view.render.raster import Floats, Image, paint_box, paint_rings
 from mjforage.view.render.text import fit, write

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render import palette
 from mjforage.view.render.inset import Inset
 from mjforage.view.render.palette import Colour, team_colours

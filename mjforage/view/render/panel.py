@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render import palette
-from mjforage.view.render.layout import (
+from mjforage.view.render.frame_layout import (
     COLUMN_GAP,
     PANEL_WIDTH,
     PROGRESS_HEIGHT,

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from graph_planner.fleet import agent_names
 from mjforage.physics.scene.debris import load_debris
-from mjforage.physics.scene.fleet import hull_part
-from mjforage.physics.scene.parts import compiled, shipped_part
+from mjforage.physics.scene.mjcf import compiled, shipped_part
+from mjforage.physics.scene.vessel_bodies import hull_part
 from mjforage.physics.vessels import Vessel, load_vessel
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render import harbour, sheds, textures
 from mjforage.view.render.cameras import View
 from mjforage.view.render.palette import Colour, team_colours

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.view.render import palette
-from mjforage.view.render.layout import Layout
+from mjforage.view.render.frame_layout import Layout
 from mjforage.view.render.palette import Colour
 from mjforage.view.render.raster import (
     Floats,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 
 TURN_PART = 0.35  # part of a step that a vessel takes to turn
 NEVER = np.iinfo(np.int64).max

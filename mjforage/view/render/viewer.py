@@ -16,7 +16,7 @@ from mjforage.core.errors import UserError
 from mjforage.core.mission import Mission, Setup
 from mjforage.physics.scene import Scene, build_scene
 from mjforage.physics.vessels import load_vessel
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.stage import vessels_of
 from mjforage.view.render.track import Track
 
@@ -61,8 +61,8 @@ def view_scenario(setup: Setup, seed: int, episode: int) -> None:
 
 def start_of(setup: Setup, seed: int, episode: int) -> tuple[Scene, Floats, Floats]:
     """Scene of a scenario, hulls (agent, 3) and items (item, 3) as `put` takes them."""
-    from mjforage.physics.dynamics.debris import draw_classes
     from mjforage.physics.dynamics.fleet_scene import hull_names, item_choices
+    from mjforage.physics.dynamics.item_bodies import draw_classes
 
     mission, choice = Mission(setup), setup.scenario.physics
     mission.reset(seed, np.array([episode], np.int64))

@@ -2,14 +2,19 @@
 
 from pathlib import Path
 
-from mjforage.view.report.comparison import comparison_table
-from mjforage.view.report.figures import draw_figures, save_figure
-from mjforage.view.report.gap import gap_table, ladder_table
+from mjforage.view.report.all_figures import draw_figures, save_figure
 from mjforage.view.report.html import render, shown
-from mjforage.view.report.hulls import hulls_table
-from mjforage.view.report.logs import load_logs
+from mjforage.view.report.hull_tables import hulls_table
 from mjforage.view.report.picture import write_bytes
-from mjforage.view.report.tables import full_table, headline_table, paper_tables, terminal_table
+from mjforage.view.report.policy_pairs import comparison_table
+from mjforage.view.report.reality_gap import gap_table, ladder_table
+from mjforage.view.report.run_logs import load_logs
+from mjforage.view.report.text_tables import (
+    full_table,
+    headline_table,
+    paper_tables,
+    terminal_table,
+)
 
 __all__ = ["terminal_table", "write_report"]
 

@@ -11,10 +11,10 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from mjforage.core.vocabulary import describe
-from mjforage.view.report.logs import RunLogs, Series
 from mjforage.view.report.picture import WIDTH_IN, Panel, Picture, canvas, joined, undefined
 from mjforage.view.report.published import published_for
-from mjforage.view.report.tables import number
+from mjforage.view.report.run_logs import RunLogs, Series
+from mjforage.view.report.text_tables import number
 
 FloatArray = NDArray[np.float64]
 LISTED = 4  # name every policy in a caption up to this many

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from metrics import Interval, paired_difference
 from mjforage.core.vocabulary import Metric
-from mjforage.view.report.tables import NOTHING, number
+from mjforage.view.report.text_tables import NOTHING, number
 
 SEED = 0  # of the bootstrap: a report made twice must be the same
 FEWEST = 10  # episodes of an interval that may be bold: of fewer the bootstrap's is too narrow

@@ -11,8 +11,8 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
 from mjforage.view.report import style
-from mjforage.view.report.logs import RunLogs, Series
 from mjforage.view.report.picture import WIDTH_IN, Panel, Picture, canvas, joined, undefined
+from mjforage.view.report.run_logs import RunLogs, Series
 
 FloatArray = NDArray[np.float64]
 GOLDEN = 0.6180339887498949  # fractional golden ratio: its multiples fill an interval evenly

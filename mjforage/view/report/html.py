@@ -13,9 +13,9 @@ from markupsafe import Markup, escape
 
 from mjforage.view.report import style
 from mjforage.view.report.differences import too_few
-from mjforage.view.report.logs import RunLogs
 from mjforage.view.report.picture import Picture
-from mjforage.view.report.tables import Row, Table
+from mjforage.view.report.run_logs import RunLogs
+from mjforage.view.report.text_tables import Row, Table
 from mjforage.view.report.web_replay import web_replay
 
 _SUBSCRIPT = re.compile(r"\b(PTA|NT|RMSE|MI|IRR|CO|Gini|Throughput|ITL)_([A-Za-z0-9]+)")

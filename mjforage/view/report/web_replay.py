@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from mjforage.core.errors import UserError
 from mjforage.physics.vessel_file import vessel_names
 from mjforage.physics.vessels import load_vessel
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.runs.run_info import REMEDY
 from mjforage.view.report import style
-from mjforage.view.report.logs import RunLogs, Series
+from mjforage.view.report.run_logs import RunLogs, Series
 from mjforage.view.report.web_stream import Ints, changes, packed, thinned, track
 
 LIMIT = 400_000  # characters of text for one world and policy

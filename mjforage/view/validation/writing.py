@@ -16,11 +16,11 @@ from mjforage.core.errors import UserError
 from mjforage.physics.callback import install
 from mjforage.physics.validation.finding import FAILED, PASSED, Finding, Measure, shown
 from mjforage.runs.storage import write_json
-from mjforage.view.report.figures import save_figure
+from mjforage.view.report.all_figures import save_figure
 from mjforage.view.report.html import Shown, rich_text
 from mjforage.view.report.html import shown as embedded
 from mjforage.view.report.picture import write_bytes
-from mjforage.view.validation.drawing import draw
+from mjforage.view.validation.curves_figure import draw
 
 CHIP_COLOURS = {PASSED: "#009E73", FAILED: "#C2255C"}
 REPORT = "report.html"

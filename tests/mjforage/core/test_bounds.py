@@ -11,9 +11,9 @@ from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task, Truth
 from mjforage.core.mission import Mission, Setup
 from mjforage.core.scenario_file import load_scenario
-from mjforage.view.report.comparison import comparison_table
-from mjforage.view.report.logs import load_logs
-from mjforage.view.report.tables import full_table, headline_table, policy_name
+from mjforage.view.report.policy_pairs import comparison_table
+from mjforage.view.report.run_logs import load_logs
+from mjforage.view.report.text_tables import full_table, headline_table, policy_name
 
 
 class Watcher:

@@ -14,15 +14,15 @@ from types import SimpleNamespace
 
 import pytest
 
-from mjforage.runs.costs import Call, load_costs
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.runs import cluster, variants
+from mjforage.runs.costs import Invocation, load_costs
 from mjforage.runs.evaluate import Run, plan
 from mjforage.runs.identity import versions
 from mjforage.runs.study import Study, run_study
-from mjforage.runs.workers import Order, Workers, run_chunk
+from mjforage.runs.workers import Assignment, Workers, run_chunk
 
 pytest.importorskip("distributed")
 Start = Callable[..., "subprocess.Popen[str]"]
@@ -158,41 +158,45 @@ def test_workers_are_counted_once(flags: tuple[object, ...], refused: Refused) -
 
 
 @pytest.fixture
-def order(tmp_path: Path) -> Order:
-    """Return an order as the workers of a cluster get it."""
+def assignment(tmp_path: Path) -> Assignment:
+    """Return an assignment as the workers of a cluster get it."""
     setup = Setup.of(load_scenario("published", ["horizon=5"]))
     run = Run.plan(setup, ["greedy"], tmp_path / "run", episodes=2)
     run.open()
-    call = Call("now", "dask", 1)
-    return Order.of(run.setup, 0, run.folder.path, run.info["hash"], call, remote=True)
+    invocation = Invocation("now", "dask", 1)
+    return Assignment.of(run.setup, 0, run.folder.path, run.info["hash"], invocation, remote=True)
 
 
-def refusal(order: Order) -> str:
+def refusal(assignment: Assignment) -> str:
     chunk = plan(["greedy"], ["graph"], 2)[0]
-    return str(run_chunk(order, chunk))
+    return str(run_chunk(assignment, chunk))
 
 
-def test_workers_that_agree_compute(order: Order) -> None:
-    assert refusal(order) == "None"
-    assert order.versions == tuple(versions().items()) and dict(order.versions)["code"]
+def test_workers_that_agree_compute(assignment: Assignment) -> None:
+    assert refusal(assignment) == "None"
+    assert assignment.versions == tuple(versions().items()) and dict(assignment.versions)["code"]
 
 
 @pytest.mark.parametrize("name", ["mjforage", "mujoco", "numpy", "code"])
-def test_a_worker_of_another_version_is_named(order: Order, name: str) -> None:
-    others = tuple((key, "99" if key == name else value) for key, value in order.versions)
-    words = refusal(replace(order, versions=others))
+def test_a_worker_of_another_version_is_named(assignment: Assignment, name: str) -> None:
+    others = tuple((key, "99" if key == name else value) for key, value in assignment.versions)
+    words = refusal(replace(assignment, versions=others))
     assert words.startswith(f"worker on {socket.gethostname()}: {name} is ")
     assert "but 99 where the command was given" in words
 
 
-def test_a_worker_that_does_not_see_the_folder_is_named(order: Order, tmp_path: Path) -> None:
-    words = refusal(replace(order, folder=tmp_path / "elsewhere"))
+def test_a_worker_that_does_not_see_the_folder_is_named(
+    assignment: Assignment, tmp_path: Path
+) -> None:
+    words = refusal(replace(assignment, folder=tmp_path / "elsewhere"))
     assert words.startswith(f"worker on {socket.gethostname()}: {tmp_path / 'elsewhere'}/run.json")
     assert "--out must lie on a disk that all machines share" in words
 
 
-def test_a_worker_with_another_scenario_is_named(order: Order) -> None:
-    words = refusal(replace(order, scenario_json=order.scenario_json.replace("75.0", "74.0")))
+def test_a_worker_with_another_scenario_is_named(assignment: Assignment) -> None:
+    words = refusal(
+        replace(assignment, scenario_json=assignment.scenario_json.replace("75.0", "74.0"))
+    )
     assert "scenario and hulls have the hash" in words
     assert "give all machines the same files" in words
 

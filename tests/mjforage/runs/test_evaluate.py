@@ -11,10 +11,10 @@ import pytest
 from graph_planner.weights import shipped_weights
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
-from mjforage.runs.replay import Replay
 from mjforage.core.scenario_file import load_scenario
 from mjforage.runs import evaluate as module
 from mjforage.runs import identity
+from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import check_policies, evaluate, summarise
 from mjforage.runs.tables import SCHEMAS, TABLES
 

@@ -9,8 +9,8 @@ import pytest
 
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
-from mjforage.runs.replay import Replay
 from mjforage.core.scenario_file import load_scenario
+from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.replaying import replay_of_run
 

@@ -11,8 +11,8 @@ import pytest
 
 from mjforage.runs import evaluate as module
 from mjforage.runs.evaluate import plan
-from mjforage.runs.workers import Workers
 from mjforage.runs.tables import TABLES
+from mjforage.runs.workers import Workers
 
 Small = Callable[..., Path]
 

@@ -13,10 +13,10 @@ import pytest
 
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
-from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.evaluate import evaluate, plan
-from mjforage.runs.workers import Order, run_chunk
+from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import TABLES
+from mjforage.runs.workers import Assignment, run_chunk
 
 PATIENCE_S = 120.0
 Start = Callable[..., "subprocess.Popen[str]"]
@@ -214,9 +214,9 @@ def test_only_missing_chunks_are_computed(tmp_path: Path, monkeypatch: pytest.Mo
     stop_after_one_chunk(run, 60)
     asked: list[int] = []
 
-    def note(order: Order, chunk: Chunk) -> str | None:
+    def note(assignment: Assignment, chunk: Chunk) -> str | None:
         asked.append(chunk.first)
-        return run_chunk(order, chunk)
+        return run_chunk(assignment, chunk)
 
     monkeypatch.setattr("mjforage.runs.workers.run_chunk", note)
     undisturbed(run, 60)

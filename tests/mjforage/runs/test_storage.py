@@ -9,8 +9,8 @@ from typing import Any
 import polars as pl
 import pytest
 
-from mjforage.runs.costs import Cost
 from mjforage.core.errors import UserError
+from mjforage.runs.costs import Cost
 from mjforage.runs.storage import Chunk, RunFolder, run_hash, write_json, writing
 from mjforage.runs.tables import SCHEMAS, TABLES
 

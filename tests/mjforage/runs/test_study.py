@@ -10,13 +10,13 @@ from typing import Any
 
 import pytest
 
-from mjforage.runs.costs import load_costs
 from mjforage.core.mission import Setup
-from mjforage.view.report.studies import write_study_report
 from mjforage.core.scenario_file import load_scenario
 from mjforage.runs import variants
+from mjforage.runs.costs import load_costs
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.study import Study, run_study
+from mjforage.view.report.studies import write_study_report
 
 Command = Callable[..., Any]
 Refused = Callable[..., str]

@@ -5,8 +5,8 @@ import polars as pl
 import pytest
 
 from mjforage.core.errors import UserError
-from mjforage.runs.tables import SCHEMAS, TABLES, check_table, read_table
 from mjforage.core.vocabulary import METRICS, SERIES
+from mjforage.runs.tables import SCHEMAS, TABLES, check_table, read_table
 
 HORIZON = 12
 

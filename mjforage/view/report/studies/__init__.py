@@ -6,14 +6,14 @@ from mjforage.core.errors import UserError
 from mjforage.runs.run_info import again
 from mjforage.view.report.html import definition_notes
 from mjforage.view.report.picture import write_bytes
-from mjforage.view.report.studies import ablation, corruption, paper, parts
-from mjforage.view.report.studies.logs import load_study
-from mjforage.view.report.studies.page import render
+from mjforage.view.report.studies import ablation, corruption, paper, planner_parts
+from mjforage.view.report.studies.study_logs import load_study
+from mjforage.view.report.studies.study_page import render
 
 __all__ = ["is_study", "write_study_report"]
 
 PAGES = {
-    "parts": parts.sections,
+    "parts": planner_parts.sections,
     "ablation": ablation.sections,
     "corruption": corruption.sections,
     "paper": paper.sections,

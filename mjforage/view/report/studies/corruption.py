@@ -22,14 +22,14 @@ from metrics import (
 from mjforage.core.vocabulary import describe
 from mjforage.runs.variants import corrupted_name, levels
 from mjforage.view.report import style
+from mjforage.view.report.all_figures import house_style
 from mjforage.view.report.differences import SEED
-from mjforage.view.report.figures import house_style
 from mjforage.view.report.picture import WIDTH_IN, Panel, Picture, canvas, joined
 from mjforage.view.report.published import LABEL, published_for
 from mjforage.view.report.studies.forest import mathtext
-from mjforage.view.report.studies.logs import Player, StudyLogs
-from mjforage.view.report.studies.page import Section
-from mjforage.view.report.tables import NOTHING, Row, Table, number, policy_name
+from mjforage.view.report.studies.study_logs import Player, StudyLogs
+from mjforage.view.report.studies.study_page import Section
+from mjforage.view.report.text_tables import NOTHING, Row, Table, number, policy_name
 
 KEYS = ("pta_c", "pta_d", "rmse_columns", "rmse")
 COLUMNS = ("ε = 0", "ε = 1", "SS", "break", "before", "after", "gain %", "p of one line")

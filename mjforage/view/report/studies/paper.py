@@ -7,16 +7,16 @@ import numpy as np
 from mjforage.core.vocabulary import describe
 from mjforage.runs.variants import COMPLETE, lesser_name
 from mjforage.view.report import style
-from mjforage.view.report.comparison import comparison_table
+from mjforage.view.report.all_figures import house_style
 from mjforage.view.report.curves import time_figures
 from mjforage.view.report.distributions import distribution_figures
-from mjforage.view.report.figures import house_style
-from mjforage.view.report.gap import gap_table, ladder_table
+from mjforage.view.report.policy_pairs import comparison_table
 from mjforage.view.report.published import LABEL, Published, published_for
+from mjforage.view.report.reality_gap import gap_table, ladder_table
 from mjforage.view.report.studies import ablation, corruption
-from mjforage.view.report.studies.logs import Player, StudyLogs
-from mjforage.view.report.studies.page import Section
-from mjforage.view.report.tables import (
+from mjforage.view.report.studies.study_logs import Player, StudyLogs
+from mjforage.view.report.studies.study_page import Section
+from mjforage.view.report.text_tables import (
     NOTHING,
     Row,
     Table,

@@ -8,7 +8,7 @@ import pytest
 from mjforage.core.errors import UserError
 from mjforage.physics import callback
 from mjforage.physics.callback import Route, installation, native
-from mjforage.physics.callback.layout import SCHEME, WATER
+from mjforage.physics.callback.model_layout import SCHEME, WATER
 from mjforage.physics.callback.self_test import (
     ADDED_SURGE,
     ADDED_SWAY,

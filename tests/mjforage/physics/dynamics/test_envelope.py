@@ -11,7 +11,7 @@ from mjforage.core.dynamics import ARRIVED, LATE
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
-from mjforage.physics.dynamics.physics import PhysicsDynamics
+from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
 from mjforage.physics.worlds import create_mission
 
 PERIODS = 4
@@ -30,7 +30,7 @@ def random_moves(
     mission = create_mission(setup, "physics")
     mission.reset(5, np.arange(episodes))
     dynamics = mission._dynamics
-    assert isinstance(dynamics, PhysicsDynamics)
+    assert isinstance(dynamics, MujocoDynamics)
     nearest = np.full((episodes, PERIODS + 1, 1), np.inf)
     inner = dynamics._steer
 

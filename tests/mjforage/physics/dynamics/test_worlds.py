@@ -2,7 +2,7 @@ import pytest
 
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario
-from mjforage.physics.worlds import WORLDS, rungs
+from mjforage.physics.worlds import WORLDS, ladder_of
 
 WEATHER = load_scenario("comb-port-weather")
 
@@ -27,11 +27,11 @@ WEATHER = load_scenario("comb-port-weather")
 def test_rungs_that_a_scenario_lacks_are_left_out(
     overrides: tuple[str, ...], expected: tuple[str, ...]
 ) -> None:
-    assert rungs(load_scenario("comb-port-weather", overrides)) == expected
+    assert ladder_of(load_scenario("comb-port-weather", overrides)) == expected
 
 
 def test_the_default_port_has_only_hulls_and_bodies() -> None:
-    assert rungs(load_scenario("comb-port")) == ("graph", "hulls", "physics")
+    assert ladder_of(load_scenario("comb-port")) == ("graph", "hulls", "physics")
 
 
 def pieces(scenario: Scenario) -> tuple[bool, ...]:

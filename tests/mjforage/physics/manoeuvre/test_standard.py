@@ -8,9 +8,14 @@ from scipy.optimize import brentq
 
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.manoeuvre import STANDARD_TESTS, key_figures, run_test
-from mjforage.physics.manoeuvre.figures import coast_time_s, crossing_s, last_turn_s, rise_time_s
+from mjforage.physics.manoeuvre.key_figures import (
+    coast_time_s,
+    crossing_s,
+    last_turn_s,
+    rise_time_s,
+)
+from mjforage.physics.manoeuvre.overshoots import zigzag_figures
 from mjforage.physics.manoeuvre.standard import shares
-from mjforage.physics.manoeuvre.zigzag import zigzag_figures
 from mjforage.physics.validation.turning import steady_turn
 from mjforage.physics.vessels import load_vessel
 

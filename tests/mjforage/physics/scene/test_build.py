@@ -10,7 +10,7 @@ import pytest
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
 from mjforage.core.maps import load_map
-from mjforage.physics.callback.layout import HEADER, MAGIC
+from mjforage.physics.callback.model_layout import HEADER, MAGIC
 from mjforage.physics.hydrodynamics.parameters import SIZE, pack
 from mjforage.physics.scene import build_scene, check_passages
 from mjforage.physics.vessels import load_vessel, vessel_names

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from mjforage.physics.hydrodynamics.conditions import Conditions
-from mjforage.physics.hydrodynamics.reference import simulate
+from mjforage.physics.hydrodynamics.ode_hull import simulate
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Integrator, Simulation
-from mjforage.physics.validation.runs import command_at, scheduled
+from mjforage.physics.validation.shared_runs import command_at, scheduled
 from mjforage.physics.vessels import load_vessel
 
 OTTER, FORAGER = load_vessel("otter"), load_vessel("forager")

@@ -7,10 +7,10 @@ import pytest
 
 from mjforage.core.errors import UserError
 from mjforage.physics.hydrodynamics.conditions import Conditions
-from mjforage.physics.hydrodynamics.reference import OdeHull
+from mjforage.physics.hydrodynamics.ode_hull import OdeHull
 from mjforage.physics.manoeuvre import manoeuvre, run_test
-from mjforage.physics.simulation.errors import InstabilityError
-from mjforage.physics.simulation.hull import MujocoHull
+from mjforage.physics.simulation.instability import InstabilityError
+from mjforage.physics.simulation.mujoco_hull import MujocoHull
 from mjforage.physics.vessels import load_vessel
 
 

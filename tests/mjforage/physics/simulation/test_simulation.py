@@ -12,10 +12,10 @@ from mjforage.core.maps import load_map
 from mjforage.physics import callback
 from mjforage.physics.callback import Route
 from mjforage.physics.hydrodynamics.conditions import Conditions
-from mjforage.physics.hydrodynamics.reference import OdeHull
+from mjforage.physics.hydrodynamics.ode_hull import OdeHull
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import InstabilityError, Integrator, Simulation
-from mjforage.physics.simulation.hull import MujocoHull
+from mjforage.physics.simulation.mujoco_hull import MujocoHull
 from mjforage.physics.validation.port_drive import (
     drive,
     port_scene,

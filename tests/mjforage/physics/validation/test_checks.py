@@ -13,9 +13,9 @@ import pytest
 
 from mjforage.physics import callback
 from mjforage.physics.callback import Route
-from mjforage.physics.callback.layout import HEADER, ITEM_AIR, N_VESSELS
+from mjforage.physics.callback.model_layout import HEADER, ITEM_AIR, N_VESSELS
 from mjforage.physics.hydrodynamics import parameters as P  # noqa: N812 - a table of index constants
-from mjforage.physics.simulation import InstabilityError, Integrator, hull, simulation
+from mjforage.physics.simulation import InstabilityError, Integrator, mujoco_hull, simulation
 from mjforage.physics.validation import Finding, repeats, rest, run_checks
 from mjforage.physics.validation.registry import check_names
 from mjforage.physics.weather import Field
@@ -115,7 +115,7 @@ def test_check_notices_a_fault(name: str, monkeypatch: pytest.MonkeyPatch) -> No
 
         return spoilt
 
-    for room in (simulation, hull):
+    for room in (simulation, mujoco_hull):
         monkeypatch.setattr(room, "prepared", spoil(room.prepared))
     assert of(name).status == "failed"
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render import cameras
 from mjforage.view.render.cameras import (
     CAMERAS,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mjforage.core.errors import UserError
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render import TopView, default_camera, needs_opengl, opengl, render_replay
 
 

@@ -15,7 +15,7 @@ from mjforage.physics.callback.installation import uninstall
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessels import load_vessel
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render import palette, render_replay
 from mjforage.view.render.cameras import CAMERAS
 from mjforage.view.render.harbour_view import HarbourView, afloat, floating

@@ -3,7 +3,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.inset import Inset
 from mjforage.view.render.overlay import Overlay
 from mjforage.view.render.palette import team_colours

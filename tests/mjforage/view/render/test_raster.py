@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from mjforage.view.render.layout import plan_layout
+from mjforage.view.render.frame_layout import plan_layout
 from mjforage.view.render.legend import round_length
 from mjforage.view.render.raster import (
     paint_box,

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image as PilImage
 
 from mjforage.core.errors import UserError
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render import TopView, frame_times, render_replay
 
 

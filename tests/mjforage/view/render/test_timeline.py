@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.panel import mission_clock
 from mjforage.view.render.timeline import NEVER, course_at, timeline_of
 

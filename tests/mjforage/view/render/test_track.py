@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.timeline import TURN_PART
 from mjforage.view.render.track import FADE_PART, Track
 

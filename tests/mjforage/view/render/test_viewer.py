@@ -7,7 +7,7 @@ import pytest
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.track import Track
 from mjforage.view.render.viewer import put, scene_of, start_of, view_replay, view_scenario
 

@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.core.vocabulary import METRICS, SERIES
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 
 FLOATS = tuple(METRICS)
 

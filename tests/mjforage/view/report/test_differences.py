@@ -8,9 +8,9 @@ import pytest
 
 from mjforage.core.vocabulary import describe
 from mjforage.view.report import write_report
-from mjforage.view.report.comparison import comparison_table
 from mjforage.view.report.differences import Difference
-from mjforage.view.report.logs import load_logs
+from mjforage.view.report.policy_pairs import comparison_table
+from mjforage.view.report.run_logs import load_logs
 
 NOTE = "Intervals from fewer than 10 episodes are too narrow; none is bold."
 

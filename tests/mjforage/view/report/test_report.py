@@ -13,7 +13,7 @@ from rich.console import Console
 from mjforage.core.errors import UserError
 from mjforage.core.vocabulary import METRICS
 from mjforage.view.report import published, style, terminal_table, write_report
-from mjforage.view.report.tables import number, policy_name
+from mjforage.view.report.text_tables import number, policy_name
 
 MakeRun = Callable[..., Path]
 

@@ -18,9 +18,9 @@ from mjforage.runs import variants
 from mjforage.runs.study import Study, run_study
 from mjforage.view.report.curves import time_figures
 from mjforage.view.report.studies import ablation, corruption, paper
-from mjforage.view.report.studies.logs import StudyLogs, load_study
-from mjforage.view.report.studies.page import facts, render
-from mjforage.view.report.tables import NOTHING, Table
+from mjforage.view.report.studies.study_logs import StudyLogs, load_study
+from mjforage.view.report.studies.study_page import facts, render
+from mjforage.view.report.text_tables import NOTHING, Table
 
 Make = Callable[..., StudyLogs]
 STEP = 0.25

@@ -19,9 +19,9 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.report import html, write_report
-from mjforage.view.report.logs import load_logs
+from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.web_replay import LIMIT, SCRIPTS, WebReplay, web_replay
 from mjforage.view.report.web_stream import changes, folded, packed, thinned, track
 

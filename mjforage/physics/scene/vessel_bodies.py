@@ -8,7 +8,7 @@ import mujoco
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
 from mjforage.physics.scene.hull_checks import check_hull
-from mjforage.physics.scene.parts import read_part
+from mjforage.physics.scene.mjcf import read_part
 from mjforage.physics.vessels import Vessel
 
 DEFAULT_LOOK = "otter"  # of vessels without an MJCF part of their own

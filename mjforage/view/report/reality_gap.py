@@ -6,8 +6,8 @@ from mjforage.core.scenario_file import scenario_from_tree
 from mjforage.core.vocabulary import HEADLINE, METRICS, Metric, describe
 from mjforage.physics.worlds import added
 from mjforage.view.report.differences import Difference
-from mjforage.view.report.logs import RunLogs, Series
-from mjforage.view.report.tables import Row, Table, entry_of, plus_minus
+from mjforage.view.report.run_logs import RunLogs, Series
+from mjforage.view.report.text_tables import Row, Table, entry_of, plus_minus
 
 
 def _step(logs: RunLogs, here: Series, there: Series, metric: Metric) -> Difference:

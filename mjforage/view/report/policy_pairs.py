@@ -6,8 +6,8 @@ import math
 from metrics import probability_of_improvement
 from mjforage.core.vocabulary import COMPARED, Metric, describe
 from mjforage.view.report.differences import SEED, Difference
-from mjforage.view.report.logs import RunLogs
-from mjforage.view.report.tables import Row, Table, number, policy_name
+from mjforage.view.report.run_logs import RunLogs
+from mjforage.view.report.text_tables import Row, Table, number, policy_name
 
 
 def _row(logs: RunLogs, world: str, first: str, second: str, metric: Metric) -> Row:

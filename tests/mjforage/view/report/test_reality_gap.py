@@ -12,10 +12,10 @@ from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.vocabulary import METRICS
 from mjforage.runs.evaluate import evaluate
-from mjforage.view.report.gap import gap_table, ladder_table
-from mjforage.view.report.hulls import hulls_table
-from mjforage.view.report.logs import RunLogs, load_logs
-from mjforage.view.report.tables import NOTHING
+from mjforage.view.report.hull_tables import hulls_table
+from mjforage.view.report.reality_gap import gap_table, ladder_table
+from mjforage.view.report.run_logs import RunLogs, load_logs
+from mjforage.view.report.text_tables import NOTHING
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from mjforage.physics.hydrodynamics import pack
 from mjforage.physics.hydrodynamics.conditions import Conditions, to_body
 from mjforage.physics.hydrodynamics.motion import kinetic_energy
-from mjforage.physics.hydrodynamics.reference import simulate
+from mjforage.physics.hydrodynamics.ode_hull import simulate
 from mjforage.physics.vessels import ForceThruster, Vessel, load_vessel, with_load
 
 NAMES = ("otter", "scout", "forager")

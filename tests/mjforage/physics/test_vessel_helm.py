@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from mjforage.physics.helm import default_control, helm_of
+from mjforage.physics.vessel_helm import default_control, helm_of
 from mjforage.physics.vessels import (
     CrossFlow,
     ForceThruster,

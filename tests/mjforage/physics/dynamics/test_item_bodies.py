@@ -5,7 +5,12 @@ from graph_planner.navigation import navigation_graph
 from graph_planner.randomness import episode_keys
 from mjforage.core.dynamics import Transition, start_state
 from mjforage.core.initial_state import InitialState
-from mjforage.physics.dynamics.debris import draw_classes, nearest_items, read_items, take_at_mouth
+from mjforage.physics.dynamics.item_bodies import (
+    draw_classes,
+    nearest_items,
+    read_items,
+    take_at_mouth,
+)
 
 ON = np.ones(1, np.bool_)
 GRAPH = navigation_graph(np.array([[1, 1, 1], [1, 0, 1]], np.bool_), 4.0, False)

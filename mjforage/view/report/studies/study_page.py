@@ -8,13 +8,13 @@ from typing import Any
 from markupsafe import Markup
 
 from mjforage.view.report import style
+from mjforage.view.report.all_figures import save_figure
 from mjforage.view.report.differences import too_few
-from mjforage.view.report.figures import save_figure
 from mjforage.view.report.html import environment, shown, template
 from mjforage.view.report.picture import Picture
 from mjforage.view.report.studies.cost import cost_table, throughput_picture, throughput_table
-from mjforage.view.report.studies.logs import StudyLogs
-from mjforage.view.report.tables import Table
+from mjforage.view.report.studies.study_logs import StudyLogs
+from mjforage.view.report.text_tables import Table
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ import matplotlib as mpl
 from mjforage.view.report import style
 from mjforage.view.report.curves import time_figures
 from mjforage.view.report.distributions import distribution_figures
-from mjforage.view.report.logs import RunLogs, pick_replay
-from mjforage.view.report.maps import scenario_figure
+from mjforage.view.report.map_figures import scenario_figure
 from mjforage.view.report.picture import Picture, png_bytes, svg_bytes, write_bytes
-from mjforage.view.report.tracks import tracks_figure
+from mjforage.view.report.run_logs import RunLogs, pick_replay
+from mjforage.view.report.track_figure import tracks_figure
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
 from mjforage.core.vocabulary import METRICS, SERIES
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.runs.run_info import REMEDY, RunInfo, again, load_run, read_json
 from mjforage.view.report import style
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.physics.manoeuvre.overshoots import zigzag_figures
 from mjforage.physics.manoeuvre.standard import AHEAD_S, APPROACH_S
 from mjforage.physics.manoeuvre.trajectory import Trajectory
-from mjforage.physics.manoeuvre.zigzag import zigzag_figures
 
 Float64Array = NDArray[np.float64]
 

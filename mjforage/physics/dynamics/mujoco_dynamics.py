@@ -21,20 +21,25 @@ from mjforage.core.film import Film
 from mjforage.core.initial_state import InitialState, nearest_nodes
 from mjforage.core.item_rule import ItemRule, collect
 from mjforage.core.scenario import Scenario
-from mjforage.physics.dynamics.debris import draw_classes, nearest_items, read_items, take_at_mouth
 from mjforage.physics.dynamics.fleet_scene import fleet_scene, fleet_vessels, item_choices
+from mjforage.physics.dynamics.item_bodies import (
+    draw_classes,
+    nearest_items,
+    read_items,
+    take_at_mouth,
+)
 from mjforage.physics.dynamics.sensing import measured_poses
 from mjforage.physics.dynamics.watch import Watched, judge, watch
-from mjforage.physics.helm import helm_of
 from mjforage.physics.hydrodynamics.parameters import pack
 from mjforage.physics.simulation import Integrator, Simulation
+from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.weather import Field, WeatherSettings
 
 CONTROL_S = 0.1  # controllers run at 10 Hz
 WEATHER_TICKS = 5  # wind and current are looked up every 0.5 s, a quarter of a gust's memory
 
 
-class PhysicsDynamics:
+class MujocoDynamics:
     """Hulls and floating bodies. Distances and energy are in node lengths, as at graph level."""
 
     def __init__(

@@ -7,8 +7,8 @@ import polars as pl
 
 from graph_planner.navigation import STAY
 from mjforage.core.dynamics import ARRIVED, BLOCKED, OUTCOMES
-from mjforage.view.report.logs import RunLogs, read_columns
-from mjforage.view.report.tables import Row, Table, number, row_name
+from mjforage.view.report.run_logs import RunLogs, read_columns
+from mjforage.view.report.text_tables import Row, Table, number, row_name
 
 COLUMNS = (
     *("step", "agent", "direction", "outcome", "speed_mps"),

@@ -15,8 +15,8 @@ from mjforage.physics.manoeuvre import (
     run_test,
     write_trajectory,
 )
-from mjforage.physics.manoeuvre.run import time_grid
 from mjforage.physics.manoeuvre.trajectory import COLUMNS
+from mjforage.physics.manoeuvre.trial import time_grid
 from mjforage.physics.vessels import Vessel, load_vessel
 from mjforage.view.manoeuvre_plot import manoeuvre_figure
 

@@ -7,10 +7,10 @@ import numpy as np
 
 from mjforage.core.errors import UserError
 from mjforage.physics.callback import calling
-from mjforage.physics.callback.layout import WATER, WIND
+from mjforage.physics.callback.model_layout import WATER, WIND
 from mjforage.physics.hydrodynamics.conditions import Conditions, State, to_body
 from mjforage.physics.scene import build_scene
-from mjforage.physics.simulation.errors import check_warnings
+from mjforage.physics.simulation.instability import check_warnings
 from mjforage.physics.simulation.integrators import Integrator, prepared
 from mjforage.physics.simulation.quiet import silent
 from mjforage.physics.vessels import Vessel

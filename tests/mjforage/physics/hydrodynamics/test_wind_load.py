@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mjforage.physics.hydrodynamics import pack, wind_force
-from mjforage.physics.hydrodynamics.wind import wind_slope
+from mjforage.physics.hydrodynamics.wind_load import wind_slope
 from mjforage.physics.vessels import load_vessel
 
 FORAGER, OTTER = pack(load_vessel("forager")), pack(load_vessel("otter"))

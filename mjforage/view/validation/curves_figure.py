@@ -8,7 +8,7 @@ from matplotlib.ticker import MaxNLocator
 
 from mjforage.physics.validation.finding import Finding, Line, Panel
 from mjforage.view.report import style
-from mjforage.view.report.figures import house_style
+from mjforage.view.report.all_figures import house_style
 from mjforage.view.report.picture import WIDE_IN, WIDTH_IN, Picture, canvas
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#B5308A", "#7A6A00")

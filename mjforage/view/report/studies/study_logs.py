@@ -16,7 +16,7 @@ from mjforage.runs.run_info import RunInfo, again, load_run, read_json
 from mjforage.runs.run_info import field as required
 from mjforage.runs.study import variant_folder
 from mjforage.runs.variants import COMPLETE
-from mjforage.view.report.logs import (
+from mjforage.view.report.run_logs import (
     RunLogs,
     Summaries,
     Summary,
@@ -24,7 +24,7 @@ from mjforage.view.report.logs import (
     load_logs,
     parse_summary,
 )
-from mjforage.view.report.tables import entry_of
+from mjforage.view.report.text_tables import entry_of
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from mjforage.core.errors import UserError
 from mjforage.core.film import Film
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
-from mjforage.physics.dynamics.physics import PhysicsDynamics
+from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
 from mjforage.physics.simulation import InstabilityError
 from mjforage.physics.worlds import WORLDS, create_mission
 
@@ -193,7 +193,7 @@ def test_an_instability_names_seed_episode_time_and_body() -> None:
     mission = create_mission(setup_of("comb-port", *SHORT), "physics")
     mission.reset(3, np.array([7, 12]))
     dynamics = mission._dynamics
-    assert isinstance(dynamics, PhysicsDynamics)
+    assert isinstance(dynamics, MujocoDynamics)
     preferences = np.zeros((2, 4, 9))
     mission.advance(preferences)
     speed = np.zeros((2, 4, 3))
@@ -221,7 +221,7 @@ def test_what_was_collected_is_carried(world: str) -> None:
     mission.reset(3, np.arange(4))
     mission.run(create_policy("greedy"))
     dynamics = mission._dynamics
-    assert isinstance(dynamics, PhysicsDynamics)
+    assert isinstance(dynamics, MujocoDynamics)
     taken = (mission.state.collected_by[..., None] == np.arange(4)).sum(axis=1)
     assert taken.sum() > 0
     assert (dynamics._simulation.load == taken).all()

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from mjforage.cli.computing import HERE, By, Computing
+from mjforage.cli.computing import THIS_PROCESS, By, Computing
 from mjforage.cli.console import app, bar, errors, output
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def evaluate(
     seed: int = 0,
     map: str | None = None,
     set: Overrides = (),
-    by: By = HERE,
+    by: By = THIS_PROCESS,
     out: Path | None = None,
 ) -> None:
     """Run policies on the same episodes; write logs, tables, figures and report.html.
@@ -38,7 +38,7 @@ def evaluate(
     policy
         A policy (see `mjforage policies`); repeat the flag for several.
     world
-        graph or physics, or a rung between: hulls, debris, intake (see `mjforage compare`).
+        graph or physics, or a world between: hulls, debris, intake (see `mjforage compare`).
     episodes
         Episodes per policy.
     seed
@@ -69,7 +69,7 @@ def compare(
     seed: int = 0,
     map: str | None = None,
     set: Overrides = (),
-    by: By = HERE,
+    by: By = THIS_PROCESS,
     out: Path | None = None,
 ) -> None:
     """Run policies on the same episodes at graph level and in MuJoCo; report the reality gap.
@@ -95,10 +95,10 @@ def compare(
     """
     from mjforage.core.mission import Setup
     from mjforage.core.scenario_file import load_scenario
-    from mjforage.physics.worlds import rungs
+    from mjforage.physics.worlds import ladder_of
 
     setup = Setup.of(load_scenario(scenario, set, map))
-    worlds = rungs(setup.scenario) if ladder else ("graph", "physics")
+    worlds = ladder_of(setup.scenario) if ladder else ("graph", "physics")
     folder = out or Path("runs") / f"{setup.scenario.name}-gap"
     _play(setup, policy, worlds, folder, episodes, seed, by)
 

@@ -11,8 +11,8 @@ from rich.text import Text
 from graph_planner.policies import is_bound
 from mjforage.core.vocabulary import HEADLINE, METRICS, Metric, describe
 from mjforage.view.report import style
-from mjforage.view.report.logs import RunLogs, Series, Summaries, Summary, parse_summary
 from mjforage.view.report.published import LABEL, Published, published_for
+from mjforage.view.report.run_logs import RunLogs, Series, Summaries, Summary, parse_summary
 
 NORMAL_95 = 1.96
 NOTHING = "–"

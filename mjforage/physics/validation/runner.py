@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 
 from mjforage.core.errors import UserError
 from mjforage.physics.simulation import InstabilityError
-from mjforage.physics.validation import checks
+from mjforage.physics.validation import all_checks
 from mjforage.physics.validation.finding import Finding, Measure
 from mjforage.physics.validation.registry import Check, check_names, find_check
 
@@ -15,7 +15,7 @@ _Tick = Callable[[], None]
 
 def run_checks(
     names: Sequence[str] = (),
-    runs: int = checks.repeats.RUNS,
+    runs: int = all_checks.repeats.RUNS,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> list[Finding]:
     """Run checks by name, all by default, in the order of the report.
@@ -35,8 +35,8 @@ def run_checks(
         raise UserError(f"--runs {runs}: give 1 to {MOST_RUNS}")
     wanted = {name: find_check(name) for name in names or check_names()}
     ordered = [wanted[name] for name in check_names() if name in wanted]
-    long = checks.repeats.endurance in ordered
-    total = len(ordered) - long + long * math.ceil(runs / checks.repeats.BATCH)
+    long = all_checks.repeats.endurance in ordered
+    total = len(ordered) - long + long * math.ceil(runs / all_checks.repeats.BATCH)
     done = 0
 
     def tick() -> None:
@@ -50,8 +50,8 @@ def run_checks(
 
 def _run(check: Check, runs: int, tick: _Tick) -> Finding:
     try:
-        if check is checks.repeats.endurance:
-            return check.finding((checks.repeats.long_runs(runs, tick), ()))
+        if check is all_checks.repeats.endurance:
+            return check.finding((all_checks.repeats.long_runs(runs, tick), ()))
         found = check()
         tick()
         return found

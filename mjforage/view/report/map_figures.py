@@ -17,10 +17,10 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
-from mjforage.runs.replay import Replay
+from mjforage.runs.episode_replay import Replay
 from mjforage.view.report import style
-from mjforage.view.report.logs import RunLogs
 from mjforage.view.report.picture import WIDE_IN, Picture, canvas
+from mjforage.view.report.run_logs import RunLogs
 
 SCOUT_HULL = DrawnPath(
     [(-0.42, -0.9), (-0.42, 0.1), (0, 1.0), (0.42, 0.1), (0.42, -0.9), (0, 0)], [1, 2, 2, 2, 2, 79]

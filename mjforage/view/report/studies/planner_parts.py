@@ -7,13 +7,13 @@ from graph_planner.policies import is_bound
 from mjforage.core.vocabulary import describe
 from mjforage.runs.variants import BASELINES, COMPLETE, PARTS, WRONG
 from mjforage.view.report import style
+from mjforage.view.report.all_figures import house_style
 from mjforage.view.report.differences import Difference
-from mjforage.view.report.figures import house_style
 from mjforage.view.report.picture import Picture
 from mjforage.view.report.studies.forest import Subject, forest
-from mjforage.view.report.studies.logs import Player, StudyLogs
-from mjforage.view.report.studies.page import Section
-from mjforage.view.report.tables import Row, Table, plus_minus, policy_name
+from mjforage.view.report.studies.study_logs import Player, StudyLogs
+from mjforage.view.report.studies.study_page import Section
+from mjforage.view.report.text_tables import Row, Table, plus_minus, policy_name
 
 COMPARED = ("pta_d", "pta_c", "nt50", "nt90", "csr", "rmse")
 SHOWN = (*COMPARED, "cleared", "length")

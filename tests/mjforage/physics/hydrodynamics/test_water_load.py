@@ -15,8 +15,8 @@ from mjforage.physics.hydrodynamics import (
     load_mass,
     pack,
 )
-from mjforage.physics.hydrodynamics.hull import added_coriolis, damping
 from mjforage.physics.hydrodynamics.motion import acceleration
+from mjforage.physics.hydrodynamics.water_load import added_coriolis, damping
 from mjforage.physics.vessels import Vessel, load_vessel
 
 OTTER, SCOUT, FORAGER = (load_vessel(name) for name in ("otter", "scout", "forager"))

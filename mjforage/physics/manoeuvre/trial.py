@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
 from mjforage.physics.hydrodynamics.conditions import Conditions, Hull
-from mjforage.physics.hydrodynamics.reference import OdeHull
+from mjforage.physics.hydrodynamics.ode_hull import OdeHull
 from mjforage.physics.manoeuvre.schedule import Schedule, check_schedule
 from mjforage.physics.manoeuvre.standard import STANDARD_TESTS, Helm
 from mjforage.physics.manoeuvre.trajectory import Trajectory
