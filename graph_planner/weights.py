@@ -27,7 +27,6 @@ _HERE = Path(__file__).resolve().parent
 _PLACES = (_HERE.parent / "mjforage" / "models", _HERE.parent / "models")  # a wheel, a checkout
 _LARGEST_HEADER = 1 << 20
 _NOTE = "mjforage"  # the one entry of the safetensors metadata, as several have no order
-_ENCODING = "perception"  # a file's word for its encoding, which shipped weights have
 _MAP_BOUND = ("paper",)  # encodings whose weights are of no use on another map
 
 
@@ -93,10 +92,10 @@ def read_header(path: Path) -> WeightsHeader:
             f"weights {path}: not a safetensors file; give one that `mjforage train` wrote"
         )
     notes = _notes(header.get("__metadata__"))
-    if notes.get("format") != FORMAT or notes.get(_ENCODING) not in list(ENCODERS):
+    if notes.get("format") != FORMAT or notes.get("perception") not in list(ENCODERS):
         raise WeightsError(
-            f"weights {path}: format {notes.get('format')!r}, {_ENCODING} "
-            f"{notes.get(_ENCODING)!r}; expected {FORMAT!r} and one of {', '.join(ENCODERS)}"
+            f"weights {path}: format {notes.get('format')!r}, perception "
+            f"{notes.get('perception')!r}; expected {FORMAT!r} and one of {', '.join(ENCODERS)}"
         )
     shapes: Any = notes.get("shapes")
     grounds: Any = notes.get("grounds", [])
@@ -106,7 +105,7 @@ def read_header(path: Path) -> WeightsHeader:
             "not what `mjforage train` writes; get the file again"
         )
     arrays = {name: tuple(shape) for name, shape in shapes.items()}
-    return WeightsHeader(notes[_ENCODING], arrays, tuple(grounds))
+    return WeightsHeader(notes["perception"], arrays, tuple(grounds))
 
 
 def _parsed(text: Any) -> Any:
@@ -140,9 +139,9 @@ def _are_grounds(value: Any) -> bool:
 
 def header_note(header: WeightsHeader) -> tuple[str, str]:
     """The header as an entry of safetensors metadata: key, and JSON text in a fixed order."""
-    notes = asdict(header)
-    notes = {"format": FORMAT, _ENCODING: notes.pop("encoding"), **notes}
-    return _NOTE, json.dumps(notes, sort_keys=True)
+    facts = asdict(header)
+    facts["perception"] = facts.pop("encoding")  # as files have named it from the first
+    return _NOTE, json.dumps({"format": FORMAT, **facts}, sort_keys=True)
 
 
 def load_networks(path: Path, task: Task) -> "dict[str, DuelingNetwork]":
