@@ -27,12 +27,12 @@ REWARD = MappingProxyType(
 
 
 @dataclass(frozen=True)
-class Settings:
+class Hyperparameters:
     """Hyper-parameters; the paper's where it states them (scenario section 3)."""
 
     observation: str = "egocentric"
     """Observation that networks read."""
-    lanes: Annotated[int, Within(1, 4096)] = 16
+    num_envs: Annotated[int, Within(1, 4096)] = 16
     """Episodes side by side in a round."""
     gamma: Annotated[float, Within(0, 1), source("paper")] = 0.99
     """Discount per step."""
@@ -53,7 +53,7 @@ class Settings:
     target_rate: Annotated[float, Within(0, 1)] = 0.005
     """Share by which the target network follows at each update."""
     updates_per_step: Annotated[float, Within(1e-3, 1000)] = 1.0
-    """Updates of each team's network per step of the whole batch of lanes."""
+    """Updates of each team's network per step of the whole batch of episodes."""
     warmup: Annotated[int, Within(0, 10_000_000)] = 4000
     """Decisions in a team's replay before its first update; a full replay will do with fewer."""
     explore_from: Annotated[float, Within(0, 1)] = 1.0
@@ -65,7 +65,7 @@ class Settings:
     teacher: str = ""
     """Policy that shows moves; empty: reward alone."""
     teacher_updates: Annotated[int, Within(0, 1_000_000_000)] = 0
-    """Updates during which there are shown moves; the share of lanes it plays falls to 0."""
+    """Updates during which there are shown moves; the share of episodes it plays falls to 0."""
     margin: Annotated[float, Within(0, 100)] = 0.3
     """By how much a shown move has to be better than the others (Hester et al. 2018)."""
     margin_weight: Annotated[float, Within(0, 100)] = 3.0
@@ -97,19 +97,17 @@ class Settings:
         return plain | {"reward": dict(self.reward)}
 
 
-def changed(settings: Settings, changes: Mapping[str, Any]) -> Settings:
-    """Settings with some values replaced; `reward.TERM` replaces one weight.
+def changed(hyperparameters: Hyperparameters, changes: Mapping[str, Any]) -> Hyperparameters:
+    """Hyperparameters with some values replaced; `reward.TERM` replaces one weight.
 
     Raises
     ------
     UserError
         If a name is not known, or a value has the wrong type or is out of range.
     """
-    tree = settings.tree()
-    for name, value in changes.items():
-        table, _, term = name.partition(".")
-        if table == "reward" and term:
-            tree["reward"][term] = value
-        else:
-            tree[name] = value
-    return check(Settings, tree, WHERE)
+    terms = {name: value for name, value in changes.items() if name.startswith("reward.")}
+    reward = {name.removeprefix("reward."): value for name, value in terms.items()}
+    tree = hyperparameters.tree()
+    tree["reward"] |= reward
+    others = {name: value for name, value in changes.items() if name not in terms}
+    return check(Hyperparameters, tree | others, WHERE)
