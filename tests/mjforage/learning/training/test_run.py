@@ -26,7 +26,7 @@ from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.run import train
 from mjforage.learning.training.settings import Settings, changed
 from mjforage.learning.training.training import Progress, Trainer, save_weights
-from mjforage.runs.storage import claimed
+from mjforage.runs.lock import claimed
 
 TINY = {
     "lanes": 3,
@@ -142,7 +142,7 @@ def test_what_a_run_leaves_behind(finished: tuple[Path, Trainer]) -> None:
     names = {path.name for path in folder.iterdir()}
     assert names == {
         *("training.json", "training.parquet", "evaluations.parquet", "tensorboard"),
-        *("checkpoint.safetensors", "weights.safetensors", "best.safetensors"),
+        *("checkpoint.safetensors", "weights.safetensors", "best.safetensors", ".lock"),
     }
     facts = json.loads((folder / "training.json").read_text())
     assert facts["seed"] == 3 and facts["settings"]["lanes"] == 3
