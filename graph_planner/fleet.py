@@ -12,16 +12,18 @@ UNLIMITED = int(np.iinfo(np.int64).max)
 
 @dataclass(frozen=True)
 class Role:
-    """What every agent of one team can do. Any number of roles; `collects` makes a forager.
+    """What every agent of one team can do. A fleet has any number of roles.
 
     Attributes
     ----------
     count : agents in the team, 0 or more
     moves : nodes an agent moves per decision, in one direction, 1 or more
     radius : sensing radius [node], 0 or more
-    collects : whether it removes the items of the node it is in (a forager) or not (a scout)
+    collects : whether it removes the items of the node it is in
     capacity : items an agent can take aboard in one episode; 0 means unlimited
     energy : distance an agent can travel in one episode [node]; 0 means unlimited
+    carries : whether it takes over what others have aboard
+    relays : whether it passes on what it hears
     """
 
     count: int = field(metadata={"low": 0, "high": 255})
@@ -30,6 +32,17 @@ class Role:
     collects: bool
     capacity: int = field(default=0, metadata={"low": 0, "high": 1_000_000})
     energy: float = field(default=0.0, metadata={"low": 0, "high": 1e12})
+    carries: bool = False
+    relays: bool = False
+
+
+def choosing_order(teams: Mapping[str, Role]) -> tuple[str, ...]:
+    """Names of the teams in the order in which they choose, where a scenario gives none.
+
+    Teams that collect come first, then the others, each by name: the order in which a file lists
+    them plays no part.
+    """
+    return tuple(sorted(teams, key=lambda name: (not teams[name].collects, name)))
 
 
 def agent_names(team: NDArray[np.int64], team_names: Sequence[str]) -> tuple[str, ...]:
@@ -46,7 +59,7 @@ def agent_names(team: NDArray[np.int64], team_names: Sequence[str]) -> tuple[str
 class Fleet:
     """The teams as one table of agents, in the order of the scenario's teams.
 
-    Every array is (agent,).
+    Every array is (agent,), by what an agent can do; `order` lists the agents as they choose.
     """
 
     team_names: tuple[str, ...]
@@ -56,16 +69,27 @@ class Fleet:
     collects: NDArray[np.bool_]
     capacity: NDArray[np.int64]
     energy: NDArray[np.float64]
+    carries: NDArray[np.bool_]
+    relays: NDArray[np.bool_]
+    order: NDArray[np.int64]
 
     @classmethod
-    def of(cls, teams: Mapping[str, Role]) -> "Fleet":
-        """Lay the teams out agent by agent."""
-        roles = list(teams.values())
-        counts = [role.count for role in roles]
+    def of(cls, teams: Mapping[str, Role], order: Sequence[str] = ()) -> "Fleet":
+        """Lay the teams out agent by agent.
 
+        Parameters
+        ----------
+        order : names of all teams as they choose; empty: see `choosing_order`. Within a team the
+            highest number chooses first
+        """
+        roles, names = list(teams.values()), list(teams)
+        counts = [role.count for role in roles]
+        team = np.repeat(np.arange(len(roles), dtype=np.int64), counts)
+        choosing = [names.index(name) for name in order or choosing_order(teams)]
+        in_order = [np.flatnonzero(team == number)[::-1] for number in choosing]
         return cls(
             team_names=tuple(teams),
-            team=np.repeat(np.arange(len(roles), dtype=np.int64), counts),
+            team=team,
             moves=np.repeat(np.asarray([r.moves for r in roles], np.int64), counts),
             radius=np.repeat(np.asarray([r.radius for r in roles], np.float64), counts),
             collects=np.repeat(np.asarray([r.collects for r in roles], np.bool_), counts),
@@ -73,6 +97,9 @@ class Fleet:
                 np.asarray([r.capacity or UNLIMITED for r in roles], np.int64), counts
             ),
             energy=np.repeat(np.asarray([r.energy or np.inf for r in roles], np.float64), counts),
+            carries=np.repeat(np.asarray([r.carries for r in roles], np.bool_), counts),
+            relays=np.repeat(np.asarray([r.relays for r in roles], np.bool_), counts),
+            order=np.concatenate([np.empty(0, np.int64), *in_order]),
         )
 
     def __len__(self) -> int:
@@ -84,16 +111,16 @@ class Fleet:
         return agent_names(self.team, self.team_names)
 
     @property
-    def scouts(self) -> NDArray[np.int64]:
-        """Indices of the agents that do not collect."""
+    def discoverers(self) -> NDArray[np.int64]:
+        """Indices of the agents that discover without collecting: the scouts of the metrics."""
         return np.flatnonzero(~self.collects)
 
     @property
-    def foragers(self) -> NDArray[np.int64]:
-        """Indices of the agents that collect."""
+    def collectors(self) -> NDArray[np.int64]:
+        """Indices of the agents that collect: the foragers of the metrics."""
         return np.flatnonzero(self.collects)
 
     @property
     def credit_order(self) -> NDArray[np.int64]:
-        """Agents in the order in which a shared first sighting is credited: scouts first."""
-        return np.concatenate((self.scouts, self.foragers))
+        """Agents as a shared first sighting is credited: first those that do not collect."""
+        return np.concatenate((self.discoverers, self.collectors))

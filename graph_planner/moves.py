@@ -112,6 +112,7 @@ def _resolve(
     neighbours: Int32Array,
     strides: NDArray[np.int64],
     collects: NDArray[np.bool_],
+    order: NDArray[np.int64],
     stay: bool,
     shorten: bool,
     epsilon: NDArray[np.float64],
@@ -128,7 +129,7 @@ def _resolve(
             continue
         token = first_token + e
         key = stream_key(keys[e], Stream.CORRUPTION)
-        for agent in range(n_agents - 1, -1, -1):
+        for agent in order:
             node = agent_node[e, agent]
             best, end, length = -1, node, 0
             draw = 1.0
@@ -175,7 +176,7 @@ def _resolve(
 
 
 class Resolver:
-    """Turns preferences into moves: agents in order (highest index, so foragers, first)."""
+    """Turns preferences into moves: agents choose one after the other, see `Fleet.order`."""
 
     def __init__(
         self, graph: NavigationGraph, fleet: Fleet, rules: MoveRules, corruption: Corruption
@@ -237,6 +238,7 @@ class Resolver:
             self._graph.neighbours,
             self._fleet.moves,
             self._fleet.collects,
+            self._fleet.order,
             self._rules.stay,
             self._rules.shorten,
             self._corruption.epsilon,

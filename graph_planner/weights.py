@@ -139,7 +139,9 @@ def _are_grounds(value: Any) -> bool:
 
 def header_note(header: WeightsHeader) -> tuple[str, str]:
     """The header as an entry of safetensors metadata: key, and JSON text in a fixed order."""
-    return _NOTE, json.dumps({"format": FORMAT, **asdict(header)}, sort_keys=True)
+    facts = asdict(header)
+    facts["perception"] = facts.pop("encoding")  # as files have named it from the first
+    return _NOTE, json.dumps({"format": FORMAT, **facts}, sort_keys=True)
 
 
 def load_networks(path: Path, task: Task) -> "dict[str, DuelingNetwork]":
@@ -164,7 +166,7 @@ def load_networks(path: Path, task: Task) -> "dict[str, DuelingNetwork]":
         raise WeightsError(f"weights {path}: damaged ({error}); get the file again") from error
     held = {name.partition(".")[0] for name in tensors}
     networks = {team: DuelingNetwork(header.shapes) for team in TEAMS if team in held}
-    for team, agents in zip(TEAMS, (task.fleet.scouts, task.fleet.foragers), strict=True):
+    for team, agents in zip(TEAMS, (task.fleet.discoverers, task.fleet.collectors), strict=True):
         if agents.size and team not in networks:
             raise WeightsError(
                 f"weights {path}: none for a {team}, which this scenario has; train with one"

@@ -96,7 +96,7 @@ class ForagerCrew:
     """Those who collect: given items and a drift, where each goes now."""
 
     def __init__(self, task: Task, settings: BeliefSettings) -> None:
-        self.crew = Crew.of(task, task.fleet.foragers)
+        self.crew = Crew.of(task, task.fleet.collectors)
         self.shore = shore_of(task.graph)
         self.items = floating(max(4096, 5 * int(settings.items)))
         self._stops = stops(MOST, len(task.graph))

@@ -70,7 +70,7 @@ class BeliefPlanner:
             episodes,
             len(graph),
             task.horizon,
-            task.fleet.foragers.size,
+            task.fleet.collectors.size,
             settings.noise_node_per_step,
         )
         self._cloud, self._shore = cloud_of(graph, settings.spread_node), shore_of(graph)
@@ -78,8 +78,8 @@ class BeliefPlanner:
         self._lost = tr.losses(capacity)
         self._foragers = ForagerCrew(task, settings)
         # Without scouts, foragers look around when they know of nothing to collect.
-        self._lone = task.fleet.scouts.size == 0
-        lookers = task.fleet.foragers if self._lone else task.fleet.scouts
+        self._lone = task.fleet.discoverers.size == 0
+        lookers = task.fleet.collectors if self._lone else task.fleet.discoverers
         self._scouts = ScoutCrew(task, settings, lookers)
         self._landmarks, self._belongs = landmarks_of(graph)
         self._blocks = [hotspot_cover(task, int(a), settings) for a in self._scouts.agents]

@@ -18,7 +18,7 @@ class ScoutCrew:
         self, task: Task, settings: BeliefSettings, agents: NDArray[np.int64] | None = None
     ) -> None:
         graph, fleet, rules = task.graph, task.fleet, task.rules
-        self.agents = fleet.scouts if agents is None else agents
+        self.agents = fleet.discoverers if agents is None else agents
         self.covers: list[Cover] = [
             view_cover(
                 graph,

@@ -29,8 +29,8 @@ class EpisodeLog(Observer):
     """
 
     def __init__(self, mission: Mission) -> None:
-        self._scouts = mission.setup.fleet.scouts
-        self._foragers = mission.setup.fleet.foragers
+        self._scouts = mission.setup.fleet.discoverers
+        self._foragers = mission.setup.fleet.collectors
         self._navigable = mission.setup.grid.navigable
         self._started = False
         self._open = np.zeros(0, np.bool_)  # (episode,) not over when last seen

@@ -17,6 +17,7 @@ from graph_planner.rows import put_rows
 from graph_planner.shared_model import SharedModel
 from graph_planner.task import Observation, Task, Truth
 from mjforage.core.dynamics import Dynamics, Transition
+from mjforage.core.errors import UserError
 from mjforage.core.graph_dynamics import GraphDynamics
 from mjforage.core.initial_state import InitialState, create_initial_state, nodes_around
 from mjforage.core.maps import GridMap, check_starts, load_map, load_starts, reachable_share
@@ -82,7 +83,7 @@ class Setup:
     @cached_property
     def fleet(self) -> Fleet:
         """The agents."""
-        return Fleet.of(self.scenario.team)
+        return Fleet.of(self.scenario.team, self.scenario.rules.order)
 
     @cached_property
     def task(self) -> Task:
@@ -134,8 +135,14 @@ class Mission:
         Parameters
         ----------
         dynamics : the world it runs in (`mjforage.physics.worlds`); absent: the paper's graph
+
+        Raises
+        ------
+        UserError
+            If a role has a capability that no rule of the mission uses.
         """
         self.setup = setup
+        _check_capabilities(setup)
         if dynamics is None:
             dynamics = GraphDynamics(setup.graph, setup.fleet, setup.scenario)
         self.model = SharedModel(setup.task, dynamics.detection)
@@ -276,6 +283,17 @@ class Mission:
             self.advance(self.ask(policy))
             for observer in observers:
                 observer.see(self)
+
+
+def _check_capabilities(setup: Setup) -> None:
+    """Refuse what a role can do and nothing uses, rather than run as if it could not."""
+    for name, role in setup.scenario.team.items():
+        for capability in ("carries", "relays"):
+            if getattr(role, capability):
+                raise UserError(
+                    f"scenario {setup.scenario.name}: team.{name}.{capability} = true, but no rule "
+                    "of this mission uses it; leave it out"
+                )
 
 
 class Observer:

@@ -40,6 +40,9 @@ class Rules:
 
     stay: bool = True  # staying put is an action
     shorten: bool = True  # a blocked longer move ends before the obstacle instead of being illegal
+    order: tuple[str, ...] = ()
+    """All teams as they choose, in each the highest number first; empty: those that collect, then
+    the others, each by name."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +121,7 @@ class Scenario:
 
     name: str
     map: MapChoice
-    team: Mapping[str, Role]  # in the order of the file: scouts before foragers
+    team: Mapping[str, Role]  # in the order of the file, which numbers the agents
     description: str = ""
     horizon: int = field(default=150, metadata=bounded(1, 30000))  # decisions (the paper's T)
     period_s: float = field(default=10.0, metadata=bounded(1e-3, 1e6))  # one decision [s]

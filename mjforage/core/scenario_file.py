@@ -131,6 +131,12 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
             raise UserError(
                 f"{where}: team.{_shown(team)} names files; give letters, digits and dashes"
             )
+    order = scenario.rules.order
+    if order and sorted(order) != sorted(counts):
+        raise UserError(
+            f"{where}: rules.order = {_shown(list(order))}; give every team once: "
+            f"{', '.join(counts)}"
+        )
     choice = scenario.corruption
     if choice.team not in counts and (choice.team or choice.epsilon):
         teams = ", ".join(counts)

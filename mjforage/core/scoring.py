@@ -43,7 +43,7 @@ def event_table(log: EpisodeLog) -> metrics.EventTable:
 
 
 def _series(log: EpisodeLog, events: metrics.EventTable, fleet: Fleet, horizon: int) -> Series:
-    exists, scouts, foragers = events.exists, fleet.scouts, fleet.foragers
+    exists, scouts, foragers = events.exists, fleet.discoverers, fleet.collectors
     irr = np.full(log.series["mi"].shape, np.nan)
     irr[:, :-1] = metrics.irr(log.series["mi"])
     found, taken = events.discovered_at, events.collected_at
@@ -68,7 +68,7 @@ def score(log: EpisodeLog, fleet: Fleet, horizon: int) -> Scores:
     """
     events = event_table(log)
     series = _series(log, events, fleet, horizon)
-    scouts, foragers = fleet.scouts, fleet.foragers
+    scouts, foragers = fleet.discoverers, fleet.collectors
     final = {key: values[:, -1] for key, values in series.items() if key not in ("mi", "irr")}
     scalars = final | {
         "nt50": metrics.nt(series["pta_c"], 50.0),

@@ -34,7 +34,7 @@ class _Recorder(Observer):
         self.idleness.append(grid(idleness).astype(np.float16))
         by_scouts, by_foragers = (
             model.times_seen(state.agent_node[:1], team)[0] > 0
-            for team in (fleet.scouts, fleet.foragers)
+            for team in (fleet.discoverers, fleet.collectors)
         )
         self.in_view.append(grid(by_scouts + np.uint8(2) * by_foragers).astype(np.uint8))
 
@@ -50,8 +50,8 @@ def record(setup: Setup, world: str, policy: str, seed: int, episode: int) -> Re
 
     Raises
     ------
-    KeyError
-        If there is no such policy or world.
+    UserError
+        If there is no such policy.
     """
     film, recorder = Film(), _Recorder()
     mission = create_mission(setup, world, film)

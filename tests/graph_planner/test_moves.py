@@ -21,9 +21,10 @@ def resolve(
     episodes: int = 1,
     corruption: Corruption | None = None,
     belief: NDArray[np.int16] | None = None,
+    order: tuple[str, ...] = (),
 ) -> Moves:
     """Resolve one step in which every agent ranks its wished moves first to last."""
-    fleet = Fleet.of(roles)
+    fleet = Fleet.of(roles, order)
     nodes = np.array([[graph.node_of_cell[rc] for rc in cells]] * episodes, np.int32)
     preferences = np.full((episodes, len(fleet), 9), -np.inf)
     for agent, moves in enumerate(wishes):
@@ -57,6 +58,23 @@ def test_the_forager_decides_first_and_the_scout_gives_way() -> None:
     moves = resolve(WATER, teams, [(2, 0), (2, 2)], [[E, N], [W]], FREE)
     assert where(WATER, moves, 1) == (2, 1)
     assert where(WATER, moves, 0) == (1, 0)
+
+
+def test_the_order_of_choosing_is_a_rule_and_not_the_order_of_teams() -> None:
+    """Whoever collects goes first wherever its team stands, unless a scenario says otherwise."""
+    scout = Role(1, 1, 4.0, False)
+    sweeper = Role(2, 1, 2.0, True)
+    teams = {"sweepers": sweeper, "relays": scout, "foragers": FORAGER, "scouts": scout}
+    assert Fleet.of(teams).order.tolist() == [3, 1, 0, 2, 4]
+    assert Fleet.of(teams, ("scouts", "sweepers", "relays", "foragers")).order.tolist() == [
+        *(4, 1, 0, 2, 3),
+    ]
+    turned = {"foragers": FORAGER, "scouts": scout}
+    cells, wishes = [(2, 2), (2, 0)], [[W, N], [E, S]]
+    by_rule = resolve(WATER, turned, cells, wishes, FREE)
+    assert [where(WATER, by_rule, a) for a in (0, 1)] == [(2, 1), (3, 0)]
+    asked = resolve(WATER, turned, cells, wishes, FREE, order=("scouts", "foragers"))
+    assert [where(WATER, asked, a) for a in (0, 1)] == [(1, 2), (2, 1)]
 
 
 def test_a_chosen_node_can_neither_be_entered_nor_passed() -> None:

@@ -17,7 +17,7 @@ from mjforage.learning.environments.spaces import MASK, Pictures, picture_space,
 
 
 class ForagingParallelEnv(OneLane, ParallelEnv[str, Pictures, int]):  # type: ignore[misc]
-    """Agents `scouts-0`, `foragers-0`, ... decide at once; in conflicts the highest index wins.
+    """Agents `scouts-0`, `foragers-0`, ... decide at once; `rules.order` decides conflicts.
 
     **Action** `Discrete(9)`, **observation** and masks per agent as in `mjforage/SharedPolicy-v0`,
     except that a mask cannot know what others choose at the same time. Infos have the same keys at

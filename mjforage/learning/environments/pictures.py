@@ -31,7 +31,7 @@ class Picture:
         idle = model.idleness(mission.step, np.array([lane]))[0]
         scouts, foragers = (
             model.times_seen(state.agent_node[lane : lane + 1], team)[0] > 0
-            for team in (fleet.scouts, fleet.foragers)
+            for team in (fleet.discoverers, fleet.collectors)
         )
         self._steps.append(
             {

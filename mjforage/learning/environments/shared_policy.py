@@ -18,10 +18,10 @@ from mjforage.learning.environments.spaces import MASK, Pictures, picture_space,
 class SharedPolicyEnv(OneLane, gymnasium.Env[Pictures, np.int64]):
     """One decision of one agent per step; when all have decided, the mission moves on.
 
-    Agents decide in the mission's order, the highest index (foragers) first, so `action_mask` also
-    leaves out what agents before this one took. The fleet's reward comes with the last agent's
-    decision of a round and is 0 before; so it is one sequential decision process, and values of
-    following observations are values of the same fleet.
+    Agents decide in the mission's order (`rules.order`), so `action_mask` also leaves out what
+    those before this one took. The fleet's reward comes with the last agent's decision of a round
+    and is 0 before; so it is one sequential decision process, and values of following observations
+    are values of the same fleet.
 
     **Action** `Discrete(9)`: 0-7 compass from north clockwise, 8 stay; an illegal one becomes
     staying put where that is legal, else the first legal compass move.
@@ -52,8 +52,8 @@ class SharedPolicyEnv(OneLane, gymnasium.Env[Pictures, np.int64]):
         """One agent's decision; raises `UserError` where the action is not of its space."""
         checked_started(self._game.started, "step")
         self._choose(int(checked_moves(action, ())))
-        if self._turn > 0:
-            self._turn -= 1
+        if self._waiting:
+            self._turn = self._waiting.pop()
             return self._observed(), 0.0, False, False, self._info()
         reward, ended, late, info = summed(self._play(self._actions))
         self._begin_round()
@@ -74,7 +74,8 @@ class SharedPolicyEnv(OneLane, gymnasium.Env[Pictures, np.int64]):
 
     def _begin_round(self) -> None:
         self._round += 1
-        self._turn = self._game.agents - 1
+        self._waiting = self._game.setup.fleet.order[::-1].tolist()
+        self._turn = self._waiting.pop()
         self._actions = np.full(self._game.agents, STAY, np.int64)
         self._levels = self._seen()
 

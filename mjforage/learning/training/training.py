@@ -126,7 +126,7 @@ class Trainer:
         self.game = self.games[0]
         fleet = self.game.setup.fleet
         _check_alike(self.games)
-        self.agents = dict(zip(TEAMS, (fleet.scouts, fleet.foragers), strict=True))
+        self.agents = dict(zip(TEAMS, (fleet.discoverers, fleet.collectors), strict=True))
         self.learners = {
             team: Learner(self.game.shapes, settings.lanes * ids.size, settings, seed + i, device)
             for i, (team, ids) in enumerate(self.agents.items())

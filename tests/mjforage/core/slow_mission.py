@@ -66,7 +66,7 @@ class SlowMission:
 
     def move(self, preferences: NDArray[np.float64]) -> None:
         rules, chosen = self.setup.scenario.rules, set[int]()
-        for agent in reversed(range(len(self.fleet))):
+        for agent in self.fleet.order.tolist():
             here, options = self.state.nodes[agent], {}
             for d in range(8):
                 way = [here]
@@ -124,7 +124,7 @@ class SlowMission:
         if state.step > 0:
             growth = 1.0 / (0.9 * self.setup.scenario.horizon)
             state.idleness = np.clip(state.idleness + growth, 0.0, 1.0)
-        for agent in [*self.fleet.scouts.tolist(), *self.fleet.foragers.tolist()]:
+        for agent in [*self.fleet.discoverers.tolist(), *self.fleet.collectors.tolist()]:
             for node in self.views(agent):
                 state.idleness[node] = 0.0
                 state.belief[node] = truth[node]

@@ -8,7 +8,7 @@ from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap
 from mjforage.core.mission import Mission, Setup
-from mjforage.core.scenario_file import load_scenario
+from mjforage.core.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree
 from tests.mjforage.core.slow_mission import SlowMission
 
 VARIANTS = {
@@ -58,7 +58,7 @@ def test_kernels_agree_with_the_mission_in_plain_python(preset: str) -> None:
             oracle.rmse(), abs=1e-12
         )
         assert log.series["mi"][i, end] == pytest.approx(oracle.state.idleness.mean(), abs=1e-12)
-        assert log.series["co_scouts"][i, -1] == oracle.overlap(setup.fleet.scouts)
+        assert log.series["co_scouts"][i, -1] == oracle.overlap(setup.fleet.discoverers)
         assert mission.state.distance[i] == pytest.approx(oracle.travelled)
 
 
@@ -182,12 +182,30 @@ def test_nothing_is_removed_at_the_start_but_what_is_in_view_is_discovered() -> 
     assert (mission.state.item_node >= 0).all()
     found = mission.model.knowledge.t_discovered == 0
     assert found.any()
-    by_scouts = mission.model.times_seen(mission.state.agent_node, setup.fleet.scouts) > 0
+    by_scouts = mission.model.times_seen(mission.state.agent_node, setup.fleet.discoverers) > 0
     seen_by_scouts = np.take_along_axis(by_scouts, mission.state.item_node, axis=1)
     np.testing.assert_array_equal(  # a tie goes to the scouts
-        np.isin(mission.model.knowledge.discovered_by, setup.fleet.scouts), seen_by_scouts
+        np.isin(mission.model.knowledge.discovered_by, setup.fleet.discoverers), seen_by_scouts
     )
     assert (mission.model.knowledge.t_discovered[~found] == -1).all()
+
+
+def test_the_order_of_teams_in_a_file_does_not_decide_who_chooses_first() -> None:
+    """Foragers written first have other indices, but still choose first unless `order` differs."""
+    tree = scenario_to_tree(load_scenario("comb-port"))
+    turned = dict(reversed(tree["team"].items()))
+    assert setup_of("comb-port").fleet.order.tolist() == [3, 2, 1, 0]
+    setup = Setup.of(scenario_from_tree(tree | {"team": turned}, "turned"))
+    assert setup.fleet.names[0] == "foragers-0" and setup.fleet.order.tolist() == [1, 0, 3, 2]
+    scouts_first = setup_of("comb-port", "rules.order=['scouts','foragers']")
+    assert scouts_first.fleet.order.tolist() == [1, 0, 3, 2]
+
+
+@pytest.mark.parametrize("capability", ["carries", "relays"])
+def test_what_a_role_can_do_and_nothing_uses_is_refused(capability: str) -> None:
+    setup = setup_of("comb-port", f"team.scouts.{capability}=true")
+    with pytest.raises(UserError, match=rf"team\.scouts\.{capability} = true, but no rule"):
+        Mission(setup)
 
 
 def test_a_map_replaces_the_grid_and_nothing_else() -> None:

@@ -182,6 +182,8 @@ def test_a_team_may_be_empty(team: str) -> None:
         ("items=[1]", "items = [1], expected a table"),
         ("corruption.team=scuots", "corruption.team = 'scuots'; choose scouts, foragers"),
         ("corruption.epsilon=0.5", "corruption.team = ''; choose scouts, foragers"),
+        ("rules.order=['scouts']", "rules.order = ['scouts']; give every team once: scouts, forag"),
+        ("rules.order=['scouts','x']", "rules.order = ['scouts', 'x']; give every team once"),
         ("name=''", "name = '' names the run folder"),
         (f"team={{'a/b'={ROLE}}}", "team.'a/b' names files; give letters, digits and dashes"),
         (f"team={{'..'={ROLE}}}", "team.'..' names files; give letters, digits and dashes"),
