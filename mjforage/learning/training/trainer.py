@@ -56,6 +56,8 @@ class LearnersPolicy(QPolicy):
 class Progress:
     """How far a run has come."""
 
+    __pydantic_config__ = {"allow_inf_nan": True}  # noqa: RUF012 - `best` before an evaluation
+
     rounds: int = 0
     episodes: int = 0
     decisions: int = 0  # steps of all episodes
