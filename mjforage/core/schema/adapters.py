@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 Tree = dict[str, Any]
 
-OPEN = {"extra": "ignore"}
+_CONFIG = {"extra": "forbid", "allow_inf_nan": False, "use_attribute_docstrings": True}
+OPEN = _CONFIG | {"extra": "ignore"}
 """`__pydantic_config__` of a table that a newer version may write more keys into."""
 
-_CONFIG = {"extra": "forbid", "allow_inf_nan": False, "use_attribute_docstrings": True}
 _SCALARS = ("int", "float", "bool", "str")
 
 

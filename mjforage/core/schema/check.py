@@ -155,6 +155,6 @@ def _fault(node: Tree, key: str, value: object) -> str:
     if is_number:
         return f", expected {nodes.type_words(about)}"
     if kind == "array" and isinstance(value, list | tuple):
-        some = len(node["prefixItems"]) if "prefixItems" in node else f"{node['minItems']} or more"
+        some = len(node["prefixItems"]) if "prefixItems" in node else nodes.range_words(node)
         return f", expected {some} values"
     return f", expected {nodes.type_words(node, key)}"

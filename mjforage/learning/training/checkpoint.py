@@ -18,6 +18,7 @@ from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import scenario_to_tree
 from mjforage.core.schema import OPEN, check
 from mjforage.learning.training.files import save_tensors
+from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.trainer import Progress, Trainer
 
 FORMAT = "mjforage training checkpoint 3"
@@ -37,8 +38,7 @@ class TrainingInfo:
     """The whole scenario, defaults included."""
     also: tuple[Mapping[str, Any], ...]
     """Scenarios that rounds take in turn with the first."""
-    hyperparameters: Mapping[str, Any]
-    """What `--learning` can set, defaults included."""
+    hyperparameters: Hyperparameters
     seed: int
     """Seed of the run."""
     device: str

@@ -12,10 +12,11 @@ import pytest
 
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.schema import json_schema
 from mjforage.runs import variants
 from mjforage.runs.costs import load_costs
 from mjforage.runs.evaluate import evaluate
-from mjforage.runs.study import Study, run_study
+from mjforage.runs.study import Study, StudyInfo, run_study
 from mjforage.view.report.studies import write_study_report
 
 Command = Callable[..., Any]
@@ -185,6 +186,10 @@ def test_what_a_study_lacks_is_named(
     change(read)
     path.write_text(json.dumps(read))
     assert words in refused("report", folder)
+
+
+def test_study_json_follows_its_schema(folder: Path) -> None:
+    jsonschema.validate(json.loads((folder / "study.json").read_text()), json_schema(StudyInfo))
 
 
 def test_an_unfinished_study_has_no_report(folder: Path, refused: Refused) -> None:
