@@ -30,7 +30,7 @@ from mjforage.physics.dynamics.item_bodies import (
 )
 from mjforage.physics.dynamics.sensing import measured_poses
 from mjforage.physics.dynamics.watch import Watched, judge, watch
-from mjforage.physics.hydrodynamics.parameters import pack
+from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.weather import Field, WeatherSettings
@@ -72,7 +72,7 @@ class MujocoDynamics:
         fleet_scene(graph, self._vessels, fleet.names, 0)  # hulls that do not fit say so now
         self._helms = [helm_of(vessel) for vessel in self._vessels]
         self._chart = Chart(graph.navigable, graph.pitch_m)
-        self._parameters = np.stack([pack(vessel) for vessel in self._vessels])
+        self._parameters = pack_fleet(self._vessels)
         self._size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in self._vessels])
         self._settings = WeatherSettings.of_scenario(
             scenario.weather, graph.pitch_m, scenario.period_s

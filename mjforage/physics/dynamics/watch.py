@@ -15,6 +15,7 @@ from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 from mjforage.core.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.physics.dynamics.touch import touches
+from mjforage.physics.hydrodynamics.parameters import HullArray
 from mjforage.physics.hydrodynamics.thruster import thrust
 
 ARRIVAL_M = 1.0
@@ -83,7 +84,7 @@ def watch(
     giving_way: NDArray[np.bool_],
     water: FloatArray,
     lagged: FloatArray,
-    parameters: FloatArray,
+    parameters: HullArray,
     size: FloatArray,
     framed: Int32Array,
     pitch_m: float,
@@ -99,7 +100,7 @@ def watch(
     giving_way : (episode, vessel) whether the controller holds back for another hull or a quay
     water : (episode, vessel, 2) current at the hulls [m/s]
     lagged : (episode, vessel, 2) state of the thrusters [rad/s] or [N]
-    parameters : (vessel, SIZE) of `hydrodynamics.parameters.pack`
+    parameters : (vessel,) of `hydrodynamics.parameters.pack_fleet`
     size : (vessel, 2) half length, half beam [m]
     framed : cells in a frame of land
     seen : written

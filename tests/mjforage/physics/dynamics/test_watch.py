@@ -12,7 +12,7 @@ from mjforage.physics.dynamics.watch import (
     propeller_power,
     watch,
 )
-from mjforage.physics.hydrodynamics.parameters import pack
+from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.vessels import load_vessel
 
 OTTER = load_vessel("otter")
@@ -47,7 +47,7 @@ def noted(
             np.full((1, 1), giving_way),
             np.array([[[water, 0.0]]]),
             np.full((1, 1, 2), lagged),
-            pack(OTTER)[None],
+            pack_fleet([OTTER]),
             np.array([[1.0, 0.54]]),
             OPEN,
             4.0,
