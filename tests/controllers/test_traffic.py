@@ -40,7 +40,7 @@ def ordered(s: VesselState, p: PackedHelm, x: float, y: float) -> VesselState:
 
 
 def traffic(*hulls: VesselState, helm: PackedHelm = FORAGER, land: object = OPEN) -> Traffic:
-    fleet, n = np.array(hulls, STATE), len(hulls)
+    fleet, n = np.array([*hulls], STATE), len(hulls)
     helms = np.array([helm] * n, HELM)
     rank_fleet(fleet, helms, np.zeros((SAMPLES, 4)))
     paths = np.zeros((n + 1, SAMPLES, 4))
@@ -143,7 +143,7 @@ def test_a_hull_at_rest_makes_room_in_a_corridor() -> None:
 
 def limits(*hulls: VesselState) -> NDArray[np.float64]:
     """Fastest safe speeds ahead and astern of the first scout, on open water."""
-    fleet = np.array(hulls, STATE)
+    fleet = np.array([*hulls], STATE)
     limit_speeds(fleet, np.array([SCOUT] * len(hulls), HELM), OPEN, 4.0, 0)
     return np.array([fleet[0].most_ahead, fleet[0].most_astern])
 
