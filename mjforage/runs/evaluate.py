@@ -44,10 +44,7 @@ def check_policies(policies: Sequence[str]) -> None:
     if not policies:
         raise UserError("no policy given; add --policy greedy")
     for name in policies:
-        try:
-            create_policy(name)
-        except KeyError as error:
-            raise UserError(str(error.args[0])) from error
+        create_policy(name)
         if list(policies).count(name) > 1:
             raise UserError(f"policy {name}: given twice")
 

@@ -16,39 +16,39 @@ LONG_SIDE = 640  # pixels
 
 
 class Picture:
-    """Remembers one lane of a mission step by step, and draws its present."""
+    """Remembers one sub-environment step by step, and draws its present."""
 
-    def __init__(self, lane: int = 0) -> None:
-        self._lane = lane
+    def __init__(self, env: int = 0) -> None:
+        self._env = env
         self._steps: list[dict[str, NDArray[Any]]] = []
 
     def see(self, mission: Mission) -> None:
         """Take note of the state; step 0 begins anew."""
-        lane, state, model = self._lane, mission.state, mission.model
-        if mission.step[lane] == 0:
+        env, state, model = self._env, mission.state, mission.model
+        if mission.step[env] == 0:
             self._steps = []
         grid, fleet = mission.setup.graph.grid, mission.setup.fleet
-        idle = model.idleness(mission.step, np.array([lane]))[0]
+        idle = model.idleness(mission.step, np.array([env]))[0]
         scouts, foragers = (
-            model.times_seen(state.agent_node[lane : lane + 1], team)[0] > 0
+            model.times_seen(state.agent_node[env : env + 1], team)[0] > 0
             for team in (fleet.discoverers, fleet.collectors)
         )
         self._steps.append(
             {
-                "agent_rc": state.agent_rc[lane].astype(np.float32),
-                "item_rc": state.item_rc[lane].astype(np.float32),
-                "item_present": state.item_node[lane] >= 0,
-                "belief": grid(model.knowledge.belief[lane]).astype(np.int16),
+                "agent_rc": state.agent_rc[env].astype(np.float32),
+                "item_rc": state.item_rc[env].astype(np.float32),
+                "item_present": state.item_node[env] >= 0,
+                "belief": grid(model.knowledge.belief[env]).astype(np.int16),
                 "idleness": grid(idle).astype(np.float16),
                 "in_view": grid(scouts + np.uint8(2) * foragers).astype(np.uint8),
             }
         )
 
     def draw(self, game: Game, episodes: Episodes) -> NDArray[np.uint8]:
-        """(height, width, 3) the present of the lane, with its seed and episode in the title."""
+        """(height, width, 3) what is there now, with the seed and episode in the title."""
         from mjforage.view.render import TopView  # matplotlib-free, but slow to import
 
-        items = self._steps[0]["item_present"]  # padding of other lanes is left out
+        items = self._steps[0]["item_present"]  # padding for other episodes is left out
         arrays: dict[str, Any] = {
             name: np.stack([step[name] for step in self._steps]) for name in self._steps[0]
         }
@@ -70,7 +70,7 @@ class Picture:
             track_items=np.zeros((1, int(items.sum()), 2), np.float32),
             track_present=np.zeros((1, int(items.sum())), np.bool_),
             track_wind=np.zeros((1, 2), np.float32),
-            world=game.choice.world,
+            world=game.options.world,
             seed=episodes.seed,
             episode=episodes.number,
             **arrays,

@@ -5,7 +5,7 @@ from pathlib import Path
 import polars as pl
 
 from mjforage.core.errors import UserError
-from mjforage.learning.training.training import Progress, Row
+from mjforage.learning.training.trainer import Progress, Row
 from mjforage.runs.storage import writing
 
 TABLES = ("training", "evaluations")
