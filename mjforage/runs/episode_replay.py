@@ -45,13 +45,15 @@ class Replay:
     policy: str = ""
     seed: int = 0
     episode: int = 0
+    t_discovered: NDArray[np.int16] | None = None
+    """(item,) step of each item's discovery, -1 never; None in files of versions without it."""
 
     def save(self, path: Path) -> None:
         """Write a compressed npz of plain arrays."""
         np.savez_compressed(
             path,
             allow_pickle=False,
-            **{f.name: np.asarray(getattr(self, f.name)) for f in fields(self)},
+            **{name: np.asarray(value) for name, value in vars(self).items() if value is not None},
         )
 
     @classmethod
@@ -69,7 +71,8 @@ class Replay:
             )
         try:
             with np.load(path, allow_pickle=False) as file:
-                values = {f.name: file[f.name] for f in fields(cls)}
+                names = [f.name for f in fields(cls) if f.name != "t_discovered" or f.name in file]
+                values = {name: file[name] for name in names}
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
             raise UserError(
                 f"replay {path}: cannot be read ({error}); {again(path.parent.parent)}"

@@ -126,11 +126,11 @@ class Game:
 
     def facts(self, lane: int = 0) -> dict[str, float]:
         """Shares of the lane's items discovered and removed so far [%], and its step."""
-        known, total = self.mission.model.knowledge, self.n_items[lane]
+        entries, total = self.mission.ledger.entries, self.n_items[lane]
         return {
             "step": int(self.mission.step[lane]),
-            "pta_d": 100.0 * int((known.t_discovered[lane] >= 0).sum()) / int(total),
-            "pta_c": 100.0 * int((known.t_collected[lane] >= 0).sum()) / int(total),
+            "pta_d": 100.0 * int((entries.t_discovered[lane] >= 0).sum()) / int(total),
+            "pta_c": 100.0 * int((entries.t_collected[lane] >= 0).sum()) / int(total),
         }
 
 
