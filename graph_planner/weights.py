@@ -139,7 +139,9 @@ def _are_grounds(value: Any) -> bool:
 
 def header_note(header: WeightsHeader) -> tuple[str, str]:
     """The header as an entry of safetensors metadata: key, and JSON text in a fixed order."""
-    return _NOTE, json.dumps({"format": FORMAT, **asdict(header)}, sort_keys=True)
+    facts = asdict(header)
+    facts["perception"] = facts.pop("encoding")  # as files have named it from the first
+    return _NOTE, json.dumps({"format": FORMAT, **facts}, sort_keys=True)
 
 
 def load_networks(path: Path, task: Task) -> "dict[str, DuelingNetwork]":

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.encodings import ENCODERS
-from graph_planner.policies.registry import register
+from graph_planner.policies.registry import plays_weights, register
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task
 from graph_planner.weights import TEAMS, load_networks, read_header, shipped_weights
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from graph_planner.q_network import DuelingNetwork
 
 
+@plays_weights
 class QPolicy:
     """Values of a weight file's networks as preferences.
 
@@ -27,6 +28,7 @@ class QPolicy:
 
     def __init__(self, path: Path) -> None:
         self._path = path
+        self.files = (path,)
         self._header = read_header(path)
         self._networks: dict[str, DuelingNetwork] = {}
 

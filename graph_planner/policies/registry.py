@@ -1,20 +1,27 @@
 """What a policy is, and the table of those that exist."""
 
-import difflib
 import logging
 from collections.abc import Callable
 from pathlib import Path
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.errors import UserError
+from graph_planner.extensions import Place, Table
 from graph_planner.randomness import UInt64Array
+from graph_planner.references import Reference, parse_reference
 from graph_planner.task import Observation, Task, Truth
 
 
 class Policy(Protocol):
-    """Decides for the whole fleet, batched over episodes."""
+    """Decides for the whole fleet, batched over episodes.
+
+    Its class is called without arguments, or with the options of a reference as keywords. A policy
+    whose moves hang on files names them in an attribute `files`, a tuple of paths: what is in them
+    is then part of what a run is.
+    """
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Forget everything and get ready for a batch of episodes.
@@ -47,8 +54,11 @@ class Bound(Policy, Protocol):
         ...
 
 
-PolicyClass = TypeVar("PolicyClass", bound=Callable[[], Policy])
-_POLICIES: dict[str, Callable[[], Policy]] = {}
+PolicyClass = TypeVar("PolicyClass", bound=Callable[..., Policy])
+WeightsPlayer = TypeVar("WeightsPlayer", bound=Callable[[Path], Policy])
+
+POLICIES: Table[Callable[..., Policy]] = Table("policy", "mjforage.policies")
+_PLAYERS: list[Callable[[Path], Policy]] = []
 _logger = logging.getLogger(__name__)
 
 
@@ -62,75 +72,113 @@ def register(name: str) -> Callable[[PolicyClass], PolicyClass]:
     """
 
     def add(policy: PolicyClass) -> PolicyClass:
-        if name in _POLICIES:
-            raise ValueError(f"policy {name!r} is registered already")
-        _POLICIES[name] = policy
+        POLICIES.register(name)(policy)
         return policy
 
     return add
 
 
+def plays_weights(policy: WeightsPlayer) -> WeightsPlayer:
+    """Class decorator: this one plays `NAME.safetensors` of the present folder."""
+    _PLAYERS.append(policy)
+    return policy
+
+
 def policy_names() -> list[str]:
-    """All registered names, sorted."""
-    return sorted(_POLICIES)
+    """All names that are registered or that installed packages bring, sorted."""
+    return POLICIES.names()
 
 
 def own_weights(name: str) -> Path | None:
-    """`NAME.safetensors` of the present folder, if no registered policy has that name."""
+    """`NAME.safetensors` of the present folder, if no policy has that name."""
     path = Path(f"{name}.safetensors")
-    own = name not in _POLICIES and path.name == str(path) and path.is_file()
-    return path.resolve() if own else None
+    there = path.name == str(path) and ":" not in name and path.is_file()
+    return path.resolve() if there and not POLICIES.has(name) else None
 
 
-def weights_of(name: str) -> Path | None:
-    """The weights that a policy reads, its own or shipped; None for a policy without.
+def _bound(text: str) -> tuple[Reference, Callable[..., Policy], dict[str, Any]]:
+    """As `Table.bound`, weights of the present folder included."""
+    reference = parse_reference(text, "policy")
+    weights = own_weights(reference.name)
+    if weights is None:
+        return POLICIES.bound(text)
+    if reference.options:
+        raise UserError(f"policy {text}: weights take no options; give {reference.name}")
+    return reference, _PLAYERS[-1], {"path": weights}
 
-    A warning is logged if the present folder has a file of that name which is not read.
+
+def policy_label(text: str) -> str:
+    """The one spelling of a reference to a policy, by which tables, files and run.json name it.
+
+    Options stand in the order of their names; those at their default are left out. A class that
+    ships has its name.
+
+    Raises
+    ------
+    UserError
+        As `create_policy`.
     """
-    read = own_weights(name)
-    shipped = getattr(_POLICIES.get(name), "weights", None)
-    if shipped is not None:
-        from graph_planner.weights import shipped_weights
+    return str(_bound(text)[0])
 
-        read = shipped_weights(shipped)
+
+def create_policy(text: str) -> Policy:
+    """A fresh policy.
+
+    Parameters
+    ----------
+    text : NAME, `package.module:Class` or, for weights `NAME.safetensors` of the present folder,
+        NAME; each with options in parentheses, such as `greedy(distance=2)`
+
+    Raises
+    ------
+    UserError
+        If there is none of that name (the message offers the nearest), it cannot be imported, or
+        an option does not fit.
+    WeightsError
+        If the present folder has a weight file of that name, but no weights of ours are in it.
+    """
+    _, made, options = _bound(text)
+    return made(**options)
+
+
+def policy_place(text: str) -> Place | None:
+    """Where another process finds a policy; None for one of ours.
+
+    Raises
+    ------
+    UserError
+        If another process cannot.
+    """
+    name = parse_reference(text, "policy").name
+    return None if own_weights(name) else POLICIES.places([name]).get(name)
+
+
+def policy_files(text: str) -> tuple[Path, ...]:
+    """The files that a policy's moves hang on, its weights for example.
+
+    A warning is logged if the present folder has weights of that name which it does not read.
+    """
+    name = parse_reference(text, "policy").name
+    files = tuple(Path(file) for file in getattr(create_policy(text), "files", ()))
     there = Path(f"{name}.safetensors")
-    if there.is_file() and not (read and read.exists() and there.samefile(read)):
+    if there.is_file() and not any(file.exists() and there.samefile(file) for file in files):
         _logger.warning(
             "policy %s is the one that ships; %s in the present folder is not read: rename it, and "
             "its policy has the new name",
             name,
             there,
         )
-    return read
-
-
-def create_policy(name: str) -> Policy:
-    """A fresh policy: a registered one, or the weights `NAME.safetensors` of the present folder.
-
-    Raises
-    ------
-    KeyError
-        If there is none of that name; the message offers the nearest.
-    WeightsError
-        If the present folder has such a file, but no weights of ours are in it.
-    """
-    weights = own_weights(name)
-    if weights is not None:
-        from graph_planner.policies.ddqn import QPolicy  # it registers policies itself
-
-        return QPolicy(weights)
-    if name not in _POLICIES:
-        close = difflib.get_close_matches(name, _POLICIES, n=1)
-        hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(policy_names())}"
-        raise KeyError(f"policy {name}: unknown; {hint}")
-    return _POLICIES[name]()
+    return files
 
 
 def policy_summary(name: str) -> str:
     """First line of a policy's docstring."""
-    return (_POLICIES[name].__doc__ or "").strip().splitlines()[0]
+    return ((POLICIES.find(name).__doc__ or "").strip().splitlines() or [""])[0]
 
 
-def is_bound(name: str) -> bool:
-    """Whether the policy of a name is shown the truth; unknown names are not."""
-    return hasattr(_POLICIES.get(name), "reveal")
+def is_bound(text: str) -> bool:
+    """Whether a policy is shown the truth; what is not known here is not."""
+    try:
+        return hasattr(_bound(text)[1], "reveal")
+    except UserError:
+        return False

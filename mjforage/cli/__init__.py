@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import cyclopts
 from rich.logging import RichHandler
 
-from graph_planner.errors import WeightsError
 from mjforage.cli import (  # they add their commands
     drawing,
     hulls,
@@ -45,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     )
     try:
         app(arguments, exit_on_error=False, print_error=False)
-    except (UserError, WeightsError, cyclopts.CycloptsError) as error:
+    except (UserError, cyclopts.CycloptsError) as error:
         words = " ".join(str(error).split())
         errors.print(f"mjforage: {words}", style="red", markup=False)
         sys.exit(BAD_INPUT)

@@ -10,7 +10,7 @@ from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
     from mjforage.core.scenario import Scenario
-    from mjforage.learning.training.training import Row
+    from mjforage.learning.training.trainer import Row
 
 train = App(name="train", help="Train policies.", help_format="plaintext")
 app.command(train)
@@ -52,7 +52,7 @@ def ddqn(
     also
         Train on this SCENARIO, or SCENARIO:MAP, in turn; repeatable. A map has its own starts.
     learning
-        Override KEY=VALUE of the learning settings, such as lanes=32 or reward.removed=2;
+        Override KEY=VALUE of the learning hyperparameters, such as num_envs=32 or reward.removed=2;
         repeatable.
     teacher
         Policy that shows moves at first; give also --learning teacher_updates=N.
@@ -62,16 +62,16 @@ def ddqn(
         Folder of the run; default runs/ddqn-SCENARIO.
     """
     from mjforage.core.scenario_file import load_scenario
+    from mjforage.learning.training.hyperparameters import Hyperparameters, changed
     from mjforage.learning.training.run import train as run
-    from mjforage.learning.training.settings import Settings, changed
 
     chosen = load_scenario(scenario, set, map)
     changes = dict(_pair(text) for text in learning) | ({"teacher": teacher} if teacher else {})
-    settings = changed(Settings(), changes)
+    hyperparameters = changed(Hyperparameters(), changes)
     folder = out or Path("runs") / f"ddqn-{chosen.name}"
     run(
         chosen,
-        settings,
+        hyperparameters,
         folder,
         also=[_other(text) for text in also],
         seed=seed,
@@ -102,7 +102,7 @@ def _pair(text: str) -> tuple[str, Any]:
 
     key, separator, value = text.partition("=")
     if not separator or not key.strip():
-        raise UserError(f"--learning {text}: expected KEY=VALUE, for example lanes=32")
+        raise UserError(f"--learning {text}: expected KEY=VALUE, for example num_envs=32")
     try:
         return key.strip(), tomllib.loads(f"value = {value}")["value"]
     except ValueError:

@@ -1,5 +1,5 @@
-"""Errors that a user can mend: each names the thing, the value and the remedy."""
+"""The error that a user can mend, under the name that every floor of mjforage imports."""
 
+from graph_planner.errors import UserError
 
-class UserError(Exception):
-    """Bad input or a bad environment; the command line prints it as one line and exits with 2."""
+__all__ = ["UserError"]

@@ -1,5 +1,6 @@
 """One episode, step by step, as plain arrays: what rendering and the report draw from."""
 
+import io
 import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -48,17 +49,16 @@ class Replay:
     t_discovered: NDArray[np.int16] | None = None
     """(item,) step of each item's discovery, -1 never; None in files of versions without it."""
 
-    def save(self, path: Path) -> None:
-        """Write a compressed npz of plain arrays."""
-        np.savez_compressed(
-            path,
-            allow_pickle=False,
-            **{name: np.asarray(value) for name, value in vars(self).items() if value is not None},
-        )
+    def content(self) -> bytes:
+        """A compressed npz of plain arrays, as the content of a file."""
+        buffer = io.BytesIO()
+        arrays = {k: np.asarray(value) for k, value in vars(self).items() if value is not None}
+        np.savez_compressed(buffer, allow_pickle=False, **arrays)
+        return buffer.getvalue()
 
     @classmethod
     def load(cls, path: Path) -> "Replay":
-        """Read what `save` wrote.
+        """Read a file of such content.
 
         Raises
         ------

@@ -15,11 +15,12 @@ import metrics
 from graph_planner.policies.registry import create_policy
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
+from mjforage.core.whole_files import write_json
 from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.runs.costs import Invocation, costs_content
 from mjforage.runs.identity import pinned, run_info
-from mjforage.runs.storage import Chunk, RunFolder, write_json
+from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import SCALARS
 from mjforage.runs.workers import Assignment, Workers, keep_replay, run_chunks
 
@@ -44,10 +45,7 @@ def check_policies(policies: Sequence[str]) -> None:
     if not policies:
         raise UserError("no policy given; add --policy greedy")
     for name in policies:
-        try:
-            create_policy(name)
-        except KeyError as error:
-            raise UserError(str(error.args[0])) from error
+        create_policy(name)
         if list(policies).count(name) > 1:
             raise UserError(f"policy {name}: given twice")
 

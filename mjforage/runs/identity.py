@@ -15,7 +15,7 @@ from typing import Any
 import controllers
 import graph_planner
 import metrics
-from graph_planner.policies.registry import is_bound, weights_of
+from graph_planner.policies.registry import is_bound, policy_files
 from mjforage.core.assets import models_folder
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import scenario_to_tree
@@ -81,12 +81,12 @@ def hull_facts(setup: Setup, worlds: Sequence[str]) -> dict[str, Any]:
 
 
 def weight_hashes(policies: Sequence[str]) -> dict[str, str]:
-    """Hash of the weights of every policy that has some: files change under the same name."""
-    paths = {name: weights_of(name) for name in policies}
+    """Hash of the files that every policy's moves hang on: they change under the same name."""
+    found = {name: policy_files(name) for name in policies}
     return {
-        name: hashlib.sha256(path.read_bytes()).hexdigest()[:16]
-        for name, path in paths.items()
-        if path is not None
+        name: hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:16]
+        for name, paths in found.items()
+        if paths
     }
 
 

@@ -48,8 +48,8 @@ def record(setup: Setup, world: str, policy: str, seed: int, episode: int) -> Re
 
     Raises
     ------
-    KeyError
-        If there is no such policy or world.
+    UserError
+        If there is no such policy.
     """
     film, recorder = Film(), _Recorder()
     mission = create_mission(setup, world, film)

@@ -6,12 +6,13 @@ import pytest
 from numpy.typing import NDArray
 from scipy import stats
 
+from graph_planner.errors import UserError
 from graph_planner.fleet import Role
 from graph_planner.moves import MoveRules
 from graph_planner.navigation import OFFSETS, STAY, NavigationGraph, navigation_graph
 from graph_planner.policies import create_policy, policy_names, register
 from graph_planner.policies.lawnmower import LawnmowerPolicy, lane_corners
-from graph_planner.policies.registry import weights_of
+from graph_planner.policies.registry import policy_files
 from graph_planner.randomness import Stream, episode_keys, stream_key
 from graph_planner.walking import Walker, levy_length
 from tests.graph_planner.charts import grid
@@ -26,7 +27,7 @@ def test_the_published_baselines_are_registered() -> None:
 
 
 def test_an_unknown_policy_is_named_with_the_nearest_one() -> None:
-    with pytest.raises(KeyError, match="policy gredy: unknown; did you mean greedy"):
+    with pytest.raises(UserError, match="policy gredy: unknown; did you mean greedy"):
         create_policy("gredy")
 
 
@@ -34,17 +35,15 @@ def test_a_file_that_a_policy_of_that_name_does_not_read_is_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    shipped = weights_of("ddqn")
-    assert shipped is not None and not caplog.messages
-    for name, read in (("ddqn", shipped), ("greedy", None)):
+    shipped = policy_files("ddqn")
+    assert len(shipped) == 1 and not caplog.messages
+    for name, read in (("ddqn", shipped), ("greedy", ())):
         Path(f"{name}.safetensors").write_bytes(b"mine")
-        assert weights_of(name) == read
+        assert policy_files(name) == read
         assert f"{name}.safetensors in the present folder is not read" in caplog.text
     caplog.clear()
-    Path("mine.safetensors").write_bytes(b"mine")
-    assert weights_of("mine") == tmp_path / "mine.safetensors"
-    monkeypatch.chdir(shipped.parent)  # where the file is the shipped one
-    assert weights_of("ddqn") == shipped
+    monkeypatch.chdir(shipped[0].parent)  # where the file is the shipped one
+    assert policy_files("ddqn") == shipped
     assert not caplog.messages
 
 

@@ -16,36 +16,36 @@ LONG_SIDE = 640  # pixels
 
 
 class Picture:
-    """Remembers one lane of a mission step by step, and draws its present."""
+    """Remembers one sub-environment step by step, and draws its present."""
 
-    def __init__(self, lane: int = 0) -> None:
-        self._lane = lane
+    def __init__(self, env: int = 0) -> None:
+        self._env = env
         self._steps: list[dict[str, NDArray[Any]]] = []
 
     def see(self, mission: Mission) -> None:
         """Take note of the state; step 0 begins anew."""
-        lane, state = self._lane, mission.state
-        if mission.step[lane] == 0:
-            self._steps, self._items = [], np.flatnonzero(state.item_node[lane] >= 0)
+        env, state = self._env, mission.state
+        if mission.step[env] == 0:
+            self._steps, self._items = [], np.flatnonzero(state.item_node[env] >= 0)
         grid, fleet = mission.setup.graph.grid, mission.setup.fleet
-        own, items = np.array([lane]), self._items  # without the padding of other lanes
+        own, items = np.array([env]), self._items  # without the padding for other episodes
         scouts, foragers = (
             mission.times_seen(team, own)[0] > 0 for team in (fleet.discoverers, fleet.collectors)
         )
         self._steps.append(
             {
-                "agent_rc": state.agent_rc[lane].astype(np.float32),
-                "item_rc": state.item_rc[lane, items].astype(np.float32),
-                "item_present": state.item_node[lane, items] >= 0,
-                "belief": grid(mission.knowledge.belief[lane]).astype(np.int16),
+                "agent_rc": state.agent_rc[env].astype(np.float32),
+                "item_rc": state.item_rc[env, items].astype(np.float32),
+                "item_present": state.item_node[env, items] >= 0,
+                "belief": grid(mission.knowledge.belief[env]).astype(np.int16),
                 "idleness": grid(mission.idleness(own)[0]).astype(np.float16),
                 "in_view": grid(scouts + np.uint8(2) * foragers).astype(np.uint8),
             }
         )
-        self._found = mission.ledger.entries.t_discovered[lane, items]
+        self._found = mission.ledger.entries.t_discovered[env, items]
 
     def draw(self, game: Game, episodes: Episodes) -> NDArray[np.uint8]:
-        """(height, width, 3) the present of the lane, with its seed and episode in the title."""
+        """(height, width, 3) what is there now, with the seed and episode in the title."""
         from mjforage.view.render import TopView  # matplotlib-free, but slow to import
 
         arrays: dict[str, Any] = {
@@ -67,7 +67,7 @@ class Picture:
             track_items=np.zeros((1, items, 2), np.float32),
             track_present=np.zeros((1, items), np.bool_),
             track_wind=np.zeros((1, 2), np.float32),
-            world=game.choice.world,
+            world=game.options.world,
             seed=episodes.seed,
             episode=episodes.number,
             t_discovered=self._found,

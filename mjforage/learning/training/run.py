@@ -1,6 +1,6 @@
 """`mjforage train ddqn`: a run in a folder, from its checkpoint if there is one, to its end.
 
-Folder: `training.json` (command, scenario, settings, seed, versions), `training.parquet`,
+Folder: `training.json` (command, scenario, hyperparameters, seed, versions), `training.parquet`,
 `evaluations.parquet`, `tensorboard/`, `checkpoint.safetensors`, `weights.safetensors` (latest) and
 `best.safetensors` (of the best evaluation).
 """
@@ -18,13 +18,20 @@ import torch
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Scenario
 from mjforage.learning.training.checkpoint import identity, restore_checkpoint, save_checkpoint
+from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.logs import Logs
+<<<<<<< HEAD
 from mjforage.learning.training.settings import Settings
 from mjforage.learning.training.training import Row, Trainer, save_weights
+from mjforage.runs.lock import claimed
+from mjforage.runs.storage import open_folder
+=======
+from mjforage.learning.training.trainer import Row, Trainer, save_weights
 from mjforage.runs.storage import claimed, open_folder, writing
+>>>>>>> house
 
 CHECKPOINT_S = 300.0  # between two checkpoints
-IDENTITY = ("seed", "device", "settings", "scenario", "also", "versions")
+IDENTITY = ("seed", "device", "hyperparameters", "scenario", "also", "versions")
 """Keys of `training.json` in which two runs must agree for one to go on where the other stopped."""
 
 Report = Callable[[str, Row], None]
@@ -32,7 +39,7 @@ Report = Callable[[str, Row], None]
 
 def train(
     scenario: Scenario,
-    settings: Settings,
+    hyperparameters: Hyperparameters,
     folder: Path,
     *,
     also: Sequence[Scenario] = (),
@@ -50,7 +57,7 @@ def train(
     Parameters
     ----------
     also : scenarios that rounds take in turn with the first
-    folder : of the run; a run of the same scenario, settings, seed and device in it goes on
+    folder : of the run; a run of the same scenario, hyperparameters, seed and device in it goes on
     hours, updates : where to stop; at least one
     device : auto, cpu or cuda
     report : called with every row that is logged, and its table's name
@@ -62,9 +69,14 @@ def train(
         folder holds another run or is being written.
     """
     _check_ends(hours, updates)
+<<<<<<< HEAD
     trainer = Trainer([scenario, *also], settings, seed, _device(device))
+    open_folder(folder, "training", _facts(trainer), IDENTITY)
+=======
+    trainer = Trainer([scenario, *also], hyperparameters, seed, _device(device))
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
+>>>>>>> house
     with claimed(folder):
         _go_on(trainer, folder, hours, updates, report)
     return trainer
@@ -74,8 +86,12 @@ def _go_on(
     trainer: Trainer, folder: Path, hours: float | None, updates: int | None, report: Report
 ) -> None:
     """Rounds from the folder's checkpoint, if there is one, to the end."""
+<<<<<<< HEAD
     checkpoint, settings = folder / "checkpoint.safetensors", trainer.settings
+=======
+    checkpoint, hyperparameters = folder / "checkpoint.safetensors", trainer.hyperparameters
     open_folder(folder, "training", _facts(trainer), IDENTITY)
+>>>>>>> house
     if checkpoint.is_file():
         restore_checkpoint(trainer, checkpoint)
     logs, progress = Logs(folder, trainer.progress), trainer.progress
@@ -85,7 +101,7 @@ def _go_on(
         logs.add("training", row)
         report("training", row)
         over = _over(trainer, hours, updates)
-        due = progress.updates >= settings.evaluate_every + progress.evaluated
+        due = progress.updates >= hyperparameters.evaluate_every + progress.evaluated
         if due or over:
             found = trainer.evaluate()
             logs.add("evaluations", found)

@@ -41,7 +41,8 @@ def _pointer(ctype: Any) -> Any:
     return at
 
 
-_f64, _i32, _address = _pointer(types.float64), _pointer(types.int32), _pointer(types.uintp)
+_f64, _i32 = _pointer(types.float64), _pointer(types.int32)
+_size, _address = _pointer(types.int64), _pointer(types.uintp)  # mjtSize, and any pointer
 
 
 def _factor_m() -> Any:
@@ -69,7 +70,7 @@ def native_callback() -> Any:
     o_qpos, o_qvel, o_act, o_ctrl, o_userdata, o_force, o_mass = at[5:]
 
     def passive(m: int, d: int) -> None:
-        n_numeric, n_user = _i32(m + o_n_numeric)[0], _i32(m + o_n_user)[0]
+        n_numeric, n_user = _size(m + o_n_numeric)[0], _size(m + o_n_user)[0]
         if n_numeric < HEADER:
             return
         numeric = carray(_f64(_address(m + o_numeric)[0]), n_numeric)

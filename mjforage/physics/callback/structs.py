@@ -1,8 +1,9 @@
-"""Where mjModel and mjData keep what the callback reads, found by looking.
+"""Where mjModel and mjData keep what the native callback reads, in bytes from their beginning.
 
-MuJoCo gives native callbacks two struct addresses and no header to read them with. A toy model
-with telling values is compiled once; the struct is searched for the addresses of its arrays and
-for its sizes. The self-test then proves the result.
+MuJoCo gives native callbacks two struct addresses and no header to read them with. The
+declarations of its structs ship with the Python package (`mujoco.introspect`); ctypes lays them out
+as the C compiler did. Every offset is then held against a toy model: the member must have the
+address of the array that Python sees, or the number. The self-test proves the result.
 """
 
 import ctypes
@@ -10,16 +11,27 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import mujoco
-import numpy as np
-from numpy.typing import NDArray
+from mujoco.introspect.ast_nodes import AnonymousUnionDecl, ArrayType, PointerType, ValueType
+from mujoco.introspect.structs import STRUCTS
 
-DATA_BYTES, MODEL_BYTES = 162_096, 5_672  # searched at most: the struct sizes of MuJoCo 3.17.0
-N_NUMERIC, N_USER, TIMESTEP_S = 491, 1013, 0.0123456789  # of the toy model, found nowhere else
+_SCALARS: dict[str, Any] = {
+    "char": ctypes.c_char,
+    "double": ctypes.c_double,
+    "float": ctypes.c_float,
+    "int": ctypes.c_int,
+    "mjtBool": ctypes.c_ubyte,
+    "mjtByte": ctypes.c_ubyte,
+    "mjtNum": ctypes.c_double,
+    "mjtSize": ctypes.c_int64,
+    "size_t": ctypes.c_size_t,
+    "uint64_t": ctypes.c_uint64,
+    "uintptr_t": ctypes.c_void_p,
+}
 
-_TOY = f"""
+_TOY = """
 <mujoco>
-  <option timestep="{TIMESTEP_S}"/><size nuserdata="{N_USER}"/>
-  <custom><numeric name="mark" size="{N_NUMERIC}" data="1"/></custom>
+  <option timestep="0.0123456789"/><size nuserdata="1013"/>
+  <custom><numeric name="mark" size="491" data="1"/></custom>
   <worldbody><body><joint name="x" type="slide"/><geom size="1"/></body></worldbody>
   <actuator><general joint="x" dyntype="filter" gainprm="0"/></actuator>
 </mujoco>
@@ -27,11 +39,11 @@ _TOY = f"""
 
 
 class StructError(RuntimeError):
-    """A field is not where this MuJoCo's structs were searched; the native callback cannot run."""
+    """MuJoCo's structs are not as it declares them; the native callback cannot run."""
 
 
 class Offsets(NamedTuple):
-    """Byte offsets of fields. Of mjModel: the first five; of mjData: the rest."""
+    """Byte offsets of members. Of mjModel: the first five; of mjData: the rest."""
 
     n_numeric: int
     n_user: int
@@ -47,52 +59,76 @@ class Offsets(NamedTuple):
     mass: int
 
 
-def _words(address: int, nbytes: int, dtype: str) -> NDArray[np.generic]:
-    raw: Any = (ctypes.c_ubyte * nbytes).from_address(address)
-    return np.asarray(raw).view(dtype)
+def _c_type(declared: Any, where: str) -> Any:
+    """The ctypes type of a declaration of `mujoco.introspect`."""
+    if isinstance(declared, PointerType):
+        return ctypes.c_void_p
+    if isinstance(declared, ArrayType):
+        made = _c_type(declared.inner_type, where)
+        for extent in reversed(declared.extents):
+            made *= extent
+        return made
+    if not isinstance(declared, ValueType):
+        return _c_struct(declared, where)
+    if declared.name in STRUCTS:
+        return _c_struct(STRUCTS[declared.name], declared.name)
+    if declared.name not in _SCALARS:
+        raise StructError(f"{where} is of the type {declared.name}, whose size is not known")
+    return _SCALARS[declared.name]
 
 
-def _find(words: NDArray[np.generic], value: float, what: str) -> int:
-    """Offset of the last hit: mjData also points at its whole buffer, which begins with qpos."""
-    hits = np.flatnonzero(words == value)
-    if hits.size == 0:
-        raise StructError(f"{what} not found in the structs of MuJoCo {mujoco.__version__}")
-    return int(hits[-1]) * words.itemsize
+def _c_struct(declared: Any, where: str) -> Any:
+    """The ctypes structure (or union) with the members of a declaration."""
+    base: Any = ctypes.Union if isinstance(declared, AnonymousUnionDecl) else ctypes.Structure
+    members = [
+        (member.name, _c_type(member.type, f"{where}.{member.name}")) for member in declared.fields
+    ]
+    return type(where, (base,), {"_fields_": members})
+
+
+def _offset(layout: Any, address: int, member: str, expected: float) -> int:
+    """Offset of a member that holds `expected`, in the struct at `address`."""
+    at: int = 0
+    for name in member.split("."):
+        if not hasattr(layout, name):
+            raise StructError(f"{member} is no member of MuJoCo {mujoco.__version__}'s structs")
+        at += getattr(layout, name).offset
+        layout = dict(layout._fields_)[name]
+    if ctypes.sizeof(layout) != 8 or layout.from_address(address + at).value != expected:
+        raise StructError(f"{member} is not where MuJoCo {mujoco.__version__} declares it")
+    return at
 
 
 @lru_cache(maxsize=1)
 def offsets() -> Offsets:
-    """Search the structs of this process's MuJoCo.
+    """Offsets in the structs of this process's MuJoCo; each member read is 8 bytes long.
 
     Raises
     ------
     StructError
-        If a field is not found.
+        If a member is missing, of an unknown type, or does not hold what it should.
     """
     model = mujoco.MjModel.from_xml_string(_TOY)
     data = mujoco.MjData(model)
-    ints = _words(model._address, MODEL_BYTES, "i4")
-    reals = _words(model._address, MODEL_BYTES, "f8")
-    model_pointers = _words(model._address, MODEL_BYTES, "u8")
-    data_pointers = _words(data._address, DATA_BYTES, "u8")
+    of_model, of_data = (_c_struct(STRUCTS[name], name) for name in ("mjModel", "mjData"))
 
-    def in_model(array: NDArray[np.generic], what: str) -> int:
-        return _find(model_pointers, array.ctypes.data, what)
+    def in_model(member: str, expected: float) -> int:
+        return _offset(of_model, model._address, member, expected)
 
-    def in_data(array: NDArray[np.generic], what: str) -> int:
-        return _find(data_pointers, array.ctypes.data, what)
+    def in_data(member: str) -> int:
+        return _offset(of_data, data._address, member, getattr(data, member).ctypes.data)
 
     return Offsets(
-        n_numeric=_find(ints, N_NUMERIC, "nnumericdata"),
-        n_user=_find(ints, N_USER, "nuserdata"),
-        timestep=_find(reals, TIMESTEP_S, "opt.timestep"),
-        numeric=in_model(model.numeric_data, "numeric_data"),
-        row_start=in_model(model.M_rowadr, "M_rowadr"),
-        qpos=in_data(data.qpos, "qpos"),
-        qvel=in_data(data.qvel, "qvel"),
-        act=in_data(data.act, "act"),
-        ctrl=in_data(data.ctrl, "ctrl"),
-        userdata=in_data(data.userdata, "userdata"),
-        force=in_data(data.qfrc_passive, "qfrc_passive"),
-        mass=in_data(data.M, "M"),
+        n_numeric=in_model("nnumericdata", model.numeric_data.size),
+        n_user=in_model("nuserdata", model.nuserdata),
+        timestep=in_model("opt.timestep", model.opt.timestep),
+        numeric=in_model("numeric_data", model.numeric_data.ctypes.data),
+        row_start=in_model("M_rowadr", model.M_rowadr.ctypes.data),
+        qpos=in_data("qpos"),
+        qvel=in_data("qvel"),
+        act=in_data("act"),
+        ctrl=in_data("ctrl"),
+        userdata=in_data("userdata"),
+        force=in_data("qfrc_passive"),
+        mass=in_data("M"),
     )

@@ -1,4 +1,4 @@
-"""One seeded weather for boats and debris: wind with gusts and height, current with circulation.
+"""One seeded weather for boats and debris: wind with gusts, current with circulation.
 
 A value is a function of (seed, episode, time, place) and of nothing else: no time step, no order
 of queries, no batch. `WeatherSettings` says what the weather is like, `Field` answers queries.

@@ -10,14 +10,15 @@ from graph_planner.compiled import kernel
 from graph_planner.navigation import NavigationGraph
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.core.errors import UserError
-from mjforage.core.initial_state import item_noise
+from mjforage.core.initial_state import LEEWAY, item_noise
 from mjforage.physics.weather.circulation import Circulation, circulation, circulation_velocity
 from mjforage.physics.weather.gauss_markov import gauss_markov_pair
-from mjforage.physics.weather.profile import height_factor
 from mjforage.physics.weather.settings import WeatherSettings
 
 FloatArray = NDArray[np.float64]
 
+CROSSWIND_RATIO = 0.8  # gusts across the wind over those along it (IEC 61400-1, annex B)
+WANDER_TAU_S = 600.0  # correlation time of the wandering current; an estimate
 _EARLY = 1e-6  # periods; a time this little before a period's start counts as in it
 _DIRECTION = 1000  # step of a drawn direction in its stream, away from the other draws
 _STILL = Circulation(np.zeros((1, 1, 4)), 1.0, 0.0)
@@ -25,6 +26,7 @@ _STILL = Circulation(np.zeros((1, 1, 4)), 1.0, 0.0)
 
 @kernel
 def _stream_keys(keys: UInt64Array, stream: int) -> UInt64Array:
+    """(episode,) key of one stream of each episode."""
     result = np.empty_like(keys)
     for e in range(keys.size):
         result[e] = stream_key(keys[e], stream)
@@ -60,31 +62,22 @@ def _constant_vectors(
 def _wind(
     t_s: FloatArray,
     xy: FloatArray,
-    factor: FloatArray,
     mean: FloatArray,
     gust_keys: UInt64Array,
     intensity: float,
-    across: float,
     tau_s: float,
-    travel: bool,
 ) -> FloatArray:
+    """Mean wind and the gusts along and across it, (episode, point, 2) [m/s]."""
     out = np.empty(xy.shape)
     for e in range(xy.shape[0]):
-        u, v, now = mean[e, 0], mean[e, 1], t_s[e] / tau_s
-        squared = u * u + v * v
-        gusty, moving = intensity > 0.0 and squared > 0.0, travel
+        u, v = mean[e, 0], mean[e, 1]
         ahead = beside = 0.0
-        if gusty and not moving:
-            ahead, beside = gauss_markov_pair(gust_keys[e], now)
+        if intensity > 0.0 and u * u + v * v > 0.0:
+            ahead, beside = gauss_markov_pair(gust_keys[e], t_s[e] / tau_s)
+        along, aside = 1.0 + intensity * ahead, intensity * CROSSWIND_RATIO * beside
+        wind_u, wind_v = along * u - aside * v, along * v + aside * u
         for p in range(xy.shape[1]):
-            if gusty and moving:
-                lag = (xy[e, p, 0] * u + xy[e, p, 1] * v) / (squared * tau_s)
-                ahead, beside = math.nan, math.nan
-                if math.isfinite(lag):
-                    ahead, beside = gauss_markov_pair(gust_keys[e], now - lag)
-            along, aside = 1.0 + intensity * ahead, intensity * across * beside
-            out[e, p, 0] = factor[p] * (along * u - aside * v)
-            out[e, p, 1] = factor[p] * (along * v + aside * u)
+            out[e, p, 0], out[e, p, 1] = wind_u, wind_v
     return out
 
 
@@ -95,17 +88,17 @@ def _current(
     mean: FloatArray,
     keys: UInt64Array,
     wander: float,
-    tau_s: float,
     peak: float,
     patches: FloatArray,
     spacing_m: float,
     corner_m: float,
 ) -> FloatArray:
+    """Constant, wandering and circulating current, (episode, point, 2) [m/s]."""
     out = np.empty(xy.shape)
     for e in range(xy.shape[0]):
         u, v = mean[e, 0], mean[e, 1]
         if wander > 0.0:
-            wander_u, wander_v = gauss_markov_pair(keys[e], t_s[e] / tau_s)
+            wander_u, wander_v = gauss_markov_pair(keys[e], t_s[e] / WANDER_TAU_S)
             u, v = u + wander * wander_u, v + wander * wander_v
         for p in range(xy.shape[1]):
             turn_u = turn_v = 0.0
@@ -121,6 +114,7 @@ def _current(
 def _item_noise(
     t_s: FloatArray, keys: UInt64Array, items: int, reach: float, period_s: float
 ) -> FloatArray:
+    """The paper's noise of the period that is on, as (x, y), (episode, item, 2) [m/s]."""
     out = np.empty((t_s.size, items, 2))
     for e in range(t_s.size):
         step = math.floor(t_s[e] / period_s + _EARLY) + 1  # the graph's steps count from 1
@@ -144,7 +138,7 @@ class Field:
     Attributes
     ----------
     settings : what was asked for
-    mean_wind_mps : (episode, 2) wind without gusts at the reference height [m/s]
+    mean_wind_mps : (episode, 2) wind without gusts [m/s]
     mean_current_mps : (episode, 2) constant part of the current [m/s]
     """
 
@@ -184,7 +178,7 @@ class Field:
             )
         toward, flow = _radians(settings.wind_toward_deg), _radians(settings.current_toward_deg)
         wind = _constant_vectors(keys, Stream.WEATHER, settings.wind_speed_mps, toward)
-        drawn = _drawn_vectors(keys, settings.drawn_drift_mps) / settings.drawn_drift_leeway
+        drawn = _drawn_vectors(keys, settings.drawn_drift_mps) / LEEWAY
         return cls(
             settings,
             wind + drawn,
@@ -210,19 +204,16 @@ class Field:
             raise ValueError(f"xy: shape {points.shape}, expected ({len(self)}, point, 2)")
         return points
 
-    def wind(
-        self, t_s: ArrayLike, xy: NDArray[np.float64], height_m: ArrayLike | None = None
-    ) -> FloatArray:
+    def wind(self, t_s: ArrayLike, xy: NDArray[np.float64]) -> FloatArray:
         """Wind over ground.
 
-        Gusts are Ornstein-Uhlenbeck processes of `gust_tau_s` along and across the mean wind;
-        profile and gusts multiply: the intensity is the same at every height.
+        Gusts are Ornstein-Uhlenbeck processes of `gust_tau_s` along and across the mean wind, the
+        same at every point.
 
         Parameters
         ----------
         t_s : [s], one for all or (episode,)
         xy : (episode, point, 2) [m]
-        height_m : above the water, one for all or (point,); absent: the reference height
 
         Returns
         -------
@@ -231,23 +222,16 @@ class Field:
         Raises
         ------
         ValueError
-            If a shape does not fit, a time is not finite or a height is negative.
+            If a shape does not fit or a time is not finite.
         """
-        settings, points = self.settings, self._points(xy)
-        factor = np.ones(points.shape[1])
-        if height_m is not None:
-            heights = np.broadcast_to(np.asarray(height_m, np.float64), factor.shape)
-            factor = height_factor(settings, heights)
+        settings = self.settings
         return _wind(
             self._times(t_s),
-            points,
-            factor,
+            self._points(xy),
             self.mean_wind_mps,
             self._gust_keys,
             settings.gust_intensity,
-            settings.gust_crosswind_ratio,
             settings.gust_tau_s,
-            settings.gusts_travel,
         )
 
     def current(self, t_s: ArrayLike, xy: NDArray[np.float64]) -> FloatArray:
@@ -274,7 +258,6 @@ class Field:
             self.mean_current_mps,
             self._current_keys,
             settings.current_wander_mps,
-            settings.current_wander_tau_s,
             settings.circulation_mps,
             turning.patches,
             turning.spacing_m,

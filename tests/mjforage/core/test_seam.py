@@ -239,6 +239,8 @@ def test_episodes_are_adopted_with_what_each_holder_knows() -> None:
     into, source = both
     kept = into.exchange.knowledge.belief[[0, 1, 4, 5]]
     into.adopt(np.array([1]), source)
-    np.testing.assert_array_equal(into.exchange.knowledge.belief[2:4], source.exchange.knowledge.belief)
+    np.testing.assert_array_equal(
+        into.exchange.knowledge.belief[2:4], source.exchange.knowledge.belief
+    )
     np.testing.assert_array_equal(into.exchange.knowledge.belief[[0, 1, 4, 5]], kept)
     np.testing.assert_array_equal(into.ledger.entries.truth[1], source.ledger.entries.truth[0])

@@ -53,7 +53,7 @@ def test_numbers_of_its_own_are_as_documented() -> None:
             5: (agent - 3) / 2 if agent >= 3 else agent / 3,
             8: (2 if agent >= 3 else 3) * 32 / 255,
             9: (3 if agent >= 3 else 2) * 32 / 255,
-            10: task.ground.moves[agent] * 32 / 255,
+            10: task.arrays.moves[agent] * 32 / 255,
             11: task.fleet.radius[agent] * 16 / 255,
         }
         for entry, value in expected.items():

@@ -6,16 +6,16 @@ import torch
 
 from graph_planner.encodings import Shapes
 from mjforage.learning.training.ddqn import Learner, lead_lacking
-from mjforage.learning.training.replay import FINAL, PLAYED, Batch
-from mjforage.learning.training.settings import Settings, changed
+from mjforage.learning.training.hyperparameters import Hyperparameters, changed
+from mjforage.learning.training.replay_memory import FINAL, PLAYED, Batch
 
 SHAPES: Shapes = {"x": (2,)}
 
 
 def learner(**changes: object) -> Learner:
     plain = {"n_step": 1, "gamma": 0.5, "learning_rate": 1e-2}
-    settings = changed(Settings(), plain | changes)
-    return Learner(SHAPES, 1, settings, seed=0)
+    hyperparameters = changed(Hyperparameters(), plain | changes)
+    return Learner(SHAPES, 1, hyperparameters, seed=0)
 
 
 def batch(legal: list[int], discount: float = 0.5, shown: tuple[int, ...] = ()) -> Batch:
@@ -96,17 +96,17 @@ def test_it_learns_the_values_of_a_chain() -> None:
     legal, nothing = np.ones((1, 9), np.bool_), np.zeros((1, 9), np.bool_)
     for _ in range(150):
         a, b = random.integers(0, 9, 2)
-        one.replay.open({"x": first}, legal, np.array([PLAYED], np.uint8))
-        one.replay.close(np.array([a]), nothing, np.array([float(a == 1)]), np.array([a != 1]))
+        one.memory.open({"x": first}, legal, np.array([PLAYED], np.uint8))
+        one.memory.close(np.array([a]), nothing, np.array([float(a == 1)]), np.array([a != 1]))
         if a == 1:
-            one.replay.open({"x": second}, legal, np.array([PLAYED], np.uint8))
-            one.replay.close(np.array([b]), nothing, np.array([2.0 * (b == 2)]), np.array([True]))
-        one.replay.open({"x": second}, legal, np.array([FINAL], np.uint8))
-        one.replay.finish()
+            one.memory.open({"x": second}, legal, np.array([PLAYED], np.uint8))
+            one.memory.close(np.array([b]), nothing, np.array([2.0 * (b == 2)]), np.array([True]))
+        one.memory.open({"x": second}, legal, np.array([FINAL], np.uint8))
+        one.memory.finish()
     for _ in range(400):
-        drawn = one.replay.draw(32, 0.5, random)
+        drawn = one.memory.draw(32, 0.5, random)
         _, errors = one.learn(drawn)
-        one.replay.reprioritise(drawn.rows, errors, 0.6)
+        one.memory.reprioritise(drawn.rows, errors, 0.6)
     values = one.values({"x": np.concatenate((first, second))})
     assert values.argmax(axis=1).tolist() == [1, 2]
     assert values[1, 2] == pytest.approx(2.0, abs=0.25)

@@ -43,7 +43,7 @@ def test_a_replay_of_before_discoveries_is_read_but_not_drawn(
     small: Replay, tmp_path: Path
 ) -> None:
     path = tmp_path / "old.npz"
-    replace(small, t_discovered=None).save(path)
+    path.write_bytes(replace(small, t_discovered=None).content())
     old = Replay.load(path)
     np.testing.assert_array_equal(old.item_rc, small.item_rc)
     with pytest.raises(UserError, match=r"tells no discoveries.*mjforage render"):

@@ -24,11 +24,11 @@ REWARD = MappingProxyType(
 
 
 @dataclass(frozen=True)
-class Settings:
+class Hyperparameters:
     """Hyper-parameters; the paper's where it states them (scenario section 3)."""
 
     observation: str = "egocentric"
-    lanes: int = field(default=16, metadata=bounded(1, 4096))  # episodes side by side in a round
+    num_envs: int = field(default=16, metadata=bounded(1, 4096))  # episodes side by side in a round
     gamma: float = field(default=0.99, metadata=bounded(0, 1))  # paper
     n_step: int = field(default=3, metadata=bounded(1, 50))
     batch: int = field(default=128, metadata=bounded(1, 65536))  # paper
@@ -42,7 +42,7 @@ class Settings:
     target_rate: float = field(default=0.005, metadata=bounded(0, 1))
     """Share by which the target network follows at each update."""
     updates_per_step: float = field(default=1.0, metadata=bounded(1e-3, 1000))
-    """Updates of each team's network per step of the whole batch of lanes."""
+    """Updates of each team's network per step of the whole batch of episodes."""
     warmup: int = field(default=4000, metadata=bounded(0, 10_000_000))
     """Decisions in a team's replay before its first update; a full replay will do with fewer."""
     explore_from: float = field(default=1.0, metadata=bounded(0, 1))
@@ -52,7 +52,7 @@ class Settings:
     teacher: str = ""
     """Policy that shows moves; empty: reward alone."""
     teacher_updates: int = field(default=0, metadata=bounded(0, 1_000_000_000))
-    """Updates during which there are shown moves; the share of lanes it plays falls to 0."""
+    """Updates during which there are shown moves; the share of episodes it plays falls to 0."""
     margin: float = field(default=0.3, metadata=bounded(0, 100))
     """By how much a shown move has to be better than the others (Hester et al. 2018)."""
     margin_weight: float = field(default=3.0, metadata=bounded(0, 100))
@@ -84,17 +84,17 @@ class Settings:
         return plain | {"reward": dict(self.reward)}
 
 
-def changed(settings: Settings, changes: Mapping[str, Any]) -> Settings:
-    """Settings with some values replaced; `reward.TERM` replaces one weight.
+def changed(hyperparameters: Hyperparameters, changes: Mapping[str, Any]) -> Hyperparameters:
+    """Hyperparameters with some values replaced; `reward.TERM` replaces one weight.
 
     Raises
     ------
     UserError
         If a name is not known, or a value has the wrong type or is out of range.
     """
-    known = {f.name: f for f in dataclasses.fields(Settings)}
+    known = {f.name: f for f in dataclasses.fields(Hyperparameters)}
     values: dict[str, Any] = {}
-    reward = dict(settings.reward)
+    reward = dict(hyperparameters.reward)
     for name, value in changes.items():
         first, _, term = name.partition(".")
         if first == "reward" and term:
@@ -102,8 +102,8 @@ def changed(settings: Settings, changes: Mapping[str, Any]) -> Settings:
         elif name not in known or name == "reward":
             raise UserError(f"{name}: unknown setting; known: {', '.join(known)}, reward.TERM")
         else:
-            kind = type(getattr(settings, name))
+            kind = type(getattr(hyperparameters, name))
             if type(value) is not kind and not (kind is float and type(value) is int):
                 raise UserError(f"{name} = {value!r}: expected {kind.__name__}")
             values[name] = kind(value)
-    return dataclasses.replace(settings, **values, reward=MappingProxyType(reward))
+    return dataclasses.replace(hyperparameters, **values, reward=MappingProxyType(reward))

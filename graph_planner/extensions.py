@@ -1,0 +1,199 @@
+"""Tables of things by name, ours and those that users bring from outside.
+
+A table knows what is registered by decorator, what an installed package brings by an entry point,
+and `package.module:Name`, importable from the present folder too. A worker process, to which only
+names travel, finds them again by `places` and `adopt`.
+"""
+
+import importlib
+import sys
+from collections.abc import Callable, Iterable
+from functools import cached_property
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from typing import Any, Generic, NamedTuple, TypeVar
+
+from graph_planner.errors import UserError
+from graph_planner.references import Reference, bind, nearest, parse_reference
+
+T = TypeVar("T", bound=Callable[..., Any])
+_OURS = ("graph_planner", "controllers", "metrics", "mjforage")
+
+
+class Place(NamedTuple):
+    """Where another process finds something: a reference, and the folder to import it from."""
+
+    reference: str  # package.module:Name
+    folder: str  # "" for what is installed
+
+
+class Table(Generic[T]):
+    """Classes or functions of one kind, by name.
+
+    Attributes
+    ----------
+    kind : what they are, for messages
+    group : entry points of installed packages that belong to it
+    """
+
+    def __init__(self, kind: str, group: str) -> None:
+        self.kind, self.group = kind, group
+        self._registered: dict[str, T] = {}
+
+    def register(self, name: str) -> Callable[[T], T]:
+        """Decorator that makes something known under a name.
+
+        Raises
+        ------
+        ValueError
+            If the name is taken.
+        """
+
+        def add(made: T) -> T:
+            if name in self._registered:
+                raise ValueError(f"{self.kind} {name!r} is registered already")
+            self._registered[name] = made
+            return made
+
+        return add
+
+    @cached_property
+    def _entries(self) -> dict[str, EntryPoint]:
+        return {entry.name: entry for entry in entry_points(group=self.group)}
+
+    def names(self) -> list[str]:
+        """All names that are registered or installed, sorted."""
+        return sorted({*self._registered, *self._entries})
+
+    def has(self, name: str) -> bool:
+        """Whether a name is registered or installed."""
+        return name in self._registered or name in self._entries
+
+    def find(self, name: str) -> T:
+        """What a name without options stands for; one that is registered comes first.
+
+        Raises
+        ------
+        UserError
+            If there is none of that name (the message offers the nearest), or it cannot be
+            imported.
+        """
+        if name in self._registered:
+            return self._registered[name]
+        reference = name
+        if ":" not in name:
+            if name not in self._entries:
+                remedy = nearest(name, self.names())
+                raise UserError(f"{self.kind} {name}: unknown; {remedy}")
+            reference = self._entries[name].value
+        found: T = _imported(reference, f"{self.kind} {name}")
+        return found
+
+    def bound(self, text: str) -> tuple[Reference, T, dict[str, Any]]:
+        """A reference as all spell it, what it names, and its options as keyword arguments.
+
+        Raises
+        ------
+        UserError
+            As `find`, and for options that it does not take.
+        """
+        reference = parse_reference(text, self.kind)
+        made = self.find(reference.name)
+        ours = [name for name, one in self._registered.items() if one is made and _is_ours(made)]
+        if ours:
+            reference = Reference(ours[0], reference.options)
+        spelt, values = bind(made, reference, self.kind)
+        return spelt, made, values
+
+    def origin(self, name: str) -> str:
+        """Where a name comes from: a distribution and its version, a module; "" for ours."""
+        entry = self._entries.get(name) if name not in self._registered else None
+        if entry is not None and entry.dist is not None:
+            return f"{entry.dist.name} {entry.dist.version}"
+        made = self.find(name)
+        return "" if _is_ours(made) else str(made.__module__)
+
+    def places(self, names: Iterable[str]) -> dict[str, Place]:
+        """Where another process finds those names that are not ours.
+
+        Raises
+        ------
+        UserError
+            If one is of the script itself, which another process cannot import.
+        """
+        return {name: self._place(name) for name in names if not _is_ours(self.find(name))}
+
+    def _place(self, name: str) -> Place:
+        made = self.find(name)
+        module, path = made.__module__, getattr(made, "__qualname__", "<none>")
+        if module == "__main__" or "<" in path:
+            raise UserError(
+                f"{self.kind} {name}: {path} is defined in the script itself or within a function, "
+                "where worker processes cannot import it; move it to the top of a module and give "
+                f"MODULE:{path.rpartition('.')[2]}, or compute with one process"
+            )
+        root = getattr(sys.modules[module.partition(".")[0]], "__file__", None)
+        folder = Path(root).resolve().parent if root else None
+        if folder is not None and Path(str(root)).name == "__init__.py":
+            folder = folder.parent
+        return Place(f"{module}:{path}", str(folder or ""))
+
+    def adopt(self, name: str, place: Place) -> None:
+        """Make a name known that another process found, by its place there.
+
+        Raises
+        ------
+        UserError
+            If it cannot be imported here.
+        """
+        if name in self._registered:
+            return
+        _reach(place.folder)
+        made = _imported(place.reference, f"{self.kind} {name}")
+        self._registered.setdefault(name, made)  # its module may have registered it itself
+
+
+def _is_ours(made: Any) -> bool:
+    return getattr(made, "__module__", "").partition(".")[0] in _OURS
+
+
+def _reach(folder: str) -> None:
+    """Let modules of a folder be imported, after all that is installed, which they never hide."""
+    if folder and folder not in sys.path and Path(folder).is_dir():
+        sys.path.append(folder)
+
+
+def _imported(reference: str, what: str) -> Any:
+    """Import `package.module:Name`.
+
+    Raises
+    ------
+    UserError
+        If there is no such module or name, or the module itself does not import.
+    """
+    module_name, _, path = reference.partition(":")
+    _reach(str(Path.cwd()))
+    try:
+        found: Any = importlib.import_module(module_name)
+    except ModuleNotFoundError as error:
+        if not error.name or not f"{module_name}.".startswith(f"{error.name}."):
+            raise UserError(
+                f"{what}: module {module_name} needs {error.name}; install it"
+            ) from error
+        raise UserError(
+            f"{what}: no module {error.name} is installed or in {Path.cwd()}; go to its folder or "
+            "name it in PYTHONPATH"
+        ) from error
+    except SyntaxError as error:
+        raise UserError(f"{what}: {error.filename}, line {error.lineno}: {error.msg}") from error
+    except (ImportError, NameError, ValueError) as error:
+        raise UserError(
+            f"{what}: module {module_name} cannot be imported ({type(error).__name__}: {error}); "
+            "mend it"
+        ) from error
+    for name in path.split("."):
+        if not hasattr(found, name):
+            names = [one for one, value in vars(found).items() if isinstance(value, type)]
+            raise UserError(f"{what}: {module_name} has no {path}; {nearest(name, names)}")
+        found = getattr(found, name)
+    return found

@@ -1,0 +1,209 @@
+"""References such as `auction(margin=2, fast=true)`: a name and options, as text and back.
+
+Values are TOML; a bare word is text. The text of a reference is its label: in tables, in files, and
+in what a run is.
+"""
+
+import difflib
+import inspect
+import json
+import re
+import tomllib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+
+from graph_planner.errors import UserError
+
+_BARE = re.compile(r"[\w./+~-]+")
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Which one, and how.
+
+    Attributes
+    ----------
+    name : registered, of an entry point, or `package.module:Name`
+    options : keyword -> value
+    """
+
+    name: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        """The text that `parse_reference` reads, options in the order of their names."""
+        if not self.options:
+            return self.name
+        inside = ", ".join(f"{key}={_text(self.options[key])}" for key in sorted(self.options))
+        return f"{self.name}({inside})"
+
+
+def parse_reference(text: str, kind: str) -> Reference:
+    """Read a reference.
+
+    Parameters
+    ----------
+    text : NAME or NAME(OPTION=VALUE, ...)
+    kind : what it refers to, for messages
+
+    Raises
+    ------
+    UserError
+        If it is neither.
+    """
+    name, opened, inside = text.strip().partition("(")
+    name, inside = name.strip(), inside.strip()
+    if not name or (opened and not inside.endswith(")")):
+        raise UserError(f"{kind} {text!r}: expected NAME or NAME(OPTION=VALUE, ...)")
+    options: dict[str, Any] = {}
+    piece = ""
+    for part in inside[:-1].split(",") if opened else ():
+        piece = f"{piece},{part}" if piece else part
+        key, sign, value = (word.strip() for word in piece.partition("="))
+        found = _value(value) if sign and key.isidentifier() else None
+        if found is None:  # a comma within a list or a text
+            continue
+        if key in options:
+            raise UserError(f"{kind} {text!r}: option {key} is given twice")
+        options[key], piece = found, ""
+    if piece.strip():
+        raise UserError(
+            f"{kind} {text!r}: {piece.strip()!r} is no OPTION=VALUE; values are numbers, true, "
+            'false, words, "texts" or [lists], separated by commas'
+        )
+    return Reference(name, options)
+
+
+def _value(text: str) -> Any:
+    """A TOML value of plain kind, or a bare word; None for neither."""
+    try:
+        tree = tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        return text if _BARE.fullmatch(text) else None
+    value = tree.pop("value")
+    if tree or value != value:  # a second line, or NaN, which equals nothing
+        return None
+    return value if isinstance(value, bool | int | float | str | list | dict) else text
+
+
+def _text(value: Any) -> str:
+    """A value as TOML has it, bare where that reads the same."""
+    if isinstance(value, str):
+        plain = _BARE.fullmatch(value) and _value(value) == value
+        return value if plain else json.dumps(value, ensure_ascii=False)
+    if isinstance(value, list):
+        return f"[{', '.join(_text(one) for one in value)}]"
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{json.dumps(k)} = {_text(v)}" for k, v in value.items()) + "}"
+    return str(value).lower() if isinstance(value, bool) else repr(value)
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """A remedy for an unknown name: the nearest known one, or all."""
+    names = sorted(known)
+    close = difflib.get_close_matches(name, names, n=1)
+    return f"did you mean {close[0]}?" if close else f"choose {', '.join(names) or 'none'}"
+
+
+def bind(made: Callable[..., object], reference: Reference, kind: str) -> tuple[Reference, Any]:
+    """Check a reference's options against the signature of what it names.
+
+    Returns
+    -------
+    The reference as all spell it (options that are the default are left out, 2.0 is 2), and the
+    keyword arguments to call with.
+
+    Raises
+    ------
+    UserError
+        If an option is unknown, missing or, as its annotation tells, of the wrong type.
+    """
+    signature: Mapping[str, inspect.Parameter]
+    try:
+        signature = inspect.signature(made).parameters
+    except (TypeError, ValueError):  # of a class written in C
+        signature = {}
+    open_end = any(one.kind is one.VAR_KEYWORD for one in signature.values())
+    known = {
+        name: one
+        for name, one in signature.items()
+        if one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)
+    }
+    hints = _hints(made) if reference.options else {}
+    spelt, values = {}, {}
+    for name, value in reference.options.items():
+        if name not in known and not open_end:
+            remedy = nearest(name, known) if known else "it takes none"
+            raise UserError(f"{kind} {reference.name}: unknown option {name}; {remedy}")
+        where = f"{kind} {reference.name}: option {name} = {_text(value)}"
+        values[name] = fitting(value, hints.get(name, Any), where)
+        if name not in known or not _same(values[name], known[name].default):
+            spelt[name] = _spelt(value, values[name])
+    for name, one in known.items():
+        if one.default is one.empty and name not in values:
+            raise UserError(
+                f"{kind} {reference.name}: option {name} is missing; give "
+                f"{reference.name}({name}=...)"
+            )
+    return Reference(reference.name, spelt), values
+
+
+def _same(value: object, default: object) -> bool:
+    return type(value) is type(default) and value == default
+
+
+def _spelt(value: Any, fitted: Any) -> Any:
+    """2 and 2.0 are one number where a float is asked for."""
+    whole = isinstance(fitted, float) and fitted.is_integer() and abs(fitted) < 1e15
+    return int(fitted) if whole and type(value) in (int, float) else value
+
+
+def _hints(made: Callable[..., object]) -> dict[str, Any]:
+    """Annotations of the arguments, none where they cannot be read."""
+    target = made.__init__ if inspect.isclass(made) else made
+    try:
+        return get_type_hints(target)
+    except (NameError, TypeError, AttributeError):
+        return {}
+
+
+def fitting(value: Any, hint: Any, where: str) -> Any:
+    """A plain value as its annotation asks: an integer as float, a text as path, a list as tuple.
+
+    Raises
+    ------
+    UserError
+        If it is of another type; annotations that are not of plain types are not checked.
+    """
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin in (Union, UnionType):
+        for one in inner:
+            try:
+                return fitting(value, one, where)
+            except UserError:
+                continue
+        raise UserError(f"{where}: expected {_name(hint)}")
+    if origin is Literal:
+        if value not in inner:
+            raise UserError(f"{where}: choose {', '.join(map(str, inner))}")
+        return value
+    kind = origin or hint
+    if kind is float and type(value) is int:
+        return float(value)
+    if kind is Path and isinstance(value, str):
+        return Path(value)
+    if kind in (tuple, list, Sequence) and isinstance(value, list):
+        each = inner[0] if inner else Any
+        return (list if kind is list else tuple)(fitting(one, each, where) for one in value)
+    checked = kind in (bool, int, float, str, tuple, list, dict, Path, NoneType)
+    if checked and type(value) is not kind:
+        raise UserError(f"{where}: expected {_name(hint)}")
+    return value
+
+
+def _name(hint: Any) -> str:
+    words = hint.__name__ if isinstance(hint, type) and not get_args(hint) else str(hint)
+    return words.replace("pathlib.", "").replace("NoneType", "None")
