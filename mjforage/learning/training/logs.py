@@ -4,15 +4,9 @@ from pathlib import Path
 
 import polars as pl
 
-<<<<<<< HEAD
 from mjforage.core.whole_files import write_bytes
-from mjforage.learning.training.training import Progress, Row
-from mjforage.runs.parquet import parquet_bytes, read_parquet
-=======
-from mjforage.core.errors import UserError
 from mjforage.learning.training.trainer import Progress, Row
-from mjforage.runs.storage import writing
->>>>>>> house
+from mjforage.runs.parquet import parquet_bytes, read_parquet
 
 TABLES = ("training", "evaluations")
 

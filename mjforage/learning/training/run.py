@@ -20,15 +20,9 @@ from mjforage.core.scenario import Scenario
 from mjforage.learning.training.checkpoint import identity, restore_checkpoint, save_checkpoint
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.logs import Logs
-<<<<<<< HEAD
-from mjforage.learning.training.settings import Settings
-from mjforage.learning.training.training import Row, Trainer, save_weights
+from mjforage.learning.training.trainer import Row, Trainer, save_weights
 from mjforage.runs.lock import claimed
 from mjforage.runs.storage import open_folder
-=======
-from mjforage.learning.training.trainer import Row, Trainer, save_weights
-from mjforage.runs.storage import claimed, open_folder, writing
->>>>>>> house
 
 CHECKPOINT_S = 300.0  # between two checkpoints
 IDENTITY = ("seed", "device", "hyperparameters", "scenario", "also", "versions")
@@ -69,14 +63,8 @@ def train(
         folder holds another run or is being written.
     """
     _check_ends(hours, updates)
-<<<<<<< HEAD
-    trainer = Trainer([scenario, *also], settings, seed, _device(device))
-    open_folder(folder, "training", _facts(trainer), IDENTITY)
-=======
     trainer = Trainer([scenario, *also], hyperparameters, seed, _device(device))
-    with writing(folder):
-        folder.mkdir(parents=True, exist_ok=True)
->>>>>>> house
+    open_folder(folder, "training", _facts(trainer), IDENTITY)
     with claimed(folder):
         _go_on(trainer, folder, hours, updates, report)
     return trainer
@@ -86,12 +74,7 @@ def _go_on(
     trainer: Trainer, folder: Path, hours: float | None, updates: int | None, report: Report
 ) -> None:
     """Rounds from the folder's checkpoint, if there is one, to the end."""
-<<<<<<< HEAD
-    checkpoint, settings = folder / "checkpoint.safetensors", trainer.settings
-=======
     checkpoint, hyperparameters = folder / "checkpoint.safetensors", trainer.hyperparameters
-    open_folder(folder, "training", _facts(trainer), IDENTITY)
->>>>>>> house
     if checkpoint.is_file():
         restore_checkpoint(trainer, checkpoint)
     logs, progress = Logs(folder, trainer.progress), trainer.progress

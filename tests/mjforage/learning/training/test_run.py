@@ -25,14 +25,8 @@ from mjforage.learning.training.checkpoint import save_checkpoint
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.run import train
-<<<<<<< HEAD
-from mjforage.learning.training.settings import Settings, changed
-from mjforage.learning.training.training import Progress, Trainer, save_weights
-from mjforage.runs.lock import claimed
-=======
 from mjforage.learning.training.trainer import Progress, Trainer, save_weights
-from mjforage.runs.storage import claimed
->>>>>>> house
+from mjforage.runs.lock import claimed
 
 TINY = {
     "num_envs": 3,
