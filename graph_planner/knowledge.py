@@ -65,7 +65,9 @@ class Knowledge(NamedTuple):
 
     def with_rows(self, rows: NDArray[np.int64], other: "Knowledge") -> "Knowledge":
         """A copy in which the given rows (row,) are those of another knowledge, in its order."""
-        return Knowledge(*(put_rows(a, rows, b) for a, b in zip(self, other, strict=True)))
+        return Knowledge(
+            *(put_rows(getattr(self, n), rows, getattr(other, n)) for n in self._fields)
+        )
 
 
 @kernel

@@ -19,16 +19,19 @@ class Exchange(Protocol):
 
     Attributes
     ----------
-    uses : capabilities of roles for which it has rules, of `relays` and `carries`
     holder_of : (agent,) number of the holder by whose knowledge each agent acts, 0 to `holders` - 1
     holders : how many there are in an episode
     knowledge : what they know, (episode x holder) rows
     """
 
-    uses: Set[str]
     holder_of: NDArray[np.int64]
     holders: int
     knowledge: Knowledge
+
+    @property
+    def uses(self) -> Set[str]:
+        """Capabilities of roles for which it has rules, of `relays` and `carries`."""
+        ...
 
     def reset(self, task: Task, looks: Looks, pooled: Knowledge) -> None:
         """Start a batch of episodes with the looks of step 0.

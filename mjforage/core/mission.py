@@ -200,8 +200,8 @@ class Mission:
             step=self.step,
             agent_node=self.state.agent_node,
             sighted=self.ledger.entries.sighted,
-            energy_left=self._energy_left(),
-            room_left=self._room_left(),
+            energy_left=self.energy_left,
+            room_left=self.room_left,
         )
 
     def _see(self) -> Looks:
@@ -229,14 +229,16 @@ class Mission:
         for name in ("keys", "step", "active"):
             setattr(self, name, put_rows(getattr(self, name), rows, getattr(other, name)))
 
-    def _energy_left(self) -> NDArray[np.float64]:
+    @property
+    def energy_left(self) -> NDArray[np.float64]:
         """(episode, agent) distance that can still be travelled [node].
 
         A hull can overdraw its budget by the way it makes beyond a straight line; then it stays.
         """
         return np.maximum(self._energy - self.state.energy, 0.0)
 
-    def _room_left(self) -> NDArray[np.int64]:
+    @property
+    def room_left(self) -> NDArray[np.int64]:
         """(episode, agent) items that can still be taken aboard, `UNLIMITED` if any number."""
         capacity, taken_by = self.setup.fleet.capacity, self.state.collected_by
         room = np.tile(capacity, (taken_by.shape[0], 1))

@@ -64,9 +64,9 @@ class Relayed(Groups):
         fleet, at = self._task.fleet, looks.agent_node
         relays, listeners = np.flatnonzero(fleet.relays), fleet.collectors
         distances = self._task.graph.distances[at[:, relays, None], at[:, None, listeners]]
-        near = (distances <= CARRYING).any(axis=(1, 2))
+        near = distances.min(axis=(1, 2)) <= CARRYING
         heard = super().heard(looks).reshape(looks.step.size, self.holders, len(fleet))
-        heard[:, 1, fleet.discoverers] &= near[:, None]
+        heard[:, 1, fleet.discoverers] &= near.reshape(-1, 1)
         return heard.reshape(-1, len(fleet))
 
 
@@ -107,7 +107,7 @@ def test_a_third_role_is_a_row_in_a_scenario(policy: str) -> None:
 def test_four_holders_that_hear_everything_are_one_to_the_bit(policy: str) -> None:
     setup = setup_of({})
     one = played(setup, policy)
-    four = played(setup, policy, Groups(range(4), np.ones((4, 4)).tolist()))
+    four = played(setup, policy, Groups(range(4), [[1] * 4] * 4))
     for name in ("agent_node", "direction", "t_discovered", "discovered_by", "collected_by"):
         np.testing.assert_array_equal(getattr(four, name), getattr(one, name))
     for name, series in one.series.items():
@@ -186,8 +186,8 @@ def test_unheard_items_change_neither_what_a_holder_sees_nor_what_it_does() -> N
                 mission.advance(mission.ask(answers))
                 in_view.append(_in_view(mission))
             runs.append((answers.shown, mission))
-            by_first, by_second = np.stack(in_view, axis=1).any(axis=1)
-            gone = by_second & ~by_first
+            seen = np.stack(in_view, axis=1)  # (holder, step, episode, item)
+            gone = seen[1].any(axis=0) & ~seen[0].any(axis=0)
         (before, whole), (after, less) = runs
         assert (whole.ledger.entries.truth != less.ledger.entries.truth).any()
         told = {0: True, 1: True}
@@ -197,8 +197,7 @@ def test_unheard_items_change_neither_what_a_holder_sees_nor_what_it_does() -> N
                     same = (values[holder::2] == two[name][holder::2]).all()
                     told[holder] = told[holder] and bool(same)
         assert told == {0: True, 1: False}, "the watchers see the difference, the others nothing"
-        moved = [mission.state.agent_node[:, :4] for mission in (whole, less)]
-        np.testing.assert_array_equal(*moved)
+        np.testing.assert_array_equal(whole.state.agent_node[:, :4], less.state.agent_node[:, :4])
 
 
 def _in_view(mission: Mission) -> NDArray[np.bool_]:
