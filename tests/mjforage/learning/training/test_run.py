@@ -72,6 +72,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Trainer]:
     return folder, train(scenario(), hyperparameters(), folder, seed=3, updates=40)
 
 
+@pytest.mark.every_capability
 def test_one_seed_gives_the_same_weights(finished: tuple[Path, Trainer], tmp_path: Path) -> None:
     again = train(scenario(), hyperparameters(), tmp_path / "again", seed=3, updates=40)
     assert_same(finished[1], again)
@@ -87,6 +88,7 @@ def test_one_seed_gives_the_same_weights(finished: tuple[Path, Trainer], tmp_pat
     )
 
 
+@pytest.mark.every_capability
 def test_n_and_m_updates_are_n_stop_resume_m(
     finished: tuple[Path, Trainer], tmp_path: Path
 ) -> None:
