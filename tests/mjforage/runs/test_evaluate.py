@@ -16,8 +16,10 @@ from mjforage.core.scenario_file import load_scenario
 from mjforage.core.schema import json_schema
 from mjforage.runs import evaluate as module
 from mjforage.runs import identity
+from mjforage.runs.costs import Costs
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import check_policies, evaluate, summarise
+from mjforage.runs.run_info import RunInfo
 from mjforage.runs.tables import SCHEMAS, TABLES
 
 Small = Callable[..., Path]
