@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
+from mjforage.core.mission_metrics import Description
 
 REMEDY = (
     "run the command that made this folder again, or name a folder that evaluate, compare or study "
@@ -54,6 +55,7 @@ class RunInfo:
     map: MapInfo
     hull_lengths: Mapping[str, float]  # name of a vessel -> [m]; empty at graph level
     started: str
+    metrics: tuple[Description, ...]  # of a run made before they were listed: none
     timings: Mapping[str, float]  # [s]
 
     @property
@@ -155,6 +157,24 @@ def _hull_lengths(data: Mapping[str, Any], where: str) -> dict[str, float]:
     return {name: field(facts, "length_m", float, where) for name, facts in vessels.items()}
 
 
+def _metrics(data: Mapping[str, Any], where: str) -> tuple[Description, ...]:
+    """How the run's metrics are shown, which no other package has to know."""
+    kinds = {entry.name: entry.type for entry in fields(Description) if entry.name != "top"}
+    found = []
+    for place, entry in enumerate(field(data, "metrics", list, where)):
+        here = f"{where}: metrics {place}"
+        if not isinstance(entry, dict):
+            raise UserError(f"{here}: is a {type(entry).__name__}, expected an object; {REMEDY}")
+        values: dict[str, Any] = {
+            name: field(entry, name, kind, here)
+            for name, kind in kinds.items()
+            if isinstance(kind, type)
+        }
+        top = entry.get("top")
+        found.append(Description(**values, top=None if top is None else float(top)))
+    return tuple(found)
+
+
 def load_run(path: Path) -> RunInfo:
     """Read `run.json`.
 
@@ -183,5 +203,6 @@ def load_run(path: Path) -> RunInfo:
         map=_map(field(data, "map", dict, where), f"{where}: map"),
         hull_lengths=_hull_lengths(field(data, "hulls", dict, where), f"{where}: hulls"),
         started=field(data, "started", str, where),
+        metrics=_metrics(data, where) if "metrics" in data else (),
         timings=field(data, "timings", dict, where),
     )
