@@ -1,5 +1,6 @@
 """One episode, step by step, as plain arrays: what rendering and the report draw from."""
 
+import io
 import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -46,17 +47,16 @@ class Replay:
     seed: int = 0
     episode: int = 0
 
-    def save(self, path: Path) -> None:
-        """Write a compressed npz of plain arrays."""
-        np.savez_compressed(
-            path,
-            allow_pickle=False,
-            **{f.name: np.asarray(getattr(self, f.name)) for f in fields(self)},
-        )
+    def content(self) -> bytes:
+        """A compressed npz of plain arrays, as the content of a file."""
+        buffer = io.BytesIO()
+        arrays = {f.name: np.asarray(getattr(self, f.name)) for f in fields(self)}
+        np.savez_compressed(buffer, allow_pickle=False, **arrays)
+        return buffer.getvalue()
 
     @classmethod
     def load(cls, path: Path) -> "Replay":
-        """Read what `save` wrote.
+        """Read a file of such content.
 
         Raises
         ------

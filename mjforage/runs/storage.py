@@ -8,9 +8,7 @@ or removed.
 
 import contextlib
 import hashlib
-import io
 import json
-import os
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
@@ -22,14 +20,12 @@ import polars as pl
 
 from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import canonical_json
+from mjforage.core.whole_files import remove_parts, write_json, writing
 from mjforage.runs.costs import Cost
+from mjforage.runs.lock import claimed
+from mjforage.runs.parquet import join_parquet, parquet_bytes
 from mjforage.runs.run_info import again, read_json
 from mjforage.runs.tables import KEYS, TABLES, check_table, read_table
-
-try:
-    import fcntl
-except ImportError:  # not on this system: runs are then not kept apart
-    fcntl = None  # type: ignore[assignment]
 
 IDENTITY = (
     "scenario",
@@ -66,51 +62,6 @@ class Chunk:
         """World, policy and episode of its rows."""
         episodes = range(self.first, self.first + self.count)
         return [(self.world, self.policy, episode) for episode in episodes]
-
-
-@contextlib.contextmanager
-def writing(path: Path) -> Iterator[None]:
-    """Turn a failure to write into one clear error.
-
-    Raises
-    ------
-    UserError
-        If the disk is full, the folder is read-only, or anything else keeps a file from being
-        written.
-    """
-    try:
-        yield
-    except (FileExistsError, NotADirectoryError) as error:
-        raise UserError(
-            f"{path}: cannot be written (a file is there, or where a folder above it should be); "
-            "choose another --out"
-        ) from error
-    except (OSError, pl.exceptions.PolarsError) as error:
-        reason = getattr(error, "strerror", None) or str(error).splitlines()[0]
-        raise UserError(
-            f"{path}: cannot be written ({reason}); free some space or choose another --out, then "
-            "run the same command again: finished chunks are kept"
-        ) from error
-
-
-def write_json(path: Path, value: object) -> None:
-    """Write JSON through a temporary file, so that the file is whole or absent; leave an equal one.
-
-    Raises
-    ------
-    UserError
-        If it cannot be written.
-    """
-    text = json.dumps(value, indent=1, allow_nan=False) + "\n"
-    with writing(path):
-        if path.is_file() and path.read_bytes() == text.encode():
-            return
-        temporary = path.with_name(f".{path.name}.{os.getpid()}")
-        try:
-            temporary.write_text(text, "utf-8")
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
 
 
 def run_hash(info: Mapping[str, Any]) -> str:
@@ -189,30 +140,6 @@ def _check_same(file: Path, kind: str, here: Mapping[str, Any], keys: tuple[str,
         )
 
 
-@contextlib.contextmanager
-def claimed(path: Path) -> Iterator[None]:
-    """Keep other processes from writing a folder; the system lets go of it with the process.
-
-    Raises
-    ------
-    UserError
-        If another process is writing it.
-    """
-    if fcntl is None:
-        yield
-        return
-    folder = os.open(path, os.O_RDONLY)
-    try:
-        fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        yield
-    except BlockingIOError as error:
-        raise UserError(
-            f"{path}: another process is writing this run; wait for it, or choose another --out"
-        ) from error
-    finally:
-        os.close(folder)
-
-
 class RunFolder:
     """The folder of one run."""
 
@@ -281,9 +208,7 @@ class RunFolder:
             temporary = Path(tempfile.mkdtemp(prefix=".", dir=self._chunks))
             try:
                 for name, frame in frames.items():
-                    buffer = io.BytesIO()  # a full disk is then told in words, by Python
-                    frame.write_parquet(buffer, compression="zstd")
-                    (temporary / f"{name}.parquet").write_bytes(buffer.getvalue())
+                    (temporary / f"{name}.parquet").write_bytes(parquet_bytes(frame))
                 (temporary / "cost.json").write_text(json.dumps(asdict(cost)), "utf-8")
                 temporary.rename(target)
             except OSError:
@@ -323,16 +248,8 @@ class RunFolder:
             If a table cannot be written.
         """
         for table in TABLES:
-            target = self.path / f"{table}.parquet"
-            temporary = target.with_name(f".{target.name}.{os.getpid()}")
             sources = [self._chunks / chunk.name / f"{table}.parquet" for chunk in chunks]
-            with writing(target):
-                try:
-                    frame = pl.scan_parquet(sources, glob=False)
-                    frame.sink_parquet(temporary, compression="zstd")
-                    temporary.replace(target)
-                finally:
-                    temporary.unlink(missing_ok=True)
+            join_parquet(sources, self.path / f"{table}.parquet")
 
     def finish(self, chunks: list[Chunk]) -> None:
         """Remove the chunks of a complete run, and what killed runs were writing.
@@ -340,8 +257,7 @@ class RunFolder:
         Everything that chunks hold is in the merged tables.
         """
         for name in (*(f"{table}.parquet" for table in TABLES), "run.json", "summary.json"):
-            for leftover in self.path.glob(f".{name}.*"):
-                leftover.unlink(missing_ok=True)
+            remove_parts(self.path / name)
         for folder in (*(self._chunks / chunk.name for chunk in chunks), *self._chunks.glob(".*")):
             shutil.rmtree(folder, ignore_errors=True)
         with contextlib.suppress(OSError):  # something else is in it, and stays

@@ -30,13 +30,14 @@ from mjforage.core.maps import GridMap
 from mjforage.core.mission import Setup
 from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import canonical_json, scenario_from_tree, scenario_to_tree
+from mjforage.core.whole_files import write_bytes, writing
 from mjforage.physics.worlds import create_mission
 from mjforage.runs import cluster
 from mjforage.runs.costs import Cost, Invocation
 from mjforage.runs.identity import versions
 from mjforage.runs.interrupts import interrupts_held
 from mjforage.runs.recording import record
-from mjforage.runs.storage import Chunk, RunFolder, writing
+from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import frames
 
 PARENT_CHECK_S = 1.0
@@ -206,13 +207,9 @@ def keep_replay(setup: Setup, world: str, policy: str, seed: int, folder: Path) 
     path = folder / "replay" / f"{world}-{policy}-0.npz"
     with writing(path):
         path.parent.mkdir(exist_ok=True)
-        if not zipfile.is_zipfile(path):  # missing or truncated
-            temporary = path.with_name(f".{os.getpid()}-{path.name}")
-            try:
-                record(setup, world, policy, seed, 0).save(temporary)
-                temporary.replace(path)
-            finally:
-                temporary.unlink(missing_ok=True)
+        there = zipfile.is_zipfile(path)  # not if missing or truncated
+    if not there:
+        write_bytes(path, record(setup, world, policy, seed, 0).content())
 
 
 def run_chunk(assignment: Assignment, chunk: Chunk) -> str | None:

@@ -21,7 +21,8 @@ from mjforage.learning.training.checkpoint import identity, restore_checkpoint, 
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.trainer import Row, Trainer, save_weights
-from mjforage.runs.storage import claimed, open_folder, writing
+from mjforage.runs.lock import claimed
+from mjforage.runs.storage import open_folder
 
 CHECKPOINT_S = 300.0  # between two checkpoints
 IDENTITY = ("seed", "device", "hyperparameters", "scenario", "also", "versions")
@@ -63,8 +64,7 @@ def train(
     """
     _check_ends(hours, updates)
     trainer = Trainer([scenario, *also], hyperparameters, seed, _device(device))
-    with writing(folder):
-        folder.mkdir(parents=True, exist_ok=True)
+    open_folder(folder, "training", _facts(trainer), IDENTITY)
     with claimed(folder):
         _go_on(trainer, folder, hours, updates, report)
     return trainer
@@ -75,7 +75,6 @@ def _go_on(
 ) -> None:
     """Rounds from the folder's checkpoint, if there is one, to the end."""
     checkpoint, hyperparameters = folder / "checkpoint.safetensors", trainer.hyperparameters
-    open_folder(folder, "training", _facts(trainer), IDENTITY)
     if checkpoint.is_file():
         restore_checkpoint(trainer, checkpoint)
     logs, progress = Logs(folder, trainer.progress), trainer.progress

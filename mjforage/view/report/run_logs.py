@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import Description, chosen_metrics, describe, description
 from mjforage.runs.episode_replay import Replay
+from mjforage.runs.parquet import read_parquet, read_schema
 from mjforage.runs.run_info import REMEDY, RunInfo, again, load_run, read_json
 from mjforage.view.report import style
 
@@ -115,48 +116,22 @@ def scalar(rows: pl.DataFrame, key: str) -> NDArray[np.float64]:
     return column.cast(pl.Float64).fill_null(float("nan")).to_numpy()
 
 
-def _scan(path: Path, columns: tuple[str, ...], others: bool) -> pl.LazyFrame:
-    """Open a Parquet file lazily and check that it has the columns."""
-    if not path.is_file():
-        raise UserError(f"{path}: file is missing; {REMEDY}")
-    frame = pl.scan_parquet(path, glob=False)
-    names = set(frame.collect_schema().names())
-    missing = [name for name in (*KEYS, *columns) if name not in names]
-    if missing:
-        raise UserError(
-            f"{path}: column '{missing[0]}' is missing, not a log of mjforage; {REMEDY}"
-        )
-    return frame if others else frame.select(*KEYS, *columns)
-
-
-def read_columns(
-    path: Path, columns: tuple[str, ...], lowest_only: bool = False, others: bool = False
-) -> pl.DataFrame:
+def read_columns(path: Path, columns: tuple[str, ...], lowest_only: bool = False) -> pl.DataFrame:
     """Columns of a table, beside world, policy and episode.
-
-    Parameters
-    ----------
-    columns : that must be there
-    lowest_only : only the lowest episode of every world and policy
-    others : whether all others come, too
 
     Raises
     ------
     UserError
         If the file is missing, truncated, or lacks a column.
     """
-    try:
-        frame = _scan(path, columns, others)
-        if lowest_only:
-            frame = frame.filter(
-                pl.col("episode") == pl.col("episode").min().over("world", "policy")
-            )
-        return frame.collect()
-    except (pl.exceptions.PolarsError, OSError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise UserError(
-            f"{path}: truncated or not Parquet ({reason}); delete it and {REMEDY}"
-        ) from error
+    lowest = pl.col("episode") == pl.col("episode").min().over("world", "policy")
+    return read_parquet(path, (*KEYS, *columns), lowest if lowest_only else None, REMEDY)
+
+
+def _read_metrics(path: Path, column: str) -> pl.DataFrame:
+    """A table of metrics, whichever it has, beside world, policy, episode and one column."""
+    columns = tuple(dict.fromkeys((*KEYS, column, *read_schema(path, REMEDY))))
+    return _numbers(path, read_parquet(path, columns, None, REMEDY))
 
 
 def _numbers(path: Path, frame: pl.DataFrame) -> pl.DataFrame:
@@ -247,7 +222,7 @@ def load_episodes(folder: Path, run: RunInfo) -> pl.DataFrame:
         If the table is missing, truncated, foreign or incomplete.
     """
     path = folder / "episodes.parquet"
-    episodes = _numbers(path, read_columns(path, ("items",), others=True))
+    episodes = _read_metrics(path, "items")
     _check_rows(path, episodes, run, run.episodes)
     return episodes
 
@@ -267,7 +242,7 @@ def load_logs(folder: Path) -> RunLogs:
     summary = _summary(folder / "summary.json", run)
     episodes = load_episodes(folder, run)
     path = folder / "steps.parquet"
-    steps = _numbers(path, read_columns(path, ("step",), others=True))
+    steps = _read_metrics(path, "step")
     _check_rows(path, steps, run, run.episodes * (run.horizon + 1))
     items = read_columns(folder / "items.parquet", ITEM_COLUMNS)
     tracks = read_columns(folder / "agents.parquet", AGENT_COLUMNS, lowest_only=True)

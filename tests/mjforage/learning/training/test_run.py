@@ -26,7 +26,7 @@ from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Progress, Trainer, save_weights
-from mjforage.runs.storage import claimed
+from mjforage.runs.lock import claimed
 
 TINY = {
     "num_envs": 3,
@@ -142,7 +142,7 @@ def test_what_a_run_leaves_behind(finished: tuple[Path, Trainer]) -> None:
     names = {path.name for path in folder.iterdir()}
     assert names == {
         *("training.json", "training.parquet", "evaluations.parquet", "tensorboard"),
-        *("checkpoint.safetensors", "weights.safetensors", "best.safetensors"),
+        *("checkpoint.safetensors", "weights.safetensors", "best.safetensors", ".lock"),
     }
     facts = json.loads((folder / "training.json").read_text())
     assert facts["seed"] == 3 and facts["hyperparameters"]["num_envs"] == 3
@@ -229,7 +229,7 @@ def test_ends_and_folders_are_checked(
         train(scenario(), hyperparameters(), copy, seed=3, updates=1)
     monkeypatch.undo()
     (copy / "evaluations.parquet").write_bytes(b"none")
-    with pytest.raises(UserError, match=r"evaluations.parquet: not a table of training"):
+    with pytest.raises(UserError, match=r"evaluations.parquet: missing, truncated or not Parquet"):
         train(scenario(), hyperparameters(), copy, seed=3, updates=1)
     shutil.copy(copy / "weights.safetensors", copy / "checkpoint.safetensors")
     with pytest.raises(UserError, match="format 'mjforage dueling q-network 1', expected"):

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import polars as pl
 import pytest
+from mjforage.core.vocabulary import METRICS, SERIES
 from numpy.typing import NDArray
 
-from mjforage.core.vocabulary import METRICS, SERIES
+from mjforage.core.whole_files import write_bytes
 from mjforage.runs.episode_replay import Replay
 
 FLOATS = tuple(METRICS)
@@ -351,7 +352,9 @@ def build(folder: Path, plan: Plan) -> Path:
                 for name, rows in made.tables.items():
                     tables[name] += rows
                 if episode == 0 and policy in (plan.replays or plan.policies):
-                    made.replay.save(folder / "replay" / f"{world}-{policy}-0.npz")
+                    write_bytes(
+                        folder / "replay" / f"{world}-{policy}-0.npz", made.replay.content()
+                    )
     frames = {
         name: pl.DataFrame(
             rows, infer_schema_length=None, schema_overrides=NULLABLE if name == "items" else None
