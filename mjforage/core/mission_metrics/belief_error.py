@@ -21,7 +21,7 @@ class ErrorOverNodes(Metric):
     """
 
     key, label, better, digits = "rmse", "RMSE", -1, 4
-    unit, top = "items per node", 0.0
+    unit, top = "items/node", 0.0
 
     def at(self, moment: Moment) -> FloatArray:
         """(open,) now."""
@@ -35,7 +35,7 @@ class ErrorPerColumn(Metric):
     """
 
     key, label, better, digits = "rmse_columns", "RMSE_columns", -1, 4
-    unit, top = "items per node", 0.0
+    unit, top = "items/node", 0.0
     compared = False
 
     def at(self, moment: Moment) -> FloatArray:

@@ -44,7 +44,7 @@ class IdlenessReductionRate(Metric):
     """
 
     key, label, better, digits = "irr_mean", "IRR_mean", 1, 5
-    unit, compared = "per step", False
+    unit, compared = "1/step", False
     course_key, course_label = "irr", "IRR"
 
     def course(self, batch: Batch) -> FloatArray:

@@ -146,15 +146,15 @@ def _plot(axes: Axes, logs: RunLogs, panel: Panel, curve: Description) -> dict[S
     if any(line.n.any() for line in courses.values()):
         _limit(axes, curve.top)
     else:
-        undefined(axes, _why_empty(logs, curve))
+        undefined(axes, mathtext(curve.course_label), _why_empty(logs, curve))
     return courses
 
 
 def _why_empty(logs: RunLogs, curve: Description) -> str:
     """Why nothing of a course is drawn."""
     if curve.course not in logs.steps.columns:
-        return f"{curve.course_label} is not in this run, which was made without it"
-    return f"{curve.course_label} is undefined in every episode"
+        return "is not in this run, which was made without it"
+    return "is undefined in every episode"
 
 
 def _limit(axes: Axes, top: float | None) -> None:
@@ -177,7 +177,7 @@ def _endings(logs: RunLogs, courses: dict[Series, Course], curve: Description) -
     ends = {s: float(line.mean[-1]) for s, line in courses.items() if line.n[-1]}
     if not ends:
         drawn = any(line.n.any() for line in courses.values())
-        return "" if drawn else f"{_why_empty(logs, curve)}."
+        return "" if drawn else f"{curve.course_label} {_why_empty(logs, curve)}."
     ranked = sorted(ends, key=lambda s: -ends[s])
     if len(ranked) > LISTED:
         high, low = ranked[0], ranked[-1]

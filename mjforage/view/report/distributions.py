@@ -94,7 +94,7 @@ def _violins(axes: Axes, logs: RunLogs, violins: dict[Series, Violin], words: st
             place = policies.index(policy) + offset
             _draw(axes, place, 0.92 * width, violin, looks[policy].colour, lines[world])
     if not any(len(violin.values) for violin in violins.values()):
-        undefined(axes, f"{words} is undefined in every episode")
+        undefined(axes, mathtext(words), "is undefined in every episode")
     crowded = len(policies) * max(len(name) for name in policies) > 44
     axes.set_xticks(range(len(policies)), policies)
     axes.tick_params(axis="x", rotation=35 if crowded else 0, length=0)

@@ -89,13 +89,13 @@ def mathtext(label: str) -> str:
     return f"{stem}$_{{\\mathrm{{{below}}}}}$" if below else stem
 
 
-def undefined(axes: Axes, words: str) -> None:
+def undefined(axes: Axes, what: str, words: str) -> None:
     """Say inside empty axes why they are."""
     axes.set(ylim=(0.0, 1.0), yticks=[])
     axes.text(
         0.5,
         0.5,
-        words,
+        f"{what} {words}",
         transform=axes.transAxes,
         ha="center",
         va="center",
