@@ -82,10 +82,9 @@ class EpisodeLog(Observer):
             self.target[at] = mission.moves.target[episodes]
 
     def _finish(self, mission: Mission) -> None:
-        self.t_discovered = mission.model.knowledge.t_discovered
-        self.discovered_by = mission.model.knowledge.discovered_by
-        self.t_collected = mission.model.knowledge.t_collected
-        self.collected_by = mission.state.collected_by
+        entries = mission.ledger.entries
+        self.t_discovered, self.discovered_by = entries.t_discovered, entries.discovered_by
+        self.t_collected, self.collected_by = entries.t_collected, entries.collected_by
 
     def event_table(self) -> metrics.EventTable:
         """The items' events of a batch that is over: (episode, item)."""

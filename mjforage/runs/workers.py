@@ -1,6 +1,6 @@
 """Carrying out chunks of episodes: here, in worker processes, or on a dask cluster.
 
-The unit of work is (scenario, map, policy, world, chunk of episodes) -> one folder; joblib
+The unit of work is (scenario, map, policy, world, chunk of episodes) -> one folder; joblib or dask
 distributes it. The map travels with the work, so that every chunk is of the map that `run.json`
 holds. Workers on other machines write into the same run folder, which all must share.
 """
@@ -12,8 +12,8 @@ import threading
 import time
 import warnings
 import zipfile
-from collections.abc import Generator, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Generator, Iterable, Sequence
+from contextlib import closing
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from functools import lru_cache
@@ -146,6 +146,11 @@ class Assignment:
         )
 
 
+Task = tuple[Assignment, Chunk]
+Results = Generator[tuple[int, str | None]]
+"""The place of a finished task in the work, and what `run_chunk` said of it."""
+
+
 @lru_cache(maxsize=4)
 def _setup(assignment: Assignment) -> Setup:
     """The setup of an assignment, built (and on a cluster checked) once per process.
@@ -179,21 +184,6 @@ def _die_with(parent: int) -> None:
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True, name="parent watch").start()
-
-
-@contextmanager
-def _started(parallel: joblib.Parallel, tasks: Iterable[object]) -> Iterator[Iterator[str | None]]:
-    """Start tasks; at the end cancel those that are left without a word."""
-    results = None
-    try:
-        with interrupts_held():
-            results = parallel(tasks)
-        yield results
-    finally:
-        if results is not None:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", UserWarning)
-                results.close()
 
 
 def keep_replay(setup: Setup, world: str, policy: str, seed: int, folder: Path) -> None:
@@ -254,8 +244,8 @@ def run_chunk(assignment: Assignment, chunk: Chunk) -> str | None:
     return None
 
 
-def run_chunks(work: Sequence[tuple[Assignment, Chunk]], workers: Workers) -> Generator[int]:
-    """Carry out chunks in their order, yielding the place of each one that is finished.
+def run_chunks(work: Sequence[Task], workers: Workers) -> Generator[int]:
+    """Carry out chunks, yielding the place of each one that is finished.
 
     Raises
     ------
@@ -263,26 +253,32 @@ def run_chunks(work: Sequence[tuple[Assignment, Chunk]], workers: Workers) -> Ge
         If a chunk fails for a reason that a user can mend, a worker was killed, or the cluster
         cannot be used. Finished chunks stay.
     """
-    tasks = (joblib.delayed(run_chunk)(assignment, chunk) for assignment, chunk in work)
+    with closing(_remote(work, workers) if workers.remote else _local(work, workers)) as results:
+        for place, error in results:
+            if error is not None:
+                raise UserError(error)
+            yield place
+
+
+def _remote(work: Sequence[Task], workers: Workers) -> Results:
+    with cluster.connected(workers.scheduler, workers.local_cluster) as client:
+        yield from cluster.finished(client, run_chunk, work)
+
+
+def _local(work: Sequence[Task], workers: Workers) -> Results:
+    parallel = joblib.Parallel(n_jobs=min(workers.jobs, len(work)), return_as="generator")
+    results = None
     try:
-        with _parallel(workers, len(work)) as parallel, _started(parallel, tasks) as results:
-            for place, error in enumerate(results):
-                if error is not None:
-                    raise UserError(error)
-                yield place
+        with interrupts_held():
+            results = parallel(joblib.delayed(run_chunk)(*task) for task in work)
+        yield from enumerate(results)
     except TerminatedWorkerError as error:
         raise UserError(
             "a worker process was killed, perhaps for want of memory; run the same command again "
             "with fewer --jobs: finished chunks are kept"
         ) from error
-
-
-@contextmanager
-def _parallel(workers: Workers, tasks: int) -> Iterator[joblib.Parallel]:
-    """Give joblib with processes of this machine, or its dask backend with all tasks queued."""
-    if not workers.remote:
-        jobs = min(workers.jobs, max(1, tasks))
-        yield joblib.Parallel(n_jobs=jobs, return_as="generator")
-        return
-    with cluster.connected(workers.scheduler, workers.local_cluster) as client:
-        yield cluster.parallel(client)
+    finally:
+        if results is not None:
+            with warnings.catch_warnings():  # those that are left are cancelled without a word
+                warnings.simplefilter("ignore", UserWarning)
+                results.close()

@@ -7,8 +7,8 @@ from mjforage.core.mission_metrics.metric import FloatArray, Metric, Moment
 
 def _errors(moment: Moment) -> tuple[FloatArray, FloatArray]:
     """RMSE over the nodes and per column, (open,) each."""
-    mission, knowledge = moment.mission, moment.mission.model.knowledge
-    truth, belief = knowledge.truth[moment.episodes], knowledge.belief[moment.episodes]
+    mission, episodes = moment.mission, moment.episodes
+    truth, belief = mission.ledger.entries.truth[episodes], mission.knowledge.belief[episodes]
     return metrics.model_error(truth, belief, mission.setup.grid.navigable)
 
 

@@ -10,9 +10,7 @@ from mjforage.core.mission_metrics.metric import Batch, FloatArray, Metric, Mome
 
 def _overlap(moment: Moment, team: NDArray[np.int64]) -> FloatArray:
     """(open,) nodes that at least two of a team see, of those that one sees."""
-    mission = moment.mission
-    seen = mission.model.times_seen(mission.state.agent_node[moment.episodes], team)
-    return metrics.coverage_overlap(seen)
+    return metrics.coverage_overlap(moment.mission.times_seen(team, moment.episodes))
 
 
 @metric

@@ -21,8 +21,7 @@ class FinalIdleness(Metric):
 
     def at(self, moment: Moment) -> FloatArray:
         """(open,) mean over the nodes, now."""
-        mission = moment.mission
-        return metrics.mean_idleness(mission.model.idleness(mission.step, moment.episodes))
+        return metrics.mean_idleness(moment.mission.idleness(moment.episodes))
 
 
 @metric

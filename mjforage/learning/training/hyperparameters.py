@@ -4,11 +4,14 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any
+from typing import Annotated, Any
 
+from graph_planner.fields import Within, source
 from mjforage.core.errors import UserError
-from mjforage.core.scenario import bounded
+from mjforage.core.schema import check, check_fields
 from mjforage.learning.environments.rewards import checked_weights
+
+WHERE = "--learning"  # where settings come from, for messages
 
 REWARD = MappingProxyType(
     {
@@ -28,44 +31,54 @@ class Hyperparameters:
     """Hyper-parameters; the paper's where it states them (scenario section 3)."""
 
     observation: str = "egocentric"
-    num_envs: int = field(default=16, metadata=bounded(1, 4096))  # episodes side by side in a round
-    gamma: float = field(default=0.99, metadata=bounded(0, 1))  # paper
-    n_step: int = field(default=3, metadata=bounded(1, 50))
-    batch: int = field(default=128, metadata=bounded(1, 65536))  # paper
-    learning_rate: float = field(default=3e-4, metadata=bounded(0, 1))  # paper: 1e-4
-    rate_updates: int = field(default=30_000, metadata=bounded(1, 1_000_000_000))
+    """Observation that networks read."""
+    num_envs: Annotated[int, Within(1, 4096)] = 16
+    """Episodes side by side in a round."""
+    gamma: Annotated[float, Within(0, 1), source("paper")] = 0.99
+    """Discount per step."""
+    n_step: Annotated[int, Within(1, 50)] = 3
+    """Steps of a return before the target network takes over."""
+    batch: Annotated[int, Within(1, 65536), source("paper")] = 128
+    """Decisions of an update."""
+    learning_rate: Annotated[float, Within(0, 1)] = 3e-4
+    """Of the optimiser; the paper has 1e-4."""
+    rate_updates: Annotated[int, Within(1, 1_000_000_000)] = 30_000
     """Updates over which the learning rate falls to a tenth, in a straight line."""
-    capacity: int = field(default=60_000, metadata=bounded(1000, 10_000_000))
+    capacity: Annotated[int, Within(1000, 10_000_000)] = 60_000
     """Decisions in the replay of each team."""
-    priority: float = field(default=0.6, metadata=bounded(0, 1))  # alpha of the replay
-    correction: float = field(default=0.4, metadata=bounded(0, 1))  # beta of the replay
-    target_rate: float = field(default=0.005, metadata=bounded(0, 1))
+    priority: Annotated[float, Within(0, 1)] = 0.6
+    """Exponent alpha by which the replay prefers large errors."""
+    correction: Annotated[float, Within(0, 1)] = 0.4
+    """Exponent beta by which the replay corrects for that."""
+    target_rate: Annotated[float, Within(0, 1)] = 0.005
     """Share by which the target network follows at each update."""
-    updates_per_step: float = field(default=1.0, metadata=bounded(1e-3, 1000))
+    updates_per_step: Annotated[float, Within(1e-3, 1000)] = 1.0
     """Updates of each team's network per step of the whole batch of episodes."""
-    warmup: int = field(default=4000, metadata=bounded(0, 10_000_000))
+    warmup: Annotated[int, Within(0, 10_000_000)] = 4000
     """Decisions in a team's replay before its first update; a full replay will do with fewer."""
-    explore_from: float = field(default=1.0, metadata=bounded(0, 1))
-    explore_to: float = field(default=0.05, metadata=bounded(0, 1))
-    explore_updates: int = field(default=8000, metadata=bounded(1, 1_000_000_000))
+    explore_from: Annotated[float, Within(0, 1)] = 1.0
+    """Share of random moves at first."""
+    explore_to: Annotated[float, Within(0, 1)] = 0.05
+    """Share of random moves in the end."""
+    explore_updates: Annotated[int, Within(1, 1_000_000_000)] = 8000
     """Updates over which the share of random moves falls from `explore_from` to `explore_to`."""
     teacher: str = ""
     """Policy that shows moves; empty: reward alone."""
-    teacher_updates: int = field(default=0, metadata=bounded(0, 1_000_000_000))
+    teacher_updates: Annotated[int, Within(0, 1_000_000_000)] = 0
     """Updates during which there are shown moves; the share of episodes it plays falls to 0."""
-    margin: float = field(default=0.3, metadata=bounded(0, 100))
+    margin: Annotated[float, Within(0, 100)] = 0.3
     """By how much a shown move has to be better than the others (Hester et al. 2018)."""
-    margin_weight: float = field(default=3.0, metadata=bounded(0, 100))
-    evaluate_every: int = field(default=2000, metadata=bounded(1, 1_000_000_000))  # updates
-    evaluate_episodes: int = field(default=48, metadata=bounded(1, 100_000))
+    margin_weight: Annotated[float, Within(0, 100)] = 3.0
+    """Weight of the shown moves' loss."""
+    evaluate_every: Annotated[int, Within(1, 1_000_000_000)] = 2000
+    """Updates between two evaluations."""
+    evaluate_episodes: Annotated[int, Within(1, 100_000)] = 48
+    """Episodes of an evaluation."""
     reward: Mapping[str, float] = field(default_factory=lambda: REWARD)
+    """Weight of each term of the reward."""
 
     def __post_init__(self) -> None:
-        for entry in dataclasses.fields(self):
-            low, high = entry.metadata.get("low"), entry.metadata.get("high")
-            value = getattr(self, entry.name)
-            if low is not None and not low <= value <= high:
-                raise UserError(f"{entry.name} = {value}: out of range; give {low:g} to {high:g}")
+        check_fields(self, WHERE)
         if self.warmup > self.capacity:
             raise UserError(
                 f"warmup = {self.warmup}: the replay holds only capacity = {self.capacity} "
@@ -92,18 +105,9 @@ def changed(hyperparameters: Hyperparameters, changes: Mapping[str, Any]) -> Hyp
     UserError
         If a name is not known, or a value has the wrong type or is out of range.
     """
-    known = {f.name: f for f in dataclasses.fields(Hyperparameters)}
-    values: dict[str, Any] = {}
-    reward = dict(hyperparameters.reward)
-    for name, value in changes.items():
-        first, _, term = name.partition(".")
-        if first == "reward" and term:
-            reward[term] = value
-        elif name not in known or name == "reward":
-            raise UserError(f"{name}: unknown setting; known: {', '.join(known)}, reward.TERM")
-        else:
-            kind = type(getattr(hyperparameters, name))
-            if type(value) is not kind and not (kind is float and type(value) is int):
-                raise UserError(f"{name} = {value!r}: expected {kind.__name__}")
-            values[name] = kind(value)
-    return dataclasses.replace(hyperparameters, **values, reward=MappingProxyType(reward))
+    terms = {name: value for name, value in changes.items() if name.startswith("reward.")}
+    reward = {name.removeprefix("reward."): value for name, value in terms.items()}
+    tree = hyperparameters.tree()
+    tree["reward"] |= reward
+    others = {name: value for name, value in changes.items() if name not in terms}
+    return check(Hyperparameters, tree | others, WHERE)

@@ -12,8 +12,7 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
-from mjforage.physics.vessel_file import vessel_names
-from mjforage.physics.vessels import load_vessel
+from mjforage.physics.vessels import load_vessel, vessel_names
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.run_info import REMEDY
 from mjforage.view.report import style

@@ -24,7 +24,7 @@ NOTE = "Intervals from fewer than 10 episodes are too narrow; none is bold."
 
 @pytest.mark.parametrize(("defined", "apart"), [(9, False), (10, True)])
 def test_fewer_than_ten_pairs_set_nothing_apart(defined: int, apart: bool) -> None:
-    x: NDArray[np.float64] = np.where(np.arange(20) < defined, 5.0 + 0.1 * np.arange(20), np.nan)
+    x = np.where(np.arange(20) < defined, 5.0 + 0.1 * np.arange(20), np.nan)
     found = Difference(x, np.zeros(20), describe("pta_c"))
     assert (found.n, found.low > 0, set_apart([found])) == (defined, True, [apart])
 
@@ -34,7 +34,7 @@ def test_a_family_is_corrected_for_its_number() -> None:
     random = np.random.default_rng(3)
     metric = describe("pta_c")
     noise = [Difference(random.standard_normal(40), np.zeros(40), metric) for _ in range(60)]
-    clear = Difference(3.0 + random.standard_normal(40), np.zeros(40), metric)
+    clear = Difference(random.normal(3.0, 1.0, 40).astype(np.float64), np.zeros(40), metric)
     alone = [one for one in noise if one.p < LEVEL]
     assert alone and not any(set_apart([*noise, clear])[:-1])
     assert set_apart([*noise, clear])[-1]
@@ -43,7 +43,7 @@ def test_a_family_is_corrected_for_its_number() -> None:
 
 def test_what_is_undefined_is_no_test() -> None:
     nothing = Difference(np.full(20, np.nan), np.zeros(20), describe("csr"))
-    clear = Difference(5.0 + 0.1 * np.arange(20), np.zeros(20), describe("pta_c"))
+    clear = Difference(np.linspace(5.0, 6.9, 20), np.zeros(20), describe("pta_c"))
     assert set_apart([nothing, clear]) == [False, True]
     assert corrected([nothing, clear])[1] == clear.p
     assert "for the 1 test of this table" in family_note([nothing, clear])
