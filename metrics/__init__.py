@@ -22,12 +22,19 @@ Definition"; statistics over episodes come beside them.
 | Marginal Contribution | `marginal_contribution`, `paired_contribution` | Intra-team metrics, MC |
 | mean, standard error, IQM | `mean`, `sem`, `half_width_95`, `iqm`, `count` | tables (1.96 SEM) |
 | bootstrap interval, summary | `bootstrap`, `summarise` | |
-| two policies compared | `paired_difference`, `probability_of_improvement` | |
+| two policies compared | `paired_difference`, `paired_p`, `probability_of_improvement` | |
+| several comparisons at once | `holm` | |
 
 Bad arguments raise ValueError. Undefined values are NaN and are left out of the statistics.
 """
 
-from metrics.comparison import Improvement, paired_difference, probability_of_improvement
+from metrics.comparison import (
+    Improvement,
+    holm,
+    paired_difference,
+    paired_p,
+    probability_of_improvement,
+)
 from metrics.events import NEVER, NOBODY, EventTable, counts_by_step
 from metrics.inter_team import csr, csr_series, dsl, itl, itl_level, mean_dsl
 from metrics.intra_team import (
@@ -78,6 +85,7 @@ __all__ = [
     "dsl",
     "gini",
     "half_width_95",
+    "holm",
     "iqm",
     "irr",
     "itl",
@@ -90,6 +98,7 @@ __all__ = [
     "nt",
     "paired_contribution",
     "paired_difference",
+    "paired_p",
     "probability_of_improvement",
     "pta",
     "pta_series",

@@ -1,12 +1,17 @@
-"""Two policies against each other: paired difference and probability of improvement."""
+"""Two policies against each other: paired difference, its significance, probability of improvement.
+
+Several differences that are read together are one family; `holm` corrects for their number.
+"""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy import stats
 
 from metrics import statistics
 from metrics._checks import FloatArray, IntArray, ratio, same_shape
+from metrics._checks import first as first_index
 from metrics.resampling import (
     LEVEL,
     RESAMPLES,
@@ -68,6 +73,68 @@ def paired_difference(
         resamples=resamples,
         level=level,
     )
+
+
+def paired_p(x: ArrayLike, y: ArrayLike) -> FloatArray:
+    """Two-sided p-value of the paired t-test (Student 1908) that the mean of x - y is 0.
+
+    With n pairs it is never below 2^(1 - n), the least that flipping the signs of the differences
+    can give, so that equal differences of a few pairs are no certainty.
+
+    Parameters
+    ----------
+    x, y : (..., episode), NaN = undefined; a pair needs both
+
+    Returns
+    -------
+    (...) NaN with fewer than two pairs
+
+    Raises
+    ------
+    ValueError
+        the shapes differ, or a value is infinite.
+    """
+    first, second = statistics.defined(x), statistics.defined(y)
+    same_shape("x", first, "y", second)
+    differences = first - second
+    n, size = statistics.count(differences), np.abs(statistics.mean(differences))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = np.where(size == 0.0, 0.0, size / statistics.sem(differences))
+    p = np.maximum(2.0 * stats.t.sf(t, np.maximum(n - 1, 1)), 2.0 ** (1.0 - n))
+    return np.where(n < 2, np.nan, np.minimum(p, 1.0))
+
+
+def holm(p: ArrayLike) -> FloatArray:
+    """P-values corrected for their number; below a level, they are wrong together at most so often.
+
+    Holm 1979, "A Simple Sequentially Rejective Multiple Test Procedure", Scand. J. Stat. 6, 65-70:
+    of m values the i-th smallest is multiplied by m - i + 1, and none is below one that is smaller.
+
+    Parameters
+    ----------
+    p : (test,) a family; NaN = not tested, not counted
+
+    Returns
+    -------
+    (test,) in [0, 1]; NaN where p is
+
+    Raises
+    ------
+    ValueError
+        p is not a flat list of numbers from 0 to 1.
+    """
+    given = np.asarray(p, dtype=np.float64)
+    if given.ndim != 1:
+        raise ValueError(f"p of shape {given.shape}: a flat list (test,) is needed")
+    wrong = (given < 0) | (given > 1)
+    if wrong.any():
+        where = first_index(wrong)
+        raise ValueError(f"p{list(where)} is {given[where]}; a probability is from 0 to 1")
+    order = np.argsort(given, kind="stable")[: int(np.sum(~np.isnan(given)))]
+    raised = given[order] * np.arange(order.size, 0, -1)
+    corrected = np.full(given.shape, np.nan)
+    corrected[order] = np.minimum(np.maximum.accumulate(raised), 1.0)
+    return corrected
 
 
 def probability_of_improvement(

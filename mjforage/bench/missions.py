@@ -7,8 +7,8 @@ import time
 import numpy as np
 
 from graph_planner.policies import create_policy
-from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.mission import Setup
+from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import load_scenario
 from mjforage.physics.worlds import create_mission
 
@@ -19,7 +19,7 @@ PARTS = {
     "watching": ("watch.py", "watch"),
     "policy": ("greedy.py", "act"),
     "seeing": ("mission.py", "_see"),
-    "logging": ("episode_log.py", "see"),
+    "logging": ("scoring.py", "see"),
 }
 """Part -> file and function whose time it is, callees included."""
 
@@ -55,9 +55,9 @@ def _play(setup: Setup, episodes: int) -> float:
     """Simulated time of all episodes [s]."""
     mission = create_mission(setup, "physics")
     mission.reset(0, np.arange(episodes))
-    log = EpisodeLog(mission)
-    mission.run(create_policy("greedy"), (log,))
-    return float(log.length.sum()) * setup.scenario.period_s
+    scorer = Scorer(mission)
+    mission.run(create_policy("greedy"), (scorer,))
+    return float(scorer.log.length.sum()) * setup.scenario.period_s
 
 
 def _shares(profile: cProfile.Profile) -> dict[str, float]:

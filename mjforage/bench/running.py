@@ -17,11 +17,10 @@ from mjforage.bench.learning import learning_speeds
 from mjforage.bench.memory import peak_memory_mb
 from mjforage.bench.missions import mission_speeds
 from mjforage.bench.simulations import physics_speeds
-from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.maps import GridMap
 from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import load_scenario
-from mjforage.core.scoring import score
 from mjforage.runs.evaluate import evaluate
 
 Figures = dict[str, dict[str, float | str]]
@@ -80,11 +79,11 @@ def _evaluated_steps(episodes: int, world: str = "graph", horizon: int = 150) ->
 def _scoring(setup: Setup, episodes: int) -> Callable[[], float]:
     mission = Mission(setup)
     mission.reset(0, np.arange(episodes))
-    log = EpisodeLog(mission)
-    mission.run(create_policy("greedy"), (log,))
+    scorer = Scorer(mission)
+    mission.run(create_policy("greedy"), (scorer,))
 
     def work() -> float:
-        score(log, setup.fleet, setup.scenario.horizon)
+        scorer.scores()
         return float(episodes)
 
     return work

@@ -21,7 +21,7 @@ from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.runs.costs import Invocation, costs_content
 from mjforage.runs.identity import pinned, run_info
 from mjforage.runs.storage import Chunk, RunFolder
-from mjforage.runs.tables import SCALARS
+from mjforage.runs.tables import metric_columns
 from mjforage.runs.workers import Assignment, Workers, keep_replay, run_chunks
 
 CHUNK = 25  # episodes per unit of work at graph level
@@ -67,8 +67,9 @@ def summarise(table: pl.DataFrame) -> Summary:
     Undefined numbers are None; `ci95` is a bootstrap percentile interval of the mean.
     """
     summary: Summary = {}
+    keys = metric_columns(table)
     for (world, policy), rows in table.group_by("world", "policy", maintain_order=True):
-        values = rows.sort("episode").select(SCALARS).to_numpy().T
+        values = rows.sort("episode").select(keys).to_numpy().T
         found = metrics.summarise(values, BOOTSTRAP_SEED)
         mean, sem, low, high, iqm = (
             [number if math.isfinite(number) else None for number in column.tolist()]
@@ -82,7 +83,7 @@ def summarise(table: pl.DataFrame) -> Summary:
                 "iqm": iqm[i],
                 "n": int(found.n[i]),
             }
-            for i, key in enumerate(SCALARS)
+            for i, key in enumerate(keys)
         }
     return summary
 

@@ -18,6 +18,7 @@ import metrics
 from graph_planner.policies.registry import is_bound, policy_files
 from mjforage.core.assets import models_folder
 from mjforage.core.mission import Setup
+from mjforage.core.mission_metrics import chosen_metrics, description
 from mjforage.core.scenario_file import scenario_to_tree
 from mjforage.runs.storage import run_hash
 
@@ -114,6 +115,7 @@ def run_info(
         "policies": list(policies),
         "bounds": [name for name in policies if is_bound(name)],
         "weights": weight_hashes(policies),
+        "metrics": [asdict(description(one)) for one in chosen_metrics()],
         "agents": [
             {"name": name, "team": setup.fleet.team_names[team], "collects": bool(collects)}
             for name, team, collects in zip(

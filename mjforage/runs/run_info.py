@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from graph_planner.fields import Note, Within
 from mjforage.core.errors import UserError
+from mjforage.core.mission_metrics import Description
 from mjforage.core.schema import OPEN, check
 
 REMEDY = (
@@ -111,6 +112,8 @@ class RunInfo:
     """Those of the policies that see the truth."""
     weights: Mapping[str, str] = field(default_factory=dict)
     """Policy -> hash of the files that its moves hang on."""
+    metrics: tuple[Description, ...] = ()
+    """How each metric is shown; none in a run made before they were listed."""
 
     @property
     def horizon(self) -> int:

@@ -11,17 +11,15 @@ from mjforage.core.dynamics import OUTCOMES
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
-from mjforage.core.scoring import Scores
-from mjforage.core.vocabulary import METRICS, SERIES
+from mjforage.core.mission_metrics import Scores
 from mjforage.runs.parquet import read_parquet, read_schema, spoilt
 
-SCALARS = tuple(METRICS)
 Columns = dict[str, NDArray[Any] | pl.Series]
 TABLES = ("episodes", "steps", "items", "agents")
 KEYS = {"world": pl.String, "policy": pl.String, "episode": pl.Int64}
 SCHEMAS: dict[str, dict[str, type[pl.DataType]]] = {
-    "episodes": KEYS | {"items": pl.Int64} | dict.fromkeys(SCALARS, pl.Float64),
-    "steps": KEYS | {"step": pl.Int32} | dict.fromkeys(SERIES, pl.Float32),
+    "episodes": KEYS | {"items": pl.Int64},
+    "steps": KEYS | {"step": pl.Int32},
     "items": KEYS
     | {"item": pl.Int32, "row_start": pl.Float32, "col_start": pl.Float32}
     | dict.fromkeys(("t_discovered", "discovered_by", "t_collected", "collected_by"), pl.Int32),
@@ -32,7 +30,9 @@ SCHEMAS: dict[str, dict[str, type[pl.DataType]]] = {
     | {"outcome": pl.String, "distance_m": pl.Float32, "energy": pl.Float32}
     | {"collisions": pl.Int32, "impact_mps": pl.Float32, "work_j": pl.Float32},
 }
-"""Table -> column -> type, in order."""
+"""Table -> column -> type, in order; in those of `METRIC_COLUMNS` metrics come after."""
+METRIC_COLUMNS: dict[str, type[pl.DataType]] = {"episodes": pl.Float64, "steps": pl.Float32}
+"""Table -> type of its columns of metrics: those that the run was made with, whichever they are."""
 
 
 def _frame(table: str, world: str, policy: str, columns: Columns) -> pl.DataFrame:
@@ -40,21 +40,27 @@ def _frame(table: str, world: str, policy: str, columns: Columns) -> pl.DataFram
         world=pl.lit(world, pl.String), policy=pl.lit(policy, pl.String)
     )
     schema = SCHEMAS[table]
+    if table in METRIC_COLUMNS:
+        schema = schema | dict.fromkeys(metric_columns(frame, table), METRIC_COLUMNS[table])
     return frame.select(pl.col(name).cast(kind) for name, kind in schema.items())
+
+
+def metric_columns(frame: pl.DataFrame, table: str = "episodes") -> list[str]:
+    """Columns of metrics that a table has, in its order."""
+    return [name for name in frame.columns if name not in SCHEMAS[table]]
 
 
 def _episodes(episodes: NDArray[np.int64], log: EpisodeLog, scores: Scores) -> Columns:
     columns: Columns = {"episode": episodes, "items": log.n_items}
-    return columns | {key: scores.scalars[key] for key in SCALARS}
+    return columns | scores.scalars
 
 
-def _steps(episodes: NDArray[np.int64], scores: Scores) -> Columns:
-    steps = scores.series["pta_c"].shape[1]
+def _steps(episodes: NDArray[np.int64], steps: int, scores: Scores) -> Columns:
     columns: Columns = {
         "episode": np.repeat(episodes, steps),
         "step": np.tile(np.arange(steps), episodes.size),
     }
-    return columns | {key: scores.series[key].ravel() for key in SERIES}
+    return columns | {key: values.ravel() for key, values in scores.courses.items()}
 
 
 def _items(episodes: NDArray[np.int64], log: EpisodeLog) -> Columns:
@@ -122,7 +128,7 @@ def frames(
     """
     columns: dict[str, Columns] = {
         "episodes": _episodes(episodes, log, scores),
-        "steps": _steps(episodes, scores),
+        "steps": _steps(episodes, setup.scenario.horizon + 1, scores),
         "items": _items(episodes, log),
         "agents": _agents(episodes, log, setup),
     }
@@ -144,10 +150,13 @@ def check_table(path: Path, table: str, remedy: str = "") -> None:
         If the file is missing, truncated, not Parquet or has other columns.
     """
     schema = read_schema(path, remedy)
-    if schema != SCHEMAS[table]:
-        wrong = ", ".join(sorted(set(schema) ^ set(SCHEMAS[table]))) or "column types"
+    wrong = {name for name, kind in SCHEMAS[table].items() if schema.get(name) != kind}
+    metrics = METRIC_COLUMNS.get(table)
+    wrong |= {name for name in set(schema) - set(SCHEMAS[table]) if schema[name] != metrics}
+    if wrong:
+        names = ", ".join(sorted(wrong))
         raise UserError(
-            f"{path}: not a table of {table} ({wrong} differ); {remedy or spoilt(path)}"
+            f"{path}: not a table of {table} ({names} differ); {remedy or spoilt(path)}"
         )
 
 

@@ -25,12 +25,11 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from graph_planner.policies import create_policy
 from graph_planner.policies.registry import own_weights
-from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap
 from mjforage.core.mission import Setup
+from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import canonical_json, scenario_from_tree, scenario_to_tree
-from mjforage.core.scoring import score
 from mjforage.core.whole_files import write_bytes, writing
 from mjforage.physics.worlds import create_mission
 from mjforage.runs import cluster
@@ -222,9 +221,9 @@ def run_chunk(assignment: Assignment, chunk: Chunk) -> str | None:
         episodes = np.arange(chunk.first, chunk.first + chunk.count)
         mission = create_mission(setup, chunk.world)
         mission.reset(assignment.seed, episodes)
-        log = EpisodeLog(mission)
-        mission.run(create_policy(chunk.policy), (log,))
-        scores = score(log, setup.fleet, setup.scenario.horizon)
+        scorer = Scorer(mission)
+        mission.run(create_policy(chunk.policy), (scorer,))
+        log, scores = scorer.log, scorer.scores()
         tables = frames(setup, chunk.world, chunk.policy, episodes, log, scores)
         cost = Cost(
             chunk.world,

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from metrics import paired_difference, probability_of_improvement
+from metrics import holm, paired_difference, paired_p, probability_of_improvement
 
 NAN = np.nan
 SMALL = st.lists(st.integers(-3, 3), min_size=1, max_size=9)
@@ -115,3 +115,60 @@ def test_rejects() -> None:
         probability_of_improvement([1.0, 2.0], [1.0, 2.0], seed=0, resamples=0)
     with pytest.raises(ValueError, match="level 2"):
         probability_of_improvement([1.0, 2.0], [1.0, 2.0], seed=0, level=2.0)
+
+
+def test_p_of_the_paired_t_test_as_scipy_has_it() -> None:
+    random = np.random.default_rng(1)
+    x, y = random.normal(0.3, 1.0, (4, 30)), random.normal(size=(4, 30))
+    np.testing.assert_allclose(paired_p(x, y), stats.ttest_rel(x, y, axis=-1).pvalue, rtol=1e-9)
+    with_gap = np.where(np.arange(30) == 7, np.nan, x)
+    kept = np.arange(30) != 7
+    expected = stats.ttest_rel(x[:, kept], y[:, kept], axis=-1).pvalue
+    np.testing.assert_allclose(paired_p(with_gap, y), expected, rtol=1e-9)
+
+
+def test_p_of_a_t_known_from_tables() -> None:
+    """Nine differences of 1 and one of -1: mean .8, standard error .2, so t = 4 of 9 degrees."""
+    differences = np.array([1.0] * 9 + [-1.0])
+    assert float(paired_p(differences, np.zeros(10))) == pytest.approx(0.0031, abs=5e-5)
+
+
+def test_equal_differences_are_no_certainty_and_none_is_no_difference() -> None:
+    assert float(paired_p(np.full(12, 3.0), np.zeros(12))) == 2.0**-11
+    assert float(paired_p(np.full(12, 0.3), np.full(12, 0.3))) == 1.0
+    assert np.isnan(paired_p([1.0, np.nan], [0.0, 0.0]))
+
+
+def test_p_refuses_unlike_shapes() -> None:
+    with pytest.raises(ValueError, match="shape"):
+        paired_p(np.zeros(3), np.zeros(4))
+
+
+def test_holm_by_hand() -> None:
+    """Four tests: 4 * .005, 3 * .01, 2 * .03 and .04, which may not fall below its forerunner."""
+    np.testing.assert_allclose(holm([0.01, 0.04, 0.03, 0.005]), [0.03, 0.06, 0.06, 0.02])
+
+
+def test_holm_leaves_out_what_was_not_tested_and_stops_at_one() -> None:
+    found = holm([np.nan, 0.02, 0.7, 0.9])
+    assert np.isnan(found[0])
+    np.testing.assert_allclose(found[1:], [0.06, 1.0, 1.0])
+    assert holm([]).size == 0
+
+
+@pytest.mark.parametrize(
+    ("p", "words"),
+    [([[0.1]], "flat list"), ([0.1, 1.2], r"p\[1\] is 1\.2"), ([-0.1], r"p\[0\] is -0\.1")],
+)
+def test_holm_refuses_what_are_no_p_values(p: list[float], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        holm(p)
+
+
+def test_holm_keeps_false_findings_below_the_level() -> None:
+    """Of 400 families of 8 tests without any effect, at most about 5 % have a finding."""
+    random = np.random.default_rng(0)
+    families = random.uniform(size=(400, 8))
+    found = [bool((holm(family) < 0.05).any()) for family in families]
+    alone = [bool((family < 0.05).any()) for family in families]
+    assert np.mean(found) < 0.09 < 0.25 < np.mean(alone)

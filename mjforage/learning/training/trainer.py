@@ -19,12 +19,11 @@ from graph_planner.policies.ddqn import QPolicy
 from graph_planner.randomness import episode_keys
 from graph_planner.task import Task
 from graph_planner.weights import TEAMS, WeightsHeader, ground_note, header_note
-from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Mission
+from mjforage.core.mission_metrics import METRICS, Scorer
 from mjforage.core.scenario import Scenario
 from mjforage.core.schema import OPEN
-from mjforage.core.scoring import score
 from mjforage.learning.environments.game import Game, Outcome
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.ddqn import Learner
@@ -303,9 +302,9 @@ class Trainer:
         setup, hyperparameters = self.games[0].setup, self.hyperparameters
         mission = Mission(setup)
         mission.reset(HELD_OUT, np.arange(hyperparameters.evaluate_episodes))
-        log = EpisodeLog(mission)
-        mission.run(LearnersPolicy(self.networks, hyperparameters.observation), (log,))
-        scores = score(log, setup.fleet, setup.scenario.horizon).scalars
+        scorer = Scorer(mission, [METRICS.find(key) for key in SCORES])
+        mission.run(LearnersPolicy(self.networks, hyperparameters.observation), (scorer,))
+        scores = scorer.scores().scalars
         row = {name: _mean(scores[name]) for name in SCORES}
         row["rank"] = row["nt50"] + row["nt90"] + (100.0 - row["pta_c"]) / 20.0
         self.book_time()

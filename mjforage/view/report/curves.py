@@ -10,8 +10,16 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from mjforage.core.vocabulary import describe
-from mjforage.view.report.picture import WIDTH_IN, Panel, Picture, canvas, joined, undefined
+from mjforage.core.mission_metrics import Description
+from mjforage.view.report.picture import (
+    WIDTH_IN,
+    Panel,
+    Picture,
+    canvas,
+    joined,
+    mathtext,
+    undefined,
+)
 from mjforage.view.report.published import published_for
 from mjforage.view.report.run_logs import RunLogs, Series
 from mjforage.view.report.text_tables import number
@@ -31,22 +39,66 @@ class Course:
 
 
 @dataclass(frozen=True)
-class Curve:
-    """One panel: a column of `steps.parquet` with its axis label."""
+class Arrangement:
+    """A figure that shows courses of our metrics together."""
 
-    key: str
-    axis: str  # axis label, mathtext allowed
-    words: str  # the same in plain words, for captions
-    digits: int = 3
-    top: float | None = (
-        None  # end of the axis that starts at 0; 0 for the largest value, None: free
-    )
-    unit: str = ""
-    ending: bool = True  # whether the caption tells where it ends
+    name: str
+    title: str
+    courses: tuple[str, ...]  # columns of steps.parquet
+    words: str  # definitions
+
+
+ARRANGED = (
+    Arrangement(
+        "pta",
+        "Items discovered and removed",
+        ("pta_d", "pta_c"),
+        "PTA_D: items discovered, PTA_C: items removed, both of all K items of the episode.",
+    ),
+    Arrangement(
+        "idleness",
+        "Idleness and how fast it falls",
+        ("mi", "irr"),
+        "MI: mean over the navigable nodes of the idleness, which grows by 1/(0.9 T) per step "
+        "and is 0 where any agent sees; IRR: the fall of MI from one step to the next.",
+    ),
+    Arrangement(
+        "rmse",
+        "Error of the believed distribution",
+        ("rmse", "rmse_columns"),
+        "RMSE over the navigable nodes between true and believed counts, both smoothed by a "
+        "Gaussian of one node; RMSE_columns is what the paper printed.",
+    ),
+    Arrangement(
+        "csr",
+        "Cooperative success ratio",
+        ("csr",),
+        "CSR: removed items that a scout had discovered first, of all removed; undefined "
+        "before the first removal.",
+    ),
+    Arrangement(
+        "gini",
+        "Inequality within the teams",
+        ("gini_foragers", "gini_scouts"),
+        "Gini of the items removed per forager and discovered per scout: 0 when all did the same; "
+        "undefined before the first.",
+    ),
+    Arrangement(
+        "overlap",
+        "Coverage overlap within the teams",
+        ("co_scouts", "co_foragers"),
+        "CO: nodes that at least two of the team see, of those that at least one sees.",
+    ),
+)
+"""What the report shows together; a metric that is in none of them has a figure of its own."""
 
 
 def course(logs: RunLogs, series: Series, key: str) -> Course:
     """Mean and 1.96 SEM of a per-step metric over the episodes in which it is defined."""
+    if key not in logs.steps.columns:
+        time = np.arange(logs.run.horizon + 1) / logs.run.horizon
+        nothing = np.full(time.size, np.nan)
+        return Course(time, nothing, nothing, np.zeros(time.size, np.int64))
     table = (
         logs.select(logs.steps, series)
         .group_by("step")
@@ -64,9 +116,9 @@ def course(logs: RunLogs, series: Series, key: str) -> Course:
     return Course(time, mean, 1.96 * std / np.sqrt(np.maximum(n, 1)), n)
 
 
-def _plot(axes: Axes, logs: RunLogs, panel: Panel, curve: Curve) -> dict[Series, Course]:
+def _plot(axes: Axes, logs: RunLogs, panel: Panel, curve: Description) -> dict[Series, Course]:
     looks, lines = panel.looks(), panel.lines()
-    courses = {series: course(logs, series, curve.key) for series in logs.series}
+    courses = {series: course(logs, series, curve.course) for series in logs.series}
     for place, ((world, policy), line) in enumerate(courses.items()):
         look = looks[policy]
         axes.fill_between(
@@ -88,13 +140,21 @@ def _plot(axes: Axes, logs: RunLogs, panel: Panel, curve: Curve) -> dict[Series,
             markevery=(place * stride // max(1, len(courses)), stride),
         )
     axes.set_xlim(0.0, 1.0)
-    axes.set_ylabel(curve.axis)
+    unit = f"  [{curve.unit}]" if curve.unit else ""
+    axes.set_ylabel(mathtext(curve.course_label) + unit)
     axes.yaxis.set_major_locator(MaxNLocator(5))
     if any(line.n.any() for line in courses.values()):
         _limit(axes, curve.top)
     else:
-        undefined(axes, curve.words)
+        undefined(axes, mathtext(curve.course_label), _why_empty(logs, curve))
     return courses
+
+
+def _why_empty(logs: RunLogs, curve: Description) -> str:
+    """Why nothing of a course is drawn."""
+    if curve.course not in logs.steps.columns:
+        return "is not in this run, which was made without it"
+    return "is undefined in every episode"
 
 
 def _limit(axes: Axes, top: float | None) -> None:
@@ -108,15 +168,16 @@ def _name(logs: RunLogs, series: Series) -> str:
     return series[1] if len(logs.run.worlds) == 1 else f"{series[1]} ({series[0]})"
 
 
-def _endings(logs: RunLogs, courses: dict[Series, Course], curve: Curve) -> str:
+def _endings(logs: RunLogs, courses: dict[Series, Course], curve: Description) -> str:
     """Say in words where the curves end."""
 
     def show(value: float) -> str:
-        return f"{value:.{curve.digits}f}{curve.unit}"
+        return f"{value:.{curve.digits}f}{_unit(curve)}"
 
     ends = {s: float(line.mean[-1]) for s, line in courses.items() if line.n[-1]}
     if not ends:
-        return f"{curve.words} is undefined in every episode."
+        drawn = any(line.n.any() for line in courses.values())
+        return "" if drawn else f"{curve.course_label} {_why_empty(logs, curve)}."
     ranked = sorted(ends, key=lambda s: -ends[s])
     if len(ranked) > LISTED:
         high, low = ranked[0], ranked[-1]
@@ -126,10 +187,14 @@ def _endings(logs: RunLogs, courses: dict[Series, Course], curve: Curve) -> str:
         ]
     else:
         listed = [f"{show(ends[s])} ({_name(logs, s)})" for s in ranked]
-    return f"{curve.words} ends at {joined(listed)}."
+    return f"{curve.course_label} ends at {joined(listed)}."
 
 
-def _paper(logs: RunLogs, curve: Curve) -> str:
+def _unit(curve: Description) -> str:
+    return f" {curve.unit}" if curve.unit else ""
+
+
+def _paper(logs: RunLogs, curve: Description) -> str:
     """Say where the paper's curves end; nothing where the run is not one to compare with."""
     ends: dict[str, list[str]] = {}
     for policy in logs.policies:
@@ -137,13 +202,13 @@ def _paper(logs: RunLogs, curve: Curve) -> str:
         for source, values in (
             (("Paper", known.printed), ("Paper's public code", known.measured)) if known else ()
         ):
-            if curve.key in values:
-                value = number(values[curve.key], describe(curve.key).digits)
-                ends.setdefault(source, []).append(f"{value}{curve.unit} ({policy})")
+            if curve.course in values:
+                value = number(values[curve.course], curve.digits)
+                ends.setdefault(source, []).append(f"{value}{_unit(curve)} ({policy})")
     return "".join(f" {source} (its own map): {joined(listed)}." for source, listed in ends.items())
 
 
-def _defined(logs: RunLogs, courses: dict[Series, Course], curve: Curve) -> str:
+def _defined(logs: RunLogs, courses: dict[Series, Course], curve: Description) -> str:
     """Count the episodes in which the metric is defined at the end, where not all of them."""
     total = logs.run.episodes
     few = [(s, int(line.n[-1])) for s, line in courses.items() if line.n[-1] < total]
@@ -156,7 +221,7 @@ def _defined(logs: RunLogs, courses: dict[Series, Course], curve: Curve) -> str:
 
 
 def time_figure(
-    logs: RunLogs, name: str, title: str, curves: Sequence[Curve], definition: str
+    logs: RunLogs, name: str, title: str, curves: Sequence[Description], definition: str
 ) -> Picture:
     """Draw one panel per curve, stacked above a common axis of normalised time."""
     panel = Panel(logs.policies, logs.run.worlds)
@@ -166,79 +231,24 @@ def time_figure(
     words = []
     for axes, curve in zip(grid[:, 0], curves, strict=True):
         courses = _plot(axes, logs, panel, curve)
-        if curve.ending:
-            words.append(
-                _endings(logs, courses, curve)
-                + _defined(logs, courses, curve)
-                + _paper(logs, curve)
-            )
+        end = _endings(logs, courses, curve)
+        words += [end + _defined(logs, courses, curve) + _paper(logs, curve)] if end else []
     grid[-1, 0].set_xlabel("normalised time  $t/T$")
     panel.legend(figure)
-    return Picture(name, title, f"{' '.join(words)} {definition}", figure)
+    return Picture(name, title, " ".join((*words, definition)), figure)
 
 
 def time_figures(logs: RunLogs) -> list[Picture]:
-    """Every figure over time, in the order of the report."""
-    return [
-        time_figure(
-            logs,
-            "pta",
-            "Items discovered and removed",
-            [
-                Curve("pta_d", "PTA$_D$  [%]", "PTA_D", 1, 100.0, " %"),
-                Curve("pta_c", "PTA$_C$  [%]", "PTA_C", 1, 100.0, " %"),
-            ],
-            "PTA_D: items discovered, PTA_C: items removed, both of all K items of the episode.",
-        ),
-        time_figure(
-            logs,
-            "idleness",
-            "Idleness and how fast it falls",
-            [
-                Curve("mi", "MI", "MI", 3, 1.0),
-                Curve("irr", "IRR  [per step]", "IRR", 4, ending=False),
-            ],
-            "MI: mean over the navigable nodes of the idleness, which grows by 1/(0.9 T) per step "
-            "and is 0 where any agent sees; IRR: the fall of MI from one step to the next.",
-        ),
-        time_figure(
-            logs,
-            "rmse",
-            "Error of the believed distribution",
-            [
-                Curve("rmse", "RMSE  [items per node]", "RMSE", 4, 0.0),
-                Curve(
-                    "rmse_columns",
-                    "RMSE$_{\\mathrm{columns}}$  [items per node]",
-                    "RMSE_columns",
-                    4,
-                    0.0,
-                ),
-            ],
-            "RMSE over the navigable nodes between true and believed counts, both smoothed by a "
-            "Gaussian of one node; RMSE_columns is what the paper printed.",
-        ),
-        time_figure(
-            logs,
-            "csr",
-            "Cooperative success ratio",
-            [Curve("csr", "CSR", "CSR", 3, 1.0)],
-            "CSR: removed items that a scout had discovered first, of all removed; undefined "
-            "before the first removal.",
-        ),
-        time_figure(
-            logs,
-            "gini-foragers",
-            "Inequality among foragers",
-            [Curve("gini_foragers", "Gini, foragers", "Gini", 3, 0.0)],
-            "Gini of the items removed per forager: 0 when all removed the same; undefined before "
-            "the first removal.",
-        ),
-        time_figure(
-            logs,
-            "overlap-scouts",
-            "Coverage overlap of scouts",
-            [Curve("co_scouts", "CO, scouts", "CO", 3, 0.0)],
-            "CO: nodes that at least two scouts see, of those that at least one sees.",
-        ),
+    """Every figure over time, in the order of the report: ours, then one per other course."""
+    courses = logs.courses
+    figures = [
+        time_figure(logs, one.name, one.title, [courses[key] for key in one.courses], one.words)
+        for one in ARRANGED
     ]
+    arranged = {key for one in ARRANGED for key in one.courses}
+    for key, curve in courses.items():
+        if key not in arranged and key in logs.steps.columns:
+            name, title = f"course-{key.replace('_', '-')}", f"{curve.course_label} over time"
+            words = f"{curve.course_label}: {curve.definition}."
+            figures.append(time_figure(logs, name, title, [curve], words))
+    return figures

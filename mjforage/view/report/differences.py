@@ -1,13 +1,16 @@
-"""A paired difference as tables and figures show it."""
+"""A paired difference as tables and figures show it, and which of several are set apart from 0."""
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from metrics import Interval, paired_difference
-from mjforage.core.vocabulary import Metric
+from metrics import Interval, holm, paired_difference, paired_p
+from mjforage.core.mission_metrics import Description
 from mjforage.view.report.text_tables import NOTHING, number
 
 SEED = 0  # of the bootstrap: a report made twice must be the same
+LEVEL = 0.05  # of a whole family of tests
 FEWEST = 10  # episodes of an interval that may be bold: of fewer the bootstrap's is too narrow
 
 
@@ -19,11 +22,17 @@ def too_few(episodes: int) -> str:
 
 
 class Estimate:
-    """A number with its 95 % interval, NaN where undefined."""
+    """A number with its 95 % interval, NaN where undefined.
 
-    def __init__(self, found: Interval, digits: int) -> None:
+    Attributes
+    ----------
+    value, low, high, n : as of `metrics.Interval`
+    p : of the test that the number is 0
+    """
+
+    def __init__(self, found: Interval, p: float, digits: int) -> None:
         self.value, self.low, self.high = float(found.value), float(found.low), float(found.high)
-        self.n, self._digits = int(found.n), digits
+        self.n, self.p, self._digits = int(found.n), p, digits
 
     @property
     def text(self) -> str:
@@ -42,15 +51,34 @@ class Estimate:
         """Number and interval in one cell."""
         return f"{self.text} ({self.interval})"
 
-    @property
-    def apart(self) -> bool:
-        """Whether the interval leaves out zero, and is of enough episodes to say so."""
-        return self.n >= FEWEST and bool(self.low > 0 or self.high < 0)
-
 
 class Difference(Estimate):
     """Mean of x - y over the episodes where both are defined, with its bootstrap interval."""
 
-    def __init__(self, x: NDArray[np.float64], y: NDArray[np.float64], metric: Metric) -> None:
+    def __init__(self, x: NDArray[np.float64], y: NDArray[np.float64], metric: Description) -> None:
         """Compare x (episode,) with y (episode,), where entry i of both is the same episode."""
-        super().__init__(paired_difference(x, y, SEED), metric.digits)
+        super().__init__(paired_difference(x, y, SEED), float(paired_p(x, y)), metric.digits)
+
+
+def corrected(family: Sequence[Estimate]) -> list[float]:
+    """P-values of a family of estimates that are read together, by Holm; NaN where untested."""
+    return [float(p) for p in holm([estimate.p for estimate in family])]
+
+
+def set_apart(family: Sequence[Estimate]) -> list[bool]:
+    """Which of a family differ from 0, together at `LEVEL`, and are of enough episodes for it."""
+    return [one.n >= FEWEST and p < LEVEL for one, p in zip(family, corrected(family), strict=True)]
+
+
+def p_text(p: float) -> str:
+    """A p-value as tables show it."""
+    return "< 0.001" if p < 0.001 else number(p, 3)
+
+
+def family_note(family: Sequence[Estimate], where: str = "this table", how: str = "bold") -> str:
+    """Say how a family was tested."""
+    tests = sum(not np.isnan(one.p) for one in family)
+    return (
+        f"{how} where it differs from 0 by paired t-tests at the level {LEVEL:g}, corrected by "
+        f"Holm's method for the {tests} test{'s' if tests != 1 else ''} of {where}"
+    )

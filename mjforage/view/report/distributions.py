@@ -1,7 +1,7 @@
 """Distributions: discovery-to-service latency per item and inter-team lag per episode."""
 
 from dataclasses import dataclass
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 import polars as pl
@@ -10,13 +10,24 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
+from mjforage.core.mission_metrics import Description
 from mjforage.view.report import style
-from mjforage.view.report.picture import WIDTH_IN, Panel, Picture, canvas, joined, undefined
+from mjforage.view.report.picture import (
+    WIDTH_IN,
+    Panel,
+    Picture,
+    canvas,
+    joined,
+    mathtext,
+    undefined,
+)
 from mjforage.view.report.run_logs import RunLogs, Series
 
 FloatArray = NDArray[np.float64]
 GOLDEN = 0.6180339887498949  # fractional golden ratio: its multiples fill an interval evenly
 LISTED = 4
+MARKS = "Bar: quartiles, white dot: median"
+TITLES = {"dsl": "Discovery-to-service latency", "itl": "Inter-team temporal lag"}
 
 
 @dataclass(frozen=True)
@@ -25,6 +36,14 @@ class Violin:
 
     values: FloatArray  # (value,)
     points: FloatArray  # (episode,)
+
+
+class Words(NamedTuple):
+    """What stands around a figure."""
+
+    name: str
+    title: str
+    caption: str
 
 
 def item_latencies(logs: RunLogs, series: Series) -> FloatArray:
@@ -75,7 +94,7 @@ def _violins(axes: Axes, logs: RunLogs, violins: dict[Series, Violin], words: st
             place = policies.index(policy) + offset
             _draw(axes, place, 0.92 * width, violin, looks[policy].colour, lines[world])
     if not any(len(violin.values) for violin in violins.values()):
-        undefined(axes, words)
+        undefined(axes, mathtext(words), "is undefined in every episode")
     crowded = len(policies) * max(len(name) for name in policies) > 44
     axes.set_xticks(range(len(policies)), policies)
     axes.tick_params(axis="x", rotation=35 if crowded else 0, length=0)
@@ -99,16 +118,16 @@ def _counts(logs: RunLogs, violins: dict[Series, Violin], what: str) -> str:
 
 
 def _figure(
-    logs: RunLogs, violins: dict[Series, Violin], axis: str, name: str, title: str, caption: str
+    logs: RunLogs, violins: dict[Series, Violin], axis: str, unit: str, words: Words
 ) -> Picture:
     figure = canvas(WIDTH_IN, 3.55)
     axes = figure.subplots()
     _violins(axes, logs, violins, axis)
-    axes.set_ylabel(f"{axis}  [of horizon $T$]")
+    axes.set_ylabel(mathtext(axis) + (f"  [{unit}]" if unit else ""))
     axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
     if len(logs.run.worlds) > 1:
         Panel((), logs.run.worlds).legend(figure)
-    return Picture(name, title, caption, figure)
+    return Picture(words.name, words.title, words.caption, figure)
 
 
 def _defined(values: FloatArray) -> FloatArray:
@@ -116,33 +135,36 @@ def _defined(values: FloatArray) -> FloatArray:
 
 
 def distribution_figures(logs: RunLogs) -> list[Picture]:
-    """Draw the latency and the lag figure."""
-    marks = "Bar: quartiles, white dot: median"
-    latency = {
+    """Draw the latency of the items, and each metric that has no course and is to be drawn."""
+    drawn = [
+        one
+        for one in logs.metrics.values()
+        if one.drawn and not one.course and one.key != "dsl" and logs.has(one.key)
+    ]
+    return [_latency(logs), *(_of_episodes(logs, one) for one in drawn)]
+
+
+def _latency(logs: RunLogs) -> Picture:
+    violins = {
         s: Violin(item_latencies(logs, s), _defined(logs.scalar(s, "dsl"))) for s in logs.series
     }
-    lag = {
-        s: Violin(_defined(logs.scalar(s, "itl")), _defined(logs.scalar(s, "itl")))
-        for s in logs.series
-    }
-    return [
-        _figure(
-            logs,
-            latency,
-            "DSL",
-            "dsl",
-            "Discovery-to-service latency",
-            f"{_counts(logs, latency, 'items')} Violin: every item that a scout discovered and a "
-            f"forager removed; points: means of the episodes. {marks}, of the items. DSL: steps "
-            "from discovery to removal, over T.",
-        ),
-        _figure(
-            logs,
-            lag,
-            "ITL",
-            "itl",
-            "Inter-team temporal lag",
-            f"{_counts(logs, lag, 'episodes')} Violin and points: episodes. {marks}. ITL: steps "
-            "between the largest single-step rises of PTA_D and of PTA_C, over T.",
-        ),
-    ]
+    caption = (
+        f"{_counts(logs, violins, 'items')} Violin: every item that a scout discovered and a "
+        f"forager removed; points: means of the episodes. {MARKS}, of the items. DSL: steps "
+        "from discovery to removal, over T."
+    )
+    words = Words("dsl", TITLES["dsl"], caption)
+    return _figure(logs, violins, "DSL", "of horizon $T$", words)
+
+
+def _of_episodes(logs: RunLogs, metric: Description) -> Picture:
+    values = {s: _defined(logs.scalar(s, metric.key)) for s in logs.series}
+    violins = {s: Violin(found, found) for s, found in values.items()}
+    caption = (
+        f"{_counts(logs, violins, 'episodes')} Violin and points: episodes. {MARKS}. "
+        f"{metric.label}: {metric.definition}."
+    )
+    title = TITLES.get(metric.key, f"{metric.plain} of the episodes")
+    name = metric.key if metric.key in TITLES else f"metric-{metric.key.replace('_', '-')}"
+    words = Words(name, title, caption)
+    return _figure(logs, violins, metric.label, metric.unit, words)

@@ -18,7 +18,7 @@ from mjforage.view.report.run_logs import RunLogs
 from mjforage.view.report.text_tables import Row, Table
 from mjforage.view.report.web_replay import web_replay
 
-_SUBSCRIPT = re.compile(r"\b(PTA|NT|RMSE|MI|IRR|CO|Gini|Throughput|ITL)_([A-Za-z0-9]+)")
+_SUBSCRIPT = re.compile(r"(?<![\w.:])([A-Z][A-Za-z]*)_([A-Za-z0-9]+)\b")  # of labels of metrics
 _CODE = re.compile(r"`([^`]+)`")
 
 

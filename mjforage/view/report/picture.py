@@ -83,13 +83,19 @@ def canvas(width_in: float, height_in: float) -> Figure:
     return figure
 
 
-def undefined(axes: Axes, what: str) -> None:
-    """Say inside empty axes that nothing was defined."""
+def mathtext(label: str) -> str:
+    """A label with what is after its underscore as a subscript."""
+    stem, _, below = label.partition("_")
+    return f"{stem}$_{{\\mathrm{{{below}}}}}$" if below else stem
+
+
+def undefined(axes: Axes, what: str, words: str) -> None:
+    """Say inside empty axes why they are."""
     axes.set(ylim=(0.0, 1.0), yticks=[])
     axes.text(
         0.5,
         0.5,
-        f"{what} is undefined in every episode",
+        f"{what} {words}",
         transform=axes.transAxes,
         ha="center",
         va="center",

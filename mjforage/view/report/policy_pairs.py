@@ -2,41 +2,79 @@
 
 import itertools
 import math
+from dataclasses import dataclass
 
 from metrics import probability_of_improvement
-from mjforage.core.vocabulary import COMPARED, Metric, describe
-from mjforage.view.report.differences import SEED, Difference
+from mjforage.core.mission_metrics import Description
+from mjforage.view.report.differences import (
+    SEED,
+    Difference,
+    corrected,
+    family_note,
+    p_text,
+    set_apart,
+)
 from mjforage.view.report.run_logs import RunLogs
 from mjforage.view.report.text_tables import Row, Table, number, policy_name
 
 
-def _row(logs: RunLogs, world: str, first: str, second: str, metric: Metric) -> Row:
-    """Compare two policies in one metric, over the episodes where both are defined."""
+@dataclass(frozen=True)
+class _Pair:
+    """Two policies of a world in one metric, over the episodes where both are defined."""
+
+    group: str
+    metric: Description
+    gap: Difference
+    better: float  # P(first better than second), NaN where the metric has no direction
+
+
+def _pair(logs: RunLogs, world: str, first: str, second: str, metric: Description) -> _Pair:
     x, y = (logs.scalar((world, policy), metric.key) for policy in (first, second))
-    gap, better = Difference(x, y, metric), math.nan
+    better = math.nan
     if metric.better:
         share = probability_of_improvement(metric.better * x, metric.better * y, SEED)
         better = float(share.value)
     suffix = f" · {world}" if len(logs.run.worlds) > 1 else ""
     group = f"{policy_name(first)} − {policy_name(second)}{suffix}"
-    cells = (gap.text, gap.interval, number(better, 2), str(gap.n))
-    return Row(metric.label, cells, group=group, best=frozenset({0} if gap.apart else ()))
+    return _Pair(group, metric, Difference(x, y, metric), better)
 
 
 def comparison_table(logs: RunLogs) -> Table | None:
-    """All pairs of policies within each world, in the headline metrics; None with one policy."""
-    pairs = list(itertools.combinations(logs.policies, 2))
-    rows = [
-        _row(logs, world, first, second, metric)
-        for world, (first, second) in itertools.product(logs.run.worlds, pairs)
-        for metric in map(describe, COMPARED)
+    """All pairs of policies within each world, in the metrics to compare in; None with one policy.
+
+    What is bold is so after Holm's correction over the whole table.
+    """
+    compared = [one for one in logs.metrics.values() if one.compared and logs.has(one.key)]
+    pairs = [
+        _pair(logs, world, first, second, metric)
+        for world in logs.run.worlds
+        for first, second in itertools.combinations(logs.policies, 2)
+        for metric in compared
     ]
-    if not rows:
+    if not pairs:
         return None
+    family = [pair.gap for pair in pairs]
+    judged = zip(pairs, corrected(family), set_apart(family), strict=True)
+    rows = tuple(
+        Row(
+            pair.metric.label,
+            (
+                pair.gap.text,
+                pair.gap.interval,
+                p_text(p),
+                number(pair.better, 2),
+                str(pair.gap.n),
+            ),
+            group=pair.group,
+            best=frozenset({0} if apart else ()),
+        )
+        for pair, p, apart in judged
+    )
     notes = (
         "Difference: first policy minus second, mean over the episodes where both are defined, "
-        "with the bootstrap 95 % interval; bold where it leaves out zero. P(better): probability "
-        "that an episode of the first policy beats one of the second, ties counting half.",
+        f"with the bootstrap 95 % interval of itself alone; {family_note(family)} (p). P(better): "
+        "probability that an episode of the first policy beats one of the second, ties counting "
+        "half.",
     )
-    columns = ("difference", "95 % interval", "P(better)", "n")
-    return Table("paired", "Paired comparison", columns, tuple(rows), notes)
+    columns = ("difference", "95 % interval", "p", "P(better)", "n")
+    return Table("paired", "Paired comparison", columns, rows, notes)

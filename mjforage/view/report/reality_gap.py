@@ -2,15 +2,21 @@
 
 import itertools
 
+from mjforage.core.mission_metrics import Description, describe
 from mjforage.core.scenario_file import scenario_from_tree
-from mjforage.core.vocabulary import HEADLINE, METRICS, Metric, describe
 from mjforage.physics.worlds import added
-from mjforage.view.report.differences import Difference
+from mjforage.view.report.differences import (
+    Difference,
+    corrected,
+    family_note,
+    p_text,
+    set_apart,
+)
 from mjforage.view.report.run_logs import RunLogs, Series
-from mjforage.view.report.text_tables import Row, Table, entry_of, plus_minus
+from mjforage.view.report.text_tables import HEADLINE, Row, Table, entry_of, plus_minus
 
 
-def _step(logs: RunLogs, here: Series, there: Series, metric: Metric) -> Difference:
+def _step(logs: RunLogs, here: Series, there: Series, metric: Description) -> Difference:
     """One world minus another in one metric, over the same episodes of a policy."""
     return Difference(logs.scalar(here, metric.key), logs.scalar(there, metric.key), metric)
 
@@ -24,24 +30,30 @@ def gap_table(logs: RunLogs) -> Table | None:
     if len(worlds) < 2 or worlds[0] != "graph":
         return None
     first, last = worlds[0], worlds[-1]
+    metrics = logs.metrics.values()
+    lines = [
+        (policy, metric, _step(logs, (last, policy), (first, policy), metric))
+        for policy in logs.policies
+        for metric in metrics
+    ]
+    family = [step for _, _, step in lines]
     rows = []
-    for policy in logs.policies:
-        for metric in METRICS.values():
-            pair = (last, policy), (first, policy)
-            means = (
-                plus_minus(entry_of(logs.summary, series, metric.key), metric.digits)
-                for series in reversed(pair)
-            )
-            step = _step(logs, *pair, metric)
-            best = frozenset({2}) if step.apart else frozenset()
-            cells = (*means, step.text, step.interval, str(step.n))
-            rows.append(Row(metric.label, cells, group=policy, best=best))
+    for (policy, metric, step), p, apart in zip(
+        lines, corrected(family), set_apart(family), strict=True
+    ):
+        means = (
+            plus_minus(entry_of(logs.summary, (world, policy), metric.key), metric.digits)
+            for world in (first, last)
+        )
+        cells = (*means, step.text, step.interval, p_text(p), str(step.n))
+        best = frozenset({2} if apart else ())
+        rows.append(Row(metric.label, cells, group=policy, best=best))
     notes = (
         "The same episodes in both worlds: equal items, drift and starts. Difference: "
         f"{last} minus {first}, mean over the episodes where both are defined, with the bootstrap "
-        "95 % interval; bold where it leaves out zero.",
+        f"95 % interval of itself alone; {family_note(family)} (p).",
     )
-    columns = (first, last, "difference", "95 % interval", "n")
+    columns = (first, last, "difference", "95 % interval", "p", "n")
     return Table("gap", "The reality gap", columns, tuple(rows), notes)
 
 
@@ -54,14 +66,22 @@ def ladder_table(logs: RunLogs) -> Table | None:
     if len(worlds) < 3:
         return None
     metrics = [describe(key) for key in HEADLINE]
-    rows = []
-    for policy in logs.policies:
-        for before, world in itertools.pairwise(worlds):
-            pair = (world, policy), (before, policy)
-            steps = [_step(logs, *pair, metric) for metric in metrics]
-            cells = tuple(step.cell for step in steps)
-            best = frozenset(place for place, step in enumerate(steps) if step.apart)
-            rows.append(Row(f"+ {world}", cells, group=policy, best=best))
+    lines = [
+        (policy, world, [_step(logs, (world, policy), (before, policy), one) for one in metrics])
+        for policy in logs.policies
+        for before, world in itertools.pairwise(worlds)
+    ]
+    family = [step for _, _, steps in lines for step in steps]
+    apart = iter(set_apart(family))
+    rows = [
+        Row(
+            f"+ {world}",
+            tuple(step.cell for step in steps),
+            group=policy,
+            best=frozenset(place for place in range(len(steps)) if next(apart)),
+        )
+        for policy, world, steps in lines
+    ]
     scenario = scenario_from_tree(dict(logs.run.scenario), str(logs.folder / "run.json"))
     words = "; ".join(
         f"+ {world}: {', '.join(added(scenario, before, world)) or 'nothing'}"
@@ -69,7 +89,7 @@ def ladder_table(logs: RunLogs) -> Table | None:
     )
     notes = (
         "Each row adds a piece of reality to the row above, on the same episodes: paired mean "
-        f"difference and bootstrap 95 % interval; bold where it leaves out zero. {words}.",
+        f"difference and bootstrap 95 % interval of itself alone; {family_note(family)}. {words}.",
     )
     columns = tuple(metric.label for metric in metrics)
     return Table("ladder", "The gap ladder", columns, tuple(rows), notes)

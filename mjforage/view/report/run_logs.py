@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +12,9 @@ import polars as pl
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
-from mjforage.core.vocabulary import METRICS, SERIES
+from mjforage.core.mission_metrics import Description, chosen_metrics, describe, description
 from mjforage.runs.episode_replay import Replay
-from mjforage.runs.parquet import read_parquet
+from mjforage.runs.parquet import read_parquet, read_schema
 from mjforage.runs.run_info import REMEDY, RunInfo, again, load_run, read_json
 from mjforage.view.report import style
 
@@ -69,12 +70,50 @@ class RunLogs:
 
     def scalar(self, series: Series, key: str) -> NDArray[np.float64]:
         """Return one metric per episode, in episode order; NaN where undefined: (episode,)."""
-        column = self.select(self.episodes, series).sort("episode")[key]
-        return column.cast(pl.Float64).fill_null(float("nan")).to_numpy()
+        return scalar(self.select(self.episodes, series), key)
+
+    @cached_property
+    def metrics(self) -> dict[str, Description]:
+        """Metrics by key: those known here, also where the run was made without one, then others.
+
+        The run's own words come first, as a metric may be of a package that is not here.
+        """
+        theirs = {one.key: one for one in self.run.metrics}
+        here = {one.key: description(one) for one in chosen_metrics()}
+        found = {key for world, policy in self.series for key in self.summary[world][policy]}
+        keys = [*here, *sorted(found - set(here))]
+        return {key: theirs.get(key) or here.get(key) or describe(key) for key in keys}
+
+    def has(self, key: str) -> bool:
+        """Whether the run was made with a metric."""
+        return key in self.episodes.columns
+
+    @cached_property
+    def courses(self) -> dict[str, Description]:
+        """Metrics that have a course, by its column of `steps.parquet`; unknown columns last."""
+        known = {one.course: one for one in self.metrics.values() if one.course}
+        found = [name for name in self.steps.columns if name not in (*KEYS, "step")]
+        others = {
+            key: replace(describe(key), course=key, course_label=key)
+            for key in found
+            if key not in known
+        }
+        return known | others
 
     def collects(self) -> list[bool]:
         """Whether each agent collects: (agent,)."""
         return [agent.collects for agent in self.run.agents]
+
+
+def scalar(rows: pl.DataFrame, key: str) -> NDArray[np.float64]:
+    """One metric of one world and policy, in episode order: (episode,).
+
+    NaN where it is undefined, and everywhere if the run was made without it.
+    """
+    if key not in rows.columns:
+        return np.full(rows.height, np.nan)
+    column = rows.sort("episode")[key]
+    return column.cast(pl.Float64).fill_null(float("nan")).to_numpy()
 
 
 def read_columns(path: Path, columns: tuple[str, ...], lowest_only: bool = False) -> pl.DataFrame:
@@ -89,8 +128,15 @@ def read_columns(path: Path, columns: tuple[str, ...], lowest_only: bool = False
     return read_parquet(path, (*KEYS, *columns), lowest if lowest_only else None, REMEDY)
 
 
-def _numbers(path: Path, frame: pl.DataFrame, columns: tuple[str, ...]) -> pl.DataFrame:
-    """Cast metric columns to float64, with null for undefined."""
+def _read_metrics(path: Path, column: str) -> pl.DataFrame:
+    """A table of metrics, whichever it has, beside world, policy, episode and one column."""
+    columns = tuple(dict.fromkeys((*KEYS, column, *read_schema(path, REMEDY))))
+    return _numbers(path, read_parquet(path, columns, None, REMEDY))
+
+
+def _numbers(path: Path, frame: pl.DataFrame) -> pl.DataFrame:
+    """Cast all columns but the keys to float64, with null for undefined."""
+    columns = [name for name in frame.columns if name not in KEYS]
     for name in columns:
         if not frame.schema[name].is_numeric():
             raise UserError(
@@ -175,8 +221,8 @@ def load_episodes(folder: Path, run: RunInfo) -> pl.DataFrame:
     UserError
         If the table is missing, truncated, foreign or incomplete.
     """
-    path, scalars = folder / "episodes.parquet", ("items", *METRICS)
-    episodes = _numbers(path, read_columns(path, scalars), scalars)
+    path = folder / "episodes.parquet"
+    episodes = _read_metrics(path, "items")
     _check_rows(path, episodes, run, run.episodes)
     return episodes
 
@@ -196,7 +242,7 @@ def load_logs(folder: Path) -> RunLogs:
     summary = _summary(folder / "summary.json", run)
     episodes = load_episodes(folder, run)
     path = folder / "steps.parquet"
-    steps = _numbers(path, read_columns(path, ("step", *SERIES)), SERIES)
+    steps = _read_metrics(path, "step")
     _check_rows(path, steps, run, run.episodes * (run.horizon + 1))
     items = read_columns(folder / "items.parquet", ITEM_COLUMNS)
     tracks = read_columns(folder / "agents.parquet", AGENT_COLUMNS, lowest_only=True)

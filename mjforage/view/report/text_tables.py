@@ -9,11 +9,13 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from graph_planner.policies import is_bound
-from mjforage.core.vocabulary import HEADLINE, METRICS, Metric, describe
+from mjforage.core.mission_metrics import Description, describe
 from mjforage.view.report import style
 from mjforage.view.report.published import LABEL, Published, published_for
 from mjforage.view.report.run_logs import RunLogs, Series, Summaries, Summary, parse_summary
 
+HEADLINE = ("pta_d", "pta_c", "rmse", "nt90", "csr", "gini_foragers", "length")
+TERMINAL = ("pta_d", "pta_c", "rmse", "nt50", "nt90", "throughput", "csr", "length")
 NORMAL_95 = 1.96
 NOTHING = "–"
 MEASURED = "†"
@@ -83,7 +85,7 @@ def entry_of(summary: Summaries, series: Series, key: str) -> Summary:
     return summary[series[0]][series[1]].get(key, missing)
 
 
-def _best(summary: Summaries, series: Sequence[Series], metric: Metric) -> set[Series]:
+def _best(summary: Summaries, series: Sequence[Series], metric: Description) -> set[Series]:
     """World and policy with the best shown mean, per world, bounds aside; none where it has no
     direction.
     """
@@ -98,7 +100,7 @@ def _best(summary: Summaries, series: Sequence[Series], metric: Metric) -> set[S
     return winners
 
 
-def _paper_cell(paper: Published, metric: Metric, intervals: bool) -> str:
+def _paper_cell(paper: Published, metric: Description, intervals: bool) -> str:
     if metric.key in paper.measured:
         return number(paper.measured[metric.key], metric.digits) + MEASURED
     text = number(paper.printed.get(metric.key, math.nan), metric.digits)
@@ -187,12 +189,10 @@ def paper_tables(logs: RunLogs) -> list[Table]:
 
 
 def full_table(logs: RunLogs) -> Table:
-    """Every metric of the summary: mean, 1.96 SEM, bootstrap 95 % interval, IQM and n."""
-    found = {key for world, policy in logs.series for key in logs.summary[world][policy]}
-    keys = [key for key in METRICS if key in found] + sorted(found - set(METRICS))
+    """Every metric: mean, 1.96 SEM, bootstrap 95 % interval, IQM and n; dashes without it."""
     looks = style.looks(logs.policies)
     rows = []
-    for metric in map(describe, keys):
+    for metric in logs.metrics.values():
         unit = f" [{metric.unit}]" if metric.unit else ""
         for series in _by_policy(logs):
             entry = entry_of(logs.summary, series, metric.key)
@@ -219,9 +219,6 @@ def full_cells(entry: Summary, digits: int) -> tuple[str, ...]:
         number(entry.iqm, digits),
         str(entry.n),
     )
-
-
-TERMINAL = ("pta_d", "pta_c", "rmse", "nt50", "nt90", "throughput", "csr", "length")
 
 
 def terminal_table(summary: Mapping[str, Any]) -> RichTable:

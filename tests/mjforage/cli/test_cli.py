@@ -15,8 +15,8 @@ from rich.console import Console
 from graph_planner.policies import policy_names
 from mjforage import __version__
 from mjforage.cli import console
+from mjforage.core.mission_metrics import chosen_metrics
 from mjforage.core.scenario_file import preset_names
-from mjforage.core.vocabulary import METRICS
 from mjforage.view.report import terminal_table
 
 Refused = Callable[..., str]
@@ -75,7 +75,11 @@ def test_a_pipe_gets_the_whole_table(reported: tuple[Path, list[str]]) -> None:
 
 
 def test_the_table_fits_a_terminal_of_80_columns() -> None:
-    widest = dict.fromkeys(METRICS, 1.0) | {"pta_d": 100.0, "pta_c": 100.0, "length": 150.0}
+    widest = dict.fromkeys((one.key for one in chosen_metrics()), 1.0) | {
+        "pta_d": 100.0,
+        "pta_c": 100.0,
+        "length": 150.0,
+    }
     entries = {
         key: {"mean": mean, "sem": 0.2 * mean, "ci95": [0.0, mean], "iqm": mean, "n": 100}
         for key, mean in widest.items()

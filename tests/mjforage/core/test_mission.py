@@ -4,10 +4,10 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from graph_planner.policies import create_policy, policy_names
-from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap
 from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree
 from tests.mjforage.core.slow_mission import SlowMission
 
@@ -25,12 +25,12 @@ def setup_of(preset: str, *overrides: str) -> Setup:
 
 def played(
     setup: Setup, policy: str, episodes: NDArray[np.int64], seed: int = 0
-) -> tuple[EpisodeLog, Mission]:
+) -> tuple[Scorer, Mission]:
     mission = Mission(setup)
     mission.reset(seed, episodes)
-    log = EpisodeLog(mission)
-    mission.run(create_policy(policy), (log,))
-    return log, mission
+    scorer = Scorer(mission)
+    mission.run(create_policy(policy), (scorer,))
+    return scorer, mission
 
 
 @pytest.mark.parametrize("preset", VARIANTS)
@@ -38,9 +38,10 @@ def test_kernels_agree_with_the_mission_in_plain_python(preset: str) -> None:
     """Every step of two episodes: nodes, items, belief, idleness, events, RMSE and overlap."""
     more = ("horizon=60", "items.mean=40", "team.foragers.count=3", *VARIANTS[preset])
     setup = setup_of(preset, *more)
-    mission, log = Mission(setup), EpisodeLog(Mission(setup))
+    mission = Mission(setup)
     mission.reset(5, np.arange(2))
-    log.see(mission)
+    scorer = Scorer(mission)
+    scorer.see(mission)
     slow = [SlowMission(setup, 5, episode) for episode in range(2)]
     rng = np.random.default_rng(0)
     while mission.active.any():
@@ -48,17 +49,17 @@ def test_kernels_agree_with_the_mission_in_plain_python(preset: str) -> None:
         preferences = rng.random((2, len(setup.fleet), 9))
         active = mission.active.copy()
         mission.advance(preferences)
-        log.see(mission)
+        scorer.see(mission)
         for e in np.flatnonzero(active).tolist():
             slow[e].advance(preferences[e])
     agree(mission, slow)
+    courses = scorer.scores().courses
     for i, oracle in enumerate(slow):
         end = oracle.state.step
-        assert (log.series["rmse"][i, end], log.series["rmse_columns"][i, end]) == pytest.approx(
-            oracle.rmse(), abs=1e-12
-        )
-        assert log.series["mi"][i, end] == pytest.approx(oracle.state.idleness.mean(), abs=1e-12)
-        assert log.series["co_scouts"][i, -1] == oracle.overlap(setup.fleet.discoverers)
+        errors = courses["rmse"][i, end], courses["rmse_columns"][i, end]
+        assert errors == pytest.approx(oracle.rmse(), abs=1e-12)
+        assert courses["mi"][i, end] == pytest.approx(oracle.state.idleness.mean(), abs=1e-12)
+        assert courses["co_scouts"][i, -1] == oracle.overlap(setup.fleet.discoverers)
         assert mission.state.distance[i] == pytest.approx(oracle.travelled)
 
 
@@ -110,13 +111,17 @@ def agree(mission: Mission, slow: list[SlowMission]) -> None:
 @pytest.mark.parametrize("policy", policy_names())
 def test_logs_are_the_same_bits_whatever_the_batch(policy: str) -> None:
     setup = setup_of("comb-port", "horizon=50")
-    whole, _ = played(setup, policy, np.arange(100))
+    scorer, _ = played(setup, policy, np.arange(100))
+    whole, scores = scorer.log, scorer.scores()
     for batch in (np.array([63]), np.arange(60, 67), np.array([66, 60])):
-        part, _ = played(setup, policy, batch)
+        scorer, _ = played(setup, policy, batch)
+        part, found = scorer.log, scorer.scores()
         for name in ("agent_node", "yaw", "distance", "length", "n_items"):
             np.testing.assert_array_equal(getattr(part, name), getattr(whole, name)[batch])
-        for name, series in part.series.items():
-            np.testing.assert_array_equal(series, whole.series[name][batch])
+        for name, course in found.courses.items():
+            np.testing.assert_array_equal(course, scores.courses[name][batch])
+        for name, values in found.scalars.items():
+            np.testing.assert_array_equal(values, scores.scalars[name][batch])
         for name in ("t_discovered", "discovered_by", "t_collected", "collected_by", "item_start"):
             for i, episode in enumerate(batch):
                 k = part.n_items[i]
@@ -154,7 +159,8 @@ def test_policies_start_every_batch_afresh() -> None:
 @pytest.mark.parametrize("policy", policy_names())
 def test_a_fleet_may_lack_scouts_or_foragers(policy: str, without: str) -> None:
     setup = setup_of("comb-port", f"team.{without}.count=0", "horizon=40")
-    log, mission = played(setup, policy, np.arange(3))
+    scorer, mission = played(setup, policy, np.arange(3))
+    log = scorer.log
     assert (mission.state.agent_node >= 0).all()
     if without == "foragers":
         assert (log.t_collected == -1).all() and (log.length == 40).all()
@@ -162,14 +168,15 @@ def test_a_fleet_may_lack_scouts_or_foragers(policy: str, without: str) -> None:
 
 def test_an_episode_ends_when_no_item_is_left_and_its_series_are_padded() -> None:
     setup = setup_of("open-bay", "items.mean=1", "items.std=0", "horizon=150")
-    log, mission = played(setup, "greedy", np.arange(30))
+    scorer, mission = played(setup, "greedy", np.arange(30))
+    log, courses = scorer.log, scorer.scores().courses
     assert (mission.ledger.entries.truth[log.length < 150] == 0).all()
     ended = np.flatnonzero(log.length < 150)
     assert ended.size > 10
     for e in ended:
         assert log.t_collected[e, 0] == log.length[e]
-        assert (log.series["mi"][e, log.length[e] :] == log.series["mi"][e, log.length[e]]).all()
-        assert log.series["rmse"][e, -1] == log.series["rmse"][e, log.length[e]]
+        assert (courses["mi"][e, log.length[e] :] == courses["mi"][e, log.length[e]]).all()
+        assert courses["rmse"][e, -1] == courses["rmse"][e, log.length[e]]
 
 
 def test_nothing_is_removed_at_the_start_but_what_is_in_view_is_discovered() -> None:

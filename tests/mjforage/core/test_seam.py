@@ -12,13 +12,12 @@ from graph_planner.knowledge import Knowledge, Looks, hear
 from graph_planner.policies import Policy, create_policy, policy_names
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task
-from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
 from mjforage.core.exchange import Exchange
 from mjforage.core.initial_state import InitialState
 from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree
-from mjforage.core.scoring import score
 
 PLANNING = ("belief", "greedy", "ddqn")
 SWEEPERS = {"count": 2, "moves": 1, "radius": 3.0, "collects": True, "capacity": 4}
@@ -78,12 +77,12 @@ def setup_of(team: dict[str, Any], *overrides: str, order: Sequence[str] = ()) -
     return Setup.of(scenario_from_tree(tree, "seam"))
 
 
-def played(setup: Setup, policy: str, exchange: Exchange | None = None) -> EpisodeLog:
+def played(setup: Setup, policy: str, exchange: Exchange | None = None) -> Scorer:
     mission = Mission(setup, exchange=exchange)
     mission.reset(5, np.arange(3))
-    log = EpisodeLog(mission)
-    mission.run(create_policy(policy), (log,))
-    return log
+    scorer = Scorer(mission)
+    mission.run(create_policy(policy), (scorer,))
+    return scorer
 
 
 @pytest.mark.parametrize("policy", PLANNING)
@@ -92,12 +91,13 @@ def test_a_third_role_is_a_row_in_a_scenario(policy: str) -> None:
     setup = setup_of({"sweepers": SWEEPERS}, "items.mean=150")
     assert setup.fleet.names[4:] == ("sweepers-0", "sweepers-1")
     assert setup.fleet.order.tolist() == [3, 2, 5, 4, 1, 0]
-    log = played(setup, policy)
+    scorer = played(setup, policy)
+    log = scorer.log
     taken = np.stack([(log.collected_by == agent).sum(axis=1) for agent in range(6)], axis=1)
     assert (taken[:, :2] == 0).all(), "scouts collect nothing"
     assert (taken[:, 4:] <= 4).all(), "and sweepers no more than they can hold"
     assert taken[:, 4:].sum() > 0
-    scores = score(log, setup.fleet, 40).scalars
+    scores = scorer.scores().scalars
     some = taken.sum(axis=1) > 0  # inequality and share of nothing are undefined
     assert np.isfinite(scores["gini_foragers"][some]).all()
     assert np.isfinite(scores["csr"][some]).all() and some.any()
@@ -109,9 +109,10 @@ def test_four_holders_that_hear_everything_are_one_to_the_bit(policy: str) -> No
     one = played(setup, policy)
     four = played(setup, policy, Groups(range(4), [[1] * 4] * 4))
     for name in ("agent_node", "direction", "t_discovered", "discovered_by", "collected_by"):
-        np.testing.assert_array_equal(getattr(four, name), getattr(one, name))
-    for name, series in one.series.items():
-        np.testing.assert_array_equal(four.series[name], series)
+        np.testing.assert_array_equal(getattr(four.log, name), getattr(one.log, name))
+    courses = four.scores().courses
+    for name, course in one.scores().courses.items():
+        np.testing.assert_array_equal(courses[name], course)
 
 
 @pytest.mark.parametrize("policy", PLANNING)

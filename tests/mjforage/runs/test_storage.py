@@ -75,7 +75,7 @@ def test_chunks_merge_in_the_given_order_and_go(run: RunFolder) -> None:
     )
     for table in TABLES:
         assert run.table(table)["episode"].to_list() == [2, 0, 1]
-        assert dict(run.table(table).schema) == SCHEMAS[table]
+        assert dict(run.table(table).schema) == SCHEMAS[table]  # of a run without metrics
     assert run.episodes([FIRST, SECOND]).height == 3
 
 

@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -5,8 +6,8 @@ import polars as pl
 import pytest
 
 from mjforage.core.errors import UserError
-from mjforage.core.vocabulary import METRICS, SERIES
-from mjforage.runs.tables import SCHEMAS, TABLES, check_table, read_table
+from mjforage.core.mission_metrics import chosen_metrics
+from mjforage.runs.tables import METRIC_COLUMNS, SCHEMAS, TABLES, check_table, read_table
 
 HORIZON = 12
 
@@ -15,15 +16,57 @@ HORIZON = 12
 def test_tables_are_what_they_are_checked_for(finished: Path, table: str) -> None:
     path = finished / f"{table}.parquet"
     check_table(path, table)
-    assert dict(read_table(path, table).schema) == SCHEMAS[table]
+    schema = dict(read_table(path, table).schema)
+    assert list(schema)[: len(SCHEMAS[table])] == list(SCHEMAS[table])
+    assert {name: schema.pop(name) for name in SCHEMAS[table]} == SCHEMAS[table]
+    assert set(schema.values()) <= {METRIC_COLUMNS.get(table)}
     other = TABLES[(TABLES.index(table) + 1) % len(TABLES)]
     with pytest.raises(UserError, match=f"not a table of {other}"):
         check_table(path, other)
 
 
-def test_columns_are_the_metrics_of_the_vocabulary() -> None:
-    assert list(SCHEMAS["episodes"]) == ["world", "policy", "episode", "items", *METRICS]
-    assert list(SCHEMAS["steps"]) == ["world", "policy", "episode", "step", *SERIES]
+def test_every_metric_has_its_columns(finished: Path) -> None:
+    episodes = read_table(finished / "episodes.parquet", "episodes")
+    steps = read_table(finished / "steps.parquet", "steps")
+    metrics = chosen_metrics()
+    assert episodes.columns[4:] == [one.key for one in metrics]
+    assert steps.columns[4:] == [one.course_name() for one in metrics if one.has_course()]
+
+
+@pytest.mark.parametrize(
+    ("table", "damage", "words"),
+    [
+        ("episodes", lambda frame: frame.drop("items"), "items differ"),
+        (
+            "episodes",
+            lambda frame: frame.with_columns(pl.col("episode").cast(pl.String)),
+            "episode",
+        ),
+        ("episodes", lambda frame: frame.with_columns(note=pl.lit("x")), "note differ"),
+        ("steps", lambda frame: frame.with_columns(more=pl.lit(1.0, pl.Float64)), "more differ"),
+        ("items", lambda frame: frame.with_columns(more=pl.lit(1.0, pl.Float64)), "more differ"),
+    ],
+)
+def test_a_foreign_table_is_refused(
+    finished: Path,
+    tmp_path: Path,
+    table: str,
+    damage: Callable[[pl.DataFrame], pl.DataFrame],
+    words: str,
+) -> None:
+    path = tmp_path / f"{table}.parquet"
+    damage(pl.read_parquet(finished / path.name)).write_parquet(path)
+    with pytest.raises(UserError, match=words):
+        check_table(path, table)
+
+
+def test_a_table_without_a_metric_or_with_another_one_is_one(
+    finished: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "episodes.parquet"
+    frame = pl.read_parquet(finished / path.name).drop("csr").with_columns(new=pl.lit(1.0))
+    frame.write_parquet(path)
+    assert "new" in read_table(path, "episodes").columns
 
 
 def test_a_message_asks_to_move_the_file_unless_told_better(tmp_path: Path) -> None:

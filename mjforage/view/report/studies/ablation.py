@@ -1,11 +1,11 @@
 """What an agent of each team is worth: the paper's Tables 5 and 6."""
 
-from metrics import paired_contribution
-from mjforage.core.vocabulary import describe
+from metrics import paired_contribution, paired_p
+from mjforage.core.mission_metrics import describe
 from mjforage.runs.variants import COMPLETE, lesser_name
 from mjforage.view.report import style
 from mjforage.view.report.all_figures import house_style
-from mjforage.view.report.differences import SEED, Estimate
+from mjforage.view.report.differences import SEED, Estimate, family_note, set_apart
 from mjforage.view.report.picture import Picture
 from mjforage.view.report.published import LABEL, published_for
 from mjforage.view.report.studies.forest import Subject, forest
@@ -31,7 +31,8 @@ def contribution(logs: StudyLogs, team: str, world: str, policy: str, key: str) 
         for variant in (COMPLETE, lesser_name(team))
     )
     higher = describe(key).better > 0
-    return Estimate(paired_contribution(full, without, SEED, higher_is_better=higher), DIGITS)
+    found = paired_contribution(full, without, SEED, higher_is_better=higher)
+    return Estimate(found, float(paired_p(full, without)), DIGITS)
 
 
 def setups_table(logs: StudyLogs) -> Table:
@@ -65,17 +66,29 @@ def setups_table(logs: StudyLogs) -> Table:
 
 def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str, ...]) -> Table:
     """Marginal Contribution per role and metric."""
+    players = [
+        (team, policy, world)
+        for team in teams(logs)
+        for policy in style.ordered(logs.base.policies)
+        for world in logs.worlds
+    ]
+    lines = {
+        (team, policy, world): [contribution(logs, team, world, policy, key) for key in keys]
+        for team, policy, world in players
+    }
+    family = [one for line in lines.values() for one in line]
+    apart = iter(set_apart(family))
     rows = []
     for team in teams(logs):
         for policy in style.ordered(logs.base.policies):
             for world in logs.worlds:
-                found = [contribution(logs, team, world, policy, key) for key in keys]
+                found = lines[team, policy, world]
                 rows.append(
                     Row(
                         policy_name(policy) + logs.suffix(world),
                         tuple(one.cell for one in found),
                         style.policy_colour(policy),
-                        best=frozenset(i for i, one in enumerate(found) if one.apart),
+                        best=frozenset(i for i in range(len(found)) if next(apart)),
                         group=f"one agent of {team}",
                     )
                 )
@@ -88,7 +101,8 @@ def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str,
     notes = (
         "Share of the performance that an agent brings: (full − without) / full, for costs "
         "(without − full) / without, of the means; in parentheses the bootstrap 95 % interval over "
-        "pairs of the same episodes, bold where it leaves out zero. Negative: better without.",
+        f"pairs of the same episodes, of itself alone; {family_note(family)}. Negative: better "
+        "without.",
     )
     return Table(name, title, tuple(describe(key).label for key in keys), tuple(rows), notes)
 

@@ -19,14 +19,13 @@ from metrics import (
     sensitivity_slope,
     two_segment_fit,
 )
-from mjforage.core.vocabulary import describe
+from mjforage.core.mission_metrics import describe
 from mjforage.runs.variants import corrupted_name, levels
 from mjforage.view.report import style
 from mjforage.view.report.all_figures import house_style
 from mjforage.view.report.differences import SEED
-from mjforage.view.report.picture import WIDTH_IN, Panel, Picture, canvas, joined
+from mjforage.view.report.picture import WIDTH_IN, Panel, Picture, canvas, joined, mathtext
 from mjforage.view.report.published import LABEL, published_for
-from mjforage.view.report.studies.forest import mathtext
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
 from mjforage.view.report.studies.study_page import Section
 from mjforage.view.report.text_tables import NOTHING, Row, Table, number, policy_name
@@ -208,7 +207,7 @@ def picture(logs: StudyLogs, fits: Fits, team: str) -> Picture:
                     fit = fits.of(team, world, policy, metric.key)
                     if fit is not None:
                         _draw(axes, fit, look, line)
-            axes.set_ylabel(f"{mathtext(metric)}  [{metric.unit or 'items per node'}]")
+            axes.set_ylabel(f"{mathtext(metric.label)}  [{metric.unit}]")
             axes.set_xlim(-0.02, 1.02)
         grid[-1, 0].set_xlabel(f"corruption ε of {team}")
         panel.legend(figure)

@@ -6,10 +6,10 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from mjforage.core.vocabulary import Metric
+from mjforage.core.mission_metrics import Description
 from mjforage.view.report import style
-from mjforage.view.report.differences import FEWEST, Estimate
-from mjforage.view.report.picture import WIDE_IN, Picture, canvas
+from mjforage.view.report.differences import FEWEST, Estimate, family_note, set_apart
+from mjforage.view.report.picture import WIDE_IN, Picture, canvas, mathtext
 
 COLUMNS = 4  # panels beside one another, at most
 
@@ -24,17 +24,11 @@ class Subject:
     paper: Mapping[str, float] = field(default_factory=dict)  # the paper's, where it has one
 
 
-def mathtext(metric: Metric) -> str:
-    """Label of a metric with its subscript, for a figure."""
-    stem, _, below = metric.label.partition("_")
-    return f"{stem}$_{{\\mathrm{{{below}}}}}$" if below else stem
-
-
-def _draw(axes: Axes, row: int, subject: Subject, metric: Metric) -> None:
+def _draw(axes: Axes, row: int, subject: Subject, metric: Description, apart: bool) -> None:
     found = subject.estimates[metric.key]
     if found.n:
         axes.plot([found.low, found.high], [row, row], color=subject.colour, linewidth=2.2)
-        fill = subject.colour if found.apart else "white"
+        fill = subject.colour if apart else "white"
         axes.plot(found.value, row, "o", color=subject.colour, markerfacecolor=fill, markersize=6)
     if metric.key in subject.paper:
         look: dict[str, Any] = {"color": style.INK, "markerfacecolor": "none", "markersize": 8}
@@ -45,12 +39,12 @@ def forest(
     name: str,
     title: str,
     caption: str,
-    metrics: Sequence[Metric],
+    metrics: Sequence[Description],
     subjects: Sequence[Subject],
     *,
     gains: bool = False,
 ) -> Picture:
-    """Draw the estimates, filled where the interval leaves out zero.
+    """Draw the estimates, filled where they differ from 0 after Holm's correction over the figure.
 
     With `gains` more is better whatever the metric; else they are in the metric's own unit.
     """
@@ -58,13 +52,15 @@ def forest(
     columns = -(-len(metrics) // lines)
     figure = canvas(WIDE_IN, lines * (1.0 + 0.24 * len(subjects)))
     grid = figure.subplots(lines, columns, sharey=True, squeeze=False)
+    family = [subject.estimates[metric.key] for metric in metrics for subject in subjects]
+    apart = iter(set_apart(family))
     for axes, metric in zip(grid.flat, metrics, strict=False):
         axes.axvline(0.0, color=style.MUTED, linewidth=1.0)
         for row, subject in enumerate(subjects):
-            _draw(axes, row, subject, metric)
+            _draw(axes, row, subject, metric, next(apart))
         worse = {1: "left is worse", -1: "right is worse", 0: ""}[metric.better]
         unit = f" [{metric.unit}]" if metric.unit and not gains else ""
-        axes.set_title(f"{mathtext(metric)}{unit}")
+        axes.set_title(f"{mathtext(metric.label)}{unit}")
         axes.set_xlabel("" if gains else worse)
         axes.locator_params(axis="x", nbins=5)
     for axes in grid.flat[len(metrics) :]:
@@ -73,8 +69,8 @@ def forest(
         axes.set_yticks(range(len(subjects)), [subject.head for subject in subjects])
     grid[0, 0].set_ylim(len(subjects) - 0.5, -0.5)
     words = (
-        "Dot and bar: estimate and bootstrap 95 % interval; filled where it leaves out zero and is "
-        f"of {FEWEST} episodes or more."
+        "Dot and bar: estimate and bootstrap 95 % interval of itself alone; "
+        f"{family_note(family, 'this figure', 'filled')} and is of {FEWEST} episodes or more."
     )
     if any(subject.paper for subject in subjects):
         words += " Hollow diamond: the paper's number, of its own map at graph level."

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mjforage.core.vocabulary import describe
+from mjforage.core.mission_metrics import describe
 from mjforage.runs.variants import COMPLETE, lesser_name
 from mjforage.view.report import style
 from mjforage.view.report.all_figures import house_style

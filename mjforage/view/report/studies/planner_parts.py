@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from graph_planner.policies import is_bound
-from mjforage.core.vocabulary import describe
+from mjforage.core.mission_metrics import describe
 from mjforage.runs.variants import BASELINES, COMPLETE, PARTS, WRONG
 from mjforage.view.report import style
 from mjforage.view.report.all_figures import house_style
-from mjforage.view.report.differences import Difference
+from mjforage.view.report.differences import Difference, family_note, set_apart
 from mjforage.view.report.picture import Picture
 from mjforage.view.report.studies.forest import Subject, forest
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
@@ -18,10 +18,6 @@ from mjforage.view.report.text_tables import Row, Table, plus_minus, policy_name
 COMPARED = ("pta_d", "pta_c", "nt50", "nt90", "csr", "rmse")
 SHOWN = (*COMPARED, "cleared", "length")
 WORLDS_MET = (COMPLETE, *WRONG)
-PAIRED = (
-    "Mean difference over the same episodes, with its bootstrap 95 % interval; bold where that "
-    "leaves out zero."
-)
 
 
 @dataclass(frozen=True)
@@ -75,16 +71,30 @@ def _differences(
     logs: StudyLogs, name: str, title: str, groups: dict[str, tuple[Line, list[Line]]]
 ) -> Table:
     """Each group of lines against its own reference."""
-    rows = []
-    for group, (against, lines) in groups.items():
-        for line in lines:
-            steps = [_difference(logs, line, against, key) for key in COMPARED]
-            best = frozenset(place for place, step in enumerate(steps) if step.apart)
-            cells = tuple(step.cell for step in steps)
-            rows.append(Row(line.head, cells, line.colour, best=best, group=group))
+    compared = [
+        (group, line, [_difference(logs, line, against, key) for key in COMPARED])
+        for group, (against, lines) in groups.items()
+        for line in lines
+    ]
+    family = [step for _, _, steps in compared for step in steps]
+    apart = iter(set_apart(family))
+    rows = [
+        Row(
+            line.head,
+            tuple(step.cell for step in steps),
+            line.colour,
+            best=frozenset(place for place in range(len(steps)) if next(apart)),
+            group=group,
+        )
+        for group, line, steps in compared
+    ]
+    note = (
+        "Mean difference over the same episodes, with its bootstrap 95 % interval of itself alone; "
+        f"{family_note(family)}."
+    )
     metrics = [describe(key) for key in COMPARED]
     labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
-    return Table(name, title, labels, tuple(rows), (PAIRED,), units, stacked=True)
+    return Table(name, title, labels, tuple(rows), (note,), units, stacked=True)
 
 
 def _picture(

@@ -22,6 +22,7 @@ from mjforage.view.report.run_logs import (
     load_episodes,
     load_logs,
     parse_summary,
+    scalar,
 )
 from mjforage.view.report.text_tables import entry_of
 
@@ -80,7 +81,7 @@ class StudyLogs:
         rows = self.episodes[player.variant].filter(
             (pl.col("world") == player.world) & (pl.col("policy") == player.policy)
         )
-        return rows.sort("episode")[key].cast(pl.Float64).fill_null(float("nan")).to_numpy()
+        return scalar(rows, key)
 
     def entry(self, player: Player, key: str) -> Summary:
         """Summary of one metric."""

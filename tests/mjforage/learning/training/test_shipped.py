@@ -10,8 +10,8 @@ from graph_planner.policies import create_policy
 from graph_planner.weights import shipped_weights
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import load_scenario
-from mjforage.core.scoring import score
 
 SHIPPED = ("ddqn", "ddqn-reward")
 PAPER = {"pta_d": 99.41, "pta_c": 98.68, "csr": 0.946}
@@ -28,9 +28,9 @@ def published() -> Setup:
 def scores(setup: Setup, policy: str, episodes: int) -> dict[str, float]:
     mission = Mission(setup)
     mission.reset(11, np.arange(episodes))
-    log = EpisodeLog(mission)
-    mission.run(create_policy(policy), (log,))
-    found = score(log, setup.fleet, setup.scenario.horizon).scalars
+    scorer = Scorer(mission)
+    mission.run(create_policy(policy), (scorer,))
+    found = scorer.scores().scalars
     return {name: float(np.nanmean(found[name])) for name in (*PAPER, *PAPER_LOW)}
 
 

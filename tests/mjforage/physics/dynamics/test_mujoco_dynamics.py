@@ -12,6 +12,7 @@ from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
 from mjforage.core.film import Film
 from mjforage.core.mission import Setup
+from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import load_scenario
 from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
 from mjforage.physics.simulation import InstabilityError
@@ -30,22 +31,29 @@ def setup_of(preset: str, *overrides: str) -> Setup:
     return Setup.of(load_scenario(preset, overrides))
 
 
-def played(
+def scored(
     setup: Setup,
     episodes: list[int],
     world: str = "physics",
     policy: str = "greedy",
     film: Film | None = None,
-) -> EpisodeLog:
+) -> Scorer:
     mission = create_mission(setup, world, film)
     mission.reset(3, np.array(episodes, np.int64))
-    log = EpisodeLog(mission)
-    mission.run(create_policy(policy), (log,))
-    return log
+    scorer = Scorer(mission)
+    mission.run(create_policy(policy), (scorer,))
+    return scorer
 
 
-def fingerprint(log: EpisodeLog, episode: int) -> bytes:
+def played(
+    setup: Setup, episodes: list[int], world: str = "physics", policy: str = "greedy"
+) -> EpisodeLog:
+    return scored(setup, episodes, world, policy).log
+
+
+def fingerprint(scorer: Scorer, episode: int) -> bytes:
     """Everything that is logged of one episode of a batch."""
+    log, error = scorer.log, scorer.scores().courses["rmse"][episode]
     count = int(log.n_items[episode])
     agents: list[NDArray[np.generic]] = [
         log.agent_rc[episode],
@@ -56,27 +64,28 @@ def fingerprint(log: EpisodeLog, episode: int) -> bytes:
         log.impact[episode],
     ]
     items = [log.t_collected[episode, :count], log.t_discovered[episode, :count]]
-    return b"".join(part.tobytes() for part in (*agents, *items, log.series["rmse"][episode]))
+    return b"".join(part.tobytes() for part in (*agents, *items, error))
 
 
 @pytest.mark.parametrize("preset", ["comb-port", "comb-port-weather"])
 def test_an_episode_is_the_same_to_the_bit_in_any_batch(preset: str) -> None:
     """Alone, in another order, and beside an episode that needs a larger pool of bodies."""
     setup = setup_of(preset, *SHORT, "items.mean=95", "items.std=8")
-    log = played(setup, [0, 1, 2, 3, 4, 5])
-    pools = {int(n > 96) for n in log.n_items}
+    whole = scored(setup, [0, 1, 2, 3, 4, 5])
+    pools = {int(n > 96) for n in whole.log.n_items}
     assert pools == {0, 1}, "the batch should need another pool than its smallest episode"
-    for episode in (int(np.argmin(log.n_items)), 5):
-        assert fingerprint(played(setup, [episode]), 0) == fingerprint(log, episode)
-    back = played(setup, [5, 3])
-    assert fingerprint(back, 0) == fingerprint(log, 5)
-    assert fingerprint(back, 1) == fingerprint(log, 3)
+    for episode in (int(np.argmin(whole.log.n_items)), 5):
+        assert fingerprint(scored(setup, [episode]), 0) == fingerprint(whole, episode)
+    back = scored(setup, [5, 3])
+    assert fingerprint(back, 0) == fingerprint(whole, 5)
+    assert fingerprint(back, 1) == fingerprint(whole, 3)
 
 
 def test_filming_changes_nothing_and_shows_where_hulls_were() -> None:
     setup, film = setup_of("comb-port", *SHORT), Film()
-    log = played(setup, [1], film=film)
-    assert fingerprint(log, 0) == fingerprint(played(setup, [1]), 0)
+    filmed = scored(setup, [1], film=film)
+    assert fingerprint(filmed, 0) == fingerprint(scored(setup, [1]), 0)
+    log = filmed.log
     assert film.pose.shape == (1 + 6 * 20, 4, 3)
     ends = setup.graph.row_column(film.pose[::20, :, :2].astype(np.float64))
     np.testing.assert_allclose(ends, log.agent_rc[0], atol=1e-5)
@@ -209,10 +218,11 @@ def test_the_belief_planner_forages_better_than_greedy_with_hulls_too() -> None:
     setup = setup_of("comb-port-weather", "belief.fast=true", "horizon=110")
     shares = {}
     for policy in ("greedy", "belief"):
-        log = played(setup, [1, 2, 3], policy=policy)
+        several = scored(setup, [1, 2, 3], policy=policy)
+        log = several.log
         shares[policy] = (log.t_collected >= 0).sum(axis=1) / log.n_items
     assert (shares["belief"] > shares["greedy"]).all() and shares["belief"].min() > 0.8
-    assert fingerprint(played(setup, [2], policy="belief"), 0) == fingerprint(log, 1)
+    assert fingerprint(scored(setup, [2], policy="belief"), 0) == fingerprint(several, 1)
 
 
 @pytest.mark.parametrize("world", ["hulls", "debris", "intake", "physics"])

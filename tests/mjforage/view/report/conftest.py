@@ -12,11 +12,13 @@ import polars as pl
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.core.vocabulary import METRICS, SERIES
+from mjforage.core.mission_metrics import chosen_metrics
 from mjforage.core.whole_files import write_bytes
 from mjforage.runs.episode_replay import Replay
 
-FLOATS = tuple(METRICS)
+FLOATS = tuple(one.key for one in chosen_metrics())
+COURSES = tuple(one.course_name() for one in chosen_metrics() if one.has_course())
+OTHER = 0.5  # of a metric that this file does not know
 
 
 @dataclass(frozen=True)
@@ -127,7 +129,10 @@ def _episode(plan: Plan, world: str, policy: str, episode: int, skill: float) ->
         "co_scouts": scouts_off * overlap,
         "co_foragers": foragers_off * overlap / 2,
     }
-    steps = [{**key, "step": t, **{n: float(series[n][t]) for n in SERIES}} for t in times]
+    other = np.full(len(times), OTHER)
+    steps = [
+        {**key, "step": t, **{n: float(series.get(n, other)[t]) for n in COURSES}} for t in times
+    ]
 
     def reach(level: float) -> float:
         hits = np.flatnonzero(pta_c >= level)
@@ -197,7 +202,7 @@ def _episode(plan: Plan, world: str, policy: str, episode: int, skill: float) ->
         for t in range(length + 1)
     ]
     tables = {
-        "episodes": [{**key, "items": count, **{n: float(v) for n, v in scalars.items()}}],
+        "episodes": [{**key, "items": count, **{n: float(scalars.get(n, OTHER)) for n in FLOATS}}],
         "steps": steps,
         "items": items,
         "agents": poses,

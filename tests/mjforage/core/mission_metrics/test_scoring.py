@@ -6,15 +6,53 @@ import pytest
 from graph_planner.policies import create_policy
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission_metrics import METRICS, Batch, Scorer, Scores, chosen_metrics, score
 from mjforage.core.scenario_file import load_scenario
-from mjforage.core.scoring import event_table, score
-from mjforage.core.vocabulary import SERIES
-from mjforage.runs.tables import SCALARS
+
+BY_HAND = {
+    "pta_d": 75.0,  # 3 of 4 found
+    "pta_c": 50.0,  # 2 of 4 removed
+    "rmse": 0.1,
+    "rmse_columns": 0.05,
+    "nt50": 0.5,  # the second one at step 5 of 10
+    "nt90": 1.0,  # never
+    "throughput": 2 / (2 * 10),
+    "throughput_scouts": 3 / (2 * 10),
+    "mi_final": 0.5,
+    "mi_mean": 0.75,
+    "irr_mean": 0.05,  # (1 - 0.5) / 10
+    "dsl": 0.2,  # item 0: (3 - 1) / 10; item 1 is not removed, item 2 not a scout's
+    "itl": 0.2,  # first largest rises at steps 1 and 3
+    "itl_level": 0.0,  # both reach their maximum at step 5
+    "csr": 0.5,
+    "gini_foragers": 0.0,
+    "gini_scouts": 0.0,
+    "co_scouts": 0.25,
+    "co_foragers": 0.0,
+    "length": 10.0,
+    "cleared": 0.0,
+}
+"""Of the log below, in the order of the columns."""
 
 
 @pytest.fixture(scope="module")
 def setup() -> Setup:
     return Setup.of(load_scenario("comb-port", ("horizon=10",)))
+
+
+def by_hand(setup: Setup) -> Scores:
+    """Scores of that log, with courses that would have been taken live."""
+    steps = np.linspace(1.0, 0.5, 11)[None, :]
+    recorded = {
+        "rmse": steps * 0.2,
+        "rmse_columns": steps * 0.1,
+        "mi": steps,
+        "co_scouts": np.linspace(0.0, 0.5, 11)[None, :],
+        "co_foragers": np.zeros((1, 11)),
+    }
+    return score(
+        Batch(log_by_hand(setup), setup.fleet, 10, recorded), [METRICS.find(key) for key in BY_HAND]
+    )
 
 
 def log_by_hand(setup: Setup) -> EpisodeLog:
@@ -26,49 +64,21 @@ def log_by_hand(setup: Setup) -> EpisodeLog:
     log.t_collected = np.array([[3, -1, 5, -1, -1]], np.int16)
     log.collected_by = np.array([[2, -1, 3, -1, -1]], np.int16)
     log.length = np.array([10], np.int32)
-    steps = np.linspace(1.0, 0.5, 11)[None, :]
-    log.series = {
-        "rmse": steps * 0.2,
-        "rmse_columns": steps * 0.1,
-        "mi": steps,
-        "co_scouts": np.linspace(0.0, 0.5, 11)[None, :],
-        "co_foragers": np.zeros((1, 11)),
-    }
     return log
 
 
 def test_scalars_of_an_episode_by_hand(setup: Setup) -> None:
-    scores = score(log_by_hand(setup), setup.fleet, 10)
-    assert set(scores.scalars) == set(SCALARS) and set(SERIES) <= set(scores.series)
-    expected = {
-        "pta_d": 75.0,  # 3 of 4 found
-        "pta_c": 50.0,  # 2 of 4 removed
-        "rmse": 0.1,
-        "rmse_columns": 0.05,
-        "nt50": 0.5,  # the second one at step 5 of 10
-        "nt90": 1.0,  # never
-        "throughput": 2 / (2 * 10),
-        "throughput_scouts": 3 / (2 * 10),
-        "mi_final": 0.5,
-        "mi_mean": 0.75,
-        "irr_mean": 0.05,  # (1 - 0.5) / 10
-        "dsl": 0.2,  # item 0: (3 - 1) / 10; item 1 is not removed, item 2 not a scout's
-        "itl": 0.2,  # first largest rises at steps 1 and 3
-        "itl_level": 0.0,  # both reach their maximum at step 5
-        "csr": 0.5,
-        "gini_foragers": 0.0,
-        "gini_scouts": 0.0,
-        "co_scouts": 0.25,
-        "co_foragers": 0.0,
-        "length": 10.0,
-        "cleared": 0.0,
-    }
-    for key, value in expected.items():
+    scores = by_hand(setup)
+    for key, value in BY_HAND.items():
         assert scores.scalars[key][0] == pytest.approx(value), key
 
 
+def test_columns_keep_their_order_and_others_come_after() -> None:
+    assert [one.key for one in chosen_metrics()][: len(BY_HAND)] == list(BY_HAND)
+
+
 def test_series_follow_the_events(setup: Setup) -> None:
-    series = score(log_by_hand(setup), setup.fleet, 10).series
+    series = by_hand(setup).courses
     assert series["pta_d"][0].tolist() == [0, 25, 50, 50, 50, 75, 75, 75, 75, 75, 75]
     assert series["pta_c"][0].tolist() == [0, 0, 0, 25, 25, 50, 50, 50, 50, 50, 50]
     assert np.isnan(series["csr"][0, :3]).all() and series["csr"][0, 3:6].tolist() == [1, 1, 0.5]
@@ -76,7 +86,7 @@ def test_series_follow_the_events(setup: Setup) -> None:
 
 
 def test_padding_items_do_not_count(setup: Setup) -> None:
-    events = event_table(log_by_hand(setup))
+    events = log_by_hand(setup).event_table()
     assert events.exists[0].tolist() == [True] * 4 + [False]
 
 
@@ -84,9 +94,9 @@ def test_metrics_are_those_of_the_run_itself(setup: Setup) -> None:
     """Counted straight from the mission's state, not through events."""
     mission = Mission(setup)
     mission.reset(0, np.arange(20))
-    log = EpisodeLog(mission)
-    mission.run(create_policy("greedy"), (log,))
-    scores = score(log, setup.fleet, 10)
+    scorer = Scorer(mission)
+    mission.run(create_policy("greedy"), (scorer,))
+    scores = scorer.scores()
     left = (mission.state.item_node >= 0).sum(axis=1)
     removed = 100 * (1 - left / mission.initial.n_items)
     np.testing.assert_allclose(scores.scalars["pta_c"], removed)

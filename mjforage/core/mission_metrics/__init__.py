@@ -1,0 +1,31 @@
+"""The metrics of a mission: one class in one file each, with name, unit, direction and formula.
+
+`metric` says what one is, `known` which there are, `scoring` takes them from a batch; every other
+file here holds metrics. A file that is put beside them is found without an edit elsewhere; a class
+in a package of your own is found by the entry point `mjforage.metrics` or by `package.module:Name`.
+"""
+
+import importlib
+import pkgutil
+
+from mjforage.core.mission_metrics.known import METRICS, chosen_metrics, describe, metric
+from mjforage.core.mission_metrics.metric import Batch, Description, Metric, Moment, description
+from mjforage.core.mission_metrics.scoring import Scorer, Scores, score
+
+__all__ = [
+    "METRICS",
+    "Batch",
+    "Description",
+    "Metric",
+    "Moment",
+    "Scorer",
+    "Scores",
+    "chosen_metrics",
+    "describe",
+    "description",
+    "metric",
+    "score",
+]
+
+for _module in pkgutil.iter_modules(__path__):
+    importlib.import_module(f"{__name__}.{_module.name}")

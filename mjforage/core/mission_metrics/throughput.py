@@ -1,0 +1,33 @@
+"""Throughput of each kind of agent."""
+
+import metrics
+from mjforage.core.mission_metrics.known import metric
+from mjforage.core.mission_metrics.metric import Batch, FloatArray, Metric
+
+
+@metric
+class RemovedPerForager(Metric):
+    """Items removed per forager and step of the horizon.
+
+    Paper, "Primary metrics", Throughput.
+    """
+
+    key, label, better, drawn = "throughput", "Throughput", 1, False
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) [item/step]."""
+        foragers = batch.fleet.collectors.size
+        return metrics.throughput(batch.events.collected_at, foragers, batch.horizon)
+
+
+@metric
+class DiscoveredPerScout(Metric):
+    """Items discovered per scout and step of the horizon."""
+
+    key, label, better, drawn = "throughput_scouts", "Throughput_scouts", 1, False
+    compared = False
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) [item/step]."""
+        scouts = batch.fleet.discoverers.size
+        return metrics.throughput(batch.events.discovered_at, scouts, batch.horizon)
