@@ -5,6 +5,7 @@ in what a run is.
 """
 
 import difflib
+import hashlib
 import inspect
 import json
 import re
@@ -18,6 +19,8 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 from graph_planner.errors import UserError
 
 _BARE = re.compile(r"[\w./+~-]+")
+_SAFE = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,59}")
+_UNSAFE = re.compile(r"[^A-Za-z0-9_.-]+")
 
 
 @dataclass(frozen=True)
@@ -99,6 +102,14 @@ def _text(value: Any) -> str:
     if isinstance(value, dict):
         return "{" + ", ".join(f"{json.dumps(k)} = {_text(v)}" for k, v in value.items()) + "}"
     return str(value).lower() if isinstance(value, bool) else repr(value)
+
+
+def file_label(label: str) -> str:
+    """A label as part of a file's name: itself if it can be one, else what can, and a checksum."""
+    if _SAFE.fullmatch(label):
+        return label
+    checksum = hashlib.sha256(label.encode()).hexdigest()[:8]
+    return f"{_UNSAFE.sub('-', label)[:40].strip('-.')}-{checksum}"
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -10,7 +10,7 @@ import logging
 import signal
 import socket
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -21,7 +21,7 @@ import joblib
 
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
-from mjforage.runs.identity import run_info, versions
+from mjforage.runs.identity import run_info
 from mjforage.runs.interrupts import interrupts_held
 from mjforage.runs.run_info import read_json
 
@@ -216,8 +216,12 @@ def cores(client: Any) -> int:
     return int(sum(client.ncores().values()))
 
 
-def check_versions(asked: tuple[tuple[str, str], ...]) -> None:
+def check_code(asked: tuple[tuple[str, str], ...], here: Mapping[str, str]) -> None:
     """Check in a worker that it runs what the asking process runs, one chunk at a time.
+
+    Parameters
+    ----------
+    asked, here : file or library -> hash or version
 
     Raises
     ------
@@ -226,7 +230,6 @@ def check_versions(asked: tuple[tuple[str, str], ...]) -> None:
     """
     from distributed import get_worker
 
-    here = versions()
     for name, there in asked:
         if here.get(name) != there:
             raise UserError(
@@ -257,7 +260,7 @@ def check_run(folder: Path, run_hash: str, setup: Setup) -> None:
             "share, under the same path"
         )
     info = read_json(file)
-    own = run_info(setup, (), info["worlds"], 0, 0)["hash"]
+    own = run_info(setup, info["policies"], info["worlds"], 0, 0)["hash"]
     if not run_hash == own == info["hash"]:
         raise UserError(
             f"worker on {here}: scenario and hulls have the hash {own} there, {run_hash} where the "

@@ -6,12 +6,12 @@ import numpy as np
 import polars as pl
 
 from graph_planner.navigation import navigation_graph
+from graph_planner.policies.registry import check_policies, policy_label
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap, check_starts
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import scenario_from_tree
 from mjforage.runs.episode_replay import Replay
-from mjforage.runs.evaluate import check_policies
 from mjforage.runs.recording import record
 from mjforage.runs.run_info import again, load_run
 from mjforage.runs.storage import RunFolder
@@ -33,6 +33,7 @@ def replay_of_run(folder: Path, world: str | None, policy: str | None, episode: 
     """
     run = load_run(folder / "run.json")
     policy, world = policy or run.policies[0], world or run.worlds[0]
+    policy = policy if policy in run.policies else policy_label(policy)
     if policy not in run.policies or world not in run.worlds or not 0 <= episode < run.episodes:
         raise UserError(
             f"{folder}: no episode {episode} of {policy} in world {world}; it holds episodes 0 to "

@@ -7,22 +7,24 @@ or removed.
 """
 
 import contextlib
-import hashlib
 import io
 import json
+import logging
 import os
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 import polars as pl
 
+from graph_planner.references import file_label
 from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import canonical_json
 from mjforage.runs.costs import Cost
+from mjforage.runs.resuming import CODE, acceptable, differences, refusal, with_accepted
 from mjforage.runs.run_info import again, read_json
 from mjforage.runs.tables import KEYS, TABLES, check_table, read_table
 
@@ -31,10 +33,11 @@ try:
 except ImportError:  # not on this system: runs are then not kept apart
     fcntl = None  # type: ignore[assignment]
 
+_logger = logging.getLogger(__name__)
+
 IDENTITY = (
     "scenario",
     "map",
-    "versions",
     "seed",
     "episodes",
     "worlds",
@@ -42,9 +45,8 @@ IDENTITY = (
     "weights",
     "agents",
     "hulls",
+    *CODE,
 )
-_COMPARED_VERSIONS = ("mjforage", "mujoco", "code")
-_LONGEST = 60  # characters of a value in a message
 
 
 @dataclass(frozen=True, order=True)
@@ -59,7 +61,7 @@ class Chunk:
     @property
     def name(self) -> str:
         """Folder name of the finished chunk."""
-        return f"{self.world}-{self.policy}-{self.first:06d}-{self.count}"
+        return f"{self.world}-{file_label(self.policy)}-{self.first:06d}-{self.count}"
 
     @property
     def keys(self) -> list[tuple[str, str, int]]:
@@ -113,82 +115,6 @@ def write_json(path: Path, value: object) -> None:
             temporary.unlink(missing_ok=True)
 
 
-def run_hash(info: Mapping[str, Any]) -> str:
-    """Hash of scenario, map, vessels, code and MuJoCo's version: 16 hexadecimal digits."""
-    versions = {name: info["versions"].get(name) for name in _COMPARED_VERSIONS}
-    text = canonical_json([info["scenario"], info["map"], versions, info.get("hulls")])
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def _differences(there: object, here: object, key: str) -> Iterator[str]:
-    if isinstance(there, dict) and isinstance(here, dict):
-        for name in {**there, **here}:
-            yield from _differences(there.get(name), here.get(name), f"{key}.{name}".lstrip("."))
-    elif there != here:
-        if key == "map.navigable":
-            yield "the map's cells differ"
-        elif key == "agents":
-            yield "the agents are others or in another order"
-        else:
-            yield f"{key} is {_short(there)} there and {_short(here)} here"
-
-
-def _short(value: object) -> str:
-    text = json.dumps(value)
-    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
-
-
-def open_folder(path: Path, kind: str, info: Mapping[str, Any], identity: Iterable[str]) -> None:
-    """Create a folder whose file `<kind>.json` says what it holds, or check that it says the same.
-
-    Parameters
-    ----------
-    path : the folder
-    kind : run or study
-    info : content of the file
-    identity : its keys that must be the same; of `versions` only those that decide results
-
-    Raises
-    ------
-    UserError
-        If the folder holds another one (the difference is named) or something else, or cannot be
-        written.
-    """
-    file = path / f"{kind}.json"
-    with writing(path):
-        path.mkdir(parents=True, exist_ok=True)
-        found = sorted(entry.name for entry in path.iterdir() if entry.name[0] != ".")
-    if file.name in found:
-        _check_same(file, kind, info, tuple(identity))
-    elif found:
-        raise UserError(
-            f"{path}: holds {found[0]} but no {file.name}, so it is no {kind} folder; choose "
-            "another --out"
-        )
-    else:
-        write_json(file, info)
-
-
-def _check_same(file: Path, kind: str, here: Mapping[str, Any], keys: tuple[str, ...]) -> None:
-    def identity(info: Mapping[str, Any]) -> dict[str, Any]:
-        part = {key: info.get(key) for key in keys}
-        versions = part["versions"] if isinstance(part["versions"], dict) else {}
-        part["versions"] = {name: versions.get(name) for name in _COMPARED_VERSIONS}
-        return part
-
-    try:
-        there = read_json(file)
-    except UserError as error:
-        raise UserError(
-            f"{file}: is not the {file.name} of a {kind}; choose another --out"
-        ) from error
-    found = list(_differences(identity(there), identity(json.loads(json.dumps(here))), ""))
-    if found:
-        raise UserError(
-            f"{file.parent}: holds another {kind}: {'; '.join(found[:3])}; choose another --out"
-        )
-
-
 @contextlib.contextmanager
 def claimed(path: Path) -> Iterator[None]:
     """Keep other processes from writing a folder; the system lets go of it with the process.
@@ -213,6 +139,80 @@ def claimed(path: Path) -> Iterator[None]:
         os.close(folder)
 
 
+def open_folder(
+    path: Path, kind: str, info: Mapping[str, Any], identity: Iterable[str], accept: bool = False
+) -> dict[str, Any]:
+    """Create a folder whose file `<kind>.json` says what it holds, or check that it says the same.
+
+    Parameters
+    ----------
+    path : the folder
+    kind : run, study or training
+    info : content of the file
+    identity : its keys that must be the same
+    accept : go on although code or versions differ; the file then says so
+
+    Returns
+    -------
+    The content that the file is to have, changes accepted so far included.
+
+    Raises
+    ------
+    UserError
+        If the folder holds another one (the difference is named) or something else, or cannot be
+        written.
+    """
+    file = path / f"{kind}.json"
+    with writing(path):
+        path.mkdir(parents=True, exist_ok=True)
+        found = sorted(entry.name for entry in path.iterdir() if entry.name[0] != ".")
+    if file.name not in found:
+        if found:
+            raise UserError(
+                f"{path}: holds {found[0]} but no {file.name}, so it is no {kind} folder; choose "
+                "another --out"
+            )
+        write_json(file, info)
+        return dict(info)
+    try:
+        there = read_json(file)
+    except UserError as error:
+        raise UserError(
+            f"{file}: is not the {file.name} of a {kind}; choose another --out"
+        ) from error
+    differing = differences(there, info, identity)
+    if differing and not (accept and acceptable(differing)):
+        raise UserError(f"{path}: {refusal(kind, differing)}")
+    content = with_accepted(there, info, differing)
+    if differing:
+        changed = {key: content[key] for key in (*CODE, "hash", "accepted") if key in content}
+        write_json(file, there | changed)
+    return content
+
+
+def set_aside(path: Path, kind: str) -> Path | None:
+    """Rename a folder that holds a run, study or training, so that its place is free.
+
+    Returns
+    -------
+    Its new name; None if there was none
+
+    Raises
+    ------
+    UserError
+        If another process is writing it, or it cannot be renamed.
+    """
+    if not (path / f"{kind}.json").is_file():
+        return None
+    now = f"{datetime.now(UTC):%Y%m%dT%H%M%S}"
+    names = (f"{path.name}.before-{now}{more}" for more in ("", *(f"-{n}" for n in range(2, 100))))
+    with claimed(path), writing(path):
+        aside = next(path.parent / name for name in names if not (path.parent / name).exists())
+        path.rename(aside)
+    _logger.warning("%s: what it held is kept as %s", path, aside)
+    return aside
+
+
 class RunFolder:
     """The folder of one run."""
 
@@ -220,12 +220,17 @@ class RunFolder:
         self.path = path
         self._chunks = path / "chunks"
 
-    def open(self, info: Mapping[str, Any]) -> None:
+    def open(self, info: Mapping[str, Any], accept: bool = False) -> dict[str, Any]:
         """Create the folder for a run, or check that it holds the same one.
 
         Parameters
         ----------
         info : content of `run.json`
+        accept : go on although code or versions differ, see `open_folder`
+
+        Returns
+        -------
+        The content that `run.json` is to have.
 
         Raises
         ------
@@ -233,11 +238,12 @@ class RunFolder:
             If the folder holds another run (the difference is named) or something else, or cannot
             be written.
         """
-        open_folder(self.path, "run", info, IDENTITY)
+        info = open_folder(self.path, "run", info, IDENTITY, accept)
         for table in TABLES:
             if (self.path / f"{table}.parquet").exists():
                 path = self.path / f"{table}.parquet"
                 check_table(path, table, self._moved(path))
+        return info
 
     def claimed(self) -> contextlib.AbstractContextManager[None]:
         """Keep other processes from writing the folder, as `claimed`."""

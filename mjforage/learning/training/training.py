@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from graph_planner.policies import Policy, create_policy
 from graph_planner.policies.ddqn import QPolicy
+from graph_planner.policies.registry import check_policies
 from graph_planner.randomness import episode_keys
 from graph_planner.task import Task
 from graph_planner.weights import TEAMS, WeightsHeader, ground_note, header_note
@@ -30,7 +31,6 @@ from mjforage.learning.training.ddqn import Learner
 from mjforage.learning.training.files import save_tensors
 from mjforage.learning.training.replay import FINAL, NOTHING, PLAYED
 from mjforage.learning.training.settings import Settings
-from mjforage.runs.evaluate import check_policies
 
 if TYPE_CHECKING:
     from graph_planner.q_network import DuelingNetwork
