@@ -80,6 +80,42 @@ def parse_reference(text: str, kind: str) -> Reference:
     return Reference(name, options)
 
 
+def with_options(
+    kind: str, references: Iterable[str], overrides: Iterable[str]
+) -> tuple[list[str], tuple[str, ...]]:
+    """References with the options that overrides of the form KIND.NAME.OPTION=VALUE give them.
+
+    Returns
+    -------
+    The references, and the overrides of other things.
+
+    Raises
+    ------
+    UserError
+        If no reference has that name, or one has that option with another value.
+    """
+    found = [parse_reference(text, kind) for text in references]
+    others = []
+    for text in overrides:
+        path, sign, value = text.partition("=")
+        start, _, name = path.strip().partition(".")
+        if start != kind:
+            others.append(text)
+            continue
+        name, _, option = name.rpartition(".")
+        parsed = parse_reference(f"{name}({option}={value})", kind)
+        meant = [place for place, one in enumerate(found) if one.name == name]
+        if not sign or not meant:
+            given = ", ".join(one.name for one in found) or "none"
+            raise UserError(f"--set {text}: give {kind}.NAME.OPTION=VALUE, NAME of {given}")
+        for place in meant:
+            there = {**parsed.options, **found[place].options}
+            if there[option] != parsed.options[option]:
+                raise UserError(f"--set {text}: {found[place]} says otherwise; say it once")
+            found[place] = Reference(name, there)
+    return [str(one) for one in found], tuple(others)
+
+
 def _value(text: str) -> Any:
     """A TOML value of plain kind, or a bare word; None for neither."""
     try:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.errors import UserError
-from graph_planner.extensions import Place, Table
+from graph_planner.extensions import Place, Table, is_ours
 from graph_planner.randomness import UInt64Array
 from graph_planner.references import Reference, parse_reference
 from graph_planner.task import Observation, Task, Truth
@@ -164,6 +164,12 @@ def create_policy(text: str) -> Policy:
     """
     _, made, options = _bound(text)
     return made(**options)
+
+
+def outside_class(text: str) -> str:
+    """`package.module:Class` of a policy that is not ours; "" for one of ours."""
+    made = policy_class(text)
+    return "" if is_ours(made) else f"{made.__module__}:{getattr(made, '__qualname__', made)}"
 
 
 def policy_place(text: str) -> Place | None:

@@ -10,7 +10,7 @@ import logging
 import signal
 import socket
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -216,8 +216,8 @@ def cores(client: Any) -> int:
     return int(sum(client.ncores().values()))
 
 
-def check_code(asked: tuple[tuple[str, str], ...], here: Mapping[str, str]) -> None:
-    """Check in a worker that it runs what the asking process runs, one chunk at a time.
+def check_code(asked: Iterable[tuple[str, str]], here: Mapping[str, str]) -> None:
+    """Check in a worker that it runs what the asking process runs.
 
     Parameters
     ----------
@@ -228,14 +228,24 @@ def check_code(asked: tuple[tuple[str, str], ...], here: Mapping[str, str]) -> N
     UserError
         Naming the machine and the difference.
     """
-    from distributed import get_worker
-
     for name, there in asked:
         if here.get(name) != there:
             raise UserError(
                 f"worker on {socket.gethostname()}: {name} is {here.get(name)}, but {there} where "
                 "the command was given; install the same on all machines"
             )
+
+
+def check_threads() -> None:
+    """Check in a worker of a cluster that it computes one chunk at a time.
+
+    Raises
+    ------
+    UserError
+        Naming the machine and its threads.
+    """
+    from distributed import get_worker
+
     with suppress(ValueError):  # not in a worker
         threads = get_worker().state.nthreads
         if threads != 1:

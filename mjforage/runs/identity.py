@@ -12,7 +12,13 @@ from importlib.metadata import version
 from typing import Any
 
 from graph_planner.extensions import is_ours
-from graph_planner.policies.registry import Policy, is_bound, policy_class, policy_files
+from graph_planner.policies.registry import (
+    Policy,
+    is_bound,
+    outside_class,
+    policy_class,
+    policy_files,
+)
 from mjforage.core.assets import models_folder
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import canonical_json, scenario_to_tree
@@ -139,6 +145,9 @@ def run_info(
         "worlds": list(worlds),
         "policies": list(policies),
         "bounds": [name for name in policies if is_bound(name)],
+        "classes": {
+            policy: reference for policy in policies if (reference := outside_class(policy))
+        },
         "weights": weight_hashes(policies),
         "agents": [
             {"name": name, "team": setup.fleet.team_names[team], "collects": bool(collects)}

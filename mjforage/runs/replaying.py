@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 
+from graph_planner.extensions import Place
 from graph_planner.navigation import navigation_graph
-from graph_planner.policies.registry import check_policies, policy_label
+from graph_planner.policies.registry import adopt_policy, check_policies, policy_label
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap, check_starts
 from mjforage.core.mission import Setup
@@ -39,6 +40,8 @@ def replay_of_run(folder: Path, world: str | None, policy: str | None, episode: 
             f"{folder}: no episode {episode} of {policy} in world {world}; it holds episodes 0 to "
             f"{run.episodes - 1} of {', '.join(run.policies)} in {', '.join(run.worlds)}"
         )
+    if policy in run.classes:  # its name may be one that only its module registers
+        adopt_policy(policy, Place(run.classes[policy], ""))
     check_policies([policy])
     where = str(folder / "run.json")
     setup = Setup(

@@ -50,6 +50,8 @@ class RunInfo:
     episodes: int  # per world and policy
     worlds: tuple[str, ...]
     policies: tuple[str, ...]
+    bounds: tuple[str, ...]  # those policies that are shown the truth
+    classes: Mapping[str, str]  # policy -> package.module:Class, of those that are not ours
     agents: tuple[Agent, ...]
     map: MapInfo
     hull_lengths: Mapping[str, float]  # name of a vessel -> [m]; empty at graph level
@@ -150,6 +152,10 @@ def _agents(data: Mapping[str, Any], where: str) -> tuple[Agent, ...]:
     )
 
 
+def _classes(data: Mapping[str, Any], where: str) -> dict[str, str]:
+    return {name: field(data, name, str, f"{where}: classes") for name in data}
+
+
 def _hull_lengths(data: Mapping[str, Any], where: str) -> dict[str, float]:
     vessels = field(data, "vessels", dict, where) if data else {}
     return {name: field(facts, "length_m", float, where) for name, facts in vessels.items()}
@@ -179,6 +185,8 @@ def load_run(path: Path) -> RunInfo:
         episodes=field(data, "episodes", int, where),
         worlds=_names(data, "worlds", where),
         policies=_names(data, "policies", where),
+        bounds=tuple(map(str, field({"bounds": [], **data}, "bounds", list, where))),
+        classes=_classes(field({"classes": {}, **data}, "classes", dict, where), where),
         agents=_agents(data, where),
         map=_map(field(data, "map", dict, where), f"{where}: map"),
         hull_lengths=_hull_lengths(field(data, "hulls", dict, where), f"{where}: hulls"),

@@ -196,6 +196,8 @@ def _setup(assignment: Assignment) -> Setup:
         worlds = assignment.worlds if assignment.parent is None else None
         here = dict(_facts(assignment.policies, worlds))
         cluster.check_code(assignment.code, here)
+    if assignment.parent is None:
+        cluster.check_threads()
     packed = np.frombuffer(assignment.cells, np.uint8)
     rows, columns = assignment.shape
     navigable = (

@@ -5,12 +5,8 @@ Folder: `training.json` (command, scenario, settings, seed, versions), `training
 `best.safetensors` (of the best evaluation).
 """
 
-import platform
-import shlex
-import sys
 import time
 from collections.abc import Callable, Sequence
-from importlib.metadata import version
 from pathlib import Path
 
 import torch
@@ -21,10 +17,13 @@ from mjforage.learning.training.checkpoint import identity, restore_checkpoint, 
 from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.settings import Settings
 from mjforage.learning.training.training import Row, Trainer, save_weights
-from mjforage.runs.storage import claimed, open_folder, writing
+from mjforage.runs.identity import policy_code, provenance, versions, weight_hashes
+from mjforage.runs.resuming import CODE, Resume
+from mjforage.runs.source_code import decisive_code
+from mjforage.runs.storage import claimed, open_folder, set_aside, writing
 
 CHECKPOINT_S = 300.0  # between two checkpoints
-IDENTITY = ("seed", "device", "settings", "scenario", "also", "versions")
+IDENTITY = ("seed", "device", "settings", "scenario", "also", "weights", *CODE)
 """Keys of `training.json` in which two runs must agree for one to go on where the other stopped."""
 
 Report = Callable[[str, Row], None]
@@ -41,6 +40,7 @@ def train(
     updates: int | None = None,
     device: str = "auto",
     report: Report = lambda table, row: None,
+    resume: Resume = "same",
 ) -> Trainer:
     """Train until the run has lasted so long, or its networks have had so many updates.
 
@@ -54,6 +54,7 @@ def train(
     hours, updates : where to stop; at least one
     device : auto, cpu or cuda
     report : called with every row that is logged, and its table's name
+    resume : what to do with a run that the folder holds
 
     Raises
     ------
@@ -63,9 +64,12 @@ def train(
     """
     _check_ends(hours, updates)
     trainer = Trainer([scenario, *also], settings, seed, _device(device))
+    if resume == "fresh":
+        set_aside(folder, "training")
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
     with claimed(folder):
+        open_folder(folder, "training", _facts(trainer), IDENTITY, resume == "accept-code-change")
         _go_on(trainer, folder, hours, updates, report)
     return trainer
 
@@ -75,7 +79,6 @@ def _go_on(
 ) -> None:
     """Rounds from the folder's checkpoint, if there is one, to the end."""
     checkpoint, settings = folder / "checkpoint.safetensors", trainer.settings
-    open_folder(folder, "training", _facts(trainer), IDENTITY)
     if checkpoint.is_file():
         restore_checkpoint(trainer, checkpoint)
     logs, progress = Logs(folder, trainer.progress), trainer.progress
@@ -134,9 +137,14 @@ def _device(name: str) -> str:
 
 
 def _facts(trainer: Trainer) -> dict[str, object]:
+    """Content of `training.json`."""
+    teachers = [trainer.settings.teacher] if trainer.settings.teacher else []
+    code = decisive_code(["mjforage.learning.training.training"], ["metrics"])
+    code = code.joined(policy_code(teachers))
     return {
-        "command": shlex.join(["mjforage", *sys.argv[1:]]),
+        "command": provenance()["command"],
         **identity(trainer),
-        "versions": {name: version(name) for name in ("mjforage", "numpy", "numba", "torch")}
-        | {"python": platform.python_version()},
+        "weights": weight_hashes(teachers),
+        "versions": versions(code),
+        "code": code.files,
     }

@@ -6,7 +6,7 @@ the same weights whatever happened between them.
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -116,7 +116,8 @@ class Trainer:
         if not 0 <= seed < HELD_OUT:
             raise UserError(f"seed {seed}: out of range; give 0 to {HELD_OUT - 1}")
         if settings.teacher:
-            check_policies([settings.teacher])
+            teacher = check_policies([settings.teacher])[0]
+            settings = replace(settings, teacher=teacher)
         self.settings, self.seed, self.device = settings, seed, device
         choices = [
             Choice(scenario, observation=settings.observation, reward=settings.reward)

@@ -18,7 +18,8 @@ def _row(logs: RunLogs, world: str, first: str, second: str, metric: Metric) -> 
         share = probability_of_improvement(metric.better * x, metric.better * y, SEED)
         better = float(share.value)
     suffix = f" · {world}" if len(logs.run.worlds) > 1 else ""
-    group = f"{policy_name(first)} − {policy_name(second)}{suffix}"
+    names = [policy_name(policy, logs.run.bounds) for policy in (first, second)]
+    group = f"{names[0]} − {names[1]}{suffix}"
     cells = (gap.text, gap.interval, number(better, 2), str(gap.n))
     return Row(metric.label, cells, group=group, best=frozenset({0} if gap.apart else ()))
 
