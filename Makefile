@@ -4,7 +4,11 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test install clean
+# What torch computes depends on the processor's instructions, so learning is tested under each set.
+CAPABILITIES := default avx2 avx512
+LEARNING := tests/mjforage/learning tests/graph_planner/test_weights.py
+
+.PHONY: demo test capabilities install clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.installed: pyproject.toml constraints.txt
@@ -28,6 +32,13 @@ test: $(VENV)/.installed-dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/pytest -n 2
+	$(MAKE) capabilities
+
+capabilities: $(VENV)/.installed-dev
+	for capability in $(CAPABILITIES); do \
+		echo "learning, ATEN_CPU_CAPABILITY=$$capability"; \
+		ATEN_CPU_CAPABILITY=$$capability $(BIN)/pytest -n 2 -rs -m every_capability $(LEARNING) || exit 1; \
+	done
 
 clean:
 	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis

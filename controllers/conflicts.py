@@ -5,23 +5,9 @@ from typing import NamedTuple
 from controllers._compiled import kernel
 from controllers.boxes import box_gap, circle_radius
 from controllers.chart import LandArray, quay_gap
-from controllers.helm import BEAM, CLEARANCE, LENGTH, FloatArray
+from controllers.helm import FloatArray, HelmArray, PackedHelm
 from controllers.prediction import SAMPLE_S, SAMPLES
-from controllers.state import (
-    END_X,
-    END_Y,
-    HOLD,
-    MODE,
-    PLACE_X,
-    PLACE_Y,
-    RANK,
-    STUCK,
-    TARGET_X,
-    TARGET_Y,
-    VIA,
-    X,
-    Y,
-)
+from controllers.state import HOLD, FleetArray, VesselState
 
 GROWTH_MPS = 0.04  # of the margin with time, for what is not foreseen
 MOST_GROWTH_M = 0.2
@@ -33,8 +19,8 @@ NONE = -1
 class Traffic(NamedTuple):
     """One episode as planning sees it."""
 
-    fleet: FloatArray  # (vessel, state.SIZE)
-    helms: FloatArray  # (vessel, helm.SIZE) of `packed`
+    fleet: FleetArray  # (vessel,)
+    helms: HelmArray  # (vessel,)
     paths: FloatArray  # (vessel + 1, SAMPLES, 4) predictions; the last is being tried
     met: FloatArray  # (vessel, vessel) 1 where ways meet
     land: LandArray  # of a `Chart`
@@ -42,28 +28,30 @@ class Traffic(NamedTuple):
 
 
 @kernel
-def ways_meet(fleet: FloatArray, helms: FloatArray, i: int, j: int) -> bool:
+def way_box(s: VesselState) -> tuple[float, float, float, float]:
+    """West, east, south and north end of where a vessel is, goes and passes [m]."""
+    west, east = min(min(s.x, s.place_x), s.target_x), max(max(s.x, s.place_x), s.target_x)
+    south, north = min(min(s.y, s.place_y), s.target_y), max(max(s.y, s.place_y), s.target_y)
+    if s.via != 0.0:
+        west, east = min(west, s.end_x), max(east, s.end_x)
+        south, north = min(south, s.end_y), max(north, s.end_y)
+    return west, east, south, north
+
+
+@kernel
+def ways_meet(fleet: FleetArray, helms: HelmArray, i: int, j: int) -> bool:
     """Whether the boxes around the ways of two vessels come near each other."""
-    a, b = fleet[i], fleet[j]
-    room = NEAR_M + circle_radius(helms[i, LENGTH], helms[i, BEAM])
-    room += circle_radius(helms[j, LENGTH], helms[j, BEAM])
-    for x, end, place, target in ((X, END_X, PLACE_X, TARGET_X), (Y, END_Y, PLACE_Y, TARGET_Y)):
-        low_a = min(min(a[x], a[place]), a[target])
-        high_a = max(max(a[x], a[place]), a[target])
-        low_b = min(min(b[x], b[place]), b[target])
-        high_b = max(max(b[x], b[place]), b[target])
-        if a[VIA] != 0.0:
-            low_a, high_a = min(low_a, a[end]), max(high_a, a[end])
-        if b[VIA] != 0.0:
-            low_b, high_b = min(low_b, b[end]), max(high_b, b[end])
-        if low_a - room > high_b or low_b - room > high_a:
-            return False
-    return True
+    room = NEAR_M + circle_radius(helms[i].length_m, helms[i].beam_m)
+    room += circle_radius(helms[j].length_m, helms[j].beam_m)
+    west_a, east_a, south_a, north_a = way_box(fleet[i])
+    west_b, east_b, south_b, north_b = way_box(fleet[j])
+    beside = west_a - room > east_b or west_b - room > east_a
+    return not (beside or south_a - room > north_b or south_b - room > north_a)
 
 
 @kernel
 def conflict(
-    a: FloatArray, b: FloatArray, helm_a: FloatArray, helm_b: FloatArray, extra: float
+    a: FloatArray, b: FloatArray, helm_a: PackedHelm, helm_b: PackedHelm, extra: float
 ) -> int:
     """First sample at which two predicted hulls are too near each other, or `NONE`.
 
@@ -72,9 +60,9 @@ def conflict(
     a, b : (SAMPLES, 4) of `predict`
     extra : margin over the usual one [m]
     """
-    long_a, wide_a = 0.5 * helm_a[LENGTH], 0.5 * helm_a[BEAM]
-    long_b, wide_b = 0.5 * helm_b[LENGTH], 0.5 * helm_b[BEAM]
-    clear = max(helm_a[CLEARANCE], helm_b[CLEARANCE]) + BESIDE_M + extra
+    long_a, wide_a = 0.5 * helm_a.length_m, 0.5 * helm_a.beam_m
+    long_b, wide_b = 0.5 * helm_b.length_m, 0.5 * helm_b.beam_m
+    clear = max(helm_a.clearance_m, helm_b.clearance_m) + BESIDE_M + extra
     far = long_a + wide_a + long_b + wide_b + clear + MOST_GROWTH_M
     most = clear
     for k in range(SAMPLES):
@@ -92,9 +80,9 @@ def conflict(
 
 
 @kernel
-def runs_aground(a: FloatArray, p: FloatArray, land: LandArray, pitch: float) -> bool:
+def runs_aground(a: FloatArray, p: PackedHelm, land: LandArray, pitch: float) -> bool:
     """Whether a predicted hull comes too near a quay."""
-    long, wide, least = 0.5 * p[LENGTH], 0.5 * p[BEAM], p[CLEARANCE]
+    long, wide, least = 0.5 * p.length_m, 0.5 * p.beam_m, p.clearance_m
     for k in range(0, SAMPLES, 2):
         gap = quay_gap(land, pitch, a[k, 0], a[k, 1], a[k, 2], a[k, 3], long, wide, least)
         if k == 0:
@@ -110,9 +98,9 @@ def heeds(traffic: Traffic, v: int, u: int, heed_resting: bool) -> bool:
     fleet = traffic.fleet
     if u == v or traffic.met[v, u] == 0.0:
         return False
-    if fleet[u, MODE] == HOLD:
+    if fleet[u].mode == HOLD:
         return heed_resting
-    return bool(fleet[u, RANK] < fleet[v, RANK] or fleet[u, STUCK] != 0.0)
+    return bool(fleet[u].rank < fleet[v].rank or fleet[u].stuck != 0.0)
 
 
 @kernel

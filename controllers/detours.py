@@ -9,7 +9,7 @@ from controllers._compiled import kernel
 from controllers.conflicts import NONE, Traffic, first_conflict, runs_aground
 from controllers.helm import FloatArray
 from controllers.prediction import NEVER_S, SAMPLE_S, SAMPLES, predict
-from controllers.state import PLACE_X, PLACE_Y, X, Y
+from controllers.state import VesselState
 
 CONFLICT_S = 60.0  # cost of a plan with a conflict, less the later it is
 AGROUND_S = 30.0  # cost of a plan that comes too near a quay
@@ -42,9 +42,9 @@ DETOURS = _detours()
 
 
 @kernel
-def straight_on(s: FloatArray) -> Plan:
+def straight_on(s: VesselState) -> Plan:
     """The plan without a detour."""
-    return Plan(math.nan, math.nan, 0.0, s[PLACE_X], s[PLACE_Y])
+    return Plan(math.nan, math.nan, 0.0, s.place_x, s.place_y)
 
 
 @kernel
@@ -86,16 +86,16 @@ def search_detour(traffic: Traffic, v: int, first: int, heed_resting: bool) -> t
     path = traffic.paths[traffic.helms.shape[0]]
     at_x, at_y = path[first, 0], path[first, 1]
     best, cheapest = straight_on(s), 1e9
-    dx, dy = best.end_x - s[X], best.end_y - s[Y]
+    dx, dy = best.end_x - s.x, best.end_y - s.y
     far = max(math.sqrt(dx * dx + dy * dy), 1e-6)
     dx, dy = dx / far, dy / far
-    meeting = min(max((at_x - s[X]) * dx + (at_y - s[Y]) * dy, 0.3), far + 0.5)
+    meeting = min(max((at_x - s.x) * dx + (at_y - s.y) * dy, 0.3), far + 0.5)
     for i in range(DETOURS.shape[0]):
         anchored, along, aside, wait = DETOURS[i]
         x = y = math.nan
         if anchored >= 0.0:
             along += anchored * meeting
-            x, y = s[X] + along * dx - aside * dy, s[Y] + along * dy + aside * dx
+            x, y = s.x + along * dx - aside * dy, s.y + along * dy + aside * dx
         plan = Plan(x, y, wait, best.end_x, best.end_y)
         cost = plan_cost(traffic, v, plan, heed_resting, 0.0)
         if cost < cheapest:

@@ -1,10 +1,12 @@
-"""One hull as its controllers know it: size, inertia, drag, thrusters, tuning; and packed."""
+"""One hull as its controllers know it: size, inertia, drag, thrusters, tuning; and as a record."""
 
 from dataclasses import dataclass, fields
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+
+from controllers.records import record_type
 
 FloatArray: TypeAlias = NDArray[np.float64]
 
@@ -65,21 +67,27 @@ class Helm:
     tuning: Tuning
 
 
-# Places in a packed helm.
-LENGTH, BEAM, M_SURGE, M_SWAY, M_YAW, MUNK = range(6)
-LIN_SURGE, QUAD_SURGE, LIN_SWAY, QUAD_SWAY, LIN_YAW, QUAD_YAW = range(6, 12)
-LEVER, LAG, K_AHEAD, K_ASTERN, EXPONENT, LOW, HIGH, DEAD = range(12, 20)
-CRUISE_AHEAD, CRUISE_ASTERN, ACCELERATION, BRAKE, YAW_RATE, YAW_ACCELERATION = range(20, 26)
-HEADING_W, HEADING_ZETA, HEADING_TI, SPEED_W, SPEED_TI, LOOKAHEAD, KAPPA = range(26, 33)
-HOLD_W, HOLD_TI, HOLD_RADIUS, CLEARANCE, FILTER = range(33, 38)
-THRUST_LOW, THRUST_HIGH = range(38, 40)  # steady thrust of one side [N]
-SIZE = 40
+class PackedHelm(Helm, Tuning):
+    """The fields of the record `HELM`: `Helm`, its `Tuning`, and what kernels ask for most.
+
+    For readers and type checkers; it is never made.
+    """
+
+    thrust_low: float  # steady thrust of one side, full astern [N]
+    thrust_high: float  # and full ahead
 
 
-def packed(helm: Helm) -> FloatArray:
-    """(SIZE,) numbers of a helm in the order of this file's places, SI units."""
-    own = [getattr(helm, f.name) for f in fields(Helm) if f.name != "tuning"]
-    chosen = [getattr(helm.tuning, f.name) for f in fields(Tuning)]
+_OWN = tuple(entry.name for entry in fields(Helm) if entry.name != "tuning")
+_CHOSEN = tuple(entry.name for entry in fields(Tuning))
+HELM = record_type((*_OWN, *_CHOSEN, "thrust_low", "thrust_high"))
+HelmArray: TypeAlias = NDArray[Any]  # (vessel,) of `HELM`
+
+
+def packed(helm: Helm) -> PackedHelm:
+    """A helm as a record of `HELM`, SI units."""
+    own = [getattr(helm, name) for name in _OWN]
+    chosen = [getattr(helm.tuning, name) for name in _CHOSEN]
     low = -helm.k_astern * abs(helm.command_low) ** helm.exponent
     high = helm.k_ahead * helm.command_high**helm.exponent
-    return np.array([*own, *chosen, low, high], np.float64)
+    record: PackedHelm = np.array([(*own, *chosen, low, high)], HELM)[0]
+    return record

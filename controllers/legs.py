@@ -12,38 +12,9 @@ from controllers.guidance import (
     los_course,
     stopping_speed,
 )
-from controllers.helm import (
-    BRAKE,
-    CRUISE_AHEAD,
-    CRUISE_ASTERN,
-    KAPPA,
-    LAG,
-    LOOKAHEAD,
-    YAW_RATE,
-    FloatArray,
-)
+from controllers.helm import PackedHelm
 from controllers.loops import turning_limit
-from controllers.state import (
-    ACROSS_INTEGRAL,
-    CLOCK,
-    COURSE,
-    DRIFT_X,
-    DRIFT_Y,
-    END_X,
-    END_Y,
-    LEG_LENGTH,
-    LEG_X,
-    LEG_Y,
-    RATE,
-    VIA,
-    VX,
-    VY,
-    WAIT,
-    WAY,
-    YAW,
-    X,
-    Y,
-)
+from controllers.state import VesselState
 
 ASTERN_HANDICAP_S = 0.5  # ahead is preferred by so much
 REACTION_S = 0.1  # of a loop at 10 Hz, added to the thruster's lag
@@ -62,7 +33,7 @@ def made_good(speed: float, along: float, across: float) -> float:
 
 
 @kernel
-def best_way(p: FloatArray, error: float, distance: float, along: float, across: float) -> float:
+def best_way(p: PackedHelm, error: float, distance: float, along: float, across: float) -> float:
     """1 to go ahead or -1 to go astern, whichever is sooner there.
 
     Parameters
@@ -71,33 +42,33 @@ def best_way(p: FloatArray, error: float, distance: float, along: float, across:
     along, across : drift along the leg and to port of it [m/s]
     """
     turn = abs(wrapped(error))
-    ahead = turn / p[YAW_RATE] + distance / made_good(p[CRUISE_AHEAD], along, across)
-    astern = distance / made_good(p[CRUISE_ASTERN], along, across)
-    astern += (math.pi - turn) / p[YAW_RATE] + ASTERN_HANDICAP_S
+    ahead = turn / p.yaw_rate_radps + distance / made_good(p.cruise_ahead_mps, along, across)
+    astern = distance / made_good(p.cruise_astern_mps, along, across)
+    astern += (math.pi - turn) / p.yaw_rate_radps + ASTERN_HANDICAP_S
     return 1.0 if ahead <= astern else -1.0
 
 
 @kernel
 def lay_leg(
-    s: FloatArray, p: FloatArray, x0: float, y0: float, x1: float, y1: float, via: bool
+    s: VesselState, p: PackedHelm, x0: float, y0: float, x1: float, y1: float, via: bool
 ) -> None:
     """Make the line from (x0, y0) to (x1, y1) the one to follow."""
     dx, dy = x1 - x0, y1 - y0
     length = math.sqrt(dx * dx + dy * dy)
     if length < 1e-6:
-        dx, dy = x1 - s[X], y1 - s[Y]
+        dx, dy = x1 - s.x, y1 - s.y
     course = math.atan2(dy, dx)
-    s[LEG_X], s[LEG_Y], s[END_X], s[END_Y] = x0, y0, x1, y1
-    s[COURSE], s[LEG_LENGTH], s[VIA] = course, length, 1.0 if via else 0.0
+    s.leg_x, s.leg_y, s.end_x, s.end_y = x0, y0, x1, y1
+    s.course, s.leg_length, s.via = course, length, 1.0 if via else 0.0
     c, t = math.cos(course), math.sin(course)
-    along, aside = c * s[DRIFT_X] + t * s[DRIFT_Y], c * s[DRIFT_Y] - t * s[DRIFT_X]
-    s[WAY] = best_way(p, course - s[YAW], length, along, aside)
-    cruise = p[CRUISE_AHEAD] if s[WAY] > 0.0 else p[CRUISE_ASTERN]
-    s[ACROSS_INTEGRAL] = ilos_integral(aside, cruise, p[KAPPA], p[LOOKAHEAD])
+    along, aside = c * s.drift_x + t * s.drift_y, c * s.drift_y - t * s.drift_x
+    s.way = best_way(p, course - s.yaw, length, along, aside)
+    cruise = p.cruise_ahead_mps if s.way > 0.0 else p.cruise_astern_mps
+    s.across_integral = ilos_integral(aside, cruise, p.drift_gain_mps, p.lookahead_m)
 
 
 @kernel
-def stemming_speed(s: FloatArray, wanted: float, error: float, steer: float) -> float:
+def stemming_speed(s: VesselState, wanted: float, error: float, steer: float) -> float:
     """Speed through the water along the way [m/s] that lets no drift across the course.
 
     While the hull turns, its way m gives U (m . n) to port n of the course, which shall undo the
@@ -109,9 +80,9 @@ def stemming_speed(s: FloatArray, wanted: float, error: float, steer: float) -> 
     error : of the heading [rad]
     steer : course over ground [rad]
     """
-    c, t = s[WAY] * math.cos(s[YAW]), s[WAY] * math.sin(s[YAW])
+    c, t = s.way * math.cos(s.yaw), s.way * math.sin(s.yaw)
     across = t * math.cos(steer) - c * math.sin(steer)
-    drift = math.cos(steer) * s[DRIFT_Y] - math.sin(steer) * s[DRIFT_X]
+    drift = math.cos(steer) * s.drift_y - math.sin(steer) * s.drift_x
     if across * drift >= 0.0 or abs(error) > 0.5 * math.pi:
         return 0.0
     return float(min(-drift / across, wanted))
@@ -119,45 +90,45 @@ def stemming_speed(s: FloatArray, wanted: float, error: float, steer: float) -> 
 
 @kernel
 def follow_in_drift(
-    s: FloatArray, p: FloatArray, across: float, left: float, speed: float
+    s: VesselState, p: PackedHelm, across: float, left: float, speed: float
 ) -> tuple[float, float]:
     """Heading [rad] and signed speed over ground along the hull [m/s] for a speed along the leg.
 
     Ferrying: through the water the hull must make what it shall make over ground less the drift.
     """
-    lookahead = min(p[LOOKAHEAD], max(left, LEAST_LOOKAHEAD_M))
-    steer = los_course(s[COURSE], across, lookahead)
-    wx = speed * math.cos(steer) - s[DRIFT_X]
-    wy = speed * math.sin(steer) - s[DRIFT_Y]
+    lookahead = min(p.lookahead_m, max(left, LEAST_LOOKAHEAD_M))
+    steer = los_course(s.course, across, lookahead)
+    wx = speed * math.cos(steer) - s.drift_x
+    wy = speed * math.sin(steer) - s.drift_y
     through = math.sqrt(wx * wx + wy * wy)
-    heading = math.atan2(wy, wx) if s[WAY] > 0.0 else math.atan2(-wy, -wx)
-    error = wrapped(heading - s[YAW])
+    heading = math.atan2(wy, wx) if s.way > 0.0 else math.atan2(-wy, -wx)
+    error = wrapped(heading - s.yaw)
     free = max(turning_limit(p, math.cos(error)), stemming_speed(s, through, error, steer))
-    made = s[WAY] * min(through, free)
-    along = math.cos(s[YAW]) * s[DRIFT_X] + math.sin(s[YAW]) * s[DRIFT_Y]
+    made = s.way * min(through, free)
+    along = math.cos(s.yaw) * s.drift_x + math.sin(s.yaw) * s.drift_y
     return heading, made + along
 
 
 @kernel
-def follow_leg(s: FloatArray, p: FloatArray, step_s: float) -> tuple[float, float]:
+def follow_leg(s: VesselState, p: PackedHelm, step_s: float) -> tuple[float, float]:
     """Heading [rad] and signed speed over ground along the hull [m/s] wanted."""
-    along, across = along_and_across(s[X], s[Y], s[LEG_X], s[LEG_Y], s[COURSE])
-    left = s[LEG_LENGTH] - along
-    cruise = p[CRUISE_AHEAD] if s[WAY] > 0.0 else p[CRUISE_ASTERN]
-    room = left if s[VIA] == 0.0 else left + 0.5 * (VIA_SPEED * cruise) ** 2 / p[BRAKE]
-    speed = min(cruise, stopping_speed(room, p[BRAKE], p[LAG] + REACTION_S))
-    if s[VIA] == 0.0 and s[CLOCK] < s[WAIT]:
+    along, across = along_and_across(s.x, s.y, s.leg_x, s.leg_y, s.course)
+    left = s.leg_length - along
+    cruise = p.cruise_ahead_mps if s.way > 0.0 else p.cruise_astern_mps
+    room = left if s.via == 0.0 else left + 0.5 * (VIA_SPEED * cruise) ** 2 / p.brake_mps2
+    speed = min(cruise, stopping_speed(room, p.brake_mps2, p.lag_s + REACTION_S))
+    if s.via == 0.0 and s.clock < s.wait:
         speed = 0.0
-    drift = math.sqrt(s[DRIFT_X] ** 2 + s[DRIFT_Y] ** 2)
-    if drift > FERRY_MPS and s[LEG_LENGTH] < LONG_M:
+    drift = math.sqrt(s.drift_x**2 + s.drift_y**2)
+    if drift > FERRY_MPS and s.leg_length < LONG_M:
         return follow_in_drift(s, p, across, left, speed)
-    lookahead = min(p[LOOKAHEAD], max(left, LEAST_LOOKAHEAD_M))
-    steer = ilos_course(s[COURSE], across, s[ACROSS_INTEGRAL], p[KAPPA], lookahead)
-    made = s[WAY] * (math.cos(s[YAW]) * s[VX] + math.sin(s[YAW]) * s[VY])
-    heading = steer if s[WAY] > 0.0 else steer + math.pi
-    error = wrapped(heading - s[YAW])
-    straight = abs(error) < 0.2 and abs(s[RATE]) < 0.15 and abs(across) < 0.3 * p[LOOKAHEAD]
+    lookahead = min(p.lookahead_m, max(left, LEAST_LOOKAHEAD_M))
+    steer = ilos_course(s.course, across, s.across_integral, p.drift_gain_mps, lookahead)
+    made = s.way * (math.cos(s.yaw) * s.vx + math.sin(s.yaw) * s.vy)
+    heading = steer if s.way > 0.0 else steer + math.pi
+    error = wrapped(heading - s.yaw)
+    straight = abs(error) < 0.2 and abs(s.rate) < 0.15 and abs(across) < 0.3 * p.lookahead_m
     if straight and made > LEAST_SPEED_MPS:
-        rate = ilos_rate(across, s[ACROSS_INTEGRAL], p[KAPPA], p[LOOKAHEAD])
-        s[ACROSS_INTEGRAL] += step_s * rate
-    return heading, s[WAY] * min(speed, turning_limit(p, math.cos(error)))
+        rate = ilos_rate(across, s.across_integral, p.drift_gain_mps, p.lookahead_m)
+        s.across_integral += step_s * rate
+    return heading, s.way * min(speed, turning_limit(p, math.cos(error)))

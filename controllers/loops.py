@@ -4,39 +4,9 @@ import math
 
 from controllers._compiled import kernel
 from controllers.angles import clipped, wrapped
-from controllers.helm import (
-    ACCELERATION,
-    BRAKE,
-    HEADING_TI,
-    HEADING_W,
-    HEADING_ZETA,
-    LENGTH,
-    LIN_SURGE,
-    LIN_YAW,
-    M_SURGE,
-    M_YAW,
-    MUNK,
-    QUAD_SURGE,
-    QUAD_YAW,
-    SPEED_TI,
-    SPEED_W,
-    YAW_ACCELERATION,
-    YAW_RATE,
-    FloatArray,
-)
+from controllers.helm import PackedHelm
 from controllers.reference import heading_reference, speed_reference
-from controllers.state import (
-    HEADING_REF,
-    MOMENT_INTEGRAL,
-    RATE,
-    RATE_REF,
-    SPEED_REF,
-    SURGE_INTEGRAL,
-    SWAY,
-    VX,
-    VY,
-    YAW,
-)
+from controllers.state import VesselState
 
 MOST_LEAD_RAD = 0.35  # of the heading reference before the hull; more would be windup
 ASIDE = 0.12
@@ -44,15 +14,15 @@ MOST_LEAD_S = 0.6  # of the speed reference before the hull, in seconds of its a
 
 
 @kernel
-def surge_drag(p: FloatArray, speed: float) -> float:
+def surge_drag(p: PackedHelm, speed: float) -> float:
     """Drag along the hull [N] at `speed` [m/s]."""
-    return float((p[LIN_SURGE] + p[QUAD_SURGE] * abs(speed)) * speed)
+    return float((p.linear_surge + p.quadratic_surge * abs(speed)) * speed)
 
 
 @kernel
-def yaw_drag(p: FloatArray, rate: float) -> float:
+def yaw_drag(p: PackedHelm, rate: float) -> float:
     """Moment of drag [N m] at `rate` [rad/s]."""
-    return float((p[LIN_YAW] + p[QUAD_YAW] * abs(rate)) * rate)
+    return float((p.linear_yaw + p.quadratic_yaw * abs(rate)) * rate)
 
 
 @kernel
@@ -67,59 +37,59 @@ def integrated(integral: float, rate: float, wanted: float, given: float, step_s
 
 @kernel
 def heading_moment(
-    s: FloatArray, p: FloatArray, wanted: float, most_rate: float, step_s: float
+    s: VesselState, p: PackedHelm, wanted: float, most_rate: float, step_s: float
 ) -> float:
     """Moment [N m] that turns the hull to the heading `wanted` along its reference.
 
     N = d(r_d) r_d + m (r_d' + 2 zeta w (r_d - r) + w^2 (psi_d - psi)) + Munk moment + integral.
     """
-    lead = wrapped(s[HEADING_REF] - s[YAW])
+    lead = wrapped(s.heading_ref - s.yaw)
     if abs(lead) > MOST_LEAD_RAD:
-        s[HEADING_REF] = s[YAW] + clipped(lead, -MOST_LEAD_RAD, MOST_LEAD_RAD)
-    before = s[RATE_REF]
-    s[HEADING_REF], s[RATE_REF] = heading_reference(
-        s[HEADING_REF], before, wanted, most_rate, p[YAW_ACCELERATION], step_s
+        s.heading_ref = s.yaw + clipped(lead, -MOST_LEAD_RAD, MOST_LEAD_RAD)
+    before = s.rate_ref
+    s.heading_ref, s.rate_ref = heading_reference(
+        s.heading_ref, before, wanted, most_rate, p.yaw_acceleration_radps2, step_s
     )
-    acceleration = (s[RATE_REF] - before) / step_s
-    w = p[HEADING_W]
-    damping = 2.0 * p[HEADING_ZETA] * w * (s[RATE_REF] - s[RATE])
-    spring = w * w * wrapped(s[HEADING_REF] - s[YAW])
-    free = p[M_YAW] * (acceleration + damping + spring)
-    munk = p[MUNK] * s[SWAY] * (math.cos(s[YAW]) * s[VX] + math.sin(s[YAW]) * s[VY])
-    return float(yaw_drag(p, s[RATE_REF]) + free + munk + s[MOMENT_INTEGRAL])
+    acceleration = (s.rate_ref - before) / step_s
+    w = p.heading_bandwidth_radps
+    damping = 2.0 * p.heading_damping * w * (s.rate_ref - s.rate)
+    spring = w * w * wrapped(s.heading_ref - s.yaw)
+    free = p.inertia_yaw_kgm2 * (acceleration + damping + spring)
+    munk = p.munk_kg * s.sway * (math.cos(s.yaw) * s.vx + math.sin(s.yaw) * s.vy)
+    return float(yaw_drag(p, s.rate_ref) + free + munk + s.moment_integral)
 
 
 @kernel
 def heading_windup(
-    s: FloatArray, p: FloatArray, wanted: float, given: float, step_s: float
+    s: VesselState, p: PackedHelm, wanted: float, given: float, step_s: float
 ) -> None:
     """Move the heading loop's integral on, knowing the moment that the thrusters gave [N m]."""
-    w, t = p[HEADING_W], p[HEADING_TI]
-    pull = p[M_YAW] * w * w * wrapped(s[HEADING_REF] - s[YAW]) / t
-    s[MOMENT_INTEGRAL] = integrated(s[MOMENT_INTEGRAL], pull, wanted, given, step_s)
+    w, t = p.heading_bandwidth_radps, p.heading_integral_s
+    pull = p.inertia_yaw_kgm2 * w * w * wrapped(s.heading_ref - s.yaw) / t
+    s.moment_integral = integrated(s.moment_integral, pull, wanted, given, step_s)
 
 
 @kernel
-def surge_force(s: FloatArray, p: FloatArray, speed: float, wanted: float, step_s: float) -> float:
+def surge_force(s: VesselState, p: PackedHelm, speed: float, wanted: float, step_s: float) -> float:
     """Force [N] that brings the hull from `speed` to `wanted` [m/s] along its reference."""
-    reach = MOST_LEAD_S * p[ACCELERATION]
-    before = clipped(s[SPEED_REF], speed - reach, speed + reach)
-    s[SPEED_REF] = speed_reference(before, wanted, p[ACCELERATION], p[BRAKE], step_s)
-    acceleration = (s[SPEED_REF] - before) / step_s + p[SPEED_W] * (s[SPEED_REF] - speed)
-    return float(surge_drag(p, s[SPEED_REF]) + p[M_SURGE] * acceleration + s[SURGE_INTEGRAL])
+    reach = MOST_LEAD_S * p.acceleration_mps2
+    before = clipped(s.speed_ref, speed - reach, speed + reach)
+    s.speed_ref = speed_reference(before, wanted, p.acceleration_mps2, p.brake_mps2, step_s)
+    acceleration = (s.speed_ref - before) / step_s + p.speed_bandwidth_radps * (s.speed_ref - speed)
+    return float(surge_drag(p, s.speed_ref) + p.mass_surge_kg * acceleration + s.surge_integral)
 
 
 @kernel
 def surge_windup(
-    s: FloatArray, p: FloatArray, speed: float, wanted: float, given: float, step_s: float
+    s: VesselState, p: PackedHelm, speed: float, wanted: float, given: float, step_s: float
 ) -> None:
     """Move the speed loop's integral on, knowing the force that the thrusters gave [N]."""
-    pull = p[M_SURGE] * p[SPEED_W] * (s[SPEED_REF] - speed) / p[SPEED_TI]
-    s[SURGE_INTEGRAL] = integrated(s[SURGE_INTEGRAL], pull, wanted, given, step_s)
+    pull = p.mass_surge_kg * p.speed_bandwidth_radps * (s.speed_ref - speed) / p.speed_integral_s
+    s.surge_integral = integrated(s.surge_integral, pull, wanted, given, step_s)
 
 
 @kernel
-def turning_limit(p: FloatArray, cosine: float) -> float:
+def turning_limit(p: PackedHelm, cosine: float) -> float:
     """Speed [m/s] at which the rest of a turn leads at most `ASIDE` lengths aside.
 
     Turning through e at rate r and speed u leads u/r (1 - cos e) aside; beyond 90 degrees nothing
@@ -131,4 +101,4 @@ def turning_limit(p: FloatArray, cosine: float) -> float:
     """
     if cosine <= 0.0:
         return 0.0
-    return float(ASIDE * p[LENGTH] * p[YAW_RATE] / max(1.0 - cosine, 1e-3))
+    return float(ASIDE * p.length_m * p.yaw_rate_radps / max(1.0 - cosine, 1e-3))

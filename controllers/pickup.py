@@ -12,23 +12,8 @@ import math
 
 from controllers._compiled import kernel
 from controllers.angles import wrapped
-from controllers.helm import BEAM, LENGTH, FloatArray
-from controllers.state import (
-    APPROACH,
-    APPROACH_S,
-    BACKING,
-    ITEM_X,
-    ITEM_Y,
-    RATE,
-    STILL_S,
-    TARGET_X,
-    TARGET_Y,
-    VX,
-    VY,
-    YAW,
-    X,
-    Y,
-)
+from controllers.helm import PackedHelm
+from controllers.state import VesselState
 
 APPROACH_MPS = 0.5
 BACK_MPS = 0.5
@@ -46,48 +31,48 @@ LOOKAHEAD_M = 0.8
 
 
 @kernel
-def in_room(s: FloatArray, room: float) -> bool:
+def in_room(s: VesselState, room: float) -> bool:
     """Whether midships is within `room` [m] of the target on each axis."""
-    return bool(max(abs(s[X] - s[TARGET_X]), abs(s[Y] - s[TARGET_Y])) < room + SLACK_M)
+    return bool(max(abs(s.x - s.target_x), abs(s.y - s.target_y)) < room + SLACK_M)
 
 
 @kernel
-def leaves_room(s: FloatArray, speed: float, room: float) -> bool:
+def leaves_room(s: VesselState, speed: float, room: float) -> bool:
     """Whether going on at `speed` takes midships farther than `room` [m] from the target."""
-    dx, dy = s[X] - s[TARGET_X], s[Y] - s[TARGET_Y]
-    mx, my = speed * math.cos(s[YAW]), speed * math.sin(s[YAW])
+    dx, dy = s.x - s.target_x, s.y - s.target_y
+    mx, my = speed * math.cos(s.yaw), speed * math.sin(s.yaw)
     return bool((abs(dx) > room and dx * mx > 0.0) or (abs(dy) > room and dy * my > 0.0))
 
 
 @kernel
-def note_progress(s: FloatArray, step_s: float) -> None:
+def note_progress(s: VesselState, step_s: float) -> None:
     """Go on to the next way of picking up when the hull is stuck, or took too long."""
-    still = math.sqrt(s[VX] ** 2 + s[VY] ** 2) < STILL_MPS and abs(s[RATE]) < STILL_RADPS
-    s[STILL_S] = s[STILL_S] + step_s if still else 0.0
-    s[APPROACH_S] += step_s
-    off = s[APPROACH] != STRAIGHT and s[APPROACH] != ALONG
-    over = (off and s[APPROACH_S] > OFF_S) or (s[APPROACH] == ALONG and s[APPROACH_S] > ALONG_S)
-    if over or s[STILL_S] > STUCK_S:
-        s[APPROACH] = (s[APPROACH] + 1.0) % 4.0
-        s[STILL_S] = s[APPROACH_S] = s[BACKING] = 0.0
+    still = math.sqrt(s.vx**2 + s.vy**2) < STILL_MPS and abs(s.rate) < STILL_RADPS
+    s.still_s = s.still_s + step_s if still else 0.0
+    s.approach_s += step_s
+    off = s.approach != STRAIGHT and s.approach != ALONG
+    over = (off and s.approach_s > OFF_S) or (s.approach == ALONG and s.approach_s > ALONG_S)
+    if over or s.still_s > STUCK_S:
+        s.approach = (s.approach + 1.0) % 4.0
+        s.still_s = s.approach_s = s.backing = 0.0
 
 
 @kernel
-def along_quay(s: FloatArray, p: FloatArray) -> tuple[float, float]:
+def along_quay(s: VesselState, p: PackedHelm) -> tuple[float, float]:
     """Heading [rad] and speed [m/s] along the axis of the map on which the item lies outward."""
-    east, north = s[ITEM_X] - s[TARGET_X], s[ITEM_Y] - s[TARGET_Y]
+    east, north = s.item_x - s.target_x, s.item_y - s.target_y
     course = 0.5 * math.pi * round(math.atan2(north, east) / (0.5 * math.pi))
     c, t = math.cos(course), math.sin(course)
     outward = math.copysign(1.0, c * north - t * east)
-    across = c * (s[Y] - s[ITEM_Y]) - t * (s[X] - s[ITEM_X])
-    across += outward * (0.5 * p[BEAM] - EDGE_M)
+    across = c * (s.y - s.item_y) - t * (s.x - s.item_x)
+    across += outward * (0.5 * p.beam_m - EDGE_M)
     heading = course - math.atan(across / LOOKAHEAD_M)
-    error = abs(wrapped(heading - s[YAW]))
+    error = abs(wrapped(heading - s.yaw))
     return heading, APPROACH_MPS * max(math.cos(2.0 * error), 0.0) if error < 0.7 else 0.0
 
 
 @kernel
-def pick_up(s: FloatArray, p: FloatArray, room: float, step_s: float) -> tuple[float, float]:
+def pick_up(s: VesselState, p: PackedHelm, room: float, step_s: float) -> tuple[float, float]:
     """Heading [rad] and signed speed [m/s] that bring the mouth over the item.
 
     Parameters
@@ -95,27 +80,27 @@ def pick_up(s: FloatArray, p: FloatArray, room: float, step_s: float) -> tuple[f
     room : distance from the target on each axis that midships should not exceed [m]
     """
     note_progress(s, step_s)
-    if s[APPROACH] == ALONG:
+    if s.approach == ALONG:
         return along_quay(s, p)
-    if s[APPROACH] != STRAIGHT:
-        return s[YAW], -BACK_MPS
-    dx, dy = s[ITEM_X] - s[X], s[ITEM_Y] - s[Y]
-    c, t = math.cos(s[YAW]), math.sin(s[YAW])
+    if s.approach != STRAIGHT:
+        return s.yaw, -BACK_MPS
+    dx, dy = s.item_x - s.x, s.item_y - s.y
+    c, t = math.cos(s.yaw), math.sin(s.yaw)
     ahead, aside = c * dx + t * dy, c * dy - t * dx
     far, bearing = math.sqrt(dx * dx + dy * dy), math.atan2(dy, dx)
-    reach = 0.5 * math.sqrt(p[LENGTH] ** 2 + p[BEAM] ** 2) + BERTH_M
-    if ahead > 0.4 * p[LENGTH] and abs(aside) < AIM * 0.5 * p[BEAM]:
-        s[BACKING] = 0.0
+    reach = 0.5 * math.sqrt(p.length_m**2 + p.beam_m**2) + BERTH_M
+    if ahead > 0.4 * p.length_m and abs(aside) < AIM * 0.5 * p.beam_m:
+        s.backing = 0.0
         # Close to the bow the bearing swings, while holding the heading already takes it.
-        near = ahead < 0.5 * p[LENGTH] + BERTH_M
-        return s[YAW] if near else bearing, APPROACH_MPS
+        near = ahead < 0.5 * p.length_m + BERTH_M
+        return s.yaw if near else bearing, APPROACH_MPS
     if far < reach:
-        s[BACKING] = 1.0 if ahead >= 0.0 else -1.0
+        s.backing = 1.0 if ahead >= 0.0 else -1.0
     elif far > reach + AFRESH_M:
-        s[BACKING] = 0.0
-    speed = -s[BACKING] * BACK_MPS
-    if s[BACKING] != 0.0 and not leaves_room(s, speed, room):
-        return s[YAW], speed
-    error = abs(wrapped(bearing - s[YAW]))
+        s.backing = 0.0
+    speed = -s.backing * BACK_MPS
+    if s.backing != 0.0 and not leaves_room(s, speed, room):
+        return s.yaw, speed
+    error = abs(wrapped(bearing - s.yaw))
     closing = APPROACH_MPS * max(math.cos(2.0 * error), 0.0) if error < 0.5 * math.pi else 0.0
     return bearing, closing if far > reach else 0.0

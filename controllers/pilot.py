@@ -1,20 +1,19 @@
 """The pilot of a batch of fleets: node moves in, thruster commands out, 10 times a second."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers import state as at
 from controllers._compiled import kernel
 from controllers.chart import Chart, LandArray
 from controllers.conflicts import Traffic
 from controllers.estimate import estimate
-from controllers.helm import FloatArray, Helm, packed
+from controllers.helm import HELM, FloatArray, Helm, HelmArray, packed
 from controllers.prediction import NEVER_S, SAMPLES
 from controllers.safety import limit_speeds
-from controllers.state import CLOCK, HOLD, IDLE, MODE, RANK, START
+from controllers.state import HOLD, IDLE, START, STATE, TRANSIT, FleetArray, idle_state
 from controllers.steering import change_mode, start_decision, steer
 from controllers.traffic import plan_fleet, rank_fleet
 
@@ -24,49 +23,66 @@ PLAN_S = 0.5  # between two looks at the traffic
 HELD_MPS = 0.1  # slower than this at most counts as held back
 
 
+class Crew(NamedTuple):
+    """A batch of fleets and what they know of each other, written by the pilot."""
+
+    state: FleetArray  # (episode, vessel)
+    helms: HelmArray  # (vessel,)
+    land: LandArray  # of a `Chart`
+    pitch: float  # [m]
+    ticks: NDArray[np.int64]  # (episode,) since the decision
+    paths: FloatArray  # (vessel + 1, SAMPLES, 4), see `Traffic`
+    met: FloatArray  # (vessel, vessel), see `Traffic`
+
+
+@kernel
+def _begin(fleet: FleetArray, helms: HelmArray, room: float, spare: FloatArray) -> None:
+    """Let every vessel of an episode set out for its new decision, and rank them."""
+    for v in range(helms.shape[0]):
+        start_decision(fleet[v], helms[v], room)
+    rank_fleet(fleet, helms, spare)
+
+
+@kernel
+def _steer_fleet(crew: Crew, e: int, step_s: float, commands: FloatArray) -> None:
+    """One tick of episode `e` under way: change modes, plan at times, command every vessel."""
+    fleet, helms, room = crew.state[e], crew.helms, ROOM * crew.pitch
+    if fleet[0].mode == START:
+        crew.ticks[e] = 0
+        _begin(fleet, helms, room, crew.paths[helms.shape[0]])
+    for v in range(helms.shape[0]):
+        change_mode(fleet[v], helms[v])
+        if fleet[v].mode == HOLD and fleet[v].rank < NEVER_S:
+            fleet[v].rank = NEVER_S + v  # who has arrived makes room
+    if crew.ticks[e] % max(round(PLAN_S / step_s), 1) == 0 and helms.shape[0] > 1:
+        plan_fleet(Traffic(fleet, helms, crew.paths, crew.met, crew.land, crew.pitch))
+    crew.ticks[e] += 1
+    for v in range(helms.shape[0]):
+        limit_speeds(fleet, helms, crew.land, crew.pitch, v)
+        port, starboard = steer(fleet[v], helms[v], room, step_s)
+        commands[e, v, 0], commands[e, v, 1] = port, starboard
+
+
 @kernel
 def _command(
+    crew: Crew,
     active: NDArray[np.bool_],
     pose: FloatArray,
     velocity: FloatArray,
-    state: FloatArray,
-    helms: FloatArray,
-    land: LandArray,
-    pitch: float,
     step_s: float,
-    clock: NDArray[np.int64],
-    paths: FloatArray,
-    met: FloatArray,
     commands: FloatArray,
 ) -> None:
-    room = ROOM * pitch
-    rhythm = max(round(PLAN_S / step_s), 1)
+    """Measure and command every vessel of the active episodes; 0 for all others."""
+    state, helms = crew.state, crew.helms
     for e in range(active.size):
         commands[e] = 0.0
         if not active[e]:
             continue
-        fleet = state[e]
         for v in range(helms.shape[0]):
-            estimate(fleet[v], helms[v], pose[e, v], velocity[e, v], step_s)
-            fleet[v, CLOCK] += step_s
-        if fleet[0, MODE] == IDLE:
-            continue
-        if fleet[0, MODE] == START:
-            clock[e] = 0
-            for v in range(helms.shape[0]):
-                start_decision(fleet[v], helms[v], room)
-            rank_fleet(fleet, helms, paths[helms.shape[0]])
-        for v in range(helms.shape[0]):
-            change_mode(fleet[v], helms[v])
-            if fleet[v, MODE] == HOLD and fleet[v, RANK] < NEVER_S:
-                fleet[v, RANK] = NEVER_S + v  # who has arrived makes room
-        if clock[e] % rhythm == 0 and helms.shape[0] > 1:
-            plan_fleet(Traffic(fleet, helms, paths, met, land, pitch))
-        clock[e] += 1
-        for v in range(helms.shape[0]):
-            limit_speeds(fleet, helms, land, pitch, v)
-            port, starboard = steer(fleet[v], helms[v], room, step_s)
-            commands[e, v, 0], commands[e, v, 1] = port, starboard
+            estimate(state[e, v], helms[v], pose[e, v], velocity[e, v], step_s)
+            state[e, v].clock += step_s
+        if state[e, 0].mode != IDLE:
+            _steer_fleet(crew, e, step_s, commands)
 
 
 class Pilot:
@@ -98,25 +114,23 @@ class Pilot:
                 f"pilot: {len(helms)} vessels, {episodes} episodes, control_s {control_s}; "
                 "give at least one of each and seconds above 0"
             )
-        self._helms = np.stack([packed(helm) for helm in helms])
-        self._land = np.zeros((0, 0), np.bool_) if chart is None else chart.land
-        self._pitch = OPEN_PITCH_M if chart is None else float(chart.pitch_m)
+        count = len(helms)
         self._step_s = float(control_s)
-        self._state = np.zeros((episodes, len(helms), at.SIZE))
-        self._clock = np.zeros(episodes, np.int64)
-        self._paths = np.zeros((len(helms) + 1, SAMPLES, 4))
-        self._met = np.zeros((len(helms), len(helms)))
-        self._commands = np.zeros((episodes, len(helms), 2))
-        self._every = np.arange(episodes)
+        self._crew = Crew(
+            state=np.zeros((episodes, count), STATE),
+            helms=np.array([packed(helm) for helm in helms], HELM),
+            land=np.zeros((0, 0), np.bool_) if chart is None else chart.land,
+            pitch=OPEN_PITCH_M if chart is None else float(chart.pitch_m),
+            ticks=np.zeros(episodes, np.int64),
+            paths=np.zeros((count + 1, SAMPLES, 4)),
+            met=np.zeros((count, count)),
+        )
+        self._commands = np.zeros((episodes, count, 2))
         self.reset()
 
     def reset(self, ids: NDArray[Any] | None = None) -> None:
         """Forget episodes (indices or mask, all by default)."""
-        chosen = self._every if ids is None else self._every[ids]
-        self._state[chosen] = 0.0
-        self._state[chosen, :, at.MODE] = at.IDLE
-        self._state[chosen, :, at.ITEM_X : at.ITEM_Y + 1] = np.nan
-        self._state[chosen, :, at.TARGET_X : at.TARGET_Y + 1] = np.nan
+        self._crew.state[slice(None) if ids is None else ids] = idle_state()
 
     def order(
         self,
@@ -133,13 +147,12 @@ class Pilot:
         origin, target : (episode, vessel, 2) centres of the nodes from and to [m]
         stay : (episode, vessel) whether to keep position at the target
         """
-        rows = self._state[active]
-        rows[..., at.ORIGIN_X : at.ORIGIN_Y + 1] = np.where(
-            stay[active][..., None], target[active], origin[active]
-        )
-        rows[..., at.TARGET_X : at.TARGET_Y + 1] = target[active]
-        rows[..., at.MODE], rows[..., at.ARRIVED] = at.START, 0.0
-        self._state[active] = rows
+        begin = np.where(stay[..., None], target, origin)
+        state = self._crew.state
+        for axis, name in enumerate("xy"):
+            state[f"origin_{name}"][active] = begin[active, :, axis]
+            state[f"target_{name}"][active] = target[active, :, axis]
+        state["mode"][active], state["arrived"][active] = START, 0.0
 
     def collect(self, xy: FloatArray) -> None:
         """Name the item that each vessel shall pick up now.
@@ -148,7 +161,7 @@ class Pilot:
         ----------
         xy : (episode, vessel, 2) [m]; NaN for none
         """
-        self._state[..., at.ITEM_X : at.ITEM_Y + 1] = xy
+        self._crew.state["item_x"], self._crew.state["item_y"] = xy[..., 0], xy[..., 1]
 
     def command(
         self, active: NDArray[np.bool_], pose: FloatArray, velocity: FloatArray
@@ -167,17 +180,11 @@ class Pilot:
         order; valid until the next call
         """
         _command(
+            self._crew,
             np.ascontiguousarray(active, np.bool_),
             np.ascontiguousarray(pose, np.float64),
             np.ascontiguousarray(velocity, np.float64),
-            self._state,
-            self._helms,
-            self._land,
-            self._pitch,
             self._step_s,
-            self._clock,
-            self._paths,
-            self._met,
             self._commands,
         )
         return self._commands
@@ -185,8 +192,7 @@ class Pilot:
     @property
     def giving_way(self) -> NDArray[np.bool_]:
         """(episode, vessel) whether it is under way and held back for another hull or a quay."""
-        state = self._state
-        ahead, astern = state[..., at.MOST_AHEAD], state[..., at.MOST_ASTERN]
-        most = np.where(state[..., at.WAY] > 0.0, ahead, astern)
-        held = (state[..., at.WAIT] > state[..., at.CLOCK]) | (most < HELD_MPS)
-        return np.asarray((state[..., at.MODE] == at.TRANSIT) & held)
+        state = self._crew.state
+        most = np.where(state["way"] > 0.0, state["most_ahead"], state["most_astern"])
+        held = (state["wait"] > state["clock"]) | (most < HELD_MPS)
+        return np.asarray((state["mode"] == TRANSIT) & held)

@@ -5,19 +5,10 @@ import math
 from controllers._compiled import kernel
 from controllers.angles import clipped
 from controllers.guidance import stopping_speed
-from controllers.helm import (
-    ACCELERATION,
-    BRAKE,
-    CRUISE_AHEAD,
-    CRUISE_ASTERN,
-    LAG,
-    YAW_ACCELERATION,
-    YAW_RATE,
-    FloatArray,
-)
+from controllers.helm import FloatArray, PackedHelm
 from controllers.legs import REACTION_S, VIA_SPEED, best_way
 from controllers.loops import turning_limit
-from controllers.state import DRIFT_X, DRIFT_Y, RATE, VX, VY, YAW, X, Y
+from controllers.state import VesselState
 
 SAMPLES = 40
 SAMPLE_S = 0.25
@@ -32,8 +23,8 @@ NEVER_S = 100.0
 
 @kernel
 def predict(
-    s: FloatArray,
-    p: FloatArray,
+    s: VesselState,
+    p: PackedHelm,
     via_x: float,
     via_y: float,
     wait_s: float,
@@ -50,14 +41,14 @@ def predict(
     end_x, end_y : where it goes and stays [m]
     out : (SAMPLES, 4) x, y [m], cosine and sine of the heading, every `SAMPLE_S` from now
     """
-    x, y, rate = s[X], s[Y], s[RATE]
-    c, t = math.cos(s[YAW]), math.sin(s[YAW])
-    speed = c * s[VX] + t * s[VY]
+    x, y, rate = s.x, s.y, s.rate
+    c, t = math.cos(s.yaw), math.sin(s.yaw)
+    speed = c * s.vx + t * s.vy
     via = not math.isnan(via_x)
     goal_x, goal_y = (via_x, via_y) if via else (end_x, end_y)
     arrival, way, holding = NEVER_S, 0.0, False
-    gain, brake = GAIN_SHARE * p[ACCELERATION] * SAMPLE_S, p[BRAKE] * SAMPLE_S
-    spin, reaction = 0.5 * p[YAW_ACCELERATION] * SAMPLE_S, p[LAG] + REACTION_S
+    gain, brake = GAIN_SHARE * p.acceleration_mps2 * SAMPLE_S, p.brake_mps2 * SAMPLE_S
+    spin, reaction = 0.5 * p.yaw_acceleration_radps2 * SAMPLE_S, p.lag_s + REACTION_S
     for k in range(SAMPLES):
         out[k, 0], out[k, 1], out[k, 2], out[k, 3] = x, y, c, t
         if holding:
@@ -82,7 +73,7 @@ def predict(
             far = max(math.sqrt(dx * dx + dy * dy), 1e-6)
         along, across = (c * dx + t * dy) / far, (c * dy - t * dx) / far
         if way == 0.0:
-            drift_x, drift_y = s[DRIFT_X] / far, s[DRIFT_Y] / far
+            drift_x, drift_y = s.drift_x / far, s.drift_y / far
             way = best_way(
                 p,
                 math.atan2(across, along),
@@ -91,22 +82,22 @@ def predict(
                 dx * drift_y - dy * drift_x,
             )
         along, across = way * along, way * across
-        cruise = p[CRUISE_AHEAD] if way > 0.0 else p[CRUISE_ASTERN]
-        room = far + (0.5 * (VIA_SPEED * cruise) ** 2 / p[BRAKE] if via else 0.0)
-        wanted = min(CRUISE_SHARE * cruise, stopping_speed(room, p[BRAKE], reaction))
+        cruise = p.cruise_ahead_mps if way > 0.0 else p.cruise_astern_mps
+        room = far + (0.5 * (VIA_SPEED * cruise) ** 2 / p.brake_mps2 if via else 0.0)
+        wanted = min(CRUISE_SHARE * cruise, stopping_speed(room, p.brake_mps2, reaction))
         wanted = way * min(wanted, turning_limit(p, along))
         # Turning takes the thrust that drives astern.
         if (not via and k * SAMPLE_S < wait_s) or (way < 0.0 and along < TURNED):
             wanted = 0.0
         step = brake if abs(wanted) < abs(speed) or wanted * speed < 0.0 else gain
         speed += clipped(wanted - speed, -step, step)
-        turn = clipped(math.atan2(across, along) / SETTLE_S, -p[YAW_RATE], p[YAW_RATE])
+        turn = clipped(math.atan2(across, along) / SETTLE_S, -p.yaw_rate_radps, p.yaw_rate_radps)
         rate += clipped(turn - rate, -spin, spin)
         angle = rate * SAMPLE_S
         half = angle * angle / 2.0
         cosine, sine = 1.0 - half + half * half / 6.0, angle * (1.0 - half / 3.0)
         c, t = c * cosine - t * sine, t * cosine + c * sine
-        aside = c * s[DRIFT_Y] - t * s[DRIFT_X]  # the speed loop takes care of the rest
+        aside = c * s.drift_y - t * s.drift_x  # the speed loop takes care of the rest
         x += (c * speed - t * aside) * SAMPLE_S
         y += (t * speed + c * aside) * SAMPLE_S
     return arrival

@@ -6,35 +6,8 @@ from controllers._compiled import kernel
 from controllers.boxes import box_gap, circle_radius
 from controllers.chart import LandArray, quay_gap
 from controllers.guidance import stopping_distance, stopping_speed
-from controllers.helm import (
-    BEAM,
-    BRAKE,
-    CLEARANCE,
-    CRUISE_AHEAD,
-    CRUISE_ASTERN,
-    LAG,
-    LENGTH,
-    FloatArray,
-)
-from controllers.state import (
-    DRIFT_X,
-    DRIFT_Y,
-    HOLD,
-    MODE,
-    MOST_AHEAD,
-    MOST_ASTERN,
-    MOST_RATE,
-    PLACE_X,
-    PLACE_Y,
-    RANK,
-    RATE,
-    UP,
-    VX,
-    VY,
-    YAW,
-    X,
-    Y,
-)
+from controllers.helm import HelmArray, PackedHelm
+from controllers.state import HOLD, FleetArray, VesselState
 
 REACTION_S = 0.1
 GIVE_WAY_S = 1.0  # by how much longer the path ahead of a vessel with right of way is kept free
@@ -55,8 +28,8 @@ QUAYS = -1
 
 @kernel
 def gap_to(
-    state: FloatArray,
-    helms: FloatArray,
+    state: FleetArray,
+    helms: HelmArray,
     land: LandArray,
     pitch: float,
     i: int,
@@ -70,41 +43,40 @@ def gap_to(
 
     Parameters
     ----------
-    state : (vessel, SIZE) rows of one episode
-    helms : (vessel, SIZE) of `packed`
+    state, helms : (vessel,) of one episode
     other : a vessel, or `QUAYS`
     reach : gaps beyond it count as it [m]
     """
-    yaw = state[i, YAW]
+    yaw = state[i].yaw
     c, t = math.cos(yaw), math.sin(yaw)
-    x, y = state[i, X] + shift * c, state[i, Y] + shift * t
-    half_length, half_beam = 0.5 * helms[i, LENGTH], 0.5 * helms[i, BEAM]
+    x, y = state[i].x + shift * c, state[i].y + shift * t
+    half_length, half_beam = 0.5 * helms[i].length_m, 0.5 * helms[i].beam_m
     if other == QUAYS:
         return quay_gap(land, pitch, x, y, c, t, half_length, half_beam, reach)
-    dx, dy = state[other, X] - x, state[other, Y] - y
-    cj, tj = math.cos(state[other, YAW]), math.sin(state[other, YAW])
-    u = cj * state[other, VX] + tj * state[other, VY]
-    v = cj * state[other, VY] - tj * state[other, VX]
+    dx, dy = state[other].x - x, state[other].y - y
+    cj, tj = math.cos(state[other].yaw), math.sin(state[other].yaw)
+    u = cj * state[other].vx + tj * state[other].vy
+    v = cj * state[other].vy - tj * state[other].vx
     swing = (
-        SWING_S * abs(state[other, RATE]) * circle_radius(helms[other, LENGTH], helms[other, BEAM])
+        SWING_S * abs(state[other].rate) * circle_radius(helms[other].length_m, helms[other].beam_m)
     )
-    way = stopping_distance(abs(u), helms[other, BRAKE], helms[other, LAG] + REACTION_S)
-    if state[other, RANK] < state[i, RANK]:
+    way = stopping_distance(abs(u), helms[other].brake_mps2, helms[other].lag_s + REACTION_S)
+    if state[other].rank < state[i].rank:
         way += GIVE_WAY_S * abs(u)
     ahead, aside = math.copysign(0.5 * way, u), 0.25 * v
     dx += ahead * cj - aside * tj
     dy += ahead * tj + aside * cj
     long, wide = (
-        0.5 * (helms[other, LENGTH] + way) + swing,
-        0.5 * helms[other, BEAM] + abs(aside) + swing,
+        0.5 * (helms[other].length_m + way) + swing,
+        0.5 * helms[other].beam_m + abs(aside) + swing,
     )
     return min(box_gap(dx, dy, c, t, half_length, half_beam, cj, tj, long, wide), reach)
 
 
 @kernel
 def free_way(
-    state: FloatArray,
-    helms: FloatArray,
+    state: FleetArray,
+    helms: HelmArray,
     land: LandArray,
     pitch: float,
     i: int,
@@ -117,7 +89,7 @@ def free_way(
 
     Where the gap is less than that already (`first` is the gap now), it may not shrink further.
     """
-    least = min(helms[i, CLEARANCE], first - SLACK_M)
+    least = min(helms[i].clearance_m, first - SLACK_M)
     gone, gap = 0.0, first
     while gone < reach:
         step = max(gap - least, STEP_M)
@@ -130,8 +102,8 @@ def free_way(
 
 @kernel
 def limit_by(
-    state: FloatArray,
-    helms: FloatArray,
+    state: FleetArray,
+    helms: HelmArray,
     land: LandArray,
     pitch: float,
     i: int,
@@ -143,12 +115,12 @@ def limit_by(
     gap = gap_to(state, helms, land, pitch, i, other, 0.0, reach)
     if gap >= reach:
         return gap
-    reaction = p[LAG] + REACTION_S
-    brake = p[BRAKE] if other == QUAYS else HULL_SHARE * p[BRAKE]
+    reaction = p.lag_s + REACTION_S
+    brake = p.brake_mps2 if other == QUAYS else HULL_SHARE * p.brake_mps2
     for side in (1.0, -1.0):
         free = free_way(state, helms, land, pitch, i, other, side, gap, reach)
         if free >= reach:
-            if gap > (0.5 if other == QUAYS else 1.0) * p[CLEARANCE]:
+            if gap > (0.5 if other == QUAYS else 1.0) * p.clearance_m:
                 continue
             # So near, going along is safe only slowly; going away is free.
             away = gap_to(state, helms, land, pitch, i, other, side * STEP_M, reach)
@@ -157,44 +129,44 @@ def limit_by(
         else:
             most = stopping_speed(free, brake, reaction)
         if side > 0.0:
-            s[MOST_AHEAD] = min(s[MOST_AHEAD], most)
+            s.most_ahead = min(s.most_ahead, most)
         else:
-            s[MOST_ASTERN] = min(s[MOST_ASTERN], most)
+            s.most_astern = min(s.most_astern, most)
     return gap
 
 
 @kernel
-def windward_room(s: FloatArray, p: FloatArray, land: LandArray, pitch: float) -> float:
+def windward_room(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> float:
     """How far up the drift of its place the hull should lie [m], for there is a quay to leeward."""
-    drift = math.sqrt(s[DRIFT_X] ** 2 + s[DRIFT_Y] ** 2)
+    drift = math.sqrt(s.drift_x**2 + s.drift_y**2)
     if drift < STRONG_DRIFT_MPS:
         return 0.0
-    c, t = s[DRIFT_X] / drift, s[DRIFT_Y] / drift
-    wide = 0.5 * p[LENGTH]
-    to_lee = quay_gap(land, pitch, s[PLACE_X], s[PLACE_Y], c, t, wide, wide, LEE_M)
-    x, y = s[PLACE_X] - MOST_UP_M * c, s[PLACE_Y] - MOST_UP_M * t
+    c, t = s.drift_x / drift, s.drift_y / drift
+    wide = 0.5 * p.length_m
+    to_lee = quay_gap(land, pitch, s.place_x, s.place_y, c, t, wide, wide, LEE_M)
+    x, y = s.place_x - MOST_UP_M * c, s.place_y - MOST_UP_M * t
     moved = quay_gap(land, pitch, x, y, c, t, wide, wide, LEE_M)
     return MOST_UP_M if moved > to_lee + 0.5 * MOST_UP_M else 0.0
 
 
 @kernel
 def limit_speeds(
-    state: FloatArray, helms: FloatArray, land: LandArray, pitch: float, i: int
+    state: FleetArray, helms: HelmArray, land: LandArray, pitch: float, i: int
 ) -> None:
     """Set the fastest safe speeds of vessel `i`, ahead, astern and turning."""
     s, p = state[i], helms[i]
-    s[MOST_AHEAD] = s[MOST_ASTERN] = s[MOST_RATE] = UNLIMITED
-    cruise = max(p[CRUISE_AHEAD], p[CRUISE_ASTERN])
-    reach = stopping_distance(cruise, p[BRAKE], p[LAG] + REACTION_S) + p[CLEARANCE]
-    swing = circle_radius(p[LENGTH], p[BEAM]) - 0.5 * p[BEAM] + SWING_M
-    radius = circle_radius(p[LENGTH], p[BEAM])
+    s.most_ahead = s.most_astern = s.most_rate = UNLIMITED
+    cruise = max(p.cruise_ahead_mps, p.cruise_astern_mps)
+    reach = stopping_distance(cruise, p.brake_mps2, p.lag_s + REACTION_S) + p.clearance_m
+    swing = circle_radius(p.length_m, p.beam_m) - 0.5 * p.beam_m + SWING_M
+    radius = circle_radius(p.length_m, p.beam_m)
     if limit_by(state, helms, land, pitch, i, QUAYS, reach) < swing:
-        s[MOST_RATE] = TOUCH_QUAY_MPS / radius
-    s[UP] = windward_room(s, p, land, pitch) if s[MODE] == HOLD else 0.0
-    far = reach + LONGEST_PATH_M + 0.5 * p[LENGTH]
+        s.most_rate = TOUCH_QUAY_MPS / radius
+    s.up = windward_room(s, p, land, pitch) if s.mode == HOLD else 0.0
+    far = reach + LONGEST_PATH_M + 0.5 * p.length_m
     for j in range(state.shape[0]):
-        dx, dy = abs(state[j, X] - s[X]), abs(state[j, Y] - s[Y])
-        if j == i or max(dx, dy) > far + 0.5 * helms[j, LENGTH]:
+        dx, dy = abs(state[j].x - s.x), abs(state[j].y - s.y)
+        if j == i or max(dx, dy) > far + 0.5 * helms[j].length_m:
             continue
         if limit_by(state, helms, land, pitch, i, j, reach) < swing:
-            s[MOST_RATE] = TOUCH_HULL_MPS / radius
+            s.most_rate = TOUCH_HULL_MPS / radius

@@ -1,38 +1,100 @@
-"""What a pilot remembers of one vessel: places in its row of numbers (SI units)."""
+"""What a pilot remembers of one vessel: a record of floats, SI units, world axes."""
 
-# Estimated pose; velocity over ground in world axes and yaw rate, as measured; number of fixes.
-X, Y, YAW, VX, VY, RATE, KNOWN = range(7)
-# Target and its origin; the leg being followed: start, end, course, length; 1 ahead or -1 astern.
-TARGET_X, TARGET_Y, LEG_X, LEG_Y, END_X, END_Y, COURSE, LEG_LENGTH, WAY = range(7, 16)
-# What it does (below); whether it has been at its target; whether the leg ends at a via point.
-MODE, ARRIVED, VIA = range(16, 19)
-# Line-of-sight integral [s]; drift with current and wind, world axes [m/s].
-ACROSS_INTEGRAL, DRIFT_X, DRIFT_Y = range(19, 22)
-# References of heading, yaw rate and speed; integrals of moment and surge force; heading wanted.
-HEADING_REF, RATE_REF, SPEED_REF, MOMENT_INTEGRAL, SURGE_INTEGRAL, WANTED = range(22, 28)
-# Force that keeping position has found, world axes [N].
-HOLD_FX, HOLD_FY = range(28, 30)
-# Fastest safe speed ahead and astern [m/s], and fastest safe turn [rad/s].
-MOST_AHEAD, MOST_ASTERN, MOST_RATE = range(30, 33)
-# Right of way: the lower goes first. Time of the decision to wait for. Item to pick up.
-RANK, WAIT, ITEM_X, ITEM_Y = range(33, 37)
-# Origin of the decision.
-ORIGIN_X, ORIGIN_Y = range(37, 39)
-# Modelled sway through the water [m/s]; commands that the thrusters' lag has let through.
-SWAY, PORT, STARBOARD = range(39, 42)
-# Seconds since the decision; where it keeps position: the target, or beside it to let others pass;
-# 1 if no plan of its own is free of conflict; 1 if others already had to give it their way.
-CLOCK, PLACE_X, PLACE_Y, STUCK, PROMOTED = range(42, 47)
-# Modelled speed ahead through the water [m/s].
-SURGE = 47
-# 1 astern, -1 ahead: getting clear of the item to pick up.
-BACKING = 48
-# How far up the drift of its place it lies, where a quay is to leeward [m].
-UP = 49
-# How it picks up an item: 0 straight, 1 backing off, 2 along a quay, 3 backing off; for how long it
-# has been still [s]; for how long it has been doing that [s].
-APPROACH, STILL_S, APPROACH_S = range(50, 53)
-SIZE = 53
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.records import record_type
+
+
+class VesselState:
+    """The fields of the record `STATE`, for readers and type checkers; it is never made."""
+
+    # Estimated pose of midships, as measured velocity over ground and yaw rate; number of fixes.
+    x: float
+    y: float
+    yaw: float
+    vx: float
+    vy: float
+    rate: float
+    known: float
+    # Target of the decision; the leg being followed; the way along it: 1 ahead or -1 astern.
+    target_x: float
+    target_y: float
+    leg_x: float
+    leg_y: float
+    end_x: float
+    end_y: float
+    course: float
+    leg_length: float
+    way: float
+    # What it does (one of the modes below); 1 once it has been at its target; 1 if the leg ends at
+    # a via point.
+    mode: float
+    arrived: float
+    via: float
+    # Line-of-sight integral [s]; drift with current and wind [m/s].
+    across_integral: float
+    drift_x: float
+    drift_y: float
+    # References of heading, yaw rate and speed; integrals of moment and surge force; heading
+    # wanted.
+    heading_ref: float
+    rate_ref: float
+    speed_ref: float
+    moment_integral: float
+    surge_integral: float
+    wanted: float
+    # Force that keeping position has found [N].
+    hold_fx: float
+    hold_fy: float
+    # Fastest safe speed ahead and astern [m/s], and fastest safe turn [rad/s].
+    most_ahead: float
+    most_astern: float
+    most_rate: float
+    # Right of way: the lower goes first. Time of the decision to wait for.
+    rank: float
+    wait: float
+    # Item to pick up, NaN for none; where the decision began.
+    item_x: float
+    item_y: float
+    origin_x: float
+    origin_y: float
+    # Modelled sway through the water [m/s]; commands that the thrusters' lag has let through.
+    sway: float
+    port: float
+    starboard: float
+    # Seconds since the decision; where it keeps position: the target, or beside it to let others
+    # pass.
+    clock: float
+    place_x: float
+    place_y: float
+    # 1 if no plan of its own is free of conflict; 1 if others already had to give it their way.
+    stuck: float
+    promoted: float
+    # Modelled speed ahead through the water [m/s].
+    surge: float
+    # Getting clear of the item to pick up: 1 astern, -1 ahead, else 0.
+    backing: float
+    # How far up the drift of its place it lies, where a quay is to leeward [m].
+    up: float
+    # How it picks up an item (see `pickup`); for how long it has been still, and doing that [s].
+    approach: float
+    still_s: float
+    approach_s: float
+
+
+STATE = record_type(VesselState.__annotations__)
+FleetArray: TypeAlias = NDArray[Any]  # (vessel,) or (episode, vessel) of `STATE`
 
 # Modes; START: a decision not yet begun, IDLE: none yet.
 HOLD, TRANSIT, START, IDLE = 0.0, 1.0, 2.0, 3.0
+
+
+def idle_state() -> VesselState:
+    """The state of a vessel that has no decision yet."""
+    state: VesselState = np.zeros(1, STATE)[0]
+    state.mode = IDLE
+    state.item_x = state.item_y = state.target_x = state.target_y = np.nan
+    return state

@@ -26,27 +26,9 @@ from controllers.detours import (
     straight_on,
     try_plan,
 )
-from controllers.helm import FloatArray
+from controllers.helm import FloatArray, HelmArray, PackedHelm
 from controllers.prediction import NEVER_S, SAMPLES, predict
-from controllers.state import (
-    CLOCK,
-    END_X,
-    END_Y,
-    HOLD,
-    MODE,
-    PLACE_X,
-    PLACE_Y,
-    PROMOTED,
-    RANK,
-    STUCK,
-    TARGET_X,
-    TARGET_Y,
-    TRANSIT,
-    VIA,
-    WAIT,
-    X,
-    Y,
-)
+from controllers.state import HOLD, TRANSIT, FleetArray, VesselState
 from controllers.steering import distance_to, start_transit
 
 RETURN_M = 0.15  # margin more for giving up a detour
@@ -58,15 +40,15 @@ RINGS_M = (0.9, 1.3, 1.8)  # how far beside its target a vessel makes room
 
 
 @kernel
-def rank_fleet(fleet: FloatArray, helms: FloatArray, spare: FloatArray) -> None:
+def rank_fleet(fleet: FleetArray, helms: HelmArray, spare: FloatArray) -> None:
     """Give every vessel its rank for this decision: latest arrival first, who stays last."""
     for v in range(fleet.shape[0]):
         s = fleet[v]
-        x, y = s[TARGET_X], s[TARGET_Y]
-        s[RANK] = NEVER_S + v
-        if s[MODE] != HOLD:
+        x, y = s.target_x, s.target_y
+        s.rank = NEVER_S + v
+        if s.mode != HOLD:
             eta = predict(s, helms[v], math.nan, math.nan, 0.0, x, y, spare)
-            s[RANK] = -eta - 1e-3 * distance_to(s, x, y) - 1e-6 * v
+            s.rank = -eta - 1e-3 * distance_to(s, x, y) - 1e-6 * v
 
 
 @kernel
@@ -80,32 +62,32 @@ def keep_path(traffic: Traffic, v: int) -> None:
 
 
 @kernel
-def plan_of(s: FloatArray) -> Plan:
+def plan_of(s: VesselState) -> Plan:
     """What a vessel under way is doing."""
-    via = s[VIA] != 0.0
-    x, y = (s[END_X], s[END_Y]) if via else (math.nan, math.nan)
-    return Plan(x, y, s[WAIT] - s[CLOCK], s[PLACE_X], s[PLACE_Y])
+    via = s.via != 0.0
+    x, y = (s.end_x, s.end_y) if via else (math.nan, math.nan)
+    return Plan(x, y, s.wait - s.clock, s.place_x, s.place_y)
 
 
 @kernel
 def take_plan(traffic: Traffic, v: int, plan: Plan) -> None:
     """Let vessel `v` follow a new plan."""
     s, p = traffic.fleet[v], traffic.helms[v]
-    s[WAIT] = s[CLOCK] + plan.wait_s if plan.wait_s > 0.0 else 0.0
+    s.wait = s.clock + plan.wait_s if plan.wait_s > 0.0 else 0.0
     try_plan(traffic, v, plan)
     keep_path(traffic, v)
     if not math.isnan(plan.via_x):
         start_transit(s, p, plan.via_x, plan.via_y, True)
-    elif s[VIA] != 0.0:
+    elif s.via != 0.0:
         start_transit(s, p, plan.end_x, plan.end_y, False)
 
 
 @kernel
-def passing_plan(s: FloatArray, x: float, y: float, aside: float) -> Plan:
+def passing_plan(s: VesselState, x: float, y: float, aside: float) -> Plan:
     """The way through the point `aside` metres to starboard of (x, y)."""
-    dx, dy = s[PLACE_X] - s[X], s[PLACE_Y] - s[Y]
+    dx, dy = s.place_x - s.x, s.place_y - s.y
     far = max(math.sqrt(dx * dx + dy * dy), 1e-6)
-    return Plan(x + aside * dy / far, y - aside * dx / far, 0.0, s[PLACE_X], s[PLACE_Y])
+    return Plan(x + aside * dy / far, y - aside * dx / far, 0.0, s.place_x, s.place_y)
 
 
 @kernel
@@ -117,7 +99,7 @@ def pass_each_other(traffic: Traffic, v: int, u: int) -> bool:
     """
     fleet, helms, paths = traffic.fleet, traffic.helms, traffic.paths
     a, b = fleet[v], fleet[u]
-    x, y = 0.5 * (a[X] + b[X]), 0.5 * (a[Y] + b[Y])
+    x, y = 0.5 * (a.x + b.x), 0.5 * (a.y + b.y)
     for aside in PASSING_M:
         plan_a, plan_b = passing_plan(a, x, y, aside), passing_plan(b, x, y, aside)
         if (plan_a.via_x - plan_b.via_x) ** 2 + (plan_a.via_y - plan_b.via_y) ** 2 < aside * aside:
@@ -131,7 +113,7 @@ def pass_each_other(traffic: Traffic, v: int, u: int) -> bool:
         if free and conflict(paths[-1], paths[u], helms[v], helms[u], -KEEP_M) == NONE:
             take_plan(traffic, u, plan_b)
             take_plan(traffic, v, plan_a)
-            a[STUCK] = PASSING
+            a.stuck = PASSING
             return True
     try_plan(traffic, u, plan_of(b))
     keep_path(traffic, u)
@@ -142,17 +124,17 @@ def pass_each_other(traffic: Traffic, v: int, u: int) -> bool:
 def goes_on(traffic: Traffic, v: int) -> bool:
     """Whether vessel `v` can go straight on, or do what it did; it then does."""
     s = traffic.fleet[v]
-    planned = s[VIA] != 0.0 or s[WAIT] > s[CLOCK]
+    planned = s.via != 0.0 or s.wait > s.clock
     try_plan(traffic, v, straight_on(s))
     first, _ = first_conflict(traffic, v, True, RETURN_M if planned else -KEEP_M)
     if first == NONE:
         take_plan(traffic, v, straight_on(s))
-        s[STUCK] = 0.0
+        s.stuck = 0.0
         return True
     if planned and plan_cost(traffic, v, plan_of(s), True, -KEEP_M) < BAD_S:
         keep_path(traffic, v)
-        if s[STUCK] != PASSING:
-            s[STUCK] = 0.0
+        if s.stuck != PASSING:
+            s.stuck = 0.0
         return True
     return False
 
@@ -164,7 +146,7 @@ def plan_mover(traffic: Traffic, v: int) -> bool:
     s = fleet[v]
     if goes_on(traffic, v):
         return False
-    s[STUCK] = 0.0
+    s.stuck = 0.0
     straight = straight_on(s)
     direct = try_plan(traffic, v, straight)
     first, _ = first_conflict(traffic, v, True, -KEEP_M)
@@ -175,14 +157,14 @@ def plan_mover(traffic: Traffic, v: int) -> bool:
         if first == NONE:
             cost, plan = direct, straight  # whoever rests there makes room
         elif cost > BAD_S:
-            if s[PROMOTED] == 0.0:
-                s[RANK], fleet[other, RANK] = fleet[other, RANK], s[RANK]
-                s[PROMOTED] = 1.0
+            if s.promoted == 0.0:
+                s.rank, fleet[other].rank = fleet[other].rank, s.rank
+                s.promoted = 1.0
                 return True
-            if fleet[other, RANK] < NEVER_S and pass_each_other(traffic, v, other):
+            if fleet[other].rank < NEVER_S and pass_each_other(traffic, v, other):
                 return False
             cost, plan = search_detour(traffic, v, first, False)
-    s[STUCK] = 1.0 if cost > BAD_S else 0.0
+    s.stuck = 1.0 if cost > BAD_S else 0.0
     take_plan(traffic, v, plan)
     return False
 
@@ -191,11 +173,11 @@ def plan_mover(traffic: Traffic, v: int) -> bool:
 def plan_resting(traffic: Traffic, v: int) -> None:
     """Choose the place of a vessel that stays: its target, or beside it to let others pass."""
     s = traffic.fleet[v]
-    x, y = s[TARGET_X], s[TARGET_Y]
+    x, y = s.target_x, s.target_y
     best_x, best_y = x, y
     here = Plan(math.nan, math.nan, 0.0, x, y)
     if plan_cost(traffic, v, here, False, 0.0) > BAD_S:
-        best_x, best_y = s[PLACE_X], s[PLACE_Y]
+        best_x, best_y = s.place_x, s.place_y
         best = plan_cost(traffic, v, Plan(math.nan, math.nan, 0.0, best_x, best_y), False, 0.0)
         for reach in RINGS_M:
             for side in range(8):
@@ -205,8 +187,8 @@ def plan_resting(traffic: Traffic, v: int) -> None:
                 cost = reach + plan_cost(traffic, v, there, False, 0.0)
                 if cost < best - 0.01:
                     best, best_x, best_y = cost, to_x, to_y
-    changed = best_x != s[PLACE_X] or best_y != s[PLACE_Y]
-    s[PLACE_X], s[PLACE_Y] = best_x, best_y
+    changed = best_x != s.place_x or best_y != s.place_y
+    s.place_x, s.place_y = best_x, best_y
     if changed and distance_to(s, best_x, best_y) > 0.5:
         start_transit(s, traffic.helms[v], best_x, best_y, False)
 
@@ -225,8 +207,8 @@ def plan_in_order(traffic: Traffic) -> bool:
     for _ in range(n):
         v, rank = NONE, 1e18
         for u in range(n):
-            if last < fleet[u, RANK] < rank:
-                v, rank = u, fleet[u, RANK]
+            if last < fleet[u].rank < rank:
+                v, rank = u, fleet[u].rank
         last = rank
         if v == NONE or is_alone(traffic, v):
             continue
@@ -238,13 +220,13 @@ def plan_in_order(traffic: Traffic) -> bool:
 
 
 @kernel
-def go_alone(s: FloatArray, p: FloatArray) -> None:
+def go_alone(s: VesselState, p: PackedHelm) -> None:
     """A vessel that meets nobody needs no plan."""
-    s[WAIT] = s[STUCK] = 0.0
-    away = s[PLACE_X] != s[TARGET_X] or s[PLACE_Y] != s[TARGET_Y]
-    s[PLACE_X], s[PLACE_Y] = s[TARGET_X], s[TARGET_Y]
-    if s[VIA] != 0.0 or (away and s[MODE] == TRANSIT):
-        start_transit(s, p, s[TARGET_X], s[TARGET_Y], False)
+    s.wait = s.stuck = 0.0
+    away = s.place_x != s.target_x or s.place_y != s.target_y
+    s.place_x, s.place_y = s.target_x, s.target_y
+    if s.via != 0.0 or (away and s.mode == TRANSIT):
+        start_transit(s, p, s.target_x, s.target_y, False)
 
 
 @kernel
@@ -261,7 +243,7 @@ def plan_fleet(traffic: Traffic) -> None:
     for v in range(n):
         if is_alone(traffic, v):
             go_alone(fleet[v], helms[v])
-        elif fleet[v, MODE] == HOLD or fleet[v, STUCK] != 0.0:
+        elif fleet[v].mode == HOLD or fleet[v].stuck != 0.0:
             try_plan(traffic, v, plan_of(fleet[v]))  # others look at these before they are planned
             keep_path(traffic, v)
     for _ in range(n + 1):

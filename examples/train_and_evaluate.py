@@ -19,8 +19,8 @@ from graph_planner.policies.ddqn import QPolicy
 from graph_planner.policies.registry import register
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
+from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
-from mjforage.learning.training.settings import Settings, changed
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import evaluate
 from mjforage.view.render import render_replay
@@ -30,7 +30,7 @@ output = Console(highlight=False, soft_wrap=True)
 FOLDER = Path("runs") / "tutorial"
 WEIGHTS = FOLDER / "training" / "best.safetensors"
 SETTINGS = changed(
-    Settings(),
+    Hyperparameters(),
     {"teacher": "belief", "teacher_updates": 6000, "explore_from": 0.05, "evaluate_every": 1000},
 )
 

@@ -1,10 +1,13 @@
 """Who is on the water: roles, teams and the flat agent table that kernels read."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
+
+from graph_planner.fields import Later, Within
 
 UNLIMITED = int(np.iinfo(np.int64).max)
 """Capacity of an agent that can take any number of items aboard."""
@@ -12,28 +15,24 @@ UNLIMITED = int(np.iinfo(np.int64).max)
 
 @dataclass(frozen=True)
 class Role:
-    """What every agent of one team can do. A fleet has any number of roles.
+    """What every agent of one team can do. A fleet has any number of roles."""
 
-    Attributes
-    ----------
-    count : agents in the team, 0 or more
-    moves : nodes an agent moves per decision, in one direction, 1 or more
-    radius : sensing radius [node], 0 or more
-    collects : whether it removes the items of the node it is in
-    capacity : items an agent can take aboard in one episode; 0 means unlimited
-    energy : distance an agent can travel in one episode [node]; 0 means unlimited
-    carries : whether it takes over what others have aboard
-    relays : whether it passes on what it hears
-    """
-
-    count: int = field(metadata={"low": 0, "high": 255})
-    moves: int = field(metadata={"low": 1, "high": 100})
-    radius: float = field(metadata={"low": 0, "high": 1000})
+    count: Annotated[int, Within(0, 255, "agents")]
+    """Agents in the team."""
+    moves: Annotated[int, Within(1, 100, "node")]
+    """Nodes an agent moves per decision, in one direction."""
+    radius: Annotated[float, Within(0, 1000, "node")]
+    """Sensing radius."""
     collects: bool
-    capacity: int = field(default=0, metadata={"low": 0, "high": 1_000_000})
-    energy: float = field(default=0.0, metadata={"low": 0, "high": 1e12})
-    carries: bool = False
-    relays: bool = False
+    """Whether it removes the items of the node it is in."""
+    capacity: Annotated[int, Within(0, 1_000_000, "items")] = 0
+    """Items an agent can take aboard in one episode; 0 means unlimited."""
+    energy: Annotated[float, Within(0, 1e12, "node")] = 0.0
+    """Distance an agent can travel in one episode; 0 means unlimited."""
+    carries: Annotated[bool, Later()] = False
+    """Whether it takes over what others have aboard."""
+    relays: Annotated[bool, Later()] = False
+    """Whether it passes on what it hears."""
 
 
 def choosing_order(teams: Mapping[str, Role]) -> tuple[str, ...]:

@@ -36,7 +36,7 @@ def parallel_env(**options: Any) -> "ForagingParallelEnv":
     Parameters
     ----------
     options : scenario, world, observation, reward, map, set, render_mode; see
-        `mjforage.learning.environments.choice.Choice`
+        `mjforage.learning.environments.options.EnvironmentOptions`
 
     Raises
     ------

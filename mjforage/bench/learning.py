@@ -7,20 +7,20 @@ import numpy as np
 
 from graph_planner.encodings import ENCODERS
 from mjforage.core.scenario_file import load_scenario
-from mjforage.learning.training.settings import Settings, changed
-from mjforage.learning.training.training import Trainer
+from mjforage.learning.training.hyperparameters import Hyperparameters, changed
+from mjforage.learning.training.trainer import Trainer
 
-LANES = 32
+ENVS = 32
 STEPS = 150
 ROUNDS = 2
 UPDATES = 40
-SMALL = {"lanes": 8, "warmup": 500, "explore_updates": 100}
+SMALL = {"num_envs": 8, "warmup": 500, "explore_updates": 100}
 
 
 def _observed_per_s(kind: str) -> float:
     """Agent observations of the vector environment with random actions."""
     env = gymnasium.make_vec(
-        "mjforage/Foraging-v0", num_envs=LANES, scenario="published", observation=kind
+        "mjforage/Foraging-v0", num_envs=ENVS, scenario="published", observation=kind
     )
     env.reset(seed=0)
     shape = env.action_space.shape or ()
@@ -42,7 +42,7 @@ def learning_speeds() -> dict[str, float]:
     the published scenario.
     """
     figures = {f"env_obs_steps_per_core_s_{kind}": _observed_per_s(kind) for kind in ENCODERS}
-    trainer = Trainer([load_scenario("published")], changed(Settings(), SMALL))
+    trainer = Trainer([load_scenario("published")], changed(Hyperparameters(), SMALL))
     trainer.play_round()  # compiles, and fills the replay
     for part in trainer.clock.seconds:
         trainer.clock.seconds[part] = 0.0

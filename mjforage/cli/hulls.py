@@ -51,6 +51,7 @@ def manoeuvre(
     plot
         Picture to write.
     """
+    from mjforage.core.whole_files import whole
     from mjforage.physics.manoeuvre import (
         check_file,
         key_figures,
@@ -58,7 +59,6 @@ def manoeuvre(
     )
     from mjforage.physics.manoeuvre import manoeuvre as run
     from mjforage.physics.simulation.mujoco_hull import MujocoHull
-    from mjforage.runs.storage import writing
     from mjforage.view.manoeuvre_plot import check_plot, manoeuvre_figure
 
     if out is not None:
@@ -69,8 +69,8 @@ def manoeuvre(
     if out is not None:
         write_trajectory(path, out)
     if plot is not None:
-        with writing(plot):
-            manoeuvre_figure(path).savefig(plot)
+        with whole(plot) as beside:
+            manoeuvre_figure(path).savefig(beside, format=plot.suffix[1:])
     table = Table("figure", "value", "unit", "meaning")
     for name, figure in key_figures(path).items():
         table.add_row(name, f"{figure.value:.4g}", figure.unit, figure.meaning)

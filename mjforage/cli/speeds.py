@@ -24,7 +24,7 @@ def bench(*, json_file: Annotated[Path | None, Parameter(name="--json")] = None)
         Also write {key: {"value", "unit"}} to this file.
     """
     from mjforage.bench.running import bench as measure
-    from mjforage.runs.storage import write_json
+    from mjforage.core.whole_files import write_json
 
     if json_file is not None and not json_file.parent.is_dir():
         raise UserError(f"--json {json_file}: cannot be written, no folder {json_file.parent}")

@@ -11,7 +11,7 @@ from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
     from mjforage.core.scenario import Scenario
-    from mjforage.learning.training.training import Row
+    from mjforage.learning.training.trainer import Row
 
 train = App(name="train", help="Train policies.", help_format="plaintext")
 app.command(train)
@@ -54,7 +54,7 @@ def ddqn(
     also
         Train on this SCENARIO, or SCENARIO:MAP, in turn; repeatable. A map has its own starts.
     learning
-        Override KEY=VALUE of the learning settings, such as lanes=32 or reward.removed=2;
+        Override KEY=VALUE of the learning hyperparameters, such as num_envs=32 or reward.removed=2;
         repeatable.
     teacher
         Policy that shows moves at first, as --policy of evaluate; give also --learning
@@ -66,19 +66,19 @@ def ddqn(
     """
     from graph_planner.references import with_options
     from mjforage.core.scenario_file import load_scenario
+    from mjforage.learning.training.hyperparameters import Hyperparameters, changed
     from mjforage.learning.training.run import train as run
-    from mjforage.learning.training.settings import Settings, changed
 
     teachers, set = with_options("policy", [teacher] if teacher else [], set)
     chosen = load_scenario(scenario, set, map)
     changes = dict(_pair(text) for text in learning)
     if teachers:
         changes["teacher"] = teachers[0]
-    settings = changed(Settings(), changes)
+    hyperparameters = changed(Hyperparameters(), changes)
     folder = out or Path("runs") / f"ddqn-{chosen.name}"
     run(
         chosen,
-        settings,
+        hyperparameters,
         folder,
         also=[_other(text) for text in also],
         seed=seed,
@@ -110,7 +110,7 @@ def _pair(text: str) -> tuple[str, Any]:
 
     key, separator, value = text.partition("=")
     if not separator or not key.strip():
-        raise UserError(f"--learning {text}: expected KEY=VALUE, for example lanes=32")
+        raise UserError(f"--learning {text}: expected KEY=VALUE, for example num_envs=32")
     try:
         return key.strip(), tomllib.loads(f"value = {value}")["value"]
     except ValueError:

@@ -1,118 +1,130 @@
-"""What a mission is: frozen dataclasses, one per table of a scenario file, with units and ranges.
+"""What a mission is: frozen dataclasses, one per table of a scenario file.
 
-`mjforage.core.scenario_file` reads them from strict TOML. Sources: paper, section "Foraging
+They are the schema of the file (see `mjforage.core.schema`). Sources: paper, sections "Foraging
 Environment" and "Items Dynamics"; numbers of the published code where the paper gives none.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import Annotated, Literal
 
 from graph_planner.belief_settings import BeliefSettings
+from graph_planner.fields import Later, Within, source
 from graph_planner.fleet import Role
 
-
-def bounded(low: float, high: float) -> dict[str, float]:
-    """Field metadata: the closed range of a number."""
-    return {"low": low, "high": high}
-
-
-def one_of(*choices: str) -> dict[str, tuple[str, ...]]:
-    """Field metadata: the words that a text can be."""
-    return {"choices": choices}
+_Cell = Annotated[int, Within(-(2**63), 2**63 - 1)]  # of a grid; the map says which there are
 
 
 @dataclass(frozen=True)
 class MapChoice:
-    """`[map]`: the grid, how it becomes a graph, and where agents start."""
+    """The grid, how it becomes a graph, and where agents start."""
 
-    file: str  # name of a shipped map, or path of a CSV file or image
-    pitch_m: float = field(default=4.0, metadata=bounded(1e-3, 1e6))  # between node centres [m]
-    corner_cutting: bool = False  # may diagonals cut corners
-    largest_component: bool = False  # keep only the largest connected part of the map
-    starts: tuple[tuple[int, int], ...] | None = None
+    file: str
+    """Name of a shipped map, or path of a CSV file or image."""
+    pitch_m: Annotated[float, Within(1e-3, 1e6, "m")] = 4.0
+    """Distance between the centres of neighbouring nodes."""
+    corner_cutting: bool = False
+    """Whether diagonal moves may cut corners of the land."""
+    largest_component: bool = False
+    """Whether only the largest connected part of the map is kept."""
+    starts: tuple[tuple[_Cell, _Cell], ...] | None = None
     """(row, column) to assign at random; absent: those beside the map; []: a random cluster."""
 
 
 @dataclass(frozen=True)
 class Rules:
-    """`[rules]`: what agents may do in a decision."""
+    """What agents may do in a decision."""
 
-    stay: bool = True  # staying put is an action
-    shorten: bool = True  # a blocked longer move ends before the obstacle instead of being illegal
-    order: tuple[str, ...] = ()
+    stay: bool = True
+    """Whether staying put is an action."""
+    shorten: bool = True
+    """Whether a blocked longer move ends before the obstacle instead of being illegal."""
+    order: Annotated[tuple[str, ...], Later()] = ()
     """All teams as they choose, in each the highest number first; empty: those that collect, then
     the others, each by name."""
 
 
 @dataclass(frozen=True)
 class Items:
-    """`[items]`: how many items float around how wide a hotspot."""
+    """How many items float around how wide a hotspot."""
 
-    mean: float = field(default=75.0, metadata=bounded(0, 20_000))  # number of items, mean
-    std: float = field(default=10.0, metadata=bounded(0, 2_000))  # number of items, deviation
-    covariance_node2: float = field(default=20.0, metadata=bounded(0, 1e9))  # per axis [node^2]
-    hotspots: int = field(default=1, metadata=bounded(1, 100))  # clusters, items dealt out in turn
+    mean: Annotated[float, Within(0, 20_000, "items"), source("paper")] = 75.0
+    """Mean number of items."""
+    std: Annotated[float, Within(0, 2_000, "items"), source("paper")] = 10.0
+    """Standard deviation of the number of items."""
+    covariance_node2: Annotated[float, Within(0, 1e9, "node^2"), source("paper")] = 20.0
+    """Variance of the items' places around their hotspot, per axis."""
+    hotspots: Annotated[int, Within(1, 100)] = 1
+    """Clusters, to which items are dealt out in turn."""
 
 
 @dataclass(frozen=True)
 class Weather:
-    """`[weather]`: the paper's drift in every world; gusts and currents in the physics world.
+    """The paper's drift in every world; gusts and currents in the physics world.
 
     The physics world makes the drift by a wind of drift / 0.03, which hulls feel too.
     """
 
-    drift_node_per_step: float = field(
-        default=0.1, metadata=bounded(0, 10)
-    )  # uniform in +- per axis
-    noise_node_per_step: float = field(
-        default=0.09, metadata=bounded(0, 10)
-    )  # uniform in +- per axis
-    gust_intensity: float = field(default=0.0, metadata=bounded(0, 0.5))
+    drift_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.1
+    """Constant drift of an episode's items, uniform in +- this per axis."""
+    noise_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.09
+    """Independent drift per item and step, uniform in +- this per axis."""
+    gust_intensity: Annotated[float, Within(0, 0.5)] = 0.0
     """Standard deviation of the gusts along the wind, over its speed; 0.1-0.2 is usual."""
-    gust_tau_s: float = field(default=2.0, metadata=bounded(1e-2, 1e4))  # their correlation time
-    current_speed_mps: float = field(default=0.0, metadata=bounded(0, 5))  # constant current
-    current_toward_deg: float | None = field(default=None, metadata=bounded(-360, 360))
+    gust_tau_s: Annotated[float, Within(1e-2, 1e4, "s")] = 2.0
+    """Correlation time of the gusts."""
+    current_speed_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
+    """Speed of a constant current."""
+    current_toward_deg: Annotated[float, Within(-360, 360, "deg")] | None = None
     """Where it flows to, counter-clockwise from east; absent: drawn per episode."""
-    current_wander_mps: float = field(default=0.0, metadata=bounded(0, 5))
+    current_wander_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
     """Standard deviation per axis of a slow Gauss-Markov current."""
-    circulation_mps: float = field(default=0.0, metadata=bounded(-5, 5))
+    circulation_mps: Annotated[float, Within(-5, 5, "m/s")] = 0.0
     """Peak speed of a harbour circulation between the quays, positive counter-clockwise."""
 
 
 @dataclass(frozen=True)
 class Physics:
-    """`[physics]`: how the MuJoCo world carries decisions out."""
+    """How the MuJoCo world carries decisions out."""
 
     vessels: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     """Team -> vessel (a name or a TOML file); absent: `forager` if it collects, else `scout`."""
-    capture: str = field(default="node", metadata=one_of("node", "intake"))
+    capture: Literal["node", "intake"] = "node"
     """`node`: all items in the hull's node at the end of a decision; `intake`: an item that enters
     the mouth at the bow."""
-    items: str = field(default="bodies", metadata=one_of("bodies", "graph"))
+    items: Literal["bodies", "graph"] = "bodies"
     """`bodies` that wind and water move, or moved by the rule of the graph world."""
-    item_classes: tuple[str, ...] = ("drifter",)  # of `models/debris.toml`, one drawn per item
-    integrator: str = field(default="fast", metadata=one_of("fast", "reference"))
-    step_s: float = field(default=0.1, metadata=bounded(1e-3, 0.1))  # of the integrator
+    item_classes: tuple[str, ...] = ("drifter",)
+    """Classes of `models/debris.toml`, one drawn per item."""
+    integrator: Literal["fast", "reference"] = "fast"
+    """`fast`: Euler with forces averaged over the step; `reference`: Runge-Kutta of order 4."""
+    step_s: Annotated[float, Within(1e-3, 0.1, "s")] = 0.1
+    """Time step of the integrator."""
 
 
 @dataclass(frozen=True)
 class Sensors:
-    """`[sensors]`: what measurements lack in the physics world; nothing by default."""
+    """What measurements lack in the physics world; nothing by default."""
 
-    position_noise_m: float = field(default=0.0, metadata=bounded(0, 2))  # deviation per axis
-    heading_noise_deg: float = field(default=0.0, metadata=bounded(0, 20))  # deviation
-    detection: float = field(default=1.0, metadata=bounded(0, 1))
+    position_noise_m: Annotated[float, Within(0, 2, "m")] = 0.0
+    """Standard deviation of a position fix per axis."""
+    heading_noise_deg: Annotated[float, Within(0, 20, "deg")] = 0.0
+    """Standard deviation of the compass."""
+    detection: Annotated[float, Within(0, 1)] = 1.0
     """Probability that an item in view is seen, drawn per item and decision."""
 
 
 @dataclass(frozen=True)
 class CorruptionChoice:
-    """`[corruption]`: a team whose actions are partly random (CSSC)."""
+    """A team whose actions are partly random (CSSC)."""
 
-    team: str = ""  # name of the corrupted team; empty: nobody
-    epsilon: float = field(default=0.0, metadata=bounded(0, 1))  # probability per decision
-    whole_team: bool = False  # the published code's variant: one draw for the team
+    team: str = ""
+    """Name of the corrupted team; empty: nobody."""
+    epsilon: Annotated[float, Within(0, 1)] = 0.0
+    """Probability per decision that an action is random."""
+    whole_team: bool = False
+    """Whether one draw decides for the whole team, as in the published code."""
 
 
 @dataclass(frozen=True)
@@ -120,17 +132,20 @@ class Scenario:
     """A mission: everything that decides an episode, apart from seed, policy and world."""
 
     name: str
+    """Name of the mission, and of its run folder."""
     map: MapChoice
-    team: Mapping[str, Role]  # in the order of the file, which numbers the agents
+    team: Mapping[str, Role]
+    """Teams by name, in the order of the file, which numbers the agents."""
     description: str = ""
-    horizon: int = field(default=150, metadata=bounded(1, 30000))  # decisions (the paper's T)
-    period_s: float = field(default=10.0, metadata=bounded(1e-3, 1e6))  # one decision [s]
+    """One line for lists and reports."""
+    horizon: Annotated[int, Within(1, 30000, "decisions"), source("paper: T = 150")] = 150
+    """Decisions in an episode."""
+    period_s: Annotated[float, Within(1e-3, 1e6, "s")] = 10.0
+    """Time of one decision."""
     rules: Rules = Rules()
     items: Items = Items()
     weather: Weather = Weather()
-    physics: Physics = Physics()
+    physics: Physics = field(default_factory=Physics)
     sensors: Sensors = Sensors()
     corruption: CorruptionChoice = CorruptionChoice()
-    belief: BeliefSettings = field(
-        default_factory=BeliefSettings
-    )  # the policy `belief`'s own assumptions
+    belief: BeliefSettings = field(default_factory=BeliefSettings)

@@ -7,20 +7,19 @@ names the file, the key, the value and what was expected.
 import dataclasses
 import difflib
 import json
-import math
 import tomllib
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from pathlib import Path
-from types import MappingProxyType, UnionType
-from typing import Any, cast, get_args, get_origin, get_type_hints
+from typing import Any, cast, get_args, get_type_hints
 
+from graph_planner.fields import Later
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Scenario
+from mjforage.core.schema import check, shown
 
 Tree = dict[str, Any]
-
-_LONGEST = 60  # characters of a value in a message
 
 
 def preset_names() -> list[str]:
@@ -117,11 +116,11 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
         For an unknown or missing key, a wrong type, a value out of range, or tables that contradict
         each other.
     """
-    scenario = cast(Scenario, _table(Scenario, tree, where, ""))
+    scenario = check(Scenario, tree, where)
     name = scenario.name
     if not name.isprintable() or not name.strip(" .") or set(name) & set("/\\"):
         raise UserError(
-            f"{where}: name = {_shown(name)} names the run folder; give letters, digits and dashes"
+            f"{where}: name = {shown(name)} names the run folder; give letters, digits and dashes"
         )
     counts = {name: role.count for name, role in scenario.team.items()}
     if not 1 <= sum(counts.values()) <= 255:
@@ -129,12 +128,12 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
     for team in counts:
         if not team.replace("-", "").replace("_", "").isalnum():
             raise UserError(
-                f"{where}: team.{_shown(team)} names files; give letters, digits and dashes"
+                f"{where}: team.{shown(team)} names files; give letters, digits and dashes"
             )
     order = scenario.rules.order
     if order and sorted(order) != sorted(counts):
         raise UserError(
-            f"{where}: rules.order = {_shown(list(order))}; give every team once: "
+            f"{where}: rules.order = {shown(list(order))}; give every team once: "
             f"{', '.join(counts)}"
         )
     choice = scenario.corruption
@@ -148,104 +147,19 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
     return scenario
 
 
-def _shown(value: object) -> str:
-    """A value as a message shows it, also numbers that Python refuses to print."""
-    try:
-        text = repr(value)
-    except ValueError:
-        return "a number of thousands of digits"
-    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
-
-
-def _table(schema: type[Any], tree: object, where: str, prefix: str) -> object:
-    if not isinstance(tree, dict):
-        raise UserError(f"{where}: {prefix.rstrip('.')} = {_shown(tree)}, expected a table")
-    fields = {f.name: f for f in dataclasses.fields(schema)}
-    hints = get_type_hints(schema)
-    for key in tree:
-        if key not in fields:
-            close = difflib.get_close_matches(key, fields, n=1, cutoff=0.5)
-            hint = f"did you mean {prefix}{close[0]}?" if close else f"known: {', '.join(fields)}"
-            raise UserError(f"{where}: unknown key {prefix}{key}; {hint}")
-    missing = [
-        name
-        for name, f in fields.items()
-        if f.default is dataclasses.MISSING
-        and f.default_factory is dataclasses.MISSING
-        and name not in tree
-    ]
-    if missing:
-        keys = ", ".join(prefix + name for name in missing)
-        raise UserError(f"{where}: missing {keys}")
-    values = {
-        key: _value(hints[key], fields[key].metadata, value, where, prefix + key)
-        for key, value in tree.items()
-    }
-    return schema(**values)
-
-
-def _value(hint: Any, metadata: Mapping[str, Any], value: object, where: str, key: str) -> object:
-    if isinstance(hint, UnionType):
-        if value is None:
-            return None
-        hint = get_args(hint)[0]
-    if dataclasses.is_dataclass(hint):
-        return _table(cast(type[Any], hint), value, where, key + ".")
-    if get_origin(hint) is tuple:
-        return _list(hint, value, where, key)
-    if get_origin(hint) is Mapping:
-        if not isinstance(value, dict):
-            raise UserError(f"{where}: {key} = {_shown(value)}, expected a table of teams")
-        kind = get_args(hint)[-1]
-        entries = {n: _value(kind, {}, entry, where, f"{key}.{n}") for n, entry in value.items()}
-        return MappingProxyType(entries)
-    return _scalar(hint, metadata, value, where, key)
-
-
-def _list(hint: Any, value: object, where: str, key: str) -> object:
-    if not isinstance(value, list | tuple):
-        raise UserError(f"{where}: {key} = {_shown(value)}, expected a list")
-    arguments = get_args(hint)
-    if arguments[-1] is Ellipsis:
-        return tuple(_value(arguments[0], {}, v, where, f"{key}[{i}]") for i, v in enumerate(value))
-    if len(value) != len(arguments):
-        raise UserError(f"{where}: {key} = {_shown(value)}, expected {len(arguments)} values")
-    return tuple(_value(a, {}, v, where, key) for a, v in zip(arguments, value, strict=True))
-
-
-def _scalar(hint: Any, metadata: Mapping[str, Any], value: object, where: str, key: str) -> object:
-    if hint is float and isinstance(value, int) and not isinstance(value, bool):
-        value = _float(value)
-    if type(value) is not hint:
-        expected = {int: "an integer", float: "a number", bool: "true or false", str: "text"}[hint]
-        raise UserError(f"{where}: {key} = {_shown(value)}, expected {expected}")
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        widest = 2.0**63 if hint is int else math.inf  # TOML's integers
-        low, high = metadata.get("low", -widest), metadata.get("high", widest)
-        if not low <= value <= high or (isinstance(value, float) and not math.isfinite(value)):
-            raise UserError(
-                f"{where}: {key} = {_shown(value)} is out of range; give {low:g} to {high:g}"
-            )
-    if value not in metadata.get("choices", (value,)):
-        raise UserError(
-            f"{where}: {key} = {_shown(value)}; choose {', '.join(metadata['choices'])}"
-        )
-    return value
-
-
-def _float(value: int) -> float:
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf if value > 0 else -math.inf
-
-
 def scenario_to_tree(scenario: Scenario) -> Tree:
-    """The scenario as nested dicts and lists, every key present; `scenario_from_tree` undoes it."""
+    """The scenario as nested dicts and lists; `scenario_from_tree` undoes it.
+
+    Every key is present, except those marked `Later` that are at their default: what a scenario
+    does not use leaves its hash as it was before that key existed.
+    """
 
     def plain(value: object) -> object:
         if dataclasses.is_dataclass(value) and not isinstance(value, type):
-            return {f.name: plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
+            entries = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
+            unused = _later(type(value)).items()
+            left_out = [name for name, default in unused if entries[name] == default]
+            return {name: plain(v) for name, v in entries.items() if name not in left_out}
         if isinstance(value, Mapping):
             return {name: plain(entry) for name, entry in value.items()}
         if isinstance(value, tuple):
@@ -253,6 +167,17 @@ def scenario_to_tree(scenario: Scenario) -> Tree:
         return value
 
     return cast(Tree, plain(scenario))
+
+
+@lru_cache(maxsize=64)
+def _later(schema: Any) -> dict[str, object]:
+    """Name -> default of a table's keys that are marked `Later`."""
+    hints = get_type_hints(schema, include_extras=True)
+    return {
+        f.name: f.default if f.default_factory is dataclasses.MISSING else f.default_factory()
+        for f in dataclasses.fields(schema)
+        if any(isinstance(mark, Later) for mark in get_args(hints[f.name])[1:])
+    }
 
 
 def canonical_json(tree: object) -> str:

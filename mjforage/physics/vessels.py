@@ -1,53 +1,57 @@
 """What a vessel is: its parameters with units and ranges, and whether a body can have them.
 
-`vessel_file` reads them from strict TOML. Everything refers to midships, in the body frame
+The schema of a vessel file, strict TOML. Everything refers to midships, in the body frame
 x forward, y port, z up; coefficients are magnitudes, so the marine tables (x forward, y starboard,
 z down) keep their numbers, and only the side of a lever changes sign: port is +y here.
 """
 
 import dataclasses
+import difflib
 import math
-from dataclasses import dataclass, field
+import tomllib
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated, Literal
 
+from pydantic import Discriminator
+
+from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
-from mjforage.physics.vessel_file import positive, quantity, read_vessel, vessel_names
-
-__all__ = [
-    "Control",
-    "CrossFlow",
-    "ForceThruster",
-    "Load",
-    "Propeller",
-    "Vessel",
-    "Windage",
-    "load_vessel",
-    "vessel_names",
-    "with_load",
-]
+from mjforage.core.schema import Kept, check
+from mjforage.physics.quantities import Quantity, positive
 
 
 @dataclass(frozen=True)
 class CrossFlow:
-    """`[crossflow]`: sideways drag per metre of length, 1/2 rho Cd T |v + x r| (v + x r)."""
+    """Sideways drag per metre of length, 1/2 rho Cd T |v + x r| (v + x r)."""
 
-    kind: str = field(metadata={"choices": ("integrated", "strips-otter")})
+    kind: Literal["integrated", "strips-otter"]
     """``integrated`` over the length; ``strips-otter``: 21 strips of length/20, their ends half a
     strip outside the hull, as in the Otter's reference model (5 % too much sway drag)."""
-    coefficient: float = field(metadata=positive("1", 10))  # two-dimensional drag coefficient
-    draft_m: float = field(metadata=positive("m", 100))
-    length_m: float = field(metadata=positive("m", 1e3))
-    water_density_kgpm3: float = field(metadata=positive("kg/m3", 2e3))
+    coefficient: Annotated[float, positive("1", 10)]
+    """Two-dimensional drag coefficient Cd."""
+    draft_m: Annotated[float, positive("m", 100)]
+    """Draught T of the sections."""
+    length_m: Annotated[float, positive("m", 1e3)]
+    """Length over which the drag acts."""
+    water_density_kgpm3: Annotated[float, positive("kg/m3", 2e3)]
+    """Density rho of the water."""
 
 
 @dataclass(frozen=True)
 class Propeller:
-    """`[thruster]`, kind ``propeller``: T = k n |n| of the speed n, each way with its own k."""
+    """T = k n |n| of the speed n, each way with its own k."""
 
-    k_ahead: float = field(metadata=positive("N s2/rad2", 1e6))
-    k_astern: float = field(metadata=positive("N s2/rad2", 1e6))
-    n_max_ahead: float = field(metadata=positive("rad/s", 1e5))
-    n_max_astern: float = field(metadata=positive("rad/s", 1e5))
+    k_ahead: Annotated[float, positive("N s2/rad2", 1e6)]
+    """Thrust over the squared speed of the propeller, ahead."""
+    k_astern: Annotated[float, positive("N s2/rad2", 1e6)]
+    """The same astern."""
+    n_max_ahead: Annotated[float, positive("rad/s", 1e5)]
+    """Highest speed of the propeller ahead."""
+    n_max_astern: Annotated[float, positive("rad/s", 1e5)]
+    """Highest speed of the propeller astern."""
+    kind: Literal["propeller"] = "propeller"
+    """A command is the speed of the propeller."""
 
     @property
     def command_unit(self) -> str:
@@ -67,11 +71,16 @@ class Propeller:
 
 @dataclass(frozen=True)
 class ForceThruster:
-    """`[thruster]`, kind ``force``: the command is the thrust [N], nothing inside the dead zone."""
+    """The command is the thrust [N], nothing inside the dead zone."""
 
-    max_ahead_newton: float = field(metadata=positive("N", 1e7))
-    max_astern_newton: float = field(metadata=positive("N", 1e7))
-    dead_zone_newton: float = field(metadata=quantity("N", 0.0, 1e7))
+    max_ahead_newton: Annotated[float, positive("N", 1e7)]
+    """Highest thrust of one side ahead."""
+    max_astern_newton: Annotated[float, positive("N", 1e7)]
+    """Highest thrust of one side astern."""
+    dead_zone_newton: Annotated[float, Quantity("N", 0.0, 1e7)]
+    """Commands below this give no thrust."""
+    kind: Literal["force"] = "force"
+    """A command is the thrust."""
 
     @property
     def command_unit(self) -> str:
@@ -91,50 +100,73 @@ class ForceThruster:
 
 @dataclass(frozen=True)
 class Windage:
-    """`[windage]`: wind load after Blendermann (1994), coefficients on their own areas."""
+    """Wind load after Blendermann (1994), coefficients on their own areas."""
 
-    area_front_m2: float = field(metadata=quantity("m2", 0.0, 1e5))
-    area_side_m2: float = field(metadata=quantity("m2", 0.0, 1e5))
-    cdt: float = field(metadata=positive("1", 10))  # transverse resistance CD_t
-    cdl_bow: float = field(metadata=quantity("1", 0.0, 10))  # longitudinal CD_l, wind from ahead
-    cdl_stern: float = field(metadata=quantity("1", 0.0, 10))  # the same, wind from astern
-    delta: float = field(metadata=quantity("1", 0.0, 1.0))  # cross-force parameter
-    s_l_m: float = field(metadata=quantity("m", -1e3, 1e3))
+    area_front_m2: Annotated[float, Quantity("m2", 0.0, 1e5)]
+    """Area seen from ahead."""
+    area_side_m2: Annotated[float, Quantity("m2", 0.0, 1e5)]
+    """Area seen from the side."""
+    cdt: Annotated[float, positive("1", 10)]
+    """Transverse resistance CD_t."""
+    cdl_bow: Annotated[float, Quantity("1", 0.0, 10)]
+    """Longitudinal resistance CD_l, wind from ahead."""
+    cdl_stern: Annotated[float, Quantity("1", 0.0, 10)]
+    """Longitudinal resistance CD_l, wind from astern."""
+    delta: Annotated[float, Quantity("1", 0.0, 1.0)]
+    """Cross-force parameter."""
+    s_l_m: Annotated[float, Quantity("m", -1e3, 1e3)]
     """Centroid of the side area, forward of midships."""
 
 
 @dataclass(frozen=True)
 class Load:
-    """`[load]`: what every collected item adds; its weight is carried at midships."""
+    """What every collected item adds; its weight is carried at midships."""
 
-    mass_per_item_kg: float = field(metadata=quantity("kg", 0.0, 1e4))
-    drag_per_item: float = field(metadata=quantity("N s2/m2", 0.0, 1e4))  # quadratic, in surge
+    mass_per_item_kg: Annotated[float, Quantity("kg", 0.0, 1e4)]
+    """Mass of an item on board."""
+    drag_per_item: Annotated[float, Quantity("N s2/m2", 0.0, 1e4)]
+    """Quadratic drag in surge that an item adds."""
 
 
 @dataclass(frozen=True)
 class Control:
-    """`[control]`: tuning of the hull's controllers (see `controllers`)."""
+    """Tuning of the hull's controllers (see `controllers`)."""
 
-    cruise_ahead_mps: float = field(metadata=positive("m/s", 100))  # over ground, on a long leg
-    cruise_astern_mps: float = field(metadata=positive("m/s", 100))
-    acceleration_mps2: float = field(metadata=positive("m/s2", 100))  # of the speed's reference
-    brake_mps2: float = field(metadata=positive("m/s2", 100))
+    cruise_ahead_mps: Annotated[float, positive("m/s", 100)]
+    """Speed over ground on a long leg ahead."""
+    cruise_astern_mps: Annotated[float, positive("m/s", 100)]
+    """Speed over ground on a long leg astern."""
+    acceleration_mps2: Annotated[float, positive("m/s2", 100)]
+    """Acceleration of the speed's reference."""
+    brake_mps2: Annotated[float, positive("m/s2", 100)]
     """Deceleration that is always at hand; stopping distances count on it."""
-    yaw_rate_radps: float = field(metadata=positive("rad/s", 10))  # of the heading's reference
-    yaw_acceleration_radps2: float = field(metadata=positive("rad/s2", 100))
-    heading_bandwidth_radps: float = field(metadata=positive("rad/s", 10))
-    heading_damping: float = field(metadata=positive("1", 10))
-    heading_integral_s: float = field(metadata=positive("s", 1e4))
-    speed_bandwidth_radps: float = field(metadata=positive("rad/s", 10))
-    speed_integral_s: float = field(metadata=positive("s", 1e4))
-    lookahead_m: float = field(metadata=positive("m", 1e4))  # of the line-of-sight guidance
-    drift_gain_mps: float = field(metadata=positive("m/s", 100))  # kappa of its integral
-    hold_bandwidth_radps: float = field(metadata=positive("rad/s", 10))  # of keeping position
-    hold_integral_s: float = field(metadata=positive("s", 1e4))
-    hold_radius_m: float = field(metadata=positive("m", 1e3))
+    yaw_rate_radps: Annotated[float, positive("rad/s", 10)]
+    """Highest turning rate of the heading's reference."""
+    yaw_acceleration_radps2: Annotated[float, positive("rad/s2", 100)]
+    """Angular acceleration of the heading's reference."""
+    heading_bandwidth_radps: Annotated[float, positive("rad/s", 10)]
+    """Bandwidth of the heading controller."""
+    heading_damping: Annotated[float, positive("1", 10)]
+    """Damping ratio of the heading controller."""
+    heading_integral_s: Annotated[float, positive("s", 1e4)]
+    """Integral time of the heading controller."""
+    speed_bandwidth_radps: Annotated[float, positive("rad/s", 10)]
+    """Bandwidth of the speed controller."""
+    speed_integral_s: Annotated[float, positive("s", 1e4)]
+    """Integral time of the speed controller."""
+    lookahead_m: Annotated[float, positive("m", 1e4)]
+    """Lookahead distance of the line-of-sight guidance."""
+    drift_gain_mps: Annotated[float, positive("m/s", 100)]
+    """Gain kappa of the guidance's integral against drift."""
+    hold_bandwidth_radps: Annotated[float, positive("rad/s", 10)]
+    """Bandwidth of keeping position."""
+    hold_integral_s: Annotated[float, positive("s", 1e4)]
+    """Integral time of keeping position."""
+    hold_radius_m: Annotated[float, positive("m", 1e3)]
     """How far beside its place a hull may lie before it turns."""
-    clearance_m: float = field(metadata=quantity("m", 0.0, 1e3))  # to other hulls and quays
-    filter_s: float = field(metadata=quantity("s", 0.0, 1e3))
+    clearance_m: Annotated[float, Quantity("m", 0.0, 1e3)]
+    """Distance to keep to other hulls and quays."""
+    filter_s: Annotated[float, Quantity("s", 0.0, 1e3)]
     """Time constant of the filters on measured position and heading."""
 
 
@@ -150,32 +182,78 @@ class Vessel:
     out.
     """
 
-    name: str
+    name: Annotated[str, Kept()]
     description: str
-    length_m: float = field(metadata=positive("m", 1e3))
-    beam_m: float = field(metadata=positive("m", 1e3))
-    draft_m: float = field(metadata=positive("m", 100))
-    mass_kg: float = field(metadata=positive("kg", 1e8))  # rigid body, payload included
-    cog_x_m: float = field(metadata=quantity("m", -1e3, 1e3))  # forward of midships
-    inertia_z_kgm2: float = field(metadata=positive("kg m2", 1e12))  # rigid body, about midships
-    added_mass_surge_kg: float = field(metadata=quantity("kg", 0.0, 1e8))
-    added_mass_sway_kg: float = field(metadata=quantity("kg", 0.0, 1e8))
-    added_mass_yaw_kgm2: float = field(metadata=quantity("kg m2", 0.0, 1e12))
-    linear_surge: float = field(metadata=quantity("N s/m", 0.0, 1e9))
-    linear_sway: float = field(metadata=quantity("N s/m", 0.0, 1e9))
-    linear_yaw: float = field(metadata=quantity("N m s", 0.0, 1e12))
-    quadratic_surge: float = field(metadata=quantity("N s2/m2", 0.0, 1e9))
-    quadratic_sway: float = field(metadata=quantity("N s2/m2", 0.0, 1e9))
-    quadratic_yaw: float = field(metadata=quantity("N m s2", 0.0, 1e12))
-    yaw_linear_growth: float = field(metadata=quantity("s", 0.0, 1e4))
+    """What the vessel is, in a line."""
+    length_m: Annotated[float, positive("m", 1e3)]
+    """Length of the hull."""
+    beam_m: Annotated[float, positive("m", 1e3)]
+    """Width of the hull."""
+    draft_m: Annotated[float, positive("m", 100)]
+    """Draught of the hull."""
+    mass_kg: Annotated[float, positive("kg", 1e8)]
+    """Mass of the rigid body, payload included."""
+    cog_x_m: Annotated[float, Quantity("m", -1e3, 1e3)]
+    """Centre of gravity, forward of midships."""
+    inertia_z_kgm2: Annotated[float, positive("kg m2", 1e12)]
+    """Yaw inertia of the rigid body about midships."""
+    added_mass_surge_kg: Annotated[float, Quantity("kg", 0.0, 1e8)]
+    """Added mass ahead."""
+    added_mass_sway_kg: Annotated[float, Quantity("kg", 0.0, 1e8)]
+    """Added mass sideways."""
+    added_mass_yaw_kgm2: Annotated[float, Quantity("kg m2", 0.0, 1e12)]
+    """Added inertia in yaw."""
+    linear_surge: Annotated[float, Quantity("N s/m", 0.0, 1e9)]
+    """Linear damping in surge."""
+    linear_sway: Annotated[float, Quantity("N s/m", 0.0, 1e9)]
+    """Linear damping in sway."""
+    linear_yaw: Annotated[float, Quantity("N m s", 0.0, 1e12)]
+    """Linear damping in yaw."""
+    quadratic_surge: Annotated[float, Quantity("N s2/m2", 0.0, 1e9)]
+    """Quadratic damping in surge."""
+    quadratic_sway: Annotated[float, Quantity("N s2/m2", 0.0, 1e9)]
+    """Quadratic damping in sway."""
+    quadratic_yaw: Annotated[float, Quantity("N m s2", 0.0, 1e12)]
+    """Quadratic damping in yaw."""
+    yaw_linear_growth: Annotated[float, Quantity("s", 0.0, 1e4)]
     """g in N = -linear_yaw (1 + g |r|) r."""
-    lever_m: float = field(metadata=positive("m", 1e3))  # port thruster at +y, starboard at -y
-    lag_s: float = field(metadata=positive("s", 1e3))  # time constant of each thruster
-    thruster: Propeller | ForceThruster
+    lever_m: Annotated[float, positive("m", 1e3)]
+    """Distance of each thruster from the centre line: port at +y, starboard at -y."""
+    lag_s: Annotated[float, positive("s", 1e3)]
+    """Time constant of each thruster."""
+    thruster: Annotated[Propeller | ForceThruster, Discriminator("kind")]
+    """Two thrusters side by side, steered by their difference."""
     crossflow: CrossFlow | None = None
     windage: Windage = NO_WINDAGE
     load: Load = NO_LOAD
     control: Control | None = None
+
+
+def vessel_names() -> list[str]:
+    """Names of the vessels that ship with the package."""
+    return sorted(path.stem for path in (models_folder() / "vessels").glob("*.toml"))
+
+
+def vessel_path(name_or_path: str | Path) -> Path:
+    """File of a shipped vessel's name or of a path.
+
+    Raises
+    ------
+    UserError
+        If there is no such vessel or file.
+    """
+    names = vessel_names()
+    if str(name_or_path) in names:
+        return models_folder() / "vessels" / f"{name_or_path}.toml"
+    path = Path(name_or_path)
+    try:
+        if path.suffix == ".toml" and path.is_file():
+            return path
+    except (OSError, ValueError) as error:
+        raise UserError(f"vessel {name_or_path}: cannot be opened ({error})") from error
+    close = difflib.get_close_matches(str(name_or_path), names, n=1)
+    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names)}"
+    raise UserError(f"vessel {name_or_path}: neither a shipped vessel nor a TOML file; {hint}")
 
 
 def load_vessel(name_or_path: str | Path) -> Vessel:
@@ -187,9 +265,14 @@ def load_vessel(name_or_path: str | Path) -> Vessel:
         If there is no such vessel, if the file is not a valid one, or if no body can have its
         parameters.
     """
-    name, values = read_vessel(name_or_path, Vessel)
-    vessel = Vessel(name=name, **values)
-    _check(vessel, f"vessel {name}")
+    path = vessel_path(name_or_path)
+    where = f"vessel {path.stem}"
+    try:
+        tree = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise UserError(f"{where}: not readable as TOML ({error})") from error
+    vessel = check(Vessel, tree, where, name=path.stem)
+    _check(vessel, where)
     return vessel
 
 

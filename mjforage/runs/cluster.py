@@ -1,23 +1,15 @@
-"""dask clusters: reaching one, what its workers must agree with, and noticing that it is lost.
+"""dask clusters: reaching one, giving it work, and what its workers must agree with."""
 
-Nothing here distributes work: joblib does, on its dask backend.
-"""
-
-import _thread
 import asyncio
 import importlib.util
 import logging
-import signal
 import socket
-import threading
-from collections.abc import Iterable, Iterator, Mapping
-from concurrent.futures import CancelledError
+import time
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
-
-import joblib
 
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
@@ -27,8 +19,7 @@ from mjforage.runs.run_info import read_json
 
 PROTOCOLS = ("tcp", "tls")
 PATIENCE_S = 20.0  # for a scheduler to answer, and for its first worker
-WATCH_S = 0.5
-NEVER_DONE = ("error", "cancelled", "lost")  # states of a task
+POLL_S = 0.02
 REMEDY = "run the same command again: finished chunks are kept"
 
 
@@ -82,8 +73,7 @@ def connected(scheduler: str, local_cluster: int) -> Iterator[Any]:
     with ExitStack() as open_things:
         with interrupts_held():
             client = _client(scheduler, local_cluster, open_things)
-        with watched(client):
-            yield client
+        yield client
 
 
 def _client(scheduler: str, local_cluster: int, open_things: ExitStack) -> Any:
@@ -138,77 +128,54 @@ def _close(client: Any) -> None:
         client.close(timeout=2)
 
 
-_STOP = getattr(signal, "SIGUSR1", signal.SIGINT)
+def finished(
+    client: Any, function: Callable[..., str | None], work: Sequence[tuple[Any, ...]]
+) -> Generator[tuple[int, str | None]]:
+    """Have the cluster carry out tasks, and give the place and result of each as it is done.
 
+    Parameters
+    ----------
+    client : of `connected`
+    function : called with the words of a task; workers that come later find tasks left
+    work : tasks
 
-@contextmanager
-def watched(client: Any) -> Iterator[None]:
-    """End the block with a clear error once a task can never be done; joblib would wait for it.
-
-    The block ends as by Ctrl-C, through a signal of its own: background jobs ignore that of Ctrl-C.
+    Raises
+    ------
+    UserError
+        If the cluster is lost, or cannot carry out a task.
     """
-    over, found = threading.Event(), []
+    import distributed as untyped
 
-    def watch() -> None:
-        while not over.wait(WATCH_S):
-            trouble = _trouble(client)
-            if trouble is not None:
-                found.append(trouble)
-                _thread.interrupt_main(_STOP)
-                return
-
-    def stop(number: int, frame: object) -> None:
-        raise KeyboardInterrupt
-
-    watcher = threading.Thread(target=watch, daemon=True, name="cluster watch")
-    before = signal.signal(_STOP, stop)
-    watcher.start()
-    try:
-        yield
-    except KeyboardInterrupt:
-        if found:
-            raise UserError(found[0]) from None
-        raise
-    except (CancelledError, RuntimeError, OSError) as error:  # joblib may notice before the watch
-        trouble = found[0] if found else _trouble(client)
-        if trouble is None:
-            raise
-        raise UserError(trouble) from error
-    finally:
-        over.set()
-        watcher.join()
-        signal.signal(_STOP, before)
-
-
-def _trouble(client: Any) -> str | None:
-    if client.status != "running":
-        return f"scheduler {client.scheduler.address}: connection lost; {REMEDY}"
-    for state in list(client.futures.values()):
-        if state.status in NEVER_DONE:
-            error = getattr(state, "exception", None)
-            reason = state.status if error is None else type(error).__name__
-            if reason == "KilledWorker":
-                reason = "it killed several workers, perhaps for want of memory"
-            return f"a chunk was given up by the cluster ({reason}); {REMEDY}"
-    return None
-
-
-def parallel(client: Any) -> joblib.Parallel:
-    """Give joblib with the dask backend: a task is a chunk, and later workers find tasks left."""
-    from joblib._dask import DaskDistributedBackend  # it loads dask
-
-    class Backend(DaskDistributedBackend):  # type: ignore[misc]
-        """Also for a cluster of one worker, in whose stead joblib would compute here."""
-
-        def effective_n_jobs(self, n_jobs: int) -> int:
-            return max(2, int(super().effective_n_jobs(n_jobs)))
-
-    return joblib.Parallel(
-        backend=Backend(client=client, wait_for_workers_timeout=PATIENCE_S),
-        return_as="generator",
-        batch_size=1,
-        pre_dispatch="all",
+    distributed: Any = untyped  # as in `_client`
+    futures = client.map(function, *zip(*work, strict=True), pure=False)
+    places = {future.key: place for place, future in enumerate(futures)}
+    done = distributed.as_completed(
+        futures, loop=client.loop, with_results=True, raise_errors=False
     )
+    for _ in places:
+        while not done.has_ready():  # on a lost scheduler it would wait for ever
+            _check_connection(client)
+            time.sleep(POLL_S)
+        future, result = next(done)
+        if future.status != "finished":
+            _check_connection(client)
+            raise UserError(
+                f"a chunk was given up by the cluster ({_reason(future.status, result)}); {REMEDY}"
+            )
+        yield places[future.key], result
+
+
+def _check_connection(client: Any) -> None:
+    if client.status != "running":
+        raise UserError(f"scheduler {client.scheduler.address}: connection lost; {REMEDY}")
+
+
+def _reason(status: str, result: Any) -> str:
+    """Why a task was not done: the result is its exception, with type and traceback, if any."""
+    name = result[0].__name__ if status == "error" else status
+    if name == "KilledWorker":
+        return "it killed several workers, perhaps for want of memory"
+    return f"{name}: {str(result[1]).partition(chr(10))[0]}" if status == "error" else name
 
 
 def cores(client: Any) -> int:

@@ -1,5 +1,6 @@
 """One episode, step by step, as plain arrays: what rendering and the report draw from."""
 
+import io
 import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -45,18 +46,19 @@ class Replay:
     policy: str = ""
     seed: int = 0
     episode: int = 0
+    t_discovered: NDArray[np.int16] | None = None
+    """(item,) step of each item's discovery, -1 never; None in files of versions without it."""
 
-    def save(self, path: Path) -> None:
-        """Write a compressed npz of plain arrays."""
-        np.savez_compressed(
-            path,
-            allow_pickle=False,
-            **{f.name: np.asarray(getattr(self, f.name)) for f in fields(self)},
-        )
+    def content(self) -> bytes:
+        """A compressed npz of plain arrays, as the content of a file."""
+        buffer = io.BytesIO()
+        arrays = {k: np.asarray(value) for k, value in vars(self).items() if value is not None}
+        np.savez_compressed(buffer, allow_pickle=False, **arrays)
+        return buffer.getvalue()
 
     @classmethod
     def load(cls, path: Path) -> "Replay":
-        """Read what `save` wrote.
+        """Read a file of such content.
 
         Raises
         ------
@@ -69,7 +71,8 @@ class Replay:
             )
         try:
             with np.load(path, allow_pickle=False) as file:
-                values = {f.name: file[f.name] for f in fields(cls)}
+                names = [f.name for f in fields(cls) if f.name != "t_discovered" or f.name in file]
+                values = {name: file[name] for name in names}
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
             raise UserError(
                 f"replay {path}: cannot be read ({error}); {again(path.parent.parent)}"

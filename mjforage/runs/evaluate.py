@@ -15,12 +15,13 @@ import metrics
 from graph_planner.policies.registry import check_policies
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
+from mjforage.core.whole_files import write_json
 from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.runs.costs import Invocation, costs_content
 from mjforage.runs.identity import pinned, run_info
-from mjforage.runs.resuming import Resume
-from mjforage.runs.storage import Chunk, RunFolder, set_aside, write_json
+from mjforage.runs.resuming import Resume, set_aside
+from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import SCALARS
 from mjforage.runs.workers import Assignment, Workers, keep_replay, run_chunks
 

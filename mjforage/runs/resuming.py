@@ -5,11 +5,18 @@ version alone may be accepted; it is then noted in the folder's file, and what w
 """
 
 import json
+import logging
 import shlex
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import Any, Literal, NamedTuple
+
+from mjforage.core.errors import UserError
+from mjforage.core.whole_files import write_json, writing
+from mjforage.runs.lock import claimed
+from mjforage.runs.run_info import read_json
 
 CODE = ("versions", "code")
 """Keys whose differences can be accepted."""
@@ -18,6 +25,7 @@ UNCOMPARED = ("python",)
 Resume = Literal["same", "fresh", "accept-code-change"]
 """What to do with a folder that holds a run: go on with the same one only, keep the old folder
 aside and begin anew, or go on although code or versions differ."""
+_logger = logging.getLogger(__name__)
 _LONGEST = 60  # characters of a value in a message
 _NAMED = 3  # differences in a message
 
@@ -115,3 +123,77 @@ def with_accepted(
         }
         before = [*before, note]
     return {**here, "accepted": before} if before else dict(here)
+
+
+def open_folder(
+    path: Path, kind: str, info: Mapping[str, Any], identity: Iterable[str], accept: bool = False
+) -> dict[str, Any]:
+    """Create a folder whose file `<kind>.json` says what it holds, or check that it says the same.
+
+    Parameters
+    ----------
+    path : the folder
+    kind : run, study or training
+    info : content of the file
+    identity : its keys that must be the same
+    accept : go on although code or versions differ; the file then says so
+
+    Returns
+    -------
+    The content that the file is to have, changes accepted so far included.
+
+    Raises
+    ------
+    UserError
+        If the folder holds another one (the difference is named) or something else, or cannot be
+        written.
+    """
+    file = path / f"{kind}.json"
+    with writing(path):
+        path.mkdir(parents=True, exist_ok=True)
+        found = sorted(entry.name for entry in path.iterdir() if entry.name[0] != ".")
+    if file.name not in found:
+        if found:
+            raise UserError(
+                f"{path}: holds {found[0]} but no {file.name}, so it is no {kind} folder; choose "
+                "another --out"
+            )
+        write_json(file, info)
+        return dict(info)
+    try:
+        there = read_json(file)
+    except UserError as error:
+        raise UserError(
+            f"{file}: is not the {file.name} of a {kind}; choose another --out"
+        ) from error
+    differing = differences(there, info, identity)
+    if differing and not (accept and acceptable(differing)):
+        raise UserError(f"{path}: {refusal(kind, differing)}")
+    content = with_accepted(there, info, differing)
+    if differing:
+        changed = {key: content[key] for key in (*CODE, "hash", "accepted") if key in content}
+        write_json(file, there | changed)
+    return content
+
+
+def set_aside(path: Path, kind: str) -> Path | None:
+    """Rename a folder that holds a run, study or training, so that its place is free.
+
+    Returns
+    -------
+    Its new name; None if there was none
+
+    Raises
+    ------
+    UserError
+        If another process is writing it, or it cannot be renamed.
+    """
+    if not (path / f"{kind}.json").is_file():
+        return None
+    now = f"{datetime.now(UTC):%Y%m%dT%H%M%S}"
+    names = (f"{path.name}.before-{now}{more}" for more in ("", *(f"-{n}" for n in range(2, 100))))
+    with claimed(path), writing(path):
+        aside = next(path.parent / name for name in names if not (path.parent / name).exists())
+        path.rename(aside)
+    _logger.warning("%s: what it held is kept as %s", path, aside)
+    return aside

@@ -15,11 +15,12 @@ from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import scenario_to_tree
+from mjforage.core.whole_files import write_json
 from mjforage.runs.evaluate import THIS_PROCESS, Progress, Run, carry_out
 from mjforage.runs.identity import provenance
-from mjforage.runs.resuming import Resume
+from mjforage.runs.lock import claimed
+from mjforage.runs.resuming import Resume, open_folder, set_aside
 from mjforage.runs.run_info import read_json
-from mjforage.runs.storage import claimed, open_folder, set_aside, write_json
 from mjforage.runs.workers import Workers
 
 IDENTITY = ("kind", "scenario", "variants", "worlds", "episodes", "seed", "options")

@@ -13,6 +13,7 @@ from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
 from mjforage.core.scoring import Scores
 from mjforage.core.vocabulary import METRICS, SERIES
+from mjforage.runs.parquet import read_parquet, read_schema, spoilt
 
 SCALARS = tuple(METRICS)
 Columns = dict[str, NDArray[Any] | pl.Series]
@@ -142,16 +143,12 @@ def check_table(path: Path, table: str, remedy: str = "") -> None:
     UserError
         If the file is missing, truncated, not Parquet or has other columns.
     """
-    remedy = remedy or _remedy(path)
-    try:
-        schema = dict(pl.scan_parquet(path, glob=False).collect_schema())
-    except (OSError, pl.exceptions.PolarsError) as error:
-        raise UserError(
-            f"{path}: missing, truncated or not Parquet ({_reason(error)}); {remedy}"
-        ) from error
+    schema = read_schema(path, remedy)
     if schema != SCHEMAS[table]:
         wrong = ", ".join(sorted(set(schema) ^ set(SCHEMAS[table]))) or "column types"
-        raise UserError(f"{path}: not a table of {table} ({wrong} differ); {remedy}")
+        raise UserError(
+            f"{path}: not a table of {table} ({wrong} differ); {remedy or spoilt(path)}"
+        )
 
 
 def read_table(path: Path, table: str, remedy: str = "") -> pl.DataFrame:
@@ -163,15 +160,4 @@ def read_table(path: Path, table: str, remedy: str = "") -> pl.DataFrame:
         As `check_table`, and if the file is damaged inside.
     """
     check_table(path, table, remedy)
-    try:
-        return pl.read_parquet(path, glob=False)
-    except (OSError, pl.exceptions.PolarsError) as error:
-        raise UserError(f"{path}: damaged ({_reason(error)}); {remedy or _remedy(path)}") from error
-
-
-def _remedy(path: Path) -> str:
-    return f"move {path} away and run the command that wrote it again"
-
-
-def _reason(error: Exception) -> str:
-    return str(error).splitlines()[0] if str(error) else type(error).__name__
+    return read_parquet(path, remedy=remedy)

@@ -1,6 +1,6 @@
 """Carrying out chunks of episodes: here, in worker processes, or on a dask cluster.
 
-The unit of work is (scenario, map, policy, world, chunk of episodes) -> one folder; joblib
+The unit of work is (scenario, map, policy, world, chunk of episodes) -> one folder; joblib or dask
 distributes it. The map travels with the work, so that every chunk is of the map that `run.json`
 holds. Workers on other machines write into the same run folder, which all must share.
 """
@@ -12,8 +12,8 @@ import threading
 import time
 import warnings
 import zipfile
-from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Generator, Iterable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from functools import lru_cache
@@ -34,13 +34,14 @@ from mjforage.core.maps import GridMap
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import canonical_json, scenario_from_tree, scenario_to_tree
 from mjforage.core.scoring import score
+from mjforage.core.whole_files import write_bytes, writing
 from mjforage.physics.worlds import create_mission
 from mjforage.runs import cluster
 from mjforage.runs.costs import Cost, Invocation
 from mjforage.runs.identity import policy_code, run_code, versions
 from mjforage.runs.interrupts import interrupts_held
 from mjforage.runs.recording import record
-from mjforage.runs.storage import Chunk, RunFolder, writing
+from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import frames
 
 PARENT_CHECK_S = 1.0
@@ -181,6 +182,11 @@ def _facts(policies: Sequence[str], worlds: Sequence[str] | None) -> tuple[tuple
     return tuple({**versions(code), **code.files}.items())
 
 
+Task = tuple[Assignment, Chunk]
+Results = Generator[tuple[int, str | None]]
+"""The place of a finished task in the work, and what `run_chunk` said of it."""
+
+
 @lru_cache(maxsize=4)
 def _setup(assignment: Assignment) -> Setup:
     """The setup of an assignment, built (and in another process checked) once per process.
@@ -222,21 +228,6 @@ def _die_with(parent: int) -> None:
     threading.Thread(target=watch, daemon=True, name="parent watch").start()
 
 
-@contextmanager
-def _started(parallel: joblib.Parallel, tasks: Iterable[object]) -> Iterator[Iterator[str | None]]:
-    """Start tasks; at the end cancel those that are left without a word."""
-    results = None
-    try:
-        with interrupts_held():
-            results = parallel(tasks)
-        yield results
-    finally:
-        if results is not None:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", UserWarning)
-                results.close()
-
-
 def keep_replay(setup: Setup, world: str, policy: str, seed: int, folder: Path) -> None:
     """Simulate the first episode once more for the report and the web replay, unless it is there.
 
@@ -248,13 +239,9 @@ def keep_replay(setup: Setup, world: str, policy: str, seed: int, folder: Path) 
     path = folder / "replay" / f"{world}-{file_label(policy)}-0.npz"
     with writing(path):
         path.parent.mkdir(exist_ok=True)
-        if not zipfile.is_zipfile(path):  # missing or truncated
-            temporary = path.with_name(f".{os.getpid()}-{path.name}")
-            try:
-                record(setup, world, policy, seed, 0).save(temporary)
-                temporary.replace(path)
-            finally:
-                temporary.unlink(missing_ok=True)
+        there = zipfile.is_zipfile(path)  # not if missing or truncated
+    if not there:
+        write_bytes(path, record(setup, world, policy, seed, 0).content())
 
 
 def run_chunk(assignment: Assignment, chunk: Chunk) -> str | None:
@@ -299,8 +286,8 @@ def run_chunk(assignment: Assignment, chunk: Chunk) -> str | None:
     return None
 
 
-def run_chunks(work: Sequence[tuple[Assignment, Chunk]], workers: Workers) -> Generator[int]:
-    """Carry out chunks in their order, yielding the place of each one that is finished.
+def run_chunks(work: Sequence[Task], workers: Workers) -> Generator[int]:
+    """Carry out chunks, yielding the place of each one that is finished.
 
     Raises
     ------
@@ -308,26 +295,32 @@ def run_chunks(work: Sequence[tuple[Assignment, Chunk]], workers: Workers) -> Ge
         If a chunk fails for a reason that a user can mend, a worker was killed, or the cluster
         cannot be used. Finished chunks stay.
     """
-    tasks = (joblib.delayed(run_chunk)(assignment, chunk) for assignment, chunk in work)
+    with closing(_remote(work, workers) if workers.remote else _local(work, workers)) as results:
+        for place, error in results:
+            if error is not None:
+                raise UserError(error)
+            yield place
+
+
+def _remote(work: Sequence[Task], workers: Workers) -> Results:
+    with cluster.connected(workers.scheduler, workers.local_cluster) as client:
+        yield from cluster.finished(client, run_chunk, work)
+
+
+def _local(work: Sequence[Task], workers: Workers) -> Results:
+    parallel = joblib.Parallel(n_jobs=min(workers.jobs, len(work)), return_as="generator")
+    results = None
     try:
-        with _parallel(workers, len(work)) as parallel, _started(parallel, tasks) as results:
-            for place, error in enumerate(results):
-                if error is not None:
-                    raise UserError(error)
-                yield place
+        with interrupts_held():
+            results = parallel(joblib.delayed(run_chunk)(*task) for task in work)
+        yield from enumerate(results)
     except TerminatedWorkerError as error:
         raise UserError(
             "a worker process was killed, perhaps for want of memory; run the same command again "
             "with fewer --jobs: finished chunks are kept"
         ) from error
-
-
-@contextmanager
-def _parallel(workers: Workers, tasks: int) -> Iterator[joblib.Parallel]:
-    """Give joblib with processes of this machine, or its dask backend with all tasks queued."""
-    if not workers.remote:
-        jobs = min(workers.jobs, max(1, tasks))
-        yield joblib.Parallel(n_jobs=jobs, return_as="generator")
-        return
-    with cluster.connected(workers.scheduler, workers.local_cluster) as client:
-        yield cluster.parallel(client)
+    finally:
+        if results is not None:
+            with warnings.catch_warnings():  # those that are left are cancelled without a word
+                warnings.simplefilter("ignore", UserWarning)
+                results.close()

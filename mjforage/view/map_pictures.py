@@ -17,6 +17,7 @@ from scipy import ndimage
 
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap, Starts
+from mjforage.core.whole_files import whole
 from mjforage.view.report import style
 
 LONG_SIDE_IN = 7.0  # of the map itself [inch]
@@ -80,12 +81,12 @@ def save_map_picture(
         If the file cannot be written or its suffix is no picture format.
     """
     figure = map_figure(grid, starts, title, pitch_m)
-    try:
-        figure.savefig(path, dpi=dpi)
-    except OSError as error:
-        raise UserError(f"picture {path}: cannot be written ({error.strerror})") from error
-    except ValueError as error:
-        raise UserError(f"picture {path}: {error}") from error
+    kinds = sorted(figure.canvas.get_supported_filetypes())
+    kind = path.suffix.lower()[1:]
+    if kind not in kinds:
+        raise UserError(f"picture {path}: unknown kind; give .{', .'.join(kinds)}")
+    with whole(path) as beside:
+        figure.savefig(beside, dpi=dpi, format=kind)
 
 
 def _draw_water(axes: Axes, navigable: NDArray[np.bool_]) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers import Pilot
+from controllers.state import STATE, VesselState
 from graph_planner.randomness import episode_keys
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
@@ -19,6 +20,12 @@ FloatArray = NDArray[np.float64]
 CONTROL_S = 0.1
 CALM = WeatherSettings()
 CURRENT_MPS = 0.3
+
+
+def blank() -> VesselState:
+    """A pilot's memory of one vessel, all 0."""
+    state: VesselState = np.zeros(1, STATE)[0]
+    return state
 
 
 def beam_gusts(current: bool = False) -> WeatherSettings:

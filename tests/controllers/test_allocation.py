@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from controllers.allocation import allocate, command_for, lagged, led_command, thrust_of
-from controllers.helm import LAG, LEVER, packed
+from controllers.helm import packed
 from mjforage.physics.hydrodynamics.parameters import pack
 from mjforage.physics.hydrodynamics.thruster import thrust
 from mjforage.physics.vessel_helm import helm_of
@@ -17,7 +17,7 @@ P_SCOUT, P_FORAGER = packed(helm_of(SCOUT)), packed(helm_of(FORAGER))
 def test_inside_the_limits_both_wishes_are_met() -> None:
     port, starboard = allocate(P_SCOUT, 20.0, 3.45)
     assert port + starboard == pytest.approx(20.0)
-    assert (starboard - port) * P_SCOUT[LEVER] == pytest.approx(3.45)
+    assert (starboard - port) * P_SCOUT.lever_m == pytest.approx(3.45)
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def test_dead_zone_gives_the_nearer_of_nothing_and_its_edge(force: float, comman
 def test_lead_halves_the_lag() -> None:
     command = led_command(P_SCOUT, 0.0, 10.0, 0.1)
     reached = lagged(P_SCOUT, 0.0, command, 0.1)
-    assert reached == pytest.approx(10.0 * (1.0 - math.exp(-0.1 / (0.5 * P_SCOUT[LAG]))))
+    assert reached == pytest.approx(10.0 * (1.0 - math.exp(-0.1 / (0.5 * P_SCOUT.lag_s))))
 
 
 def test_lead_stays_in_range() -> None:

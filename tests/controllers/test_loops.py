@@ -1,18 +1,6 @@
-import numpy as np
 import pytest
 
-from controllers import state as at
-from controllers.helm import (
-    ACCELERATION,
-    LEVER,
-    M_SURGE,
-    SPEED_TI,
-    SPEED_W,
-    THRUST_HIGH,
-    THRUST_LOW,
-    YAW_RATE,
-    packed,
-)
+from controllers.helm import packed
 from controllers.loops import (
     MOST_LEAD_S,
     heading_moment,
@@ -26,22 +14,25 @@ from controllers.loops import (
 from controllers.steering import SAFE_SHARE, braking_moment
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
+from tests.controllers.plant import blank
 
 P = packed(helm_of(load_vessel("scout")))
 
 
 def test_surge_force_is_drag_and_acceleration() -> None:
-    s = np.zeros(at.SIZE)
-    s[at.SPEED_REF] = 1.0
+    s = blank()
+    s.speed_ref = 1.0
     force = surge_force(s, P, 0.9, 1.0, 0.1)
-    assert force == pytest.approx(surge_drag(P, 1.0) + P[M_SURGE] * P[SPEED_W] * 0.1)
+    assert force == pytest.approx(
+        surge_drag(P, 1.0) + P.mass_surge_kg * P.speed_bandwidth_radps * 0.1
+    )
 
 
 def test_speed_reference_does_not_run_away_from_a_hull_that_cannot_follow() -> None:
-    s = np.zeros(at.SIZE)
+    s = blank()
     for _ in range(100):
         surge_force(s, P, 0.0, 1.5, 0.1)
-    assert s[at.SPEED_REF] <= MOST_LEAD_S * P[ACCELERATION] + P[ACCELERATION] * 0.1
+    assert s.speed_ref <= MOST_LEAD_S * P.acceleration_mps2 + P.acceleration_mps2 * 0.1
 
 
 @pytest.mark.parametrize(
@@ -59,39 +50,39 @@ def test_anti_windup(rate: float, wanted: float, given: float, after: float) -> 
 
 def test_integrals_stand_still_while_the_thrusters_are_saturated() -> None:
     """Held back at full thrust for a minute, nothing winds up."""
-    s = np.zeros(at.SIZE)
+    s = blank()
     for _ in range(600):
         force = surge_force(s, P, 0.0, 1.9, 0.1) + 100.0
-        surge_windup(s, P, 0.0, force, 2.0 * P[THRUST_HIGH], 0.1)
-        moment = heading_moment(s, P, 3.0, P[YAW_RATE], 0.1) + 100.0
-        heading_windup(s, P, moment, P[LEVER] * (P[THRUST_HIGH] - P[THRUST_LOW]), 0.1)
-    assert s[at.SURGE_INTEGRAL] == 0.0
-    assert s[at.MOMENT_INTEGRAL] == 0.0
+        surge_windup(s, P, 0.0, force, 2.0 * P.thrust_high, 0.1)
+        moment = heading_moment(s, P, 3.0, P.yaw_rate_radps, 0.1) + 100.0
+        heading_windup(s, P, moment, P.lever_m * (P.thrust_high - P.thrust_low), 0.1)
+    assert s.surge_integral == 0.0
+    assert s.moment_integral == 0.0
 
 
 def test_integrals_learn_a_steady_error_otherwise() -> None:
-    s = np.zeros(at.SIZE)
-    s[at.SPEED_REF] = 1.0
+    s = blank()
+    s.speed_ref = 1.0
     for _ in range(20):
         force = surge_force(s, P, 0.9, 1.0, 0.1)
         surge_windup(s, P, 0.9, force, force, 0.1)
-    assert s[at.SURGE_INTEGRAL] == pytest.approx(
-        20 * 0.1 * P[M_SURGE] * P[SPEED_W] * 0.1 / P[SPEED_TI]
+    assert s.surge_integral == pytest.approx(
+        20 * 0.1 * P.mass_surge_kg * P.speed_bandwidth_radps * 0.1 / P.speed_integral_s
     )
 
 
 def test_turning_leaves_thrust_for_braking() -> None:
-    s, most = np.zeros(at.SIZE), P[LEVER] * -P[THRUST_LOW]
-    s[at.MOST_AHEAD] = s[at.MOST_ASTERN] = 2.0
+    s, most = blank(), P.lever_m * -P.thrust_low
+    s.most_ahead = s.most_astern = 2.0
     assert braking_moment(s, P, -30.0, 1.0, 100.0) == pytest.approx(most)
     assert braking_moment(s, P, -30.0, 1.0, -100.0) == pytest.approx(-most)
     assert braking_moment(s, P, 30.0, 1.0, 100.0) == 100.0  # not braking
-    s[at.MOST_AHEAD] = 0.5  # too fast to be safe
+    s.most_ahead = 0.5  # too fast to be safe
     assert braking_moment(s, P, -30.0, 1.0, 100.0) == pytest.approx(SAFE_SHARE * most)
 
 
 def test_speed_while_turning() -> None:
     """u = aside x rate / (1 - cos e), nothing beyond 90 degrees."""
-    assert turning_limit(P, 0.5) == pytest.approx(0.12 * 1.35 * P[YAW_RATE] / 0.5)
+    assert turning_limit(P, 0.5) == pytest.approx(0.12 * 1.35 * P.yaw_rate_radps / 0.5)
     assert turning_limit(P, -0.1) == 0.0
     assert turning_limit(P, 1.0) > 10.0

@@ -3,13 +3,13 @@ import pytest
 from numpy.typing import NDArray
 
 from controllers import Chart, Pilot
-from controllers import state as at
 from controllers.helm import packed
 from controllers.pickup import pick_up
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
+from tests.controllers.plant import blank
 
 FORAGER = load_vessel("forager")
 BASIN, PITCH_M = np.ones((3, 3), np.bool_), 4.0
@@ -67,8 +67,8 @@ def test_items_anywhere_in_the_node_are_picked_up_without_leaving_it() -> None:
 
 
 def test_an_item_abeam_is_backed_off_from_before_turning() -> None:
-    s = np.zeros(at.SIZE)
-    s[at.ITEM_X], s[at.ITEM_Y] = 0.3, 0.9
+    s = blank()
+    s.item_x, s.item_y = 0.3, 0.9
     heading, speed = pick_up(s, packed(helm_of(FORAGER)), 1.3, 0.1)
     assert (heading, speed < 0.0) == (0.0, True)
 

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from controllers import state as at
 from controllers.estimate import estimate
 from controllers.helm import packed
 from controllers.steering import drive
@@ -14,7 +13,7 @@ from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.weather.settings import WeatherSettings
-from tests.controllers.plant import CALM, FloatArray, beam_gusts, cross_current, sail
+from tests.controllers.plant import CALM, FloatArray, beam_gusts, blank, cross_current, sail
 
 LEG_M, SETTLED_M = 100.0, 20.0
 FULL = 75  # items: all of an episode
@@ -46,8 +45,8 @@ def test_straight_legs(name: str, load: float, weather: WeatherSettings, limit_m
 def heading_step(name: str, speed: float, load: float = 0.0) -> FloatArray:
     """(tick,) heading [deg] of a hull told to turn by 90 degrees at a speed, after 5 s of that."""
     vessel = load_vessel(name)
-    p, s = packed(helm_of(vessel)), np.zeros(at.SIZE)
-    s[at.MOST_AHEAD] = s[at.MOST_ASTERN] = s[at.MOST_RATE] = 1e3
+    p, s = packed(helm_of(vessel)), blank()
+    s.most_ahead = s.most_astern = s.most_rate = 1e3
     simulation, headings = Simulation(build_scene([vessel])), []
     simulation.load[:] = load
     for tick in range(250):

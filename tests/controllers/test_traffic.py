@@ -6,43 +6,42 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from controllers import state as at
 from controllers.chart import Chart
 from controllers.conflicts import NONE, Traffic, conflict, runs_aground
 from controllers.detours import straight_on
-from controllers.helm import BRAKE, CLEARANCE, LAG, packed
+from controllers.helm import HELM, PackedHelm, packed
 from controllers.prediction import SAMPLE_S, SAMPLES, predict
 from controllers.safety import REACTION_S, UNLIMITED, limit_speeds
+from controllers.state import STATE, VesselState
 from controllers.steering import start_decision
 from controllers.traffic import plan_fleet, rank_fleet
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
-from tests.controllers.plant import sail
+from tests.controllers.plant import blank, sail
 from tests.graph_planner.charts import grid
 
 FORAGER, SCOUT = packed(helm_of(load_vessel("forager"))), packed(helm_of(load_vessel("scout")))
 OPEN = np.zeros((0, 0), np.bool_)
-FloatArray = NDArray[np.float64]
 
 
-def hull(x: float, y: float, yaw: float = 0.0, speed: float = 0.0) -> FloatArray:
-    s = np.zeros(at.SIZE)
-    s[at.X], s[at.Y], s[at.YAW] = x, y, yaw
-    s[at.VX], s[at.VY] = speed * math.cos(yaw), speed * math.sin(yaw)
-    s[[at.ITEM_X, at.ITEM_Y]] = np.nan
+def hull(x: float, y: float, yaw: float = 0.0, speed: float = 0.0) -> VesselState:
+    s = blank()
+    s.x, s.y, s.yaw = x, y, yaw
+    s.vx, s.vy = speed * math.cos(yaw), speed * math.sin(yaw)
+    s.item_x = s.item_y = np.nan
     return s
 
 
-def ordered(s: FloatArray, p: FloatArray, x: float, y: float) -> FloatArray:
+def ordered(s: VesselState, p: PackedHelm, x: float, y: float) -> VesselState:
     """The hull at the start of its decision to go to (x, y), or to stay there."""
-    s[at.ORIGIN_X], s[at.ORIGIN_Y], s[at.TARGET_X], s[at.TARGET_Y] = s[at.X], s[at.Y], x, y
+    s.origin_x, s.origin_y, s.target_x, s.target_y = s.x, s.y, x, y
     start_decision(s, p, 1.3)
     return s
 
 
-def traffic(*hulls: FloatArray, helm: FloatArray = FORAGER, land: object = OPEN) -> Traffic:
-    fleet, n = np.array(hulls), len(hulls)
-    helms = np.array([helm] * n)
+def traffic(*hulls: VesselState, helm: PackedHelm = FORAGER, land: object = OPEN) -> Traffic:
+    fleet, n = np.array([*hulls], STATE), len(hulls)
+    helms = np.array([helm] * n, HELM)
     rank_fleet(fleet, helms, np.zeros((SAMPLES, 4)))
     paths = np.zeros((n + 1, SAMPLES, 4))
     return Traffic(fleet, helms, paths, np.zeros((n, n)), np.asarray(land, np.bool_), 4.0)
@@ -90,19 +89,19 @@ def test_who_arrives_last_goes_first_and_who_stays_comes_last() -> None:
     near = ordered(hull(0.0, 0.0), FORAGER, 4.0, 0.0)
     far = ordered(hull(0.0, 20.0, 1.5), FORAGER, 8.0, 20.0)
     stays = ordered(hull(0.0, 40.0), FORAGER, 0.0, 40.0)
-    rank = traffic(near, far, stays).fleet[:, at.RANK]
+    rank = traffic(near, far, stays).fleet["rank"]
     assert rank[1] < rank[0] < rank[2]
 
 
 @pytest.mark.parametrize(("helm", "far"), [(FORAGER, 8.0), (SCOUT, 4.0), (SCOUT, 8.0)])
-def test_a_swap_is_planned_round_each_other(helm: FloatArray, far: float) -> None:
+def test_a_swap_is_planned_round_each_other(helm: PackedHelm, far: float) -> None:
     now = traffic(
         ordered(hull(0.0, 0.0), helm, far, 0.0),
         ordered(hull(far, 0.0, math.pi), helm, 0.0, 0.0),
         helm=helm,
     )
     plan_fleet(now)
-    assert now.fleet[:, at.VIA].any()
+    assert now.fleet["via"].any()
     assert conflict(now.paths[0], now.paths[1], helm, helm, 0.0) == NONE
 
 
@@ -114,8 +113,8 @@ def test_who_cannot_pass_alone_is_met_halfway() -> None:
         helm=SCOUT,
     )
     plan_fleet(now)
-    assert now.fleet[:, at.VIA].all()
-    assert now.fleet[0, at.END_Y] == -now.fleet[1, at.END_Y] < 0.0
+    assert now.fleet["via"].all()
+    assert now.fleet[0].end_y == -now.fleet[1].end_y < 0.0
 
 
 def test_who_meets_nobody_goes_straight_on() -> None:
@@ -123,7 +122,7 @@ def test_who_meets_nobody_goes_straight_on() -> None:
         ordered(hull(0.0, 0.0), FORAGER, 4.0, 0.0), ordered(hull(0.0, 30.0), FORAGER, 4.0, 30.0)
     )
     plan_fleet(now)
-    assert not now.fleet[:, [at.VIA, at.WAIT, at.STUCK]].any()
+    assert not any(now.fleet[name].any() for name in ("via", "wait", "stuck"))
     assert straight_on(now.fleet[0]).end_x == 4.0
 
 
@@ -138,15 +137,15 @@ def test_a_hull_at_rest_makes_room_in_a_corridor() -> None:
     )
     plan_fleet(now)
     mover, other = now.fleet
-    aside = math.hypot(other[at.PLACE_X] - 4.0, other[at.PLACE_Y])
-    assert aside > 0.5 or mover[at.VIA] == 1.0
+    aside = math.hypot(other.place_x - 4.0, other.place_y)
+    assert aside > 0.5 or mover.via == 1.0
 
 
-def limits(*hulls: FloatArray) -> FloatArray:
+def limits(*hulls: VesselState) -> NDArray[np.float64]:
     """Fastest safe speeds ahead and astern of the first scout, on open water."""
-    fleet = np.array(hulls)
-    limit_speeds(fleet, np.array([SCOUT] * len(hulls)), OPEN, 4.0, 0)
-    return fleet[0, [at.MOST_AHEAD, at.MOST_ASTERN]]
+    fleet = np.array([*hulls], STATE)
+    limit_speeds(fleet, np.array([SCOUT] * len(hulls), HELM), OPEN, 4.0, 0)
+    return np.array([fleet[0].most_ahead, fleet[0].most_astern])
 
 
 def test_nothing_near_no_limit() -> None:
@@ -155,9 +154,9 @@ def test_nothing_near_no_limit() -> None:
 
 def test_a_hull_ahead_limits_to_what_stops_before_it() -> None:
     ahead, astern = limits(hull(0.0, 0.0), hull(3.0, 0.0))
-    room = 3.0 - 1.35 - SCOUT[CLEARANCE]
-    reaction = SCOUT[LAG] + REACTION_S
-    assert ahead * reaction + ahead**2 / (2.0 * SCOUT[BRAKE]) <= room + 1e-9
+    room = 3.0 - 1.35 - SCOUT.clearance_m
+    reaction = SCOUT.lag_s + REACTION_S
+    assert ahead * reaction + ahead**2 / (2.0 * SCOUT.brake_mps2) <= room + 1e-9
     assert ahead > 0.5
     assert astern == UNLIMITED
 

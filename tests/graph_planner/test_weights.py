@@ -180,6 +180,7 @@ def test_tensors_of_another_shape_and_cut_files_are_named(tmp_path: Path) -> Non
         load_networks(spoilt, task())
 
 
+@pytest.mark.every_capability
 def test_the_batch_changes_no_bit_of_a_value() -> None:
     torch.manual_seed(1)
     shapes = ENCODERS["egocentric"](task()).shapes
@@ -194,6 +195,7 @@ def test_the_batch_changes_no_bit_of_a_value() -> None:
         assert one.tobytes() == whole[i : i + 1].tobytes()
 
 
+@pytest.mark.every_capability
 def test_the_network_is_dueling() -> None:
     """Q less its mean over moves is the advantage less its mean: the value shifts all alike."""
     torch.manual_seed(0)

@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.learning.environments.checks import checked_moves
-from mjforage.learning.environments.choice import Options
-from mjforage.learning.environments.one_lane import METADATA, OneLane, summed
+from mjforage.learning.environments.options import EnvironmentArguments
+from mjforage.learning.environments.single import METADATA, SingleEnvironment, summed
 from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, values
 
 
-class ForagingEnv(OneLane, gymnasium.Env[Pictures, NDArray[np.int64]]):
+class ForagingEnv(SingleEnvironment, gymnasium.Env[Pictures, NDArray[np.int64]]):
     """One decision of all agents per step.
 
     **Action** `MultiDiscrete([9] * agents)`: per agent 0-7 compass from north clockwise, 8 stay.
@@ -39,8 +39,8 @@ class ForagingEnv(OneLane, gymnasium.Env[Pictures, NDArray[np.int64]]):
 
     metadata: ClassVar[dict[str, Any]] = METADATA  # type: ignore[misc]
 
-    def __init__(self, **options: Unpack[Options]) -> None:
-        OneLane.__init__(self, options)
+    def __init__(self, **arguments: Unpack[EnvironmentArguments]) -> None:
+        SingleEnvironment.__init__(self, arguments)
         agents = self._game.agents
         self.observation_space = picture_space(self._game.shapes, (agents,))
         self.action_space = gymnasium.spaces.MultiDiscrete([9] * agents)

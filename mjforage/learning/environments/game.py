@@ -10,7 +10,7 @@ from graph_planner.navigation import STAY
 from graph_planner.randomness import UInt64Array
 from mjforage.core.mission import Mission
 from mjforage.learning.environments.checks import checked_seed, checked_started
-from mjforage.learning.environments.choice import Choice
+from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.environments.rewards import RewardTerms
 from mjforage.physics.worlds import create_mission
 
@@ -21,55 +21,55 @@ CHOSEN, OTHERWISE_STAY = 2.0, 1.0  # preferences of a chosen move, and of what h
 class Outcome:
     """What one step gave."""
 
-    terms: dict[str, NDArray[np.float64]]  # name -> (lane, agent) weighted
-    rewards: NDArray[np.float64]  # (lane, agent) their sum
-    terminated: NDArray[np.bool_]  # (lane,) no item is left, or nobody can move
-    truncated: NDArray[np.bool_]  # (lane,) the horizon is reached with items left
-    exhausted: NDArray[np.bool_]  # (lane, agent) has not the energy for another move
-    illegal: NDArray[np.int64]  # (lane,) chosen moves that were not legal, or taken by another
-    taken: NDArray[np.int8]  # (lane, agent) moves that were made
+    terms: dict[str, NDArray[np.float64]]  # name -> (env, agent) weighted
+    rewards: NDArray[np.float64]  # (env, agent) their sum
+    terminated: NDArray[np.bool_]  # (env,) no item is left, or nobody can move
+    truncated: NDArray[np.bool_]  # (env,) the horizon is reached with items left
+    exhausted: NDArray[np.bool_]  # (env, agent) has not the energy for another move
+    illegal: NDArray[np.int64]  # (env,) chosen moves that were not legal, or taken by another
+    taken: NDArray[np.int8]  # (env, agent) moves that were made
 
 
 class Game:
-    """Lanes of episodes; a lane is started again whenever its user wants."""
+    """Sub-environments, an episode in each; one is started again whenever its user wants."""
 
-    def __init__(self, choice: Choice, lanes: int = 1) -> None:
+    def __init__(self, options: EnvironmentOptions, num_envs: int = 1) -> None:
         """Prepare.
 
         Parameters
         ----------
-        lanes : episodes side by side; more than one in the graph world only
+        num_envs : episodes side by side; more than one in the graph world only
         """
-        self.choice, self.lanes = choice, lanes
-        self.setup = choice.setup
+        self.options, self.num_envs = options, num_envs
+        self.setup = options.setup
         self.agents = len(self.setup.fleet)
-        self.mission = create_mission(self.setup, choice.world)
-        self._spare = Mission(self.setup) if lanes > 1 else None
-        self._weights = choice.weights
+        self.mission = create_mission(self.setup, options.world)
+        self._spare = Mission(self.setup) if num_envs > 1 else None
+        self._weights = options.weights
         self._terms = RewardTerms(self.setup.task, tuple(self._weights))
-        self._encoder = ENCODERS[choice.observation](self.setup.task)
+        self._encoder = ENCODERS[options.observation](self.setup.task)
         self.shapes = self._encoder.shapes
         self.started = False  # whether there are episodes
 
-    def start(self, lanes: NDArray[np.int64], keys: UInt64Array) -> None:
-        """Start episodes of the given keys in the given lanes; the first time in all of them."""
-        if self._spare is None or not self.started or lanes.size == self.lanes:
-            assert lanes.size == self.lanes, "all lanes are started at first"
+    def start(self, envs: NDArray[np.int64], keys: UInt64Array) -> None:
+        """Start episodes of the given keys in sub-environments (env,); the first time in all."""
+        if self._spare is None or not self.started or envs.size == self.num_envs:
+            assert envs.size == self.num_envs, "all sub-environments are started at first"
             self.mission.start(keys)
-            self._encoder.reset(self.lanes)
+            self._encoder.reset(self.num_envs)
             self.n_items = self.mission.initial.n_items.copy()
             self.started = True
             return
         self._spare.start(keys)
-        self.mission.adopt(lanes, self._spare)
-        self.n_items[lanes] = self._spare.initial.n_items
+        self.mission.adopt(envs, self._spare)
+        self.n_items[envs] = self._spare.initial.n_items
 
     def step(self, actions: NDArray[np.int64]) -> Outcome:
-        """Play one decision of every lane that is not over.
+        """Play one decision of every sub-environment that is not over.
 
         Parameters
         ----------
-        actions : (lane, agent) moves 0-8; an illegal one, or one that another agent took first,
+        actions : (env, agent) moves 0-8; an illegal one, or one that another agent took first,
             becomes staying put where that is legal, else the first legal compass move
 
         Raises
@@ -86,11 +86,11 @@ class Game:
     def play(
         self, preferences: NDArray[np.float64], wanted: NDArray[np.int64] | None = None
     ) -> Outcome:
-        """Play one decision by preferences (lane, agent, 9), see `Resolver`.
+        """Play one decision by preferences (env, agent, 9), see `Resolver`.
 
         Parameters
         ----------
-        wanted : (lane, agent) moves that count as illegal where another is made; absent: those of
+        wanted : (env, agent) moves that count as illegal where another is made; absent: those of
             the largest preferences
         """
         mission, played = self.mission, self.mission.active.copy()
@@ -110,32 +110,32 @@ class Game:
 
     @property
     def exhausted(self) -> NDArray[np.bool_]:
-        """(lane, agent) whether an agent has not the energy for another move."""
+        """(env, agent) whether an agent has not the energy for another move."""
         return np.asarray(self.mission.observation.energy_left < 1.0)
 
     @property
     def masks(self) -> NDArray[np.int8]:
-        """(lane, agent, 9) 1 where a move is legal whatever the others choose."""
+        """(env, agent, 9) 1 where a move is legal whatever the others choose."""
         seen = self.mission.observation
         legal = legal_moves(self.setup.task, seen.agent_node, seen.energy_left)
         return legal.astype(np.int8)
 
-    def see(self, lanes: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
-        """Levels (lane, agent, ...) of the observation; live, only `lanes` are of this moment."""
-        return self._encoder.see(self.mission.observation, lanes)
+    def see(self, envs: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
+        """Levels (env, agent, ...) of the observation; live, only `envs` are of this moment."""
+        return self._encoder.see(self.mission.observation, envs)
 
-    def facts(self, lane: int = 0) -> dict[str, float]:
-        """Shares of the lane's items discovered and removed so far [%], and its step."""
-        known, total = self.mission.model.knowledge, self.n_items[lane]
+    def facts(self, env: int = 0) -> dict[str, float]:
+        """Shares of a sub-environment's items discovered and removed so far [%], and its step."""
+        entries, total = self.mission.ledger.entries, self.n_items[env]
         return {
-            "step": int(self.mission.step[lane]),
-            "pta_d": 100.0 * int((known.t_discovered[lane] >= 0).sum()) / int(total),
-            "pta_c": 100.0 * int((known.t_collected[lane] >= 0).sum()) / int(total),
+            "step": int(self.mission.step[env]),
+            "pta_d": 100.0 * int((entries.t_discovered[env] >= 0).sum()) / int(total),
+            "pta_c": 100.0 * int((entries.t_collected[env] >= 0).sum()) / int(total),
         }
 
 
 class Episodes:
-    """Numbers the episodes of one lane: seed and number decide an episode, nothing else."""
+    """Numbers a sub-environment's episodes: seed and number decide an episode, nothing else."""
 
     def __init__(self) -> None:
         self.seed, self.number = 0, -1  # of the present episode

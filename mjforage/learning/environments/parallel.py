@@ -11,12 +11,12 @@ from pettingzoo import ParallelEnv
 from graph_planner.navigation import STAY
 from mjforage.core.errors import UserError
 from mjforage.learning.environments.checks import checked_moves, checked_started
-from mjforage.learning.environments.choice import Options
-from mjforage.learning.environments.one_lane import METADATA, OneLane
+from mjforage.learning.environments.options import EnvironmentArguments
+from mjforage.learning.environments.single import METADATA, SingleEnvironment
 from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, values
 
 
-class ForagingParallelEnv(OneLane, ParallelEnv[str, Pictures, int]):  # type: ignore[misc]
+class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Pictures, int]):  # type: ignore[misc]
     """Agents `scouts-0`, `foragers-0`, ... decide at once; `rules.order` decides conflicts.
 
     **Action** `Discrete(9)`, **observation** and masks per agent as in `mjforage/SharedPolicy-v0`,
@@ -32,8 +32,8 @@ class ForagingParallelEnv(OneLane, ParallelEnv[str, Pictures, int]):  # type: ig
         **METADATA,
     }
 
-    def __init__(self, **options: Unpack[Options]) -> None:
-        OneLane.__init__(self, options)
+    def __init__(self, **arguments: Unpack[EnvironmentArguments]) -> None:
+        SingleEnvironment.__init__(self, arguments)
         self._entropy = np.random.default_rng()
         self.possible_agents = list(self._game.setup.fleet.names)
         self.agents: list[str] = []
@@ -115,7 +115,7 @@ class ForagingParallelEnv(OneLane, ParallelEnv[str, Pictures, int]):  # type: ig
         levels, masks, facts = self._seen(), self._game.masks[0], self._game.facts()
         observations: dict[str, Pictures] = {}
         infos: dict[str, dict[str, Any]] = {}
-        nothing = {f"reward/{name}": 0.0 for name in self._game.choice.weights}
+        nothing = {f"reward/{name}": 0.0 for name in self._game.options.weights}
         for i, agent in enumerate(self.possible_agents):
             if agent in agents:
                 seen: Pictures = {name: values(level[i]) for name, level in levels.items()}

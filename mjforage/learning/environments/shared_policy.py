@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from graph_planner.encodings.masks import legal_of_agent
 from graph_planner.navigation import STAY
 from mjforage.learning.environments.checks import checked_moves, checked_started
-from mjforage.learning.environments.choice import Options
 from mjforage.learning.environments.game import CHOSEN, OTHERWISE_STAY
-from mjforage.learning.environments.one_lane import METADATA, OneLane, summed
+from mjforage.learning.environments.options import EnvironmentArguments
+from mjforage.learning.environments.single import METADATA, SingleEnvironment, summed
 from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, values
 
 
-class SharedPolicyEnv(OneLane, gymnasium.Env[Pictures, np.int64]):
+class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Pictures, np.int64]):
     """One decision of one agent per step; when all have decided, the mission moves on.
 
     Agents decide in the mission's order (`rules.order`), so `action_mask` also leaves out what
@@ -32,8 +32,8 @@ class SharedPolicyEnv(OneLane, gymnasium.Env[Pictures, np.int64]):
 
     metadata: ClassVar[dict[str, Any]] = METADATA  # type: ignore[misc]
 
-    def __init__(self, **options: Unpack[Options]) -> None:
-        OneLane.__init__(self, options)
+    def __init__(self, **arguments: Unpack[EnvironmentArguments]) -> None:
+        SingleEnvironment.__init__(self, arguments)
         self._claimed = np.zeros(len(self._game.setup.graph), np.int64)
         self._round = 0
         self.observation_space = picture_space(self._game.shapes)

@@ -13,28 +13,28 @@ from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
 from mjforage.learning.environments.checks import checked_moves, checked_seed, checked_started
-from mjforage.learning.environments.choice import Choice, Options
 from mjforage.learning.environments.game import Episodes, Game, Outcome
-from mjforage.learning.environments.one_lane import METADATA
+from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
 from mjforage.learning.environments.pictures import Picture
 from mjforage.learning.environments.screen import check_mode
+from mjforage.learning.environments.single import METADATA
 from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, values
 
 MODES = ["rgb_array"]
 
 
 class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
-    """A batch of `ForagingEnv`; lane i is to the bit the environment seeded with `seed + i`.
+    """A batch of `ForagingEnv`: number i is to the bit the environment seeded with `seed + i`.
 
-    In the graph world one batched mission plays all lanes; in the others each lane has its own.
+    In the graph world one batched mission plays all sub-environments; elsewhere each has its own.
 
     Parameters
     ----------
-    num_envs : lanes
+    num_envs : sub-environments
     autoreset_mode : `NEXT_STEP` (Gymnasium's default: the step after the end ignores its action
         and returns the new episode's first observation, with reward 0), `SAME_STEP` (the new first
         observation comes at once; the last of the old episode is `info["final_obs"]`), or
-        `DISABLED` (nothing starts again but by `reset(options={"reset_mask": lanes})`)
+        `DISABLED` (nothing starts again but by `reset(options={"reset_mask": chosen})`)
     """
 
     metadata: ClassVar[dict[str, Any]] = METADATA | {"render_modes": MODES}  # type: ignore[misc]
@@ -43,22 +43,22 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         self,
         num_envs: int = 1,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        **options: Unpack[Options],
+        **arguments: Unpack[EnvironmentArguments],
     ) -> None:
         if num_envs < 1:
             raise UserError(f"num_envs = {num_envs}: give 1 or more")
-        choice = Choice(**options)
-        check_mode(choice.render_mode, MODES)
-        self.num_envs, self.render_mode = num_envs, choice.render_mode
+        options = EnvironmentOptions(**arguments)
+        check_mode(options.render_mode, MODES)
+        self.num_envs, self.render_mode = num_envs, options.render_mode
         self.autoreset_mode = _checked_mode(autoreset_mode)
         self.metadata = {**type(self).metadata, "autoreset_mode": self.autoreset_mode}  # type: ignore[misc]
-        batched = choice.world == "graph"
+        batched = options.world == "graph"
         sizes = [num_envs] if batched else [1] * num_envs
-        self._games = [Game(choice, size) for size in sizes]
+        self._games = [Game(options, size) for size in sizes]
         self._where = [(0, i) if batched else (i, 0) for i in range(num_envs)]
         self._episodes = [Episodes() for _ in range(num_envs)]
         self._ended = np.zeros(num_envs, np.bool_)
-        self._pictures = [Picture(lane) for _, lane in self._where] if self.render_mode else []
+        self._pictures = [Picture(env) for _, env in self._where] if self.render_mode else []
         agents = self._games[0].agents
         self.single_observation_space = picture_space(self._games[0].shapes, (agents,))
         self.single_action_space = spaces.MultiDiscrete([9] * agents)
@@ -71,25 +71,25 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Pictures, dict[str, Any]]:
-        """Start the next episode of all lanes, or of some.
+        """Start the next episode of all sub-environments, or of some.
 
         Parameters
         ----------
-        seed : of lane 0, the others take the integers after it; or one per lane
-        options : `reset_mask`, (lane,) booleans: the lanes to start; absent: all
+        seed : of the first, the others take the integers after it; or one for each
+        options : `reset_mask`, (env,) booleans: which to start; absent: all
 
         Raises
         ------
         UserError
-            If a seed or the mask is not one, or the first reset leaves lanes out.
+            If a seed or the mask is not one, or the first reset leaves some out.
         """
-        seeds, lanes = self._seeds(seed), self._chosen((options or {}).get("reset_mask"))
+        seeds, envs = self._seeds(seed), self._chosen((options or {}).get("reset_mask"))
         super().reset(seed=seeds[0] if isinstance(seed, Integral) else None)
-        self._start(lanes, seeds)
+        self._start(envs, seeds)
         return self._observed(), self._facts()
 
     def _seeds(self, seed: object) -> list[int | None]:
-        """A seed per lane."""
+        """A seed for each sub-environment."""
         if seed is None:
             return [None] * self.num_envs
         if isinstance(seed, Integral):
@@ -100,7 +100,7 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         return [checked_seed(each, f"seed[{i}]") for i, each in enumerate(seed)]
 
     def _chosen(self, mask: object) -> NDArray[np.intp]:
-        """Numbers of the lanes that a mask names."""
+        """Numbers of the sub-environments that a mask names."""
         if mask is None:
             return np.arange(self.num_envs)
         chosen = np.asarray(mask)
@@ -108,7 +108,7 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
             words = f"give {self.num_envs} booleans, at least one of them True"
             raise UserError(f"reset_mask = {reprlib.repr(mask)}: {words}")
         if not chosen.all():
-            checked_started(self._games[0].started, "reset of some lanes")
+            checked_started(self._games[0].started, "reset of some sub-environments")
         return np.flatnonzero(chosen)
 
     def step(
@@ -138,13 +138,13 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         return self._observed(), rewards, terminated, truncated, info
 
     def render(self) -> tuple[Any, ...] | None:
-        """A picture (height, width, 3) uint8 per lane, or None without a render mode."""
+        """A picture (height, width, 3) uint8 of each, or None without a render mode."""
         if not self.render_mode:
             return None
         checked_started(self._games[0].started, "render")
-        lanes = zip(self._pictures, self._where, self._episodes, strict=True)
+        each = zip(self._pictures, self._where, self._episodes, strict=True)
         return tuple(
-            picture.draw(self._games[game], episodes) for picture, (game, _), episodes in lanes
+            picture.draw(self._games[game], episodes) for picture, (game, _), episodes in each
         )
 
     def _play(self, actions: NDArray[np.int64]) -> list[Outcome]:
@@ -152,27 +152,27 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
             return [self._games[0].step(actions)]
         return [game.step(actions[i : i + 1]) for i, game in enumerate(self._games)]
 
-    def _start(self, lanes: NDArray[np.intp], seeds: list[int | None]) -> None:
-        keys = [self._episodes[i].following(seeds[i], self.np_random) for i in lanes]
-        if len(self._games) == 1 and lanes.size:
-            self._games[0].start(lanes.astype(np.int64), np.concatenate(keys))
-        elif lanes.size:
-            for i, key in zip(lanes, keys, strict=True):
+    def _start(self, envs: NDArray[np.intp], seeds: list[int | None]) -> None:
+        keys = [self._episodes[i].following(seeds[i], self.np_random) for i in envs]
+        if len(self._games) == 1 and envs.size:
+            self._games[0].start(envs.astype(np.int64), np.concatenate(keys))
+        elif envs.size:
+            for i, key in zip(envs, keys, strict=True):
                 self._games[i].start(np.zeros(1, np.int64), key)
-        self._ended[lanes] = False
-        for i in lanes:
+        self._ended[envs] = False
+        for i in envs:
             if self._pictures:
                 self._pictures[i].see(self._games[self._where[i][0]].mission)
 
     def _observed(self) -> Pictures:
-        parts = [game.see(np.arange(game.lanes)) for game in self._games]
+        parts = [game.see(np.arange(game.num_envs)) for game in self._games]
         seen: Pictures = {
             name: values(np.concatenate([part[name] for part in parts])) for name in parts[0]
         }
         return {**seen, MASK: np.concatenate([game.masks for game in self._games])}
 
     def _facts(self) -> dict[str, Any]:
-        facts = [self._games[game].facts(lane) for game, lane in self._where]
+        facts = [self._games[game].facts(env) for game, env in self._where]
         return {name: np.array([fact[name] for fact in facts]) for name in facts[0]}
 
 

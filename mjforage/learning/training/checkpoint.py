@@ -15,9 +15,9 @@ from safetensors import SafetensorError, safe_open
 from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import scenario_to_tree
 from mjforage.learning.training.files import save_tensors
-from mjforage.learning.training.training import Progress, Trainer
+from mjforage.learning.training.trainer import Progress, Trainer
 
-FORMAT = "mjforage training checkpoint 2"
+FORMAT = "mjforage training checkpoint 3"
 _NOTE = "mjforage"
 
 
@@ -27,7 +27,7 @@ def identity(trainer: Trainer) -> dict[str, Any]:
     return {
         "scenario": scenario_to_tree(first),
         "also": [scenario_to_tree(scenario) for scenario in others],
-        "settings": trainer.settings.tree(),
+        "hyperparameters": trainer.hyperparameters.tree(),
         "seed": trainer.seed,
         "device": trainer.device,
     }
@@ -61,7 +61,7 @@ def restore_checkpoint(trainer: Trainer, path: Path) -> None:
     Raises
     ------
     UserError
-        If the file is not a checkpoint, or one of another scenario, seed or settings.
+        If the file is not a checkpoint, or one of another scenario, seed or hyperparameters.
     """
     try:
         with safe_open(path, "pt") as file:

@@ -1,4 +1,4 @@
-"""The Double DQN of one team, nothing hidden.
+"""The Double DQN of one team: its networks, its memory and one update of them.
 
 Double DQN: van Hasselt, Guez and Silver (2016); dueling network: Wang et al. (2016); prioritised
 replay: Schaul et al. (2016); large margin for shown moves: Hester et al. (2018). Action masks act
@@ -16,8 +16,8 @@ from torch import Tensor
 from graph_planner.encodings import Shapes
 from graph_planner.inference import one_thread, values_of
 from graph_planner.q_network import DuelingNetwork
-from mjforage.learning.training.replay import Batch, Replay
-from mjforage.learning.training.settings import Settings
+from mjforage.learning.training.hyperparameters import Hyperparameters
+from mjforage.learning.training.replay_memory import Batch, ReplayMemory
 
 GRADIENT_LIMIT = 10.0
 
@@ -43,25 +43,32 @@ class Learner:
     """
 
     def __init__(
-        self, shapes: Shapes, lanes: int, settings: Settings, seed: int, device: str = "cpu"
+        self,
+        shapes: Shapes,
+        streams: int,
+        hyperparameters: Hyperparameters,
+        seed: int,
+        device: str = "cpu",
     ) -> None:
         """Prepare.
 
         Parameters
         ----------
         shapes : of the team's pictures
-        lanes : agents of the team in all episodes side by side
+        streams : agents of the team in all episodes side by side
         seed : of the first weights
         """
-        self.settings, self.updates, self._device = settings, 0, torch.device(device)
+        self.hyperparameters, self.updates, self._device = hyperparameters, 0, torch.device(device)
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)
             self.online = DuelingNetwork(shapes).to(self._device)
             self.target = DuelingNetwork(shapes).to(self._device)
         self.target.load_state_dict(self.online.state_dict())
         self.target.requires_grad_(False)
-        self.optimiser = torch.optim.Adam(self.online.parameters(), settings.learning_rate)
-        self.replay = Replay(shapes, lanes, settings.capacity, settings.n_step, settings.gamma)
+        self.optimiser = torch.optim.Adam(self.online.parameters(), hyperparameters.learning_rate)
+        self.memory = ReplayMemory(
+            shapes, streams, hyperparameters.capacity, hyperparameters.n_step, hyperparameters.gamma
+        )
 
     def values(self, levels: Mapping[str, NDArray[np.uint8]]) -> NDArray[np.float32]:
         """(row, 9) values of pictures (row, ...)."""
@@ -87,8 +94,8 @@ class Learner:
             chosen = values.gather(1, moves[:, None])[:, 0]
             error = chosen - goal
             losses = torch.nn.functional.smooth_l1_loss(chosen, goal, reduction="none")
-            losses = losses + self.settings.margin_weight * lead_lacking(
-                values, shown, self.settings.margin
+            losses = losses + self.hyperparameters.margin_weight * lead_lacking(
+                values, shown, self.hyperparameters.margin
             )
             loss = (weights * losses).mean()
             self.optimiser.zero_grad(set_to_none=True)
@@ -109,14 +116,14 @@ class Learner:
     @property
     def _rate(self) -> float:
         """Learning rate now."""
-        gone = min(1.0, self.updates / self.settings.rate_updates)
-        return self.settings.learning_rate * (1.0 - 0.9 * gone)
+        gone = min(1.0, self.updates / self.hyperparameters.rate_updates)
+        return self.hyperparameters.learning_rate * (1.0 - 0.9 * gone)
 
     @torch.no_grad()
     def _follow(self) -> None:
         """The target network comes a step nearer."""
         for mine, its in zip(self.target.parameters(), self.online.parameters(), strict=True):
-            mine.lerp_(its, self.settings.target_rate)
+            mine.lerp_(its, self.hyperparameters.target_rate)
 
     def _tensor(self, array: NDArray[Any]) -> Tensor:
         return torch.from_numpy(array).to(self._device)
@@ -131,8 +138,8 @@ class Learner:
             state |= {f"{name}.{key}": value for key, value in network.state_dict().items()}
         for i, moments in self.optimiser.state_dict()["state"].items():
             state |= {f"optimiser.{i}.{key}": value for key, value in moments.items()}
-        for key, array in self.replay.arrays().items():
-            state[f"replay.{key}"] = torch.from_numpy(np.ascontiguousarray(array))
+        for key, array in self.memory.arrays().items():
+            state[f"memory.{key}"] = torch.from_numpy(np.ascontiguousarray(array))
         state["updates"] = torch.tensor(self.updates)
         return {name: value.cpu().contiguous() for name, value in state.items()}
 
@@ -154,5 +161,5 @@ class Learner:
             moments.setdefault(int(i), {})[key] = value
         groups = self.optimiser.state_dict()["param_groups"]
         self.optimiser.load_state_dict({"state": moments, "param_groups": groups})
-        self.replay.restore({name: value.numpy() for name, value in part("replay.").items()})
+        self.memory.restore({name: value.numpy() for name, value in part("memory.").items()})
         self.updates = int(state["updates"])

@@ -7,7 +7,7 @@ from safetensors import SafetensorError
 from safetensors.torch import save_file
 from torch import Tensor
 
-from mjforage.runs.storage import writing
+from mjforage.core.whole_files import whole
 
 
 def save_tensors(path: Path, tensors: Mapping[str, Tensor], note: tuple[str, str]) -> None:
@@ -22,13 +22,6 @@ def save_tensors(path: Path, tensors: Mapping[str, Tensor], note: tuple[str, str
     UserError
         If the file cannot be written.
     """
-    beside = path.with_suffix(".part")
-    with writing(path):
-        try:
-            save_file(dict(tensors), beside, metadata=dict([note]))
-            beside.chmod(0o644)  # safetensors leaves it to the owner alone
-            beside.replace(path)
-        except SafetensorError as error:  # a full disk, too
-            raise OSError(str(error)) from error
-        finally:
-            beside.unlink(missing_ok=True)
+    with whole(path, SafetensorError) as beside:
+        save_file(dict(tensors), beside, metadata=dict([note]))
+        beside.chmod(0o644)  # safetensors leaves it to the owner alone

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import polars as pl
 
-from mjforage.core.errors import UserError
-from mjforage.learning.training.training import Progress, Row
-from mjforage.runs.storage import writing
+from mjforage.core.whole_files import write_bytes
+from mjforage.learning.training.trainer import Progress, Row
+from mjforage.runs.parquet import parquet_bytes, read_parquet
 
 TABLES = ("training", "evaluations")
 
@@ -44,11 +44,7 @@ class Logs:
         """Put the tables on disk, each through a temporary file."""
         self._board.flush()
         for name, rows in self._rows.items():
-            path = self._folder / f"{name}.parquet"
-            beside = path.with_suffix(".part")
-            with writing(path):
-                pl.DataFrame(rows).write_parquet(beside)
-                beside.replace(path)
+            write_bytes(self._folder / f"{name}.parquet", parquet_bytes(pl.DataFrame(rows)))
 
     def close(self) -> None:
         """Write and let go."""
@@ -58,11 +54,5 @@ class Logs:
 
 def _read(path: Path, rounds: int) -> list[Row]:
     """Rows of a table up to a round."""
-    try:
-        table = pl.read_parquet(path, glob=False)
-        return table.filter(pl.col("rounds") <= rounds).to_dicts() if table.height else []
-    except (OSError, pl.exceptions.PolarsError) as error:
-        raise UserError(
-            f"{path}: not a table of training ({str(error).splitlines()[0]:.100}); move it away, "
-            "or give another --out"
-        ) from error
+    table = read_parquet(path, remedy="move it away, or give another --out")
+    return table.filter(pl.col("rounds") <= rounds).to_dicts() if table.height else []

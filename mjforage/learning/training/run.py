@@ -1,6 +1,6 @@
 """`mjforage train ddqn`: a run in a folder, from its checkpoint if there is one, to its end.
 
-Folder: `training.json` (command, scenario, settings, seed, versions), `training.parquet`,
+Folder: `training.json` (command, scenario, hyperparameters, seed, versions), `training.parquet`,
 `evaluations.parquet`, `tensorboard/`, `checkpoint.safetensors`, `weights.safetensors` (latest) and
 `best.safetensors` (of the best evaluation).
 """
@@ -14,16 +14,16 @@ import torch
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Scenario
 from mjforage.learning.training.checkpoint import identity, restore_checkpoint, save_checkpoint
+from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.logs import Logs
-from mjforage.learning.training.settings import Settings
-from mjforage.learning.training.training import Row, Trainer, save_weights
+from mjforage.learning.training.trainer import Row, Trainer, save_weights
 from mjforage.runs.identity import policy_code, provenance, versions, weight_hashes
-from mjforage.runs.resuming import CODE, Resume
+from mjforage.runs.lock import claimed
+from mjforage.runs.resuming import CODE, Resume, open_folder, set_aside
 from mjforage.runs.source_code import decisive_code
-from mjforage.runs.storage import claimed, open_folder, set_aside, writing
 
 CHECKPOINT_S = 300.0  # between two checkpoints
-IDENTITY = ("seed", "device", "settings", "scenario", "also", "weights", *CODE)
+IDENTITY = ("seed", "device", "hyperparameters", "scenario", "also", "weights", *CODE)
 """Keys of `training.json` in which two runs must agree for one to go on where the other stopped."""
 
 Report = Callable[[str, Row], None]
@@ -31,7 +31,7 @@ Report = Callable[[str, Row], None]
 
 def train(
     scenario: Scenario,
-    settings: Settings,
+    hyperparameters: Hyperparameters,
     folder: Path,
     *,
     also: Sequence[Scenario] = (),
@@ -50,7 +50,7 @@ def train(
     Parameters
     ----------
     also : scenarios that rounds take in turn with the first
-    folder : of the run; a run of the same scenario, settings, seed and device in it goes on
+    folder : of the run; a run of the same scenario, hyperparameters, seed and device in it goes on
     hours, updates : where to stop; at least one
     device : auto, cpu or cuda
     report : called with every row that is logged, and its table's name
@@ -63,13 +63,11 @@ def train(
         folder holds another run or is being written.
     """
     _check_ends(hours, updates)
-    trainer = Trainer([scenario, *also], settings, seed, _device(device))
+    trainer = Trainer([scenario, *also], hyperparameters, seed, _device(device))
     if resume == "fresh":
         set_aside(folder, "training")
-    with writing(folder):
-        folder.mkdir(parents=True, exist_ok=True)
+    open_folder(folder, "training", _facts(trainer), IDENTITY, resume == "accept-code-change")
     with claimed(folder):
-        open_folder(folder, "training", _facts(trainer), IDENTITY, resume == "accept-code-change")
         _go_on(trainer, folder, hours, updates, report)
     return trainer
 
@@ -78,7 +76,7 @@ def _go_on(
     trainer: Trainer, folder: Path, hours: float | None, updates: int | None, report: Report
 ) -> None:
     """Rounds from the folder's checkpoint, if there is one, to the end."""
-    checkpoint, settings = folder / "checkpoint.safetensors", trainer.settings
+    checkpoint, hyperparameters = folder / "checkpoint.safetensors", trainer.hyperparameters
     if checkpoint.is_file():
         restore_checkpoint(trainer, checkpoint)
     logs, progress = Logs(folder, trainer.progress), trainer.progress
@@ -88,7 +86,7 @@ def _go_on(
         logs.add("training", row)
         report("training", row)
         over = _over(trainer, hours, updates)
-        due = progress.updates >= settings.evaluate_every + progress.evaluated
+        due = progress.updates >= hyperparameters.evaluate_every + progress.evaluated
         if due or over:
             found = trainer.evaluate()
             logs.add("evaluations", found)
@@ -138,8 +136,8 @@ def _device(name: str) -> str:
 
 def _facts(trainer: Trainer) -> dict[str, object]:
     """Content of `training.json`."""
-    teachers = [trainer.settings.teacher] if trainer.settings.teacher else []
-    code = decisive_code(["mjforage.learning.training.training"], ["metrics"])
+    teachers = [trainer.hyperparameters.teacher] if trainer.hyperparameters.teacher else []
+    code = decisive_code(["mjforage.learning.training.trainer"], ["metrics"])
     code = code.joined(policy_code(teachers))
     return {
         "command": provenance()["command"],

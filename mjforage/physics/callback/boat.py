@@ -12,9 +12,8 @@ import math
 from typing import NamedTuple
 
 from graph_planner.compiled import kernel
-from mjforage.physics.hydrodynamics import parameters as P  # noqa: N812 - a table of index constants
 from mjforage.physics.hydrodynamics.crossflow import cross_flow_slope
-from mjforage.physics.hydrodynamics.parameters import Float64Array
+from mjforage.physics.hydrodynamics.parameters import HullParameters
 from mjforage.physics.hydrodynamics.thruster import saturated, thruster_force
 from mjforage.physics.hydrodynamics.water_load import hull_force_inertial, load_drag, load_mass
 from mjforage.physics.hydrodynamics.wind_load import wind_force, wind_slope
@@ -40,20 +39,20 @@ class Inertia(NamedTuple):
 
 
 @kernel
-def inertia(p: Float64Array, load: float) -> Inertia:
+def inertia(p: HullParameters, load: float) -> Inertia:
     """Inertia with `load` items aboard: they lie at midships and add mass only."""
-    mass = p[P.MASS] + load_mass(p, load)
+    mass = p.mass + load_mass(p, load)
     return Inertia(
-        mass + p[P.ADDED_SURGE],
-        mass + p[P.ADDED_SWAY],
-        p[P.INERTIA_Z] + p[P.ADDED_YAW],
-        p[P.MASS] * p[P.COG_X],
+        mass + p.added_surge,
+        mass + p.added_sway,
+        p.inertia_z + p.added_yaw,
+        p.mass * p.cog_x,
     )
 
 
 @kernel
 def loads(
-    p: Float64Array,
+    p: HullParameters,
     yaw: float,
     vx: float,
     vy: float,
@@ -81,7 +80,7 @@ def loads(
 
 @kernel
 def acceleration(
-    p: Float64Array,
+    p: HullParameters,
     mass: Inertia,
     yaw: float,
     vx: float,
@@ -103,7 +102,7 @@ def acceleration(
 
 @kernel
 def mean_acceleration(
-    p: Float64Array,
+    p: HullParameters,
     mass: Inertia,
     yaw: float,
     vx: float,
@@ -119,7 +118,7 @@ def mean_acceleration(
     `command` and `lagged` are (port, starboard); the lag itself is solved exactly.
     """
     command = saturated(p, command[0]), saturated(p, command[1])
-    half = math.exp(-0.5 * step_s / p[P.LAG])
+    half = math.exp(-0.5 * step_s / p.lag)
     left, right = lagged[0] - command[0], lagged[1] - command[1]
     f0, n0 = thruster_force(p, lagged[0], lagged[1])
     f1, n1 = thruster_force(p, command[0] + left * half, command[1] + right * half)
@@ -153,7 +152,7 @@ def mean_acceleration(
 
 @kernel
 def damping(
-    p: Float64Array, yaw: float, vx: float, vy: float, r: float, around: Surroundings
+    p: HullParameters, yaw: float, vx: float, vy: float, r: float, around: Surroundings
 ) -> tuple[float, float, float]:
     """Slope of all drag, of water, air and load, in surge, sway [N s/m] and yaw [N m s], each >= 0.
 
@@ -167,10 +166,10 @@ def damping(
     dx, dy = around.wind_x - vx, around.wind_y - vy
     air = wind_slope(p, c * dx + s * dy, c * dy - s * dx)
     cross = cross_flow_slope(p, v_r, r)
-    quadratic = p[P.QUAD_SURGE] + p[P.LOAD_DRAG] * around.load
-    growth = p[P.LINEAR_YAW] * p[P.YAW_GROWTH] + p[P.QUAD_YAW]
+    quadratic = p.quadratic_surge + p.load_drag * around.load
+    growth = p.linear_yaw * p.yaw_growth + p.quadratic_yaw
     return (
-        p[P.LINEAR_SURGE] + 2 * quadratic * abs(u_r) + air[0],
-        p[P.LINEAR_SWAY] + 2 * p[P.QUAD_SWAY] * abs(v_r) + cross[0] + air[1],
-        p[P.LINEAR_YAW] + 2 * growth * abs(r) + cross[1],
+        p.linear_surge + 2 * quadratic * abs(u_r) + air[0],
+        p.linear_sway + 2 * p.quadratic_sway * abs(v_r) + cross[0] + air[1],
+        p.linear_yaw + 2 * growth * abs(r) + cross[1],
     )

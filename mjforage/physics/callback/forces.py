@@ -16,6 +16,7 @@ from mjforage.physics.callback.model_layout import (
     AVERAGED,
     CLASS_WIDTH,
     HEADER,
+    HULL_WIDTH,
     INPUT_WIDTH,
     ITEM_AIR,
     ITEM_DOFS,
@@ -24,14 +25,13 @@ from mjforage.physics.callback.model_layout import (
     LOAD,
     N_CLASSES,
     N_ITEMS,
-    N_PARAMETERS,
     N_VESSELS,
     SCHEME,
     VESSEL_DOFS,
     WATER,
     WIND,
 )
-from mjforage.physics.hydrodynamics.parameters import Float64Array
+from mjforage.physics.hydrodynamics.parameters import HULL, Float64Array, HullParameters
 from mjforage.physics.hydrodynamics.thruster import thruster_force
 
 STIFF = 1.2  # item drag rate times step above which Runge-Kutta (limit 2.78 on twice this) is tamed
@@ -56,7 +56,7 @@ class State(NamedTuple):
 def _averaged(
     state: State,
     v: int,
-    p: Float64Array,
+    p: HullParameters,
     around: boat.Surroundings,
     body: boat.Inertia,
 ) -> tuple[float, float, float, float, float, float]:
@@ -89,7 +89,7 @@ def _averaged(
 
 @kernel
 def _instant(
-    state: State, v: int, p: Float64Array, around: boat.Surroundings, body: boat.Inertia
+    state: State, v: int, p: HullParameters, around: boat.Surroundings, body: boat.Inertia
 ) -> tuple[float, float, float, float, float, float]:
     """Loads on boat `v` now, in body axes, and its inertia."""
     i = v * VESSEL_DOFS
@@ -108,7 +108,7 @@ def _instant(
 
 
 @kernel
-def _boat(state: State, v: int, p: Float64Array, averaged: bool) -> None:
+def _boat(state: State, v: int, p: HullParameters, averaged: bool) -> None:
     """Force and rows of M of boat `v`."""
     userdata, mass, force, row = state.userdata, state.mass, state.force, state.row
     i, at = v * VESSEL_DOFS, v * INPUT_WIDTH
@@ -177,13 +177,12 @@ def _items(
 @kernel
 def apply(state: State) -> None:
     """Add the forces of all boats and items to `force` and set their rows of `mass`."""
-    numeric = state.numeric
+    numeric, averaged = state.numeric, state.numeric[SCHEME] == AVERAGED
     vessels, items = int(numeric[N_VESSELS]), int(numeric[N_ITEMS])
-    width, averaged = int(numeric[N_PARAMETERS]), numeric[SCHEME] == AVERAGED
+    table = HEADER + vessels * HULL_WIDTH
+    hulls = numeric[HEADER:table].view(HULL)
     for v in range(vessels):
-        start = HEADER + v * width
-        _boat(state, v, numeric[start : start + width], averaged)
-    start = HEADER + vessels * width
-    classes = numeric[start : start + int(numeric[N_CLASSES]) * CLASS_WIDTH]
+        _boat(state, v, hulls[v], averaged)
     if items:
+        classes = numeric[table : table + int(numeric[N_CLASSES]) * CLASS_WIDTH]
         _items(state, classes, vessels * VESSEL_DOFS, vessels * INPUT_WIDTH, averaged)

@@ -3,8 +3,8 @@
 Per model, in ``<custom>``, in this order (all [SI]):
 
 =====================  ====================================================================
-``mjforage``           MAGIC, vessels, items, item classes, scheme, parameters per vessel
-``mjforage-vessel-i``  packed parameters of vessel i (`mjforage.physics.hydrodynamics`)
+``mjforage``           MAGIC, vessels, items, item classes, scheme
+``mjforage-vessel-i``  parameters of vessel i, a record of `HULL` (`hydrodynamics.parameters`)
 ``mjforage-items``     (class, 3): mass incl. added mass [kg], air and water drag [N s2/m2]
 =====================  ====================================================================
 
@@ -14,13 +14,15 @@ Degrees of freedom: x, y, yaw of each vessel, then x, y of each item.
 
 from typing import Final
 
+from mjforage.physics.hydrodynamics.parameters import HULL
+
 MAGIC: Final = 20_260_617.0  # guards the process-global callback against other people's models
-HEADER: Final = 6  # numbers in the numeric `mjforage`
+HEADER: Final = 5  # numbers in the numeric `mjforage`
 N_VESSELS: Final = 1  # places in it
 N_ITEMS: Final = 2
 N_CLASSES: Final = 3
 SCHEME: Final = 4
-N_PARAMETERS: Final = 5
+HULL_WIDTH: Final = HULL.itemsize // 8  # numbers of a vessel
 HEADER_NAME: Final = "mjforage"
 
 INSTANT: Final = 0.0  # scheme: forces at the instant asked for (Runge-Kutta)

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from mjforage.physics.callback.model_layout import HEADER_NAME, INSTANT, MAGIC, WATER
-from mjforage.physics.hydrodynamics import parameters as P  # noqa: N812 - a table of index constants
+from mjforage.physics.hydrodynamics.parameters import HULL
 
 MASS, ADDED_SURGE, ADDED_SWAY, ADDED_YAW, INERTIA = 100.0, 50.0, 200.0, 5.0, 20.0
 DRAG, TOLERANCE = 10.0, 1e-9
@@ -15,7 +15,7 @@ _TOY = f"""
 <mujoco>
   <option gravity="0 0 0" timestep="0.01"/><size nuserdata="5"/>
   <custom>
-    <numeric name="{HEADER_NAME}" data="{MAGIC!r} 1 0 0 {INSTANT} {P.SIZE}"/>
+    <numeric name="{HEADER_NAME}" data="{MAGIC!r} 1 0 0 {INSTANT}"/>
     <numeric name="vessel" data="{{parameters}}"/>
   </custom>
   <worldbody>
@@ -35,12 +35,13 @@ _TOY = f"""
 
 def toy_model() -> mujoco.MjModel:
     """A hull with linear drag only, so that a push by a current has a known answer."""
-    p = np.zeros(P.SIZE)
-    p[P.MASS], p[P.INERTIA_Z], p[P.LAG] = MASS, INERTIA, 1.0
-    p[P.ADDED_SURGE], p[P.ADDED_SWAY], p[P.ADDED_YAW] = ADDED_SURGE, ADDED_SWAY, ADDED_YAW
-    p[P.LINEAR_SURGE] = p[P.LINEAR_SWAY] = DRAG
+    hull = np.zeros(1, HULL)
+    p = hull[0]
+    p.mass, p.inertia_z, p.lag = MASS, INERTIA, 1.0
+    p.added_surge, p.added_sway, p.added_yaw = ADDED_SURGE, ADDED_SWAY, ADDED_YAW
+    p.linear_surge = p.linear_sway = DRAG
     return mujoco.MjModel.from_xml_string(
-        _TOY.format(parameters=" ".join(repr(float(value)) for value in p))
+        _TOY.format(parameters=" ".join(repr(float(value)) for value in hull.view(np.float64)))
     )
 
 

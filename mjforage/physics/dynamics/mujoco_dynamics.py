@@ -29,8 +29,8 @@ from mjforage.physics.dynamics.item_bodies import (
     take_at_mouth,
 )
 from mjforage.physics.dynamics.sensing import measured_poses
-from mjforage.physics.dynamics.watch import Watched, judge, watch
-from mjforage.physics.hydrodynamics.parameters import pack
+from mjforage.physics.dynamics.watch import Harbour, Motion, Tick, Watched, judge, watch
+from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.weather import Field, WeatherSettings
@@ -72,8 +72,10 @@ class MujocoDynamics:
         fleet_scene(graph, self._vessels, fleet.names, 0)  # hulls that do not fit say so now
         self._helms = [helm_of(vessel) for vessel in self._vessels]
         self._chart = Chart(graph.navigable, graph.pitch_m)
-        self._parameters = np.stack([pack(vessel) for vessel in self._vessels])
         self._size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in self._vessels])
+        self._harbour = Harbour(
+            pack_fleet(self._vessels), self._size, graph.water.framed, graph.pitch_m, CONTROL_S
+        )
         self._settings = WeatherSettings.of_scenario(
             scenario.weather, graph.pitch_m, scenario.period_s
         )
@@ -100,8 +102,7 @@ class MujocoDynamics:
         pose = np.zeros((*initial.agent_node.shape, 3))
         pose[..., :2] = self._centres_xy[initial.agent_node]
         self._simulation.place_vessels(pose)
-        self._pose = self._simulation.vessel_pose
-        self._velocity = self._simulation.vessel_velocity
+        self._motion = self._measured()
         self._place_items(initial)
         self._tick = np.zeros(episodes, np.int64)
         if self._film is not None:
@@ -155,7 +156,7 @@ class MujocoDynamics:
     def _feel(self, active: NDArray[np.bool_]) -> None:
         """Give hulls and items the wind and the water of the moment."""
         simulation, now = self._simulation, self._tick * CONTROL_S
-        hulls = np.ascontiguousarray(self._pose[..., :2])
+        hulls = np.ascontiguousarray(self._motion.pose[..., :2])
         simulation.vessel_wind[:] = self._field.wind(now, hulls)
         simulation.vessel_water[:] = self._field.current(now, hulls)
         if self._bodies:
@@ -174,7 +175,7 @@ class MujocoDynamics:
             active,
             self._fleet.collects,
             self._room_left,
-            self._pose,
+            self._motion.pose,
             simulation.item_xy,
             target,
             self._graph.pitch_m,
@@ -188,31 +189,26 @@ class MujocoDynamics:
     ) -> None:
         """One control tick: measure, command, step, take note."""
         simulation, sensors = self._simulation, self._scenario.sensors
-        pose = self._pose
-        seen = measured_poses(sensors, self._keys, self._tick, pose)
-        commands = self._pilot.command(active, seen, self._velocity)
+        before = self._motion
+        seen = measured_poses(sensors, self._keys, self._tick, before.pose)
+        commands = self._pilot.command(active, seen, before.velocity)
         simulation.commands[ids] = commands[ids]
         simulation.step(self._substeps, None if len(ids) == len(active) else ids)
-        velocity = self._velocity
-        self._pose, self._velocity = simulation.vessel_pose, simulation.vessel_velocity
+        self._motion = self._measured()
         self._tick[ids] += 1
-        watch(
-            active,
-            CONTROL_S,
-            self._pose,
-            self._velocity,
-            pose,
-            velocity,
-            target,
-            self._pilot.giving_way,
-            simulation.vessel_water,
-            simulation.thruster_state,
-            self._parameters,
-            self._size,
-            self._graph.water.framed,
-            self._graph.pitch_m,
-            self._watched,
+        tick = Tick(
+            before=before,
+            after=self._motion,
+            target=target,
+            giving_way=self._pilot.giving_way,
+            water=simulation.vessel_water,
+            lagged=simulation.thruster_state,
         )
+        watch(active, tick, self._harbour, self._watched)
+
+    def _measured(self) -> Motion:
+        """The hulls now; copies."""
+        return Motion(self._simulation.vessel_pose, self._simulation.vessel_velocity)
 
     def _take(self, active: NDArray[np.bool_]) -> None:
         """Capture rule `intake`, at every tick."""
@@ -221,7 +217,7 @@ class MujocoDynamics:
             active,
             self._fleet.collects,
             self._size,
-            self._pose,
+            self._motion.pose,
             simulation.item_xy,
             self._room_left,
             self._items_in_node,
@@ -239,7 +235,7 @@ class MujocoDynamics:
     def _settle(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> None:
         """Write the period's end into the state."""
         state, watched, graph = self._state, self._watched, self._graph
-        pose = self._pose[active]
+        pose = self._motion.pose[active]
         way = watched.travelled_m[active] / graph.pitch_m
         state.agent_rc[active] = graph.row_column(pose[..., :2])
         state.agent_node[active] = nearest_nodes(graph.water, state.agent_rc[active])
@@ -267,7 +263,7 @@ class MujocoDynamics:
         xy = simulation.item_xy[0, :items] if self._bodies else self._graph.metres(state.item_rc[0])
         now = self._tick * CONTROL_S
         wind = self._field.wind(now, np.zeros((len(now), 1, 2)))[0, 0]
-        self._film.shoot(self._pose[0], xy, state.item_node[0] >= 0, wind)
+        self._film.shoot(self._motion.pose[0], xy, state.item_node[0] >= 0, wind)
 
 
 def _times(whole: float, part: float, name: str) -> int:

@@ -15,6 +15,7 @@ from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 from mjforage.core.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.physics.dynamics.touch import touches
+from mjforage.physics.hydrodynamics.parameters import HullArray
 from mjforage.physics.hydrodynamics.thruster import thrust
 
 ARRIVAL_M = 1.0
@@ -71,69 +72,79 @@ def propeller_power(force: float, inflow_mps: float) -> float:
     return 0.5 * size * (along + wash)
 
 
-@kernel
-def watch(
-    active: NDArray[np.bool_],
-    tick_s: float,
-    pose: FloatArray,
-    velocity: FloatArray,
-    pose_before: FloatArray,
-    velocity_before: FloatArray,
-    target: FloatArray,
-    giving_way: NDArray[np.bool_],
-    water: FloatArray,
-    lagged: FloatArray,
-    parameters: FloatArray,
-    size: FloatArray,
-    framed: Int32Array,
-    pitch_m: float,
-    seen: Watched,
-) -> None:
-    """Note one tick.
+class Motion(NamedTuple):
+    """Where the hulls are and how they move, (episode, vessel, 3) each, world axes."""
 
-    Parameters
-    ----------
-    pose, velocity : (episode, vessel, 3) at its end, world axes
-    pose_before, velocity_before : the same at its start
-    target : (episode, vessel, 2) [m]
-    giving_way : (episode, vessel) whether the controller holds back for another hull or a quay
-    water : (episode, vessel, 2) current at the hulls [m/s]
-    lagged : (episode, vessel, 2) state of the thrusters [rad/s] or [N]
-    parameters : (vessel, SIZE) of `hydrodynamics.parameters.pack`
-    size : (vessel, 2) half length, half beam [m]
-    framed : cells in a frame of land
-    seen : written
-    """
-    arrived, hindered_s, blocked, travelled_m, impact_mps, touching, collisions, work_j = seen
-    vessels = pose.shape[1]
+    pose: FloatArray  # x, y [m], yaw [rad] of midships
+    velocity: FloatArray  # over ground [m/s], [rad/s]
+
+
+class Tick(NamedTuple):
+    """One control tick."""
+
+    before: Motion
+    after: Motion
+    target: FloatArray  # (episode, vessel, 2) [m]
+    giving_way: NDArray[np.bool_]  # (episode, vessel) held back for another hull or a quay
+    water: FloatArray  # (episode, vessel, 2) current at the hulls [m/s]
+    lagged: FloatArray  # (episode, vessel, 2) state of the thrusters [rad/s] or [N]
+
+
+class Harbour(NamedTuple):
+    """What no tick changes: the hulls and the quays."""
+
+    hulls: HullArray  # (vessel,)
+    size: FloatArray  # (vessel, 2) half length, half beam [m]
+    framed: Int32Array  # cells in a frame of land, `Water.framed`
+    pitch_m: float
+    tick_s: float
+
+
+@inlined
+def _note_work(tick: Tick, harbour: Harbour, e: int, v: int, work_j: FloatArray) -> None:
+    """Add the work of both propellers over the tick."""
+    vx, vy = tick.after.velocity[e, v, 0], tick.after.velocity[e, v, 1]
+    c, s = math.cos(tick.after.pose[e, v, 2]), math.sin(tick.after.pose[e, v, 2])
+    surge = c * (vx - tick.water[e, v, 0]) + s * (vy - tick.water[e, v, 1])
+    for side in range(2):
+        force = thrust(harbour.hulls[v], tick.lagged[e, v, side])
+        work_j[e, v] += harbour.tick_s * propeller_power(force, surge)
+
+
+@inlined
+def _note_hindrance(slow: bool, tick_s: float, seen: Watched, e: int, v: int) -> None:
+    """Count the time that a hull has been slow for a reason; `slow`: it is, now."""
+    if not slow:
+        seen.hindered_s[e, v] = 0.0
+        return
+    seen.hindered_s[e, v] += tick_s
+    if seen.hindered_s[e, v] >= BLOCKED_S - 0.5 * tick_s:
+        seen.blocked[e, v] = True
+
+
+@kernel
+def watch(active: NDArray[np.bool_], tick: Tick, harbour: Harbour, seen: Watched) -> None:
+    """Note one tick of the active episodes in `seen`."""
+    pose, before, velocity = tick.after.pose, tick.before.pose, tick.after.velocity
+    vessels, size = pose.shape[1], harbour.size
     now, closing = np.zeros(vessels, np.bool_), np.zeros(vessels)
     for e in range(active.size):
         if not active[e]:
             continue
-        touches(pose[e], velocity_before[e], size, framed, pitch_m, now, closing)
+        start = tick.before.velocity[e]
+        touches(pose[e], start, size, harbour.framed, harbour.pitch_m, now, closing)
         for v in range(vessels):
-            vx, vy = velocity[e, v, 0], velocity[e, v, 1]
-            speed = math.hypot(vx, vy)
-            travelled_m[e, v] += math.hypot(
-                pose[e, v, 0] - pose_before[e, v, 0], pose[e, v, 1] - pose_before[e, v, 1]
-            )
-            collisions[e, v] += now[v] and not touching[e, v]
-            touching[e, v] = now[v]
-            impact_mps[e, v] = max(impact_mps[e, v], closing[v])
-            c, s = math.cos(pose[e, v, 2]), math.sin(pose[e, v, 2])
-            surge = c * (vx - water[e, v, 0]) + s * (vy - water[e, v, 1])
-            for side in range(2):
-                force = thrust(parameters[v], lagged[e, v, side])
-                work_j[e, v] += tick_s * propeller_power(force, surge)
-            off_x, off_y = pose[e, v, 0] - target[e, v, 0], pose[e, v, 1] - target[e, v, 1]
-            if math.hypot(off_x, off_y) <= ARRIVAL_M:
-                arrived[e, v] = True
-            if speed < SLOW_MPS and (now[v] or giving_way[e, v]):
-                hindered_s[e, v] += tick_s
-                if hindered_s[e, v] >= BLOCKED_S - 0.5 * tick_s:
-                    blocked[e, v] = True
-            else:
-                hindered_s[e, v] = 0.0
+            x, y = pose[e, v, 0], pose[e, v, 1]
+            seen.travelled_m[e, v] += math.hypot(x - before[e, v, 0], y - before[e, v, 1])
+            seen.collisions[e, v] += now[v] and not seen.touching[e, v]
+            seen.touching[e, v] = now[v]
+            seen.impact_mps[e, v] = max(seen.impact_mps[e, v], closing[v])
+            _note_work(tick, harbour, e, v, seen.work_j)
+            if math.hypot(x - tick.target[e, v, 0], y - tick.target[e, v, 1]) <= ARRIVAL_M:
+                seen.arrived[e, v] = True
+            slow = math.hypot(velocity[e, v, 0], velocity[e, v, 1]) < SLOW_MPS
+            held = slow and (now[v] or tick.giving_way[e, v])
+            _note_hindrance(held, harbour.tick_s, seen, e, v)
 
 
 @kernel

@@ -1,14 +1,7 @@
 """Cross-flow drag: strips of a slender hull meet the water sideways at v + x r each."""
 
 from graph_planner.compiled import kernel
-from mjforage.physics.hydrodynamics.parameters import (
-    CROSS_FACTOR,
-    CROSS_INTEGRATED,
-    CROSS_KIND,
-    CROSS_LENGTH,
-    CROSS_NONE,
-    Float64Array,
-)
+from mjforage.physics.hydrodynamics.parameters import CROSS_INTEGRATED, CROSS_NONE, HullParameters
 
 INTERVALS = 20  # of the Otter's strips: 21 of them, each 1/20 of the length wide
 
@@ -44,15 +37,15 @@ def _integrals(length: float, v: float, r: float) -> tuple[float, float]:
 
 
 @kernel
-def cross_flow_slope(p: Float64Array, v_r: float, r: float) -> tuple[float, float]:
+def cross_flow_slope(p: HullParameters, v_r: float, r: float) -> tuple[float, float]:
     """Damping by cross-flow drag: -dY/dv [N s/m] and -dN/dr [N m s], never below 0.
 
     Twice 1/2 rho Cd T times the integrals of |v + x r| and of x^2 |v + x r| over the length, also
     for the Otter's strips, which have 5-10 % more.
     """
-    if p[CROSS_KIND] == CROSS_NONE:
+    if p.cross_kind == CROSS_NONE:
         return 0.0, 0.0
-    half, double = 0.5 * p[CROSS_LENGTH], 2.0 * p[CROSS_FACTOR]
+    half, double = 0.5 * p.cross_length, 2.0 * p.cross_factor
     if abs(v_r) >= abs(r) * half:  # all strips on one side
         side = 2.0 * half * abs(v_r)
         return double * side, double * side * half * half / 3.0
@@ -64,7 +57,7 @@ def cross_flow_slope(p: Float64Array, v_r: float, r: float) -> tuple[float, floa
 
 
 @kernel
-def cross_flow(p: Float64Array, v_r: float, r: float) -> tuple[float, float]:
+def cross_flow(p: HullParameters, v_r: float, r: float) -> tuple[float, float]:
     """Sway force and yaw moment of cross-flow drag.
 
     Y = -1/2 rho Cd T * integral of |v + x r| (v + x r) dx, N the same with x
@@ -72,7 +65,6 @@ def cross_flow(p: Float64Array, v_r: float, r: float) -> tuple[float, float]:
 
     Parameters
     ----------
-    p : (SIZE,) of `pack`
     v_r : sway velocity relative to the water, to port [m/s]
     r : yaw rate [rad/s]
 
@@ -80,10 +72,10 @@ def cross_flow(p: Float64Array, v_r: float, r: float) -> tuple[float, float]:
     -------
     Y [N] to port, N [N m]
     """
-    if p[CROSS_KIND] == CROSS_NONE:
+    if p.cross_kind == CROSS_NONE:
         return 0.0, 0.0
-    if p[CROSS_KIND] == CROSS_INTEGRATED:
-        force, moment = _integrals(p[CROSS_LENGTH], v_r, r)
+    if p.cross_kind == CROSS_INTEGRATED:
+        force, moment = _integrals(p.cross_length, v_r, r)
     else:
-        force, moment = _strips(p[CROSS_LENGTH], v_r, r)
-    return -p[CROSS_FACTOR] * force, -p[CROSS_FACTOR] * moment
+        force, moment = _strips(p.cross_length, v_r, r)
+    return -p.cross_factor * force, -p.cross_factor * moment

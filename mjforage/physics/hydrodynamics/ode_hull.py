@@ -12,7 +12,7 @@ import numpy as np
 from graph_planner.compiled import kernel
 from mjforage.physics.hydrodynamics.conditions import Conditions, State, to_body
 from mjforage.physics.hydrodynamics.motion import acceleration
-from mjforage.physics.hydrodynamics.parameters import Float64Array, pack
+from mjforage.physics.hydrodynamics.parameters import Float64Array, HullParameters, pack
 from mjforage.physics.hydrodynamics.thruster import lagged
 from mjforage.physics.vessels import Vessel
 
@@ -21,7 +21,7 @@ X, Y, YAW, SURGE, SWAY, RATE, PORT, STARBOARD = range(8)
 
 @kernel
 def _slope(
-    p: Float64Array,
+    p: HullParameters,
     state: Float64Array,
     thrusters: tuple[float, float],
     current: Float64Array,
@@ -40,7 +40,7 @@ def _slope(
 
 @kernel
 def rk4_step(
-    p: Float64Array,
+    p: HullParameters,
     state: Float64Array,
     command: Float64Array,
     current: Float64Array,
@@ -51,7 +51,6 @@ def rk4_step(
 
     Parameters
     ----------
-    p : (SIZE,) of `pack`
     state : (8,) x, y [m], yaw [rad], velocity RELATIVE TO THE WATER u_r, v_r [m/s], yaw rate
         [rad/s], lagged commands of port and starboard
     command : (2,) port, starboard [rad/s or N]

@@ -1,27 +1,69 @@
-"""A vessel as a flat vector for kernels: `pack`, and the index of every entry (SI units)."""
+"""A hull as a record for kernels: what its fields are, and `pack`, which fills it from a vessel."""
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.records import record_type
 from mjforage.physics.vessels import CrossFlow, Propeller, Vessel
 
 Float64Array = NDArray[np.float64]
 
 AIR_DENSITY_KGPM3 = 1.224  # Blendermann's tables, as in MSS
 
-# Inertia: rigid body with its centre of gravity COG_X ahead of midships, added mass at midships.
-LENGTH, MASS, COG_X, INERTIA_Z, ADDED_SURGE, ADDED_SWAY, ADDED_YAW = range(7)
-# Damping.
-LINEAR_SURGE, LINEAR_SWAY, LINEAR_YAW, QUAD_SURGE, QUAD_SWAY, QUAD_YAW, YAW_GROWTH = range(7, 14)
-# Cross-flow: kind (below), 1/2 rho Cd T [kg/m2], length [m].
-CROSS_KIND, CROSS_FACTOR, CROSS_LENGTH = range(14, 17)
-# Thrust per side: kind (below), coefficients (1 for forces), range of the command, dead zone.
-THRUST_KIND, K_AHEAD, K_ASTERN, COMMAND_MAX, COMMAND_MIN, DEAD_ZONE, LEVER, LAG = range(17, 25)
-# Wind: 1/2 rho A of front and side [kg/m], coefficients, centroid ahead of midships.
-WIND_FRONT, WIND_SIDE, WIND_CDT, WIND_CDL_BOW, WIND_CDL_STERN, WIND_DELTA, WIND_SL = range(25, 32)
-# Load: mass [kg] and quadratic surge drag [N s2/m2] of one item.
-LOAD_MASS, LOAD_DRAG = range(32, 34)
-SIZE = 34
+
+class HullParameters:
+    """The fields of the record `HULL`, SI units, for readers and type checkers; it is never made.
+
+    Everything refers to midships, in body axes.
+    """
+
+    # Inertia: rigid body with its centre of gravity cog_x ahead of midships, and added mass.
+    length: float
+    mass: float
+    cog_x: float
+    inertia_z: float
+    added_surge: float
+    added_sway: float
+    added_yaw: float
+    # Damping; yaw_growth [s/rad] is that of the linear part with the rate.
+    linear_surge: float
+    linear_sway: float
+    linear_yaw: float
+    quadratic_surge: float
+    quadratic_sway: float
+    quadratic_yaw: float
+    yaw_growth: float
+    # Cross-flow: kind (below), 1/2 rho Cd T [kg/m2], length.
+    cross_kind: float
+    cross_factor: float
+    cross_length: float
+    # Thrust per side: kind (below), coefficients (1 for forces), range of the command, dead zone.
+    thrust_kind: float
+    k_ahead: float
+    k_astern: float
+    command_max: float
+    command_min: float
+    dead_zone: float
+    lever: float
+    lag: float
+    # Wind: 1/2 rho A of front and side [kg/m], coefficients, centroid of the side area ahead.
+    wind_front: float
+    wind_side: float
+    wind_cdt: float
+    wind_cdl_bow: float
+    wind_cdl_stern: float
+    wind_delta: float
+    wind_sl: float
+    # What one item aboard adds: mass [kg] and quadratic surge drag [N s2/m2].
+    load_mass: float
+    load_drag: float
+
+
+HULL = record_type(HullParameters.__annotations__)
+HullArray: TypeAlias = NDArray[Any]  # (vessel,) of `HULL`
 
 CROSS_NONE, CROSS_INTEGRATED, CROSS_STRIPS = 0.0, 1.0, 2.0
 THRUST_FORCE, THRUST_PROPELLER = 0.0, 1.0
@@ -29,17 +71,12 @@ THRUST_FORCE, THRUST_PROPELLER = 0.0, 1.0
 _CROSS_KINDS = {"integrated": CROSS_INTEGRATED, "strips-otter": CROSS_STRIPS}
 
 
-def pack(vessel: Vessel) -> Float64Array:
-    """Parameters of one vessel without load, in the order of this file's indices.
-
-    Returns
-    -------
-    ndarray, shape (SIZE,), SI units
-    """
+def pack(vessel: Vessel) -> HullParameters:
+    """Parameters of one vessel without load, as a record of `HULL`."""
     v = vessel
     wind, air = v.windage, 0.5 * AIR_DENSITY_KGPM3
     # fmt: off
-    entries = [
+    entries = (
         v.length_m, v.mass_kg, v.cog_x_m, v.inertia_z_kgm2,
         v.added_mass_surge_kg, v.added_mass_sway_kg, v.added_mass_yaw_kgm2,
         v.linear_surge, v.linear_sway, v.linear_yaw,
@@ -49,9 +86,15 @@ def pack(vessel: Vessel) -> Float64Array:
         air * wind.area_front_m2, air * wind.area_side_m2,
         wind.cdt, wind.cdl_bow, wind.cdl_stern, wind.delta, wind.s_l_m,
         v.load.mass_per_item_kg, v.load.drag_per_item,
-    ]
+    )
     # fmt: on
-    return np.array(entries)
+    record: HullParameters = np.array([entries], HULL)[0]
+    return record
+
+
+def pack_fleet(vessels: Sequence[Vessel]) -> HullArray:
+    """(vessel,) `pack` of each."""
+    return np.array([pack(vessel) for vessel in vessels], HULL)
 
 
 def _cross_flow(flow: CrossFlow | None) -> list[float]:

@@ -3,21 +3,11 @@
 import math
 
 from graph_planner.compiled import kernel
-from mjforage.physics.hydrodynamics.parameters import (
-    LENGTH,
-    WIND_CDL_BOW,
-    WIND_CDL_STERN,
-    WIND_CDT,
-    WIND_DELTA,
-    WIND_FRONT,
-    WIND_SIDE,
-    WIND_SL,
-    Float64Array,
-)
+from mjforage.physics.hydrodynamics.parameters import HullParameters
 
 
 @kernel
-def wind_slope(p: Float64Array, wind_u: float, wind_v: float) -> tuple[float, float]:
+def wind_slope(p: HullParameters, wind_u: float, wind_v: float) -> tuple[float, float]:
     """How fast the wind load falls as the hull gives way: -dX/du, -dY/dv [N s/m], never below 0.
 
     Slopes of V u and V v; that of Blendermann's denominator is left out. Parameters as in
@@ -26,15 +16,15 @@ def wind_slope(p: Float64Array, wind_u: float, wind_v: float) -> tuple[float, fl
     speed = math.sqrt(wind_u * wind_u + wind_v * wind_v)
     if speed == 0.0:
         return 0.0, 0.0
-    cdl = p[WIND_CDL_BOW] if wind_u <= 0.0 else p[WIND_CDL_STERN]
+    cdl = p.wind_cdl_bow if wind_u <= 0.0 else p.wind_cdl_stern
     return (
-        p[WIND_FRONT] * cdl * (speed + wind_u * wind_u / speed),
-        p[WIND_SIDE] * p[WIND_CDT] * (speed + wind_v * wind_v / speed),
+        p.wind_front * cdl * (speed + wind_u * wind_u / speed),
+        p.wind_side * p.wind_cdt * (speed + wind_v * wind_v / speed),
     )
 
 
 @kernel
-def wind_force(p: Float64Array, wind_u: float, wind_v: float) -> tuple[float, float, float]:
+def wind_force(p: HullParameters, wind_u: float, wind_v: float) -> tuple[float, float, float]:
     """Wind load in body axes; mirror-symmetric, zero for zero areas.
 
     With g the angle between bow and where the wind comes from, 0 to pi on either side:
@@ -43,7 +33,6 @@ def wind_force(p: Float64Array, wind_u: float, wind_v: float) -> tuple[float, fl
 
     Parameters
     ----------
-    p : (SIZE,) of `pack`
     wind_u, wind_v : velocity of the air relative to the hull, forward and to port [m/s]
 
     Returns
@@ -51,14 +40,14 @@ def wind_force(p: Float64Array, wind_u: float, wind_v: float) -> tuple[float, fl
     X forward [N], Y to port [N], N counter-clockwise [N m], at midships
     """
     squared = wind_u * wind_u + wind_v * wind_v
-    if squared == 0.0 or (p[WIND_FRONT] == 0.0 and p[WIND_SIDE] == 0.0):
+    if squared == 0.0 or (p.wind_front == 0.0 and p.wind_side == 0.0):
         return 0.0, 0.0, 0.0
     speed = math.sqrt(squared)
-    cdt = p[WIND_CDT]
-    cdl = p[WIND_CDL_BOW] if wind_u <= 0.0 else p[WIND_CDL_STERN]
+    cdt = p.wind_cdt
+    cdl = p.wind_cdl_bow if wind_u <= 0.0 else p.wind_cdl_stern
     doubled = 2.0 * wind_u * wind_v / squared  # -+ sin(2g)
-    den = 1.0 - 0.5 * p[WIND_DELTA] * (1.0 - cdl / cdt) * doubled * doubled
-    x = p[WIND_FRONT] * cdl * speed * wind_u / den
-    y = p[WIND_SIDE] * cdt * speed * wind_v / den
+    den = 1.0 - 0.5 * p.wind_delta * (1.0 - cdl / cdt) * doubled * doubled
+    x = p.wind_front * cdl * speed * wind_u / den
+    y = p.wind_side * cdt * speed * wind_v / den
     g = math.atan2(abs(wind_v), -wind_u)
-    return x, y, (p[WIND_SL] - 0.18 * (g - 0.5 * math.pi) * p[LENGTH]) * y
+    return x, y, (p.wind_sl - 0.18 * (g - 0.5 * math.pi) * p.length) * y

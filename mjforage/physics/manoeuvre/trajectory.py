@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
+from mjforage.core.whole_files import whole
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.vessels import Vessel
 
@@ -65,13 +66,8 @@ def write_trajectory(trajectory: Trajectory, path: str | Path) -> None:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
     writer.writerows(np.column_stack((trajectory.times_s, trajectory.states)).tolist())
-    try:
-        Path(path).write_text(text.getvalue(), encoding="utf-8")
-    except OSError as error:
-        raise UserError(
-            f"trajectory {path}: cannot be written ({error}); name a file in a folder that exists, "
-            "with room"
-        ) from error
+    with whole(Path(path)) as beside:
+        beside.write_text(text.getvalue(), encoding="utf-8")
 
 
 def read_trajectory(path: str | Path) -> NDArray[np.float64]:

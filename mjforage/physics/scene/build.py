@@ -13,13 +13,14 @@ from mjforage.physics.callback.model_layout import (
     CLASS_WIDTH,
     HEADER,
     HEADER_NAME,
+    HULL_WIDTH,
     INPUT_WIDTH,
     INSTANT,
     ITEM_DOFS,
     MAGIC,
     VESSEL_DOFS,
 )
-from mjforage.physics.hydrodynamics.parameters import SIZE, pack
+from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.scene.debris import DebrisClass, add_items, load_debris, parking_xy
 from mjforage.physics.scene.mjcf import compiled, shipped_part
 from mjforage.physics.scene.quays import add_quays
@@ -148,12 +149,12 @@ def _numbers(
     spec: mujoco.MjSpec, vessels: Sequence[Vessel], items: int, classes: Sequence[DebrisClass]
 ) -> None:
     """What the callback reads, before any other numeric (see `callback.model_layout`)."""
-    header = [MAGIC, len(vessels), items, len(classes), INSTANT, SIZE]
+    header = [MAGIC, len(vessels), items, len(classes), INSTANT]
     assert len(header) == HEADER
     table = [[c.mass_kg + c.added_mass_kg, c.air, c.water] for c in classes]
     spec.add_numeric(name=HEADER_NAME, data=np.array(header), size=HEADER)
-    for i, vessel in enumerate(vessels):
-        spec.add_numeric(name=f"{HEADER_NAME}-vessel-{i}", data=pack(vessel), size=SIZE)
+    for i, hull in enumerate(pack_fleet(vessels).view(np.float64).reshape(-1, HULL_WIDTH)):
+        spec.add_numeric(name=f"{HEADER_NAME}-vessel-{i}", data=hull, size=HULL_WIDTH)
     flat = np.array(table, np.float64).reshape(-1)
     if flat.size:
         spec.add_numeric(name=f"{HEADER_NAME}-items", data=flat, size=CLASS_WIDTH * len(classes))

@@ -2,9 +2,9 @@
 
 import math
 import tomllib
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated
 
 import mujoco
 import numpy as np
@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
+from mjforage.core.schema import Kept, check
 from mjforage.physics.hydrodynamics.parameters import AIR_DENSITY_KGPM3
-from mjforage.physics.vessel_file import positive, quantity, range_words
+from mjforage.physics.quantities import Quantity, positive
 
 WATER_DENSITY_KGPM3 = 1025.0  # sea water
 PARKING_PITCH_M = 1.0  # distance between parked items
@@ -24,16 +25,25 @@ PARKING_OFF_M = 50.0  # of parked items, beyond the map's south-west corner
 class DebrisClass:
     """One class of `models/debris.toml`."""
 
-    name: str
+    name: Annotated[str, Kept()]
     description: str
-    mass_kg: float = field(metadata=positive("kg", 1e4))
-    added_mass_kg: float = field(metadata=quantity("kg", 0.0, 1e4))
-    area_air_m2: float = field(metadata=positive("m2", 1e3))
-    area_water_m2: float = field(metadata=positive("m2", 1e3))
-    drag_air: float = field(metadata=positive("1", 10))
-    drag_water: float = field(metadata=positive("1", 10))
-    leeway_low: float = field(metadata=quantity("1", 0.0, 1.0))  # published range of the class
-    leeway_high: float = field(metadata=quantity("1", 0.0, 1.0))
+    """What the items are, in a line."""
+    mass_kg: Annotated[float, positive("kg", 1e4)]
+    """Mass of an item."""
+    added_mass_kg: Annotated[float, Quantity("kg", 0.0, 1e4)]
+    """Mass of the water that moves with it."""
+    area_air_m2: Annotated[float, positive("m2", 1e3)]
+    """Area in the air, seen from the side."""
+    area_water_m2: Annotated[float, positive("m2", 1e3)]
+    """Area in the water, seen from the side."""
+    drag_air: Annotated[float, positive("1", 10)]
+    """Drag coefficient in the air."""
+    drag_water: Annotated[float, positive("1", 10)]
+    """Drag coefficient in the water."""
+    leeway_low: Annotated[float, Quantity("1", 0.0, 1.0)]
+    """Lower end of the published leeway of the class, over the wind."""
+    leeway_high: Annotated[float, Quantity("1", 0.0, 1.0)]
+    """Upper end of the published leeway of the class, over the wind."""
 
     @property
     def air(self) -> float:
@@ -79,16 +89,7 @@ def load_debris(path: str | Path | None = None) -> tuple[DebrisClass, ...]:
 
 
 def _read(name: str, entry: object, where: str) -> DebrisClass:
-    known = {f.name: f.metadata for f in fields(DebrisClass) if f.name != "name"}
-    if not isinstance(entry, dict) or sorted(entry) != sorted(known):
-        given = ", ".join(entry) if isinstance(entry, dict) else repr(entry)
-        raise UserError(f"{where} has {given}; give {', '.join(known)}")
-    if not isinstance(entry["description"], str):
-        raise UserError(f"{where}.description = {entry['description']!r}, expected text")
-    numbers = {
-        key: _number(entry[key], about, f"{where}.{key}") for key, about in known.items() if about
-    }
-    kind = DebrisClass(name=name, description=entry["description"], **numbers)
+    kind = check(DebrisClass, entry, where, name=name)
     _check_leeway(kind, where)
     return kind
 
@@ -104,19 +105,6 @@ def _check_leeway(kind: DebrisClass, where: str) -> None:
             f"{where}: leeway {kind.leeway:.5f} of the wind lies outside {low:g} to {high:g}; "
             "change areas or drags, or the published range"
         )
-
-
-def _number(entry: object, about: Any, where: str) -> float:
-    if not isinstance(entry, dict) or sorted(entry) != ["source", "unit", "value"]:
-        raise UserError(f"{where} = {entry!r}; give a table of value, unit and source")
-    value, unit, source = entry["value"], entry["unit"], entry["source"]
-    if unit != about["unit"] or not isinstance(source, str) or not source.strip():
-        raise UserError(f'{where}: unit {unit!r}, expected "{about["unit"]}" and a source')
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise UserError(f"{where} = {value!r}, expected a number")
-    if not about["low"] <= value <= about["high"]:
-        raise UserError(f"{where} = {value!r}; give {range_words(about)}")
-    return float(value)
 
 
 def parking_xy(items: int) -> NDArray[np.float64]:

@@ -1,11 +1,11 @@
 """What the weather is like: mean wind, gusts, currents, and the paper's drift."""
 
-import dataclasses
-from dataclasses import dataclass, field
-from typing import get_args, get_type_hints
+from dataclasses import dataclass
+from typing import Annotated
 
-from mjforage.core.errors import UserError
-from mjforage.core.scenario import Weather, bounded
+from graph_planner.fields import Within
+from mjforage.core.scenario import Weather
+from mjforage.core.schema import check_fields
 
 
 @dataclass(frozen=True)
@@ -21,38 +21,35 @@ class WeatherSettings:
         If a value has the wrong type, is not finite or is out of range.
     """
 
-    wind_speed_mps: float = field(default=0.0, metadata=bounded(0, 60))
+    wind_speed_mps: Annotated[float, Within(0, 60, "m/s")] = 0.0
     """Mean wind."""
-    wind_toward_deg: float | None = field(default=0.0, metadata=bounded(-360, 360))
+    wind_toward_deg: Annotated[float, Within(-360, 360, "deg")] | None = 0.0
     """None: drawn per episode, uniform over the circle."""
-    drawn_drift_mps: float = field(default=0.0, metadata=bounded(0, 5))
+    drawn_drift_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
     """The paper's drift: per episode a constant vector, uniform in +- this on each axis, is drawn,
     and the wind that drives it, the vector over the leeway of those items, is added to the mean."""
 
-    gust_intensity: float = field(default=0.0, metadata=bounded(0, 0.5))
+    gust_intensity: Annotated[float, Within(0, 0.5)] = 0.0
     """Standard deviation of the gusts along the mean wind, over its speed; 0.1-0.2 is usual."""
-    gust_tau_s: float = field(default=2.0, metadata=bounded(1e-2, 1e4))
+    gust_tau_s: Annotated[float, Within(1e-2, 1e4, "s")] = 2.0
     """Correlation time of both gust components, which are the same everywhere at once."""
 
-    current_speed_mps: float = field(default=0.0, metadata=bounded(0, 5))
+    current_speed_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
     """Constant current, the same everywhere, quays included."""
-    current_toward_deg: float | None = field(default=0.0, metadata=bounded(-360, 360))
+    current_toward_deg: Annotated[float, Within(-360, 360, "deg")] | None = 0.0
     """None: drawn per episode, uniform over the circle."""
-    current_wander_mps: float = field(default=0.0, metadata=bounded(0, 5))
+    current_wander_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
     """Standard deviation per axis of a slow Gauss-Markov current, the same everywhere."""
-    circulation_mps: float = field(default=0.0, metadata=bounded(-5, 5))
+    circulation_mps: Annotated[float, Within(-5, 5, "m/s")] = 0.0
     """Peak speed of a steady harbour circulation between the quays; positive counter-clockwise."""
 
-    item_noise_mps: float = field(default=0.0, metadata=bounded(0, 5))
+    item_noise_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
     """Per item and period a water velocity of its own, uniform in +- this on each axis."""
-    item_noise_period_s: float = field(default=10.0, metadata=bounded(1e-3, 1e6))
+    item_noise_period_s: Annotated[float, Within(1e-3, 1e6, "s")] = 10.0
     """How long that velocity is held: a decision period."""
 
     def __post_init__(self) -> None:
-        hints = get_type_hints(type(self))
-        for entry in dataclasses.fields(self):
-            value = _checked(entry, hints[entry.name], getattr(self, entry.name))
-            object.__setattr__(self, entry.name, value)
+        check_fields(self, "weather")
 
     @classmethod
     def of_scenario(cls, weather: Weather, pitch_m: float, period_s: float) -> "WeatherSettings":
@@ -81,16 +78,3 @@ class WeatherSettings:
             current_wander_mps=weather.current_wander_mps,
             circulation_mps=weather.circulation_mps,
         )
-
-
-def _checked(entry: "dataclasses.Field[object]", hint: object, value: object) -> object:
-    """The value, numbers as float; refuses what is out of range or not of the field's type."""
-    name = f"weather: {entry.name} = {value!r}"
-    if value is None and type(None) in get_args(hint):
-        return None
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise UserError(f"{name}, expected a number")
-    low, high = entry.metadata["low"], entry.metadata["high"]
-    if not low <= value <= high:
-        raise UserError(f"{name} is out of range; give {low:g} to {high:g}")
-    return float(value)

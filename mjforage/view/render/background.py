@@ -1,7 +1,7 @@
 """The part of the map that never changes: water, clear and hazy, and quays."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,7 @@ _SUPERSAMPLING = 2
 _TEXTURE_SEED = 7
 
 
-@dataclass(frozen=True)
-class Background:
+class Background(NamedTuple):
     """Two pictures of the map that differ only in the state of the water."""
 
     clear: Image  # (height, width, 3) idleness 0

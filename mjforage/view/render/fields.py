@@ -1,6 +1,6 @@
 """Idleness veil and views: node fields drawn smoothly over the water."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,7 @@ _REACH = 3  # views are outlined up to this distance [node]
 _SMOOTHING = np.array([0.25, 0.5, 0.25], np.float32)
 
 
-@dataclass(frozen=True)
-class Fields:
+class Fields(NamedTuple):
     """Node fields at one step; land takes the value of the nearest water node."""
 
     idleness: NodeField  # 0..1
@@ -98,22 +97,22 @@ def paint_fields(
 ) -> None:
     """Paint water, veil and views (scouts', foragers') into the map area (height, width, 3)."""
     rows, columns = fields.idleness.shape
-    _shade(
-        image,
-        background.clear,
-        background.hazy,
-        background.water,
-        background.open_water,
-        fields.idleness,
-        fields.scout_view,
-        fields.forager_view,
+    pixels = _Pixels(
         _samples(rows, layout.map_height, layout),
         _samples(columns, layout.map_width, layout),
         layout.scale,
         layout.unit,
-        colours[0],
-        colours[1],
     )
+    _shade(image, background, fields, pixels, colours)
+
+
+class _Pixels(NamedTuple):
+    """Where the pixels of the map area lie."""
+
+    row: NDArray[np.float32]  # (height,) node coordinate of each pixel's centre
+    column: NDArray[np.float32]  # (width,)
+    scale: float  # [pixel/node]
+    unit: float  # width of a fine line [pixel]
 
 
 def _samples(nodes: int, pixels: int, layout: Layout) -> NDArray[np.float32]:
@@ -165,39 +164,32 @@ def _line_cover(pixels: float, unit: float) -> float:
 @kernel
 def _shade(
     image: Image,
-    clear: Image,
-    hazy: Image,
-    water: NDArray[np.float32],
-    open_water: NDArray[np.float32],
-    idleness: NodeField,
-    scout_view: NodeField,
-    forager_view: NodeField,
-    y: NDArray[np.float32],
-    x: NDArray[np.float32],
-    scale: float,
-    unit: float,
-    scout_colour: Colour,
-    forager_colour: Colour,
+    background: Background,
+    fields: Fields,
+    pixels: _Pixels,
+    colours: tuple[Colour, Colour],
 ) -> None:
-    lines = np.empty((3, idleness.shape[1]), np.float32)
+    """Mix clear and hazy water by idleness, then the views over it, into every pixel."""
+    (scout_colour, forager_colour), unit = colours, pixels.unit
+    lines = np.empty((3, fields.idleness.shape[1]), np.float32)
     for i in range(image.shape[0]):
-        _blend_rows(idleness, y[i], lines[0])
-        _blend_rows(scout_view, y[i], lines[1])
-        _blend_rows(forager_view, y[i], lines[2])
+        _blend_rows(fields.idleness, pixels.row[i], lines[0])
+        _blend_rows(fields.scout_view, pixels.row[i], lines[1])
+        _blend_rows(fields.forager_view, pixels.row[i], lines[2])
         for j in range(image.shape[1]):
             veil = scout = forager = scout_line = forager_line = 0.0
-            wet, calm = float(water[i, j]), float(open_water[i, j])
+            wet, calm = float(background.water[i, j]), float(background.open_water[i, j])
             if wet > 0.0:
-                veil = _blend_columns(lines[0], x[j])
-                near = _blend_columns(lines[1], x[j]) * scale
+                x = pixels.column[j]
+                veil = _blend_columns(lines[0], x)
+                near = _blend_columns(lines[1], x) * pixels.scale
                 scout, scout_line = wet * _fill_cover(near), wet * calm * _line_cover(near, unit)
-                near = _blend_columns(lines[2], x[j]) * scale
-                forager, forager_line = (
-                    wet * _fill_cover(near),
-                    wet * calm * _line_cover(near, unit),
-                )
+                near = _blend_columns(lines[2], x) * pixels.scale
+                forager = wet * _fill_cover(near)
+                forager_line = wet * calm * _line_cover(near, unit)
             for k in range(3):
-                value = clear[i, j, k] + (float(hazy[i, j, k]) - clear[i, j, k]) * veil
+                clear = background.clear[i, j, k]
+                value = clear + (float(background.hazy[i, j, k]) - clear) * veil
                 value += (0.15 * scout_colour[k] + 0.85 * 255.0 - value) * scout
                 value += (0.55 * forager_colour[k] + 0.45 * 255.0 - value) * forager
                 value += (scout_colour[k] - value) * scout_line

@@ -18,6 +18,7 @@ MOST_WIDTH, MOST_HEIGHT, LEAST = 3840, 2160, 64
 _STILL_DETAIL = 2  # a single picture is drawn so many times larger and shrunk
 
 Progress = Callable[[int, int], None]
+Size = tuple[int | None, int | None]
 Frame = Callable[[float], NDArray[np.uint8]]
 
 
@@ -37,8 +38,7 @@ def render_replay(
     *,
     camera: str | None = None,
     follow: str | None = None,
-    width: int | None = None,
-    height: int | None = None,
+    size: Size = (None, None),
     start_s: float = 0.0,
     duration_s: float | None = None,
     fps: float = 30.0,
@@ -57,9 +57,9 @@ def render_replay(
         overview, chase, top or scout; by default `default_camera`.
     follow : str, optional
         Vessel of chase and scout, such as ``forager-1``.
-    width, height : int, optional
-        Of a frame [pixel], by default 1280 x 720. The drawing of the graph world from above takes
-        `width` for its longer side and finds its own height.
+    size : (int or None, int or None)
+        Width and height of a frame [pixel], by default 1280 x 720. The drawing of the graph world
+        from above takes the width for its longer side and finds its own height.
     start_s, duration_s : float
         What to show, in simulated seconds; by default all of the episode.
     fps : float
@@ -82,6 +82,7 @@ def render_replay(
         fit, there is no OpenGL, or the file cannot be written.
     """
     check_target(path, fps)
+    width, height = size
     name = camera or default_camera(replay.world)
     if name not in CAMERAS:
         raise UserError(f"camera {name}: unknown; choose {', '.join(CAMERAS)}")
@@ -93,7 +94,7 @@ def render_replay(
     if not needs_opengl(replay.world, name):
         draw = _drawing(replay, follow, width, height).frame
         return write_video(_frames(draw, times, progress), path, fps)
-    size = (
+    frame = (
         _checked("width", width, WIDTH, MOST_WIDTH),
         _checked("height", height, HEIGHT, MOST_HEIGHT),
     )
@@ -102,7 +103,7 @@ def render_replay(
     )
 
     detail = _STILL_DETAIL if still else 1
-    with HarbourView(replay, name, *size, follow=follow, speed=speed, detail=detail) as view:
+    with HarbourView(replay, name, *frame, follow=follow, speed=speed, detail=detail) as view:
         return write_video(_frames(view.frame, times, progress), path, fps)
 
 

@@ -1,5 +1,7 @@
 """How one pixel of water, sky or harbour gets its colour; compiled, over a whole picture."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -8,7 +10,24 @@ from mjforage.view.render.sheet import FOAM
 
 Image = NDArray[np.uint8]
 Field = NDArray[np.float32]
-Place = tuple[float, float, float]  # west, south, texel of a picture in world coordinates [m]
+
+
+class Drawn(NamedTuple):
+    """What MuJoCo drew."""
+
+    image: Image  # (h, w, 3)
+    ahead: Field  # (h, w) distance along the view [m], infinite where nothing is
+
+
+class Spread(NamedTuple):
+    """A picture spread over the water, in world coordinates [m]."""
+
+    values: Field  # (row, column) or (row, column, 5)
+    west: float
+    south: float
+    texel_m: float
+
+
 PATCH_M, PATCH_SIZE = 16.0, 256  # patch of the small waves; sizes are powers of two
 BROAD, BROAD_SIZE = 6.3, 128  # the second patch is so many times larger
 
@@ -59,10 +78,11 @@ def _slopes_at(
 
 
 @inlined
-def _clamped(field: Field, at: Place, x: float, y: float) -> float:
-    """Bilinear value of a field (row, column) at a point of the world, kept inside."""
-    tx = min(max((x - at[0]) / at[2] - 0.5, 0.0), field.shape[1] - 1.001)
-    ty = min(max((y - at[1]) / at[2] - 0.5, 0.0), field.shape[0] - 1.001)
+def _clamped(spread: Spread, x: float, y: float) -> float:
+    """Bilinear value of a picture (row, column) at a point of the world, kept inside."""
+    field = spread.values
+    tx = min(max((x - spread.west) / spread.texel_m - 0.5, 0.0), field.shape[1] - 1.001)
+    ty = min(max((y - spread.south) / spread.texel_m - 0.5, 0.0), field.shape[0] - 1.001)
     left, low = int(tx), int(ty)
     tx, ty = tx - left, ty - low
     south = (1.0 - tx) * field[low, left] + tx * field[low, left + 1]
@@ -71,9 +91,11 @@ def _clamped(field: Field, at: Place, x: float, y: float) -> float:
 
 
 @inlined
-def _laid_at(texels: Field, at: Place, x: float, y: float, laid: NDArray[np.float64]) -> None:
+def _laid_at(sheet: Spread, x: float, y: float, laid: NDArray[np.float64]) -> None:
     """Bilinear values (5,) of the sheet at a point of the world, nothing outside it."""
-    tx, ty = (x - at[0]) / at[2] - 0.5, (y - at[1]) / at[2] - 0.5
+    texels = sheet.values
+    tx = (x - sheet.west) / sheet.texel_m - 0.5
+    ty = (y - sheet.south) / sheet.texel_m - 0.5
     laid[:] = 0.0
     if 0.0 <= tx < texels.shape[1] - 1.0 and 0.0 <= ty < texels.shape[0] - 1.0:
         left, low = int(tx), int(ty)
@@ -128,31 +150,27 @@ def _mirror_texel(mirror_ahead: Field, row: float, column: float) -> tuple[int, 
 
 @kernel
 def paint_surface(
-    image: Image,
-    ahead: Field,
-    mirror: Image,
-    mirror_ahead: Field,
-    texels: Field,
-    sheet_at: Place,
-    shore: Field,
-    shore_at: Place,
+    drawn: Drawn,
+    mirror: Drawn,
+    sheet: Spread,
+    shore: Spread,
     small: Field,
     broad: Field,
     camera: NDArray[np.float64],
     first: int,
     end: int,
 ) -> None:
-    """Paint water, sky and haze into rows `first` to `end` of `image` (h, w, 3), row 0 on top.
+    """Paint water, sky and haze into rows `first` to `end` of the picture drawn, row 0 on top.
 
     Parameters
     ----------
-    ahead : (h, w) distance along the view [m], infinite where nothing is
-    mirror, mirror_ahead : the same from below, upside down, in any size
-    texels, sheet_at : (row, column, 5) what lies on the water, see `Sheet`
-    shore, shore_at : (row, column) distance to land [m]
+    mirror : the picture from below, upside down, in any size
+    sheet : (row, column, 5) what lies on the water, see `Sheet`
+    shore : (row, column) distance to land [m]
     small, broad : (size, size, 2) slopes of the two patches of waves
     camera : (4, 3) eye [m], forward, and right and up times the tangent of half the field of view
     """
+    image, ahead, mirrored, mirror_ahead = drawn.image, drawn.ahead, mirror.image, mirror.ahead
     height, width = ahead.shape
     eye, forward, right, up = camera[0], camera[1], camera[2], camera[3]
     aspect = width / height
@@ -179,8 +197,8 @@ def paint_surface(
             x, y = eye[0] + wet * dx, eye[1] + wet * dy
             print_m = pixel * wet * long / np.sqrt(max(-dz / long, 0.02))
             sx, sy = _slopes_at(small, broad, x, y, print_m)
-            _laid_at(texels, sheet_at, x, y, laid)
-            off = _clamped(shore, shore_at, x, y)
+            _laid_at(sheet, x, y, laid)
+            off = _clamped(shore, x, y)
             # What the surface mirrors: the sky and the sun, or the harbour
             norm = 1.0 / np.sqrt(1.0 + sx * sx + sy * sy)
             facing = max(0.0, (dx * sx + dy * sy - dz) * norm / long)
@@ -213,8 +231,8 @@ def paint_surface(
                 value = (_SHALLOW[k] + (_DEEP[k] - _SHALLOW[k]) * deep) * tone
                 value += (float(image[i, j, k]) * (0.45 + 0.18 * k) - value) * through
                 sky = 0.5 * _sky(rise, k)
-                shine = 0.43 * mirror[i1, j1, k] if solid_1 else sky
-                shine += 0.43 * mirror[i2, j2, k] if solid_2 else sky
+                shine = 0.43 * mirrored[i1, j1, k] if solid_1 else sky
+                shine += 0.43 * mirrored[i2, j2, k] if solid_2 else sky
                 value += (shine - value) * fresnel
                 value += (_SUNLIGHT[k] - value) * glint
                 value = value * (1.0 - laid[3]) + laid[k]

@@ -1,6 +1,5 @@
 """Frames into a file: MP4, GIF, one PNG or numbered PNGs; streamed, and whole or not at all."""
 
-import contextlib
 import os
 import re
 from collections.abc import Callable, Iterator
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image as PilImage
 
 from mjforage.core.errors import UserError
+from mjforage.core.whole_files import whole
 from mjforage.view.render.gif import GIF_MOST_FPS, write_gif
 
 Frames = Iterator[NDArray[np.uint8]]  # each (height, width, 3)
@@ -93,28 +93,11 @@ def _counted(frames: Frames) -> Frames:
         yield frame
 
 
-@contextlib.contextmanager
-def _complete(path: Path) -> Iterator[Path]:
-    """A temporary name next to `path`; renamed to it if all goes well, else removed."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        yield part
-        if part.exists():
-            part.replace(path)
-    except (OSError, av.FFmpegError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        remedy = "free space there or choose another folder"
-        raise UserError(f"output {path}: cannot be written ({reason}); {remedy}") from error
-    finally:
-        with contextlib.suppress(OSError):
-            part.unlink(missing_ok=True)
-
-
 def _write_mp4(frames: Frames, path: Path, fps: float) -> int:
     first = next(frames, None)
     if first is None:
         return 0
-    with _complete(path) as part:
+    with whole(path, av.FFmpegError) as part:
         options = {"movflags": "faststart"}
         with av.open(str(part), "w", format="mp4", options=options) as container:
             stream = _video_stream(container, fps, first.shape[0], first.shape[1])
@@ -165,7 +148,7 @@ def _write_gif(frames: Frames, path: Path, fps: float) -> int:
     first = next(frames, None)
     if first is None:
         return 0
-    with _complete(path) as part, part.open("wb") as file:
+    with whole(path, av.FFmpegError) as part, part.open("wb") as file:
         return write_gif(_chain(first, frames), file, fps)
 
 
@@ -209,5 +192,5 @@ def _refuse_old(pattern: Path) -> None:
 
 
 def _save_png(frame: NDArray[np.uint8], path: Path) -> None:
-    with _complete(path) as part, part.open("wb") as file:
+    with whole(path, av.FFmpegError) as part, part.open("wb") as file:
         PilImage.fromarray(frame).save(file, format="PNG", compress_level=4)

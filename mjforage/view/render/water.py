@@ -15,7 +15,15 @@ from mjforage.view.render.bands import in_bands
 from mjforage.view.render.cameras import View
 from mjforage.view.render.harbour import Ground
 from mjforage.view.render.sheet import Sheet
-from mjforage.view.render.surface import BROAD, BROAD_SIZE, PATCH_M, PATCH_SIZE, paint_surface
+from mjforage.view.render.surface import (
+    BROAD,
+    BROAD_SIZE,
+    PATCH_M,
+    PATCH_SIZE,
+    Drawn,
+    Spread,
+    paint_surface,
+)
 from mjforage.view.render.swell import Swell
 
 Image = NDArray[np.uint8]
@@ -78,14 +86,10 @@ class Water:
         shore = self._shore
         half = np.tan(0.5 * view.fov_rad)
         arguments = (
-            image,
-            ahead,
-            mirror,
-            mirror_ahead,
-            sheet.texels,
-            (sheet.west, sheet.south, sheet.texel_m),
-            shore.distance,
-            (shore.west, shore.south, shore.texel_m),
+            Drawn(image, ahead),
+            Drawn(mirror, mirror_ahead),
+            Spread(sheet.texels, sheet.west, sheet.south, sheet.texel_m),
+            Spread(shore.distance, shore.west, shore.south, shore.texel_m),
             self._small.slopes(surface_s),
             self._broad.slopes(surface_s / np.sqrt(BROAD)),
             np.stack((view.eye, view.forward, view.right * half, view.up * half)),

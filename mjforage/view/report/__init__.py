@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
+from mjforage.core.whole_files import write_bytes
 from mjforage.view.report.all_figures import draw_figures, save_figure
 from mjforage.view.report.html import render, shown
 from mjforage.view.report.hull_tables import hulls_table
-from mjforage.view.report.picture import write_bytes
 from mjforage.view.report.policy_pairs import comparison_table
 from mjforage.view.report.reality_gap import gap_table, ladder_table
 from mjforage.view.report.run_logs import load_logs

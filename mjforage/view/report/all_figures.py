@@ -6,11 +6,12 @@ from pathlib import Path
 
 import matplotlib as mpl
 
+from mjforage.core.whole_files import write_bytes
 from mjforage.view.report import style
 from mjforage.view.report.curves import time_figures
 from mjforage.view.report.distributions import distribution_figures
 from mjforage.view.report.map_figures import scenario_figure
-from mjforage.view.report.picture import Picture, png_bytes, svg_bytes, write_bytes
+from mjforage.view.report.picture import Picture, png_bytes, svg_bytes
 from mjforage.view.report.run_logs import RunLogs, pick_replay
 from mjforage.view.report.track_figure import tracks_figure
 

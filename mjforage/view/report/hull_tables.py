@@ -1,7 +1,6 @@
 """How the hulls did: outcomes of moves, speeds, touches and energy, from `agents.parquet`."""
 
 import math
-from pathlib import Path
 
 import polars as pl
 
@@ -56,7 +55,7 @@ def hulls_table(logs: RunLogs) -> Table | None:
     worlds = [world for world in logs.run.worlds if world != "graph"]
     if not worlds or not logs.run.agents:
         return None
-    frame = read_columns(logs.folder / Path("agents.parquet"), COLUMNS)
+    frame = read_columns(logs.folder / "agents.parquet", COLUMNS)
     frame = frame.filter(pl.col("step") > 0)
     teams = list(dict.fromkeys(agent.team for agent in logs.run.agents))
     rows = []

@@ -3,7 +3,6 @@
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -13,7 +12,6 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from mjforage.core.errors import UserError
 from mjforage.view.report import style
 
 WIDTH_IN = 5.6  # half a page of the report
@@ -125,22 +123,3 @@ def png_bytes(figure: Figure) -> bytes:
             buffer, format="png", dpi=PNG_DPI, metadata={"Software": None}
         )
     return buffer.getvalue()
-
-
-def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file in one go: to a temporary name first, then renamed.
-
-    Raises
-    ------
-    UserError
-        If the folder is read-only, the disk full or the path taken by a folder.
-    """
-    partial = path.with_name(path.name + ".partial")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        partial.write_bytes(content)
-        partial.replace(path)
-    except OSError as error:
-        raise UserError(
-            f"{path}: cannot be written ({error}); make room or mend its rights"
-        ) from error

@@ -14,6 +14,7 @@ from graph_planner.references import file_label
 from mjforage.core.errors import UserError
 from mjforage.core.vocabulary import METRICS, SERIES
 from mjforage.runs.episode_replay import Replay
+from mjforage.runs.parquet import read_parquet
 from mjforage.runs.run_info import REMEDY, RunInfo, again, load_run, read_json
 from mjforage.view.report import style
 
@@ -77,20 +78,6 @@ class RunLogs:
         return [agent.collects for agent in self.run.agents]
 
 
-def _scan(path: Path, columns: tuple[str, ...]) -> pl.LazyFrame:
-    """Open a Parquet file lazily and check that it has the columns."""
-    if not path.is_file():
-        raise UserError(f"{path}: file is missing; {REMEDY}")
-    frame = pl.scan_parquet(path, glob=False)
-    names = set(frame.collect_schema().names())
-    missing = [name for name in (*KEYS, *columns) if name not in names]
-    if missing:
-        raise UserError(
-            f"{path}: column '{missing[0]}' is missing, not a log of mjforage; {REMEDY}"
-        )
-    return frame.select(*KEYS, *columns)
-
-
 def read_columns(path: Path, columns: tuple[str, ...], lowest_only: bool = False) -> pl.DataFrame:
     """Columns of a table, beside world, policy and episode.
 
@@ -99,18 +86,8 @@ def read_columns(path: Path, columns: tuple[str, ...], lowest_only: bool = False
     UserError
         If the file is missing, truncated, or lacks a column.
     """
-    try:
-        frame = _scan(path, columns)
-        if lowest_only:
-            frame = frame.filter(
-                pl.col("episode") == pl.col("episode").min().over("world", "policy")
-            )
-        return frame.collect()
-    except (pl.exceptions.PolarsError, OSError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise UserError(
-            f"{path}: truncated or not Parquet ({reason}); delete it and {REMEDY}"
-        ) from error
+    lowest = pl.col("episode") == pl.col("episode").min().over("world", "policy")
+    return read_parquet(path, (*KEYS, *columns), lowest if lowest_only else None, REMEDY)
 
 
 def _numbers(path: Path, frame: pl.DataFrame, columns: tuple[str, ...]) -> pl.DataFrame:

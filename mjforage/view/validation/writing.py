@@ -13,13 +13,12 @@ import jinja2
 from markupsafe import Markup
 
 from mjforage.core.errors import UserError
+from mjforage.core.whole_files import write_bytes, write_json
 from mjforage.physics.callback import install
 from mjforage.physics.validation.finding import FAILED, PASSED, Finding, Measure, shown
-from mjforage.runs.storage import write_json
 from mjforage.view.report.all_figures import save_figure
 from mjforage.view.report.html import Shown, rich_text
 from mjforage.view.report.html import shown as embedded
-from mjforage.view.report.picture import write_bytes
 from mjforage.view.validation.curves_figure import draw
 
 CHIP_COLOURS = {PASSED: "#009E73", FAILED: "#C2255C"}

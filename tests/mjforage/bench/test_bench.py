@@ -16,11 +16,11 @@ def test_bench_measures_every_promised_figure(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(bench, "PHYSICS_S", 10.0)
     monkeypatch.setattr(bench, "PHYSICS_BATCH", 1)
     monkeypatch.setattr(bench, "MISSION", (2, 3))
-    monkeypatch.setattr(speeds, "LANES", 2)
+    monkeypatch.setattr(speeds, "ENVS", 2)
     monkeypatch.setattr(speeds, "STEPS", 3)
     monkeypatch.setattr(speeds, "ROUNDS", 1)
     monkeypatch.setattr(speeds, "UPDATES", 2)
-    monkeypatch.setattr(speeds, "SMALL", {"lanes": 1, "warmup": 100, "batch": 8})
+    monkeypatch.setattr(speeds, "SMALL", {"num_envs": 1, "warmup": 100, "batch": 8})
     measured: list[str] = []
     figures = bench.bench(measured.append)
     promised = {

@@ -1,13 +1,11 @@
-import dataclasses
-import math
 from pathlib import Path
 
 import pytest
 
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
+from mjforage.core.schema import rows
 from mjforage.physics.vessels import (
-    Control,
     ForceThruster,
     Propeller,
     Vessel,
@@ -147,7 +145,7 @@ def test_forager_is_an_otter_that_its_load_slows() -> None:
         (GOOD.replace(', source = "test" }\nbeam', " }\nbeam"), "length_m has value, unit; give"),
         (GOOD.replace('"test" }\nbeam', '" " }\nbeam'), "length_m has no source; say where 2"),
         (GOOD.replace("length_m", "lenght_m"), "unknown key lenght_m; did you mean length_m?"),
-        (GOOD.replace("lag_s", "# lag_s"), "missing lag_s; add it as the shipped vessels have it"),
+        (GOOD.replace("lag_s", "# lag_s"), "missing lag_s; add it, a number with unit"),
         (GOOD.replace('"force"', '"sail"'), "thruster.kind = 'sail'; choose propeller, force"),
         (GOOD.replace('kind = "force"\n', ""), "thruster.kind = ''; choose propeller, force"),
         (GOOD.replace('"force"', '"propeller"'), "unknown key thruster.max_ahead_newton"),
@@ -174,10 +172,10 @@ def test_unknown_vessels_are_refused(name: str) -> None:
         load_vessel(name)
 
 
-def test_every_number_of_the_shipped_files_is_checked_by_its_field() -> None:
-    """No float field lacks a unit, so that none can be read unchecked."""
-    for schema in (Vessel, Propeller, ForceThruster, Control):
-        for field in dataclasses.fields(schema):
-            if field.type in (float, "float"):
-                assert field.metadata["unit"]
-                assert math.isfinite(field.metadata["high"])
+def test_every_number_of_a_vessel_file_has_a_unit_a_range_and_a_sentence() -> None:
+    numbers = [row for row in rows(Vessel) if row.type == "a number"]
+    assert len(numbers) > 50
+    for row in numbers:
+        assert row.unit, row.key
+        assert row.range, row.key
+        assert row.sentence, row.key

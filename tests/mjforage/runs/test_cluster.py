@@ -210,42 +210,59 @@ class KilledWorker(Exception):  # noqa: N818 - as dask calls it
     pass
 
 
+class Done:
+    """Stands for what dask makes of futures: those that are not pending are handed out."""
+
+    def __init__(self, futures: list[SimpleNamespace], **options: bool) -> None:
+        self.ready = [future for future in futures if future.status != "pending"]
+
+    def has_ready(self) -> bool:
+        return bool(self.ready)
+
+    def __next__(self) -> tuple[SimpleNamespace, object]:
+        future = self.ready.pop(0)
+        return future, future.result
+
+
 @pytest.mark.parametrize(
-    ("status", "states", "words"),
+    ("status", "ends", "words"),
     [
-        ("closed", [], "scheduler tcp://host:1: connection lost; run the same command again"),
-        ("running", [("error", KilledWorker())], "killed several workers, perhaps for want of mem"),
+        ("closed", [("pending", None)], "scheduler tcp://host:1: connection lost; run the same"),
+        ("connecting", [("cancelled", None)], "scheduler tcp://host:1: connection lost; run the"),
         (
             "running",
-            [("finished", None), ("cancelled", None)],
-            "up by the cluster (cancelled)",
+            [("error", (KilledWorker, KilledWorker(), None))],
+            "given up by the cluster (it killed several workers, perhaps for want of memory); run",
         ),
+        (
+            "running",
+            [("finished", None), ("error", (OSError, OSError("no disk\nat all"), None))],
+            "given up by the cluster (OSError: no disk); run the same command again",
+        ),
+        ("running", [("finished", None), ("cancelled", None)], "up by the cluster (cancelled)"),
     ],
 )
-@pytest.mark.parametrize("background", [False, True])
 def test_what_will_never_be_done_ends_the_wait(
-    background: bool,
-    status: str,
-    states: list[tuple[str, Exception | None]],
-    words: str,
-    request: pytest.FixtureRequest,
+    status: str, ends: list[tuple[str, object]], words: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A shell's background jobs ignore the signal of Ctrl-C."""
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN if background else signal.SIG_DFL)
-    request.addfinalizer(lambda: signal.signal(signal.SIGINT, before))
+    futures = [SimpleNamespace(key=n, status=s, result=r) for n, (s, r) in enumerate(ends)]
     client = SimpleNamespace(
         status=status,
+        loop=None,
         scheduler=SimpleNamespace(address="tcp://host:1"),
-        futures={n: SimpleNamespace(status=s, exception=e) for n, (s, e) in enumerate(states)},
+        map=lambda function, *columns, pure: futures,
     )
-    with pytest.raises(UserError, match=re.escape(words)), cluster.watched(client):
-        wait_for(lambda: False, "the end of the wait")
+    monkeypatch.setattr("distributed.as_completed", Done)
+    finished: list[int] = []
+    with pytest.raises(UserError, match=re.escape(words)):
+        finished.extend(place for place, _ in cluster.finished(client, str, [(1,)] * len(ends)))
+    assert finished == [n for n, (end, _) in enumerate(ends) if end == "finished"]
 
 
 def test_a_scheduler_that_is_killed_on_the_way_is_named(
     start: Start, tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:
-    """A real one: joblib hears of it before the watch does."""
+    """A real one: dask hears of it while chunks are on their way."""
     address, programs = f"tcp://127.0.0.1:{unused_port()}", []
     for name, *flags in (
         ("dask_scheduler", "--host", address, "--no-dashboard"),
@@ -270,12 +287,6 @@ def test_a_scheduler_that_is_killed_on_the_way_is_named(
     _, err = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 2 and err.count("\n") == 1, err
     assert err.startswith("mjforage: ") and "finished chunks are kept" in err
-
-
-def test_an_interruption_stays_one() -> None:
-    client = SimpleNamespace(status="running", futures={})
-    with pytest.raises(KeyboardInterrupt), cluster.watched(client):
-        raise KeyboardInterrupt
 
 
 def test_one_worker_computes_too(start: Start, tmp_path: Path) -> None:

@@ -51,6 +51,7 @@ def test_another_seed_is_another_world(
 def test_a_run_folder_holds_what_it_should(finished: Path) -> None:
     names = {path.name for path in finished.iterdir()}
     assert names == {
+        ".lock",
         "run.json",
         "costs.json",
         "summary.json",

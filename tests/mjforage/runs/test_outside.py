@@ -10,11 +10,15 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import polars as pl
 import pytest
+from numpy.typing import NDArray
 
 from graph_planner.policies import register
 from graph_planner.policies.registry import POLICIES
+from graph_planner.randomness import UInt64Array
+from graph_planner.task import Observation, Task
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
@@ -210,10 +214,11 @@ def test_the_readmes_policy_runs_as_it_stands(folder: Path, start: Start) -> Non
 def test_a_policy_of_the_script_itself_needs_one_process(tmp_path: Path) -> None:
     @register("of-this-function")
     class Local:
-        pass
+        def reset(self, task: Task, keys: UInt64Array) -> None: ...
+        def act(self, observation: Observation) -> NDArray[np.float64]:
+            raise AssertionError
 
     setup = Setup.of(load_scenario("comb-port", ["horizon=4"]))
-    Local.reset = Local.act = lambda *_: None  # type: ignore[attr-defined]
     with pytest.raises(UserError, match=r"policy of-this-function: .*Local is defined in the scr"):
         evaluate(setup, ["of-this-function"], tmp_path / "run", workers=Workers(2))
     assert not (tmp_path / "run").exists()

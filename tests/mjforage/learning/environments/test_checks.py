@@ -22,7 +22,7 @@ def single(name: str) -> Any:
     return gymnasium.make(f"mjforage/{name}-v0", render_mode="rgb_array", **options).unwrapped
 
 
-def lanes(number: int) -> VectorEnv[Any, Any, Any]:
+def envs(number: int) -> VectorEnv[Any, Any, Any]:
     return gymnasium.make_vec(
         "mjforage/Foraging-v0",
         number,
@@ -70,8 +70,8 @@ def test_what_is_no_action_is_refused_and_not_played(name: str, action: Any, wor
         np.testing.assert_equal(one, two)
 
 
-def test_lanes_refuse_and_name_lane_and_agent() -> None:
-    env = lanes(2)
+def test_sub_environments_refuse_and_name_sub_environment_and_agent() -> None:
+    env = envs(2)
     env.reset(seed=0)
     actions = np.full((2, 4), 8)
     actions[1, 3] = 12
@@ -127,17 +127,17 @@ def test_an_episode_has_to_begin_first() -> None:
         single("Waypoint").builtin_pilot()
     with pytest.raises(UserError, match="step before the first reset"):
         mjforage.parallel_env(set=SHORT).step({})
-    env = lanes(2)
+    env = envs(2)
     with pytest.raises(UserError, match="step before the first reset"):
         env.step(np.full((2, 4), 8))
     with pytest.raises(UserError, match="render before the first reset"):
         env.render()
-    with pytest.raises(UserError, match="reset of some lanes before the first reset"):
+    with pytest.raises(UserError, match="reset of some sub-environments before the first reset"):
         env.reset(options={"reset_mask": np.array([True, False])})
 
 
-def test_seeds_of_lanes_come_in_any_sequence() -> None:
-    env = lanes(2)
+def test_seeds_of_sub_environments_come_in_any_sequence() -> None:
+    env = envs(2)
     whole, _ = env.reset(seed=np.int64(5))  # type: ignore[arg-type]
     for seeds in ([5, 6], (5, 6), np.array([5, 6])):
         each, _ = env.reset(seed=seeds)  # type: ignore[arg-type]
@@ -153,12 +153,15 @@ def test_seeds_of_lanes_come_in_any_sequence() -> None:
         ((1, -1), "seed[1] = -1: give a whole number from 0 to below 2**64, or None"),
         ([0.5, None], "seed[0] = 0.5: give a whole number"),
         (-1, "seed = -1: give a whole number"),
-        (2**64 - 1, "seed = 18446744073709551616: give a whole number"),  # of the second lane
+        (
+            2**64 - 1,
+            "seed = 18446744073709551616: give a whole number",
+        ),  # of the second sub-environment
     ],
 )
 def test_what_is_no_seed_is_refused(seed: Any, words: str) -> None:
     with pytest.raises(UserError) as raised:
-        lanes(2).reset(seed=seed)
+        envs(2).reset(seed=seed)
     assert words in str(raised.value)
 
 
@@ -172,7 +175,7 @@ def test_the_parallel_view_refuses_seeds_too(view: ForagingParallelEnv) -> None:
     "mask", [np.array([True]), np.ones(3, np.bool_), np.zeros(2, np.bool_), np.array([0, 1])]
 )
 def test_what_is_no_mask_is_refused(mask: NDArray[Any]) -> None:
-    env = lanes(2)
+    env = envs(2)
     env.reset(seed=0)
     with pytest.raises(UserError, match=r"reset_mask = .*: give 2 booleans, at least one of them"):
         env.reset(options={"reset_mask": mask})
@@ -198,7 +201,7 @@ def test_pictures_name_the_episode_that_they_show(monkeypatch: pytest.MonkeyPatc
     env.reset(seed=9)
     env.reset()
     env.render()
-    many = lanes(2)
+    many = envs(2)
     many.reset(seed=4)
     many.reset(options={"reset_mask": np.array([False, True])})
     many.render()

@@ -74,22 +74,24 @@ def test_a_seed_has_many_episodes() -> None:
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
-def test_lanes_are_single_environments_to_the_bit(mode: AutoresetMode) -> None:
+def test_sub_environments_are_single_environments_to_the_bit(mode: AutoresetMode) -> None:
     """Ends, final observations and rewards included: the bootstrap mask is what one env shows."""
-    lanes = 4
-    batch = gymnasium.make_vec(NAMES[0], lanes, scenario="published", set=FEW, autoreset_mode=mode)
+    num_envs = 4
+    batch = gymnasium.make_vec(
+        NAMES[0], num_envs, scenario="published", set=FEW, autoreset_mode=mode
+    )
     assert batch.metadata["autoreset_mode"] is mode
-    singles = [make(NAMES[0]) for _ in range(lanes)]
+    singles = [make(NAMES[0]) for _ in range(num_envs)]
     together, _ = batch.reset(seed=7)
     for i, env in enumerate(singles):
-        assert flat(env.reset(seed=7 + i)[0]) == lane(together, i)
-    random, again, ends = np.random.default_rng(0), [False] * lanes, 0
+        assert flat(env.reset(seed=7 + i)[0]) == of_env(together, i)
+    random, again, ends = np.random.default_rng(0), [False] * num_envs, 0
     for _ in range(60):
-        actions = random.integers(0, 9, (lanes, 4))
+        actions = random.integers(0, 9, (num_envs, 4))
         together, rewards, terminated, truncated, info = batch.step(actions)
         for i, env in enumerate(singles):
             if again[i]:
-                assert flat(env.reset()[0]) == lane(together, i)
+                assert flat(env.reset()[0]) == of_env(together, i)
                 assert rewards[i] == 0.0 and not terminated[i] and not truncated[i]
                 again[i] = False
                 continue
@@ -99,19 +101,19 @@ def test_lanes_are_single_environments_to_the_bit(mode: AutoresetMode) -> None:
                 ends += 1
                 if mode is AutoresetMode.SAME_STEP:
                     assert info["_final_obs"][i]
-                    assert flat(seen) == lane(info["final_obs"], i)
+                    assert flat(seen) == of_env(info["final_obs"], i)
                     seen, _ = env.reset()
                 else:
                     again[i] = True
-            assert flat(seen) == lane(together, i)
-    assert ends >= 2 * lanes
+            assert flat(seen) == of_env(together, i)
+    assert ends >= 2 * num_envs
 
 
-def lane(observation: dict[str, NDArray[Any]], i: int) -> bytes:
+def of_env(observation: dict[str, NDArray[Any]], i: int) -> bytes:
     return b"".join(observation[name][i].tobytes() for name in sorted(observation))
 
 
-def test_lanes_start_again_only_when_told_if_autoreset_is_off() -> None:
+def test_sub_environments_start_again_only_when_told_if_autoreset_is_off() -> None:
     batch = gymnasium.make_vec(
         NAMES[0], 2, scenario="published", set=("horizon=3",), autoreset_mode="Disabled"
     )
@@ -123,13 +125,13 @@ def test_lanes_start_again_only_when_told_if_autoreset_is_off() -> None:
     assert info["step"].tolist() == [0, 3]
 
 
-def test_physics_lanes_have_missions_of_their_own() -> None:
+def test_physics_sub_environments_have_missions_of_their_own() -> None:
     batch = gymnasium.make_vec(NAMES[0], 2, world="physics", set=("horizon=4",))
     single = make(NAMES[0], scenario="comb-port", world="physics", set=("horizon=4",))
     together, _ = batch.reset(seed=1)
-    assert flat(single.reset(seed=2)[0]) == lane(together, 1)
+    assert flat(single.reset(seed=2)[0]) == of_env(together, 1)
     actions = np.full((2, 4), 2)
-    assert flat(single.step(actions[1])[0]) == lane(batch.step(actions)[0], 1)
+    assert flat(single.step(actions[1])[0]) == of_env(batch.step(actions)[0], 1)
 
 
 PLACES = [

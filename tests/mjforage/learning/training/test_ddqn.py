@@ -1,21 +1,25 @@
 """The algorithm on problems whose values are known."""
 
+import itertools
+
 import numpy as np
 import pytest
 import torch
 
 from graph_planner.encodings import Shapes
 from mjforage.learning.training.ddqn import Learner, lead_lacking
-from mjforage.learning.training.replay import FINAL, PLAYED, Batch
-from mjforage.learning.training.settings import Settings, changed
+from mjforage.learning.training.hyperparameters import Hyperparameters, changed
+from mjforage.learning.training.replay_memory import FINAL, PLAYED, Batch
+
+pytestmark = pytest.mark.every_capability
 
 SHAPES: Shapes = {"x": (2,)}
 
 
-def learner(**changes: object) -> Learner:
+def learner(seed: int = 0, **changes: object) -> Learner:
     plain = {"n_step": 1, "gamma": 0.5, "learning_rate": 1e-2}
-    settings = changed(Settings(), plain | changes)
-    return Learner(SHAPES, 1, settings, seed=0)
+    hyperparameters = changed(Hyperparameters(), plain | changes)
+    return Learner(SHAPES, 1, hyperparameters, seed)
 
 
 def batch(legal: list[int], discount: float = 0.5, shown: tuple[int, ...] = ()) -> Batch:
@@ -89,28 +93,37 @@ def test_any_of_the_shown_moves_may_lead() -> None:
     torch.testing.assert_close(nothing, torch.zeros(2))
 
 
-def test_it_learns_the_values_of_a_chain() -> None:
-    """Two states: move 1 in the first earns 1 and leads on, where move 2 earns 2 and ends."""
-    one, random = learner(batch=32, target_rate=0.1), np.random.default_rng(0)
+UPDATES = 400
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_it_learns_the_values_of_a_chain(seed: int) -> None:
+    """Two states: move 1 in the first earns 1 and leads on, where move 2 earns 2 and ends.
+
+    Every pair of moves is played five times, so that no seed decides what there is to learn from,
+    and the learning rate falls, so that what is left at the end is no swing of the last updates:
+    24 seeds, with two sets of the processor's instructions each, came within 0.003.
+    """
+    one = learner(seed, batch=32, target_rate=0.1, rate_updates=UPDATES)
+    random = np.random.default_rng(seed)
     first, second = np.array([[255, 0]], np.uint8), np.array([[0, 255]], np.uint8)
     legal, nothing = np.ones((1, 9), np.bool_), np.zeros((1, 9), np.bool_)
-    for _ in range(150):
-        a, b = random.integers(0, 9, 2)
-        one.replay.open({"x": first}, legal, np.array([PLAYED], np.uint8))
-        one.replay.close(np.array([a]), nothing, np.array([float(a == 1)]), np.array([a != 1]))
+    for a, b in random.permutation(5 * list(itertools.product(range(9), repeat=2))):
+        one.memory.open({"x": first}, legal, np.array([PLAYED], np.uint8))
+        one.memory.close(np.array([a]), nothing, np.array([float(a == 1)]), np.array([a != 1]))
         if a == 1:
-            one.replay.open({"x": second}, legal, np.array([PLAYED], np.uint8))
-            one.replay.close(np.array([b]), nothing, np.array([2.0 * (b == 2)]), np.array([True]))
-        one.replay.open({"x": second}, legal, np.array([FINAL], np.uint8))
-        one.replay.finish()
-    for _ in range(400):
-        drawn = one.replay.draw(32, 0.5, random)
+            one.memory.open({"x": second}, legal, np.array([PLAYED], np.uint8))
+            one.memory.close(np.array([b]), nothing, np.array([2.0 * (b == 2)]), np.array([True]))
+        one.memory.open({"x": second}, legal, np.array([FINAL], np.uint8))
+        one.memory.finish()
+    for _ in range(UPDATES):
+        drawn = one.memory.draw(32, 0.5, random)
         _, errors = one.learn(drawn)
-        one.replay.reprioritise(drawn.rows, errors, 0.6)
+        one.memory.reprioritise(drawn.rows, errors, 0.6)
     values = one.values({"x": np.concatenate((first, second))})
     assert values.argmax(axis=1).tolist() == [1, 2]
-    assert values[1, 2] == pytest.approx(2.0, abs=0.25)
-    assert values[0, 1] == pytest.approx(1.0 + 0.5 * 2.0, abs=0.3)
+    assert values[1, 2] == pytest.approx(2.0, abs=0.1)
+    assert values[0, 1] == pytest.approx(1.0 + 0.5 * 2.0, abs=0.1)
 
 
 def test_the_learning_rate_falls_to_a_tenth() -> None:

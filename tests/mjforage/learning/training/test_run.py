@@ -22,14 +22,14 @@ from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.training import run
 from mjforage.learning.training.checkpoint import save_checkpoint
+from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.run import train
-from mjforage.learning.training.settings import Settings, changed
-from mjforage.learning.training.training import Progress, Trainer, save_weights
-from mjforage.runs.storage import claimed
+from mjforage.learning.training.trainer import Progress, Trainer, save_weights
+from mjforage.runs.lock import claimed
 
 TINY = {
-    "lanes": 3,
+    "num_envs": 3,
     "capacity": 1000,
     "batch": 16,
     "warmup": 40,
@@ -43,8 +43,8 @@ def scenario() -> Scenario:
     return load_scenario("published", ("horizon=12",))
 
 
-def settings(**changes: object) -> Settings:
-    return changed(Settings(), TINY | changes)
+def hyperparameters(**changes: object) -> Hyperparameters:
+    return changed(Hyperparameters(), TINY | changes)
 
 
 def state(trainer: Trainer) -> dict[str, torch.Tensor]:
@@ -67,11 +67,12 @@ def assert_same(one: Trainer, other: Trainer) -> None:
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Trainer]:
     folder = tmp_path_factory.mktemp("train") / "run"
-    return folder, train(scenario(), settings(), folder, seed=3, updates=40)
+    return folder, train(scenario(), hyperparameters(), folder, seed=3, updates=40)
 
 
+@pytest.mark.every_capability
 def test_one_seed_gives_the_same_weights(finished: tuple[Path, Trainer], tmp_path: Path) -> None:
-    again = train(scenario(), settings(), tmp_path / "again", seed=3, updates=40)
+    again = train(scenario(), hyperparameters(), tmp_path / "again", seed=3, updates=40)
     assert_same(finished[1], again)
     for name in ("weights", "best"):
         first, second = (f / f"{name}.safetensors" for f in (finished[0], tmp_path / "again"))
@@ -79,18 +80,19 @@ def test_one_seed_gives_the_same_weights(finished: tuple[Path, Trainer], tmp_pat
     for path in (tmp_path / "a", tmp_path / "b"):
         save_checkpoint(again, path)
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
-    other = train(scenario(), settings(), tmp_path / "other", seed=4, updates=15)
+    other = train(scenario(), hyperparameters(), tmp_path / "other", seed=4, updates=15)
     assert not torch.equal(
         state(other)["scout.online.trunk.0.bias"], state(again)["scout.online.trunk.0.bias"]
     )
 
 
+@pytest.mark.every_capability
 def test_n_and_m_updates_are_n_stop_resume_m(
     finished: tuple[Path, Trainer], tmp_path: Path
 ) -> None:
     folder = tmp_path / "run"
-    train(scenario(), settings(), folder, seed=3, updates=20)
-    resumed = train(scenario(), settings(), folder, seed=3, updates=40)
+    train(scenario(), hyperparameters(), folder, seed=3, updates=20)
+    resumed = train(scenario(), hyperparameters(), folder, seed=3, updates=40)
     assert_same(finished[1], resumed)
     for name in ("training", "evaluations"):
         whole, parts = (pl.read_parquet(f / f"{name}.parquet") for f in (finished[0], folder))
@@ -130,8 +132,8 @@ def test_a_killed_run_goes_on_from_its_checkpoint(
     with monkeypatch.context() as patch:
         patch.setattr(place, name, dying)
         with pytest.raises(KeyboardInterrupt):
-            train(scenario(), settings(), folder, seed=3, updates=40)
-    assert_same(finished[1], train(scenario(), settings(), folder, seed=3, updates=40))
+            train(scenario(), hyperparameters(), folder, seed=3, updates=40)
+    assert_same(finished[1], train(scenario(), hyperparameters(), folder, seed=3, updates=40))
     for table in ("training", "evaluations"):
         whole, parts = (pl.read_parquet(f / f"{table}.parquet") for f in (finished[0], folder))
         assert whole.drop("seconds").equals(parts.drop("seconds"), null_equal=True)
@@ -142,10 +144,10 @@ def test_what_a_run_leaves_behind(finished: tuple[Path, Trainer]) -> None:
     names = {path.name for path in folder.iterdir()}
     assert names == {
         *("training.json", "training.parquet", "evaluations.parquet", "tensorboard"),
-        *("checkpoint.safetensors", "weights.safetensors", "best.safetensors"),
+        *("checkpoint.safetensors", "weights.safetensors", "best.safetensors", ".lock"),
     }
     facts = json.loads((folder / "training.json").read_text())
-    assert facts["seed"] == 3 and facts["settings"]["lanes"] == 3
+    assert facts["seed"] == 3 and facts["hyperparameters"]["num_envs"] == 3
     rows = pl.read_parquet(folder / "training.parquet")
     assert rows.height == trainer.progress.rounds
     assert {"return_scout", "return_forager", "loss", "pta_c", "seconds"} <= set(rows.columns)
@@ -180,77 +182,81 @@ def test_trained_weights_are_a_policy_by_their_file_name(
 
 
 def test_a_teacher_is_followed(tmp_path: Path) -> None:
-    """Shown moves are stored for every decision, and its lanes play them."""
-    trainer = Trainer([scenario()], settings(teacher="greedy", teacher_updates=1000), seed=0)
+    """Shown moves are stored for every decision, and its sub-environments play them."""
+    trainer = Trainer([scenario()], hyperparameters(teacher="greedy", teacher_updates=1000), seed=0)
     trainer.play_round()
     for learner in trainer.learners.values():
-        replay = learner.replay
+        replay = learner.memory
         rows = replay.tree[replay.tree.size // 2 :][: replay.kind.size] > 0
         shown, moves = replay.shown[: replay.kind.size][rows], replay.moves[rows].astype(np.int64)
         assert shown.any(axis=1).all()
         same = np.take_along_axis(shown, moves[:, None], axis=1)
-        assert same.mean() > 0.8  # the first lanes are all the teacher's
+        assert same.mean() > 0.8  # the first ones are all the teacher's
 
 
 def test_rounds_take_scenarios_in_turn(tmp_path: Path) -> None:
     other = load_scenario("open-bay", ("horizon=12",))
-    trainer = Trainer([scenario(), other], settings(), seed=0)
+    trainer = Trainer([scenario(), other], hyperparameters(), seed=0)
     nodes = set()
     for _ in range(2):
         trainer.play_round()
         nodes.add(len(trainer.game.setup.graph))
     assert nodes == {len(game.setup.graph) for game in trainer.games} and len(nodes) == 2
-    train(scenario(), settings(), tmp_path, also=[other], updates=1)
+    train(scenario(), hyperparameters(), tmp_path, also=[other], updates=1)
     with pytest.raises(UserError, match=r"also is .* there and .* here"):
-        train(scenario(), settings(), tmp_path, updates=1)
+        train(scenario(), hyperparameters(), tmp_path, updates=1)
     with pytest.raises(UserError, match="scenarios published and comb-port: fleets or arrays"):
-        Trainer([scenario(), load_scenario("comb-port", ("team.scouts.count=1",))], settings())
+        Trainer(
+            [scenario(), load_scenario("comb-port", ("team.scouts.count=1",))], hyperparameters()
+        )
 
 
 def test_ends_and_folders_are_checked(
     finished: tuple[Path, Trainer], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with pytest.raises(UserError, match="no end given; add --hours 2 or --updates 10000"):
-        train(scenario(), settings(), tmp_path)
+        train(scenario(), hyperparameters(), tmp_path)
     copy = tmp_path / "copy"
     shutil.copytree(finished[0], copy)
     with pytest.raises(UserError, match=r"holds another training: seed is 3 there and 5 here"):
-        train(scenario(), settings(), copy, seed=5, updates=1)
-    with pytest.raises(UserError, match=r"settings.batch is 16 there and 8 here"):
-        train(scenario(), settings(batch=8), copy, seed=3, updates=1)
+        train(scenario(), hyperparameters(), copy, seed=5, updates=1)
+    with pytest.raises(UserError, match=r"hyperparameters.batch is 16 there and 8 here"):
+        train(scenario(), hyperparameters(batch=8), copy, seed=3, updates=1)
     with pytest.raises(UserError, match=r"scenario.horizon is 12 there and 13 here"):
-        train(load_scenario("published", ("horizon=13",)), settings(), copy, seed=3, updates=1)
+        train(
+            load_scenario("published", ("horizon=13",)), hyperparameters(), copy, seed=3, updates=1
+        )
     monkeypatch.setattr(run, "_device", lambda name: "meta")
     with pytest.raises(UserError, match=r"device is .cpu. there and .meta. here"):
-        train(scenario(), settings(), copy, seed=3, updates=1)
+        train(scenario(), hyperparameters(), copy, seed=3, updates=1)
     monkeypatch.undo()
     (copy / "evaluations.parquet").write_bytes(b"none")
-    with pytest.raises(UserError, match=r"evaluations.parquet: not a table of training"):
-        train(scenario(), settings(), copy, seed=3, updates=1)
+    with pytest.raises(UserError, match=r"evaluations.parquet: missing, truncated or not Parquet"):
+        train(scenario(), hyperparameters(), copy, seed=3, updates=1)
     shutil.copy(copy / "weights.safetensors", copy / "checkpoint.safetensors")
     with pytest.raises(UserError, match="format 'mjforage dueling q-network 1', expected"):
-        train(scenario(), settings(), copy, seed=3, updates=1)
+        train(scenario(), hyperparameters(), copy, seed=3, updates=1)
     (copy / "checkpoint.safetensors").write_bytes(b"none")
     with pytest.raises(UserError, match="cannot be read"):
-        train(scenario(), settings(), copy, seed=3, updates=1)
+        train(scenario(), hyperparameters(), copy, seed=3, updates=1)
     with pytest.raises(UserError, match="--device tpu: choose auto, cpu or cuda"):
-        train(scenario(), settings(), tmp_path, updates=1, device="tpu")
+        train(scenario(), hyperparameters(), tmp_path, updates=1, device="tpu")
     with claimed(copy), pytest.raises(UserError, match="another process is writing this run"):
-        train(scenario(), settings(), copy, seed=3, updates=1)
+        train(scenario(), hyperparameters(), copy, seed=3, updates=1)
 
 
 def test_a_folder_is_its_trainings_from_the_start(tmp_path: Path) -> None:
     """Before the first checkpoint, and beside what something else has written."""
     with pytest.MonkeyPatch.context() as patch, pytest.raises(KeyboardInterrupt):
         patch.setattr(Trainer, "play_round", Mock(side_effect=KeyboardInterrupt))
-        train(scenario(), settings(), tmp_path / "run", seed=3, updates=1)
+        train(scenario(), hyperparameters(), tmp_path / "run", seed=3, updates=1)
     with pytest.raises(UserError, match="holds another training: seed is 3 there and 4 here"):
-        train(scenario(), settings(), tmp_path / "run", seed=4, updates=1)
+        train(scenario(), hyperparameters(), tmp_path / "run", seed=4, updates=1)
     other = tmp_path / "other"
     other.mkdir()
     (other / "run.json").write_text("{}")
     with pytest.raises(UserError, match=r"holds run.json but no training.json"):
-        train(scenario(), settings(), other, updates=1)
+        train(scenario(), hyperparameters(), other, updates=1)
     assert [path.name for path in other.iterdir()] == ["run.json"]
 
 
@@ -274,7 +280,7 @@ def test_hours_count_evaluations(tmp_path: Path) -> None:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Trainer, "evaluate", slow)
-        done = train(scenario(), settings(evaluate_every=1), tmp_path, updates=10)
+        done = train(scenario(), hyperparameters(evaluate_every=1), tmp_path, updates=10)
     rounds, found = (
         pl.read_parquet(tmp_path / f"{name}.parquet") for name in ("training", "evaluations")
     )
@@ -286,7 +292,7 @@ def test_hours_count_evaluations(tmp_path: Path) -> None:
 
 def test_a_team_without_agents_has_no_weights(tmp_path: Path) -> None:
     alone = load_scenario("published", ("horizon=12", "team.scouts.count=0", "map.starts=[]"))
-    train(alone, settings(), tmp_path, updates=1)
+    train(alone, hyperparameters(), tmp_path, updates=1)
     mission = Mission(Setup.of(alone))
     mission.reset(0, np.arange(1))
     mission.run(QPolicy(tmp_path / "weights.safetensors"))
@@ -307,20 +313,20 @@ def test_files_that_cannot_be_written_are_named(
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"batchsize": 3}, "batchsize: unknown setting"),
-        ({"batch": 1.5}, "batch = 1.5: expected int"),
-        ({"gamma": 2}, "gamma = 2.0: out of range; give 0 to 1"),
+        ({"batchsize": 3}, "unknown key batchsize; did you mean batch"),
+        ({"batch": 1.5}, "batch = 1.5, expected an integer"),
+        ({"gamma": 2}, "--learning: gamma = 2 is out of range; give 0 to 1"),
         ({"reward.removd": 2.0}, "reward removd: unknown term; did you mean removed"),
         ({"warmup": 1001}, "warmup = 1001: the replay holds only capacity = 1000"),
-        ({"updates_per_step": 0}, "updates_per_step = 0.0: out of range"),
-        ({"gamma": float("nan")}, "gamma = nan: out of range"),
+        ({"updates_per_step": 0}, "updates_per_step = 0 is out of range"),
+        ({"gamma": float("nan")}, "gamma = nan is out of range"),
         ({"teacher": "belief"}, "teacher = 'belief', teacher_updates = 0: give both"),
         ({"teacher_updates": 9}, "teacher = '', teacher_updates = 9: give both"),
     ],
 )
 def test_settings_are_checked(changes: dict[str, object], words: str) -> None:
     with pytest.raises(UserError, match=words):
-        settings(**changes)
+        hyperparameters(**changes)
 
 
 @pytest.mark.parametrize(
@@ -339,13 +345,13 @@ def test_ends_and_seeds_are_checked_before_a_folder_is_made(
     end: dict[str, Any], words: str, tmp_path: Path
 ) -> None:
     with pytest.raises(UserError, match=words):
-        train(scenario(), settings(), tmp_path / "run", **end)
+        train(scenario(), hyperparameters(), tmp_path / "run", **end)
     assert not (tmp_path / "run").exists()
 
 
 def test_a_full_replay_ends_the_warm_up() -> None:
     """A replay has room for rows that no update can draw, so it may never hold `warmup`."""
-    trainer = Trainer([scenario()], settings(warmup=1000), seed=0)
+    trainer = Trainer([scenario()], hyperparameters(warmup=1000), seed=0)
     while not trainer.progress.updates and trainer.progress.rounds < 60:
         trainer.play_round()
     assert trainer.progress.updates > 0
@@ -369,5 +375,5 @@ def test_the_command_line_names_what_is_wrong(refused: Callable[..., str], tmp_p
     assert "policy foo: unknown" in words
     assert not (tmp_path / "run").exists()
     assert "expected KEY=VALUE" in refused(
-        "train", "ddqn", "--learning", "lanes", "--out", tmp_path
+        "train", "ddqn", "--learning", "num_envs", "--out", tmp_path
     )

@@ -34,6 +34,7 @@ def scores(setup: Setup, policy: str, episodes: int) -> dict[str, float]:
     return {name: float(np.nanmean(found[name])) for name in (*PAPER, *PAPER_LOW)}
 
 
+@pytest.mark.every_capability
 @pytest.mark.parametrize("name", SHIPPED)
 def test_they_beat_greedy_by_the_published_rules(published: Setup, name: str) -> None:
     learned, greedy = scores(published, name, 40), scores(published, "greedy", 40)
@@ -59,6 +60,7 @@ def test_they_work_on_other_maps_and_fleets() -> None:
             assert scores(setup, name, 4)["pta_c"] > scores(setup, "random", 4)["pta_c"]
 
 
+@pytest.mark.every_capability
 def test_decisions_do_not_depend_on_the_batch(published: Setup) -> None:
     nodes = []
     for episodes in (np.arange(5), np.array([3])):

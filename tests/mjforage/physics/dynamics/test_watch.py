@@ -7,17 +7,21 @@ from mjforage.core.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.physics.dynamics.watch import (
     PROPELLER_DISC_M2,
     WATER_DENSITY_KGPM3,
+    Harbour,
+    Motion,
+    Tick,
     Watched,
     judge,
     propeller_power,
     watch,
 )
-from mjforage.physics.hydrodynamics.parameters import pack
+from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.vessels import load_vessel
 
 OTTER = load_vessel("otter")
 OPEN = np.pad(np.arange(25, dtype=np.int32).reshape(5, 5), 1, constant_values=-1)
 ON = np.ones(1, np.bool_)
+HARBOUR = Harbour(pack_fleet([OTTER]), np.array([[1.0, 0.54]]), OPEN, 4.0, 0.1)
 
 
 def noted(
@@ -36,23 +40,15 @@ def noted(
     before = pose - [0.1 * speed, 0.0, 0.0]
     velocity = np.array([[[speed, 0.0, 0.0]]])
     for _ in range(ticks):
-        watch(
-            ON,
-            0.1,
-            pose,
-            velocity,
-            before,
-            velocity,
-            np.array([[target]]),
-            np.full((1, 1), giving_way),
-            np.array([[[water, 0.0]]]),
-            np.full((1, 1, 2), lagged),
-            pack(OTTER)[None],
-            np.array([[1.0, 0.54]]),
-            OPEN,
-            4.0,
-            seen,
+        tick = Tick(
+            before=Motion(before, velocity),
+            after=Motion(pose, velocity),
+            target=np.array([[target]]),
+            giving_way=np.full((1, 1), giving_way),
+            water=np.array([[[water, 0.0]]]),
+            lagged=np.full((1, 1, 2), lagged),
         )
+        watch(ON, tick, HARBOUR, seen)
 
 
 def outcome(seen: Watched, *, no_move: bool = False) -> int:

@@ -137,7 +137,7 @@ def test_other_tables_are_refused(tmp_path: Path, text: str) -> None:
 
 def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
     run = run_manoeuvre(OTTER, AHEAD, duration_s=0.1)
-    with pytest.raises(UserError, match=r"cannot be written .*; name a file in a folder"):
+    with pytest.raises(UserError, match=r"cannot be written .*; give a place in a folder"):
         write_trajectory(run, tmp_path / "none" / "way.csv")
 
 

@@ -11,7 +11,7 @@ from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
 from mjforage.core.maps import load_map
 from mjforage.physics.callback.model_layout import HEADER, MAGIC
-from mjforage.physics.hydrodynamics.parameters import SIZE, pack
+from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.scene import build_scene, check_passages
 from mjforage.physics.vessels import load_vessel, vessel_names
 
@@ -27,10 +27,8 @@ def model() -> mujoco.MjModel:
 
 def test_the_callback_finds_its_numbers_first(model: mujoco.MjModel) -> None:
     assert model.numeric_data[:4].tolist() == [MAGIC, 2, 7, 5]
-    np.testing.assert_array_equal(model.numeric_data[HEADER : HEADER + SIZE], pack(SCOUT))
-    np.testing.assert_array_equal(
-        model.numeric_data[HEADER + SIZE : HEADER + 2 * SIZE], pack(FORAGER)
-    )
+    fleet = pack_fleet([SCOUT, FORAGER]).view(np.float64)
+    np.testing.assert_array_equal(model.numeric_data[HEADER:][: fleet.size], fleet)
 
 
 def test_rows_of_the_mass_matrix_hold_what_the_callback_writes(model: mujoco.MjModel) -> None:

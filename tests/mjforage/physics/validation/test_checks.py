@@ -13,8 +13,8 @@ import pytest
 
 from mjforage.physics import callback
 from mjforage.physics.callback import Route
-from mjforage.physics.callback.model_layout import HEADER, ITEM_AIR, N_VESSELS
-from mjforage.physics.hydrodynamics import parameters as P  # noqa: N812 - a table of index constants
+from mjforage.physics.callback.model_layout import HEADER, HULL_WIDTH, ITEM_AIR, N_VESSELS
+from mjforage.physics.hydrodynamics.parameters import HULL
 from mjforage.physics.simulation import InstabilityError, Integrator, mujoco_hull, simulation
 from mjforage.physics.validation import Finding, repeats, rest, run_checks
 from mjforage.physics.validation.registry import check_names
@@ -41,12 +41,14 @@ def test_planar_hulls_have_no_roll_to_check() -> None:
     assert of("roll-pitch-heave").status == "does not apply"
 
 
-def scaled(index: int, factor: float) -> Fault:
+def scaled(name: str, factor: float) -> Fault:
     """One parameter of every vessel times a factor."""
 
     def fault(model: mujoco.MjModel) -> None:
         for v in range(int(model.numeric_data[N_VESSELS])):
-            model.numeric_data[HEADER + v * P.SIZE + index] *= factor
+            start = HEADER + v * HULL_WIDTH
+            hull = model.numeric_data[start : start + HULL_WIDTH].view(HULL)
+            hull[name] *= factor
 
     return fault
 
@@ -74,18 +76,18 @@ def crude(model: mujoco.MjModel) -> None:
 
 def draughty(model: mujoco.MjModel) -> None:
     """Items catch a quarter more of the wind."""
-    start = HEADER + int(model.numeric_data[N_VESSELS]) * P.SIZE + ITEM_AIR
+    start = HEADER + int(model.numeric_data[N_VESSELS]) * HULL_WIDTH + ITEM_AIR
     model.numeric_data[start::3] *= 1.25
 
 
 FAULTS: dict[str, Fault] = {
     "rest": pulled,
-    "energy": scaled(P.LINEAR_SWAY, -1.0),
-    "straight": scaled(P.ADDED_SURGE, 0.5),
-    "speeds": scaled(P.K_AHEAD, 0.9),
-    "turning-circle": scaled(P.ADDED_SWAY, 0.95),
-    "zigzag": scaled(P.ADDED_YAW, 0.9),
-    "crash-stop": scaled(P.K_ASTERN, 0.95),
+    "energy": scaled("linear_sway", -1.0),
+    "straight": scaled("added_surge", 0.5),
+    "speeds": scaled("k_ahead", 0.9),
+    "turning-circle": scaled("added_sway", 0.95),
+    "zigzag": scaled("added_yaw", 0.9),
+    "crash-stop": scaled("k_astern", 0.95),
     "galilean": moored,
     "heading": pulled,
     "current": moored,
@@ -93,10 +95,10 @@ FAULTS: dict[str, Fault] = {
     "step-halving": crude,
     "fast-reference": crude,
     "determinism": different,
-    "endurance": scaled(P.LINEAR_SWAY, -1e3),
+    "endurance": scaled("linear_sway", -1e3),
     "quay-force": pulled,
-    "ramming": scaled(P.ADDED_SWAY, 0.5),
-    "added-mass": scaled(P.ADDED_SWAY, 0.9),
+    "ramming": scaled("added_sway", 0.5),
+    "added-mass": scaled("added_sway", 0.9),
 }
 
 

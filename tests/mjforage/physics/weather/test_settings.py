@@ -1,4 +1,3 @@
-import dataclasses
 from typing import Any
 
 import numpy as np
@@ -6,6 +5,7 @@ import pytest
 
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Weather
+from mjforage.core.schema import rows
 from mjforage.physics.weather.settings import WeatherSettings
 
 
@@ -33,11 +33,14 @@ def test_bad_values_are_named(name: str, value: Any, fault: str) -> None:
 
 
 def test_every_number_has_a_range_and_keeps_to_it() -> None:
-    for entry in dataclasses.fields(WeatherSettings):
-        for bound in (entry.metadata["low"], entry.metadata["high"]):
-            assert getattr(WeatherSettings(**{entry.name: bound}), entry.name) == bound
-        with pytest.raises(UserError, match=entry.name):
-            WeatherSettings(**{entry.name: np.nextafter(entry.metadata["high"], np.inf)})
+    for row in rows(WeatherSettings):
+        low, high = map(float, row.range.split(" to "))
+        for bound in (low, high):
+            allowed: dict[str, Any] = {row.key: bound}
+            assert getattr(WeatherSettings(**allowed), row.key) == bound
+        beyond: dict[str, Any] = {row.key: np.nextafter(high, np.inf)}
+        with pytest.raises(UserError, match=row.key):
+            WeatherSettings(**beyond)
 
 
 def test_integers_become_floats() -> None:

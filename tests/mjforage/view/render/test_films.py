@@ -32,7 +32,7 @@ def test_only_the_graph_world_from_above_is_plain_drawing() -> None:
 
 @pytest.mark.usefixtures("blind")
 def test_plain_drawing_needs_no_opengl_and_the_rest_says_so(replay: Replay, tmp_path: Path) -> None:
-    assert render_replay(replay, tmp_path / "a.png", width=480) == 1
+    assert render_replay(replay, tmp_path / "a.png", size=(480, None)) == 1
     with pytest.raises(UserError, match="neither EGL nor OSMesa"):
         render_replay(replay, tmp_path / "b.png", camera="overview")
     assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
@@ -42,11 +42,11 @@ def test_plain_drawing_needs_no_opengl_and_the_rest_says_so(replay: Replay, tmp_
     ("options", "message"),
     [
         ({"camera": "front"}, "camera front: unknown; choose overview, chase, top, scout"),
-        ({"width": 10}, "width 10: must be 320 to 7680"),
-        ({"height": 480}, "height 480: the drawing from above finds its own"),
+        ({"size": (10, None)}, "width 10: must be 320 to 7680"),
+        ({"size": (None, 480)}, "height 480: the drawing from above finds its own"),
         ({"follow": "scouts-0"}, "follow scouts-0: camera top follows nobody"),
-        ({"camera": "overview", "width": 20}, "width 20: must be 64 to 3840 pixels"),
-        ({"camera": "chase", "height": 9000}, "height 9000: must be 64 to 2160 pixels"),
+        ({"camera": "overview", "size": (20, None)}, "width 20: must be 64 to 3840 pixels"),
+        ({"camera": "chase", "size": (None, 9000)}, "height 9000: must be 64 to 2160 pixels"),
     ],
 )
 def test_bad_options_are_named(
@@ -60,6 +60,6 @@ def test_bad_options_are_named(
 def test_the_plain_drawing_is_the_top_view(replay: Replay, tmp_path: Path) -> None:
     from PIL import Image as PilImage
 
-    render_replay(replay, tmp_path / "a.png", width=480, start_s=15.0)
+    render_replay(replay, tmp_path / "a.png", size=(480, None), start_s=15.0)
     shown = np.asarray(PilImage.open(tmp_path / "a.png"))
     np.testing.assert_array_equal(shown, TopView(replay, 480).frame(1.5))

@@ -157,7 +157,7 @@ def test_films_series_and_pictures_are_written(
     physics: Replay, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     seen: list[tuple[int, int]] = []
-    options: dict[str, Any] = {"width": 128, "height": 96, "start_s": 10.0, "fps": 2.0}
+    options: dict[str, Any] = {"size": (128, 96), "start_s": 10.0, "fps": 2.0}
     film = tmp_path / "film.mp4"
     count = render_replay(
         physics,

@@ -46,7 +46,7 @@ def test_last_frame_is_the_last_step_and_never_beyond(replay: Replay) -> None:
         ({"speed": 0.0}, "speed 0: must be over 0"),
         ({"speed": -1.0}, "speed -1"),
         ({"fps": -5.0}, "fps -5: must be over 0"),
-        ({"width": 10}, "width 10: must be 320 to 7680"),
+        ({"size": (10, None)}, "width 10: must be 320 to 7680"),
     ],
 )
 def test_bad_options_are_named(
@@ -65,7 +65,7 @@ def test_film_has_the_promised_frames_and_reports_progress(replay: Replay, tmp_p
         start_s=20.0,
         duration_s=20.0,
         fps=10.0,
-        width=480,
+        size=(480, None),
         progress=lambda done, total: seen.append((done, total)),
     )
     assert seen == [(done, 6) for done in range(1, 7)]
@@ -79,6 +79,6 @@ def test_film_has_the_promised_frames_and_reports_progress(replay: Replay, tmp_p
 
 def test_png_shows_the_start(replay: Replay, tmp_path: Path) -> None:
     path = tmp_path / "view.png"
-    assert render_replay(replay, path, start_s=35.0, width=480) == 1
+    assert render_replay(replay, path, start_s=35.0, size=(480, None)) == 1
     shown = np.asarray(PilImage.open(path))
     np.testing.assert_array_equal(shown, TopView(replay, 480).frame(3.5))

@@ -13,6 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.core.vocabulary import METRICS, SERIES
+from mjforage.core.whole_files import write_bytes
 from mjforage.runs.episode_replay import Replay
 
 FLOATS = tuple(METRICS)
@@ -257,6 +258,9 @@ def _replay(
         world=world,
         policy=policy,
         episode=episode,
+        t_discovered=np.where(
+            (seen | gone)[: length + 1].any(axis=0), (seen | gone)[: length + 1].argmax(axis=0), -1
+        ).astype(np.int16),
     )
 
 
@@ -352,7 +356,9 @@ def build(folder: Path, plan: Plan) -> Path:
                 for name, rows in made.tables.items():
                     tables[name] += rows
                 if episode == 0 and policy in (plan.replays or plan.policies):
-                    made.replay.save(folder / "replay" / f"{world}-{policy}-0.npz")
+                    write_bytes(
+                        folder / "replay" / f"{world}-{policy}-0.npz", made.replay.content()
+                    )
     frames = {
         name: pl.DataFrame(
             rows, infer_schema_length=None, schema_overrides=NULLABLE if name == "items" else None

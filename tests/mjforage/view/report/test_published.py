@@ -8,9 +8,9 @@ from metrics import marginal_contribution
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.vocabulary import describe
+from mjforage.core.whole_files import write_json
 from mjforage.runs.identity import run_info
 from mjforage.runs.run_info import load_run
-from mjforage.runs.storage import write_json
 from mjforage.view.report.published import PAPER, comparable, published_for
 
 

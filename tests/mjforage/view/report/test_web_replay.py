@@ -19,6 +19,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
+from mjforage.core.whole_files import write_bytes
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.report import html, write_report
 from mjforage.view.report.run_logs import load_logs
@@ -104,7 +105,7 @@ def with_track(folder: Path, world: str, frame_s: float) -> Replay:
     """Give a world of the run a track of its own, and return that replay."""
     path = folder / "replay" / f"{world}-greedy-0.npz"
     replay = finer(Replay.load(path), frame_s, world)
-    replay.save(path)
+    write_bytes(path, replay.content())
     return replay
 
 
@@ -259,7 +260,7 @@ def test_a_replay_of_another_run_is_refused(
 ) -> None:
     folder = make_run(episodes=1)
     path = folder / "replay" / "graph-greedy-0.npz"
-    change(Replay.load(path)).save(path)
+    write_bytes(path, change(Replay.load(path)).content())
     with pytest.raises(UserError, match=r"graph-greedy-0\.npz: is not of the run in"):
         web_replay(load_logs(folder))
 

@@ -2,14 +2,16 @@ import numpy as np
 import pytest
 
 from graph_planner.encodings import Shapes
-from mjforage.learning.training.replay import FINAL, LAST, NOTHING, PLAYED, Replay
+from mjforage.learning.training.replay_memory import FINAL, LAST, NOTHING, PLAYED, ReplayMemory
 
 SHAPES: Shapes = {"x": (1,)}
 GAMMA = 0.5
 
 
-def fill(replay: Replay, lengths: tuple[int, int], ended: tuple[bool, bool], base: int = 0) -> None:
-    """Two lanes of so many decisions; pictures count up, the reward of decision t is 10^lane t."""
+def fill(
+    replay: ReplayMemory, lengths: tuple[int, int], ended: tuple[bool, bool], base: int = 0
+) -> None:
+    """Two streams of decisions; pictures count up, the reward of decision t is 10^stream t."""
     for t in range(max(lengths) + 1):
         kind = [PLAYED if t < n else FINAL if t == n else NOTHING for n in lengths]
         levels = {"x": np.array([[base + t], [base + 100 + t]], np.uint8)}
@@ -22,7 +24,7 @@ def fill(replay: Replay, lengths: tuple[int, int], ended: tuple[bool, bool], bas
     replay.finish()
 
 
-def drawn(replay: Replay) -> dict[int, tuple[float, float, int]]:
+def drawn(replay: ReplayMemory) -> dict[int, tuple[float, float, int]]:
     """Picture -> (return, discount, following picture) of everything that can be drawn."""
     found = {}
     for seed in range(30):
@@ -37,7 +39,7 @@ def drawn(replay: Replay) -> dict[int, tuple[float, float, int]]:
 
 
 def test_returns_are_cut_at_the_end_and_bootstrap_past_the_horizon() -> None:
-    replay = Replay(SHAPES, 2, 100, 2, GAMMA)
+    replay = ReplayMemory(SHAPES, 2, 100, 2, GAMMA)
     fill(replay, (4, 3), (True, False))  # the first comes to its end, the second to the horizon
     assert drawn(replay) == {
         0: (0 + GAMMA * 1, GAMMA**2, 2),
@@ -52,7 +54,7 @@ def test_returns_are_cut_at_the_end_and_bootstrap_past_the_horizon() -> None:
 
 
 def test_old_rows_give_way_and_rows_without_a_successor_wait() -> None:
-    replay = Replay(SHAPES, 2, 12, 1, GAMMA)  # six blocks
+    replay = ReplayMemory(SHAPES, 2, 12, 1, GAMMA)  # six blocks
     fill(replay, (3, 3), (True, True))
     fill(replay, (3, 3), (True, True), base=10)
     found = drawn(replay)
@@ -70,7 +72,7 @@ def test_old_rows_give_way_and_rows_without_a_successor_wait() -> None:
 
 
 def test_rows_are_drawn_by_priority_and_weighted_back() -> None:
-    replay = Replay(SHAPES, 2, 100, 1, GAMMA)
+    replay = ReplayMemory(SHAPES, 2, 100, 1, GAMMA)
     fill(replay, (2, 2), (True, True))
     rows = np.arange(4)
     replay.reprioritise(rows, np.array([8.0, 1.0, 1.0, 0.0], np.float32) - 0.01, 1.0)
@@ -85,7 +87,7 @@ def test_rows_are_drawn_by_priority_and_weighted_back() -> None:
 
 
 def test_an_arrays_round_trip_is_the_same_replay() -> None:
-    replay, twin = Replay(SHAPES, 2, 20, 2, GAMMA), Replay(SHAPES, 2, 20, 2, GAMMA)
+    replay, twin = ReplayMemory(SHAPES, 2, 20, 2, GAMMA), ReplayMemory(SHAPES, 2, 20, 2, GAMMA)
     for base in (0, 20, 40):
         fill(replay, (5, 4), (True, False), base)
     twin.restore({name: array.copy() for name, array in replay.arrays().items()})
@@ -100,6 +102,6 @@ def test_an_arrays_round_trip_is_the_same_replay() -> None:
 
 
 def test_an_empty_replay_counts_nothing() -> None:
-    assert len(Replay(SHAPES, 2, 10, 1, GAMMA)) == 0
-    assert Replay(SHAPES, 4, 0, 3, GAMMA).blocks == 8
-    assert pytest.approx(1.0) == Replay(SHAPES, 1, 10, 1, GAMMA).most
+    assert len(ReplayMemory(SHAPES, 2, 10, 1, GAMMA)) == 0
+    assert ReplayMemory(SHAPES, 4, 0, 3, GAMMA).blocks == 8
+    assert pytest.approx(1.0) == ReplayMemory(SHAPES, 1, 10, 1, GAMMA).most

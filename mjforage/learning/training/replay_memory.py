@@ -1,8 +1,10 @@
-"""Prioritised replay (Schaul et al. 2016) of lanes that run side by side.
+"""Prioritised replay memory (Schaul et al. 2016) of streams of decisions side by side.
 
-Blocks are written in turn: block b has one row for every lane, so the row after a row of a lane is
-`lanes` places on, and following pictures need no memory of their own. A row can be drawn when its
-n-step successor has been written.
+A stream is one agent of a team in one sub-environment.
+
+Blocks are written in turn: block b has one row for every stream, so the row after a row of a
+stream is `streams` places on, and following pictures need no memory of their own. A row can be
+drawn when its n-step successor has been written.
 """
 
 from typing import NamedTuple
@@ -15,7 +17,7 @@ from graph_planner.encodings import Shapes
 
 NOTHING, PLAYED, LAST, FINAL = 0, 1, 2, 3
 """What a row is: empty; a decision; the decision that ends the task, with nothing after it to hope
-for; the picture after a lane's last decision."""
+for; the picture after a stream's last decision."""
 LEAST = 1e-2  # added to errors, so that no decision is forgotten
 
 
@@ -66,21 +68,21 @@ def _look_ahead(
     rows: NDArray[np.int64],
     kind: NDArray[np.uint8],
     rewards: NDArray[np.float32],
-    lanes: int,
+    streams: int,
     n_step: int,
     gamma: float,
     sums: NDArray[np.float32],
     discount: NDArray[np.float32],
     successor: NDArray[np.int64],
 ) -> None:
-    """n-step returns, cut short where a lane ends."""
+    """n-step returns, cut short where a stream ends."""
     for k in range(rows.size):
         row, total, factor = rows[k], 0.0, 1.0
         for _ in range(n_step):
             total += factor * rewards[row]
             factor *= gamma
             ended = kind[row] == LAST
-            row = (row + lanes) % kind.size
+            row = (row + streams) % kind.size
             if ended:
                 factor = 0.0
             if ended or kind[row] == FINAL:
@@ -88,15 +90,15 @@ def _look_ahead(
         sums[k], discount[k], successor[k] = total, factor, row
 
 
-class Replay:
+class ReplayMemory:
     """Memory of one team. All arrays but the tree of priorities are (row, ...)."""
 
     def __init__(
-        self, shapes: Shapes, lanes: int, capacity: int, n_step: int, gamma: float
+        self, shapes: Shapes, streams: int, capacity: int, n_step: int, gamma: float
     ) -> None:
-        self.lanes, self.n_step, self.gamma = lanes, n_step, gamma
-        self.blocks = max(capacity // max(lanes, 1), 2 * n_step + 2)
-        rows = self.blocks * lanes
+        self.streams, self.n_step, self.gamma = streams, n_step, gamma
+        self.blocks = max(capacity // max(streams, 1), 2 * n_step + 2)
+        rows = self.blocks * streams
         self.levels = {name: np.zeros((rows, *shape), np.uint8) for name, shape in shapes.items()}
         self.legal = np.zeros((rows, 9), np.bool_)
         self.moves = np.zeros(rows, np.uint8)
@@ -114,8 +116,8 @@ class Replay:
         return len(self) >= max(1, rows) or self.written > self.blocks
 
     def _block(self, number: int) -> slice:
-        first = number % self.blocks * self.lanes
-        return slice(first, first + self.lanes)
+        first = number % self.blocks * self.streams
+        return slice(first, first + self.streams)
 
     def open(
         self,
@@ -123,10 +125,10 @@ class Replay:
         legal: NDArray[np.bool_],
         kind: NDArray[np.uint8],
     ) -> None:
-        """Begin a block with what the lanes see: pictures (lane, ...), legal (lane, 9), kind."""
+        """Begin a block with what is seen: pictures (stream, ...), legal (stream, 9), kind."""
         block = self._block(self.written)
         rows = np.arange(block.start, block.stop)
-        _put(self.tree, rows, np.zeros(self.lanes))
+        _put(self.tree, rows, np.zeros(self.streams))
         for name, level in levels.items():
             self.levels[name][block] = level
         self.legal[block], self.kind[block] = legal, kind
@@ -146,17 +148,17 @@ class Replay:
 
         Parameters
         ----------
-        moves : (lane,) taken
-        shown : (lane, 9) the teacher's
-        rewards : (lane,)
-        over : (lane,) where the task came to its end
+        moves : (stream,) taken
+        shown : (stream, 9) the teacher's
+        rewards : (stream,)
+        over : (stream,) where the task came to its end
         """
         block = self._block(self.written - 1)
         self.moves[block], self.shown[block], self.rewards[block] = moves, shown, rewards
         self.kind[block][over] = LAST
 
     def finish(self) -> None:
-        """All lanes have ended: what is left can be drawn, too."""
+        """All streams have ended: what is left can be drawn, too."""
         while self.ready < self.written:
             self._release()
 
@@ -180,7 +182,7 @@ class Replay:
             rows,
             self.kind,
             self.rewards,
-            self.lanes,
+            self.streams,
             self.n_step,
             self.gamma,
             sums,
@@ -209,7 +211,7 @@ class Replay:
 
     def arrays(self) -> dict[str, NDArray[np.generic]]:
         """All memory, for a checkpoint; `restore` takes it back."""
-        rows = min(self.written, self.blocks) * self.lanes
+        rows = min(self.written, self.blocks) * self.streams
         leaves = self.tree.size // 2
         own = {"legal", "moves", "shown", "rewards", "kind"}
         return {

@@ -7,18 +7,18 @@ from numpy.typing import NDArray
 
 from graph_planner.encodings.encoder import Levels
 from mjforage.learning.environments.checks import checked_started
-from mjforage.learning.environments.choice import Choice, Options
 from mjforage.learning.environments.game import Episodes, Game, Outcome
+from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
 from mjforage.learning.environments.pictures import Picture
 from mjforage.learning.environments.screen import Screen
 from mjforage.learning.environments.window import RENDER_MODES
 
-LANE = np.zeros(1, np.int64)
+ONLY = np.zeros(1, np.int64)  # number of the one sub-environment
 METADATA: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 10}
 
 
-class OneLane:
-    """Base of an environment; see `mjforage.learning.environments.choice.Choice` for the options.
+class SingleEnvironment:
+    """Base of an environment; what it can be told is in `EnvironmentOptions`.
 
     Raises
     ------
@@ -26,13 +26,13 @@ class OneLane:
         If an option is not valid.
     """
 
-    def __init__(self, options: Options) -> None:
-        choice = Choice(**options)
-        self.render_mode = choice.render_mode
-        self._game = Game(choice)
+    def __init__(self, arguments: EnvironmentArguments) -> None:
+        options = EnvironmentOptions(**arguments)
+        self.render_mode = options.render_mode
+        self._game = Game(options)
         self._episodes = Episodes()
-        self._picture = Picture() if choice.render_mode else None
-        self._screen = Screen(choice.render_mode, self._drawn)
+        self._picture = Picture() if options.render_mode else None
+        self._screen = Screen(options.render_mode, self._drawn)
 
     @property
     def game(self) -> Game:
@@ -49,7 +49,7 @@ class OneLane:
 
     def _start(self, seed: int | None, entropy: np.random.Generator) -> None:
         """Begin the next episode; with a seed, the first one of that seed."""
-        self._game.start(LANE, self._episodes.following(seed, entropy))
+        self._game.start(ONLY, self._episodes.following(seed, entropy))
         self._note()
 
     def _play(self, actions: NDArray[np.int64]) -> Outcome:
@@ -60,7 +60,7 @@ class OneLane:
 
     def _seen(self) -> dict[str, Levels]:
         """Levels (agent, ...) of the observation; live."""
-        return {name: level[0] for name, level in self._game.see(LANE).items()}
+        return {name: level[0] for name, level in self._game.see(ONLY).items()}
 
     def _note(self) -> None:
         if self._picture is not None:

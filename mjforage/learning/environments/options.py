@@ -13,8 +13,8 @@ from mjforage.learning.environments.rewards import PUBLISHED, checked_weights
 from mjforage.physics.worlds import WORLDS
 
 
-class Options(TypedDict, total=False):
-    """Keyword arguments of the foraging environments, see `Choice`."""
+class EnvironmentArguments(TypedDict, total=False):
+    """Keyword arguments of the foraging environments, see `EnvironmentOptions`."""
 
     scenario: str | Scenario
     world: str
@@ -26,7 +26,7 @@ class Options(TypedDict, total=False):
 
 
 @dataclass(frozen=True)
-class Choice:
+class EnvironmentOptions:
     """The arguments, checked.
 
     Attributes

@@ -25,12 +25,12 @@ from mjforage.core.errors import UserError
 from mjforage.core.mission import Mission
 from mjforage.core.scenario import Scenario
 from mjforage.core.scoring import score
-from mjforage.learning.environments.choice import Choice
 from mjforage.learning.environments.game import Game, Outcome
+from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.ddqn import Learner
 from mjforage.learning.training.files import save_tensors
-from mjforage.learning.training.replay import FINAL, NOTHING, PLAYED
-from mjforage.learning.training.settings import Settings
+from mjforage.learning.training.hyperparameters import Hyperparameters
+from mjforage.learning.training.replay_memory import FINAL, NOTHING, PLAYED
 
 if TYPE_CHECKING:
     from graph_planner.q_network import DuelingNetwork
@@ -87,7 +87,7 @@ class Trainer:
 
     Attributes
     ----------
-    settings, seed, device : as given
+    hyperparameters, seed, device : as given
     games : of the scenarios; rounds take them in turn
     game : that of the round under way
     learners : team of `TEAMS` -> its learner; a team without agents has none
@@ -98,7 +98,7 @@ class Trainer:
     def __init__(
         self,
         scenarios: Sequence[Scenario],
-        settings: Settings,
+        hyperparameters: Hyperparameters,
         seed: int = 0,
         device: str = "cpu",
     ) -> None:
@@ -115,21 +115,29 @@ class Trainer:
         """
         if not 0 <= seed < HELD_OUT:
             raise UserError(f"seed {seed}: out of range; give 0 to {HELD_OUT - 1}")
-        if settings.teacher:
-            teacher = check_policies([settings.teacher])[0]
-            settings = replace(settings, teacher=teacher)
-        self.settings, self.seed, self.device = settings, seed, device
-        choices = [
-            Choice(scenario, observation=settings.observation, reward=settings.reward)
+        if hyperparameters.teacher:
+            teacher = check_policies([hyperparameters.teacher])[0]
+            hyperparameters = replace(hyperparameters, teacher=teacher)
+        self.hyperparameters, self.seed, self.device = hyperparameters, seed, device
+        options = [
+            EnvironmentOptions(
+                scenario, observation=hyperparameters.observation, reward=hyperparameters.reward
+            )
             for scenario in scenarios
         ]
-        self.games = [Game(choice, settings.lanes) for choice in choices]
+        self.games = [Game(each, hyperparameters.num_envs) for each in options]
         self.game = self.games[0]
         fleet = self.game.setup.fleet
         _check_alike(self.games)
         self.agents = dict(zip(TEAMS, (fleet.discoverers, fleet.collectors), strict=True))
         self.learners = {
-            team: Learner(self.game.shapes, settings.lanes * ids.size, settings, seed + i, device)
+            team: Learner(
+                self.game.shapes,
+                hyperparameters.num_envs * ids.size,
+                hyperparameters,
+                seed + i,
+                device,
+            )
             for i, (team, ids) in enumerate(self.agents.items())
             if ids.size
         }
@@ -149,14 +157,14 @@ class Trainer:
         self._booked = now
 
     def play_round(self) -> Row:
-        """Play one episode in every lane to its end, and learn on the way."""
-        progress, lanes = self.progress, self.settings.lanes
-        numbers = np.arange(progress.episodes, progress.episodes + lanes)
+        """Play one episode in every sub-environment to its end, and learn on the way."""
+        progress, num_envs = self.progress, self.hyperparameters.num_envs
+        numbers = np.arange(progress.episodes, progress.episodes + num_envs)
         keys = episode_keys(self.seed, numbers)
         self.game = game = self.games[progress.rounds % len(self.games)]
-        game.start(np.arange(lanes), keys)
+        game.start(np.arange(num_envs), keys)
         teacher, taught = self._teacher(keys)
-        returns = np.zeros((lanes, game.agents))
+        returns = np.zeros((num_envs, game.agents))
         learned: list[dict[str, float]] = []
         while game.mission.active.any():
             outcome = self._step(teacher, taught)
@@ -164,15 +172,15 @@ class Trainer:
             learned += self._learn()
         self._open(np.where(self._present, FINAL, NOTHING))
         for learner in self.learners.values():
-            learner.replay.finish()
+            learner.memory.finish()
         progress.rounds += 1
-        progress.episodes += lanes
+        progress.episodes += num_envs
         progress.decisions += int(game.mission.step.sum())
         self.book_time()
         return self._row(returns, learned)
 
     def _row(self, returns: NDArray[np.float64], learned: list[dict[str, float]]) -> Row:
-        known, total = self.game.mission.model.knowledge, self.game.n_items.sum()
+        known, total = self.game.mission.ledger.entries, self.game.n_items.sum()
         row: Row = {
             **self._come("rounds", "episodes", "updates", "seconds"),
             "explore": self._explore,
@@ -192,14 +200,14 @@ class Trainer:
         return {name: float(getattr(self.progress, name)) for name in names}
 
     def _teacher(self, keys: NDArray[np.uint64]) -> tuple[Policy | None, NDArray[np.bool_]]:
-        """The teacher while there is one, and the lanes that it plays."""
-        settings, left = self.settings, 0.0
-        if settings.teacher and self.progress.updates < settings.teacher_updates:
-            left = 1.0 - self.progress.updates / settings.teacher_updates
-        taught = self.random.random(settings.lanes) < left
+        """The teacher while there is one, and the sub-environments (env,) that it plays."""
+        hyperparameters, left = self.hyperparameters, 0.0
+        if hyperparameters.teacher and self.progress.updates < hyperparameters.teacher_updates:
+            left = 1.0 - self.progress.updates / hyperparameters.teacher_updates
+        taught = self.random.random(hyperparameters.num_envs) < left
         if left == 0.0:
             return None, taught
-        teacher = create_policy(settings.teacher)
+        teacher = create_policy(hyperparameters.teacher)
         teacher.reset(self.game.setup.task, keys)
         return teacher, taught
 
@@ -217,7 +225,7 @@ class Trainer:
         outcome: Outcome = clock("environment", lambda: game.play(preferences))
         for team, learner in self.learners.items():
             ids = self.agents[team]
-            learner.replay.close(
+            learner.memory.close(
                 outcome.taken[:, ids].reshape(-1).astype(np.int64),
                 shown[:, ids].reshape(-1, 9),
                 outcome.rewards[:, ids].reshape(-1),
@@ -226,51 +234,53 @@ class Trainer:
         return outcome
 
     def _open(self, kind: NDArray[np.int64]) -> None:
-        """Show the learners what there is now, kind (lane,) of row."""
-        lanes = np.flatnonzero(kind != NOTHING)
-        self._levels = self.clock("environment", lambda: self.game.see(lanes))
+        """Show the learners what there is now, kind (env,) of row."""
+        envs = np.flatnonzero(kind != NOTHING)
+        self._levels = self.clock("environment", lambda: self.game.see(envs))
         self._legal = self.game.masks.astype(np.bool_)
         for team, learner in self.learners.items():
             ids = self.agents[team]
             levels = {n: v[:, ids].reshape(-1, *v.shape[2:]) for n, v in self._levels.items()}
             rows = np.repeat(kind, ids.size).astype(np.uint8)
             legal = self._legal[:, ids].reshape(-1, 9)
-            self.clock("replay", partial(learner.replay.open, levels, legal, rows))
+            self.clock("replay", partial(learner.memory.open, levels, legal, rows))
 
     @property
     def _explore(self) -> float:
         """Share of random moves now."""
-        settings = self.settings
-        part = min(1.0, self.progress.updates / settings.explore_updates)
-        return settings.explore_from + part * (settings.explore_to - settings.explore_from)
+        hyperparameters = self.hyperparameters
+        part = min(1.0, self.progress.updates / hyperparameters.explore_updates)
+        return hyperparameters.explore_from + part * (
+            hyperparameters.explore_to - hyperparameters.explore_from
+        )
 
     def _preferences(self) -> NDArray[np.float64]:
-        """(lane, agent, 9) values, or random numbers where a move is explored."""
+        """(env, agent, 9) values, or random numbers where a move is explored."""
         game = self.game
-        shape = (game.lanes, game.agents)
+        shape = (game.num_envs, game.agents)
         explored = self.random.random(shape) < self._explore
         preferences = self.random.random((*shape, 9))
         for team, learner in self.learners.items():
             ids = self.agents[team]
             wanted = self._present[:, None] & ~explored[:, ids]
-            lane, number = np.nonzero(wanted)
-            if lane.size:
-                levels = {name: v[lane, ids[number]] for name, v in self._levels.items()}
-                preferences[lane, ids[number]] = self.clock(
+            env, number = np.nonzero(wanted)
+            if env.size:
+                levels = {name: v[env, ids[number]] for name, v in self._levels.items()}
+                preferences[env, ids[number]] = self.clock(
                     "network", partial(learner.values, levels)
                 )
         return preferences
 
     def _learn(self) -> list[dict[str, float]]:
         """The updates that this step has earned."""
-        settings, progress = self.settings, self.progress
+        hyperparameters, progress = self.hyperparameters, self.progress
         learners = self.learners.values()
-        if not all(learner.replay.warm(settings.warmup) for learner in learners):
+        if not all(learner.memory.warm(hyperparameters.warmup) for learner in learners):
             return []
-        progress.due += settings.updates_per_step * float(self._present.mean())
+        progress.due += hyperparameters.updates_per_step * float(self._present.mean())
         learned = []
-        beta = settings.correction + (1.0 - settings.correction) * min(
-            1.0, progress.updates / (10 * settings.explore_updates)
+        beta = hyperparameters.correction + (1.0 - hyperparameters.correction) * min(
+            1.0, progress.updates / (10 * hyperparameters.explore_updates)
         )
         while progress.due >= 1.0:
             progress.due -= 1.0
@@ -280,19 +290,19 @@ class Trainer:
 
     def update(self, learner: Learner, beta: float) -> dict[str, float]:
         """Draw, learn, and put the new priorities back."""
-        replay, settings, clock = learner.replay, self.settings, self.clock
-        batch = clock("replay", lambda: replay.draw(settings.batch, beta, self.random))
+        replay, hyperparameters, clock = learner.memory, self.hyperparameters, self.clock
+        batch = clock("replay", lambda: replay.draw(hyperparameters.batch, beta, self.random))
         facts, errors = clock("network", lambda: learner.learn(batch))
-        clock("replay", lambda: replay.reprioritise(batch.rows, errors, settings.priority))
+        clock("replay", lambda: replay.reprioritise(batch.rows, errors, hyperparameters.priority))
         return dict(facts)
 
     def evaluate(self) -> Row:
         """Scores on held-out episodes, without exploration; `rank` is better when lower."""
-        setup, settings = self.games[0].setup, self.settings
+        setup, hyperparameters = self.games[0].setup, self.hyperparameters
         mission = Mission(setup)
-        mission.reset(HELD_OUT, np.arange(settings.evaluate_episodes))
+        mission.reset(HELD_OUT, np.arange(hyperparameters.evaluate_episodes))
         log = EpisodeLog(mission)
-        mission.run(LearnersPolicy(self.networks, settings.observation), (log,))
+        mission.run(LearnersPolicy(self.networks, hyperparameters.observation), (log,))
         scores = score(log, setup.fleet, setup.scenario.horizon).scalars
         row = {name: _mean(scores[name]) for name in SCORES}
         row["rank"] = row["nt50"] + row["nt90"] + (100.0 - row["pta_c"]) / 20.0
@@ -332,5 +342,5 @@ def save_weights(trainer: Trainer, path: Path) -> None:
         for name, value in network.state_dict().items()
     }
     grounds = tuple(ground_note(game.setup.task) for game in trainer.games)
-    header = WeightsHeader(trainer.settings.observation, trainer.game.shapes, grounds)
+    header = WeightsHeader(trainer.hyperparameters.observation, trainer.game.shapes, grounds)
     save_tensors(path, tensors, header_note(header))

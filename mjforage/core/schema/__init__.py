@@ -1,0 +1,22 @@
+"""One layer for every file that a person or a run writes: a schema is a frozen dataclass.
+
+A field is a type, its range and unit (`graph_planner.fields`) and a sentence, the docstring under
+it. `check` reads plain values against it, `describe` says it in rows, `json_schema` for editors.
+"""
+
+from mjforage.core.schema.adapters import OPEN, Kept, json_schema
+from mjforage.core.schema.check import check, check_fields, shown
+from mjforage.core.schema.describe import Row, explain, page, rows
+
+__all__ = [
+    "OPEN",
+    "Kept",
+    "Row",
+    "check",
+    "check_fields",
+    "explain",
+    "json_schema",
+    "page",
+    "rows",
+    "shown",
+]

@@ -1,0 +1,97 @@
+"""What pydantic makes of a schema: the strict validator and the JSON Schema.
+
+pydantic is imported where a file is read or described, not with the package: it takes 0.2 s.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from graph_planner.fields import Handler
+
+if TYPE_CHECKING:
+    from pydantic import TypeAdapter
+    from pydantic_core import SchemaValidator
+
+Tree = dict[str, Any]
+
+OPEN = {"extra": "ignore"}
+"""`__pydantic_config__` of a table that a newer version may write more keys into."""
+
+_CONFIG = {"extra": "forbid", "allow_inf_nan": False, "use_attribute_docstrings": True}
+_SCALARS = ("int", "float", "bool", "str")
+
+
+@dataclass(frozen=True)
+class Kept:
+    """Marks what is not a key of the file, such as a name that comes from the file's own name."""
+
+    def __get_pydantic_json_schema__(self, core: object, handler: Handler) -> Tree:
+        """Leave the field out."""
+        from pydantic_core import PydanticOmit
+
+        raise PydanticOmit
+
+
+@lru_cache(maxsize=64)
+def _adapter(schema: Any) -> "TypeAdapter[Any]":
+    """Adapter of a list of one: pydantic takes no configuration for a dataclass by itself."""
+    from pydantic import TypeAdapter
+
+    return TypeAdapter(list[schema], config=_CONFIG)  # type: ignore[arg-type]
+
+
+@lru_cache(maxsize=64)
+def validator(schema: Any) -> "SchemaValidator":
+    """Validator of a list of one tree of the schema."""
+    from pydantic_core import SchemaValidator
+
+    return SchemaValidator(_strict(_adapter(schema).core_schema))
+
+
+def _strict(node: Any) -> Any:
+    """The same core schema, in which no scalar is converted and every mapping is read-only.
+
+    pydantic's own strictness would also want instances of the dataclasses instead of tables.
+    """
+    if isinstance(node, list):
+        return [_strict(entry) for entry in node]
+    if not isinstance(node, dict):
+        return node
+    found = {key: value if key == "default" else _strict(value) for key, value in node.items()}
+    kind = found.get("type")
+    if isinstance(kind, str):
+        found["strict"] = kind in _SCALARS
+    if kind == "dict":
+        return _after(MappingProxyType, found)
+    return found
+
+
+def _after(function: Callable[[Any], Any], node: Any) -> Any:
+    from pydantic_core.core_schema import no_info_after_validator_function
+
+    return no_info_after_validator_function(function, node)
+
+
+@lru_cache(maxsize=64)
+def json_schema(schema: Any) -> Tree:
+    """JSON Schema (2020-12) of a schema, tables under `$defs`.
+
+    Units and sources stand beside the ranges, under `unit` and `source`.
+    """
+    from pydantic.json_schema import GenerateJsonSchema
+
+    class Untitled(GenerateJsonSchema):
+        """Keys speak for themselves."""
+
+        def field_title_should_be_set(self, schema: Any) -> bool:
+            return False
+
+    found = _adapter(schema).json_schema(schema_generator=Untitled)
+    tables = found.get("$defs", {})
+    root: Tree = found["items"]
+    if "$ref" in root:
+        root = tables.pop(root["$ref"].rpartition("/")[2])
+    return root | ({"$defs": tables} if tables else {})

@@ -1,0 +1,113 @@
+"""Everything that a training run can be told. With the scenario and the seed it decides a run."""
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Annotated, Any
+
+from graph_planner.fields import Within, source
+from mjforage.core.errors import UserError
+from mjforage.core.schema import check, check_fields
+from mjforage.learning.environments.rewards import checked_weights
+
+WHERE = "--learning"  # where settings come from, for messages
+
+REWARD = MappingProxyType(
+    {
+        "removed": 0.5,
+        "team_removed": 2.0,
+        "discovered": 0.5,
+        "idleness": 0.01,
+        "approach": 0.05,
+        "time": -0.02,
+    }
+)
+"""Weights that we train with: items count, for all, and what leads to them; the clock ticks."""
+
+
+@dataclass(frozen=True)
+class Hyperparameters:
+    """Hyper-parameters; the paper's where it states them (scenario section 3)."""
+
+    observation: str = "egocentric"
+    """Observation that networks read."""
+    num_envs: Annotated[int, Within(1, 4096)] = 16
+    """Episodes side by side in a round."""
+    gamma: Annotated[float, Within(0, 1), source("paper")] = 0.99
+    """Discount per step."""
+    n_step: Annotated[int, Within(1, 50)] = 3
+    """Steps of a return before the target network takes over."""
+    batch: Annotated[int, Within(1, 65536), source("paper")] = 128
+    """Decisions of an update."""
+    learning_rate: Annotated[float, Within(0, 1)] = 3e-4
+    """Of the optimiser; the paper has 1e-4."""
+    rate_updates: Annotated[int, Within(1, 1_000_000_000)] = 30_000
+    """Updates over which the learning rate falls to a tenth, in a straight line."""
+    capacity: Annotated[int, Within(1000, 10_000_000)] = 60_000
+    """Decisions in the replay of each team."""
+    priority: Annotated[float, Within(0, 1)] = 0.6
+    """Exponent alpha by which the replay prefers large errors."""
+    correction: Annotated[float, Within(0, 1)] = 0.4
+    """Exponent beta by which the replay corrects for that."""
+    target_rate: Annotated[float, Within(0, 1)] = 0.005
+    """Share by which the target network follows at each update."""
+    updates_per_step: Annotated[float, Within(1e-3, 1000)] = 1.0
+    """Updates of each team's network per step of the whole batch of episodes."""
+    warmup: Annotated[int, Within(0, 10_000_000)] = 4000
+    """Decisions in a team's replay before its first update; a full replay will do with fewer."""
+    explore_from: Annotated[float, Within(0, 1)] = 1.0
+    """Share of random moves at first."""
+    explore_to: Annotated[float, Within(0, 1)] = 0.05
+    """Share of random moves in the end."""
+    explore_updates: Annotated[int, Within(1, 1_000_000_000)] = 8000
+    """Updates over which the share of random moves falls from `explore_from` to `explore_to`."""
+    teacher: str = ""
+    """Policy that shows moves; empty: reward alone."""
+    teacher_updates: Annotated[int, Within(0, 1_000_000_000)] = 0
+    """Updates during which there are shown moves; the share of episodes it plays falls to 0."""
+    margin: Annotated[float, Within(0, 100)] = 0.3
+    """By how much a shown move has to be better than the others (Hester et al. 2018)."""
+    margin_weight: Annotated[float, Within(0, 100)] = 3.0
+    """Weight of the shown moves' loss."""
+    evaluate_every: Annotated[int, Within(1, 1_000_000_000)] = 2000
+    """Updates between two evaluations."""
+    evaluate_episodes: Annotated[int, Within(1, 100_000)] = 48
+    """Episodes of an evaluation."""
+    reward: Mapping[str, float] = field(default_factory=lambda: REWARD)
+    """Weight of each term of the reward."""
+
+    def __post_init__(self) -> None:
+        check_fields(self, WHERE)
+        if self.warmup > self.capacity:
+            raise UserError(
+                f"warmup = {self.warmup}: the replay holds only capacity = {self.capacity} "
+                "decisions; give less, or more capacity"
+            )
+        if bool(self.teacher) != bool(self.teacher_updates):
+            raise UserError(
+                f"teacher = {self.teacher!r}, teacher_updates = {self.teacher_updates}: give both, "
+                "such as --teacher belief --learning teacher_updates=6000, or neither"
+            )
+        checked_weights(self.reward)
+
+    def tree(self) -> dict[str, Any]:
+        """As plain values."""
+        plain = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        return plain | {"reward": dict(self.reward)}
+
+
+def changed(hyperparameters: Hyperparameters, changes: Mapping[str, Any]) -> Hyperparameters:
+    """Hyperparameters with some values replaced; `reward.TERM` replaces one weight.
+
+    Raises
+    ------
+    UserError
+        If a name is not known, or a value has the wrong type or is out of range.
+    """
+    terms = {name: value for name, value in changes.items() if name.startswith("reward.")}
+    reward = {name.removeprefix("reward."): value for name, value in terms.items()}
+    tree = hyperparameters.tree()
+    tree["reward"] |= reward
+    others = {name: value for name, value in changes.items() if name not in terms}
+    return check(Hyperparameters, tree | others, WHERE)

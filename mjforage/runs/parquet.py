@@ -1,0 +1,99 @@
+"""Parquet files, read and written in one way: what is missing, cut, damaged or foreign is named."""
+
+import io
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import polars as pl
+
+from mjforage.core.errors import UserError
+from mjforage.core.whole_files import whole
+
+FAILURES = (OSError, pl.exceptions.PolarsError)
+
+
+def read_schema(path: Path, remedy: str = "") -> dict[str, pl.DataType]:
+    """Columns and their types, in order.
+
+    Parameters
+    ----------
+    path : Parquet file
+    remedy : last words of a message; to move the file away and compute it again if empty
+
+    Raises
+    ------
+    UserError
+        If the file is missing, truncated or not Parquet.
+    """
+    try:
+        if not path.is_file():
+            raise FileNotFoundError("no such file")
+        return dict(pl.scan_parquet(path, glob=False).collect_schema())
+    except FAILURES as error:
+        raise UserError(
+            f"{path}: missing, truncated or not Parquet ({_reason(error)}); "
+            f"{remedy or spoilt(path)}"
+        ) from error
+
+
+def read_parquet(
+    path: Path,
+    columns: Sequence[str] | None = None,
+    rows: pl.Expr | None = None,
+    remedy: str = "",
+) -> pl.DataFrame:
+    """A table, or some columns and rows of it.
+
+    Parameters
+    ----------
+    path, remedy : as for `read_schema`
+    columns : all of them if None
+    rows : which rows; all of them if None
+
+    Raises
+    ------
+    UserError
+        As `read_schema`, and if a column is missing or the file is damaged inside.
+    """
+    schema = read_schema(path, remedy)
+    for name in columns or ():
+        if name not in schema:
+            raise UserError(
+                f"{path}: column '{name}' is missing, not a log of mjforage; "
+                f"{remedy or spoilt(path)}"
+            )
+    frame = pl.scan_parquet(path, glob=False)
+    frame = frame if columns is None else frame.select(columns)
+    try:
+        return (frame if rows is None else frame.filter(rows)).collect()
+    except FAILURES as error:
+        raise UserError(f"{path}: damaged ({_reason(error)}); {remedy or spoilt(path)}") from error
+
+
+def parquet_bytes(frame: pl.DataFrame) -> bytes:
+    """A table as the content of a file; a full disk is then told in words, by Python."""
+    buffer = io.BytesIO()
+    frame.write_parquet(buffer, compression="zstd")
+    return buffer.getvalue()
+
+
+def join_parquet(sources: Iterable[Path], target: Path) -> None:
+    """Write the rows of several files, in their order, into one, without holding them all.
+
+    Raises
+    ------
+    UserError
+        If the target cannot be written.
+    """
+    with whole(target, pl.exceptions.PolarsError) as beside:
+        frame = pl.scan_parquet(list(sources), glob=False)
+        frame.sink_parquet(beside, compression="zstd")
+
+
+def spoilt(path: Path) -> str:
+    """The remedy for a file of which no maker is known."""
+    return f"move {path} away and run the command that wrote it again"
+
+
+def _reason(error: Exception) -> str:
+    return str(error).splitlines()[0] if str(error) else type(error).__name__
