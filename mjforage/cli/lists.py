@@ -10,16 +10,11 @@ from mjforage.cli.console import app, output, print_list
 
 @app.command
 def policies() -> None:
-    """List the policies."""
-    from graph_planner.policies.registry import policy_summary
+    """List the policies, those that installed packages bring with where they come from."""
+    from graph_planner.policies.registry import POLICIES, policy_names, policy_summary
 
-    print_list((name, policy_summary(name)) for name in _policy_names())
-
-
-def _policy_names() -> list[str]:
-    from graph_planner.policies import policy_names
-
-    return policy_names()
+    found = ((name, policy_summary(name), POLICIES.origin(name)) for name in policy_names())
+    print_list((name, f"{words} [{origin}]" if origin else words) for name, words, origin in found)
 
 
 @app.command

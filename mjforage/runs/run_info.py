@@ -110,6 +110,8 @@ class RunInfo:
     """Hash of scenario, map, hulls and code, that workers must agree with."""
     bounds: tuple[str, ...] = ()
     """Those of the policies that see the truth."""
+    classes: Mapping[str, str] = field(default_factory=dict)
+    """Policy -> package.module:Class, of those that are not ours."""
     weights: Mapping[str, str] = field(default_factory=dict)
     """Policy -> hash of the files that its moves hang on."""
     metrics: tuple[Description, ...] = ()

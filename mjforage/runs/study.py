@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from graph_planner.policies.registry import policy_label
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
 from mjforage.core.scenario import Scenario
@@ -17,13 +18,13 @@ from mjforage.core.scenario_file import scenario_to_tree
 from mjforage.core.schema import OPEN, check
 from mjforage.core.whole_files import write_json
 from mjforage.runs.evaluate import THIS_PROCESS, Progress, Run, carry_out
-from mjforage.runs.identity import provenance, versions
+from mjforage.runs.identity import provenance
 from mjforage.runs.lock import claimed
+from mjforage.runs.resuming import Resume, open_folder, set_aside
 from mjforage.runs.run_info import REMEDY, read_json
-from mjforage.runs.storage import open_folder
 from mjforage.runs.workers import Workers
 
-IDENTITY = ("kind", "scenario", "variants", "worlds", "episodes", "seed", "options", "versions")
+IDENTITY = ("kind", "scenario", "variants", "worlds", "episodes", "seed", "options")
 
 
 @dataclass(frozen=True)
@@ -64,15 +65,18 @@ class Study:
             "kind": self.kind,
             "scenario": scenario_to_tree(self.setup.scenario),
             "variants": {
-                variant.name: {"title": variant.title, "policies": list(variant.policies)}
+                variant.name: {"title": variant.title, "policies": _labels(variant)}
                 for variant in self.variants
             },
             "worlds": list(self.worlds),
             "episodes": self.episodes,
             "seed": self.seed,
             "options": dict(self.options),
-            "versions": versions(),
         }
+
+
+def _labels(variant: Variant) -> list[str]:
+    return [policy_label(policy) for policy in variant.policies]
 
 
 @dataclass(frozen=True)
@@ -193,6 +197,7 @@ def run_study(
     workers: Workers = THIS_PROCESS,
     progress: Progress = lambda done, total: None,
     begin: Callable[[], None] = lambda: None,
+    resume: Resume = "same",
 ) -> dict[str, Any]:
     """Compute what is missing of a study.
 
@@ -202,6 +207,7 @@ def run_study(
     workers : who computes
     progress : called with (episodes done, episodes in all)
     begin : called once all is checked, before the first episode
+    resume : what to do with a study that the folder holds
 
     Returns
     -------
@@ -215,12 +221,14 @@ def run_study(
     """
     runs = [_plan(study, variant, folder) for variant in study.variants]
     invocation = workers.invocation({policy for run in runs for policy in run.policies})
+    if resume == "fresh":
+        set_aside(folder, "study")
     _check_flags(folder, study.info)
     open_folder(folder, "study", study.info, IDENTITY)
     with ExitStack() as stack:
         stack.enter_context(claimed(folder))
         for run in runs:
-            run.open()
+            run.open(accept=resume == "accept-code-change")
             stack.enter_context(run.folder.claimed())
         begin()
         summaries: Sequence[Any] = carry_out(runs, workers, invocation, progress)

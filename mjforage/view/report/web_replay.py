@@ -11,6 +11,7 @@ import polars as pl
 from markupsafe import Markup
 from numpy.typing import NDArray
 
+from graph_planner.references import file_label
 from mjforage.core.errors import UserError
 from mjforage.physics.vessels import load_vessel, vessel_names
 from mjforage.runs.episode_replay import Replay
@@ -46,7 +47,7 @@ def replay_files(logs: RunLogs) -> dict[Series, Path]:
     """The replay of the lowest episode of every world and policy that has one."""
     files: dict[Series, Path] = {}
     for world, policy in logs.series:
-        prefix = f"{world}-{policy}-"
+        prefix = f"{world}-{file_label(policy)}-"
         found = {
             int(path.stem.removeprefix(prefix)): path
             for path in (logs.folder / "replay").glob("*.npz")

@@ -63,6 +63,11 @@ class StudyLogs:
         return self.info.options
 
     @property
+    def bounds(self) -> frozenset[str]:
+        """Policies that were shown the truth, in any variant."""
+        return frozenset(policy for run in self.runs.values() for policy in run.bounds)
+
+    @property
     def base(self) -> RunInfo:
         """The run of the scenario as it is."""
         return self.runs[COMPLETE]
