@@ -48,6 +48,7 @@ def _rewards(
     weights: Weights,
     preferences: NDArray[np.float64],
 ) -> None:
+    """Fill the instant rewards of all moves, -inf where illegal."""
     active, step, keys, agent_node = seen.active, seen.step, seen.keys, seen.agent_node
     belief, last_seen, known, n_known = seen.belief, seen.last_seen, seen.known, seen.n_known
     neighbours, distances, collects = arrays.neighbours, arrays.distances, arrays.collects
