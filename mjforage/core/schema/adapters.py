@@ -3,7 +3,6 @@
 pydantic is imported where a file is read or described, not with the package: it takes 0.2 s.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from types import MappingProxyType
@@ -58,6 +57,8 @@ def _strict(node: Any) -> Any:
 
     pydantic's own strictness would also want instances of the dataclasses instead of tables.
     """
+    from pydantic_core import core_schema
+
     if isinstance(node, list):
         return [_strict(entry) for entry in node]
     if not isinstance(node, dict):
@@ -67,14 +68,17 @@ def _strict(node: Any) -> Any:
     if isinstance(kind, str):
         found["strict"] = kind in _SCALARS
     if kind == "dict" and found["values_schema"]["type"] != "any":
-        return _after(MappingProxyType, found)
+        return core_schema.no_info_after_validator_function(MappingProxyType, found)
+    if kind == "tagged-union":
+        return core_schema.no_info_before_validator_function(_with_text_kind, found)
     return found
 
 
-def _after(function: Callable[[Any], Any], node: Any) -> Any:
-    from pydantic_core.core_schema import no_info_after_validator_function
-
-    return no_info_after_validator_function(function, node)
+def _with_text_kind(entry: object) -> object:
+    """A table whose kind is a text: pydantic prints any other, which may have no end."""
+    if isinstance(entry, dict) and not isinstance(entry.get("kind", ""), str):
+        return entry | {"kind": ""}
+    return entry
 
 
 @lru_cache(maxsize=64)

@@ -147,6 +147,7 @@ def test_forager_is_an_otter_that_its_load_slows() -> None:
         (GOOD.replace("length_m", "lenght_m"), "unknown key lenght_m; did you mean length_m?"),
         (GOOD.replace("lag_s", "# lag_s"), "missing lag_s; add it, a number with unit"),
         (GOOD.replace('"force"', '"sail"'), "thruster.kind = 'sail'; choose propeller, force"),
+        (GOOD.replace('"force"', "0x" + "f" * 9000), "thruster.kind = ''; choose propeller, force"),
         (GOOD.replace('kind = "force"\n', ""), "thruster.kind = ''; choose propeller, force"),
         (GOOD.replace('"force"', '"propeller"'), "unknown key thruster.max_ahead_newton"),
         (GOOD.replace('"a raft"', "3"), "description = 3, expected text"),
