@@ -10,10 +10,10 @@ from controllers.prediction import SAMPLE_S, SAMPLES
 from controllers.state import HOLD, FleetArray, VesselState
 
 GROWTH_MPS = 0.04  # of the margin with time, for what is not foreseen
-MOST_GROWTH_M = 0.2
+MOST_GROWTH_M = 0.2  # at most
 BESIDE_M = 0.1  # margin over the hulls' clearance
 NEAR_M = 1.0  # hulls whose ways come nearer than this are looked at
-NONE = -1
+NONE = -1  # no vessel, no sample
 
 
 class Traffic(NamedTuple):

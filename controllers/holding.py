@@ -9,7 +9,7 @@ from controllers.loops import integrated
 from controllers.state import VesselState
 
 FARTHEST_M = 1.0  # a place farther away pulls no harder
-LEAST_DRIFT_MPS = 0.06
+LEAST_DRIFT_MPS = 0.06  # a slower drift does not turn the hull
 SLOW_MPS = 0.3  # a hull faster than this brakes before it turns
 SWITCH_RAD = 1.9  # bow and stern change roles beyond this
 

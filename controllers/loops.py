@@ -9,7 +9,7 @@ from controllers.reference import heading_reference, speed_reference
 from controllers.state import VesselState
 
 MOST_LEAD_RAD = 0.35  # of the heading reference before the hull; more would be windup
-ASIDE = 0.12
+ASIDE = 0.12  # lengths that a turn under way may lead aside
 MOST_LEAD_S = 0.6  # of the speed reference before the hull, in seconds of its acceleration
 
 

@@ -15,19 +15,18 @@ from controllers.angles import wrapped
 from controllers.helm import PackedHelm
 from controllers.state import VesselState
 
-APPROACH_MPS = 0.5
-BACK_MPS = 0.5
+APPROACH_MPS = 0.5  # towards an item
+BACK_MPS = 0.5  # backing off from it
 BERTH_M = 0.25  # between an item and the turning bow
 SLACK_M = 0.5  # beyond its room a hull still counts as inside its node
 AFRESH_M = 0.35  # more than that is made by backing off
 AIM = 0.6  # share of the half beam within which the item must lie to be taken straight on
 
-
 STRAIGHT, ALONG = 0.0, 2.0  # ways of picking up; 1 and 3 are backing off
 STILL_MPS, STILL_RADPS, STUCK_S = 0.08, 0.1, 1.5  # so slow for so long is stuck
 OFF_S, ALONG_S = 3.0, 10.0  # longest times of backing off and of trying along a quay
 EDGE_M = 0.05  # from the edge of the mouth to an item that is taken along a quay
-LOOKAHEAD_M = 0.8
+LOOKAHEAD_M = 0.8  # of the guidance along a quay
 
 
 @kernel

@@ -10,15 +10,15 @@ from controllers.legs import REACTION_S, VIA_SPEED, best_way
 from controllers.loops import turning_limit
 from controllers.state import VesselState
 
-SAMPLES = 40
-SAMPLE_S = 0.25
-AT_M = 0.4
+SAMPLES = 40  # poses of a prediction
+SAMPLE_S = 0.25  # between two of them
+AT_M = 0.4  # from a point: there
 ARRIVAL_M = 0.9  # from the target: counts as arrived
 SETTLE_S = 0.6  # of a heading, at the end of a turn
 TURNED = 0.98  # cosine of the heading error below which a hull does not yet go astern
 CRUISE_SHARE = 0.93  # of the cruise speed, made good
 GAIN_SHARE = 0.7  # of the acceleration, likewise
-NEVER_S = 100.0
+NEVER_S = 100.0  # time of an arrival that is not foreseen
 
 
 @kernel

@@ -1,4 +1,7 @@
-"""The last word: how fast a hull may go and turn so that it can still stop before anything."""
+"""Safe speeds: how fast a hull may go and turn so that it can still stop before anything.
+
+They limit every command, whatever guidance and traffic want.
+"""
 
 import math
 
@@ -9,21 +12,21 @@ from controllers.guidance import stopping_distance, stopping_speed
 from controllers.helm import HelmArray, PackedHelm
 from controllers.state import HOLD, FleetArray, VesselState
 
-REACTION_S = 0.1
+REACTION_S = 0.1  # of a loop at 10 Hz, added to the thrusters' lag
 GIVE_WAY_S = 1.0  # by how much longer the path ahead of a vessel with right of way is kept free
 TOUCH_QUAY_MPS, TOUCH_HULL_MPS = 0.25, 0.15  # of a bow that swings where it may touch
 SWING_S = 0.25  # for which another that turns is taken to turn on
 HULL_SHARE = 0.6  # of the brake that is counted on before other hulls, which move
 STEP_M = 0.25  # of looking ahead
 SLACK_M = 0.02  # by which a gap may shrink that is already too small
-SWING_M = 0.1
+SWING_M = 0.1  # margin of a hull that turns where it is
 PAST_QUAY_MPS, PAST_HULL_MPS = 0.25, 0.15  # along a hull nearer than the clearance, a quay half
 LONGEST_PATH_M = 5.0  # of another, to stop
-STRONG_DRIFT_MPS = 0.2
+STRONG_DRIFT_MPS = 0.2  # a drift from which a hull keeps off the quay to leeward
 LEE_M = 2.0  # a quay nearer than this to leeward of a place counts
-MOST_UP_M = 0.5
-UNLIMITED = 1e3
-QUAYS = -1
+MOST_UP_M = 0.5  # how far it then lies up the drift
+UNLIMITED = 1e3  # a limit [m/s], [rad/s] that no hull reaches
+QUAYS = -1  # in place of another vessel
 
 
 @kernel

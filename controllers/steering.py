@@ -1,4 +1,4 @@
-"""One vessel, one tick: what it does now, and the commands that follow."""
+"""One control tick of one vessel: whether it goes, keeps position or picks up, and its commands."""
 
 import math
 

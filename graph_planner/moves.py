@@ -107,6 +107,7 @@ def _resolve(
     agent_node: Int32Array,
     energy_left: NDArray[np.float64],
     belief: NDArray[np.int16],
+    holder_of: NDArray[np.int64],
     decision: Int32Array,
     keys: UInt64Array,
     neighbours: Int32Array,
@@ -123,6 +124,7 @@ def _resolve(
 ) -> None:
     direction, target, steps, blocked = moves
     n_episodes, n_agents = agent_node.shape
+    holders = belief.shape[0] // max(1, n_episodes)
     legal = np.empty(9, np.int64)
     for e in range(n_episodes):
         if not active[e]:
@@ -136,14 +138,14 @@ def _resolve(
             if epsilon[agent] > 0.0:
                 draw = uniform(key, -1 if whole_team else agent, decision[e])
             if draw < epsilon[agent]:
-                n_legal, n_known = 0, 0
+                n_legal, n_known, row = 0, 0, e * holders + holder_of[agent]
                 for d in range(9):
                     end, length = free_move(
                         neighbours, claimed, token, node, d, strides[agent], stay, shorten
                     )
                     if end < 0 or move_length(d, length) > energy_left[e, agent]:
                         continue
-                    if whole_team and collects[agent] and d != STAY and belief[e, end] > 0:
+                    if whole_team and collects[agent] and d != STAY and belief[row, end] > 0:
                         legal[n_legal] = legal[n_known]
                         legal[n_known] = d
                         n_known += 1
@@ -195,6 +197,7 @@ class Resolver:
         belief: NDArray[np.int16],
         step: Int32Array,
         keys: UInt64Array,
+        holder_of: NDArray[np.int64] | None = None,
     ) -> Moves:
         """Resolve one step of a batch.
 
@@ -205,9 +208,10 @@ class Resolver:
             An illegal move, or one to or through a node chosen earlier, is never taken.
         agent_node : (episode, agent)
         energy_left : (episode, agent) distance that can still be travelled [node]
-        belief : (episode, node) believed items; read by the whole-team corruption only
+        belief : (episode x holder, node) believed items; read by the whole-team corruption only
         step : (episode,) decision number, 1 for the first
         keys : (episode,) episode keys
+        holder_of : (agent,) by whose belief each agent acts; absent: one holder for all
 
         Raises
         ------
@@ -233,6 +237,7 @@ class Resolver:
             agent_node,
             energy_left,
             belief,
+            np.zeros(len(self._fleet), np.int64) if holder_of is None else holder_of,
             step,
             keys,
             self._graph.neighbours,

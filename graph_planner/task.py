@@ -88,22 +88,25 @@ class Task:
 
 
 class Observation(NamedTuple):
-    """What the fleet knows together: the shared model, its own positions and the time.
+    """What is known and the time, in one row per holder of knowledge, which decides for all agents.
 
-    The arrays are live views of the model; a policy reads them and never writes. Idleness is kept
-    as the step at which a node was last seen: I = min(1, (step - last_seen) / (0.9 T)), 1 if never.
+    With ideal communication an episode is one row, and what it knows the fleet knows together;
+    otherwise each holder has a row, and its answer counts for the agents that act by it.
+    The arrays are live views; a policy reads them and never writes. Idleness is kept as the step at
+    which a node was last seen: I = min(1, (step - last_seen) / (0.9 T)), 1 if never.
     """
 
-    active: NDArray[np.bool_]  # (episode,) False once an episode is over
-    step: Int32Array  # (episode,) the decision about to be taken, 1 for the first
-    keys: NDArray[np.uint64]  # (episode,) episode keys, for a policy's own randomness
-    agent_node: Int32Array  # (episode, agent)
-    energy_left: NDArray[np.float64]  # (episode, agent) [node]
-    room_left: NDArray[np.int64]  # (episode, agent) items it can take aboard, `UNLIMITED` if any
-    belief: NDArray[np.int16]  # (episode, node) believed items
-    last_seen: NDArray[np.int16]  # (episode, node) step, NEVER if not yet seen
-    known: Int32Array  # (episode, node) nodes with belief > 0, in no particular order
-    n_known: Int32Array  # (episode,) how many entries of `known` count
+    active: NDArray[np.bool_]  # (row,) False once an episode is over
+    step: Int32Array  # (row,) the decision about to be taken, 1 for the first
+    keys: NDArray[np.uint64]  # (row,) episode keys, for a policy's own randomness
+    agent_node: Int32Array  # (row, agent) where each was when last heard of
+    energy_left: NDArray[np.float64]  # (row, agent) as of then [node]
+    room_left: NDArray[np.int64]  # (row, agent) items it could take aboard, `UNLIMITED` if any
+    belief: NDArray[np.int16]  # (row, node) believed items
+    last_seen: NDArray[np.int16]  # (row, node) step, NEVER if not yet seen
+    known: Int32Array  # (row, node) nodes with belief > 0, in no particular order
+    n_known: Int32Array  # (row,) how many entries of `known` count
+    agent_seen: Int32Array  # (row, agent) step of which `agent_node` tells; now is `step` - 1
 
 
 class Truth(NamedTuple):

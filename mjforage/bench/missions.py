@@ -18,7 +18,7 @@ PARTS = {
     "weather": ("physics.py", "_feel"),
     "watching": ("watch.py", "watch"),
     "policy": ("greedy.py", "act"),
-    "seeing": ("shared_model.py", "update"),
+    "seeing": ("mission.py", "_see"),
     "logging": ("episode_log.py", "see"),
 }
 """Part -> file and function whose time it is, callees included."""

@@ -71,7 +71,7 @@ class EpisodeLog(Observer):
         self.series = {name: np.full((episodes, steps), np.nan) for name in STEP_METRICS}
 
     def _write(self, mission: Mission, episodes: NDArray[np.int64]) -> None:
-        state, model = mission.state, mission.model
+        state = mission.state
         at = (episodes, mission.step[episodes])
         self.agent_node[at] = state.agent_node[episodes]
         self.agent_rc[at] = state.agent_rc[episodes]
@@ -86,20 +86,19 @@ class EpisodeLog(Observer):
         if mission.moves is not None:
             self.direction[at] = mission.moves.direction[episodes]
             self.target[at] = mission.moves.target[episodes]
-        truth, belief = model.knowledge.truth[episodes], model.knowledge.belief[episodes]
+        truth = mission.ledger.entries.truth[episodes]
+        belief = mission.knowledge.belief[episodes]
         rmse, rmse_columns = model_error(truth, belief, self._navigable)
         self.series["rmse"][at], self.series["rmse_columns"][at] = rmse, rmse_columns
-        self.series["mi"][at] = mean_idleness(model.idleness(mission.step, episodes))
+        self.series["mi"][at] = mean_idleness(mission.idleness(episodes))
         for name, team in (("co_scouts", self._scouts), ("co_foragers", self._foragers)):
-            seen = model.times_seen(state.agent_node[episodes], team)
-            self.series[name][at] = coverage_overlap(seen)
+            self.series[name][at] = coverage_overlap(mission.times_seen(team, episodes))
 
     def _finish(self, mission: Mission) -> None:
         steps = np.arange(mission.setup.scenario.horizon + 1)
         last = np.minimum(steps[None, :], self.length[:, None])
         for name, values in self.series.items():
             self.series[name] = np.take_along_axis(values, last, axis=1)
-        self.t_discovered = mission.model.knowledge.t_discovered
-        self.discovered_by = mission.model.knowledge.discovered_by
-        self.t_collected = mission.model.knowledge.t_collected
-        self.collected_by = mission.state.collected_by
+        entries = mission.ledger.entries
+        self.t_discovered, self.discovered_by = entries.t_discovered, entries.discovered_by
+        self.t_collected, self.collected_by = entries.t_collected, entries.collected_by

@@ -1,4 +1,7 @@
-"""The mission loop: decide -> move -> collect -> drift -> see -> log, for a batch of episodes."""
+"""The mission loop, for a batch of episodes.
+
+Decide -> move -> collect -> drift -> see -> tell -> log.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,17 +12,19 @@ from numpy.typing import NDArray
 
 from graph_planner.fleet import UNLIMITED, Fleet
 from graph_planner.geodesics import Int32Array
+from graph_planner.knowledge import Knowledge, Looks, hear, idleness, times_seen
 from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
 from graph_planner.navigation import NavigationGraph, navigation_graph
 from graph_planner.policies import Bound, Policy
 from graph_planner.randomness import UInt64Array, episode_keys
 from graph_planner.rows import put_rows
-from graph_planner.shared_model import SharedModel
 from graph_planner.task import Observation, Task, Truth
 from mjforage.core.dynamics import Dynamics, Transition
 from mjforage.core.errors import UserError
+from mjforage.core.exchange import Exchange, Ideal
 from mjforage.core.graph_dynamics import GraphDynamics
 from mjforage.core.initial_state import InitialState, create_initial_state, nodes_around
+from mjforage.core.ledger import Ledger
 from mjforage.core.maps import GridMap, check_starts, load_map, load_starts, reachable_share
 from mjforage.core.scenario import Scenario
 
@@ -122,19 +127,24 @@ class Mission:
 
     Attributes
     ----------
-    model : SharedModel, what the fleet knows
+    ledger : Ledger, the truth and its history
+    knowledge : Knowledge, what the fleet knows together: one row per episode
+    exchange : Exchange, what those who decide know
     state : Transition, where everything is
     step : (episode,) int32 decisions made
     active : (episode,) bool, False once an episode is over
     moves : Moves of the last decision; None before the first
     """
 
-    def __init__(self, setup: Setup, dynamics: Dynamics | None = None) -> None:
+    def __init__(
+        self, setup: Setup, dynamics: Dynamics | None = None, exchange: Exchange | None = None
+    ) -> None:
         """Compose a mission.
 
         Parameters
         ----------
         dynamics : the world it runs in (`mjforage.physics.worlds`); absent: the paper's graph
+        exchange : how looks reach those who decide; absent: everybody hears everything at once
 
         Raises
         ------
@@ -142,11 +152,13 @@ class Mission:
             If a role has a capability that no rule of the mission uses.
         """
         self.setup = setup
-        _check_capabilities(setup)
+        self.exchange: Exchange = Ideal() if exchange is None else exchange
+        _check_capabilities(setup, self.exchange)
         if dynamics is None:
             dynamics = GraphDynamics(setup.graph, setup.fleet, setup.scenario)
-        self.model = SharedModel(setup.task, dynamics.detection)
+        self.ledger = Ledger(setup.task, dynamics.detection)
         self._dynamics = dynamics
+        self._views, self._radius_number = setup.task.views, setup.task.radius_number
         self._resolver = Resolver(setup.graph, setup.fleet, setup.task.rules, setup.corruption)
         self._energy = setup.fleet.energy
 
@@ -173,10 +185,33 @@ class Mission:
         self.initial = self.setup.create_initial_state(self.keys)
         names = names or [f"key {key}" for key in keys]
         self.state: Transition = self._dynamics.reset(self.initial, self.keys, names)
-        self.model.reset(self.state.agent_node, self.state.item_node, self.keys)
         self.step = np.zeros(keys.size, np.int32)
         self.active = np.ones(keys.size, np.bool_)
         self.moves: Moves | None = None
+        self.ledger.reset(self.state.item_node, self.keys)
+        self._all_heard = np.ones(self.state.agent_node.shape, np.bool_)
+        self.knowledge = Knowledge.of_starts(self._looks(), len(self.setup.graph))
+        self.exchange.reset(self.setup.task, self._see(), self.knowledge)
+
+    def _looks(self) -> Looks:
+        """What all agents see now and say of themselves."""
+        return Looks(
+            active=self.active,
+            step=self.step,
+            agent_node=self.state.agent_node,
+            sighted=self.ledger.entries.sighted,
+            energy_left=self.energy_left,
+            room_left=self.room_left,
+        )
+
+    def _see(self) -> Looks:
+        """All agents look: the fleet's knowledge and the ledger come up to date."""
+        state = self.state
+        self.ledger.update(self.active, self.step, state.item_node, state.collected_by)
+        looks = self._looks()
+        hear(looks, self._all_heard, self._views, self._radius_number, self.knowledge)
+        self.ledger.credit(looks, self.knowledge.last_seen)
+        return looks
 
     def adopt(self, rows: NDArray[np.int64], other: "Mission") -> None:
         """Replace episodes (row,) of the batch by another mission's; in the graph world only.
@@ -188,7 +223,9 @@ class Mission:
             other._dynamics, GraphDynamics
         )
         self.state = self._dynamics.adopt(rows, other._dynamics)
-        self.model.adopt(rows, other.model)
+        self.ledger.adopt(rows, other.ledger)
+        self.knowledge = self.knowledge.with_rows(rows, other.knowledge)
+        self.exchange.adopt(rows, other.exchange, self.knowledge)
         for name in ("keys", "step", "active"):
             setattr(self, name, put_rows(getattr(self, name), rows, getattr(other, name)))
 
@@ -211,18 +248,26 @@ class Mission:
 
     @property
     def observation(self) -> Observation:
-        """What the fleet sees before the next decision."""
+        """What the fleet knows together before the next decision: one row per episode."""
+        return self._observed(self.knowledge, 1)
+
+    def _observed(self, knowledge: Knowledge, holders: int) -> Observation:
+        """Knowledge as a policy sees it, the episodes' arrays once for each holder."""
+        active, step, keys = self.active, self.step + np.int32(1), self.keys
+        if holders > 1:
+            active, step, keys = (np.repeat(each, holders) for each in (active, step, keys))
         return Observation(
-            active=self.active,
-            step=self.step + np.int32(1),
-            keys=self.keys,
-            agent_node=self.state.agent_node,
-            energy_left=self.energy_left,
-            room_left=self.room_left,
-            belief=self.model.knowledge.belief,
-            last_seen=self.model.knowledge.last_seen,
-            known=self.model.knowledge.known,
-            n_known=self.model.knowledge.n_known,
+            active=active,
+            step=step,
+            keys=keys,
+            agent_node=knowledge.agent_node,
+            energy_left=knowledge.energy_left,
+            room_left=knowledge.room_left,
+            belief=knowledge.belief,
+            last_seen=knowledge.last_seen,
+            known=knowledge.known,
+            n_known=knowledge.n_known,
+            agent_seen=knowledge.agent_seen,
         )
 
     @property
@@ -230,11 +275,39 @@ class Mission:
         """What no policy may see but a bound."""
         return Truth(self.state.item_rc, self.state.item_node, self.initial.drift_rc)
 
+    def idleness(self, episodes: NDArray[np.int64]) -> NDArray[np.float64]:
+        """(chosen, node) idleness in [0, 1] of some episodes (chosen,), as the fleet knows it."""
+        return idleness(self.knowledge.last_seen, self.step, episodes, self.setup.task.forgetting)
+
+    def times_seen(
+        self, agents: NDArray[np.int64], episodes: NDArray[np.int64]
+    ) -> NDArray[np.uint8]:
+        """(chosen, node) by how many of `agents` each node is in view, in some episodes."""
+        at = self.state.agent_node[episodes]
+        return times_seen(at, agents, self._views, self._radius_number)
+
+    def prepare(self, policy: Policy) -> None:
+        """Get a policy ready for the batch: it decides once for each holder, a bound for each
+        episode.
+        """
+        holders = 1 if isinstance(policy, Bound) else self.exchange.holders
+        policy.reset(self.setup.task, np.repeat(self.keys, holders))
+
     def ask(self, policy: Policy) -> NDArray[np.float64]:
-        """The preferences of a policy, which sees the observation, or the truth too if a bound."""
+        """The preferences (episode, agent, 9) of a policy, those of each agent by what it knows.
+
+        A bound is shown the truth too, and what the fleet knows together.
+        """
         if isinstance(policy, Bound):
             policy.reveal(self.truth)
-        return policy.act(self.observation)
+            return policy.act(self.observation)
+        holders, holder_of = self.exchange.holders, self.exchange.holder_of
+        answer = policy.act(self._observed(self.exchange.knowledge, holders))
+        if holders == 1:
+            return answer
+        each = answer.reshape(self.keys.size, holders, *answer.shape[1:])
+        own: NDArray[np.float64] = each[:, holder_of, np.arange(holder_of.size)]
+        return own
 
     def decide(self, preferences: NDArray[np.float64]) -> Moves:
         """Resolve preferences (episode, agent, 9) into moves without making them."""
@@ -242,10 +315,11 @@ class Mission:
             self.active,
             preferences,
             self.state.agent_node,
-            self.energy_left,
-            self.model.knowledge.belief,
+            self.knowledge.energy_left,
+            self.exchange.knowledge.belief,
             self.step + np.int32(1),
             self.keys,
+            self.exchange.holder_of,
         )
 
     def advance(self, preferences: NDArray[np.float64]) -> Transition:
@@ -263,20 +337,14 @@ class Mission:
         self.moves = self.decide(preferences)
         self.step = self.step + self.active.astype(np.int32)
         self.state = self._dynamics.advance(self.active, self.step, self.moves)
-        self.model.update(
-            self.active,
-            self.step,
-            self.state.agent_node,
-            self.state.item_node,
-            self.state.collected_by,
-        )
+        self.exchange.tell(self._see(), self.knowledge)
         left = (self.state.item_node >= 0).any(axis=1)
         self.active = self.active & left & (self.step < self.setup.scenario.horizon)
         return self.state
 
     def run(self, policy: Policy, observers: "tuple[Observer, ...]" = ()) -> None:
         """Play the batch to its end, showing every state to the observers."""
-        policy.reset(self.setup.task, self.keys)
+        self.prepare(policy)
         for observer in observers:
             observer.see(self)
         while self.active.any():
@@ -285,11 +353,11 @@ class Mission:
                 observer.see(self)
 
 
-def _check_capabilities(setup: Setup) -> None:
+def _check_capabilities(setup: Setup, exchange: Exchange) -> None:
     """Refuse what a role can do and nothing uses, rather than run as if it could not."""
     for name, role in setup.scenario.team.items():
         for capability in ("carries", "relays"):
-            if getattr(role, capability):
+            if getattr(role, capability) and capability not in exchange.uses:
                 raise UserError(
                     f"scenario {setup.scenario.name}: team.{name}.{capability} = true, but no rule "
                     "of this mission uses it; leave it out"

@@ -46,11 +46,13 @@ class Replay:
     policy: str = ""
     seed: int = 0
     episode: int = 0
+    t_discovered: NDArray[np.int16] | None = None
+    """(item,) step of each item's discovery, -1 never; None in files of versions without it."""
 
     def content(self) -> bytes:
         """A compressed npz of plain arrays, as the content of a file."""
         buffer = io.BytesIO()
-        arrays = {f.name: np.asarray(getattr(self, f.name)) for f in fields(self)}
+        arrays = {k: np.asarray(value) for k, value in vars(self).items() if value is not None}
         np.savez_compressed(buffer, allow_pickle=False, **arrays)
         return buffer.getvalue()
 
@@ -69,7 +71,8 @@ class Replay:
             )
         try:
             with np.load(path, allow_pickle=False) as file:
-                values = {f.name: file[f.name] for f in fields(cls)}
+                names = [f.name for f in fields(cls) if f.name != "t_discovered" or f.name in file]
+                values = {name: file[name] for name in names}
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
             raise UserError(
                 f"replay {path}: cannot be read ({error}); {again(path.parent.parent)}"

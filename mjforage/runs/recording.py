@@ -24,17 +24,15 @@ class _Recorder(Observer):
         self.in_view: list[NDArray[np.uint8]] = []
 
     def see(self, mission: Mission) -> None:
-        state, model, fleet = mission.state, mission.model, mission.setup.fleet
+        state, fleet, first = mission.state, mission.setup.fleet, np.zeros(1, np.int64)
         grid = mission.setup.graph.grid
         self.agents.append(state.agent_rc[0].astype(np.float32))
         self.items.append(state.item_rc[0].astype(np.float32))
         self.present.append(state.item_node[0] >= 0)
-        self.belief.append(grid(model.knowledge.belief[0]).astype(np.int16))
-        idleness = model.idleness(mission.step, np.zeros(1, np.int64))[0]
-        self.idleness.append(grid(idleness).astype(np.float16))
+        self.belief.append(grid(mission.knowledge.belief[0]).astype(np.int16))
+        self.idleness.append(grid(mission.idleness(first)[0]).astype(np.float16))
         by_scouts, by_foragers = (
-            model.times_seen(state.agent_node[:1], team)[0] > 0
-            for team in (fleet.discoverers, fleet.collectors)
+            mission.times_seen(team, first)[0] > 0 for team in (fleet.discoverers, fleet.collectors)
         )
         self.in_view.append(grid(by_scouts + np.uint8(2) * by_foragers).astype(np.uint8))
 
@@ -84,4 +82,5 @@ def record(setup: Setup, world: str, policy: str, seed: int, episode: int) -> Re
         policy=policy,
         seed=seed,
         episode=episode,
+        t_discovered=mission.ledger.entries.t_discovered[0],
     )

@@ -47,6 +47,7 @@ def observation_of(
         last_seen=np.tile(seen, (episodes, 1)),
         known=listed,
         n_known=np.full(episodes, len(known or {}), np.int32),
+        agent_seen=np.full(nodes.shape, step - 1, np.int32),
     )
 
 

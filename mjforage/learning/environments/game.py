@@ -126,11 +126,11 @@ class Game:
 
     def facts(self, env: int = 0) -> dict[str, float]:
         """Shares of a sub-environment's items discovered and removed so far [%], and its step."""
-        known, total = self.mission.model.knowledge, self.n_items[env]
+        entries, total = self.mission.ledger.entries, self.n_items[env]
         return {
             "step": int(self.mission.step[env]),
-            "pta_d": 100.0 * int((known.t_discovered[env] >= 0).sum()) / int(total),
-            "pta_c": 100.0 * int((known.t_collected[env] >= 0).sum()) / int(total),
+            "pta_d": 100.0 * int((entries.t_discovered[env] >= 0).sum()) / int(total),
+            "pta_c": 100.0 * int((entries.t_collected[env] >= 0).sum()) / int(total),
         }
 
 

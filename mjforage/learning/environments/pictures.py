@@ -24,37 +24,34 @@ class Picture:
 
     def see(self, mission: Mission) -> None:
         """Take note of the state; step 0 begins anew."""
-        env, state, model = self._env, mission.state, mission.model
+        env, state = self._env, mission.state
         if mission.step[env] == 0:
-            self._steps = []
+            self._steps, self._items = [], np.flatnonzero(state.item_node[env] >= 0)
         grid, fleet = mission.setup.graph.grid, mission.setup.fleet
-        idle = model.idleness(mission.step, np.array([env]))[0]
+        own, items = np.array([env]), self._items  # without the padding for other episodes
         scouts, foragers = (
-            model.times_seen(state.agent_node[env : env + 1], team)[0] > 0
-            for team in (fleet.discoverers, fleet.collectors)
+            mission.times_seen(team, own)[0] > 0 for team in (fleet.discoverers, fleet.collectors)
         )
         self._steps.append(
             {
                 "agent_rc": state.agent_rc[env].astype(np.float32),
-                "item_rc": state.item_rc[env].astype(np.float32),
-                "item_present": state.item_node[env] >= 0,
-                "belief": grid(model.knowledge.belief[env]).astype(np.int16),
-                "idleness": grid(idle).astype(np.float16),
+                "item_rc": state.item_rc[env, items].astype(np.float32),
+                "item_present": state.item_node[env, items] >= 0,
+                "belief": grid(mission.knowledge.belief[env]).astype(np.int16),
+                "idleness": grid(mission.idleness(own)[0]).astype(np.float16),
                 "in_view": grid(scouts + np.uint8(2) * foragers).astype(np.uint8),
             }
         )
+        self._found = mission.ledger.entries.t_discovered[env, items]
 
     def draw(self, game: Game, episodes: Episodes) -> NDArray[np.uint8]:
         """(height, width, 3) what is there now, with the seed and episode in the title."""
         from mjforage.view.render import TopView  # matplotlib-free, but slow to import
 
-        items = self._steps[0]["item_present"]  # padding for other episodes is left out
         arrays: dict[str, Any] = {
             name: np.stack([step[name] for step in self._steps]) for name in self._steps[0]
         }
-        for name in ("item_rc", "item_present"):
-            arrays[name] = arrays[name][:, : items.size][:, items]
-        setup, fleet = game.setup, game.setup.fleet
+        setup, fleet, items = game.setup, game.setup.fleet, self._items.size
         replay = Replay(
             navigable=setup.grid.navigable,
             pitch_m=setup.scenario.map.pitch_m,
@@ -64,15 +61,16 @@ class Picture:
             agent_team=fleet.team,
             agent_collects=fleet.collects,
             vessels=("",) * len(fleet),
-            item_class=np.zeros(int(items.sum()), np.int16),
+            item_class=np.zeros(items, np.int16),
             frame_s=setup.scenario.period_s,
             track_pose=np.zeros((1, len(fleet), 3), np.float32),
-            track_items=np.zeros((1, int(items.sum()), 2), np.float32),
-            track_present=np.zeros((1, int(items.sum())), np.bool_),
+            track_items=np.zeros((1, items, 2), np.float32),
+            track_present=np.zeros((1, items), np.bool_),
             track_wind=np.zeros((1, 2), np.float32),
             world=game.options.world,
             seed=episodes.seed,
             episode=episodes.number,
+            t_discovered=self._found,
             **arrays,
         )
         view = TopView(replay, LONG_SIDE)

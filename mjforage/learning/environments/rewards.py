@@ -117,7 +117,7 @@ class RewardTerms:
 
     def before(self, mission: "Mission") -> None:
         """Take a copy of what the next state is compared with; call before every step."""
-        known = mission.model.knowledge
+        known = mission.knowledge
         self._before = Before(
             known.belief.copy(),
             known.last_seen.copy(),
@@ -134,7 +134,7 @@ class RewardTerms:
 
     def removed(self, mission: "Mission") -> Amounts:
         """Items that each agent removed."""
-        now = mission.model.knowledge.t_collected == mission.step[:, None]
+        now = mission.ledger.entries.t_collected == mission.step[:, None]
         return _count(mission.state.collected_by, now, self._agents)
 
     def team_removed(self, mission: "Mission") -> Amounts:
@@ -144,13 +144,13 @@ class RewardTerms:
 
     def discovered(self, mission: "Mission") -> Amounts:
         """Items first discovered by each agent."""
-        known = mission.model.knowledge
-        now = known.t_discovered == mission.step[:, None]
-        return _count(known.discovered_by, now, self._agents)
+        entries = mission.ledger.entries
+        now = entries.t_discovered == mission.step[:, None]
+        return _count(entries.discovered_by, now, self._agents)
 
     def belief(self, mission: "Mission") -> Amounts:
         """Change of the belief map in view, shared where views overlap."""
-        change = np.abs(mission.model.knowledge.belief - self._before.belief).astype(np.float64)
+        change = np.abs(mission.knowledge.belief - self._before.belief).astype(np.float64)
         return self._seen(mission, change, shared=True)
 
     def idleness(self, mission: "Mission") -> Amounts:
@@ -162,7 +162,7 @@ class RewardTerms:
 
     def distance(self, mission: "Mission") -> Amounts:
         """Distance to the nearest known item, 0 if none is known."""
-        known = mission.model.knowledge
+        known = mission.knowledge
         return self._nearest(known.known, known.n_known, mission.state.agent_node)
 
     def approach(self, mission: "Mission") -> Amounts:

@@ -179,7 +179,7 @@ class Trainer:
         return self._row(returns, learned)
 
     def _row(self, returns: NDArray[np.float64], learned: list[dict[str, float]]) -> Row:
-        known, total = self.game.mission.model.knowledge, self.game.n_items.sum()
+        known, total = self.game.mission.ledger.entries, self.game.n_items.sum()
         row: Row = {
             **self._come("rounds", "episodes", "updates", "seconds"),
             "explore": self._explore,

@@ -1,7 +1,7 @@
-"""Physics dynamics: decisions carried out by hulls in MuJoCo, under one weather for all.
+"""Dynamics in MuJoCo: decisions carried out by hulls in MuJoCo, under one weather for all.
 
 A decision becomes a waypoint; controllers steer at 10 Hz; what the period's end looks like is the
-same `Transition` as at graph level. Physics section 1 defines arrived, late and blocked.
+same `Transition` as at graph level. `watch` defines arrived, late and blocked.
 """
 
 from collections.abc import Sequence

@@ -20,6 +20,7 @@ def _noisy(
     heading_rad: float,
     pose: FloatArray,
 ) -> FloatArray:
+    """Poses with noise drawn from (episode, vessel, axis, tick)."""
     result = np.empty_like(pose)
     for e in range(keys.size):
         key = stream_key(keys[e], Stream.SENSORS)

@@ -1,6 +1,6 @@
 """What is noted at every control tick of a period: arrivals, hindrances, touches, way, energy.
 
-Semantics of a period (physics section 1): a hull *arrived* if midships came within `ARRIVAL_M` of
+In a period a hull *arrived* if midships came within `ARRIVAL_M` of
 the target's centre; it is *blocked* if it was slower than `SLOW_MPS` for `BLOCKED_S` because of
 contact or giving way; otherwise it is *late*.
 """
@@ -18,9 +18,7 @@ from mjforage.physics.dynamics.touch import touches
 from mjforage.physics.hydrodynamics.parameters import HullArray
 from mjforage.physics.hydrodynamics.thruster import thrust
 
-ARRIVAL_M = 1.0
-SLOW_MPS = 0.1
-BLOCKED_S = 2.0
+ARRIVAL_M, SLOW_MPS, BLOCKED_S = 1.0, 0.1, 2.0  # of the definitions above; estimates
 PROPELLER_DISC_M2 = math.pi / 4 * 0.2**2  # of one side, 0.2 m across: an estimate for both classes
 WATER_DENSITY_KGPM3 = 1025.0
 FloatArray = NDArray[np.float64]

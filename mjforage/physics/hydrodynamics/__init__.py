@@ -1,4 +1,4 @@
-"""Forces of water, air and thrusters on a hull: pure kernels on the flat vector of `pack`.
+"""Forces of water, air and thrusters on a hull: pure kernels on the record of `pack`.
 
 Body axes x forward, y port; forces at midships. A solver with accelerations in body axes takes
 `hull_force`; one with accelerations in world axes and R M_A R^T in its mass matrix, such as MuJoCo,

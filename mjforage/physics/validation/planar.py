@@ -1,4 +1,4 @@
-"""The check that a planar hull cannot have."""
+"""Roll, pitch and heave: the check that does not apply to planar hulls."""
 
 from mjforage.physics.validation.registry import Parts, check
 

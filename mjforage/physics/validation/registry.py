@@ -1,4 +1,4 @@
-"""The checks by name; a new one is a decorated function in a file that `checks` imports."""
+"""The checks by name; a new one is a decorated function in a file that `all_checks` imports."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -104,6 +104,7 @@ def _hermite(s: float, end: int) -> tuple[float, float, float, float]:
 
 @kernel
 def _peak_speed(patches: FloatArray, spacing_m: float) -> float:
+    """Highest speed over a grid of points [m/s]."""
     peak = 0.0
     for j in range(_SAMPLES * (patches.shape[0] - 1)):
         for i in range(_SAMPLES * (patches.shape[1] - 1)):

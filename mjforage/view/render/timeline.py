@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.core.errors import UserError
 from mjforage.runs.episode_replay import Replay
 
 TURN_PART = 0.35  # part of a step that a vessel takes to turn
@@ -24,14 +25,22 @@ class Timeline:
 
 
 def timeline_of(replay: Replay) -> Timeline:
-    """Derive discoveries (an item in a seen node, or removed), removals and courses."""
+    """Events and courses of a replay; discoveries are as they were logged.
+
+    Raises
+    ------
+    UserError
+        If the replay is of a version that kept no discoveries.
+    """
+    if replay.t_discovered is None:
+        raise UserError(
+            f"replay of episode {replay.episode} of {replay.policy} in world {replay.world}: it "
+            "tells no discoveries, as it was saved by an earlier version; `mjforage render RUN` "
+            "plays the episode again"
+        )
     steps, items = replay.item_present.shape
-    rows, columns = replay.navigable.shape
-    node = np.rint(replay.item_rc).astype(np.int64)
-    row, column = np.clip(node[..., 0], 0, rows - 1), np.clip(node[..., 1], 0, columns - 1)
-    seen = replay.in_view[np.arange(steps)[:, None], row, column] != 0
     removed = _first(~replay.item_present)
-    discovered = np.minimum(_first(seen & replay.item_present), removed)
+    discovered = np.where(replay.t_discovered < 0, NEVER, replay.t_discovered.astype(np.int64))
     step = np.arange(steps)[:, None]
     share = 100.0 / max(items, 1)
     return Timeline(

@@ -88,24 +88,21 @@ def test_kernels_agree_on_small_ragged_maps_with_water_at_the_border(seed: int) 
 
 def agree(mission: Mission, slow: list[SlowMission]) -> None:
     for e, oracle in enumerate(slow):
-        state, model = oracle.state, mission.model.knowledge
+        state, model, entries = oracle.state, mission.knowledge, mission.ledger.entries
         assert mission.state.agent_node[e].tolist() == state.nodes
         present = np.flatnonzero(mission.state.item_node[e] >= 0).tolist()
         assert present == sorted(state.items)
         for k in present:
             assert mission.state.item_rc[e, k] == pytest.approx(state.items[k], abs=1e-12)
-        np.testing.assert_array_equal(model.truth[e], oracle.truth())
+        np.testing.assert_array_equal(entries.truth[e], oracle.truth())
         np.testing.assert_array_equal(model.belief[e], state.belief)
         known = model.known[e, : model.n_known[e]]
         assert sorted(known.tolist()) == np.flatnonzero(state.belief).tolist()
-        idleness = mission.model.idleness(mission.step, np.array([e]))[0]
+        idleness = mission.idleness(np.array([e]))[0]
         np.testing.assert_allclose(idleness, state.idleness, atol=1e-12)
         for k in range(oracle.total):
-            found = (
-                int(model.t_discovered[e, k]),
-                int(model.discovered_by[e, k]),
-            )
-            taken = (int(model.t_collected[e, k]), int(mission.state.collected_by[e, k]))
+            found = (int(entries.t_discovered[e, k]), int(entries.discovered_by[e, k]))
+            taken = (int(entries.t_collected[e, k]), int(entries.collected_by[e, k]))
             assert found == state.found.get(k, (-1, -1))
             assert taken == state.taken.get(k, (-1, -1))
 
@@ -166,7 +163,7 @@ def test_a_fleet_may_lack_scouts_or_foragers(policy: str, without: str) -> None:
 def test_an_episode_ends_when_no_item_is_left_and_its_series_are_padded() -> None:
     setup = setup_of("open-bay", "items.mean=1", "items.std=0", "horizon=150")
     log, mission = played(setup, "greedy", np.arange(30))
-    assert (mission.model.knowledge.truth[log.length < 150] == 0).all()
+    assert (mission.ledger.entries.truth[log.length < 150] == 0).all()
     ended = np.flatnonzero(log.length < 150)
     assert ended.size > 10
     for e in ended:
@@ -180,14 +177,14 @@ def test_nothing_is_removed_at_the_start_but_what_is_in_view_is_discovered() -> 
     mission = Mission(setup)
     mission.reset(0, np.arange(20))
     assert (mission.state.item_node >= 0).all()
-    found = mission.model.knowledge.t_discovered == 0
+    found = mission.ledger.entries.t_discovered == 0
     assert found.any()
-    by_scouts = mission.model.times_seen(mission.state.agent_node, setup.fleet.discoverers) > 0
+    by_scouts = mission.times_seen(setup.fleet.discoverers, np.arange(20)) > 0
     seen_by_scouts = np.take_along_axis(by_scouts, mission.state.item_node, axis=1)
     np.testing.assert_array_equal(  # a tie goes to the scouts
-        np.isin(mission.model.knowledge.discovered_by, setup.fleet.discoverers), seen_by_scouts
+        np.isin(mission.ledger.entries.discovered_by, setup.fleet.discoverers), seen_by_scouts
     )
-    assert (mission.model.knowledge.t_discovered[~found] == -1).all()
+    assert (mission.ledger.entries.t_discovered[~found] == -1).all()
 
 
 def test_the_order_of_teams_in_a_file_does_not_decide_who_chooses_first() -> None:

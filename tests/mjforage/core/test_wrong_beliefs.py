@@ -42,7 +42,7 @@ def test_scouts_that_search_in_vain_look_everywhere(wrong: tuple[str, ...]) -> N
 def test_more_hotspots_than_assumed_are_found() -> None:
     """98 % of their items are discovered; 87 % where no sighting refutes the assumed number."""
     mission = played("items.hotspots=3", episodes=20)
-    seen = (mission.model.knowledge.t_discovered >= 0).sum(axis=1) / mission.initial.n_items
+    seen = (mission.ledger.entries.t_discovered >= 0).sum(axis=1) / mission.initial.n_items
     assert seen.mean() > 0.94
 
 

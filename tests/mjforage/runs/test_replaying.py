@@ -12,6 +12,7 @@ from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import evaluate
+from mjforage.runs.recording import record
 from mjforage.runs.replaying import replay_of_run
 
 
@@ -39,6 +40,8 @@ def test_an_episode_comes_out_as_logged(finished: Path, policy: str, episode: in
     assert (replay.policy, replay.episode, replay.seed) == (policy, episode, 0)
     assert replay.item_rc.shape[1] == items.height
     assert np.array_equal(replay.item_rc[0], items.select("row_start", "col_start").to_numpy())
+    found = items["t_discovered"].fill_null(-1).to_numpy()
+    np.testing.assert_array_equal(replay.t_discovered, found)
     removed = items["t_collected"].fill_null(10_000).to_numpy()
     steps = np.arange(len(replay.item_present))
     assert np.array_equal(replay.item_present, steps[:, None] < removed[None, :])
@@ -128,3 +131,16 @@ def test_the_map_file_is_not_needed_any_more(tmp_path: Path) -> None:
     replay = replay_of_run(tmp_path / "run", "graph", "random", 1)
     assert replay.navigable.shape == (3, 4)
     assert {tuple(rc) for rc in replay.agent_rc[0].tolist()} == {(0, 0), (0, 1), (1, 0), (1, 1)}
+
+
+def test_a_replay_tells_which_items_were_missed() -> None:
+    """Detection is honoured: an item in view that nobody noticed is not discovered."""
+    overrides = ["horizon=2", "sensors.detection=0.3", "items.mean=300", "map.starts=[]"]
+    setup = Setup.of(load_scenario("comb-port", overrides))
+    replay = record(setup, "physics", "greedy", 0, 0)
+    assert replay.t_discovered is not None
+    node = np.rint(replay.item_rc).astype(int)
+    seen = replay.in_view[np.arange(3)[:, None], node[..., 0], node[..., 1]] > 0
+    in_view = (seen & replay.item_present).any(axis=0)
+    found = replay.t_discovered >= 0
+    assert (found & in_view).any() and (~found & in_view).any()

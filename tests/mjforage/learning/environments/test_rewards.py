@@ -28,7 +28,7 @@ def test_terms_by_their_definitions(setup: Setup) -> None:
     while mission.active.any():
         played = mission.active.copy()
         terms.before(mission)
-        old, known = terms._before, mission.model.knowledge
+        old, known = terms._before, mission.knowledge
         collected = mission.state.collected_by.copy()
         mission.advance(policy.act(mission.observation))
         found = terms.after(mission, played)
@@ -70,6 +70,6 @@ def test_terms_by_their_definitions(setup: Setup) -> None:
             assert not value[~played].any()
             sums[name] += value.sum()
     total = mission.initial.n_items.sum()
-    assert sums["removed"] == (mission.model.knowledge.t_collected >= 0).sum() <= total
-    assert sums["discovered"] <= (mission.model.knowledge.t_discovered >= 0).sum()
+    assert sums["removed"] == (mission.ledger.entries.t_collected >= 0).sum() <= total
+    assert sums["discovered"] <= (mission.ledger.entries.t_discovered >= 0).sum()
     assert all(sums[name] != 0.0 for name in ("belief", "idleness", "distance", "approach"))

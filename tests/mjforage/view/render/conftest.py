@@ -67,6 +67,10 @@ def make_replay(
         before = idleness[t - 1] + np.float16(1 / (0.9 * 150)) if t else np.float16(1)
         idleness[t] = np.where(navigable & (view[t] == 0), np.minimum(before, 1), 0)
     rows, item_path = navigable.shape[0], np.array(item_rc)
+    node = np.rint(item_path).astype(int)
+    in_view = view[np.arange(steps + 1)[:, None], node[..., 0], node[..., 1]] > 0
+    found = in_view | ~present  # removed unseen counts as discovered
+    t_discovered = np.where(found.any(axis=0), found.argmax(axis=0), -1).astype(np.int16)
     pose = np.concatenate((_metres(places, rows), _yaws(places)[..., None]), axis=-1)
     return Replay(
         navigable=navigable,
@@ -91,6 +95,7 @@ def make_replay(
         track_wind=np.zeros((steps + 1, 2), np.float32),
         policy="greedy",
         episode=3,
+        t_discovered=t_discovered,
     )
 
 

@@ -1,9 +1,11 @@
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from mjforage.core.errors import UserError
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.panel import mission_clock
 from mjforage.view.render.timeline import NEVER, course_at, timeline_of
@@ -19,28 +21,33 @@ def small(build: Callable[..., Replay]) -> Replay:
         item_rc=np.tile(places.astype(np.float32), (4, 1, 1)),
         item_present=np.ones((4, 4), np.bool_),
         in_view=np.zeros_like(replay.in_view),
+        t_discovered=np.full(4, -1, np.int16),
     )
 
 
-def test_discoveries_and_removals_give_pta(small: Replay) -> None:
-    seen, present = small.in_view.copy(), small.item_present.copy()
-    seen[0, 0, 0] = 1  # item 0 at the start, by a scout
-    seen[2:, 0, 1] = 2  # item 1 at step 2, by a forager
+def test_discoveries_as_logged_and_removals_give_pta(small: Replay) -> None:
+    """What is in view and was missed is not discovered: the log says, not the picture."""
+    present = small.item_present.copy()
     present[3:, 0] = False
-    present[1:, 2] = False  # removed unseen counts as discovered
-    timeline = timeline_of(replace(small, in_view=seen, item_present=present))
+    present[1:, 2] = False
+    found = np.array([0, 2, 1, -1], np.int16)
+    view = np.ones_like(small.in_view)
+    timeline = timeline_of(replace(small, in_view=view, item_present=present, t_discovered=found))
     assert timeline.discovered.tolist() == [0, 2, 1, NEVER]
     assert timeline.removed.tolist() == [3, NEVER, 1, NEVER]
     assert timeline.pta_d.tolist() == [25.0, 50.0, 75.0, 75.0]
     assert timeline.pta_c.tolist() == [0.0, 25.0, 25.0, 50.0]
 
 
-def test_removed_items_are_not_discovered_by_later_views(small: Replay) -> None:
-    seen, present = small.in_view.copy(), small.item_present.copy()
-    present[1:, 0] = False
-    seen[2:, 0, 0] = 1
-    timeline = timeline_of(replace(small, in_view=seen, item_present=present))
-    assert timeline.discovered[0] == 1
+def test_a_replay_of_before_discoveries_is_read_but_not_drawn(
+    small: Replay, tmp_path: Path
+) -> None:
+    path = tmp_path / "old.npz"
+    path.write_bytes(replace(small, t_discovered=None).content())
+    old = Replay.load(path)
+    np.testing.assert_array_equal(old.item_rc, small.item_rc)
+    with pytest.raises(UserError, match=r"tells no discoveries.*mjforage render"):
+        timeline_of(old)
 
 
 def test_course_follows_the_motion_and_is_kept_when_staying(small: Replay) -> None:

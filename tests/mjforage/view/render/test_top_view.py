@@ -36,6 +36,7 @@ def still(build: Build) -> Replay:
         belief=nothing.astype(np.int16),
         idleness=np.ones_like(replay.idleness),
         in_view=nothing,
+        t_discovered=np.full(1, -1, np.int16),
     )
 
 
@@ -111,15 +112,14 @@ def test_hull_points_along_the_motion(still: Replay) -> None:
 def test_removed_item_disappears(still: Replay) -> None:
     present = still.item_present.copy()
     present[2:] = False
-    view = TopView(replace(still, item_present=present, in_view=np.ones_like(still.in_view)))
+    found = np.zeros(1, np.int16)
+    view = TopView(replace(still, item_present=present, t_discovered=found))
     assert holds(around(view.frame(1.0), view, (8, 8), 6), palette.ITEM, 40.0)
     assert not holds(around(view.frame(3.0), view, (8, 8), 6), palette.ITEM, 40.0)
 
 
 def test_undiscovered_items_are_dimmer(still: Replay) -> None:
-    seen = still.in_view.copy()
-    seen[1:, 8, 8] = 1
-    view = TopView(replace(still, in_view=seen))
+    view = TopView(replace(still, t_discovered=np.ones(1, np.int16)))
     before, after = (around(view.frame(time), view, (8, 8), 1) for time in (0.0, 1.0))
     assert after.astype(float).mean() > before.astype(float).mean() + 10.0
 

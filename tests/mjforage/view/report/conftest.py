@@ -258,6 +258,9 @@ def _replay(
         world=world,
         policy=policy,
         episode=episode,
+        t_discovered=np.where(
+            (seen | gone)[: length + 1].any(axis=0), (seen | gone)[: length + 1].argmax(axis=0), -1
+        ).astype(np.int16),
     )
 
 

@@ -1,0 +1,171 @@
+"""Who knows what: what was last seen in each node and when, and where everybody was last heard of.
+
+A row is what one holder of one episode knows: all that it has heard of the agents' looks, and
+nothing else. With ideal communication an episode has one holder, and what it knows all agents know.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import Int32Array
+from graph_planner.rows import put_rows
+from graph_planner.task import NEVER
+from graph_planner.visibility import NodeLists
+
+
+class Looks(NamedTuple):
+    """What all agents see and say of themselves at the end of a step. Live views."""
+
+    active: NDArray[np.bool_]  # (episode,) whose step it was; nobody looks in the others
+    step: Int32Array  # (episode,)
+    agent_node: Int32Array  # (episode, agent) from where each looks
+    sighted: NDArray[np.int16]  # (episode, node) items that a look at the node shows
+    energy_left: NDArray[np.float64]  # (episode, agent) [node]
+    room_left: NDArray[np.int64]  # (episode, agent) items, `UNLIMITED` if any number
+
+
+class Knowledge(NamedTuple):
+    """What holders know. Row `episode * holders + holder` of every array."""
+
+    belief: NDArray[np.int16]  # (row, node) items when the node was last seen
+    last_seen: NDArray[np.int16]  # (row, node) step, NEVER if not yet
+    known: Int32Array  # (row, node) nodes with belief > 0, the first `n_known` entries
+    known_at: Int32Array  # (row, node) place of a node in `known`
+    n_known: Int32Array  # (row,)
+    agent_node: Int32Array  # (row, agent) from where its last look heard of was made
+    agent_seen: Int32Array  # (row, agent) step of that look
+    energy_left: NDArray[np.float64]  # (row, agent) as of then [node]
+    room_left: NDArray[np.int64]  # (row, agent) as of then, items
+
+    @classmethod
+    def of_starts(cls, looks: Looks, nodes: int, holders: int = 1) -> "Knowledge":
+        """Nothing seen yet; where everybody starts is known to all.
+
+        Parameters
+        ----------
+        looks : of step 0
+        nodes : of the map
+        holders : rows per episode
+        """
+        rows = looks.step.size * holders
+        return cls(
+            belief=np.zeros((rows, nodes), np.int16),
+            last_seen=np.full((rows, nodes), NEVER, np.int16),
+            known=np.zeros((rows, nodes), np.int32),
+            known_at=np.zeros((rows, nodes), np.int32),
+            n_known=np.zeros(rows, np.int32),
+            agent_node=np.repeat(looks.agent_node, holders, axis=0),
+            agent_seen=np.zeros((rows, looks.agent_node.shape[1]), np.int32),
+            energy_left=np.repeat(looks.energy_left, holders, axis=0),
+            room_left=np.repeat(looks.room_left, holders, axis=0),
+        )
+
+    def with_rows(self, rows: NDArray[np.int64], other: "Knowledge") -> "Knowledge":
+        """A copy in which the given rows (row,) are those of another knowledge, in its order."""
+        return Knowledge(
+            *(put_rows(getattr(self, n), rows, getattr(other, n)) for n in self._fields)
+        )
+
+
+@kernel
+def hear(
+    looks: Looks,
+    heard: NDArray[np.bool_],
+    views: NodeLists,
+    radius_number: NDArray[np.int64],
+    knowledge: Knowledge,
+) -> None:
+    """Take in the looks of this step: idleness ends and belief becomes what the look shows.
+
+    Parameters
+    ----------
+    heard : (row, agent) whose look each holder hears of
+    views, radius_number : what an agent sees from a node, see `Task`
+    knowledge : changed in the rows of active episodes
+    """
+    active, step, at, sighted = looks.active, looks.step, looks.agent_node, looks.sighted
+    energy, room = looks.energy_left, looks.room_left
+    start, nodes = views.start, views.nodes
+    belief, last_seen = knowledge.belief, knowledge.last_seen
+    known, known_at, n_known = knowledge.known, knowledge.known_at, knowledge.n_known
+    agent_node, agent_seen = knowledge.agent_node, knowledge.agent_seen
+    energy_left, room_left = knowledge.energy_left, knowledge.room_left
+    holders = heard.shape[0] // max(1, active.size)
+    for row in range(heard.shape[0]):
+        e = row // holders
+        if not active[e]:
+            continue
+        now = np.int16(step[e])
+        for agent in range(radius_number.size):
+            if not heard[row, agent]:
+                continue
+            radius, viewer = radius_number[agent], at[e, agent]
+            agent_node[row, agent], agent_seen[row, agent] = viewer, step[e]
+            energy_left[row, agent], room_left[row, agent] = energy[e, agent], room[e, agent]
+            for i in range(start[radius, viewer], start[radius, viewer + 1]):
+                node = nodes[i]
+                last_seen[row, node] = now
+                believed, there = belief[row, node], sighted[e, node]
+                if believed == there:
+                    continue
+                belief[row, node] = there
+                if believed == 0:
+                    known[row, n_known[row]] = node
+                    known_at[row, node] = n_known[row]
+                    n_known[row] += 1
+                elif there == 0:
+                    n_known[row] -= 1
+                    last = known[row, n_known[row]]
+                    known[row, known_at[row, node]] = last
+                    known_at[row, last] = known_at[row, node]
+
+
+@kernel
+def idleness(
+    last_seen: NDArray[np.int16],
+    step: Int32Array,
+    rows: NDArray[np.int64],
+    forgetting: float,
+) -> NDArray[np.float64]:
+    """(chosen, node) idleness in [0, 1] of some rows (chosen,) of the batch.
+
+    Parameters
+    ----------
+    last_seen : (row, node) step, NEVER if not yet
+    step : (row,) current step of every row
+    forgetting : growth of idleness per step
+    """
+    out = np.empty((rows.size, last_seen.shape[1]))
+    for i in range(rows.size):
+        now = step[rows[i]]
+        for node in range(last_seen.shape[1]):
+            unseen_for = np.float64(now - np.int32(last_seen[rows[i], node]))
+            out[i, node] = min(1.0, unseen_for * forgetting)
+    return out
+
+
+@kernel
+def times_seen(
+    agent_node: Int32Array,
+    agents: NDArray[np.int64],
+    views: NodeLists,
+    radius_number: NDArray[np.int64],
+) -> NDArray[np.uint8]:
+    """(episode, node) by how many of some agents (chosen,) each node is in view.
+
+    Parameters
+    ----------
+    agent_node : (episode, agent) where all agents are
+    views, radius_number : what an agent sees from a node, see `Task`
+    """
+    start, nodes = views.start, views.nodes
+    out = np.zeros((agent_node.shape[0], start.shape[1] - 1), np.uint8)
+    for e in range(agent_node.shape[0]):
+        for agent in agents:
+            radius, viewer = radius_number[agent], agent_node[e, agent]
+            for i in range(start[radius, viewer], start[radius, viewer + 1]):
+                out[e, nodes[i]] += 1
+    return out

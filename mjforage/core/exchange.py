@@ -1,0 +1,70 @@
+"""How the agents' looks reach those who decide: the room in which communication is written.
+
+After every step an exchange is told all looks, and brings what each holder knows up to date by
+those that it hears. `Ideal` is the only one so far: everybody hears everything at once.
+"""
+
+from collections.abc import Set
+from typing import Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.knowledge import Knowledge, Looks
+from graph_planner.task import Task
+
+
+class Exchange(Protocol):
+    """What holders hear, and for whom each of them holds it. One exchange serves one mission.
+
+    Attributes
+    ----------
+    holder_of : (agent,) number of the holder by whose knowledge each agent acts, 0 to `holders` - 1
+    holders : how many there are in an episode
+    knowledge : what they know, (episode x holder) rows
+    """
+
+    holder_of: NDArray[np.int64]
+    holders: int
+    knowledge: Knowledge
+
+    @property
+    def uses(self) -> Set[str]:
+        """Capabilities of roles for which it has rules, of `relays` and `carries`."""
+        ...
+
+    def reset(self, task: Task, looks: Looks, pooled: Knowledge) -> None:
+        """Start a batch of episodes with the looks of step 0.
+
+        Parameters
+        ----------
+        pooled : what one who hears all looks at once knows, one row per episode; live
+        """
+        ...
+
+    def tell(self, looks: Looks, pooled: Knowledge) -> None:
+        """Take in the looks of a step; knowledge of inactive episodes does not change."""
+        ...
+
+    def adopt(self, rows: NDArray[np.int64], other: Self, pooled: Knowledge) -> None:
+        """Replace episodes (row,) of the batch by those of another exchange of the same kind."""
+        ...
+
+
+class Ideal:
+    """Everybody hears everything at once: one holder, who knows what the fleet knows together."""
+
+    uses: Set[str] = frozenset()
+    holders = 1
+
+    def reset(self, task: Task, looks: Looks, pooled: Knowledge) -> None:
+        """Start a batch of episodes."""
+        self.holder_of = np.zeros(len(task.fleet), np.int64)
+        self.knowledge = pooled
+
+    def tell(self, looks: Looks, pooled: Knowledge) -> None:
+        """Take in the looks of a step: the pooled knowledge has them already."""
+
+    def adopt(self, rows: NDArray[np.int64], other: Self, pooled: Knowledge) -> None:
+        """Replace episodes (row,) of the batch."""
+        self.knowledge = pooled

@@ -1,0 +1,205 @@
+"""The truth and its history: which item is where, who saw it first, who took it, and when.
+
+Metrics and bounds read it; policies never do. Order within a step (scenario section 1): discretise
+to counts per node; agents look; first discoveries are credited at the look, whoever hears of it,
+and a tie goes to an agent that does not collect.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import Int32Array
+from graph_planner.knowledge import Looks
+from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
+from graph_planner.rows import put_rows
+from graph_planner.task import Task
+from graph_planner.visibility import NodeLists
+
+
+class Entries(NamedTuple):
+    """The arrays of a ledger. Steps are -1 for never, agents -1 for nobody."""
+
+    truth: NDArray[np.int16]  # (episode, node) items
+    counted_node: Int32Array  # (episode, item) node in which `truth` counts it, -1 not at all
+    sighted: NDArray[np.int16]  # (episode, node) items that a look shows now; or `truth`
+    sighted_node: Int32Array  # (episode, item) the same for `counted_node`
+    t_discovered: NDArray[np.int16]  # (episode, item) [step]
+    discovered_by: NDArray[np.int16]  # (episode, item) agent
+    t_collected: NDArray[np.int16]  # (episode, item) [step]
+    collected_by: NDArray[np.int16]  # (episode, item) agent
+
+
+@kernel
+def _count(
+    active: NDArray[np.bool_],
+    step: Int32Array,
+    item_node: Int32Array,
+    taken_by: NDArray[np.int16],
+    entries: Entries,
+) -> None:
+    """Discretise to counts, and note what was collected; collected unseen counts as discovered."""
+    truth, counted_node = entries.truth, entries.counted_node
+    t_discovered, discovered_by = entries.t_discovered, entries.discovered_by
+    t_collected, collected_by = entries.t_collected, entries.collected_by
+    for e in range(active.size):
+        if not active[e]:
+            continue
+        for k in range(item_node.shape[1]):
+            before, after = counted_node[e, k], item_node[e, k]
+            if before == after:
+                continue
+            counted_node[e, k] = after
+            if before >= 0:
+                truth[e, before] -= 1
+            if after >= 0:
+                truth[e, after] += 1
+            elif taken_by[e, k] >= 0 and t_collected[e, k] < 0:
+                t_collected[e, k], collected_by[e, k] = step[e], taken_by[e, k]
+                if t_discovered[e, k] < 0:
+                    t_discovered[e, k], discovered_by[e, k] = step[e], taken_by[e, k]
+
+
+@kernel
+def _sight(
+    active: NDArray[np.bool_],
+    step: Int32Array,
+    keys: UInt64Array,
+    detection: float,
+    entries: Entries,
+) -> None:
+    """Draw which items are seen if looked at in this step."""
+    counted_node, sighted = entries.counted_node, entries.sighted
+    sighted_node = entries.sighted_node
+    for e in range(active.size):
+        if not active[e]:
+            continue
+        key = stream_key(keys[e], Stream.DETECTION)
+        for k in range(counted_node.shape[1]):
+            before, after = sighted_node[e, k], counted_node[e, k]
+            if after >= 0 and uniform(key, k, step[e]) >= detection:
+                after = np.int32(-1)
+            sighted_node[e, k] = after
+            if before >= 0:
+                sighted[e, before] -= 1
+            if after >= 0:
+                sighted[e, after] += 1
+
+
+@kernel
+def _credit(
+    looks: Looks,
+    last_seen: NDArray[np.int16],
+    credit_order: NDArray[np.int64],
+    views: NodeLists,
+    radius_number: NDArray[np.int64],
+    entries: Entries,
+) -> None:
+    """Credit each item's first sighting to the first agent in order that sees it.
+
+    Parameters
+    ----------
+    last_seen : (episode, node) step in which any agent saw the node last, this one included
+    """
+    active, step, agent_node = looks.active, looks.step, looks.agent_node
+    start, nodes, sighted_node = views.start, views.nodes, entries.sighted_node
+    t_discovered, discovered_by = entries.t_discovered, entries.discovered_by
+    for e in range(active.size):
+        if not active[e]:
+            continue
+        now = step[e]
+        for k in range(sighted_node.shape[1]):
+            node = sighted_node[e, k]
+            if node < 0 or t_discovered[e, k] >= 0 or last_seen[e, node] != now:
+                continue
+            t_discovered[e, k] = now
+            for agent in credit_order:
+                radius, viewer = radius_number[agent], agent_node[e, agent]
+                for i in range(start[radius, viewer], start[radius, viewer + 1]):
+                    if nodes[i] == node and discovered_by[e, k] < 0:
+                        discovered_by[e, k] = agent
+
+
+class Ledger:
+    """The ledger of a batch of episodes; see `Entries` for the arrays."""
+
+    def __init__(self, task: Task, detection: float = 1.0) -> None:
+        """Prepare.
+
+        Parameters
+        ----------
+        detection : probability that an item in view is seen, drawn per item and step
+        """
+        self._detection = detection
+        self._nodes = len(task.graph)
+        self._views, self._radius_number = task.views, task.radius_number
+        self._credit_order = task.fleet.credit_order
+
+    def reset(self, item_node: Int32Array, keys: UInt64Array) -> None:
+        """Start a batch of episodes; `update` at step 0 comes next.
+
+        Parameters
+        ----------
+        item_node : (episode, item); their number is what counts here
+        keys : (episode,) episode keys
+        """
+        items, nodes = item_node.shape, (item_node.shape[0], self._nodes)
+        truth, counted_node = np.zeros(nodes, np.int16), np.full(items, -1, np.int32)
+        certain = self._detection >= 1.0
+        self._keys = keys
+        self.entries = Entries(
+            truth=truth,
+            counted_node=counted_node,
+            sighted=truth if certain else truth.copy(),
+            sighted_node=counted_node if certain else counted_node.copy(),
+            t_discovered=np.full(items, -1, np.int16),
+            discovered_by=np.full(items, -1, np.int16),
+            t_collected=np.full(items, -1, np.int16),
+            collected_by=np.full(items, -1, np.int16),
+        )
+
+    def adopt(self, rows: NDArray[np.int64], other: "Ledger") -> None:
+        """Replace episodes (row,) of the batch by those of another ledger."""
+        filled = {"truth", "sighted"}  # with 0; the others with nobody, nowhere and never
+        mine, theirs = self.entries, other.entries
+        mixed: dict[str, Any] = {
+            name: put_rows(getattr(mine, name), rows, getattr(theirs, name), (name in filled) - 1)
+            for name in mine._fields
+        }
+        if mine.sighted is mine.truth:  # everything is seen: they stay one array
+            mixed |= {"sighted": mixed["truth"], "sighted_node": mixed["counted_node"]}
+        self.entries = Entries(**mixed)
+        self._keys = put_rows(self._keys, rows, other._keys)
+
+    def update(
+        self,
+        active: NDArray[np.bool_],
+        step: Int32Array,
+        item_node: Int32Array,
+        taken_by: NDArray[np.int16],
+    ) -> None:
+        """Take in where the items are at the end of a step.
+
+        Parameters
+        ----------
+        active : (episode,) others are left untouched
+        step : (episode,) the step that has just been made
+        item_node : (episode, item) node of each item, -1 once removed
+        taken_by : (episode, item) agent that removed it, -1 nobody
+        """
+        _count(active, step, item_node, taken_by, self.entries)
+        if self._detection < 1.0:
+            _sight(active, step, self._keys, self._detection, self.entries)
+
+    def credit(self, looks: Looks, last_seen: NDArray[np.int16]) -> None:
+        """Credit first discoveries, after `update`.
+
+        Parameters
+        ----------
+        looks : the step's
+        last_seen : (episode, node) step in which any agent saw the node last, this one included
+        """
+        views, radii = self._views, self._radius_number
+        _credit(looks, last_seen, self._credit_order, views, radii, self.entries)
