@@ -23,10 +23,22 @@ def _policy_names() -> list[str]:
 
 
 @app.command
-def scenarios() -> None:
-    """List the scenarios that ship with the package."""
+def scenarios(*, explain: str | None = None) -> None:
+    """List the scenarios that ship with the package, or say what a key of a scenario means.
+
+    Parameters
+    ----------
+    explain
+        Key of a scenario, such as weather.gust_intensity, or a table of it, such as team.scouts.
+    """
     from mjforage.core.scenario_file import load_scenario, preset_names
 
+    if explain is not None:
+        from mjforage.core.scenario import Scenario
+        from mjforage.core.schema import explain as rows_of
+
+        print_list((row.key, row.words) for row in rows_of(Scenario, explain))
+        return
     print_list((name, load_scenario(name).description) for name in preset_names())
 
 

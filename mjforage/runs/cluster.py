@@ -15,7 +15,7 @@ from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
 from mjforage.runs.identity import run_info, versions
 from mjforage.runs.interrupts import interrupts_held
-from mjforage.runs.run_info import read_json
+from mjforage.runs.run_info import load_run
 
 PROTOCOLS = ("tcp", "tls")
 PATIENCE_S = 20.0  # for a scheduler to answer, and for its first worker
@@ -223,10 +223,10 @@ def check_run(folder: Path, run_hash: str, setup: Setup) -> None:
             f"worker on {here}: {file} is not there; --out must lie on a disk that all machines "
             "share, under the same path"
         )
-    info = read_json(file)
-    own = run_info(setup, (), info["worlds"], 0, 0)["hash"]
-    if not run_hash == own == info["hash"]:
+    run = load_run(file)
+    own = run_info(setup, (), run.worlds, 0, 0)["hash"]
+    if not run_hash == own == run.hash:
         raise UserError(
             f"worker on {here}: scenario and hulls have the hash {own} there, {run_hash} where the "
-            f"command was given and {info['hash']} in {file}; give all machines the same files"
+            f"command was given and {run.hash} in {file}; give all machines the same files"
         )

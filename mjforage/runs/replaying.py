@@ -41,9 +41,9 @@ def replay_of_run(folder: Path, world: str | None, policy: str | None, episode: 
     check_policies([policy])
     where = str(folder / "run.json")
     setup = Setup(
-        scenario_from_tree(dict(run.scenario), where), GridMap(run.map.name, run.map.navigable)
+        scenario_from_tree(dict(run.scenario), where), GridMap(run.map.name, run.map.cells)
     )
-    check_starts(setup.start_cells, run.map.navigable, where, run.map.name)
+    check_starts(setup.start_cells, run.map.cells, where, run.map.name)
     replay = record(setup, world, policy, run.seed, episode)
     _check(replay, RunFolder(folder))
     return replay

@@ -14,11 +14,12 @@ from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import scenario_to_tree
+from mjforage.core.schema import OPEN, check
 from mjforage.core.whole_files import write_json
 from mjforage.runs.evaluate import THIS_PROCESS, Progress, Run, carry_out
 from mjforage.runs.identity import provenance, versions
 from mjforage.runs.lock import claimed
-from mjforage.runs.run_info import read_json
+from mjforage.runs.run_info import REMEDY, read_json
 from mjforage.runs.storage import open_folder
 from mjforage.runs.workers import Workers
 
@@ -74,20 +75,82 @@ class Study:
         }
 
 
+@dataclass(frozen=True)
+class VariantInfo:
+    """One variant, as `study.json` has it."""
+
+    title: str
+    """What it is called in tables."""
+    policies: tuple[str, ...]
+    """Who plays it."""
+
+
+@dataclass(frozen=True)
+class StudyInfo:
+    """Content of `study.json`."""
+
+    __pydantic_config__ = OPEN
+
+    command: str
+    """The command that made the folder."""
+    started: str
+    """When it was given, ISO 8601."""
+    kind: str
+    """Which study: parts, ablation, corruption or paper."""
+    scenario: Mapping[str, Any]
+    """The whole scenario, defaults included."""
+    variants: Mapping[str, VariantInfo]
+    """Variants by the names of their folders."""
+    worlds: tuple[str, ...]
+    """Worlds in which every variant is played."""
+    episodes: int
+    """Episodes per variant, world and policy."""
+    seed: int
+    """Seed of every variant."""
+    options: Mapping[str, Any]
+    """What the study was told besides."""
+    versions: Mapping[str, str]
+    """Versions of what decides the numbers."""
+
+
+@dataclass(frozen=True)
+class _CorruptionOptions:
+    """Options of the studies that corrupt a team."""
+
+    __pydantic_config__ = OPEN
+
+    step: float
+    whole_team: bool
+
+
+def load_study_info(file: Path) -> StudyInfo:
+    """Read `study.json`.
+
+    Raises
+    ------
+    UserError
+        If the file or one of its keys is missing or malformed.
+    """
+    info = check(StudyInfo, read_json(file), str(file), remedy=REMEDY)
+    if info.kind in ("corruption", "paper"):
+        check(_CorruptionOptions, info.options, f"{file}: options", remedy=REMEDY)
+    return info
+
+
 def variant_folder(folder: Path, name: str) -> Path:
     """Run folder of a variant of the study in `folder`."""
     return folder / "variants" / name
 
 
-def _told(info: Mapping[str, Any]) -> dict[str, str]:
+def _told(info: StudyInfo) -> dict[str, str]:
     """Flag -> its value in words, such as "with --step 0.05", of the flags that decide a study."""
-    players = [variant["policies"] for variant in info["variants"].values()]
+    players = [variant.policies for variant in info.variants.values()]
     values = {
-        "world": info["worlds"],
+        "world": list(info.worlds),
         "policy": list(dict.fromkeys(name for policies in players for name in policies)),
-        "episodes": info["episodes"],
-        "seed": info["seed"],
-    } | info["options"]
+        "episodes": info.episodes,
+        "seed": info.seed,
+    } | dict(info.options)
     return {name: _words(f"--{name.replace('_', '-')}", value) for name, value in values.items()}
 
 
@@ -109,11 +172,11 @@ def _check_flags(folder: Path, info: Mapping[str, Any]) -> None:
         Naming the flags, both values and the remedy.
     """
     try:
-        found = read_json(folder / "study.json")
-        there, here = _told(found), _told(info)
-    except (UserError, KeyError, TypeError, AttributeError):
+        found = load_study_info(folder / "study.json")
+    except UserError:
         return
-    if found.get("kind") != info["kind"] or there.keys() != here.keys():
+    there, here = _told(found), _told(check(StudyInfo, info, "study"))
+    if found.kind != info["kind"] or there.keys() != here.keys():
         return
     for before, now in zip(there.values(), here.values(), strict=True):
         if before != now:

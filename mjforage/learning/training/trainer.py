@@ -23,6 +23,7 @@ from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Mission
 from mjforage.core.scenario import Scenario
+from mjforage.core.schema import OPEN
 from mjforage.core.scoring import score
 from mjforage.learning.environments.game import Game, Outcome
 from mjforage.learning.environments.options import EnvironmentOptions
@@ -55,6 +56,8 @@ class LearnersPolicy(QPolicy):
 @dataclass
 class Progress:
     """How far a run has come."""
+
+    __pydantic_config__ = OPEN | {"allow_inf_nan": True}  # `best` before an evaluation
 
     rounds: int = 0
     episodes: int = 0

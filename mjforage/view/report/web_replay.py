@@ -154,7 +154,7 @@ def _discovered(logs: RunLogs, series: Series, replay: Replay, path: Path) -> In
     """Step of every item's discovery as logged, one step past the end if never."""
     rows = logs.select(logs.items, series).filter(pl.col("episode") == replay.episode).sort("item")
     fits = (
-        np.array_equal(replay.navigable, logs.run.map.navigable)
+        np.array_equal(replay.navigable, logs.run.map.cells)
         and replay.agent_collects.tolist() == logs.collects()
         and len(rows) == replay.item_present.shape[1]
         and (replay.world, replay.policy) == series

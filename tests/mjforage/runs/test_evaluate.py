@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import polars as pl
 import pytest
 
@@ -12,10 +13,13 @@ from graph_planner.weights import shipped_weights
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.schema import json_schema
 from mjforage.runs import evaluate as module
 from mjforage.runs import identity
+from mjforage.runs.costs import Costs
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import check_policies, evaluate, summarise
+from mjforage.runs.run_info import RunInfo
 from mjforage.runs.tables import SCHEMAS, TABLES
 
 Small = Callable[..., Path]
@@ -58,6 +62,8 @@ def test_a_run_folder_holds_what_it_should(finished: Path) -> None:
         *(f"{t}.parquet" for t in TABLES),
     }
     frames, run = tables(finished), json.loads((finished / "run.json").read_text())
+    jsonschema.validate(run, json_schema(RunInfo))
+    jsonschema.validate(json.loads((finished / "costs.json").read_text()), json_schema(Costs))
     for table, schema in SCHEMAS.items():
         assert dict(frames[table].schema) == schema
     assert frames["episodes"].height == 2 * 3

@@ -160,7 +160,7 @@ def _wrong(logs: StudyLogs) -> Section:
         caption = "Difference to Greedy on the same episodes."
         title = f"The belief planner in worlds it does not expect{end}"
         pictures.append(_picture(logs, f"wrong-{world}", title, caption, pairs))
-    assumed = logs.info["scenario"]["belief"]
+    assumed = logs.info.scenario["belief"]
     words = (
         f"The planner assumes {assumed['hotspots']} hotspot(s) and a drift of up to "
         f"{assumed['drift_node_per_step']:g} nodes per step and axis; with `robust` up to three "
