@@ -148,8 +148,8 @@ def _write_gif(frames: Frames, path: Path, fps: float) -> int:
     first = next(frames, None)
     if first is None:
         return 0
-    with whole(path, av.FFmpegError) as part, part.open("wb") as file:
-        return write_gif(_chain(first, frames), file, fps)
+    with whole(path, av.FFmpegError) as part:
+        return write_gif(_chain(first, frames), part, fps)
 
 
 def _write_png(frames: Frames, path: Path, fps: float) -> int:
