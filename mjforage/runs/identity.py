@@ -24,7 +24,7 @@ from mjforage.core.mission import Setup
 from mjforage.core.mission_metrics import chosen_metrics, description
 from mjforage.core.scenario_file import canonical_json, scenario_to_tree
 from mjforage.runs.resuming import UNCOMPARED
-from mjforage.runs.source_code import DIGITS, Code, decisive_code
+from mjforage.runs.source_code import DIGITS, WHOLE, Code, decisive_code
 
 
 def pinned(setup: Setup) -> Setup:
@@ -41,7 +41,7 @@ def _mission_code(physics: bool) -> Code:
     """Code of the mission and its scores, and of MuJoCo's world if asked for."""
     modules = ("mission", "episode_log", "scoring")
     paths = [f"mjforage.core.{name}" for name in modules] + ["mjforage.runs.tables"]
-    code = decisive_code([*paths, *(["mjforage.physics.worlds"] if physics else [])], ["metrics"])
+    code = decisive_code([*paths, *(["mjforage.physics.worlds"] if physics else [])], WHOLE)
     if not physics:
         return code
     shapes = {

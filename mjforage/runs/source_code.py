@@ -20,6 +20,8 @@ from typing import NamedTuple
 OURS = ("metrics", "controllers", "graph_planner", "mjforage")
 COMPUTING = ("numpy", "numba", "scipy", "mujoco", "torch")
 """Libraries whose version may change a number; the others that we use store, draw or talk."""
+WHOLE = ("metrics", "mjforage.core.mission_metrics")
+"""Packages that count whole, as they are read as they stand and not by name."""
 DIGITS = 8
 _ROOT = Path(__file__).resolve().parents[2]
 _INSTALLED = {Path(sysconfig.get_path(kind)).resolve() for kind in ("purelib", "platlib")}

@@ -20,7 +20,7 @@ from mjforage.learning.training.trainer import Row, Trainer, save_weights
 from mjforage.runs.identity import policy_code, provenance, versions, weight_hashes
 from mjforage.runs.lock import claimed
 from mjforage.runs.resuming import CODE, Resume, open_folder, set_aside
-from mjforage.runs.source_code import decisive_code
+from mjforage.runs.source_code import WHOLE, decisive_code
 
 CHECKPOINT_S = 300.0  # between two checkpoints
 IDENTITY = ("seed", "device", "hyperparameters", "scenario", "also", "weights", *CODE)
@@ -137,7 +137,7 @@ def _device(name: str) -> str:
 def _facts(trainer: Trainer) -> dict[str, object]:
     """Content of `training.json`."""
     teachers = [trainer.hyperparameters.teacher] if trainer.hyperparameters.teacher else []
-    code = decisive_code(["mjforage.learning.training.trainer"], ["metrics"])
+    code = decisive_code(["mjforage.learning.training.trainer"], WHOLE)
     code = code.joined(policy_code(teachers))
     return {
         "command": provenance()["command"],

@@ -1,0 +1,170 @@
+"""A model trained elsewhere plays in `evaluate` what it plays in its environment."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import mjforage
+from mjforage.core.episode_log import EpisodeLog
+from mjforage.core.errors import UserError
+from mjforage.core.mission import Mission, Setup
+from mjforage.core.scenario_file import load_scenario
+from mjforage.learning.environments.spaces import Pictures
+from mjforage.learning.model_policy import ModelPolicy
+from mjforage.physics.worlds import create_mission
+
+SHORT = ("horizon=12",)
+
+
+def scored(seen: Pictures) -> NDArray[np.float64]:
+    """Values of moves by a fixed rule of all that is seen, illegal moves included."""
+    moves, own = seen["moves"].astype(np.float64), seen["self"].astype(np.float64)
+    rule = np.cos(np.arange(moves.shape[-1]) * 1.7) @ np.swapaxes(moves, -1, -2)
+    drift = np.sin(np.arange(9) + 3.0 * own.sum(axis=-1, keepdims=True))
+    found: NDArray[np.float64] = rule + drift + 0.5 * seen["action_mask"]
+    return found
+
+
+class InTurn(ModelPolicy):
+    def decide(self, seen: Pictures, agents: NDArray[np.int64]) -> NDArray[Any]:
+        return scored(seen).argmax(axis=-1)
+
+
+class AtOnce(InTurn):
+    trained_on = "mjforage/Foraging-v0"
+
+
+class Each(InTurn):
+    trained_on = "parallel_env"
+
+
+class Values(InTurn):
+    def decide(self, seen: Pictures, agents: NDArray[np.int64]) -> NDArray[Any]:
+        return scored(seen)
+
+
+def single(name: str) -> Callable[[], list[int]]:
+    def play() -> list[int]:
+        env: Any = gymnasium.make(name, scenario="comb-port", set=SHORT).unwrapped
+        seen, over = env.reset(seed=7)[0], False
+        while not over:
+            seen, _, ended, late, _ = env.step(scored(seen).argmax(axis=-1))
+            over = ended or late
+        return [int(node) for node in env.game.mission.state.agent_node[0]]
+
+    return play
+
+
+def parallel() -> list[int]:
+    env = mjforage.parallel_env(scenario="comb-port", set=SHORT)
+    seen, _ = env.reset(seed=7)
+    while env.agents:
+        seen, *_ = env.step({agent: int(scored(one).argmax()) for agent, one in seen.items()})
+    return [int(node) for node in env.game.mission.state.agent_node[0]]
+
+
+def played(policy: ModelPolicy, episodes: list[int], world: str = "graph") -> Mission:
+    mission = create_mission(Setup.of(load_scenario("comb-port", SHORT)), world)
+    mission.reset(7, np.array(episodes))
+    mission.run(policy)
+    return mission
+
+
+@pytest.mark.parametrize(
+    ("policy", "environment"),
+    [
+        (InTurn, single("mjforage/SharedPolicy-v0")),
+        (AtOnce, single("mjforage/Foraging-v0")),
+        (Each, parallel),
+    ],
+)
+def test_it_ends_where_the_environments_episode_ends(
+    policy: type[ModelPolicy], environment: Callable[[], list[int]]
+) -> None:
+    assert played(policy(), [0]).state.agent_node[0].tolist() == environment()
+
+
+@pytest.mark.parametrize("policy", [InTurn, AtOnce, Each, Values])
+def test_the_batch_changes_nothing(policy: type[ModelPolicy]) -> None:
+    whole = played(policy(), list(range(40))).state.agent_node
+    np.testing.assert_array_equal(played(policy(), [37, 3]).state.agent_node, whole[[37, 3]])
+
+
+def test_values_are_masked() -> None:
+    """The largest value is of an illegal move now and then; it is never asked for."""
+    log: list[NDArray[np.float64]] = []
+
+    class Noted(Values):
+        def _choose(self, rows: Any, agent: int, moves: NDArray[np.int64]) -> None:
+            super()._choose(rows, agent, moves)
+            log.append(moves)
+
+    mission = played(Noted(), list(range(5)))
+    directions = EpisodeLog(mission)
+    assert len(log) == 12 * 4 and directions is not None
+    assert not (mission.moves is None or mission.moves.blocked.any())
+
+
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        (
+            np.full(32, 9),
+            r"gave int64 of shape \(1,\); expected whole numbers 0-8 of shape",
+        ),
+        (np.full((32, 9), np.nan), r"values of shape \(1, 9\) without NaN"),
+        (np.zeros((32, 5)), r"gave float64 of shape \(1, 5\)"),
+        (np.full(32, 1.0), r"gave float64 of shape \(1,\)"),
+    ],
+)
+def test_what_is_neither_moves_nor_values_is_one_line(said: NDArray[Any], words: str) -> None:
+    class Bad(ModelPolicy):
+        def decide(self, seen: Pictures, agents: NDArray[np.int64]) -> NDArray[Any]:
+            return said
+
+    with pytest.raises(UserError, match=words):
+        played(Bad(), [0])
+
+
+def test_names_and_files_are_checked(tmp_path: Path) -> None:
+    class Lost(InTurn):
+        trained_on = "Foraging"
+
+    with pytest.raises(UserError, match=r"Lost.trained_on = 'Foraging': unknown; choose mjforage/"):
+        played(Lost(), [0])
+    with pytest.raises(UserError, match=r"model .*gone.zip: there is no such file"):
+        InTurn([tmp_path / "gone.zip"])
+
+
+def test_a_stable_baselines3_model_plays_in_both_worlds(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sb3 = pytest.importorskip("stable_baselines3")
+    env = gymnasium.make("mjforage/SharedPolicy-v0", set=SHORT)
+    model = sb3.PPO("MultiInputPolicy", env, n_steps=32, batch_size=32, device="cpu", seed=0)
+    model.learn(32).save(tmp_path / "ppo.zip")
+
+    class Ppo(ModelPolicy):
+        def __init__(self, file: Path) -> None:
+            super().__init__([file])
+            self.model = sb3.PPO.load(file, device="cpu")
+
+        def decide(self, seen: Pictures, agents: NDArray[np.int64]) -> NDArray[Any]:
+            chosen: NDArray[Any] = self.model.predict(seen, deterministic=True)[0]
+            return chosen
+
+    seen, over = env.reset(seed=7)[0], False
+    while not over:
+        seen, _, ended, late, _ = env.step(model.predict(seen, deterministic=True)[0])
+        over = ended or late
+    game: Any = env.unwrapped
+    policy = Ppo(tmp_path / "ppo.zip")
+    in_graph = played(policy, [0]).state.agent_node[0]
+    assert in_graph.tolist() == game.game.mission.state.agent_node[0].tolist()
+    np.testing.assert_array_equal(played(policy, [0, 1]).state.agent_node[0], in_graph)
+    assert (played(policy, [0], "physics").state.agent_node >= 0).all()
