@@ -40,8 +40,11 @@ def dsl(events: EventTable, scouts: ArrayLike, horizon: int) -> FloatArray:
 
 def mean_dsl(events: EventTable, scouts: ArrayLike, horizon: int) -> FloatArray:
     """Mean of `dsl` over the items where it is defined, (...); NaN where it is for none."""
-    latency = dsl(events, scouts, horizon)
-    return ratio(np.nansum(latency, axis=-1), np.sum(~np.isnan(latency), axis=-1))
+    steps = whole_steps(horizon)
+    served = _found_by(events, scouts) & (events.collected_at <= steps)
+    # Whole steps are added, so that no padding of the item axis changes a bit.
+    waited = np.where(served, events.collected_at - events.discovered_at, 0.0).sum(axis=-1)
+    return ratio(waited / steps, served.sum(axis=-1))
 
 
 def itl(series_1: ArrayLike, series_2: ArrayLike) -> FloatArray:

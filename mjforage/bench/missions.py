@@ -15,7 +15,7 @@ from mjforage.physics.worlds import create_mission
 PARTS = {
     "stepping": ("simulation.py", "step"),
     "control": ("pilot.py", "command"),
-    "weather": ("physics.py", "_feel"),
+    "weather": ("mujoco_dynamics.py", "_feel"),
     "watching": ("watch.py", "watch"),
     "policy": ("greedy.py", "act"),
     "seeing": ("mission.py", "_see"),

@@ -128,7 +128,8 @@ class ModelPolicy:
             return np.where(mask, said, -np.inf).argmax(axis=-1)
         raise UserError(
             f"{type(self).__name__}.decide: gave {said.dtype} of shape {said.shape}; expected "
-            f"whole numbers 0-8 of shape {mask.shape[:-1]}, or values of shape {mask.shape} without NaN"
+            f"whole numbers 0-8 of shape {mask.shape[:-1]}, or values of shape {mask.shape} "
+            "without NaN"
         )
 
     def _choose(self, rows: Rows, agent: int, moves: NDArray[np.int64]) -> None:

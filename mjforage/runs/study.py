@@ -113,8 +113,6 @@ class StudyInfo:
     """Seed of every variant."""
     options: Mapping[str, Any]
     """What the study was told besides."""
-    versions: Mapping[str, str]
-    """Versions of what decides the numbers."""
 
 
 @dataclass(frozen=True)

@@ -154,7 +154,8 @@ def test_a_spoilt_table_moved_away_is_made_again(command: Callable[..., Any], fo
 def test_another_run_in_the_folder_is_one_line(refused: Refused, folder: Path) -> None:
     message = refused(*EVALUATE, "--policy", "lawnmower", "--seed", 3, "--out", folder)
     assert (
-        f"{folder}: holds another run: seed is 0 there and 3 here; choose another --out" in message
+        f"{folder}: holds another run: seed is 0 there and 3 here; give --fresh to keep that "
+        "folder aside and begin anew, or choose another --out" in message
     )
 
 

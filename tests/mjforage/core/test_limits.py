@@ -13,6 +13,7 @@ MANY_SMALL = ("team.foragers.count=16", "team.foragers.capacity=5")
 SOON_SPENT = (
     *("team.foragers.count=6", "team.foragers.energy=16"),
     "team.tugs={count=1, moves=1, radius=1, collects=true}",
+    'rules.order=["tugs", "foragers", "scouts"]',
 )
 
 

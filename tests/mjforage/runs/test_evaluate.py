@@ -126,7 +126,7 @@ def test_summary_of_numbers_known_by_hand() -> None:
     row = {"world": "graph", "policy": "a", "items": 5}
     frame = pl.DataFrame(
         [
-            row | {"episode": i, "pta_c": value, "csr": csr, "dsl": math.nan}
+            row | {"episode": i, "pta_c": value, "csr": csr, "dsl": math.nan, "nt50": 2.0}
             for i, (value, csr) in enumerate(((1.0, 0.5), (3.0, math.nan), (5.0, 0.7)))
         ]
     )

@@ -213,8 +213,8 @@ def retype(path: Path) -> None:
         (truncate, "missing, truncated or not Parquet"),
         (Path.unlink, "missing, truncated or not Parquet"),
         (damage, "damaged"),
-        (replace, "price, "),
-        (retype, "(column types differ)"),
+        (replace, "differ)"),
+        (retype, "(episode differ)"),
     ],
 )
 def test_a_spoilt_chunk_is_named_and_left(

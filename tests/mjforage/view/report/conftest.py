@@ -12,6 +12,7 @@ import polars as pl
 import pytest
 from numpy.typing import NDArray
 
+from graph_planner.references import file_label
 from mjforage.core.mission_metrics import chosen_metrics
 from mjforage.core.whole_files import write_bytes
 from mjforage.runs.episode_replay import Replay
@@ -362,7 +363,8 @@ def build(folder: Path, plan: Plan) -> Path:
                     tables[name] += rows
                 if episode == 0 and policy in (plan.replays or plan.policies):
                     write_bytes(
-                        folder / "replay" / f"{world}-{policy}-0.npz", made.replay.content()
+                        folder / "replay" / f"{world}-{file_label(policy)}-0.npz",
+                        made.replay.content(),
                     )
     frames = {
         name: pl.DataFrame(
