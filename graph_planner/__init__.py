@@ -1,4 +1,4 @@
-"""Decisions on a graph: navigation graph, shared model, observation, legal moves and policies.
+"""Decisions on a graph: navigation graph, knowledge, observation, legal moves and policies.
 
 Floor 2 of the house. It knows neither physics nor files; `mjforage` composes it.
 """

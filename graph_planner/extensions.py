@@ -99,7 +99,7 @@ class Table(Generic[T]):
         """
         reference = parse_reference(text, self.kind)
         made = self.find(reference.name)
-        ours = [name for name, one in self._registered.items() if one is made and _is_ours(made)]
+        ours = [name for name, one in self._registered.items() if one is made and is_ours(made)]
         if ours:
             reference = Reference(ours[0], reference.options)
         spelt, values = bind(made, reference, self.kind)
@@ -111,7 +111,7 @@ class Table(Generic[T]):
         if entry is not None and entry.dist is not None:
             return f"{entry.dist.name} {entry.dist.version}"
         made = self.find(name)
-        return "" if _is_ours(made) else str(made.__module__)
+        return "" if is_ours(made) else str(made.__module__)
 
     def places(self, names: Iterable[str]) -> dict[str, Place]:
         """Where another process finds those names that are not ours.
@@ -121,7 +121,7 @@ class Table(Generic[T]):
         UserError
             If one is of the script itself, which another process cannot import.
         """
-        return {name: self._place(name) for name in names if not _is_ours(self.find(name))}
+        return {name: self._place(name) for name in names if not is_ours(self.find(name))}
 
     def _place(self, name: str) -> Place:
         made = self.find(name)
@@ -153,7 +153,8 @@ class Table(Generic[T]):
         self._registered.setdefault(name, made)  # its module may have registered it itself
 
 
-def _is_ours(made: Any) -> bool:
+def is_ours(made: Any) -> bool:
+    """Whether a class or function ships with mjforage."""
     return getattr(made, "__module__", "").partition(".")[0] in _OURS
 
 

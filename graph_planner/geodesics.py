@@ -35,6 +35,7 @@ class Workspace(NamedTuple):
 
 @kernel
 def _grown(bucket: Int32Array) -> Int32Array:
+    """A copy of a bucket with room for twice as many."""
     larger = np.empty(2 * bucket.size, np.int32)
     larger[: bucket.size] = bucket
     return larger

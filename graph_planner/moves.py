@@ -32,20 +32,42 @@ class MoveRules:
     shorten: bool
 
 
-@dataclass(frozen=True)
-class Corruption:
+class Corruption(NamedTuple):
     """Random replacement of actions (the paper's corruption experiment).
 
     Attributes
     ----------
     epsilon : (agent,) probability that an agent's action is replaced by a uniform legal one
-    whole_team : one draw decides for all corrupted agents, and a forager's random action still
-    takes a
-        known item next to it if there is one (the published code's experiment)
+    whole_team : one draw decides for all corrupted agents, and the random action of one that
+        collects still takes an item that it knows of beside it (the published code's experiment)
     """
 
     epsilon: NDArray[np.float64]
     whole_team: bool = False
+
+
+class Movers(NamedTuple):
+    """What agents can do in a decision, and who chooses before whom."""
+
+    neighbours: Int32Array  # (node, 8), -1 where there is no edge
+    moves: NDArray[np.int64]  # (agent,) nodes per decision
+    collects: NDArray[np.bool_]  # (agent,)
+    order: NDArray[np.int64]  # (agent,) agents as they choose
+    stay: bool
+    shorten: bool
+
+
+class Ask(NamedTuple):
+    """What a batch of decisions is resolved from, see `Resolver`."""
+
+    active: NDArray[np.bool_]  # (episode,)
+    preferences: NDArray[np.float64]  # (episode, agent, 9)
+    agent_node: Int32Array  # (episode, agent)
+    energy_left: NDArray[np.float64]  # (episode, agent) [node]
+    belief: NDArray[np.int16]  # (episode x holder, node)
+    holder_of: NDArray[np.int64]  # (agent,)
+    decision: Int32Array  # (episode,) 1 for the first
+    keys: UInt64Array  # (episode,)
 
 
 class Moves(NamedTuple):
@@ -102,26 +124,25 @@ def free_move(
 
 @kernel
 def _resolve(
-    active: NDArray[np.bool_],
-    preferences: NDArray[np.float64],
-    agent_node: Int32Array,
-    energy_left: NDArray[np.float64],
-    belief: NDArray[np.int16],
-    holder_of: NDArray[np.int64],
-    decision: Int32Array,
-    keys: UInt64Array,
-    neighbours: Int32Array,
-    strides: NDArray[np.int64],
-    collects: NDArray[np.bool_],
-    order: NDArray[np.int64],
-    stay: bool,
-    shorten: bool,
-    epsilon: NDArray[np.float64],
-    whole_team: bool,
+    ask: Ask,
+    movers: Movers,
+    corruption: Corruption,
     claimed: NDArray[np.int64],
     first_token: int,
     moves: Moves,
 ) -> None:
+    """Let the agents of every episode choose one after the other; fill `moves`.
+
+    Parameters
+    ----------
+    claimed, first_token : (node,) see `free_move`; episode e marks what it takes by the e-th token
+    """
+    active, preferences, agent_node = ask.active, ask.preferences, ask.agent_node
+    energy_left, belief, holder_of = ask.energy_left, ask.belief, ask.holder_of
+    decision, keys, neighbours = ask.decision, ask.keys, movers.neighbours
+    strides, collects, order = movers.moves, movers.collects, movers.order
+    stay, shorten = movers.stay, movers.shorten
+    epsilon, whole_team = corruption.epsilon, corruption.whole_team
     direction, target, steps, blocked = moves
     n_episodes, n_agents = agent_node.shape
     holders = belief.shape[0] // max(1, n_episodes)
@@ -183,8 +204,10 @@ class Resolver:
     def __init__(
         self, graph: NavigationGraph, fleet: Fleet, rules: MoveRules, corruption: Corruption
     ) -> None:
-        self._graph, self._fleet = graph, fleet
-        self._rules, self._corruption = rules, corruption
+        self._movers = Movers(
+            graph.neighbours, fleet.moves, fleet.collects, fleet.order, rules.stay, rules.shorten
+        )
+        self._corruption, self._one_holder = corruption, np.zeros(len(fleet), np.int64)
         self._claimed = np.zeros(len(graph), np.int64)  # node -> token of who took it last
         self._token = 1
 
@@ -231,26 +254,16 @@ class Resolver:
             steps=np.zeros(agent_node.shape, np.int8),
             blocked=np.zeros(agent_node.shape, np.bool_),
         )
-        _resolve(
-            active,
-            np.ascontiguousarray(preferences, np.float64),
-            agent_node,
-            energy_left,
-            belief,
-            np.zeros(len(self._fleet), np.int64) if holder_of is None else holder_of,
-            step,
-            keys,
-            self._graph.neighbours,
-            self._fleet.moves,
-            self._fleet.collects,
-            self._fleet.order,
-            self._rules.stay,
-            self._rules.shorten,
-            self._corruption.epsilon,
-            self._corruption.whole_team,
-            self._claimed,
-            self._token,
-            moves,
+        ask = Ask(
+            active=active,
+            preferences=np.ascontiguousarray(preferences, np.float64),
+            agent_node=agent_node,
+            energy_left=energy_left,
+            belief=belief,
+            holder_of=self._one_holder if holder_of is None else holder_of,
+            decision=step,
+            keys=keys,
         )
+        _resolve(ask, self._movers, self._corruption, self._claimed, self._token, moves)
         self._token += active.size
         return moves

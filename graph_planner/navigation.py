@@ -39,6 +39,7 @@ TABLE_LIMIT = (
 def _neighbours(
     node_of_cell: Int32Array, rows: Int32Array, cols: Int32Array, corner_cutting: bool
 ) -> Int32Array:
+    """Node (node, direction) beside each node in each direction, -1 where there is no edge."""
     height, width = node_of_cell.shape
     result = np.full((rows.size, 8), np.int32(-1), np.int32)
     for v in range(rows.size):

@@ -86,6 +86,7 @@ def normal(key: np.uint64, index: int, step: int) -> float:
 
 @kernel
 def _episode_keys(seed: np.uint64, episodes: NDArray[np.int64]) -> UInt64Array:
+    """Key of each episode (episode,) of a seed."""
     keys = np.empty(episodes.size, np.uint64)
     root = mix(seed + _GOLDEN)
     for i in range(episodes.size):

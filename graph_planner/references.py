@@ -5,6 +5,7 @@ in what a run is.
 """
 
 import difflib
+import hashlib
 import inspect
 import json
 import re
@@ -18,6 +19,8 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 from graph_planner.errors import UserError
 
 _BARE = re.compile(r"[\w./+~-]+")
+_SAFE = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,59}")
+_UNSAFE = re.compile(r"[^A-Za-z0-9_.-]+")
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,42 @@ def parse_reference(text: str, kind: str) -> Reference:
     return Reference(name, options)
 
 
+def with_options(
+    kind: str, references: Iterable[str], overrides: Iterable[str]
+) -> tuple[list[str], tuple[str, ...]]:
+    """References with the options that overrides of the form KIND.NAME.OPTION=VALUE give them.
+
+    Returns
+    -------
+    The references, and the overrides of other things.
+
+    Raises
+    ------
+    UserError
+        If no reference has that name, or one has that option with another value.
+    """
+    found = [parse_reference(text, kind) for text in references]
+    others = []
+    for text in overrides:
+        path, sign, value = text.partition("=")
+        start, _, name = path.strip().partition(".")
+        if start != kind:
+            others.append(text)
+            continue
+        name, _, option = name.rpartition(".")
+        parsed = parse_reference(f"{name}({option}={value})", kind)
+        meant = [place for place, one in enumerate(found) if one.name == name]
+        if not sign or not meant:
+            given = ", ".join(one.name for one in found) or "none"
+            raise UserError(f"--set {text}: give {kind}.NAME.OPTION=VALUE, NAME of {given}")
+        for place in meant:
+            there = {**parsed.options, **found[place].options}
+            if there[option] != parsed.options[option]:
+                raise UserError(f"--set {text}: {found[place]} says otherwise; say it once")
+            found[place] = Reference(name, there)
+    return [str(one) for one in found], tuple(others)
+
+
 def _value(text: str) -> Any:
     """A TOML value of plain kind, or a bare word; None for neither."""
     try:
@@ -99,6 +138,14 @@ def _text(value: Any) -> str:
     if isinstance(value, dict):
         return "{" + ", ".join(f"{json.dumps(k)} = {_text(v)}" for k, v in value.items()) + "}"
     return str(value).lower() if isinstance(value, bool) else repr(value)
+
+
+def file_label(label: str) -> str:
+    """A label as part of a file's name: itself if it can be one, else what can, and a checksum."""
+    if _SAFE.fullmatch(label):
+        return label
+    checksum = hashlib.sha256(label.encode()).hexdigest()[:8]
+    return f"{_UNSAFE.sub('-', label)[:40].strip('-.')}-{checksum}"
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

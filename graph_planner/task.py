@@ -31,6 +31,9 @@ class TaskArrays(NamedTuple):
     stay: bool
     shorten: bool
     forgetting: float  # growth of idleness per step
+    radius: NDArray[np.float64]  # (agent,) [node]
+    energy: NDArray[np.float64]  # (agent,) full store [node], inf without a limit
+    horizon: int  # decisions
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +87,9 @@ class Task:
             stay=self.rules.stay,
             shorten=self.rules.shorten,
             forgetting=self.forgetting,
+            radius=self.fleet.radius,
+            energy=self.fleet.energy,
+            horizon=self.horizon,
         )
 
 

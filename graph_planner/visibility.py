@@ -67,6 +67,7 @@ def _list_nodes(
     nodes: Int32Array,
     fill: bool,
 ) -> None:
+    """List the nodes at given offsets of every node, less those behind land; or only count them."""
     height, width = node_of_cell.shape
     total = start[0]
     for v in range(rows.size):

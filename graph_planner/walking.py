@@ -35,6 +35,7 @@ def _walk(
     left: Int32Array,
     preferences: NDArray[np.float64],
 ) -> None:
+    """Take the next step of every walk, and turn where it ends; fill preferences."""
     active, step, keys, agent_node = seen.active, seen.step, seen.keys, seen.agent_node
     n_agents = agent_node.shape[1]
     targets = np.empty((n_agents, 9), np.int32)

@@ -23,6 +23,7 @@ def _carried(
     steps: float,
     node: Int32Array,
 ) -> None:
+    """Carry places (drift, place) along with the drift of each hypothesis for some steps."""
     for w in range(row.shape[0]):
         for x in range(row.shape[1]):
             row[w, x], col[w, x], node[w, x] = drifted(

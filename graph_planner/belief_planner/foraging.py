@@ -1,9 +1,11 @@
 """The foragers' part of a decision: items to stops, stops to routes, routes to moves."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.crew import Crew
+from graph_planner.belief_planner.group import Group
 from graph_planner.belief_planner.routes import NOWHERE, Legs, search_routes
 from graph_planner.belief_planner.shore import Shore, settled, shore_of
 from graph_planner.belief_planner.steering import towards
@@ -33,6 +35,7 @@ def _items(room: NDArray[np.int64]) -> NDArray[np.float64]:
 
 @kernel
 def _nearest(first: NDArray[np.float64], forager: int) -> int:
+    """The stop that a forager can be in first, from the decisions to each (forager, stop)."""
     best = NOWHERE
     for j in range(first.shape[1]):
         if best == NOWHERE or first[forager, j] < first[forager, best]:
@@ -40,46 +43,65 @@ def _nearest(first: NDArray[np.float64], forager: int) -> int:
     return best
 
 
+class Able(NamedTuple):
+    """Collectors that can still collect."""
+
+    agents: NDArray[np.int64]  # (forager,) indices in the fleet
+    kind: NDArray[np.int64]  # (forager,) which of the ways it moves by
+    room: NDArray[np.float64]  # (forager,) items, inf if any number
+    lasts: NDArray[np.float64]  # (forager,) decisions that its energy is good for
+
+
+class Effort(NamedTuple):
+    """How routes are searched."""
+
+    stay: bool  # whether staying put is a move
+    joint: bool  # whether routes are searched together
+    beam: int  # states kept
+    choices: int  # stops tried from a state
+    depth: int  # stops in a route, over all foragers
+
+
+class Scratch(NamedTuple):
+    """Memory of a search."""
+
+    found: Stops
+    worth: NDArray[np.float64]  # (node,) all zero between calls
+
+
 @kernel
-def send_foragers(
+def plan_routes(
     items: Floating,
     shore: Shore,
     ways: tuple[Ways, ...],
-    agents: NDArray[np.int64],
-    kind: NDArray[np.int64],
-    room: NDArray[np.float64],
-    lasts: NDArray[np.float64],
+    able: Able,
     agent_node: Int32Array,
-    drift_row: float,
-    drift_col: float,
-    stay: bool,
-    joint: bool,
-    beam: int,
-    choices: int,
-    depth: int,
-    found: Stops,
-    worth: NDArray[np.float64],
+    drift_rc: NDArray[np.float64],
+    effort: Effort,
+    scratch: Scratch,
     preferences: NDArray[np.float64],
 ) -> int:
-    """Plan routes and overwrite the foragers' rows of preferences (agent, 9).
+    """Plan routes and overwrite the rows of preferences (agent, 9) of those who are able.
 
     Parameters
     ----------
-    agents, kind, room, lasts : (forager,) see `Legs`; those that are full or spent are left out
+    agent_node : (agent,)
+    drift_rc : (2,) [node/step]
 
     Returns
     -------
     Number of stops; with none nothing is written
     """
-    at = agent_node[agents]
-    gather_stops(items, shore, ways, kind, at, drift_row, drift_col, found)
+    kind, found, worth = able.kind, scratch.found, scratch.worth
+    at = agent_node[able.agents]
+    gather_stops(items, shore, ways, kind, at, drift_rc[0], drift_rc[1], found)
     n = found.number[0]
     if n == 0 or at.size == 0:
         return 0
-    first, between = decisions_between(found, ways, kind, at, stay)
-    if joint:
-        legs = Legs(found.weight[:n], first, between, kind, room, lasts)
-        target = search_routes(legs, beam, choices, depth)
+    first, between = decisions_between(found, ways, kind, at, effort.stay)
+    if effort.joint:
+        legs = Legs(found.weight[:n], first, between, kind, able.room, able.lasts)
+        target = search_routes(legs, effort.beam, effort.choices, effort.depth)
     else:
         target = np.full(at.size, NOWHERE, np.int64)
     for i in range(items.number[0]):
@@ -87,24 +109,26 @@ def send_foragers(
         worth[node] += items.weight[i]
     for f in range(at.size):
         goal = target[f] if target[f] != NOWHERE else _nearest(first, f)
-        towards(ways[kind[f]], at[f], found.node[goal], worth, preferences[agents[f]])
+        towards(ways[kind[f]], at[f], found.node[goal], worth, preferences[able.agents[f]])
     worth[:] = 0.0
     return int(n)
 
 
-class ForagerCrew:
+class Foraging:
     """Those who collect: given items and a drift, where each goes now."""
 
     def __init__(self, task: Task, settings: BeliefSettings) -> None:
-        self.crew = Crew.of(task, task.fleet.collectors)
+        self.group = Group.of(task, task.fleet.collectors)
         self.shore = shore_of(task.graph)
         self.items = floating(max(4096, 5 * int(settings.items)))
-        self._stops = stops(MOST, len(task.graph))
-        self._worth, self._nothing = np.zeros(len(task.graph)), np.zeros(len(task.graph))
-        self._node_per_decision = USUAL_STEP * task.fleet.moves[self.crew.agents]
-        self._stay, self._settings = task.rules.stay, settings
-        self._beam, self._choices = (6, 5) if settings.fast else (32, 10)
-        self._depth = (8 if settings.fast else 14) * max(1, self.crew.agents.size)
+        nodes, members = len(task.graph), max(1, self.group.agents.size)
+        self._scratch, self._nothing = Scratch(stops(MOST, nodes), np.zeros(nodes)), np.zeros(nodes)
+        self._node_per_decision = USUAL_STEP * task.fleet.moves[self.group.agents]
+        self._effort = (
+            Effort(task.rules.stay, settings.joint, 6, 5, 8 * members)
+            if settings.fast
+            else Effort(task.rules.stay, settings.joint, 32, 10, 14 * members)
+        )
 
     def send(
         self,
@@ -128,27 +152,19 @@ class ForagerCrew:
         -------
         Number of stops; with none nothing is written
         """
-        crew = self.crew
-        able = self.able(room_left, energy_left)
-        agents = crew.agents[able]
-        return send_foragers(
+        group, chosen = self.group, self.able(room_left, energy_left)
+        agents = group.agents[chosen]
+        lasts = np.maximum(1.0, energy_left[agents] / self._node_per_decision[chosen])
+        able = Able(agents, group.kind[chosen], _items(room_left[agents]), lasts)
+        return plan_routes(
             self.items,
             self.shore,
-            crew.ways,
-            agents,
-            crew.kind[able],
-            _items(room_left[agents]),
-            np.maximum(1.0, energy_left[agents] / self._node_per_decision[able]),
+            group.ways,
+            able,
             agent_node,
-            drift_rc[0],
-            drift_rc[1],
-            self._stay,
-            self._settings.joint,
-            self._beam,
-            self._choices,
-            self._depth,
-            self._stops,
-            self._worth,
+            drift_rc,
+            self._effort,
+            self._scratch,
             preferences,
         )
 
@@ -156,7 +172,7 @@ class ForagerCrew:
         self, room_left: NDArray[np.int64], energy_left: NDArray[np.float64]
     ) -> NDArray[np.bool_]:
         """Which foragers (forager,) can still collect, by what every agent (agent,) has left."""
-        agents = self.crew.agents
+        agents = self.group.agents
         return (room_left[agents] > 0) & (energy_left[agents] >= 1.0)
 
     def hold(
@@ -168,6 +184,6 @@ class ForagerCrew:
     ) -> None:
         """Let those foragers stay where they are that can collect no more; see `send`."""
         for f in np.flatnonzero(~self.able(room_left, energy_left)):
-            agent, ways = self.crew.agents[f], self.crew.ways[self.crew.kind[f]]
+            agent, ways = self.group.agents[f], self.group.ways[self.group.kind[f]]
             node = agent_node[agent]
             towards(ways, node, node, self._nothing, preferences[agent])

@@ -149,6 +149,7 @@ def _add_start(
 
 @kernel
 def _normalise(log_weight: NDArray[np.float64], chance: NDArray[np.float64]) -> None:
+    """Chances that add up to 1, from logarithms of their weights."""
     top = log_weight.max()
     for c in range(chance.size):
         chance[c] = np.exp(max(-80.0, log_weight[c] - top))

@@ -12,9 +12,9 @@ from graph_planner.belief_planner import wind as wd
 from graph_planner.belief_planner.cloud import cloud_of
 from graph_planner.belief_planner.covers import hotspot_cover, landmarks_of
 from graph_planner.belief_planner.currents import currents_of
-from graph_planner.belief_planner.foraging import ForagerCrew
+from graph_planner.belief_planner.foraging import Foraging
 from graph_planner.belief_planner.routes import NOWHERE
-from graph_planner.belief_planner.scouting import ScoutCrew
+from graph_planner.belief_planner.scouting import Scouting
 from graph_planner.belief_planner.shore import shore_of
 from graph_planner.belief_planner.steering import towards
 from graph_planner.belief_planner.waiting import approach, regrets
@@ -76,18 +76,18 @@ class BeliefPlanner:
         self._cloud, self._shore = cloud_of(graph, settings.spread_node), shore_of(graph)
         self._ways, self._scratch = tr.ended(4 * capacity), tr.scratch(len(graph))
         self._lost = tr.losses(capacity)
-        self._foragers = ForagerCrew(task, settings)
+        self._foragers = Foraging(task, settings)
         # Without scouts, foragers look around when they know of nothing to collect.
         self._lone = task.fleet.discoverers.size == 0
         lookers = task.fleet.collectors if self._lone else task.fleet.discoverers
-        self._scouts = ScoutCrew(task, settings, lookers)
+        self._scouts = Scouting(task, settings, lookers)
         self._landmarks, self._belongs = landmarks_of(graph)
         self._blocks = [hotspot_cover(task, int(a), settings) for a in self._scouts.agents]
         self.expected = np.zeros((episodes, len(graph)))
         self._nothing = np.zeros(len(graph))
         self._viewed, self._news = np.zeros(episodes, np.int64), np.zeros(episodes, np.int64)
         self._vain = np.zeros(episodes, np.bool_)
-        self._had_room = np.ones((episodes, self._foragers.crew.agents.size), np.bool_)
+        self._had_room = np.ones((episodes, self._foragers.group.agents.size), np.bool_)
         self._preferences = np.zeros((episodes, len(task.fleet), 9))
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
@@ -103,7 +103,7 @@ class BeliefPlanner:
         belief, last_seen = seen.belief[e], seen.last_seen[e]
         settings, drift = self.settings, self.wind.mean[e]
         ways.number[0] = lost.number[0] = 0
-        agents = self._foragers.crew.agents
+        agents = self._foragers.group.agents
         foragers_at = np.where(self._had_room[e], seen.agent_node[e][agents], np.int32(NOWHERE))
         self._had_room[e] = seen.room_left[e][agents] > 0
         if now > 0:
@@ -206,10 +206,10 @@ class BeliefPlanner:
         """Let the scouts look for the first hotspot, most of all where not knowing costs most."""
         if not self._blocks:
             return
-        crew = self._foragers.crew
-        if crew.agents.size and self.settings.preposition:
+        group = self._foragers.group
+        if group.agents.size and self.settings.preposition:
             mass = _summed(self._belongs, chance, self._landmarks.size)
-            regret = regrets(crew.ways, self._landmarks, mass, crew.kind, at[crew.agents], AHEAD)
+            regret = regrets(group.ways, self._landmarks, mass, group.kind, at[group.agents], AHEAD)
             chance = chance * (CALM + regret)[self._belongs]
         mass = _summed(self._blocks[0].block, chance, 1)
         self._scouts.look(at, mass, preferences, [b.cover for b in self._blocks])
@@ -233,12 +233,12 @@ class BeliefPlanner:
         self, at: Int32Array, e: int, sighted: bool, preferences: NDArray[np.float64]
     ) -> None:
         """Send foragers without a stop to where they are near to what may come."""
-        crew = self._foragers.crew
+        group = self._foragers.group
         sighted = sighted or not self.settings.hotspot
         field = self.expected[e] if sighted else self.spots.chance[e, 0]
         mass = _summed(self._belongs, field, self._landmarks.size)
-        for f, agent in enumerate(crew.agents):
-            ways = crew.ways[crew.kind[f]]
+        for f, agent in enumerate(group.agents):
+            ways = group.ways[group.kind[f]]
             if self.settings.preposition and mass.sum() > 0:
                 approach(ways, self._landmarks, mass, at[agent], preferences[agent])
             else:

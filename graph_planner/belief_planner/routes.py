@@ -97,6 +97,7 @@ def _states(beam: int, room: NDArray[np.float64]) -> States:
 
 @kernel
 def _steps(beam: int) -> Steps:
+    """Room for the steps of one generation."""
     return Steps(
         np.zeros(beam, np.int64),
         np.zeros(beam),
@@ -111,6 +112,7 @@ def _steps(beam: int) -> Steps:
 
 @kernel
 def _outlook(stops: int) -> Outlook:
+    """Room for the open stops of a state."""
     open_, empty = np.zeros(stops, np.int64), np.zeros((4, stops))
     return Outlook(open_, empty[0], empty[1], empty[2], empty[3])
 

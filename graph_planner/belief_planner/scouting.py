@@ -11,7 +11,7 @@ from graph_planner.geodesics import Int32Array
 from graph_planner.task import Task
 
 
-class ScoutCrew:
+class Scouting:
     """Those who look: given what each node is worth seeing, where each goes now."""
 
     def __init__(

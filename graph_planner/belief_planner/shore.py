@@ -30,6 +30,7 @@ class Shore(NamedTuple):
 
 @kernel
 def _rooms(water: Int32Array, rows: Int32Array, cols: Int32Array) -> Int32Array:
+    """Free nodes (node, axis, side) from each node to the next wall, backwards and forwards."""
     height, width = water.shape
     room = np.zeros((rows.size, 2, 2), np.int32)
     for v in range(rows.size):

@@ -144,6 +144,7 @@ def decisions_between(
 
 @kernel
 def _counted(decisions: np.uint16, again: float) -> float:
+    """Decisions as a number: `FAR` out of reach, `again` where one already is."""
     if decisions == UNREACHED:
         return FAR
     return float(decisions) if decisions > 0 else again

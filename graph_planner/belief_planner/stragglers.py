@@ -83,6 +83,7 @@ def remember(
 
 @inlined
 def _met(views: NDArray[np.uint64], step: int, node: int) -> bool:
+    """Whether a view of the episode, at a step, held a node."""
     return bool((views[step, node >> 6] >> np.uint64(node & 63)) & np.uint64(1) != 0)
 
 
@@ -124,6 +125,7 @@ def _survives(
 
 @kernel
 def _remove(stragglers: Stragglers, e: int, i: int) -> None:
+    """Remove particle i; the last one takes its place."""
     stragglers.number[e] -= 1
     last = stragglers.number[e]
     stragglers.source[e, i] = stragglers.source[e, last]

@@ -114,6 +114,7 @@ def _report(tracks: Tracks, shore: Shore, e: int, i: int, axis: int, ways: Ended
 
 @kernel
 def _copy(tracks: Tracks, e: int, source: int, goal: int) -> None:
+    """Put a copy of track `source` in the place of track `goal`."""
     tracks.row[e, goal], tracks.col[e, goal] = tracks.row[e, source], tracks.col[e, source]
     tracks.node[e, goal], tracks.born[e, goal] = tracks.node[e, source], tracks.born[e, source]
     tracks.seen[e, goal] = tracks.seen[e, source]
@@ -134,6 +135,7 @@ def drop(tracks: Tracks, shore: Shore, e: int, i: int, ways: Ended) -> None:
 
 @kernel
 def _lose(tracks: Tracks, e: int, i: int, lost: Lost) -> None:
+    """List track i among those that were given up."""
     n = lost.number[0]
     if n < lost.node.size:
         lost.node[n], lost.step[n] = tracks.seen_node[e, i], tracks.seen[e, i]
@@ -205,6 +207,7 @@ def carry(tracks: Tracks, shore: Shore, e: int, drift_row: float, drift_col: flo
 
 @kernel
 def _squared(shore: Shore, node: int, row: float, col: float) -> float:
+    """Squared distance of a place to the centre of a node [node^2]."""
     return float((shore.rows[node] - row) ** 2 + (shore.cols[node] - col) ** 2)
 
 

@@ -34,6 +34,7 @@ class Ways(NamedTuple):
 
 @kernel
 def _ends(neighbours: Int32Array, moves: int, stay: bool, shorten: bool) -> Int32Array:
+    """Node (node, move) in which each move from each node ends, -1 where illegal."""
     ends = np.full((neighbours.shape[0], 9), np.int32(-1), np.int32)
     nobody = np.empty(0, np.int64)
     for node in range(neighbours.shape[0]):

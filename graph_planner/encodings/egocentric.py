@@ -3,6 +3,8 @@
 Unlike the paper's channels its size does not depend on the map, so weights fit every map.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,28 +18,24 @@ from graph_planner.encodings.encoder import (
     remember_places,
     trail_level,
 )
-from graph_planner.encodings.move_features import MOVE_FEATURES, Sample, describe_moves, take_sample
+from graph_planner.encodings.move_features import MOVE_FEATURES, describe_moves
+from graph_planner.encodings.samples import Distances
 from graph_planner.encodings.shared_fields import (
+    AGAIN_RADIUS,
     COARSE,
-    HAUNT_RADIUS,
     REACH,
     Chart,
     Fields,
-    remember_haunts,
+    remember_items,
     share_fields,
 )
-from graph_planner.geodesics import (
-    FAR,
-    DistanceRows,
-    Int32Array,
-    Workspace,
-)
+from graph_planner.geodesics import FAR, Int32Array, Workspace
 from graph_planner.navigation import STAY
 from graph_planner.task import Observation, Task, TaskArrays
 
 SIDE = 2 * REACH + 1
-CROP = ("water", "idleness", "belief", "way to items", "haunts", "scouts", "foragers", "trail")
-GLOBE = ("water", "idleness", "belief", "haunts", "self", "scouts", "foragers")
+CROP = ("water", "idleness", "belief", "way to items", "again", "scouts", "foragers", "trail")
+GLOBE = ("water", "idleness", "belief", "again", "self", "scouts", "foragers")
 SELF = (
     *("collects", "time", "known nodes", "unseen share", "energy left", "number in team"),
     *("way to items", "way to unseen", "team size", "others", "moves", "radius"),
@@ -47,6 +45,7 @@ WAY_LEVELS = 2.0  # levels per node of distance: 0 from 127.5 nodes on
 
 @inlined
 def _way_level(distance: float) -> int:
+    """Level of a distance [node]: less the farther, 0 where there is no way."""
     return int(max(0.0, TOP - WAY_LEVELS * distance)) if distance < FAR else 0
 
 
@@ -64,7 +63,7 @@ def _paint_crop(
     """The neighbourhood of one agent, (channel, SIDE, SIDE), north up."""
     rows, cols, collects = arrays.rows, arrays.cols, arrays.collects
     belief, agent_node = seen.belief[e], seen.agent_node[e]
-    idle, way, haunt = fields.idle, fields.way, fields.haunt
+    idle, way, again = fields.idle, fields.way, fields.again
     top, left = rows[agent_node[a]], cols[agent_node[a]]  # the frame adds REACH
     for i in range(SIDE):
         for j in range(SIDE):
@@ -74,7 +73,7 @@ def _paint_crop(
             crop[1, i, j] = np.uint8(TOP * idle[node]) if wet else 0
             crop[2, i, j] = item_level(belief[node]) if wet else 0
             crop[3, i, j] = _way_level(way[node]) if wet else 0
-            crop[4, i, j] = np.uint8(TOP * haunt[node]) if wet else 0
+            crop[4, i, j] = np.uint8(TOP * again[node]) if wet else 0
     crop[5:] = 0
     for other in range(agent_node.size):
         i, j = rows[agent_node[other]] - top + REACH, cols[agent_node[other]] - left + REACH
@@ -99,13 +98,13 @@ def _paint_globe(
 ) -> None:
     """The whole map in COARSE x COARSE cells, (channel, COARSE^2)."""
     cell_nodes, water, coarse = chart.cell_nodes, chart.water, chart.coarse
-    cell_idle, cell_items, cell_haunt = fields.cell_idle, fields.cell_items, fields.cell_haunt
+    cell_idle, cell_items, cell_again = fields.cell_idle, fields.cell_items, fields.cell_again
     for cell in range(water.size):
         nodes = max(1, cell_nodes[cell])
         globe[0, cell] = water[cell]
         globe[1, cell] = np.uint8(TOP * min(1.0, cell_idle[cell] / nodes))
         globe[2, cell] = item_level(cell_items[cell])
-        globe[3, cell] = np.uint8(TOP * min(1.0, cell_haunt[cell] / nodes))
+        globe[3, cell] = np.uint8(TOP * min(1.0, cell_again[cell] / nodes))
     globe[4:] = 0
     for other in range(agent_node.size):
         channel = 4 if other == a else (6 if collects[other] else 5)
@@ -118,15 +117,13 @@ def _paint_self(
     a: int,
     seen: Observation,
     arrays: TaskArrays,
-    horizon: int,
-    radius: float,
-    energy: float,
     unseen: int,
     fields: Fields,
     out: Levels,
 ) -> None:
     """What an agent knows of itself and the time, in the order of `SELF`."""
-    collects, node = arrays.collects, seen.agent_node[e, a]
+    collects, node, horizon = arrays.collects, seen.agent_node[e, a], arrays.horizon
+    radius, energy = arrays.radius[a], arrays.energy[a]
     number, team = 0, 0
     for other in range(collects.size):
         if collects[other] == collects[a]:
@@ -140,11 +137,29 @@ def _paint_self(
     out[4] = np.uint8(TOP * min(1.0, max(0.0, share)))
     out[5] = TOP * number // team
     out[6] = _way_level(fields.way[node])
-    out[7] = _way_level(fields.gap[a, STAY])
+    out[7] = _way_level(fields.unseen_way[a, STAY])
     out[8] = min(TOP, 32 * team)
     out[9] = min(TOP, 32 * (collects.size - team))
     out[10] = min(TOP, 32 * arrays.moves[a])
     out[11] = min(TOP, int(16 * radius))
+
+
+class Memory(NamedTuple):
+    """What agents remember of the looks before."""
+
+    seen_at: Int32Array  # (row,) step of the last look
+    trail: Int32Array  # (row, agent, TRAIL) nodes, -1 for none
+    believed: NDArray[np.bool_]  # (row, node) an item was believed there once
+    near_item: NDArray[np.bool_]  # (row, node) or near it
+
+
+class Pictures(NamedTuple):
+    """The arrays that are filled: levels, their leading axes row and agent."""
+
+    crop: Levels
+    globe: Levels  # its cells in one axis
+    moves: Levels
+    own: Levels
 
 
 @kernel
@@ -153,52 +168,22 @@ def _look_around(
     seen: Observation,
     arrays: TaskArrays,
     chart: Chart,
-    radius: NDArray[np.float64],
-    energy: NDArray[np.float64],
-    horizon: int,
-    trail: Int32Array,
+    memory: Memory,
     fields: Fields,
-    haunts: NDArray[np.bool_],
-    items: Sample,
-    gaps: Sample,
-    lost: Sample,
-    distances: DistanceRows,
-    workspace: Workspace,
-    crop: Levels,
-    globe: Levels,
-    moves: Levels,
-    own: Levels,
+    distances: Distances,
+    out: Pictures,
 ) -> None:
-    collects, radius_number = arrays.collects, arrays.radius_number
-    unseen, suspects = fields.unseen, fields.suspects
+    """Fill the pictures of all agents in some rows (chosen,)."""
+    crop, globe, moves, own = out
+    trail, near_item, collects = memory.trail, memory.near_item, arrays.collects
     for e in rows:
-        count, suspected = share_fields(e, seen, arrays, chart, haunts[e], fields, workspace)
+        count = share_fields(e, seen, arrays, chart, near_item[e], fields, distances)
         nodes = seen.agent_node[e]
-        take_sample(seen.known[e, : seen.n_known[e]], nodes, arrays, distances, workspace, items)
-        take_sample(unseen[:count], nodes, arrays, distances, workspace, gaps)
-        take_sample(suspects[:suspected], nodes, arrays, distances, workspace, lost)
         for a in range(nodes.size):
             _paint_crop(e, a, seen, arrays, chart.framed, fields, trail[e], crop[e, a])
             _paint_globe(a, nodes, collects, chart, fields, globe[e, a])
-            _paint_self(e, a, seen, arrays, horizon, radius[a], energy[a], count, fields, own[e, a])
-            describe_moves(
-                a,
-                nodes[a],
-                seen.energy_left[e, a],
-                arrays,
-                seen.belief[e],
-                fields.idle,
-                fields.way,
-                fields.gap[a],
-                chart.views,
-                chart.disc[radius_number[a]],
-                items,
-                gaps,
-                lost,
-                distances,
-                workspace,
-                moves[e, a],
-            )
+            _paint_self(e, a, seen, arrays, count, fields, own[e, a])
+            describe_moves(e, a, seen, arrays, chart, fields, distances, moves[e, a])
 
 
 class Egocentric:
@@ -215,7 +200,7 @@ class Egocentric:
     | 1 | idleness | 1 | I |
     | 2 | believed items at the node | item | 0.1 each, at most 1 |
     | 3 | d from the node to the nearest known item | node | 1 - d / 127.5, at least 0; 0 if none |
-    | 4 | haunt: within 4 nodes items were believed, and it is long unseen | 1 | 4 I, at most 1 |
+    | 4 | again: within 4 nodes items were believed, and it is long unseen | 1 | 4 I, at most 1 |
     | 5, 6 | scouts, foragers, without itself | - | 1 where one is |
     | 7 | own trail of 10 positions | step | 1, then 0.1 less per step back |
 
@@ -252,9 +237,8 @@ class Egocentric:
     def __init__(self, task: Task) -> None:
         self._task = task
         self._chart, self._fields = Chart.of(task), Fields.of(task)
-        self._samples = Sample.empty(), Sample.empty(), Sample.empty()
-        self._around = task.graph.views((HAUNT_RADIUS,))
-        self._workspace = Workspace.of(len(task.graph))
+        self._around = task.graph.views((AGAIN_RADIUS,))
+        self._distances = Distances(task.graph.distance_rows, Workspace.of(len(task.graph)))
 
     @property
     def shapes(self) -> Shapes:
@@ -268,43 +252,30 @@ class Egocentric:
 
     def reset(self, episodes: int) -> None:
         """Forget everything; get ready for a batch of so many episodes."""
-        lead = (episodes, len(self._task.fleet))
-        self._seen_at = np.zeros(episodes, np.int32)
-        self._trail = np.full((*lead, TRAIL), -1, np.int32)
-        self._believed = np.zeros((episodes, len(self._task.graph)), np.bool_)
-        self._haunts = np.zeros((episodes, len(self._task.graph)), np.bool_)
+        lead, nodes = (episodes, len(self._task.fleet)), (episodes, len(self._task.graph))
+        self._memory = Memory(
+            seen_at=np.zeros(episodes, np.int32),
+            trail=np.full((*lead, TRAIL), -1, np.int32),
+            believed=np.zeros(nodes, np.bool_),
+            near_item=np.zeros(nodes, np.bool_),
+        )
         self._out = {k: np.zeros((*lead, *shape), np.uint8) for k, shape in self.shapes.items()}
+        globe = self._out["globe"].reshape(*lead, len(GLOBE), -1)
+        self._pictures = Pictures(self._out["crop"], globe, self._out["moves"], self._out["self"])
 
     def see(self, seen: Observation, rows: NDArray[np.int64]) -> dict[str, Levels]:
         """Look at the episodes `rows` of the batch."""
-        task, out = self._task, self._out
-        remember_places(rows, seen.step, seen.agent_node, self._seen_at, self._trail)
-        remember_haunts(
-            rows,
-            seen.step,
-            seen.known,
-            seen.n_known,
-            self._around,
-            self._believed,
-            self._haunts,
-        )
+        memory = self._memory
+        remember_places(rows, seen.step, seen.agent_node, memory.seen_at, memory.trail)
+        remember_items(rows, seen, self._around, memory.believed, memory.near_item)
         _look_around(
             rows,
             seen,
-            task.arrays,
+            self._task.arrays,
             self._chart,
-            task.fleet.radius,
-            task.fleet.energy,
-            task.horizon,
-            self._trail,
+            memory,
             self._fields,
-            self._haunts,
-            *self._samples,
-            task.graph.distance_rows,
-            self._workspace,
-            out["crop"],
-            out["globe"].reshape(*out["globe"].shape[:3], -1),
-            out["moves"],
-            out["self"],
+            self._distances,
+            self._pictures,
         )
-        return out
+        return self._out

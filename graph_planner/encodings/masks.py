@@ -42,6 +42,7 @@ def _legal(
     energy_left: NDArray[np.float64],
     out: NDArray[np.bool_],
 ) -> None:
+    """Legal moves of all agents of a batch."""
     nobody = np.empty(0, np.int64)
     for e in range(agent_node.shape[0]):
         for a in range(agent_node.shape[1]):

@@ -48,6 +48,7 @@ def _paint(
     trail: Int32Array,
     out: Levels,
 ) -> None:
+    """Fill the pictures of all agents in some rows (chosen,)."""
     step, agent_node, last_seen = seen.step, seen.agent_node, seen.last_seen
     map_rows, map_cols, collects = arrays.rows, arrays.cols, arrays.collects
     forgetting = arrays.forgetting

@@ -1,4 +1,4 @@
-"""What the agents of one episode share in the egocentric encoding: idleness, ways, haunts."""
+"""What all agents of a row share in the egocentric encoding: idleness, ways, what to see again."""
 
 from typing import NamedTuple
 
@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
 from graph_planner.encodings.encoder import TOP, Levels
+from graph_planner.encodings.samples import Distances, Sample, take_sample
 from graph_planner.geodesics import (
     FAR,
     Float32Array,
@@ -23,9 +24,11 @@ from graph_planner.visibility import NodeLists
 REACH = 7  # nodes to each side in the crop
 COARSE = 16  # cells per side of the coarse map
 MOST_ROWS = 300  # of the table of distances that are compared; beyond it a search is quicker
-HAUNT_RADIUS = 4.0  # nodes around a believed item to which it may drift unseen
-STALE = 4.0  # a haunt counts in full from idleness 1 / STALE on
-SUSPECT = 0.5  # from this level on a haunt is one to look at again
+# Nodes to look at again are those to which an item that was believed near them may have drifted
+# unseen. The three numbers are estimates.
+AGAIN_RADIUS = 4.0  # how far from the believed item [node]
+AGAIN_GROWTH = 4.0  # seeing one again counts in full from idleness 1 / AGAIN_GROWTH on
+DUE = 0.5  # from this level on it is due
 
 
 class Chart(NamedTuple):
@@ -60,18 +63,21 @@ class Chart(NamedTuple):
 
 
 class Fields(NamedTuple):
-    """What the agents of one episode share; scratch memory, written for every episode."""
+    """What all agents of a row share; scratch memory, written for every row."""
 
     idle: NDArray[np.float64]  # (node,) idleness
     way: Float32Array  # (node,) distance to the nearest known item [node], or inf
     targets: Int32Array  # (agent, 9) where moves would end, -1 if illegal; the last: its own node
-    gap: NDArray[np.float64]  # (agent, 9) from there to the nearest unseen node [node], or inf
+    unseen_way: NDArray[np.float64]  # (agent, 9) from there to the nearest unseen node, or inf
     unseen: Int32Array  # (node,) the first `n` are the nodes of idleness 1
-    haunt: NDArray[np.float64]  # (node,) 0-1: items have been near, and nobody has looked since
-    suspects: Int32Array  # (node,) the first `n` are haunts to look at again
+    again: NDArray[np.float64]  # (node,) 0-1: items were believed near, and it is long unseen
+    due: Int32Array  # (node,) the first `n` are nodes to look at again
     cell_idle: NDArray[np.float64]  # (COARSE^2,) sum of idleness
-    cell_haunt: NDArray[np.float64]  # (COARSE^2,) sum of haunts
+    cell_again: NDArray[np.float64]  # (COARSE^2,) sum of `again`
     cell_items: NDArray[np.int64]  # (COARSE^2,) believed items
+    some_items: Sample  # of the known nodes
+    some_unseen: Sample  # of the nodes of idleness 1
+    some_due: Sample  # of the nodes to look at again
 
     @classmethod
     def of(cls, task: Task) -> "Fields":
@@ -81,13 +87,16 @@ class Fields(NamedTuple):
             idle=np.zeros(nodes),
             way=np.zeros(nodes, np.float32),
             targets=np.zeros((agents, 9), np.int32),
-            gap=np.zeros((agents, 9)),
+            unseen_way=np.zeros((agents, 9)),
             unseen=np.zeros(nodes, np.int32),
-            haunt=np.zeros(nodes),
-            suspects=np.zeros(nodes, np.int32),
+            again=np.zeros(nodes),
+            due=np.zeros(nodes, np.int32),
             cell_idle=np.zeros(COARSE**2),
-            cell_haunt=np.zeros(COARSE**2),
+            cell_again=np.zeros(COARSE**2),
             cell_items=np.zeros(COARSE**2, np.int64),
+            some_items=Sample.empty(),
+            some_unseen=Sample.empty(),
+            some_due=Sample.empty(),
         )
 
 
@@ -115,32 +124,31 @@ def _ways(
 
 
 @kernel
-def remember_haunts(
+def remember_items(
     rows: NDArray[np.int64],
-    step: Int32Array,
-    known: Int32Array,
-    n_known: Int32Array,
+    seen: Observation,
     around: NodeLists,
     believed: NDArray[np.bool_],
-    haunts: NDArray[np.bool_],
+    near_item: NDArray[np.bool_],
 ) -> None:
     """Mark the surroundings of every node at which an item has ever been believed.
 
     Parameters
     ----------
-    believed, haunts : (episode, node) the nodes themselves, and all around them; written
+    believed, near_item : (row, node) the nodes themselves, and all around them; written
     """
+    step, known, n_known = seen.step, seen.known, seen.n_known
     start, nodes = around.start, around.nodes
     for e in rows:
         if step[e] <= 1:
             believed[e] = False
-            haunts[e] = False
+            near_item[e] = False
         for i in range(n_known[e]):
             node = known[e, i]
             if not believed[e, node]:
                 believed[e, node] = True
                 for k in range(start[0, node], start[0, node + 1]):
-                    haunts[e, nodes[k]] = True
+                    near_item[e, nodes[k]] = True
 
 
 @kernel
@@ -149,39 +157,48 @@ def share_fields(
     seen: Observation,
     arrays: TaskArrays,
     chart: Chart,
-    haunts: NDArray[np.bool_],
+    near_item: NDArray[np.bool_],
     fields: Fields,
-    workspace: Workspace,
-) -> tuple[int, int]:
-    """Fill the fields of one episode; the numbers of unseen nodes and of suspects."""
+    distances: Distances,
+) -> int:
+    """Fill the fields of row e; the number of unseen nodes.
+
+    Parameters
+    ----------
+    near_item : (node,) see `remember_items`
+    """
     idle, unseen, coarse = fields.idle, fields.unseen, chart.coarse
-    haunt, suspects, cell_haunt = fields.haunt, fields.suspects, fields.cell_haunt
+    again, due, cell_again = fields.again, fields.due, fields.cell_again
     cell_idle, cell_items = fields.cell_idle, fields.cell_items
     last_seen, belief, now = seen.last_seen[e], seen.belief[e], seen.step[e] - 1
     forgetting = arrays.forgetting
     cell_idle[:] = 0.0
-    cell_haunt[:] = 0.0
+    cell_again[:] = 0.0
     cell_items[:] = 0
-    count, suspected = 0, 0
+    count, n_due = 0, 0
     for node in range(idle.size):
         idle[node] = min(1.0, (now - np.int64(last_seen[node])) * forgetting)
-        haunt[node] = min(1.0, STALE * idle[node]) if haunts[node] else 0.0
+        again[node] = min(1.0, AGAIN_GROWTH * idle[node]) if near_item[node] else 0.0
         cell_idle[coarse[node]] += idle[node]
-        cell_haunt[coarse[node]] += haunt[node]
+        cell_again[coarse[node]] += again[node]
         cell_items[coarse[node]] += belief[node]
         if idle[node] >= 1.0:
             unseen[count] = node
             count += 1
-        if haunt[node] >= SUSPECT:
-            suspects[suspected] = node
-            suspected += 1
+        if again[node] >= DUE:
+            due[n_due] = node
+            n_due += 1
     neighbours, table, targets = arrays.neighbours, arrays.distances, fields.targets
-    agent_node = seen.agent_node[e]
-    _ways(neighbours, table, seen.known[e, : seen.n_known[e]], workspace, fields.way)
+    agent_node, known = seen.agent_node[e], seen.known[e, : seen.n_known[e]]
+    workspace = distances.workspace
+    _ways(neighbours, table, known, workspace, fields.way)
     possible_targets(arrays, agent_node, targets)
     targets[:, STAY] = agent_node
     slack = longest_move(arrays.moves)
     distances_to_nearest(
-        neighbours, table, unseen[:count], agent_node, targets, slack, workspace, fields.gap
+        neighbours, table, unseen[:count], agent_node, targets, slack, workspace, fields.unseen_way
     )
-    return count, suspected
+    take_sample(known, agent_node, arrays, distances, fields.some_items)
+    take_sample(unseen[:count], agent_node, arrays, distances, fields.some_unseen)
+    take_sample(due[:n_due], agent_node, arrays, distances, fields.some_due)
+    return count

@@ -2,8 +2,11 @@
 
 Reward of a move (published code's weights, scenario section 3): 5.91 x known items in the node
 (foragers) + 2.23 x idleness in view (scouts; the sum ignores line of sight) - 1.7 x geodesic
-distance to the nearest known item (both teams; 0 on an item and when nothing is known).
+distance to the nearest known item (both teams; 0 on an item and when nothing is known). The three
+weights are options: `greedy(distance=0)`.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +19,13 @@ from graph_planner.seeking import TIE, longest_move, possible_targets
 from graph_planner.task import Observation, Task, TaskArrays
 from graph_planner.visibility import NodeLists
 
-ITEM_WEIGHT = 5.91
-IDLENESS_WEIGHT = 2.23
-DISTANCE_WEIGHT = 1.7
+
+class Weights(NamedTuple):
+    """What a move earns by one of each; the defaults are the published ones."""
+
+    item: float = 5.91  # known item in the node
+    idleness: float = 2.23  # node of idleness 1 in view
+    distance: float = 1.7  # node of distance to the nearest known item, as a cost
 
 
 @kernel
@@ -38,13 +45,16 @@ def _rewards(
     arrays: TaskArrays,
     discs: NodeLists,
     workspace: Workspace,
+    weights: Weights,
     preferences: NDArray[np.float64],
 ) -> None:
+    """Fill the instant rewards of all moves, -inf where illegal."""
     active, step, keys, agent_node = seen.active, seen.step, seen.keys, seen.agent_node
     belief, last_seen, known, n_known = seen.belief, seen.last_seen, seen.known, seen.n_known
     neighbours, distances, collects = arrays.neighbours, arrays.distances, arrays.collects
     radius_number, forgetting = arrays.radius_number, arrays.forgetting
     start, nodes = discs.start, discs.nodes
+    per_item, per_idleness, per_distance = weights.item, weights.idleness, weights.distance
     n_agents, slack = agent_node.shape[1], longest_move(arrays.moves)
     targets = np.empty((n_agents, 9), np.int32)
     nearest = np.empty((n_agents, 9))
@@ -65,19 +75,27 @@ def _rewards(
                     continue
                 reward = TIE * uniform(key, 9 * a + move, step[e])
                 if nearest[a, move] < FAR:
-                    reward -= DISTANCE_WEIGHT * nearest[a, move]
+                    reward -= per_distance * nearest[a, move]
                 if collects[a]:
-                    reward += ITEM_WEIGHT * belief[e, target]
+                    reward += per_item * belief[e, target]
                 else:
                     around = nodes[start[radius, target] : start[radius, target + 1]]
                     idle = _idleness_around(last_seen[e], around, step[e] - 1, forgetting)
-                    reward += IDLENESS_WEIGHT * idle
+                    reward += per_idleness * idle
                 preferences[e, a, move] = reward
 
 
 @register("greedy")
 class GreedyPolicy:
     """Largest instant reward: known items, idleness in view, distance to the nearest known item."""
+
+    def __init__(
+        self,
+        item: float = Weights().item,
+        idleness: float = Weights().idleness,
+        distance: float = Weights().distance,
+    ) -> None:
+        self._weights = Weights(item, idleness, distance)
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
@@ -88,5 +106,12 @@ class GreedyPolicy:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Instant rewards (episode, agent, 9) of all moves."""
-        _rewards(observation, self._arrays, self._discs, self._workspace, self._preferences)
+        _rewards(
+            observation,
+            self._arrays,
+            self._discs,
+            self._workspace,
+            self._weights,
+            self._preferences,
+        )
         return self._preferences

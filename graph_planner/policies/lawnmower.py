@@ -61,6 +61,7 @@ def _sweep(
     workspace: Workspace,
     preferences: NDArray[np.float64],
 ) -> None:
+    """Fill preferences: down the way to each agent's next corner."""
     active, agent_node, moves = seen.active, seen.agent_node, arrays.moves
     neighbours, distances = arrays.neighbours, arrays.distances
     current, patience = sweep.current, sweep.patience

@@ -13,8 +13,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.foraging import ForagerCrew
-from graph_planner.belief_planner.scouting import ScoutCrew
+from graph_planner.belief_planner.foraging import Foraging
+from graph_planner.belief_planner.scouting import Scouting
 from graph_planner.belief_planner.stops import floating
 from graph_planner.policies.registry import register
 from graph_planner.randomness import UInt64Array
@@ -28,8 +28,8 @@ class OraclePolicy:
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
         settings = replace(task.belief, joint=True, sweeps=True)
-        self._foragers = ForagerCrew(task, settings)
-        self._scouts = ScoutCrew(task, settings)
+        self._foragers = Foraging(task, settings)
+        self._scouts = Scouting(task, settings)
         self._nodes = len(task.graph)
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
 

@@ -57,6 +57,7 @@ def _best_place(
 def _pull(
     velocity: NDArray[np.float64], weight: float, place: int, node: int, arrays: TaskArrays
 ) -> None:
+    """Add the pull of a place, if there is one, to a velocity (2,)."""
     if place >= 0:
         velocity[0] += weight * (arrays.rows[place] - arrays.rows[node])
         velocity[1] += weight * (arrays.cols[place] - arrays.cols[node])
@@ -73,6 +74,7 @@ def _pull_forager(
     values: NDArray[np.float64],
     velocity: NDArray[np.float64],
 ) -> None:
+    """Pull to the node with most known items and to the nearest known item."""
     items, belief = seen.known[e, : seen.n_known[e]], seen.belief[e]
     for i in range(items.size):
         values[i] = belief[items[i]]
@@ -94,6 +96,7 @@ def _pull_scout(
     values: NDArray[np.float64],
     velocity: NDArray[np.float64],
 ) -> None:
+    """Pull to the best node that the agent has seen itself and to the most idle one."""
     full_after, now, last_seen = (
         np.ceil(1.0 / arrays.forgetting),
         seen.step[e] - 1.0,
@@ -115,6 +118,7 @@ def _fly(
     swarm: Swarm,
     preferences: NDArray[np.float64],
 ) -> None:
+    """Bring all velocities up to date; fill preferences by how well moves follow them."""
     active, step, keys = seen.active, seen.step, seen.keys
     agent_node, belief = seen.agent_node, seen.belief
     start, nodes, radius_number = views.start, views.nodes, arrays.radius_number

@@ -11,6 +11,7 @@ from graph_planner.task import Observation, Task
 
 @kernel
 def _draw(seen: Observation, preferences: NDArray[np.float64]) -> None:
+    """Fill preferences with uniform draws."""
     active, keys, step = seen.active, seen.keys, seen.step
     for e in range(active.size):
         if active[e]:

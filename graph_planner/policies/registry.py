@@ -1,7 +1,7 @@
 """What a policy is, and the table of those that exist."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.errors import UserError
-from graph_planner.extensions import Place, Table
+from graph_planner.extensions import Place, Table, is_ours
 from graph_planner.randomness import UInt64Array
 from graph_planner.references import Reference, parse_reference
 from graph_planner.task import Observation, Task, Truth
@@ -121,6 +121,31 @@ def policy_label(text: str) -> str:
     return str(_bound(text)[0])
 
 
+def policy_class(text: str) -> Callable[..., Policy]:
+    """What makes a policy; raises as `create_policy`."""
+    return _bound(text)[1]
+
+
+def check_policies(texts: Sequence[str]) -> list[str]:
+    """The labels of policies; refuse unknown and repeated ones, and those that cannot be made.
+
+    Raises
+    ------
+    UserError
+        As `create_policy`, and for a policy given twice or none at all.
+    """
+    if not texts:
+        raise UserError("no policy given; add --policy greedy")
+    labels: list[str] = []
+    for text in texts:
+        create_policy(text)
+        label = policy_label(text)
+        if label in labels:
+            raise UserError(f"policy {label}: given twice")
+        labels.append(label)
+    return labels
+
+
 def create_policy(text: str) -> Policy:
     """A fresh policy.
 
@@ -141,6 +166,12 @@ def create_policy(text: str) -> Policy:
     return made(**options)
 
 
+def outside_class(text: str) -> str:
+    """`package.module:Class` of a policy that is not ours; "" for one of ours."""
+    made = policy_class(text)
+    return "" if is_ours(made) else f"{made.__module__}:{getattr(made, '__qualname__', made)}"
+
+
 def policy_place(text: str) -> Place | None:
     """Where another process finds a policy; None for one of ours.
 
@@ -151,6 +182,17 @@ def policy_place(text: str) -> Place | None:
     """
     name = parse_reference(text, "policy").name
     return None if own_weights(name) else POLICIES.places([name]).get(name)
+
+
+def adopt_policy(text: str, place: Place) -> None:
+    """Make a policy known here that another process found, by its place there.
+
+    Raises
+    ------
+    UserError
+        If it cannot be imported here.
+    """
+    POLICIES.adopt(parse_reference(text, "policy").name, place)
 
 
 def policy_files(text: str) -> tuple[Path, ...]:

@@ -10,23 +10,30 @@ from mjforage.cli.console import app, output, print_list
 
 @app.command
 def policies() -> None:
-    """List the policies."""
-    from graph_planner.policies.registry import policy_summary
+    """List the policies, those that installed packages bring with where they come from."""
+    from graph_planner.policies.registry import POLICIES, policy_names, policy_summary
 
-    print_list((name, policy_summary(name)) for name in _policy_names())
-
-
-def _policy_names() -> list[str]:
-    from graph_planner.policies import policy_names
-
-    return policy_names()
+    found = ((name, policy_summary(name), POLICIES.origin(name)) for name in policy_names())
+    print_list((name, f"{words} [{origin}]" if origin else words) for name, words, origin in found)
 
 
 @app.command
-def scenarios() -> None:
-    """List the scenarios that ship with the package."""
+def scenarios(*, explain: str | None = None) -> None:
+    """List the scenarios that ship with the package, or say what a key of a scenario means.
+
+    Parameters
+    ----------
+    explain
+        Key of a scenario, such as weather.gust_intensity, or a table of it, such as team.scouts.
+    """
     from mjforage.core.scenario_file import load_scenario, preset_names
 
+    if explain is not None:
+        from mjforage.core.scenario import Scenario
+        from mjforage.core.schema import explain as rows_of
+
+        print_list((row.key, row.words) for row in rows_of(Scenario, explain))
+        return
     print_list((name, load_scenario(name).description) for name in preset_names())
 
 

@@ -7,6 +7,7 @@ from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
 from mjforage.cli.console import app, bar, errors, output
+from mjforage.cli.resuming import SAME_ONLY, GoingOn, Resuming
 
 if TYPE_CHECKING:
     from mjforage.core.mission import Setup
@@ -27,6 +28,7 @@ def evaluate(
     map: str | None = None,
     set: Overrides = (),
     by: By = THIS_PROCESS,
+    again: GoingOn = SAME_ONLY,
     out: Path | None = None,
 ) -> None:
     """Run policies on the same episodes; write logs, tables, figures and report.html.
@@ -36,7 +38,8 @@ def evaluate(
     scenario
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     policy
-        A policy (see `mjforage policies`); repeat the flag for several.
+        A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
+        NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
     world
         graph or physics, or a world between: hulls, debris, intake (see `mjforage compare`).
     episodes
@@ -46,16 +49,19 @@ def evaluate(
     map
         Map that replaces the scenario's grid: a name, CSV or image. Starts and all else stay.
     set
-        Override KEY=VALUE in TOML syntax, for example team.scouts.count=3; repeatable.
+        Override KEY=VALUE in TOML syntax, for example team.scouts.count=3, or
+        policy.greedy.distance=2 for an option of a policy; repeatable.
     out
         Run folder; default runs/SCENARIO. An unfinished run of the same settings is resumed.
     """
+    from graph_planner.references import with_options
     from mjforage.core.mission import Setup
     from mjforage.core.scenario_file import load_scenario
 
+    policy, set = with_options("policy", policy, set)
     setup = Setup.of(load_scenario(scenario, set, map))
     folder = out or Path("runs") / setup.scenario.name
-    _play(setup, policy, (world,), folder, episodes, seed, by)
+    _play(setup, policy, (world,), folder, episodes, seed, by, again)
 
 
 @app.command
@@ -70,6 +76,7 @@ def compare(
     map: str | None = None,
     set: Overrides = (),
     by: By = THIS_PROCESS,
+    again: GoingOn = SAME_ONLY,
     out: Path | None = None,
 ) -> None:
     """Run policies on the same episodes at graph level and in MuJoCo; report the reality gap.
@@ -79,7 +86,8 @@ def compare(
     scenario
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     policy
-        A policy (see `mjforage policies`); repeat the flag for several.
+        A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
+        NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
     ladder
         Also the worlds between, one piece of reality more in each: hulls, debris, intake.
     episodes
@@ -93,14 +101,16 @@ def compare(
     out
         Run folder; default runs/SCENARIO-gap. An unfinished run of the same settings is resumed.
     """
+    from graph_planner.references import with_options
     from mjforage.core.mission import Setup
     from mjforage.core.scenario_file import load_scenario
     from mjforage.physics.worlds import ladder_of
 
+    policy, set = with_options("policy", policy, set)
     setup = Setup.of(load_scenario(scenario, set, map))
     worlds = ladder_of(setup.scenario) if ladder else ("graph", "physics")
     folder = out or Path("runs") / f"{setup.scenario.name}-gap"
-    _play(setup, policy, worlds, folder, episodes, seed, by)
+    _play(setup, policy, worlds, folder, episodes, seed, by, again)
 
 
 def _play(
@@ -111,8 +121,10 @@ def _play(
     episodes: int,
     seed: int,
     by: Computing,
+    again: Resuming,
 ) -> None:
     """Run, show the headline table and draw the report."""
+    from graph_planner.policies import is_bound
     from mjforage.runs.evaluate import evaluate as run
     from mjforage.view.report import terminal_table, write_report
 
@@ -132,8 +144,10 @@ def _play(
             workers=by.workers,
             worlds=worlds,
             progress=shown,
+            resume=again.resume,
         )
-    output.print(terminal_table(summary))
+    bounds = {policy for found in summary.values() for policy in found if is_bound(policy)}
+    output.print(terminal_table(summary, bounds))
     with errors.status("drawing the report"):
         path = write_report(folder)
     output.print(f"report: {path}", soft_wrap=True)

@@ -1,6 +1,6 @@
 """`mjforage study ...`: what parts, agents and teams are worth, over variants of a scenario."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,6 +10,7 @@ from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
 from mjforage.cli.console import app, bar, errors, output
+from mjforage.cli.resuming import SAME_ONLY, GoingOn, Resuming
 
 if TYPE_CHECKING:
     from mjforage.core.scenario import Scenario
@@ -40,7 +41,8 @@ class Choice:
     map
         Map that replaces the scenario's grid: a name, CSV or image. Starts and all else stay.
     set
-        Override KEY=VALUE in TOML syntax, for example team.scouts.count=3; repeatable.
+        Override KEY=VALUE in TOML syntax, for example team.scouts.count=3, or
+        policy.greedy.distance=2 for an option of a policy; repeatable.
     out
         Study folder; default runs/SCENARIO-KIND. An unfinished study of the same settings is
         resumed.
@@ -78,7 +80,14 @@ Corrupted = Annotated[Draws, Parameter(name="*")]
 
 
 @study.command
-def parts(scenario: str = "published", /, *, choice: With = DEFAULT, by: By = THIS_PROCESS) -> None:
+def parts(
+    scenario: str = "published",
+    /,
+    *,
+    choice: With = DEFAULT,
+    by: By = THIS_PROCESS,
+    again: GoingOn = SAME_ONLY,
+) -> None:
     """What each part of the belief planner is worth, and what wrong assumptions cost it.
 
     Parameters
@@ -88,7 +97,7 @@ def parts(scenario: str = "published", /, *, choice: With = DEFAULT, by: By = TH
     """
     from mjforage.runs import variants
 
-    _play("parts", scenario, variants.parts, choice, by)
+    _play("parts", scenario, (), lambda base, _: variants.parts(base), choice, by, again)
 
 
 @study.command
@@ -99,6 +108,7 @@ def ablation(
     policy: Policies = PAPER,
     choice: With = DEFAULT,
     by: By = THIS_PROCESS,
+    again: GoingOn = SAME_ONLY,
 ) -> None:
     """What an agent of each team is worth: marginal contributions (the paper's Tables 5 and 6).
 
@@ -107,11 +117,12 @@ def ablation(
     scenario
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     policy
-        A policy (see `mjforage policies`); repeat the flag for several.
+        A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
+        NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
     """
     from mjforage.runs import variants
 
-    _play("ablation", scenario, lambda base: variants.ablation(base, policy), choice, by)
+    _play("ablation", scenario, policy, variants.ablation, choice, by, again)
 
 
 @study.command
@@ -123,6 +134,7 @@ def corruption(
     draws: Corrupted = USUAL,
     choice: With = DEFAULT,
     by: By = THIS_PROCESS,
+    again: GoingOn = SAME_ONLY,
 ) -> None:
     """How performance falls as a team's actions become random: sensitivity slopes (CSSC).
 
@@ -131,14 +143,15 @@ def corruption(
     scenario
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     policy
-        A policy (see `mjforage policies`); repeat the flag for several.
+        A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
+        NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
     """
     from mjforage.runs import variants
 
-    def varied(base: "Scenario") -> "tuple[Variant, ...]":
-        return variants.corruption(base, policy, draws.step, draws.whole_team)
+    def varied(base: "Scenario", players: Sequence[str]) -> "tuple[Variant, ...]":
+        return variants.corruption(base, players, draws.step, draws.whole_team)
 
-    _play("corruption", scenario, varied, choice, by, **asdict(draws))
+    _play("corruption", scenario, policy, varied, choice, by, again, **asdict(draws))
 
 
 @study.command
@@ -150,6 +163,7 @@ def paper(
     draws: Corrupted = USUAL,
     choice: With = DEFAULT,
     by: By = THIS_PROCESS,
+    again: GoingOn = SAME_ONLY,
 ) -> None:
     """All tables and figures of the paper, with its numbers beside ours.
 
@@ -158,25 +172,29 @@ def paper(
     scenario
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     policy
-        A policy (see `mjforage policies`); repeat the flag for several.
+        A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
+        NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
     """
     from mjforage.runs import variants
 
-    def varied(base: "Scenario") -> "tuple[Variant, ...]":
-        return variants.paper(base, policy, draws.step, draws.whole_team)
+    def varied(base: "Scenario", players: Sequence[str]) -> "tuple[Variant, ...]":
+        return variants.paper(base, players, draws.step, draws.whole_team)
 
-    _play("paper", scenario, varied, choice, by, **asdict(draws))
+    _play("paper", scenario, policy, varied, choice, by, again, **asdict(draws))
 
 
 def _play(
     kind: str,
     scenario: str,
-    varied: "Callable[[Scenario], tuple[Variant, ...]]",
+    policies: Sequence[str],
+    varied: "Callable[[Scenario, Sequence[str]], tuple[Variant, ...]]",
     choice: Choice,
     by: Computing,
+    again: Resuming,
     **options: object,
 ) -> None:
     """Compute a study and draw its report."""
+    from graph_planner.references import with_options
     from mjforage.core.mission import Setup
     from mjforage.core.scenario_file import load_scenario
     from mjforage.runs.identity import pinned
@@ -184,8 +202,9 @@ def _play(
     from mjforage.view.report.studies import write_study_report
 
     workers = by.workers
-    setup = pinned(Setup.of(load_scenario(scenario, choice.set, choice.map)))
-    variants = varied(setup.scenario)
+    players, overrides = with_options("policy", policies, choice.set)
+    setup = pinned(Setup.of(load_scenario(scenario, overrides, choice.map)))
+    variants = varied(setup.scenario, players)
     worlds, episodes, seed = tuple(choice.world), choice.episodes, choice.seed
     plan = Study(kind, setup, variants, worlds, episodes, seed, options)
     folder = choice.out or Path("runs") / f"{setup.scenario.name}-{kind}"
@@ -197,7 +216,7 @@ def _play(
         )
 
     with bar("episodes") as shown:
-        run_study(plan, folder, workers=workers, progress=shown, begin=begin)
+        run_study(plan, folder, workers=workers, progress=shown, begin=begin, resume=again.resume)
     with errors.status("drawing the report"):
         path = write_study_report(folder)
     output.print(f"report: {path}", soft_wrap=True)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import App, Parameter
 
 from mjforage.cli.console import app, errors, output
+from mjforage.cli.resuming import SAME_ONLY, GoingOn
 from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ def ddqn(
     learning: Pairs = (),
     teacher: str = "",
     device: str = "auto",
+    again: GoingOn = SAME_ONLY,
     out: Path | None = None,
 ) -> None:
     """Train the Double DQN; the same command resumes a run that was stopped.
@@ -55,18 +57,23 @@ def ddqn(
         Override KEY=VALUE of the learning hyperparameters, such as num_envs=32 or reward.removed=2;
         repeatable.
     teacher
-        Policy that shows moves at first; give also --learning teacher_updates=N.
+        Policy that shows moves at first, as --policy of evaluate; give also --learning
+        teacher_updates=N.
     device
         auto, cpu or cuda; a run stays on the kind of device where it began.
     out
         Folder of the run; default runs/ddqn-SCENARIO.
     """
+    from graph_planner.references import with_options
     from mjforage.core.scenario_file import load_scenario
     from mjforage.learning.training.hyperparameters import Hyperparameters, changed
     from mjforage.learning.training.run import train as run
 
+    teachers, set = with_options("policy", [teacher] if teacher else [], set)
     chosen = load_scenario(scenario, set, map)
-    changes = dict(_pair(text) for text in learning) | ({"teacher": teacher} if teacher else {})
+    changes = dict(_pair(text) for text in learning)
+    if teachers:
+        changes["teacher"] = teachers[0]
     hyperparameters = changed(Hyperparameters(), changes)
     folder = out or Path("runs") / f"ddqn-{chosen.name}"
     run(
@@ -79,6 +86,7 @@ def ddqn(
         updates=updates,
         device=device,
         report=_report,
+        resume=again.resume,
     )
     output.print(f"run: {folder}", soft_wrap=True)
 

@@ -99,6 +99,7 @@ def into_water(water: Water, row: float, col: float) -> tuple[float, float, int]
 
 @kernel
 def _nodes_of(water: Water, rc: NDArray[np.float64]) -> Int32Array:
+    """Node of each position (position, 2)."""
     nodes = np.empty(rc.shape[0], np.int32)
     for i in range(rc.shape[0]):
         _, _, nodes[i] = into_water(water, rc[i, 0], rc[i, 1])
@@ -122,6 +123,7 @@ def item_noise(key: np.uint64, item: int, step: int) -> tuple[float, float]:
 
 @kernel
 def _count_items(keys: UInt64Array, mean: float, std: float) -> Int32Array:
+    """Number of items of each episode: a rounded normal draw, at least 1."""
     counts = np.empty(keys.size, np.int32)
     for e in range(keys.size):
         count = np.round(mean + std * normal(stream_key(keys[e], Stream.ITEMS), 0, 0))
@@ -139,6 +141,7 @@ def _scatter_items(
     item_rc: NDArray[np.float64],
     item_node: Int32Array,
 ) -> None:
+    """Place the items of each episode around its hotspots, in the water."""
     for e in range(keys.size):
         key = stream_key(keys[e], Stream.ITEMS)
         for k in range(counts[e]):
@@ -164,6 +167,7 @@ def _place_items(
 
 @kernel
 def _drifts(keys: UInt64Array, reach: float) -> NDArray[np.float64]:
+    """Constant drift (episode, 2) of each episode, uniform in +- `reach` [node/step]."""
     drift = np.empty((keys.size, 2))
     for e in range(keys.size):
         key = stream_key(keys[e], Stream.WEATHER)
@@ -198,6 +202,7 @@ def nodes_around(graph: NavigationGraph, nodes: Int32Array, count: int) -> Int32
 
 @kernel
 def _any_node(key: np.uint64, n_nodes: int) -> int:
+    """A node drawn for an episode."""
     return int(uniform(stream_key(key, Stream.STARTS), 0, 0) * n_nodes)
 
 

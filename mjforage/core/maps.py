@@ -189,6 +189,7 @@ def _start(line: str, number: int, name: str) -> tuple[int, int]:
 
 @kernel
 def _count_reached(neighbours: Int32Array, start: int, moves: int, shorten: bool) -> int:
+    """Number of nodes on which moves from a node can end."""
     reached = np.zeros(neighbours.shape[0], np.bool_)
     queue = np.empty(neighbours.shape[0], np.int32)
     queue[0], reached[start] = start, True

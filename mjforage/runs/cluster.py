@@ -5,7 +5,7 @@ import importlib.util
 import logging
 import socket
 import time
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -13,9 +13,9 @@ from urllib.parse import urlsplit
 
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
-from mjforage.runs.identity import run_info, versions
+from mjforage.runs.identity import run_info
 from mjforage.runs.interrupts import interrupts_held
-from mjforage.runs.run_info import read_json
+from mjforage.runs.run_info import load_run
 
 PROTOCOLS = ("tcp", "tls")
 PATIENCE_S = 20.0  # for a scheduler to answer, and for its first worker
@@ -183,23 +183,36 @@ def cores(client: Any) -> int:
     return int(sum(client.ncores().values()))
 
 
-def check_versions(asked: tuple[tuple[str, str], ...]) -> None:
-    """Check in a worker that it runs what the asking process runs, one chunk at a time.
+def check_code(asked: Iterable[tuple[str, str]], here: Mapping[str, str]) -> None:
+    """Check in a worker that it runs what the asking process runs.
+
+    Parameters
+    ----------
+    asked, here : file or library -> hash or version
 
     Raises
     ------
     UserError
         Naming the machine and the difference.
     """
-    from distributed import get_worker
-
-    here = versions()
     for name, there in asked:
         if here.get(name) != there:
             raise UserError(
                 f"worker on {socket.gethostname()}: {name} is {here.get(name)}, but {there} where "
                 "the command was given; install the same on all machines"
             )
+
+
+def check_threads() -> None:
+    """Check in a worker of a cluster that it computes one chunk at a time.
+
+    Raises
+    ------
+    UserError
+        Naming the machine and its threads.
+    """
+    from distributed import get_worker
+
     with suppress(ValueError):  # not in a worker
         threads = get_worker().state.nthreads
         if threads != 1:
@@ -223,10 +236,10 @@ def check_run(folder: Path, run_hash: str, setup: Setup) -> None:
             f"worker on {here}: {file} is not there; --out must lie on a disk that all machines "
             "share, under the same path"
         )
-    info = read_json(file)
-    own = run_info(setup, (), info["worlds"], 0, 0)["hash"]
-    if not run_hash == own == info["hash"]:
+    run = load_run(file)
+    own = run_info(setup, run.policies, run.worlds, 0, 0)["hash"]
+    if not run_hash == own == run.hash:
         raise UserError(
             f"worker on {here}: scenario and hulls have the hash {own} there, {run_hash} where the "
-            f"command was given and {info['hash']} in {file}; give all machines the same files"
+            f"command was given and {run.hash} in {file}; give all machines the same files"
         )

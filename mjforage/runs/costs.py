@@ -1,11 +1,13 @@
 """What every finished chunk of episodes took, kept with it: nothing is lost with a killed call."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from mjforage.runs.run_info import field, read_json
+from graph_planner.fields import Note
+from mjforage.core.schema import OPEN, check
+from mjforage.runs.run_info import REMEDY, read_json
 
 
 @dataclass(frozen=True)
@@ -21,20 +23,33 @@ class Invocation:
 class Cost:
     """What one chunk took, and who played it: one flat record of `costs.json`."""
 
+    __pydantic_config__ = OPEN
+
     world: str
+    """World of the chunk."""
     policy: str
+    """Policy of the chunk."""
     episodes: int
-    steps: int  # decisions, of all episodes
-    cpu_s: float  # of the process that played it
-    wall_s: float
-    began_s: float  # since the epoch, by the worker's clock
-    worker: str  # host and process
-    started: str  # these three as in `Invocation`
+    """Episodes of the chunk."""
+    steps: int
+    """Decisions of all its episodes."""
+    cpu_s: Annotated[float, Note("unit", "s")]
+    """Processor time of the process that played it."""
+    wall_s: Annotated[float, Note("unit", "s")]
+    """Time from its beginning to its end."""
+    began_s: Annotated[float, Note("unit", "s")]
+    """When it began, since the epoch, by the worker's clock."""
+    worker: str
+    """Host and process that played it."""
+    started: str
+    """When the command was given, ISO 8601 with microseconds."""
     how: str
+    """Who computed: processes, local dask cluster, ..."""
     workers: int
+    """Workers when the command was given."""
 
     @classmethod
-    def of(cls, data: Mapping[str, Any], where: str) -> "Cost":
+    def of(cls, data: object, where: str) -> "Cost":
         """Check a record that was read.
 
         Raises
@@ -42,9 +57,17 @@ class Cost:
         UserError
             If a key is missing or of another type.
         """
-        kinds = {"str": str, "int": int, "float": float}
-        names = {one.name: kinds[getattr(one.type, "__name__", "")] for one in fields(cls)}
-        return cls(**{name: field(data, name, kind, where) for name, kind in names.items()})
+        return check(cls, data, where, remedy=REMEDY)
+
+
+@dataclass(frozen=True)
+class Costs:
+    """Content of `costs.json`."""
+
+    __pydantic_config__ = OPEN
+
+    chunks: tuple[Cost, ...]
+    """A record of every chunk, in the order of the tables."""
 
 
 def costs_content(costs: Iterable[Cost]) -> dict[str, Any]:
@@ -62,6 +85,4 @@ def load_costs(path: Path) -> tuple[Cost, ...]:
     """
     if not path.is_file():
         return ()
-    return tuple(
-        Cost.of(one, str(path)) for one in field(read_json(path), "chunks", list, str(path))
-    )
+    return check(Costs, read_json(path), str(path), remedy=REMEDY).chunks

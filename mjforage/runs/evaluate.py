@@ -12,7 +12,7 @@ from typing import Any
 import polars as pl
 
 import metrics
-from graph_planner.policies.registry import create_policy
+from graph_planner.policies.registry import check_policies
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
 from mjforage.core.whole_files import write_json
@@ -20,6 +20,7 @@ from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.runs.costs import Invocation, costs_content
 from mjforage.runs.identity import pinned, run_info
+from mjforage.runs.resuming import Resume, set_aside
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import metric_columns
 from mjforage.runs.workers import Assignment, Workers, keep_replay, run_chunks
@@ -32,22 +33,6 @@ THIS_PROCESS = Workers()
 
 Progress = Callable[[int, int], None]
 Summary = dict[str, dict[str, dict[str, dict[str, Any]]]]
-
-
-def check_policies(policies: Sequence[str]) -> None:
-    """Refuse unknown or repeated names.
-
-    Raises
-    ------
-    UserError
-        Naming the policy and the nearest known one.
-    """
-    if not policies:
-        raise UserError("no policy given; add --policy greedy")
-    for name in policies:
-        create_policy(name)
-        if list(policies).count(name) > 1:
-            raise UserError(f"policy {name}: given twice")
 
 
 def plan(policies: Sequence[str], worlds: Sequence[str], episodes: int) -> list[Chunk]:
@@ -118,7 +103,7 @@ class Run:
         UserError
             For unknown names and numbers out of range.
         """
-        check_policies(policies)
+        policies = check_policies(policies)
         for world in worlds:
             if world not in WORLDS:
                 raise UserError(f"world {world}: unknown; choose {', '.join(WORLDS)}")
@@ -136,15 +121,19 @@ class Run:
         names = tuple(policies), tuple(worlds)
         return cls(setup, *names, seed, info, RunFolder(folder), chunks)
 
-    def open(self) -> None:
+    def open(self, accept: bool = False) -> None:
         """Create the folder, or find the same run in it.
+
+        Parameters
+        ----------
+        accept : go on although code or versions differ, and note it in `run.json`
 
         Raises
         ------
         UserError
             If it holds something else or cannot be written.
         """
-        self.folder.open(self.info)
+        self.info.update(self.folder.open(self.info, accept))
 
     def close(self, wall_s: float | None) -> Summary:
         """Merge the chunks into tables, unless they are, and write the summary.
@@ -192,14 +181,7 @@ def carry_out(
     """
     started, work, summaries = time.perf_counter(), [], []
     assignments = {
-        place: Assignment.of(
-            run.setup,
-            run.seed,
-            run.folder.path,
-            run.info["hash"],
-            invocation,
-            remote=workers.remote,
-        )
+        place: Assignment.of(run.setup, run.seed, run.folder.path, run.info, invocation, workers)
         for place, run in enumerate(runs)
         if not run.folder.complete
     }
@@ -236,18 +218,21 @@ def evaluate(
     workers: Workers = THIS_PROCESS,
     worlds: Sequence[str] = ("graph",),
     progress: Progress = lambda done, total: None,
+    resume: Resume = "same",
 ) -> Summary:
     """Run policies on the same episodes and leave a complete run folder.
 
     Parameters
     ----------
     setup : scenario and map
-    policies, worlds : names
+    policies : references, see `create_policy`
+    worlds : names
     folder : run folder; an unfinished run of the same settings in it is resumed
     episodes : episodes per policy and world, 1 or more
     seed : of the run
     workers : who computes
     progress : called with (episodes done, episodes in all)
+    resume : what to do with a run that the folder holds
 
     Returns
     -------
@@ -260,7 +245,9 @@ def evaluate(
         are lost.
     """
     run = Run.plan(setup, policies, folder, episodes=episodes, seed=seed, worlds=worlds)
-    invocation = workers.invocation(policies)
-    run.open()
+    invocation = workers.invocation(run.policies)
+    if resume == "fresh":
+        set_aside(folder, "run")
+    run.open(accept=resume == "accept-code-change")
     with run.folder.claimed():
         return carry_out([run], workers, invocation, progress)[0]

@@ -4,23 +4,27 @@ import hashlib
 import platform
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import lru_cache
 from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
-import controllers
-import graph_planner
-import metrics
-from graph_planner.policies.registry import is_bound, policy_files
+from graph_planner.extensions import is_ours
+from graph_planner.policies.registry import (
+    Policy,
+    is_bound,
+    outside_class,
+    policy_class,
+    policy_files,
+)
 from mjforage.core.assets import models_folder
 from mjforage.core.mission import Setup
 from mjforage.core.mission_metrics import chosen_metrics, description
-from mjforage.core.scenario_file import scenario_to_tree
-from mjforage.runs.storage import run_hash
+from mjforage.core.scenario_file import canonical_json, scenario_to_tree
+from mjforage.runs.resuming import UNCOMPARED
+from mjforage.runs.source_code import DIGITS, Code, decisive_code
 
 
 def pinned(setup: Setup) -> Setup:
@@ -32,27 +36,54 @@ def pinned(setup: Setup) -> Setup:
     return replace(setup, scenario=replace(setup.scenario, map=choice))
 
 
-@lru_cache(maxsize=1)
-def fingerprint() -> str:
-    """Hash of the installed code, maps and weights, which versions alone do not tell apart."""
-    digest = hashlib.sha256()
-    packages = (metrics, controllers, graph_planner)
-    folders = [Path(str(package.__file__)).parent for package in packages]
-    folders.append(Path(__file__).parents[1])
-    for root in (*folders, models_folder()):
-        pattern = "*" if root == models_folder() else "*.py"
-        for path in sorted(root.rglob(pattern)):
-            if path.is_file():
-                digest.update(path.relative_to(root).as_posix().encode() + path.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def versions() -> dict[str, str]:
-    """Versions of what decides a run's numbers, in this process; `code` is `fingerprint`."""
-    return {name: version(name) for name in ("mjforage", "mujoco", "numpy", "numba")} | {
-        "python": platform.python_version(),
-        "code": fingerprint(),
+@lru_cache(maxsize=64)
+def _mission_code(physics: bool) -> Code:
+    """Code of the mission and its scores, and of MuJoCo's world if asked for."""
+    modules = ("mission", "episode_log", "scoring")
+    paths = [f"mjforage.core.{name}" for name in modules] + ["mjforage.runs.tables"]
+    code = decisive_code([*paths, *(["mjforage.physics.worlds"] if physics else [])], ["metrics"])
+    if not physics:
+        return code
+    shapes = {
+        f"models/{path.name}": hashlib.sha256(path.read_bytes()).hexdigest()[:DIGITS]
+        for path in models_folder().glob("*.xml")
     }
+    return code.joined(Code(shapes, {}))
+
+
+@lru_cache(maxsize=256)
+def _code_of(policy: Callable[..., Policy]) -> Code:
+    """Code of a policy, as it is when first asked for: a class does not change in a process."""
+    return decisive_code([policy.__module__])
+
+
+def policy_code(policies: Iterable[str], outside: bool = False) -> Code:
+    """Code of policies; only that which is not ours if `outside`."""
+    code = Code({}, {})
+    for policy in map(policy_class, policies):
+        if not (outside and is_ours(policy)):
+            code = code.joined(_code_of(policy))
+    return code
+
+
+def run_code(policies: Iterable[str], worlds: Iterable[str]) -> Code:
+    """All code that decides a run's numbers."""
+    return _mission_code(any(world != "graph" for world in worlds)).joined(policy_code(policies))
+
+
+def versions(code: Code) -> dict[str, str]:
+    """Versions in this process: of mjforage, of what the code computes with, and of Python."""
+    own = {"mjforage": version("mjforage"), "python": platform.python_version()}
+    return own | code.versions
+
+
+def run_hash(info: Mapping[str, Any]) -> str:
+    """Hash of scenario, map, vessels, code and versions: 16 hexadecimal digits."""
+    compared = {k: v for k, v in info["versions"].items() if k not in UNCOMPARED}
+    text = canonical_json(
+        [info["scenario"], info["map"], compared, info["code"], info.get("hulls")]
+    )
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def provenance() -> dict[str, str]:
@@ -96,7 +127,7 @@ def run_info(
 ) -> dict[str, Any]:
     """Content of `run.json` before the run: what it is and where it comes from."""
     navigable = setup.grid.navigable
-    origin = provenance()
+    origin, code = provenance(), run_code(policies, worlds)
     info: dict[str, Any] = {
         "command": origin["command"],
         "scenario": scenario_to_tree(setup.scenario),
@@ -108,12 +139,16 @@ def run_info(
             "pitch_m": setup.scenario.map.pitch_m,
             "navigable": ["".join("01"[int(cell)] for cell in row) for row in navigable],
         },
-        "versions": versions(),
+        "versions": versions(code),
+        "code": code.files,
         "seed": seed,
         "episodes": episodes,
         "worlds": list(worlds),
         "policies": list(policies),
         "bounds": [name for name in policies if is_bound(name)],
+        "classes": {
+            policy: reference for policy in policies if (reference := outside_class(policy))
+        },
         "weights": weight_hashes(policies),
         "metrics": [asdict(description(one)) for one in chosen_metrics()],
         "agents": [

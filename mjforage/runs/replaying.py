@@ -5,13 +5,14 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 
+from graph_planner.extensions import Place
 from graph_planner.navigation import navigation_graph
+from graph_planner.policies.registry import adopt_policy, check_policies, policy_label
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap, check_starts
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import scenario_from_tree
 from mjforage.runs.episode_replay import Replay
-from mjforage.runs.evaluate import check_policies
 from mjforage.runs.recording import record
 from mjforage.runs.run_info import again, load_run
 from mjforage.runs.storage import RunFolder
@@ -33,17 +34,20 @@ def replay_of_run(folder: Path, world: str | None, policy: str | None, episode: 
     """
     run = load_run(folder / "run.json")
     policy, world = policy or run.policies[0], world or run.worlds[0]
+    policy = policy if policy in run.policies else policy_label(policy)
     if policy not in run.policies or world not in run.worlds or not 0 <= episode < run.episodes:
         raise UserError(
             f"{folder}: no episode {episode} of {policy} in world {world}; it holds episodes 0 to "
             f"{run.episodes - 1} of {', '.join(run.policies)} in {', '.join(run.worlds)}"
         )
+    if policy in run.classes:  # its name may be one that only its module registers
+        adopt_policy(policy, Place(run.classes[policy], ""))
     check_policies([policy])
     where = str(folder / "run.json")
     setup = Setup(
-        scenario_from_tree(dict(run.scenario), where), GridMap(run.map.name, run.map.navigable)
+        scenario_from_tree(dict(run.scenario), where), GridMap(run.map.name, run.map.cells)
     )
-    check_starts(setup.start_cells, run.map.navigable, where, run.map.name)
+    check_starts(setup.start_cells, run.map.cells, where, run.map.name)
     replay = record(setup, world, policy, run.seed, episode)
     _check(replay, RunFolder(folder))
     return replay

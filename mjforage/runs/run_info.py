@@ -2,31 +2,38 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Annotated, Any
 
 import numpy as np
+from annotated_types import MinLen
 from numpy.typing import NDArray
 
+from graph_planner.fields import Note, Within
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import Description
+from mjforage.core.schema import OPEN, check
 
 REMEDY = (
     "run the command that made this folder again, or name a folder that evaluate, compare or study "
     "wrote"
 )
 
-_T = TypeVar("_T")
+Names = Annotated[tuple[str, ...], MinLen(1)]
 
 
 @dataclass(frozen=True)
 class Agent:
-    """One vessel of the fleet; its index is its place in `RunInfo.agents`."""
+    """One vessel of the fleet; its index is its place in the list."""
 
     name: str
+    """Team and number, as in `scouts-0`."""
     team: str
-    collects: bool  # True for foragers
+    """Name of its team."""
+    collects: bool
+    """Whether it removes items."""
 
 
 @dataclass(frozen=True)
@@ -34,29 +41,81 @@ class MapInfo:
     """The map that was run on."""
 
     name: str
+    """Name of the map."""
+    rows: int
+    """Rows of the grid."""
+    columns: int
+    """Columns of the grid."""
     nodes: int
-    pitch_m: float
-    navigable: NDArray[np.bool_]  # (row, column)
+    """Navigable cells."""
+    pitch_m: Annotated[float, Note("unit", "m")]
+    """Distance between the centres of neighbouring nodes."""
+    navigable: tuple[str, ...]
+    """A text per row, with a 1 for each cell of water and a 0 for land."""
+
+    @cached_property
+    def cells(self) -> NDArray[np.bool_]:
+        """(row, column) whether a cell is water."""
+        cells = [[cell == "1" for cell in line] for line in self.navigable]
+        return np.array(cells, dtype=np.bool_).reshape(self.rows, self.columns)
+
+
+@dataclass(frozen=True)
+class HullFacts:
+    """Parameters of a vessel as it ran."""
+
+    length_m: Annotated[float, Note("unit", "m")]
+    """Length of the hull."""
+
+
+@dataclass(frozen=True)
+class Hulls:
+    """What the physics world was made of; empty at graph level."""
+
+    vessels: Mapping[str, HullFacts] = field(default_factory=dict)
+    """Vessels by name, with all their parameters."""
+    debris: tuple[Mapping[str, Any], ...] = ()
+    """Classes of items, with all their parameters."""
 
 
 @dataclass(frozen=True)
 class RunInfo:
-    """Content of `run.json`; `scenario` stays a plain nested dict, to be shown as it is."""
+    """Content of `run.json`; `scenario` stays as it is, to be shown and to be checked anew."""
+
+    __pydantic_config__ = OPEN
 
     command: str
+    """The command that made the folder."""
     scenario: Mapping[str, Any]
-    hash: str
-    versions: Mapping[str, str]
-    seed: int
-    episodes: int  # per world and policy
-    worlds: tuple[str, ...]
-    policies: tuple[str, ...]
-    agents: tuple[Agent, ...]
+    """The whole scenario, defaults included."""
     map: MapInfo
-    hull_lengths: Mapping[str, float]  # name of a vessel -> [m]; empty at graph level
+    versions: Mapping[str, str]
+    """Versions of what decides the numbers."""
+    seed: int
+    """Seed of the run."""
+    episodes: int
+    """Episodes per world and policy."""
+    worlds: Names
+    """Worlds that were run."""
+    policies: Names
+    """Policies that were run."""
+    agents: tuple[Agent, ...]
+    """The fleet."""
+    hulls: Hulls
     started: str
-    metrics: tuple[Description, ...]  # of a run made before they were listed: none
-    timings: Mapping[str, float]  # [s]
+    """When the command was given, ISO 8601."""
+    timings: Mapping[str, float]
+    """What the run took: seconds of processors and of the clock, and decisions; empty before."""
+    hash: str
+    """Hash of scenario, map, hulls and code, that workers must agree with."""
+    bounds: tuple[str, ...] = ()
+    """Those of the policies that see the truth."""
+    classes: Mapping[str, str] = field(default_factory=dict)
+    """Policy -> package.module:Class, of those that are not ours."""
+    weights: Mapping[str, str] = field(default_factory=dict)
+    """Policy -> hash of the files that its moves hang on."""
+    metrics: tuple[Description, ...] = ()
+    """How each metric is shown; none in a run made before they were listed."""
 
     @property
     def horizon(self) -> int:
@@ -67,6 +126,28 @@ class RunInfo:
     def name(self) -> str:
         """Name of the scenario."""
         return str(self.scenario["name"])
+
+    @property
+    def hull_lengths(self) -> dict[str, float]:
+        """Name of a vessel -> [m]; empty at graph level."""
+        return {name: facts.length_m for name, facts in self.hulls.vessels.items()}
+
+
+@dataclass(frozen=True)
+class _ScenarioFacts:
+    """What a run's reader needs of its scenario, which may be of an older version."""
+
+    __pydantic_config__ = OPEN
+
+    name: str
+    horizon: Annotated[int, Within(1, 30_000)]
+
+
+@dataclass(frozen=True)
+class _Command:
+    __pydantic_config__ = OPEN
+
+    command: str
 
 
 def read_json(path: Path) -> dict[str, Any]:
@@ -81,7 +162,7 @@ def read_json(path: Path) -> dict[str, Any]:
         value = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
         raise UserError(f"{path}: file is missing; {REMEDY}") from error
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise UserError(f"{path}: cannot be read as JSON ({error}); {REMEDY}") from error
     if not isinstance(value, dict):
         raise UserError(f"{path}: holds a {type(value).__name__}, expected an object; {REMEDY}")
@@ -91,88 +172,9 @@ def read_json(path: Path) -> dict[str, Any]:
 def again(folder: Path, file: str = "run.json") -> str:
     """Words that ask for the command that made a folder, as its `run.json` or `study.json` says."""
     try:
-        return f"run `{field(read_json(folder / file), 'command', str, file)}` again"
+        return f"run `{check(_Command, read_json(folder / file), file).command}` again"
     except UserError:
         return "run the command that made this folder again"
-
-
-def field(mapping: Mapping[str, Any], key: str, kind: type[_T], where: str) -> _T:
-    """Value of a key, which must be there and of the kind (an integer passes for a float).
-
-    Raises
-    ------
-    UserError
-        If the key is missing or its value is of another type.
-    """
-    if key not in mapping:
-        raise UserError(f"{where}: key '{key}' is missing; {REMEDY}")
-    value = mapping[key]
-    if kind is float and isinstance(value, int) and not isinstance(value, bool):
-        value = float(value)
-    if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
-        found = type(value).__name__
-        raise UserError(f"{where}: '{key}' is a {found}, expected {kind.__name__}; {REMEDY}")
-    return value
-
-
-def _names(data: Mapping[str, Any], key: str, where: str) -> tuple[str, ...]:
-    values = field(data, key, list, where)
-    if not values or not all(isinstance(value, str) for value in values):
-        raise UserError(f"{where}: '{key}' must list at least one name, is {values}; {REMEDY}")
-    return tuple(values)
-
-
-def _map(data: Mapping[str, Any], where: str) -> MapInfo:
-    shape = (field(data, "rows", int, where), field(data, "columns", int, where))
-    rows = field(data, "navigable", list, where)
-    lines = [str(row) for row in rows]
-    if len(lines) != shape[0] or any(
-        len(line) != shape[1] or set(line) - set("01") for line in lines
-    ):
-        raise UserError(
-            f"{where}: 'navigable' is not {shape[0]} strings of {shape[1]} zeros and ones; {REMEDY}"
-        )
-    cells = np.array([[cell == "1" for cell in line] for line in lines], dtype=np.bool_)
-    return MapInfo(
-        field(data, "name", str, where),
-        field(data, "nodes", int, where),
-        field(data, "pitch_m", float, where),
-        cells.reshape(shape),
-    )
-
-
-def _agents(data: Mapping[str, Any], where: str) -> tuple[Agent, ...]:
-    return tuple(
-        Agent(
-            field(entry, "name", str, where),
-            field(entry, "team", str, where),
-            field(entry, "collects", bool, where),
-        )
-        for entry in field(data, "agents", list, where)
-    )
-
-
-def _hull_lengths(data: Mapping[str, Any], where: str) -> dict[str, float]:
-    vessels = field(data, "vessels", dict, where) if data else {}
-    return {name: field(facts, "length_m", float, where) for name, facts in vessels.items()}
-
-
-def _metrics(data: Mapping[str, Any], where: str) -> tuple[Description, ...]:
-    """How the run's metrics are shown, which no other package has to know."""
-    kinds = {entry.name: entry.type for entry in fields(Description) if entry.name != "top"}
-    found = []
-    for place, entry in enumerate(field(data, "metrics", list, where)):
-        here = f"{where}: metrics {place}"
-        if not isinstance(entry, dict):
-            raise UserError(f"{here}: is a {type(entry).__name__}, expected an object; {REMEDY}")
-        values: dict[str, Any] = {
-            name: field(entry, name, kind, here)
-            for name, kind in kinds.items()
-            if isinstance(kind, type)
-        }
-        top = entry.get("top")
-        found.append(Description(**values, top=None if top is None else float(top)))
-    return tuple(found)
 
 
 def load_run(path: Path) -> RunInfo:
@@ -183,26 +185,13 @@ def load_run(path: Path) -> RunInfo:
     UserError
         If the file or one of its keys is missing or malformed.
     """
-    data, where = read_json(path), str(path)
-    scenario = field(data, "scenario", dict, where)
-    field(scenario, "name", str, f"{where}: scenario")
-    if field(scenario, "horizon", int, f"{where}: scenario") < 1:
+    where = str(path)
+    run = check(RunInfo, read_json(path), where, remedy=REMEDY)
+    check(_ScenarioFacts, run.scenario, f"{where}: scenario", remedy=REMEDY)
+    shape, lines = (run.map.rows, run.map.columns), run.map.navigable
+    if len(lines) != shape[0] or any(len(one) != shape[1] or set(one) - set("01") for one in lines):
         raise UserError(
-            f"{where}: scenario horizon is {scenario['horizon']}, must be positive; {REMEDY}"
+            f"{where}: map.navigable is not {shape[0]} strings of {shape[1]} zeros and ones; "
+            f"{REMEDY}"
         )
-    return RunInfo(
-        command=field(data, "command", str, where),
-        scenario=scenario,
-        hash=field(data, "hash", str, where),
-        versions=field(data, "versions", dict, where),
-        seed=field(data, "seed", int, where),
-        episodes=field(data, "episodes", int, where),
-        worlds=_names(data, "worlds", where),
-        policies=_names(data, "policies", where),
-        agents=_agents(data, where),
-        map=_map(field(data, "map", dict, where), f"{where}: map"),
-        hull_lengths=_hull_lengths(field(data, "hulls", dict, where), f"{where}: hulls"),
-        started=field(data, "started", str, where),
-        metrics=_metrics(data, where) if "metrics" in data else (),
-        timings=field(data, "timings", dict, where),
-    )
+    return run

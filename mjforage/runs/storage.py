@@ -7,30 +7,29 @@ or removed.
 """
 
 import contextlib
-import hashlib
 import json
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import polars as pl
 
+from graph_planner.references import file_label
 from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import canonical_json
-from mjforage.core.whole_files import remove_parts, write_json, writing
+from mjforage.core.whole_files import remove_parts, writing
 from mjforage.runs.costs import Cost
 from mjforage.runs.lock import claimed
 from mjforage.runs.parquet import join_parquet, parquet_bytes
+from mjforage.runs.resuming import CODE, open_folder
 from mjforage.runs.run_info import again, read_json
 from mjforage.runs.tables import KEYS, TABLES, check_table, read_table
 
 IDENTITY = (
     "scenario",
     "map",
-    "versions",
     "seed",
     "episodes",
     "worlds",
@@ -38,9 +37,8 @@ IDENTITY = (
     "weights",
     "agents",
     "hulls",
+    *CODE,
 )
-_COMPARED_VERSIONS = ("mjforage", "mujoco", "code")
-_LONGEST = 60  # characters of a value in a message
 
 
 @dataclass(frozen=True, order=True)
@@ -55,89 +53,13 @@ class Chunk:
     @property
     def name(self) -> str:
         """Folder name of the finished chunk."""
-        return f"{self.world}-{self.policy}-{self.first:06d}-{self.count}"
+        return f"{self.world}-{file_label(self.policy)}-{self.first:06d}-{self.count}"
 
     @property
     def keys(self) -> list[tuple[str, str, int]]:
         """World, policy and episode of its rows."""
         episodes = range(self.first, self.first + self.count)
         return [(self.world, self.policy, episode) for episode in episodes]
-
-
-def run_hash(info: Mapping[str, Any]) -> str:
-    """Hash of scenario, map, vessels, code and MuJoCo's version: 16 hexadecimal digits."""
-    versions = {name: info["versions"].get(name) for name in _COMPARED_VERSIONS}
-    text = canonical_json([info["scenario"], info["map"], versions, info.get("hulls")])
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def _differences(there: object, here: object, key: str) -> Iterator[str]:
-    if isinstance(there, dict) and isinstance(here, dict):
-        for name in {**there, **here}:
-            yield from _differences(there.get(name), here.get(name), f"{key}.{name}".lstrip("."))
-    elif there != here:
-        if key == "map.navigable":
-            yield "the map's cells differ"
-        elif key == "agents":
-            yield "the agents are others or in another order"
-        else:
-            yield f"{key} is {_short(there)} there and {_short(here)} here"
-
-
-def _short(value: object) -> str:
-    text = json.dumps(value)
-    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
-
-
-def open_folder(path: Path, kind: str, info: Mapping[str, Any], identity: Iterable[str]) -> None:
-    """Create a folder whose file `<kind>.json` says what it holds, or check that it says the same.
-
-    Parameters
-    ----------
-    path : the folder
-    kind : run or study
-    info : content of the file
-    identity : its keys that must be the same; of `versions` only those that decide results
-
-    Raises
-    ------
-    UserError
-        If the folder holds another one (the difference is named) or something else, or cannot be
-        written.
-    """
-    file = path / f"{kind}.json"
-    with writing(path):
-        path.mkdir(parents=True, exist_ok=True)
-        found = sorted(entry.name for entry in path.iterdir() if entry.name[0] != ".")
-    if file.name in found:
-        _check_same(file, kind, info, tuple(identity))
-    elif found:
-        raise UserError(
-            f"{path}: holds {found[0]} but no {file.name}, so it is no {kind} folder; choose "
-            "another --out"
-        )
-    else:
-        write_json(file, info)
-
-
-def _check_same(file: Path, kind: str, here: Mapping[str, Any], keys: tuple[str, ...]) -> None:
-    def identity(info: Mapping[str, Any]) -> dict[str, Any]:
-        part = {key: info.get(key) for key in keys}
-        versions = part["versions"] if isinstance(part["versions"], dict) else {}
-        part["versions"] = {name: versions.get(name) for name in _COMPARED_VERSIONS}
-        return part
-
-    try:
-        there = read_json(file)
-    except UserError as error:
-        raise UserError(
-            f"{file}: is not the {file.name} of a {kind}; choose another --out"
-        ) from error
-    found = list(_differences(identity(there), identity(json.loads(json.dumps(here))), ""))
-    if found:
-        raise UserError(
-            f"{file.parent}: holds another {kind}: {'; '.join(found[:3])}; choose another --out"
-        )
 
 
 class RunFolder:
@@ -147,12 +69,17 @@ class RunFolder:
         self.path = path
         self._chunks = path / "chunks"
 
-    def open(self, info: Mapping[str, Any]) -> None:
+    def open(self, info: Mapping[str, Any], accept: bool = False) -> dict[str, Any]:
         """Create the folder for a run, or check that it holds the same one.
 
         Parameters
         ----------
         info : content of `run.json`
+        accept : go on although code or versions differ, see `open_folder`
+
+        Returns
+        -------
+        The content that `run.json` is to have.
 
         Raises
         ------
@@ -160,11 +87,12 @@ class RunFolder:
             If the folder holds another run (the difference is named) or something else, or cannot
             be written.
         """
-        open_folder(self.path, "run", info, IDENTITY)
+        info = open_folder(self.path, "run", info, IDENTITY, accept)
         for table in TABLES:
             if (self.path / f"{table}.parquet").exists():
                 path = self.path / f"{table}.parquet"
                 check_table(path, table, self._moved(path))
+        return info
 
     def claimed(self) -> contextlib.AbstractContextManager[None]:
         """Keep other processes from writing the folder, as `claimed`."""

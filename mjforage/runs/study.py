@@ -10,19 +10,21 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from graph_planner.policies.registry import policy_label
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import scenario_to_tree
+from mjforage.core.schema import OPEN, check
 from mjforage.core.whole_files import write_json
 from mjforage.runs.evaluate import THIS_PROCESS, Progress, Run, carry_out
-from mjforage.runs.identity import provenance, versions
+from mjforage.runs.identity import provenance
 from mjforage.runs.lock import claimed
-from mjforage.runs.run_info import read_json
-from mjforage.runs.storage import open_folder
+from mjforage.runs.resuming import Resume, open_folder, set_aside
+from mjforage.runs.run_info import REMEDY, read_json
 from mjforage.runs.workers import Workers
 
-IDENTITY = ("kind", "scenario", "variants", "worlds", "episodes", "seed", "options", "versions")
+IDENTITY = ("kind", "scenario", "variants", "worlds", "episodes", "seed", "options")
 
 
 @dataclass(frozen=True)
@@ -63,15 +65,80 @@ class Study:
             "kind": self.kind,
             "scenario": scenario_to_tree(self.setup.scenario),
             "variants": {
-                variant.name: {"title": variant.title, "policies": list(variant.policies)}
+                variant.name: {"title": variant.title, "policies": _labels(variant)}
                 for variant in self.variants
             },
             "worlds": list(self.worlds),
             "episodes": self.episodes,
             "seed": self.seed,
             "options": dict(self.options),
-            "versions": versions(),
         }
+
+
+def _labels(variant: Variant) -> list[str]:
+    return [policy_label(policy) for policy in variant.policies]
+
+
+@dataclass(frozen=True)
+class VariantInfo:
+    """One variant, as `study.json` has it."""
+
+    title: str
+    """What it is called in tables."""
+    policies: tuple[str, ...]
+    """Who plays it."""
+
+
+@dataclass(frozen=True)
+class StudyInfo:
+    """Content of `study.json`."""
+
+    __pydantic_config__ = OPEN
+
+    command: str
+    """The command that made the folder."""
+    started: str
+    """When it was given, ISO 8601."""
+    kind: str
+    """Which study: parts, ablation, corruption or paper."""
+    scenario: Mapping[str, Any]
+    """The whole scenario, defaults included."""
+    variants: Mapping[str, VariantInfo]
+    """Variants by the names of their folders."""
+    worlds: tuple[str, ...]
+    """Worlds in which every variant is played."""
+    episodes: int
+    """Episodes per variant, world and policy."""
+    seed: int
+    """Seed of every variant."""
+    options: Mapping[str, Any]
+    """What the study was told besides."""
+    versions: Mapping[str, str]
+    """Versions of what decides the numbers."""
+
+
+@dataclass(frozen=True)
+class _CorruptionOptions:
+    """Options of the studies that corrupt a team."""
+
+    __pydantic_config__ = OPEN
+
+    step: float
+    whole_team: bool
+
+
+def load_study_info(file: Path) -> StudyInfo:
+    """Read `study.json`.
+
+    Raises
+    ------
+    UserError
+        If the file or one of its keys is missing or malformed.
+    """
+    info = check(StudyInfo, read_json(file), str(file), remedy=REMEDY)
+    if info.kind in ("corruption", "paper"):
+        check(_CorruptionOptions, info.options, f"{file}: options", remedy=REMEDY)
+    return info
 
 
 def variant_folder(folder: Path, name: str) -> Path:
@@ -79,15 +146,15 @@ def variant_folder(folder: Path, name: str) -> Path:
     return folder / "variants" / name
 
 
-def _told(info: Mapping[str, Any]) -> dict[str, str]:
+def _told(info: StudyInfo) -> dict[str, str]:
     """Flag -> its value in words, such as "with --step 0.05", of the flags that decide a study."""
-    players = [variant["policies"] for variant in info["variants"].values()]
+    players = [variant.policies for variant in info.variants.values()]
     values = {
-        "world": info["worlds"],
+        "world": list(info.worlds),
         "policy": list(dict.fromkeys(name for policies in players for name in policies)),
-        "episodes": info["episodes"],
-        "seed": info["seed"],
-    } | info["options"]
+        "episodes": info.episodes,
+        "seed": info.seed,
+    } | dict(info.options)
     return {name: _words(f"--{name.replace('_', '-')}", value) for name, value in values.items()}
 
 
@@ -109,11 +176,11 @@ def _check_flags(folder: Path, info: Mapping[str, Any]) -> None:
         Naming the flags, both values and the remedy.
     """
     try:
-        found = read_json(folder / "study.json")
-        there, here = _told(found), _told(info)
-    except (UserError, KeyError, TypeError, AttributeError):
+        found = load_study_info(folder / "study.json")
+    except UserError:
         return
-    if found.get("kind") != info["kind"] or there.keys() != here.keys():
+    there, here = _told(found), _told(check(StudyInfo, info, "study"))
+    if found.kind != info["kind"] or there.keys() != here.keys():
         return
     for before, now in zip(there.values(), here.values(), strict=True):
         if before != now:
@@ -130,6 +197,7 @@ def run_study(
     workers: Workers = THIS_PROCESS,
     progress: Progress = lambda done, total: None,
     begin: Callable[[], None] = lambda: None,
+    resume: Resume = "same",
 ) -> dict[str, Any]:
     """Compute what is missing of a study.
 
@@ -139,6 +207,7 @@ def run_study(
     workers : who computes
     progress : called with (episodes done, episodes in all)
     begin : called once all is checked, before the first episode
+    resume : what to do with a study that the folder holds
 
     Returns
     -------
@@ -152,12 +221,14 @@ def run_study(
     """
     runs = [_plan(study, variant, folder) for variant in study.variants]
     invocation = workers.invocation({policy for run in runs for policy in run.policies})
+    if resume == "fresh":
+        set_aside(folder, "study")
     _check_flags(folder, study.info)
     open_folder(folder, "study", study.info, IDENTITY)
     with ExitStack() as stack:
         stack.enter_context(claimed(folder))
         for run in runs:
-            run.open()
+            run.open(accept=resume == "accept-code-change")
             stack.enter_context(run.folder.claimed())
         begin()
         summaries: Sequence[Any] = carry_out(runs, workers, invocation, progress)

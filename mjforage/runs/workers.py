@@ -12,19 +12,22 @@ import threading
 import time
 import warnings
 import zipfile
-from collections.abc import Generator, Iterable, Sequence
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import joblib
 import numpy as np
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
+from graph_planner.extensions import Place
 from graph_planner.policies import create_policy
-from graph_planner.policies.registry import own_weights
+from graph_planner.policies.registry import adopt_policy, own_weights, policy_place
+from graph_planner.references import file_label
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap
 from mjforage.core.mission import Setup
@@ -34,7 +37,7 @@ from mjforage.core.whole_files import write_bytes, writing
 from mjforage.physics.worlds import create_mission
 from mjforage.runs import cluster
 from mjforage.runs.costs import Cost, Invocation
-from mjforage.runs.identity import versions
+from mjforage.runs.identity import policy_code, run_code, versions
 from mjforage.runs.interrupts import interrupts_held
 from mjforage.runs.recording import record
 from mjforage.runs.storage import Chunk, RunFolder
@@ -75,6 +78,11 @@ class Workers:
         """Whether a dask cluster computes."""
         return bool(self.scheduler or self.local_cluster)
 
+    @property
+    def elsewhere(self) -> bool:
+        """Whether other processes compute."""
+        return self.remote or self.jobs > 1
+
     def invocation(self, policies: Iterable[str]) -> Invocation:
         """Check that they can compute these policies, before anything is written.
 
@@ -82,10 +90,12 @@ class Workers:
         ------
         UserError
             If dask is missing, the scheduler cannot be reached or has no workers, or they lack the
-            weights.
+            weights or cannot import a policy.
         """
         started, count = datetime.now(UTC).isoformat(), self.local_cluster or self.jobs
         how = "local dask cluster" if self.local_cluster else "processes"
+        if self.elsewhere:
+            _places(policies)
         if self.remote:
             cluster.check_dask()
         if self.scheduler:
@@ -105,6 +115,12 @@ def _check_weights(policies: Iterable[str]) -> None:
             )
 
 
+def _places(policies: Iterable[str]) -> tuple[tuple[str, Place], ...]:
+    """Where other processes find the policies that are not ours."""
+    found = ((policy, policy_place(policy)) for policy in policies)
+    return tuple((policy, place) for policy, place in found if place is not None)
+
+
 @dataclass(frozen=True)
 class Assignment:
     """What all chunks of a run have in common, in a form that hashes and travels."""
@@ -118,7 +134,10 @@ class Assignment:
     hash: str  # of the run
     invocation: Invocation
     parent: int | None  # process that asked for it and must outlive its workers; None: a cluster
-    versions: tuple[tuple[str, str], ...] = ()  # of the process that asked a cluster
+    policies: tuple[str, ...] = ()
+    worlds: tuple[str, ...] = ()
+    places: tuple[tuple[str, Place], ...] = ()  # of policies, for other processes
+    code: tuple[tuple[str, str], ...] = ()  # file or library -> hash or version, which must agree
 
     @classmethod
     def of(
@@ -126,24 +145,40 @@ class Assignment:
         setup: Setup,
         seed: int,
         folder: Path,
-        run_hash: str,
+        info: Mapping[str, Any],
         invocation: Invocation,
-        remote: bool = False,
+        workers: Workers,
     ) -> "Assignment":
-        """Pack a setup."""
+        """Pack a setup; `info` is the content of `run.json`."""
         rows, columns = setup.grid.navigable.shape
+        policies = tuple(info["policies"])
         return cls(
             canonical_json(scenario_to_tree(setup.scenario)),
             setup.grid.name,
             (rows, columns),
             np.packbits(setup.grid.navigable).tobytes(),
             seed,
-            folder.resolve() if remote else folder,
-            run_hash,
+            folder.resolve() if workers.remote else folder,
+            info["hash"],
             invocation,
-            None if remote else os.getpid(),
-            tuple(versions().items()) if remote else (),
+            None if workers.remote else os.getpid(),
+            policies,
+            tuple(info["worlds"]),
+            _places(policies) if workers.elsewhere else (),
+            _facts(policies, info["worlds"] if workers.remote else None),
         )
+
+
+def _facts(policies: Sequence[str], worlds: Sequence[str] | None) -> tuple[tuple[str, str], ...]:
+    """Code and versions that decide a run's numbers; only of outside policies without worlds.
+
+    Processes of one machine share all the rest.
+    """
+    if worlds is None:
+        code = policy_code(policies, outside=True)
+        return tuple({**code.versions, **code.files}.items())
+    code = run_code(policies, worlds)
+    return tuple({**versions(code), **code.files}.items())
 
 
 Task = tuple[Assignment, Chunk]
@@ -153,15 +188,21 @@ Results = Generator[tuple[int, str | None]]
 
 @lru_cache(maxsize=4)
 def _setup(assignment: Assignment) -> Setup:
-    """The setup of an assignment, built (and on a cluster checked) once per process.
+    """The setup of an assignment, built (and in another process checked) once per process.
 
     Raises
     ------
     UserError
-        If this is a worker of a cluster that does not agree with the process that asked.
+        If this is a worker that does not agree with the process that asked.
     """
+    for policy, place in assignment.places:
+        adopt_policy(policy, place)
+    if assignment.parent != os.getpid() and assignment.code:
+        worlds = assignment.worlds if assignment.parent is None else None
+        here = dict(_facts(assignment.policies, worlds))
+        cluster.check_code(assignment.code, here)
     if assignment.parent is None:
-        cluster.check_versions(assignment.versions)
+        cluster.check_threads()
     packed = np.frombuffer(assignment.cells, np.uint8)
     rows, columns = assignment.shape
     navigable = (
@@ -194,7 +235,7 @@ def keep_replay(setup: Setup, world: str, policy: str, seed: int, folder: Path) 
     UserError
         If it cannot be written.
     """
-    path = folder / "replay" / f"{world}-{policy}-0.npz"
+    path = folder / "replay" / f"{world}-{file_label(policy)}-0.npz"
     with writing(path):
         path.parent.mkdir(exist_ok=True)
         there = zipfile.is_zipfile(path)  # not if missing or truncated

@@ -6,9 +6,10 @@ it. `check` reads plain values against it, `describe` says it in rows, `json_sch
 
 from mjforage.core.schema.adapters import OPEN, Kept, json_schema
 from mjforage.core.schema.check import check, check_fields, shown
-from mjforage.core.schema.describe import Row, explain, page, rows
+from mjforage.core.schema.describe import NAME, Row, explain, page, rows
 
 __all__ = [
+    "NAME",
     "OPEN",
     "Kept",
     "Row",

@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 Tree = dict[str, Any]
 
-OPEN = {"extra": "ignore"}
+_CONFIG = {"extra": "forbid", "allow_inf_nan": False, "use_attribute_docstrings": True}
+OPEN = _CONFIG | {"extra": "ignore"}
 """`__pydantic_config__` of a table that a newer version may write more keys into."""
 
-_CONFIG = {"extra": "forbid", "allow_inf_nan": False, "use_attribute_docstrings": True}
 _SCALARS = ("int", "float", "bool", "str")
 
 
@@ -52,7 +52,9 @@ def validator(schema: Any) -> "SchemaValidator":
 
 
 def _strict(node: Any) -> Any:
-    """The same core schema, in which no scalar is converted and every mapping is read-only.
+    """The same core schema, in which no scalar is converted and mappings are read-only.
+
+    A mapping of anything stays a plain one, to be shown or written again.
 
     pydantic's own strictness would also want instances of the dataclasses instead of tables.
     """
@@ -64,7 +66,7 @@ def _strict(node: Any) -> Any:
     kind = found.get("type")
     if isinstance(kind, str):
         found["strict"] = kind in _SCALARS
-    if kind == "dict":
+    if kind == "dict" and found["values_schema"]["type"] != "any":
         return _after(MappingProxyType, found)
     return found
 

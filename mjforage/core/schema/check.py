@@ -87,14 +87,14 @@ def _checked(schema: Any, tree: object, where: str, remedy: str) -> Any:
         faults = error.errors(include_url=False)
     else:
         return found
-    raise UserError(_line(where, _first(schema, faults), remedy))
+    raise UserError(_line(where, _first(schema, faults, remedy), remedy))
 
 
 def _line(where: str, words: str, remedy: str) -> str:
     return "".join((f"{where}: " if where else "", words, f"; {remedy}" if remedy else ""))
 
 
-def _first(schema: Any, faults: "list[ErrorDetails]") -> str:
+def _first(schema: Any, faults: "list[ErrorDetails]", remedy: str) -> str:
     """The fault that explains most: unknown keys before missing ones before values."""
     for fault in faults:
         if fault["type"] in _UNKNOWN:
@@ -102,7 +102,7 @@ def _first(schema: Any, faults: "list[ErrorDetails]") -> str:
     root = json_schema(schema)
     missing = [f["loc"][1:] for f in faults if f["type"] == "missing" and _is_key(f["loc"])]
     if missing:
-        return _missing(root, missing)
+        return _missing(root, missing, remedy)
     fault = faults[0]
     location = fault["loc"][1:-1] if fault["type"] == "missing" else fault["loc"][1:]
     node, key = nodes.find(root, location)
@@ -129,9 +129,11 @@ def _unknown(schema: Any, location: tuple[str | int, ...]) -> str:
     return f"unknown key {prefix}{last}; {hint}"
 
 
-def _missing(root: Tree, locations: list[tuple[str | int, ...]]) -> str:
+def _missing(root: Tree, locations: list[tuple[str | int, ...]], remedy: str) -> str:
     found = [nodes.find(root, location) for location in locations]
     names = ", ".join(key for _, key in found)
+    if remedy:
+        return f"missing {names}"
     if len(found) > 1:
         return f"missing {names}; add them"
     node, key = found[0]
@@ -153,6 +155,6 @@ def _fault(node: Tree, key: str, value: object) -> str:
     if is_number:
         return f", expected {nodes.type_words(about)}"
     if kind == "array" and isinstance(value, list | tuple):
-        some = len(node["prefixItems"]) if "prefixItems" in node else f"{node['minItems']} or more"
+        some = len(node["prefixItems"]) if "prefixItems" in node else nodes.range_words(node)
         return f", expected {some} values"
     return f", expected {nodes.type_words(node, key)}"

@@ -2,7 +2,7 @@
 
 import difflib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from mjforage.core.errors import UserError
@@ -11,6 +11,7 @@ from mjforage.core.schema.adapters import Tree, json_schema
 
 NAME = "NAME"  # stands for any name in a key: `team.NAME.radius`
 _REQUIRED = "required"
+_STATES = (_REQUIRED, "absent", "")  # what stands for a default where there is none
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,15 @@ class Row:
     source: str
     table: bool  # whether it has keys of its own
 
+    @property
+    def words(self) -> str:
+        """All but the key, in a line."""
+        unit = f" [{self.unit}]" if self.unit else ""
+        default = f"default {self.default}" if self.default not in _STATES else self.default
+        head = ", ".join(part for part in (self.type + unit, self.range, default) if part)
+        source = f" ({self.source})" if self.source else ""
+        return f"{head}: {self.sentence}{source}" if self.sentence else head
+
 
 def rows(schema: Any) -> list[Row]:
     """Every key of a schema, tables before what is in them, in the order of the fields."""
@@ -39,11 +49,14 @@ def _rows(node: Tree, root: Tree, prefix: str) -> Iterator[Row]:
         found = nodes.resolved(entry, root)
         yield _row(found, prefix + name, name in required)
         yield from _inside(found, root, f"{prefix}{name}.")
+        entries = nodes.resolved(found.get("items", {}), root)
+        if entries.get("properties"):
+            yield _row(entries, f"{prefix}{name}[]", False)
+            yield from _inside(entries, root, f"{prefix}{name}[].")
     if isinstance(node.get("additionalProperties"), dict):
         entry = nodes.resolved(node["additionalProperties"], root)
-        if _is_table(entry):
-            yield _row(entry, prefix + NAME, False)
-            yield from _inside(entry, root, f"{prefix}{NAME}.")
+        yield replace(_row(entry, prefix + NAME, False), default="")
+        yield from _inside(entry, root, f"{prefix}{NAME}.")
 
 
 def _inside(node: Tree, root: Tree, prefix: str) -> Iterator[Row]:
@@ -51,8 +64,12 @@ def _inside(node: Tree, root: Tree, prefix: str) -> Iterator[Row]:
     if nodes.is_quantity(node):
         return
     for one in nodes.kinds(node).values():
-        yield from _rows(nodes.resolved(one, root), root, prefix)
+        yield from sorted(_rows(nodes.resolved(one, root), root, prefix), key=_is_not_kind)
     yield from _rows(node, root, prefix)
+
+
+def _is_not_kind(row: Row) -> bool:
+    return not row.key.endswith(".kind")
 
 
 def _is_table(node: Tree) -> bool:
@@ -68,7 +85,7 @@ def _row(node: Tree, key: str, required: bool) -> Row:
         key,
         nodes.type_words(about, key),
         str(about.get("unit", "")),
-        ", ".join(map(str, words)) or nodes.range_words(node),
+        " or ".join(map(str, words)) or nodes.range_words(node),
         "" if _is_table(node) and not required else default,
         " ".join(str(node.get("description", "")).split()),
         str(node.get("source", "")),
@@ -107,7 +124,11 @@ def explain(schema: Any, key: str) -> list[Row]:
         node = nodes.step(node, part, root)
         prefix += f"{part}."
     found = ".".join(place)
-    return [row for row in rows(schema) if row.key == found or row.key.startswith(f"{found}.")]
+    return [
+        replace(row, key=key + row.key.removeprefix(found))
+        for row in rows(schema)
+        if row.key == found or row.key.startswith(f"{found}.")
+    ]
 
 
 def page(schema: Any) -> str:
@@ -117,7 +138,7 @@ def page(schema: Any) -> str:
     parts = [_section("", [row for row in top if not row.table])]
     for table in (row for row in found if row.table):
         inside = [r for r in found if r.key.rpartition(".")[0] == table.key and not r.table]
-        parts.append(_section(f"## `[{table.key}]`\n\n{table.sentence}\n", inside))
+        parts.append(_section(f"## `{table.key}`\n\n{table.sentence}".strip() + "\n", inside))
     return "\n".join(part for part in parts if part)
 
 

@@ -67,8 +67,10 @@ def is_quantity(node: Tree) -> bool:
 
 
 def range_words(node: Tree) -> str:
-    """The range of a number: `0 to 10`, `above 0 to 10`, or nothing."""
+    """The range of a number, `0 to 10` or `above 0 to 10`, or the length of a list, or nothing."""
     about = number(node)
+    if "minItems" in node and "prefixItems" not in node:
+        return f"{node['minItems']} or more"
     low, high = about.get("minimum"), about.get("maximum")
     if "exclusiveMinimum" in about:
         return f"above {about['exclusiveMinimum']:g} to {high:g}"

@@ -6,6 +6,8 @@ generator are JSON in the file's header, so a checkpoint is whole or absent.
 
 import dataclasses
 import json
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +16,45 @@ from safetensors import SafetensorError, safe_open
 
 from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import scenario_to_tree
+from mjforage.core.schema import OPEN, check
 from mjforage.learning.training.files import save_tensors
+from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.trainer import Progress, Trainer
 
 FORMAT = "mjforage training checkpoint 3"
 _NOTE = "mjforage"
+REMEDY = "remove it or give another --out"
+
+
+@dataclass(frozen=True)
+class TrainingInfo:
+    """Content of `training.json`."""
+
+    __pydantic_config__ = OPEN
+
+    command: str
+    """The command that made the folder."""
+    scenario: Mapping[str, Any]
+    """The whole scenario, defaults included."""
+    also: tuple[Mapping[str, Any], ...]
+    """Scenarios that rounds take in turn with the first."""
+    hyperparameters: Hyperparameters
+    seed: int
+    """Seed of the run."""
+    device: str
+    """Kind of device that it runs on."""
+    versions: Mapping[str, str]
+    """Versions of what decides the numbers."""
+
+
+@dataclass(frozen=True)
+class _Notes:
+    """What stands in the header of a checkpoint."""
+
+    format: str
+    identity: Mapping[str, Any]
+    progress: Progress
+    random: Mapping[str, Any]
 
 
 def identity(trainer: Trainer) -> dict[str, Any]:
@@ -65,26 +101,25 @@ def restore_checkpoint(trainer: Trainer, path: Path) -> None:
     """
     try:
         with safe_open(path, "pt") as file:
-            notes = json.loads((file.metadata() or {}).get(_NOTE, "{}"))
-            if notes.get("format") != FORMAT:
+            found = json.loads((file.metadata() or {}).get(_NOTE, "{}"))
+            if found.get("format") != FORMAT:
                 raise UserError(
-                    f"checkpoint {path}: format {notes.get('format')!r}, expected {FORMAT!r}; "
+                    f"checkpoint {path}: format {found.get('format')!r}, expected {FORMAT!r}; "
                     "give another --out"
                 )
-            if notes["identity"] != json.loads(json.dumps(identity(trainer))):
+            notes = check(_Notes, found, f"checkpoint {path}", remedy=REMEDY)
+            if notes.identity != json.loads(json.dumps(identity(trainer))):
                 raise UserError(
                     f"checkpoint {path}: of another training than {path.parent} is for; remove it "
                     "or give another --out"
                 )
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-    except (OSError, ValueError, SafetensorError) as error:
-        raise UserError(
-            f"checkpoint {path}: cannot be read ({error}); remove it or give another --out"
-        ) from error
+    except (OSError, ValueError, RecursionError, AttributeError, SafetensorError) as error:
+        raise UserError(f"checkpoint {path}: cannot be read ({error}); {REMEDY}") from error
     for team, learner in trainer.learners.items():
         start = f"{team}."
         own = {n.removeprefix(start): v for n, v in tensors.items() if n.startswith(start)}
         learner.restore(own)
-    trainer.progress = Progress(**notes["progress"])
+    trainer.progress = notes.progress
     trainer.random = np.random.Generator(np.random.PCG64())
-    trainer.random.bit_generator.state = notes["random"]
+    trainer.random.bit_generator.state = notes.random

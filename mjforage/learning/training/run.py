@@ -5,12 +5,8 @@ Folder: `training.json` (command, scenario, hyperparameters, seed, versions), `t
 `best.safetensors` (of the best evaluation).
 """
 
-import platform
-import shlex
-import sys
 import time
 from collections.abc import Callable, Sequence
-from importlib.metadata import version
 from pathlib import Path
 
 import torch
@@ -21,11 +17,13 @@ from mjforage.learning.training.checkpoint import identity, restore_checkpoint, 
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.trainer import Row, Trainer, save_weights
+from mjforage.runs.identity import policy_code, provenance, versions, weight_hashes
 from mjforage.runs.lock import claimed
-from mjforage.runs.storage import open_folder
+from mjforage.runs.resuming import CODE, Resume, open_folder, set_aside
+from mjforage.runs.source_code import decisive_code
 
 CHECKPOINT_S = 300.0  # between two checkpoints
-IDENTITY = ("seed", "device", "hyperparameters", "scenario", "also", "versions")
+IDENTITY = ("seed", "device", "hyperparameters", "scenario", "also", "weights", *CODE)
 """Keys of `training.json` in which two runs must agree for one to go on where the other stopped."""
 
 Report = Callable[[str, Row], None]
@@ -42,6 +40,7 @@ def train(
     updates: int | None = None,
     device: str = "auto",
     report: Report = lambda table, row: None,
+    resume: Resume = "same",
 ) -> Trainer:
     """Train until the run has lasted so long, or its networks have had so many updates.
 
@@ -55,6 +54,7 @@ def train(
     hours, updates : where to stop; at least one
     device : auto, cpu or cuda
     report : called with every row that is logged, and its table's name
+    resume : what to do with a run that the folder holds
 
     Raises
     ------
@@ -64,7 +64,9 @@ def train(
     """
     _check_ends(hours, updates)
     trainer = Trainer([scenario, *also], hyperparameters, seed, _device(device))
-    open_folder(folder, "training", _facts(trainer), IDENTITY)
+    if resume == "fresh":
+        set_aside(folder, "training")
+    open_folder(folder, "training", _facts(trainer), IDENTITY, resume == "accept-code-change")
     with claimed(folder):
         _go_on(trainer, folder, hours, updates, report)
     return trainer
@@ -133,9 +135,14 @@ def _device(name: str) -> str:
 
 
 def _facts(trainer: Trainer) -> dict[str, object]:
+    """Content of `training.json`."""
+    teachers = [trainer.hyperparameters.teacher] if trainer.hyperparameters.teacher else []
+    code = decisive_code(["mjforage.learning.training.trainer"], ["metrics"])
+    code = code.joined(policy_code(teachers))
     return {
-        "command": shlex.join(["mjforage", *sys.argv[1:]]),
+        "command": provenance()["command"],
         **identity(trainer),
-        "versions": {name: version(name) for name in ("mjforage", "numpy", "numba", "torch")}
-        | {"python": platform.python_version()},
+        "weights": weight_hashes(teachers),
+        "versions": versions(code),
+        "code": code.files,
     }

@@ -6,7 +6,7 @@ the same weights whatever happened between them.
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from graph_planner.policies import Policy, create_policy
 from graph_planner.policies.ddqn import QPolicy
+from graph_planner.policies.registry import check_policies
 from graph_planner.randomness import episode_keys
 from graph_planner.task import Task
 from graph_planner.weights import TEAMS, WeightsHeader, ground_note, header_note
@@ -23,13 +24,13 @@ from mjforage.core.errors import UserError
 from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import METRICS, Scorer
 from mjforage.core.scenario import Scenario
+from mjforage.core.schema import OPEN
 from mjforage.learning.environments.game import Game, Outcome
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.ddqn import Learner
 from mjforage.learning.training.files import save_tensors
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.replay_memory import FINAL, NOTHING, PLAYED
-from mjforage.runs.evaluate import check_policies
 
 if TYPE_CHECKING:
     from graph_planner.q_network import DuelingNetwork
@@ -54,6 +55,8 @@ class LearnersPolicy(QPolicy):
 @dataclass
 class Progress:
     """How far a run has come."""
+
+    __pydantic_config__ = OPEN | {"allow_inf_nan": True}  # `best` before an evaluation
 
     rounds: int = 0
     episodes: int = 0
@@ -115,7 +118,8 @@ class Trainer:
         if not 0 <= seed < HELD_OUT:
             raise UserError(f"seed {seed}: out of range; give 0 to {HELD_OUT - 1}")
         if hyperparameters.teacher:
-            check_policies([hyperparameters.teacher])
+            teacher = check_policies([hyperparameters.teacher])[0]
+            hyperparameters = replace(hyperparameters, teacher=teacher)
         self.hyperparameters, self.seed, self.device = hyperparameters, seed, device
         options = [
             EnvironmentOptions(

@@ -73,7 +73,7 @@ def shown(picture: Picture, png: bytes, svg: bytes) -> Shown:
 def run_facts(logs: RunLogs) -> list[tuple[str, str]]:
     """What was run, as pairs of a term and its value."""
     run = logs.run
-    rows, columns = run.map.navigable.shape
+    rows, columns = run.map.cells.shape
     pitch = f"{run.map.pitch_m:g} m"
     fleet: dict[str, int] = {}
     for agent in run.agents:

@@ -7,7 +7,7 @@ import polars as pl
 from graph_planner.navigation import STAY
 from mjforage.core.dynamics import ARRIVED, BLOCKED, OUTCOMES
 from mjforage.view.report.run_logs import RunLogs, read_columns
-from mjforage.view.report.text_tables import Row, Table, number, row_name
+from mjforage.view.report.text_tables import Row, Table, head_of, number
 
 COLUMNS = (
     *("step", "agent", "direction", "outcome", "speed_mps"),
@@ -68,7 +68,7 @@ def hulls_table(logs: RunLogs) -> Table | None:
             for team in teams:
                 numbers = [i for i, agent in enumerate(logs.run.agents) if agent.team == team]
                 cells = _figures(mine.filter(pl.col("agent").is_in(numbers)), collected)
-                rows.append(Row(team, cells, group=row_name(series, logs.run.worlds)))
+                rows.append(Row(team, cells, group=head_of(logs, series)))
     columns = (
         "moves",
         "arrived",

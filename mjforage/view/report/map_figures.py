@@ -217,6 +217,6 @@ def _words(
         f"{step} of {logs.run.horizon}: {total - afloat} of {total} items are removed, and the "
         f"belief has {known} of the {afloat} still afloat in their true node. (a) vessels with "
         f"their wake of {TRAIL} steps, the nodes they see and the items as they drift; (b) the "
-        "same items discretised to nodes; (c) the count that the shared model holds, last updated "
+        "same items discretised to nodes; (c) the count that the fleet believes, last updated "
         "when a node was seen."
     )

@@ -35,7 +35,8 @@ def _pair(logs: RunLogs, world: str, first: str, second: str, metric: Descriptio
         share = probability_of_improvement(metric.better * x, metric.better * y, SEED)
         better = float(share.value)
     suffix = f" · {world}" if len(logs.run.worlds) > 1 else ""
-    group = f"{policy_name(first)} − {policy_name(second)}{suffix}"
+    names = [policy_name(policy, logs.run.bounds) for policy in (first, second)]
+    group = f"{names[0]} − {names[1]}{suffix}"
     return _Pair(group, metric, Difference(x, y, metric), better)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
+from graph_planner.references import file_label
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import Description, chosen_metrics, describe, description
 from mjforage.runs.episode_replay import Replay
@@ -258,7 +259,7 @@ def pick_replay(logs: RunLogs) -> Replay:
         If no replay is there, or the chosen one cannot be read.
     """
     for world, policy in logs.series:
-        prefix = f"{world}-{policy}-"
+        prefix = f"{world}-{file_label(policy)}-"
         found = {
             int(path.stem.removeprefix(prefix)): path
             for path in (logs.folder / "replay").glob("*.npz")

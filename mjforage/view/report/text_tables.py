@@ -1,14 +1,13 @@
 """The report's tables as plain text cells, from the summary, for page and terminal."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from rich.table import Table as RichTable
 from rich.text import Text
 
-from graph_planner.policies import is_bound
 from mjforage.core.mission_metrics import Description, describe
 from mjforage.view.report import style
 from mjforage.view.report.published import LABEL, Published, published_for
@@ -68,15 +67,20 @@ def mean_only(entry: Summary, digits: int) -> str:
     return number(entry.mean, digits)
 
 
-def policy_name(policy: str) -> str:
-    """Policy, marked where it is shown the truth and is therefore only a bound."""
-    return f"{policy} (bound)" if is_bound(policy) else policy
+def policy_name(policy: str, bounds: Collection[str]) -> str:
+    """Policy, marked where it is one of those that are shown the truth: bounds, as the run says."""
+    return f"{policy} (bound)" if policy in bounds else policy
 
 
-def row_name(series: Series, worlds: Sequence[str]) -> str:
+def row_name(series: Series, worlds: Sequence[str], bounds: Collection[str]) -> str:
     """Policy, with its world where there are several."""
-    name = policy_name(series[1])
+    name = policy_name(series[1], bounds)
     return name if len(worlds) == 1 else f"{name} · {series[0]}"
+
+
+def head_of(logs: RunLogs, series: Series) -> str:
+    """`row_name` of a world and policy of a run."""
+    return row_name(series, logs.run.worlds, logs.run.bounds)
 
 
 def entry_of(summary: Summaries, series: Series, key: str) -> Summary:
@@ -85,11 +89,12 @@ def entry_of(summary: Summaries, series: Series, key: str) -> Summary:
     return summary[series[0]][series[1]].get(key, missing)
 
 
-def _best(summary: Summaries, series: Sequence[Series], metric: Description) -> set[Series]:
+def _best(logs: RunLogs, metric: Description) -> set[Series]:
     """World and policy with the best shown mean, per world, bounds aside; none where it has no
     direction.
     """
-    series = [s for s in series if not is_bound(s[1])]
+    summary, bounds = logs.summary, logs.run.bounds
+    series = [s for s in logs.series if s[1] not in bounds]
     winners: set[Series] = set()
     for world in dict.fromkeys(s[0] for s in series):
         means = {s: entry_of(summary, s, metric.key).mean for s in series if s[0] == world}
@@ -127,13 +132,13 @@ def metric_table(
     """Policies down, metrics across; the paper's figures under the policies that it has."""
     metrics = [describe(key) for key in keys]
     looks, several = style.looks(logs.policies), _by_policy(logs)
-    winners = [_best(logs.summary, logs.series, metric) for metric in metrics]
+    winners = [_best(logs, metric) for metric in metrics]
     rows, marked = [], False
     for place, series in enumerate(several):
         cells = tuple(cell(entry_of(logs.summary, series, m.key), m.digits) for m in metrics)
         best = frozenset(i for i, winner in enumerate(winners) if series in winner)
         colour = looks[series[1]].colour
-        rows.append(Row(row_name(series, logs.run.worlds), cells, colour, best=best))
+        rows.append(Row(head_of(logs, series), cells, colour, best=best))
         last = place + 1 == len(several) or several[place + 1][1] != series[1]
         known = published_for(logs.run, series[1]) if paper and last else None
         if known:
@@ -197,7 +202,10 @@ def full_table(logs: RunLogs) -> Table:
         for series in _by_policy(logs):
             entry = entry_of(logs.summary, series, metric.key)
             cells = full_cells(entry, metric.digits)
-            head, colour = row_name(series, logs.run.worlds), looks[series[1]].colour
+            head, colour = (
+                head_of(logs, series),
+                looks[series[1]].colour,
+            )
             rows.append(Row(head, cells, colour, group=metric.label + unit, note=metric.definition))
     columns = ("mean", "1.96 SEM", "95 % interval", "IQM", "n")
     notes = (
@@ -221,7 +229,7 @@ def full_cells(entry: Summary, digits: int) -> tuple[str, ...]:
     )
 
 
-def terminal_table(summary: Mapping[str, Any]) -> RichTable:
+def terminal_table(summary: Mapping[str, Any], bounds: Collection[str] = ()) -> RichTable:
     """Headline numbers of a `summary.json` for the terminal, mean and 1.96 SEM below it.
 
     Parameters
@@ -253,7 +261,7 @@ def terminal_table(summary: Mapping[str, Any]) -> RichTable:
             plus_minus(entry_of(parsed, (world, policy), m.key), m.digits).replace(" ± ", "\n± ")
             for m in metrics
         ]
-        name = row_name((world, policy), list(parsed)).replace(" (bound)", "\n(bound)")
+        name = row_name((world, policy), list(parsed), bounds).replace(" (bound)", "\n(bound)")
         shown = Text(name, style=style.policy_colour(policy))
         table.add_row(shown, *(Text(cell) for cell in cells))
     return table

@@ -34,11 +34,11 @@ def _draw(axes: Axes, logs: RunLogs, series: Series) -> None:
     port = logs.run.map
     spread = SPREAD / 2 if series[0] == "graph" else 0.0  # hulls keep apart by themselves
     offsets = np.linspace(-spread, spread, max(2, len(collects)))
-    draw_port(axes, logs.run.map.navigable)
+    draw_port(axes, logs.run.map.cells)
     for agent, colour in enumerate(style.agent_colours(collects)):
         xy = rows.filter(pl.col("agent") == agent).select("x_m", "y_m").to_numpy() / port.pitch_m
         if len(xy):
-            track = np.column_stack((port.navigable.shape[0] - 1 - xy[:, 1], xy[:, 0]))
+            track = np.column_stack((port.rows - 1 - xy[:, 1], xy[:, 0]))
             _track(axes, track + offsets[agent], colour, collects[agent])
     world = f" · {series[0]}" if len(logs.run.worlds) > 1 else ""
     axes.set_title(f"{series[1]}{world}")
@@ -66,7 +66,7 @@ def _legend(figure: Figure, logs: RunLogs) -> None:
 
 def _panels(logs: RunLogs) -> tuple[Figure, list[Axes]]:
     """Figure with a panel per world and policy; rows are worlds where the policies fit in one."""
-    height, width = logs.run.map.navigable.shape
+    height, width = logs.run.map.cells.shape
     tall = height / width
     wanted = 5 if tall > 1 else 3 if tall > 0.6 else 2
     by_world = len(logs.run.worlds) > 1 and 1 < len(logs.policies) <= wanted

@@ -11,6 +11,7 @@ import polars as pl
 from markupsafe import Markup
 from numpy.typing import NDArray
 
+from graph_planner.references import file_label
 from mjforage.core.errors import UserError
 from mjforage.physics.vessels import load_vessel, vessel_names
 from mjforage.runs.episode_replay import Replay
@@ -46,7 +47,7 @@ def replay_files(logs: RunLogs) -> dict[Series, Path]:
     """The replay of the lowest episode of every world and policy that has one."""
     files: dict[Series, Path] = {}
     for world, policy in logs.series:
-        prefix = f"{world}-{policy}-"
+        prefix = f"{world}-{file_label(policy)}-"
         found = {
             int(path.stem.removeprefix(prefix)): path
             for path in (logs.folder / "replay").glob("*.npz")
@@ -154,7 +155,7 @@ def _discovered(logs: RunLogs, series: Series, replay: Replay, path: Path) -> In
     """Step of every item's discovery as logged, one step past the end if never."""
     rows = logs.select(logs.items, series).filter(pl.col("episode") == replay.episode).sort("item")
     fits = (
-        np.array_equal(replay.navigable, logs.run.map.navigable)
+        np.array_equal(replay.navigable, logs.run.map.cells)
         and replay.agent_collects.tolist() == logs.collects()
         and len(rows) == replay.item_present.shape[1]
         and (replay.world, replay.policy) == series

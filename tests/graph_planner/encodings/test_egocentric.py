@@ -154,7 +154,7 @@ def test_every_feature_has_a_name() -> None:
     assert shapes["self"] == (len(SELF),)
 
 
-def test_haunts_are_where_items_were_and_nobody_has_looked_since() -> None:
+def test_nodes_to_look_at_again_are_where_items_were_and_nobody_has_looked_since() -> None:
     graph, task = harbour()
     view, cells = Egocentric(task), [(4, 9), (4, 8), (4, 7)]
     view.reset(1)
@@ -163,9 +163,9 @@ def test_haunts_are_where_items_were_and_nobody_has_looked_since() -> None:
     view.see(observation_of(task, cells, {(0, 2): 1}, last_seen, step=31), ROW)
     lost = view.see(observation_of(task, cells, {}, last_seen, step=61), ROW)  # it is not there
     moves = lost["moves"][0, 0].copy()
-    haunt = {name: graph.node_of_cell[rc] for name, rc in (("near", (0, 1)), ("far", (0, 9)))}
-    assert view._haunts[0, haunt["near"]] and not view._haunts[0, haunt["far"]]
-    assert not view._haunts[0, graph.node_of_cell[2, 2]]  # the pier hides it
+    node = {name: graph.node_of_cell[rc] for name, rc in (("near", (0, 1)), ("far", (0, 9)))}
+    assert view._memory.near_item[0, node["near"]] and not view._memory.near_item[0, node["far"]]
+    assert not view._memory.near_item[0, graph.node_of_cell[2, 2]]  # the pier hides it
     crop = view.see(observation_of(task, [(0, 3), *cells[1:]], {}, last_seen, step=62), ROW)["crop"]
     assert crop[0, 0, 4, REACH, REACH - 2] == 255  # idle for longer than a quarter of 0.9 T
     assert crop[0, 0, 4, REACH, REACH - 1] == int(255 * 4 * 31 / 135)

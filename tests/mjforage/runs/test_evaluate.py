@@ -5,18 +5,23 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import polars as pl
 import pytest
 
+from graph_planner.policies.registry import check_policies
 from graph_planner.weights import shipped_weights
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Setup
 from mjforage.core.mission_metrics import chosen_metrics
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.schema import json_schema
 from mjforage.runs import evaluate as module
 from mjforage.runs import identity
+from mjforage.runs.costs import Costs
 from mjforage.runs.episode_replay import Replay
-from mjforage.runs.evaluate import check_policies, evaluate, summarise
+from mjforage.runs.evaluate import evaluate, summarise
+from mjforage.runs.run_info import RunInfo
 from mjforage.runs.tables import SCHEMAS, TABLES
 
 Small = Callable[..., Path]
@@ -59,6 +64,8 @@ def test_a_run_folder_holds_what_it_should(finished: Path) -> None:
         *(f"{t}.parquet" for t in TABLES),
     }
     frames, run = tables(finished), json.loads((finished / "run.json").read_text())
+    jsonschema.validate(run, json_schema(RunInfo))
+    jsonschema.validate(json.loads((finished / "costs.json").read_text()), json_schema(Costs))
     assert set(frames) == set(SCHEMAS)
     assert frames["episodes"].height == 2 * 3
     assert frames["steps"].height == 2 * 3 * (HORIZON + 1)
@@ -70,7 +77,7 @@ def test_a_run_folder_holds_what_it_should(finished: Path) -> None:
     ]
     assert (run["map"]["rows"], run["map"]["columns"], run["map"]["nodes"]) == (62, 46, 1297)
     assert sum(row.count("1") for row in run["map"]["navigable"]) == 1297
-    assert set(run["versions"]) == {"mjforage", "mujoco", "numpy", "numba", "python", "code"}
+    assert set(run["versions"]) == {"mjforage", "numpy", "numba", "scipy", "python"}
     assert run["timings"]["wall_s"] > 0
     assert len(run["hash"]) == 16
 
@@ -332,6 +339,7 @@ def test_numbers_out_of_range_are_refused_before_anything_is_written(
     [
         ([], "no policy given"),
         (["greedy", "greedy"], "policy greedy: given twice"),
+        (["greedy", "graph_planner.policies.greedy:GreedyPolicy"], "greedy: given twice"),
         (["greedyy"], "policy greedyy: unknown; did you mean greedy?"),
         (["Q"], "policy Q: unknown; choose belief, ddqn"),
     ],

@@ -102,14 +102,18 @@ def test_a_spoilt_log_is_named(run_copy: Path, content: bytes | None) -> None:
     ("edit", "words"),
     [
         (lambda run: run.update(seed=1), "does not come out as logged"),
-        (lambda run: run.pop("map"), "key 'map' is missing"),
+        (lambda run: run.pop("map"), "missing map; run the"),
         (
             lambda run: run.update(policies=["gready"]),
             "policy gready: unknown; did you mean greedy",
         ),
         (lambda run: run["scenario"].update(horizn=3), "unknown key horizn; did you mean horizon?"),
         (lambda run: run["scenario"]["map"].update(starts=[[0, 0]]), "start (0, 0) of"),
-        (lambda run: run["map"].update(rows=3), "'navigable' is not 3 strings"),
+        (lambda run: run.update(timings=3), "timings = 3, expected a table; run the command"),
+        (lambda run: run.update(timings={"wall_s": "x"}), "timings.wall_s = 'x', expected a num"),
+        (lambda run: run.update(policies=[]), "policies = [], expected 1 or more values"),
+        (lambda run: run["scenario"].update(horizon=0), "scenario: horizon = 0 is out of range"),
+        (lambda run: run["map"].update(rows=3), "map.navigable is not 3 strings"),
     ],
 )
 def test_a_tampered_run_json_is_named(

@@ -1,3 +1,4 @@
+import json
 import shutil
 import subprocess
 import sys
@@ -11,14 +12,17 @@ import pytest
 from mjforage.core.errors import UserError
 from mjforage.core.whole_files import write_json
 from mjforage.runs.costs import Cost
-from mjforage.runs.storage import Chunk, RunFolder, run_hash
+from mjforage.runs.identity import run_hash
+from mjforage.runs.resuming import set_aside
+from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import SCHEMAS, TABLES
 
 INFO: dict[str, Any] = {
     "command": "mjforage study paper --policy greedy",
     "scenario": {"name": "x", "team": {"scouts": {"count": 2}}},
     "map": {"name": "m", "navigable": ["01", "11"]},
-    "versions": {"mjforage": "1", "mujoco": "3", "code": "ab", "numpy": "2"},
+    "versions": {"mjforage": "1", "mujoco": "3", "numpy": "2", "python": "3.11"},
+    "code": {"core/moves.py": "ab", "core/rules.py": "cd"},
     "seed": 0,
     "episodes": 3,
     "worlds": ["graph"],
@@ -90,7 +94,7 @@ def test_brackets_and_stars_in_a_folder_name_are_letters(tmp_path: Path) -> None
 
 def test_same_run_may_be_opened_again_and_keeps_its_file(run: RunFolder) -> None:
     before = (run.path / "run.json").read_bytes()
-    run.open(INFO | {"started": "later", "versions": INFO["versions"] | {"numpy": "3"}})
+    run.open(INFO | {"started": "later", "versions": INFO["versions"] | {"python": "3.12"}})
     assert (run.path / "run.json").read_bytes() == before
 
 
@@ -106,10 +110,12 @@ def test_same_run_may_be_opened_again_and_keeps_its_file(run: RunFolder) -> None
         ("map", {"name": "m", "navigable": ["11", "11"]}, "the map's cells differ"),
         ("versions", {"mjforage": "2", "mujoco": "3"}, 'mjforage is "1" there and "2" here'),
         (
-            "versions",
-            INFO["versions"] | {"code": "cd"},
-            'code is "ab" there and "cd"',
+            "code",
+            INFO["code"] | {"core/moves.py": "ef"},
+            "core/moves.py differs; give --accept",
         ),
+        ("code", {"core/moves.py": "ab"}, "another run: core/rules.py is gone; give --accept"),
+        ("code", INFO["code"] | {"new.py": "1"}, "another run: new.py is not there; give --accept"),
         ("agents", [{"name": "other-0"}], "the agents are others or in another order"),
     ],
 )
@@ -120,6 +126,38 @@ def test_another_run_is_refused_with_the_difference(
     assert message.startswith(f"{run.path}: holds another run: ")
     assert words in message
     assert run.has(FIRST)
+
+
+def test_changed_code_is_accepted_on_request_and_noted(run: RunFolder) -> None:
+    changed = INFO | {"code": {"core/moves.py": "ef"}, "hash": "new"}
+    for _ in range(2):  # once accepted it is the same run
+        content = run.open(changed, accept=True)
+        written = json.loads((run.path / "run.json").read_text())
+        assert written["code"] == changed["code"] and written["hash"] == "new"
+        (note,) = written["accepted"]
+        assert content["accepted"] == [note]
+        assert note["differences"] == ["core/moves.py differs", "core/rules.py is gone"]
+    assert run.open(changed)["accepted"] == [note]
+    run.open(INFO, accept=True)
+    assert len(json.loads((run.path / "run.json").read_text())["accepted"]) == 2
+    message = error_of(run.open, changed | {"seed": 7}, True)
+    assert "seed is 0 there" in message and "--accept-code-change" not in message
+
+
+def test_what_a_fresh_run_replaces_is_kept_beside(run: RunFolder) -> None:
+    before = {path.name: path.read_bytes() for path in run.path.rglob("*") if path.is_file()}
+    aside = set_aside(run.path, "run")
+    assert aside is not None and aside.name.startswith("run.before-") and not run.path.exists()
+    kept = {path.name: path.read_bytes() for path in aside.rglob("[!.]*") if path.is_file()}
+    assert kept == before
+    run.open(INFO | {"seed": 7})
+    again = set_aside(run.path, "run")
+    assert again is not None and again != aside
+
+
+def test_a_folder_that_holds_no_run_is_not_renamed(tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").write_text("")
+    assert set_aside(tmp_path, "run") is None and (tmp_path / "thesis.tex").exists()
 
 
 @pytest.mark.parametrize("text", ["", "{", "[1]", "\udcff", "null"])
@@ -273,15 +311,15 @@ def test_a_file_in_the_way_of_a_folder_is_named(tmp_path: Path, place: str) -> N
     assert (tmp_path / "file").read_text() == "kept"
 
 
-def test_hash_depends_on_scenario_map_code_and_the_two_versions_alone() -> None:
+def test_hash_depends_on_scenario_map_code_and_versions_but_of_python_alone() -> None:
     assert run_hash(INFO) == run_hash(INFO | {"seed": 9, "started": "later"})
-    numpy = INFO["versions"] | {"numpy": "3"}
-    assert run_hash(INFO) == run_hash(INFO | {"versions": numpy})
+    python = INFO["versions"] | {"python": "3"}
+    assert run_hash(INFO) == run_hash(INFO | {"versions": python})
     for key, value in (
         ("scenario", {"name": "y"}),
         ("map", {"name": "m", "navigable": ["11", "11"]}),
         ("versions", INFO["versions"] | {"mujoco": "4"}),
-        ("versions", INFO["versions"] | {"code": "cd"}),
+        ("code", INFO["code"] | {"core/moves.py": "ef"}),
     ):
         assert run_hash(INFO) != run_hash(INFO | {key: value})
     assert len(run_hash(INFO)) == 16

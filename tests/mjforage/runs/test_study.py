@@ -8,14 +8,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import pytest
 
 from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.schema import json_schema
 from mjforage.runs import variants
 from mjforage.runs.costs import load_costs
 from mjforage.runs.evaluate import evaluate
-from mjforage.runs.study import Study, run_study
+from mjforage.runs.study import Study, StudyInfo, run_study
 from mjforage.view.report.studies import write_study_report
 
 Command = Callable[..., Any]
@@ -167,10 +169,14 @@ def test_the_report_is_whole_and_the_same_twice(folder: Path, command: Command) 
 @pytest.mark.parametrize(
     ("name", "change", "words"),
     [
-        (COSTS, lambda read: read.clear(), "key 'chunks' is missing"),
-        (COSTS, lambda read: read["chunks"][0].pop("wall_s"), "key 'wall_s' is missing"),
-        ("study", lambda read: read["options"].pop("step"), "options: key 'step' is missing"),
-        ("study", lambda read: read["variants"]["complete"].pop("title"), "'title' is missing"),
+        (COSTS, lambda read: read.clear(), "missing chunks"),
+        (COSTS, lambda read: read["chunks"][0].pop("wall_s"), "missing chunks[0].wall_s"),
+        ("study", lambda read: read["options"].pop("step"), "options: missing step"),
+        (
+            "study",
+            lambda read: read["variants"]["complete"].pop("title"),
+            "missing variants.compl",
+        ),
     ],
 )
 def test_what_a_study_lacks_is_named(
@@ -181,6 +187,10 @@ def test_what_a_study_lacks_is_named(
     change(read)
     path.write_text(json.dumps(read))
     assert words in refused("report", folder)
+
+
+def test_study_json_follows_its_schema(folder: Path) -> None:
+    jsonschema.validate(json.loads((folder / "study.json").read_text()), json_schema(StudyInfo))
 
 
 def test_an_unfinished_study_has_no_report(folder: Path, refused: Refused) -> None:

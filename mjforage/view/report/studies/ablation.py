@@ -42,7 +42,7 @@ def setups_table(logs: StudyLogs) -> Table:
     for policy in style.ordered(logs.base.policies):
         known = published_for(logs.base, policy)
         for variant in (COMPLETE, *map(lesser_name, teams(logs))):
-            group = policy_name(policy)
+            group = policy_name(policy, logs.bounds)
             for world in logs.worlds:
                 player = Player(variant, world, policy)
                 cells = tuple(plus_minus(logs.entry(player, m.key), m.digits) for m in metrics)
@@ -85,7 +85,7 @@ def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str,
                 found = lines[team, policy, world]
                 rows.append(
                     Row(
-                        policy_name(policy) + logs.suffix(world),
+                        policy_name(policy, logs.bounds) + logs.suffix(world),
                         tuple(one.cell for one in found),
                         style.policy_colour(policy),
                         best=frozenset(i for i in range(len(found)) if next(apart)),

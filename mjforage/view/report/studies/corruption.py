@@ -141,7 +141,7 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
             for policy in style.ordered(logs.base.policies):
                 for world in logs.worlds:
                     fit = fits.of(team, world, policy, metric.key)
-                    head = policy_name(policy) + logs.suffix(world)
+                    head = policy_name(policy, logs.bounds) + logs.suffix(world)
                     cells, colour = _cells(fit, metric.digits), style.policy_colour(policy)
                     bent = fit is not None and fit.test.p < SIGNIFICANT
                     best = frozenset({len(COLUMNS) - 1} if bent else ())

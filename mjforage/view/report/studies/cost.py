@@ -32,7 +32,7 @@ def works(logs: StudyLogs) -> list[Work]:
 
 
 def _head(logs: StudyLogs, work: Work) -> str:
-    return policy_name(work[1]) + logs.suffix(work[0])
+    return policy_name(work[1], logs.bounds) + logs.suffix(work[0])
 
 
 def _warm(logs: StudyLogs, work: Work) -> list[list[Cost]]:

@@ -151,7 +151,10 @@ def table_4(logs: StudyLogs, fits: corruption.Fits) -> Table:
                 fit = fits.of(team, world, policy, key)
                 slope = float(fit.line.slope) if fit else float("nan")
                 cells.append(number(slope, describe(key).digits))
-            head, colour = policy_name(policy) + logs.suffix(world), style.policy_colour(policy)
+            head, colour = (
+                policy_name(policy, logs.bounds) + logs.suffix(world),
+                style.policy_colour(policy),
+            )
             rows.append(Row(head, tuple(cells), colour))
         known = published_for(logs.base, policy)
         if known:

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from graph_planner.policies import is_bound
 from mjforage.core.mission_metrics import describe
 from mjforage.runs.variants import BASELINES, COMPLETE, PARTS, WRONG
 from mjforage.view.report import style
@@ -42,8 +41,9 @@ def _planner(logs: StudyLogs, world: str) -> list[Line]:
     return lines + [Line(name, Player(v, world, "belief")) for v, name in found if v in logs.runs]
 
 
-def _others(variant: str, world: str) -> list[Line]:
-    return [Line(policy_name(policy), Player(variant, world, policy)) for policy in BASELINES]
+def _others(logs: StudyLogs, variant: str, world: str) -> list[Line]:
+    names = {policy: policy_name(policy, logs.bounds) for policy in BASELINES}
+    return [Line(names[policy], Player(variant, world, policy)) for policy in BASELINES]
 
 
 def _means(logs: StudyLogs, name: str, title: str, groups: dict[str, list[Line]]) -> Table:
@@ -115,8 +115,11 @@ def _picture(
 def _parts(logs: StudyLogs) -> Section:
     tables, pictures = [], []
     for world in logs.worlds:
-        planner, others = _planner(logs, world), _others(COMPLETE, world)
-        whole, oracle = planner[0], next(line for line in others if is_bound(line.player.policy))
+        planner, others = _planner(logs, world), _others(logs, COMPLETE, world)
+        whole, oracle = (
+            planner[0],
+            next(line for line in others if line.player.policy in logs.bounds),
+        )
         rest = [*planner[1:], *others]
         means = {"": [*planner, *others]}
         short, to_oracle = {"": (whole, rest)}, [*planner, *others[:1]]
@@ -157,7 +160,7 @@ def _wrong(logs: StudyLogs) -> Section:
                 Line("belief", Player(variant, world, "belief")),
                 Line("belief, robust", Player(f"{variant}-robust", world, "belief")),
             ]
-            others = _others(variant, world)
+            others = _others(logs, variant, world)
             greedy, oracle = others
             means[met] = [*planner, *others]
             groups[met] = (greedy, [*planner, oracle])
@@ -170,7 +173,7 @@ def _wrong(logs: StudyLogs) -> Section:
         caption = "Difference to Greedy on the same episodes."
         title = f"The belief planner in worlds it does not expect{end}"
         pictures.append(_picture(logs, f"wrong-{world}", title, caption, pairs))
-    assumed = logs.info["scenario"]["belief"]
+    assumed = logs.info.scenario["belief"]
     words = (
         f"The planner assumes {assumed['hotspots']} hotspot(s) and a drift of up to "
         f"{assumed['drift_node_per_step']:g} nodes per step and axis; with `robust` up to three "

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from mjforage.core.errors import UserError
 from mjforage.runs.costs import Cost, load_costs
 from mjforage.runs.run_info import RunInfo, again, load_run, read_json
-from mjforage.runs.run_info import field as required
-from mjforage.runs.study import variant_folder
+from mjforage.runs.study import StudyInfo, load_study_info, variant_folder
 from mjforage.runs.variants import COMPLETE
 from mjforage.view.report.run_logs import (
     RunLogs,
@@ -42,7 +41,7 @@ class StudyLogs:
     """Everything a study's report is made from."""
 
     folder: Path
-    info: Mapping[str, Any]  # study.json
+    info: StudyInfo
     runs: Mapping[str, RunInfo]  # of every variant
     summaries: Mapping[str, Summaries]
     episodes: Mapping[str, pl.DataFrame]
@@ -51,18 +50,22 @@ class StudyLogs:
     @property
     def kind(self) -> str:
         """Which study."""
-        return str(self.info["kind"])
+        return self.info.kind
 
     @property
     def worlds(self) -> tuple[str, ...]:
         """Worlds of every variant."""
-        return tuple(self.info["worlds"])
+        return self.info.worlds
 
     @property
     def options(self) -> Mapping[str, Any]:
         """What the study was told besides."""
-        found: Mapping[str, Any] = self.info["options"]
-        return found
+        return self.info.options
+
+    @property
+    def bounds(self) -> frozenset[str]:
+        """Policies that were shown the truth, in any variant."""
+        return frozenset(policy for run in self.runs.values() for policy in run.bounds)
 
     @property
     def base(self) -> RunInfo:
@@ -76,7 +79,7 @@ class StudyLogs:
 
     def title(self, variant: str) -> str:
         """Variant in words."""
-        return str(self.info["variants"][variant]["title"])
+        return self.info.variants[variant].title
 
     def values(self, player: Player, key: str) -> NDArray[np.float64]:
         """Return one metric per episode, NaN where undefined: (episode,)."""
@@ -103,21 +106,12 @@ def load_study(folder: Path) -> StudyLogs:
         If a file of the study or of one of its runs is missing, truncated or foreign.
     """
     file = folder / "study.json"
-    info, remedy = read_json(file), f"{again(folder, file.name)}, it completes the folder"
-    for key in ("variants", "options", "scenario"):
-        required(info, key, dict, str(file))
-    required(info, "kind", str, str(file))
-    required(info, "worlds", list, str(file))
-    for name, facts in info["variants"].items():
-        required(facts, "title", str, f"{file}: {name}")
-    if info["kind"] in ("corruption", "paper"):
-        required(info["options"], "step", float, f"{file}: options")
-        required(info["options"], "whole_team", bool, f"{file}: options")
+    info, remedy = load_study_info(file), f"{again(folder, file.name)}, it completes the folder"
     if not (folder / "summary.json").is_file():
         raise UserError(f"{folder}: the study is not finished; {remedy}")
     summary = read_json(folder / "summary.json")
     runs, summaries, episodes, costs = {}, {}, {}, {}
-    for name in info["variants"]:
+    for name in info.variants:
         place = variant_folder(folder, name)
         runs[name] = load_run(place / "run.json")
         if name not in summary:

@@ -38,7 +38,7 @@ def _option(key: str, value: Any) -> str:
 def facts(logs: StudyLogs) -> list[tuple[str, str]]:
     """What was run, as pairs of a term and its value."""
     run, info = logs.base, logs.info
-    rows, columns = run.map.navigable.shape
+    rows, columns = run.map.cells.shape
     policies = style.ordered(policy for one in logs.runs.values() for policy in one.policies)
     options = ", ".join(_option(key, value) for key, value in logs.options.items())
     pairs = [
@@ -48,9 +48,9 @@ def facts(logs: StudyLogs) -> list[tuple[str, str]]:
         ("Worlds", ", ".join(logs.worlds)),
         ("Policies", ", ".join(policies)),
         ("Variants", str(len(logs.runs))),
-        ("Episodes", f"{info['episodes']} for each variant, policy and world, seed {info['seed']}"),
+        ("Episodes", f"{info.episodes} for each variant, policy and world, seed {info.seed}"),
         ("Options", options),
-        ("Started", str(info["started"])),
+        ("Started", info.started),
         ("Versions", ", ".join(f"{name} {number}" for name, number in run.versions.items())),
     ]
     return [(term, value) for term, value in pairs if value]
@@ -85,9 +85,9 @@ def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -
             (name, logs.title(name), ", ".join(run.policies)) for name, run in logs.runs.items()
         ],
         "sections": parts,
-        "few": too_few(int(logs.info["episodes"])),
+        "few": too_few(logs.info.episodes),
         "notes": notes,
-        "scenario_json": json.dumps(logs.info["scenario"], indent=2, ensure_ascii=False),
+        "scenario_json": json.dumps(logs.info.scenario, indent=2, ensure_ascii=False),
         "stylesheet": Markup(template("report.css.j2")),
     }
     return environment().get_template("study.html.j2").render(context)

@@ -128,13 +128,13 @@ def test_rows_say_unit_range_default_sentence_and_source() -> None:
     assert (height.type, height.unit, height.range) == ("a number", "m", "above 0 to 50")
     assert (height.default, height.sentence) == ("required", "Above the deck.")
     assert height.source == "survey"
-    assert (found["rig"].range, found["rig"].default) == ("sloop, ketch", '"sloop"')
+    assert (found["rig"].range, found["rig"].default) == ("sloop or ketch", '"sloop"')
     assert found["fast"].default == "false"
     assert "name" not in found
 
 
 def test_a_key_is_explained_and_a_table_with_all_its_keys() -> None:
-    assert [row.key for row in explain(Boat, "masts.main.stays")] == ["masts.NAME.stays"]
+    assert [row.key for row in explain(Boat, "masts.main.stays")] == ["masts.main.stays"]
     assert [row.key for row in explain(Boat, "keel")] == ["keel", "keel.height_m", "keel.stays"]
     with pytest.raises(UserError, match=r"unknown key masts.main.stay; did you mean masts.main.st"):
         explain(Boat, "masts.main.stay")
@@ -144,7 +144,7 @@ def test_a_key_is_explained_and_a_table_with_all_its_keys() -> None:
 
 def test_the_page_has_a_table_of_keys_for_every_table() -> None:
     text = page(Boat)
-    assert "## `[masts.NAME]`" in text
+    assert "## `masts.NAME`" in text
     assert (
         "| `height_m` | a number [m] | above 0 to 50 | required | Above the deck. (survey) |"
         in text

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
 
+import jsonschema
 import numpy as np
 import polars as pl
 import pytest
@@ -20,8 +21,9 @@ from mjforage.core.errors import UserError
 from mjforage.core.mission import Mission, Setup
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.schema import check, json_schema
 from mjforage.learning.training import run
-from mjforage.learning.training.checkpoint import save_checkpoint
+from mjforage.learning.training.checkpoint import TrainingInfo, save_checkpoint
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.run import train
@@ -147,6 +149,8 @@ def test_what_a_run_leaves_behind(finished: tuple[Path, Trainer]) -> None:
         *("checkpoint.safetensors", "weights.safetensors", "best.safetensors", ".lock"),
     }
     facts = json.loads((folder / "training.json").read_text())
+    jsonschema.validate(facts, json_schema(TrainingInfo))
+    assert check(TrainingInfo, facts, "").hyperparameters == trainer.hyperparameters
     assert facts["seed"] == 3 and facts["hyperparameters"]["num_envs"] == 3
     rows = pl.read_parquet(folder / "training.parquet")
     assert rows.height == trainer.progress.rounds

@@ -187,7 +187,7 @@ def test_what_cannot_be_run_is_named(overrides: tuple[str, ...], words: str) -> 
     [
         ("physics.capture=net", "physics.capture = 'net'; choose node, intake"),
         ("physics.vessels.whales=scout", "physics.vessels.whales: no such team"),
-        ("physics.vessels=scout", "physics.vessels = 'scout', expected a table of teams"),
+        ("physics.vessels=scout", "physics.vessels = 'scout', expected a table"),
         ("sensors.detection=1.5", "sensors.detection = 1.5 is out of range"),
         ("weather.gust_intensity=2", "weather.gust_intensity = 2.0 is out of range"),
     ],

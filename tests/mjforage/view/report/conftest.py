@@ -329,6 +329,7 @@ def _run_json(plan: Plan) -> dict[str, Any]:
         "episodes": plan.episodes,
         "worlds": list(plan.worlds),
         "policies": list(plan.policies),
+        "bounds": [policy for policy in plan.policies if policy == "oracle"],
         "agents": agents,
         "map": {
             "name": "comb-port",

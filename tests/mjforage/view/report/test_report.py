@@ -184,7 +184,7 @@ def test_unusual_runs(make_run: MakeRun, settings: dict[str, Any], phrase: str) 
 def test_ten_policies(make_run: MakeRun) -> None:
     shipped = list(style.POLICY_COLOURS)[:9]
     page = written(make_run(policies=("mine", *reversed(shipped)), episodes=2))
-    heads = [policy_name(name) for name in (*shipped, "mine")]
+    heads = [policy_name(name, ["oracle"]) for name in (*shipped, "mine")]
     assert list(table_rows(page, "headline")) == heads and "oracle (bound)" in heads
     assert "45 pairs of policies" in page
 
@@ -211,7 +211,8 @@ def text(path: Path) -> None:
         ("run.json", Path.unlink, "missing"),
         ("run.json", cut, "cannot be read as JSON"),
         ("run.json", lambda path: path.write_text("[1]"), "holds a list"),
-        ("run.json", lambda path: path.write_text("{}"), "key 'scenario' is missing"),
+        ("run.json", lambda path: path.write_text("[" * 100_000), "cannot be read as JSON"),
+        ("run.json", lambda path: path.write_text("{}"), "missing command, scenario, map"),
         ("summary.json", Path.unlink, "missing"),
         ("summary.json", lambda path: path.write_text('{"graph": {}}'), "graph/greedy is missing"),
         ("summary.json", lambda path: path.write_text('{"graph": 3}'), "malformed"),

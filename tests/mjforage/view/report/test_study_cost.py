@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from mjforage.runs.costs import Cost
+from mjforage.runs.study import StudyInfo
 from mjforage.view.report.picture import Picture
 from mjforage.view.report.studies.cost import cost_table, throughput_picture, throughput_table
 from mjforage.view.report.studies.study_logs import StudyLogs
@@ -31,7 +32,8 @@ def dots(picture: Picture) -> list[list[list[float]]]:
 
 def study(*variants: tuple[Cost, ...], kind: str = "paper") -> StudyLogs:
     costs = {str(place): costs for place, costs in enumerate(variants)}
-    return StudyLogs(Path(), {"kind": kind, "worlds": ["graph"]}, {}, {}, {}, costs)
+    info = StudyInfo("", "", kind, {}, {}, ("graph",), 1, 0, {}, {})
+    return StudyLogs(Path(), info, {}, {}, {}, costs)
 
 
 def cells(table: Table, head: str) -> dict[str, str]:

@@ -280,7 +280,7 @@ def test_hulls_are_as_long_as_those_that_ran(make_run: MakeRun) -> None:
     assert (lengths["scouts-0"], lengths["foragers-0"]) == (3.5, 2.0)
     run["hulls"]["vessels"]["scout"] = {"length_m": "long"}
     (folder / "run.json").write_text(json.dumps(run))
-    with pytest.raises(UserError, match="hulls: 'length_m' is a str, expected float"):
+    with pytest.raises(UserError, match=r"hulls.vessels.scout.length_m = 'long', expected a n"):
         shown(folder)
 
 

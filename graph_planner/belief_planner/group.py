@@ -1,4 +1,4 @@
-"""Which agents collect and which only look, with the ways of each kind of mover."""
+"""Agents that one search moves, with the ways of each kind of mover among them."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from graph_planner.task import Task
 
 
 @dataclass(frozen=True)
-class Crew:
+class Group:
     """Agents that one search moves.
 
     Attributes
@@ -25,8 +25,8 @@ class Crew:
     ways: tuple[Ways, ...]
 
     @classmethod
-    def of(cls, task: Task, agents: NDArray[np.int64]) -> "Crew":
-        """The crew of some agents of a task."""
+    def of(cls, task: Task, agents: NDArray[np.int64]) -> "Group":
+        """The group of some agents of a task."""
         lengths = sorted({int(m) for m in task.fleet.moves[agents]}) or [1]
         kind = np.searchsorted(lengths, task.fleet.moves[agents]).astype(np.int64)
         stay, shorten = task.rules.stay, task.rules.shorten

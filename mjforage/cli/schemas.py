@@ -1,0 +1,67 @@
+"""The command that writes what editors and the documentation know of our files."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from mjforage.cli.console import app, print_list
+
+_DIALECT = "https://json-schema.org/draft/2020-12/schema"
+_NOTE = "<!-- Written by `mjforage schemas --pages docs/reference`; edit the dataclass instead. -->"
+
+
+def schemas_of_files() -> Mapping[str, tuple[str, Any]]:
+    """Name -> what file it is, and its schema."""
+    from mjforage.core.scenario import Scenario
+    from mjforage.learning.training.checkpoint import TrainingInfo
+    from mjforage.physics.scene import DebrisClass
+    from mjforage.physics.vessels import Vessel
+    from mjforage.runs.costs import Costs
+    from mjforage.runs.run_info import RunInfo
+    from mjforage.runs.study import StudyInfo
+
+    return {
+        "scenario": ("a scenario file", Scenario),
+        "vessel": ("a vessel file", Vessel),
+        "debris": ("a file of debris classes", dict[str, DebrisClass]),
+        "run": ("`run.json` of a run folder", RunInfo),
+        "costs": ("`costs.json` of a run folder", Costs),
+        "study": ("`study.json` of a study folder", StudyInfo),
+        "training": ("`training.json` of a training folder", TrainingInfo),
+    }
+
+
+@app.command
+def schemas(*, out: Path | None = None, pages: Path | None = None) -> None:
+    """List the kinds of files, or write what their keys are.
+
+    Parameters
+    ----------
+    out
+        Folder for a JSON Schema of each, from which editors complete and check.
+    pages
+        Folder for a reference page of each, in Markdown.
+    """
+    from mjforage.core.schema import page
+    from mjforage.core.whole_files import write_bytes
+
+    files = schemas_of_files()
+    for name, (words, schema) in files.items():
+        if out is not None:
+            write_bytes(out / f"{name}.json", schema_text(name, schema).encode())
+        if pages is not None:
+            text = f"{_NOTE}\n# Keys of {words}\n\n{page(schema)}"
+            write_bytes(pages / f"{name}.md", text.encode())
+    if out is None and pages is None:
+        print_list(
+            (name, words.replace("`", "")) for name, (words, _) in schemas_of_files().items()
+        )
+
+
+def schema_text(name: str, schema: Any) -> str:
+    """The JSON Schema of a file as text."""
+    from mjforage.core.schema import json_schema
+
+    head = {"$schema": _DIALECT, "title": f"mjforage {name}"}
+    return json.dumps(head | {**json_schema(schema), **head}, indent=1) + "\n"

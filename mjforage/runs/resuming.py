@@ -1,0 +1,199 @@
+"""Whether a folder holds the run that is asked for: what differs, and what may be done about it.
+
+What decides the numbers is compared, no more and no less. A change of code or of a library's
+version alone may be accepted; it is then noted in the folder's file, and what was computed stays.
+"""
+
+import json
+import logging
+import shlex
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+from mjforage.core.errors import UserError
+from mjforage.core.whole_files import write_json, writing
+from mjforage.runs.lock import claimed
+from mjforage.runs.run_info import read_json
+
+CODE = ("versions", "code")
+"""Keys whose differences can be accepted."""
+UNCOMPARED = ("python",)
+"""Versions that are kept to be read: Python computes no number of a run by itself."""
+Resume = Literal["same", "fresh", "accept-code-change"]
+"""What to do with a folder that holds a run: go on with the same one only, keep the old folder
+aside and begin anew, or go on although code or versions differ."""
+_logger = logging.getLogger(__name__)
+_LONGEST = 60  # characters of a value in a message
+_NAMED = 3  # differences in a message
+
+
+class Difference(NamedTuple):
+    """Where a folder's run is another one."""
+
+    key: str  # of the file
+    words: str
+
+
+def differences(
+    there: Mapping[str, Any], here: Mapping[str, Any], keys: Iterable[str]
+) -> list[Difference]:
+    """What differs between a folder's file and what is asked for, in the order of the keys.
+
+    Parameters
+    ----------
+    there, here : contents
+    keys : that decide
+    """
+    here = json.loads(json.dumps(here))
+    return [
+        Difference(key, words)
+        for key in keys
+        for words in _words(_compared(there, key), _compared(here, key), (key,))
+    ]
+
+
+def _compared(info: Mapping[str, Any], key: str) -> Any:
+    value = info.get(key)
+    if key == "versions" and isinstance(value, dict):
+        return {name: text for name, text in value.items() if name not in UNCOMPARED}
+    return value
+
+
+def _words(there: object, here: object, path: tuple[str, ...]) -> Iterator[str]:
+    if isinstance(there, dict) and isinstance(here, dict):
+        for name in {**there, **here}:
+            yield from _words(there.get(name), here.get(name), (*path, name))
+    elif there != here:
+        key = ".".join(path)
+        if path[0] == "code":
+            yield _of_code(there, here, path[-1])
+        elif key == "map.navigable":
+            yield "the map's cells differ"
+        elif key == "agents":
+            yield "the agents are others or in another order"
+        else:
+            yield f"{key} is {_short(there)} there and {_short(here)} here"
+
+
+def _of_code(there: object, here: object, file: str) -> str:
+    if file == "code":
+        return "it does not say of which code it is" if there is None else "the code differs"
+    if there is None or here is None:
+        return f"{file} is {'not there' if there is None else 'gone'}"
+    return f"{file} differs"
+
+
+def _short(value: object) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+
+
+def refusal(kind: str, found: list[Difference]) -> str:
+    """Why a folder's run is not gone on with, and the remedies that there are."""
+    words = "; ".join(one.words for one in found[:_NAMED])
+    more = f"; and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
+    accept = "--accept-code-change to go on and note it, " if acceptable(found) else ""
+    return (
+        f"holds another {kind}: {words}{more}; give {accept}--fresh to keep that folder aside and "
+        "begin anew, or choose another --out"
+    )
+
+
+def acceptable(found: list[Difference]) -> bool:
+    """Whether code and versions alone differ."""
+    return all(one.key in CODE for one in found)
+
+
+def with_accepted(
+    there: Mapping[str, Any], here: Mapping[str, Any], found: list[Difference]
+) -> dict[str, Any]:
+    """What is asked for, with the changes that were accepted so far and, if any, those found now.
+
+    Each has the time, the command and what differed.
+    """
+    before = there.get("accepted", [])
+    if found:
+        note = {
+            "time": datetime.now(UTC).isoformat(timespec="seconds"),
+            "command": shlex.join(["mjforage", *sys.argv[1:]]),
+            "differences": [one.words for one in found],
+        }
+        before = [*before, note]
+    return {**here, "accepted": before} if before else dict(here)
+
+
+def open_folder(
+    path: Path, kind: str, info: Mapping[str, Any], identity: Iterable[str], accept: bool = False
+) -> dict[str, Any]:
+    """Create a folder whose file `<kind>.json` says what it holds, or check that it says the same.
+
+    Parameters
+    ----------
+    path : the folder
+    kind : run, study or training
+    info : content of the file
+    identity : its keys that must be the same
+    accept : go on although code or versions differ; the file then says so
+
+    Returns
+    -------
+    The content that the file is to have, changes accepted so far included.
+
+    Raises
+    ------
+    UserError
+        If the folder holds another one (the difference is named) or something else, or cannot be
+        written.
+    """
+    file = path / f"{kind}.json"
+    with writing(path):
+        path.mkdir(parents=True, exist_ok=True)
+        found = sorted(entry.name for entry in path.iterdir() if entry.name[0] != ".")
+    if file.name not in found:
+        if found:
+            raise UserError(
+                f"{path}: holds {found[0]} but no {file.name}, so it is no {kind} folder; choose "
+                "another --out"
+            )
+        write_json(file, info)
+        return dict(info)
+    try:
+        there = read_json(file)
+    except UserError as error:
+        raise UserError(
+            f"{file}: is not the {file.name} of a {kind}; choose another --out"
+        ) from error
+    differing = differences(there, info, identity)
+    if differing and not (accept and acceptable(differing)):
+        raise UserError(f"{path}: {refusal(kind, differing)}")
+    content = with_accepted(there, info, differing)
+    if differing:
+        changed = {key: content[key] for key in (*CODE, "hash", "accepted") if key in content}
+        write_json(file, there | changed)
+    return content
+
+
+def set_aside(path: Path, kind: str) -> Path | None:
+    """Rename a folder that holds a run, study or training, so that its place is free.
+
+    Returns
+    -------
+    Its new name; None if there was none
+
+    Raises
+    ------
+    UserError
+        If another process is writing it, or it cannot be renamed.
+    """
+    if not (path / f"{kind}.json").is_file():
+        return None
+    now = f"{datetime.now(UTC):%Y%m%dT%H%M%S}"
+    names = (f"{path.name}.before-{now}{more}" for more in ("", *(f"-{n}" for n in range(2, 100))))
+    with claimed(path), writing(path):
+        aside = next(path.parent / name for name in names if not (path.parent / name).exists())
+        path.rename(aside)
+    _logger.warning("%s: what it held is kept as %s", path, aside)
+    return aside

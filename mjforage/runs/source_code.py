@@ -1,0 +1,171 @@
+"""Which code decides a run's numbers: the files that its modules reach by their imports.
+
+Imports are read from the source, those within functions too; those for type checkers alone are
+not. A user's own modules are followed as ours are; of installed libraries the versions count.
+Documentation, drawings and policies that a run does not play are never reached.
+"""
+
+import hashlib
+import re
+import sys
+import sysconfig
+import uuid
+from collections.abc import Iterable, Iterator
+from functools import lru_cache
+from importlib.metadata import PackageNotFoundError, packages_distributions, version
+from importlib.util import find_spec
+from pathlib import Path
+from typing import NamedTuple
+
+OURS = ("metrics", "controllers", "graph_planner", "mjforage")
+COMPUTING = ("numpy", "numba", "scipy", "mujoco", "torch")
+"""Libraries whose version may change a number; the others that we use store, draw or talk."""
+DIGITS = 8
+_ROOT = Path(__file__).resolve().parents[2]
+_INSTALLED = {Path(sysconfig.get_path(kind)).resolve() for kind in ("purelib", "platlib")}
+_SUFFIXES = (".py", ".so", ".pyd")
+_UNREADABLE = f"unreadable-{uuid.uuid4().hex[:DIGITS]}"  # another one in every process
+_FOR_TYPES = re.compile(r"^if TYPE_CHECKING:\n(?:[ \t]+.*\n|\n)+", re.MULTILINE)
+_IMPORT = re.compile(
+    r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|[^\n#;(]+)|import[ \t]+([^\n#;]+))",
+    re.MULTILINE,
+)
+
+
+class Code(NamedTuple):
+    """What decides numbers, as `run.json` keeps it."""
+
+    files: dict[str, str]  # path below the folder that it is imported from -> hash
+    versions: dict[str, str]  # distribution -> version
+
+    def joined(self, other: "Code") -> "Code":
+        """Both, sorted."""
+        return Code(
+            dict(sorted({**self.files, **other.files}.items())),
+            dict(sorted({**self.versions, **other.versions}.items())),
+        )
+
+
+def decisive_code(modules: Iterable[str], whole: Iterable[str] = ()) -> Code:
+    """The code that modules reach.
+
+    Parameters
+    ----------
+    modules : dotted names; a package of a user counts with all its modules
+    whole : packages of ours that count with all their modules, as they find those by themselves
+    """
+    roots = [*modules, *(name for package in whole for name in _modules_of(package))]
+    own = {name.partition(".")[0] for name in roots}  # their code counts even where it is installed
+    files: dict[str, str] = {}
+    libraries: set[str] = set()
+    left = list(roots)
+    while left:
+        name = left.pop()
+        for key, path in _files(name, own):
+            if key in files:
+                continue
+            files[key], imported = _read(path, _package(name, path))
+            left += imported
+            tops = {one.partition(".")[0] for one in imported} - own
+            libraries |= tops & set(COMPUTING) if _is_ours(name) else tops - set(OURS)
+    found = {top: _version(top) for top in libraries if _is_installed(top)}
+    return Code(
+        dict(sorted(files.items())), {top: text for top, text in sorted(found.items()) if text}
+    )
+
+
+def _is_ours(name: str) -> bool:
+    return name.partition(".")[0] in OURS
+
+
+def _modules_of(package: str) -> Iterator[str]:
+    for path in _ROOT.joinpath(*package.split(".")).rglob("*.py"):
+        yield ".".join(path.relative_to(_ROOT).with_suffix("").parts).removesuffix(".__init__")
+
+
+def _files(name: str, own: set[str]) -> list[tuple[str, Path | None]]:
+    """Key and path of the files that a module's name stands for; none for libraries."""
+    top = name.partition(".")[0]
+    if _is_ours(name):
+        below = _ROOT.joinpath(*name.split("."))
+        paths = (below.with_suffix(".py"), below / "__init__.py")
+        return [(path.relative_to(_ROOT).as_posix(), path) for path in paths if path.is_file()]
+    if top in sys.stdlib_module_names and top not in own:
+        return []
+    origin = _origin(top)
+    if origin is None:  # folders without an __init__.py, or nothing at all
+        origin = _origin(name)
+        if origin is None:
+            return [(top, None)] if top in own else []
+        return [(f"{name.replace('.', '/')}{origin.suffix}", origin)]
+    if top not in own and any(place in origin.parents for place in _INSTALLED):
+        return []
+    if origin.name != "__init__.py":
+        return [(origin.name, origin)]
+    folder = origin.parent
+    return [
+        (path.relative_to(folder.parent).as_posix(), path)
+        for path in sorted(folder.rglob("*"))
+        if path.suffix in _SUFFIXES and not any(part[0] == "." for part in path.parts[1:])
+    ]
+
+
+def _origin(name: str) -> Path | None:
+    """File of a module, if it has one."""
+    loaded = getattr(sys.modules.get(name), "__file__", None)
+    if loaded is not None:
+        return Path(loaded).resolve()
+    try:
+        spec = find_spec(name)
+    except (ImportError, ValueError):
+        return None
+    return Path(spec.origin).resolve() if spec and spec.has_location and spec.origin else None
+
+
+def _package(name: str, path: Path | None) -> str:
+    """The package from which a module's relative imports start."""
+    is_package = path is not None and path.name == "__init__.py"
+    return name if is_package else name.rpartition(".")[0]
+
+
+def _read(path: Path | None, package: str) -> tuple[str, set[str]]:
+    """Hash of a file, and the names of what it imports."""
+    if path is None:
+        return _UNREADABLE, set()
+    content = path.read_bytes()
+    digest = hashlib.sha256(content).hexdigest()[:DIGITS]
+    if path.suffix != ".py":
+        return digest, set()
+    return digest, _imported(content.decode("utf-8", "replace"), package)
+
+
+@lru_cache(maxsize=1024)
+def _imported(text: str, package: str) -> set[str]:
+    """Names that a source imports: modules, and what may be modules of a package."""
+    names: set[str] = set()
+    for origin, members, plain in _IMPORT.findall(_FOR_TYPES.sub("", text.replace("\\\n", " "))):
+        for part in plain.split(","):
+            names |= set(part.split()[:1])
+        if origin.startswith("."):
+            up = len(origin) - len(origin.lstrip(".")) - 1
+            base = package.split(".")[: len(package.split(".")) - up] if up else [package]
+            origin = ".".join((*base, origin.lstrip("."))).strip(".")
+        if origin:
+            listed = re.sub(r"#.*", "", members).strip("()").split(",")
+            names |= {origin} | {f"{origin}.{part.split()[0]}" for part in listed if part.split()}
+    return names
+
+
+def _is_installed(top: str) -> bool:
+    origin = _origin(top)
+    return origin is None or any(place in origin.parents for place in _INSTALLED)
+
+
+@lru_cache(maxsize=256)
+def _version(top: str) -> str:
+    """Version of the distribution that a module belongs to; "" if none."""
+    try:
+        return version(top)
+    except PackageNotFoundError:
+        names = packages_distributions().get(top, ()) if top not in sys.stdlib_module_names else ()
+        return version(names[0]) if names else ""

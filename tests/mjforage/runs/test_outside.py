@@ -1,0 +1,224 @@
+"""Policies of a user's own folder: in other processes, with options, in films, by their source."""
+
+import importlib
+import json
+import shlex
+import subprocess
+import sys
+import textwrap
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pytest
+from numpy.typing import NDArray
+
+from graph_planner.policies import register
+from graph_planner.policies.registry import POLICIES
+from graph_planner.randomness import UInt64Array
+from graph_planner.task import Observation, Task
+from mjforage.core.errors import UserError
+from mjforage.core.mission import Setup
+from mjforage.core.scenario_file import load_scenario
+from mjforage.runs import variants
+from mjforage.runs.evaluate import evaluate
+from mjforage.runs.replaying import replay_of_run
+from mjforage.runs.storage import RunFolder
+from mjforage.runs.study import Study, run_study
+from mjforage.runs.workers import Workers
+from mjforage.view.report.run_logs import load_logs
+from mjforage.view.report.text_tables import headline_table
+
+SOURCE = '''import numpy as np
+
+from own_compass import NORTH
+
+
+class North:
+    """Always north, or another way."""
+
+    def __init__(self, heading: int = NORTH) -> None:
+        self.heading = heading
+
+    def reset(self, task, keys):
+        self.shape = (keys.size, len(task.fleet), 9)
+
+    def act(self, observation):
+        preferences = np.zeros(self.shape)
+        preferences[..., self.heading] = 1.0
+        return preferences
+
+
+class Seer(North):
+    """A bound."""
+
+    def reveal(self, truth):
+        pass
+'''
+Start = Callable[..., "subprocess.Popen[str]"]
+Forget = Callable[[], None]
+
+
+def played(folder: str, *policies: str, jobs: int = 1, **options: Any) -> Path:
+    """Two short episodes in a folder, without a report."""
+    setup = Setup.of(load_scenario("comb-port", ["horizon=4"]))
+    workers = options.pop("workers", Workers(jobs))
+    evaluate(setup, policies, Path(folder), episodes=2, workers=workers, **options)
+    return Path(folder)
+
+
+@pytest.fixture
+def forget() -> Forget:
+    """Return what makes this process as good as new for the user's modules."""
+
+    def forgotten() -> None:
+        for name in [name for name in sys.modules if name.startswith("own_")]:
+            del sys.modules[name]
+        POLICIES._registered.pop("own-name", None)
+
+    return forgotten
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, forget: Forget) -> Iterator[Path]:
+    """The present folder, with a module of policies and what it imports."""
+    (tmp_path / "own_policies.py").write_text(SOURCE)
+    (tmp_path / "own_compass.py").write_text("NORTH = 0\n")
+    monkeypatch.chdir(tmp_path)
+    path = list(sys.path)
+    yield tmp_path
+    sys.path[:] = path
+    forget()
+
+
+def info(folder: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / "run.json").read_text())
+    return found
+
+
+def tables(folder: Path) -> list[pl.DataFrame]:
+    return [RunFolder(folder).table(name) for name in ("agents", "items", "episodes")]
+
+
+@pytest.mark.parametrize("workers", [Workers(jobs=2), Workers(local_cluster=1)])
+def test_other_processes_play_it_to_the_same_bits(folder: Path, workers: Workers) -> None:
+    if workers.remote:
+        pytest.importorskip("distributed")
+    labels = ["own_policies:North", "own_policies:North(heading=2)"]
+    one, two = played("one", *labels), played("two", *labels, workers=workers)
+    for mine, theirs in zip(tables(one), tables(two), strict=True):
+        assert mine.equals(theirs)
+    moves = tables(two)[0].filter(pl.col("outcome") == "arrived")
+    headings = moves.group_by("policy").agg(pl.col("direction").unique()).sort("policy").rows()
+    assert [policy for policy, _ in headings] == labels
+    assert [0 in found for _, found in headings] == [True, False]
+    names = {path.name for path in (two / "replay").iterdir()}
+    assert len(names) == 2 and not any(set(name) & set(":()= ") for name in names)
+
+
+def test_its_source_and_what_that_imports_are_part_of_the_run(folder: Path, forget: Forget) -> None:
+    run = played("run", "own_policies:North")
+    code = info(run)["code"]
+    assert {"own_policies.py", "own_compass.py", "graph_planner/moves.py"} <= set(code)
+    assert not {"graph_planner/policies/greedy.py", "mjforage/cli/lists.py"} & set(code)
+    forget()
+    (folder / "own_other.py").write_text("class South: ...\n")
+    (folder / "README.md").write_text("Words.\n")
+    played("run", "own_policies:North")  # neither decides a number
+    forget()
+    (folder / "own_compass.py").write_text("NORTH = 4\n")
+    with pytest.raises(UserError, match=r"another run: own_compass.py differs; give --accept-code"):
+        played("run", "own_policies:North")
+    before = tables(run)
+    played("run", "own_policies:North", resume="accept-code-change")
+    (note,) = info(run)["accepted"]
+    assert note["differences"] == ["own_compass.py differs"]
+    assert tables(run)[0].equals(before[0])
+    played("run", "own_policies:North", resume="fresh")
+    assert "accepted" not in info(run) and not tables(run)[0].equals(before[0])
+    (aside,) = folder.glob("run.before-*")
+    assert tables(aside)[0].equals(before[0])
+
+
+def test_options_are_part_of_the_run(folder: Path) -> None:
+    run = played("run", "greedy(distance=0.0)")
+    assert info(run)["policies"] == ["greedy(distance=0)"]
+    played("run", "greedy(distance=0, item=5.91)")  # the same
+    words = r'policies is \["greedy\(distance=0\)"\] there and \["greedy\(distance=1\)"\] here'
+    with pytest.raises(UserError, match=words):
+        played("run", "greedy(distance=1)")
+
+
+def test_a_registered_name_is_played_again_by_a_process_that_has_not_its_module(
+    folder: Path, forget: Forget
+) -> None:
+    (folder / "own_named.py").write_text(
+        "from graph_planner.policies import register\n"
+        "from own_policies import North\n"
+        "class Named(North):\n    pass\n"
+        "register('own-name')(Named)\n"
+    )
+    sys.path.append(str(folder))
+    importlib.import_module("own_named")
+    sys.path.remove(str(folder))
+    run = played("run", "own-name", jobs=2)
+    forget()
+    replay = replay_of_run(run, None, None, 1)
+    assert replay.policy == "own-name"
+
+
+def test_a_bound_keeps_its_mark_where_its_module_is_gone(folder: Path, forget: Forget) -> None:
+    run = played("run", "own_policies:Seer", "greedy")
+    assert info(run)["bounds"] == ["own_policies:Seer"]
+    forget()
+    (folder / "own_policies.py").unlink()
+    table = headline_table(load_logs(run))
+    assert {row.head for row in table.rows if not row.paper} == {
+        "own_policies:Seer (bound)",
+        "greedy",
+    }
+    with pytest.raises(UserError, match="no module own_policies is installed or in"):
+        replay_of_run(run, None, "own_policies:Seer", 0)
+
+
+def test_a_study_takes_it(folder: Path) -> None:
+    setup = Setup.of(load_scenario("comb-port", ["horizon=4"]))
+    players = ["own_policies:North(heading=0)"]
+    study = Study("ablation", setup, variants.ablation(setup.scenario, players), episodes=1)
+    found = run_study(study, folder / "study", workers=Workers(2))
+    assert set(found["complete"]["graph"]) == {"own_policies:North"}
+    run_study(study, folder / "study")
+    (folder / "own_compass.py").write_text("NORTH = 4\n")
+    run_study(study, folder / "study", resume="fresh")
+    assert len(list(folder.glob("study.before-*"))) == 1
+
+
+def test_the_readmes_policy_runs_as_it_stands(folder: Path, start: Start) -> None:
+    """Its file pasted, its command with two processes, on short episodes."""
+    readme = (Path(__file__).parents[3] / "README.md").read_text()
+    block = readme.split("**A policy**", 1)[1]
+    source = textwrap.dedent(block.split("```python\n", 1)[1].split("```", 1)[0])
+    given = block.split("```\n  mjforage ", 1)[1].split("\n", 1)[0]
+    name = block.split(" `")[1].split("`")[0]
+    assert name.endswith(".py") and "--jobs 2" in given
+    (folder / name).write_text(source)
+    short = ("--episodes", 2, "--set", "horizon=4", "--out", "run")
+    process = start(*shlex.split(given), *short, before="import sys; sys.path.remove('')")
+    out, err = process.communicate(timeout=600)
+    assert process.returncode == 0, err
+    assert name.removesuffix(".py") in out and len(info(folder / "run")["policies"]) == 2
+
+
+def test_a_policy_of_the_script_itself_needs_one_process(tmp_path: Path) -> None:
+    @register("of-this-function")
+    class Local:
+        def reset(self, task: Task, keys: UInt64Array) -> None: ...
+        def act(self, observation: Observation) -> NDArray[np.float64]:
+            raise AssertionError
+
+    setup = Setup.of(load_scenario("comb-port", ["horizon=4"]))
+    with pytest.raises(UserError, match=r"policy of-this-function: .*Local is defined in the scr"):
+        evaluate(setup, ["of-this-function"], tmp_path / "run", workers=Workers(2))
+    assert not (tmp_path / "run").exists()
