@@ -125,7 +125,7 @@ class ModelPolicy:
         if moves and ((said >= 0) & (said < 9)).all():
             return said.astype(np.int64)
         if said.shape == mask.shape and said.dtype.kind == "f" and not np.isnan(said).any():
-            return np.where(mask, said, -np.inf).argmax(axis=-1)
+            return np.asarray(np.where(mask, said, -np.inf).argmax(axis=-1))
         raise UserError(
             f"{type(self).__name__}.decide: gave {said.dtype} of shape {said.shape}; expected "
             f"whole numbers 0-8 of shape {mask.shape[:-1]}, or values of shape {mask.shape} "

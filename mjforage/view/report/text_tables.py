@@ -253,7 +253,8 @@ def terminal_table(summary: Mapping[str, Any], bounds: Collection[str] = ()) -> 
     )
     table.add_column("policy", no_wrap=True)
     for metric in metrics:
-        unit = f"\n[{metric.unit}]" if metric.unit == "%" else "\n"  # others are too wide
+        # Longer units would not fit 80 columns; the report has them.
+        unit = f"\n[{metric.unit}]" if 0 < len(metric.unit) <= len("steps") else "\n"
         table.add_column(Text(metric.plain + unit), justify="right", no_wrap=True)
     series = [(world, policy) for world in parsed for policy in style.ordered(parsed[world])]
     for world, policy in series:

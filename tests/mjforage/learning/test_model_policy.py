@@ -32,7 +32,7 @@ def scored(seen: Pictures) -> NDArray[np.float64]:
 
 class InTurn(ModelPolicy):
     def decide(self, seen: Pictures, agents: NDArray[np.int64]) -> NDArray[Any]:
-        return scored(seen).argmax(axis=-1)
+        return np.asarray(scored(seen).argmax(axis=-1))
 
 
 class AtOnce(InTurn):
@@ -97,7 +97,7 @@ def test_the_batch_changes_nothing(policy: type[ModelPolicy]) -> None:
 
 def test_values_are_masked() -> None:
     """The largest value is of an illegal move now and then; it is never asked for."""
-    log: list[NDArray[np.float64]] = []
+    log: list[NDArray[np.int64]] = []
 
     class Noted(Values):
         def _choose(self, rows: Any, agent: int, moves: NDArray[np.int64]) -> None:

@@ -32,7 +32,7 @@ def dots(picture: Picture) -> list[list[list[float]]]:
 
 def study(*variants: tuple[Cost, ...], kind: str = "paper") -> StudyLogs:
     costs = {str(place): costs for place, costs in enumerate(variants)}
-    info = StudyInfo("", "", kind, {}, {}, ("graph",), 1, 0, {}, {})
+    info = StudyInfo("", "", kind, {}, {}, ("graph",), 1, 0, {})
     return StudyLogs(Path(), info, {}, {}, {}, costs)
 
 
