@@ -8,7 +8,9 @@ BIN := $(VENV)/bin
 CAPABILITIES := default avx2 avx512
 LEARNING := tests/mjforage/learning tests/graph_planner/test_weights.py
 
-.PHONY: demo test capabilities install clean
+POLICIES := belief oracle greedy levy lawnmower wanderer pso random ddqn ddqn-reward
+
+.PHONY: demo test types kernels capabilities install clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.installed: pyproject.toml constraints.txt
@@ -29,10 +31,19 @@ demo: $(VENV)/.installed
 test: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/pytest -n 2
+	$(MAKE) --jobs 2 types kernels
+	$(BIN)/pytest -n 2 --dist worksteal
 	$(MAKE) capabilities
+
+types: $(VENV)/.installed-dev
+	$(BIN)/mypy
+
+# Compiles most kernels, on the core that mypy leaves: two processes of tests would each do it.
+kernels: $(VENV)/.installed-dev
+	rm -rf $(VENV)/kernels
+	$(BIN)/mjforage compare comb-port-weather $(POLICIES:%=--policy %) --episodes 1 \
+		--set horizon=20 --out $(VENV)/kernels >/dev/null
 
 capabilities: $(VENV)/.installed-dev
 	for capability in $(CAPABILITIES); do \

@@ -22,11 +22,18 @@ _STAMP = _stamp()  # taken before any other file of this package is read
 
 
 class _Cache(FunctionCache):
-    """numba's disk cache, which by itself knows the kernel's own file only."""
+    """numba's disk cache, which by itself knows the kernel's own file only.
 
-    def _index_key(self, sig: Any, codegen: Any) -> Any:
-        key = super()._index_key(sig, codegen)  # type: ignore[no-untyped-call]
-        return (*key, _STAMP)
+    The sources' hash stands at the head of an index, before what names their classes, and in the
+    names of its files: whatever older sources left is never read.
+    """
+
+    def __init__(self, function: Callable[..., object]) -> None:
+        super().__init__(function)  # type: ignore[no-untyped-call]
+        index: Any = self._cache_file
+        index._version = f"{index._version} {_STAMP}"
+        head, _, number = index._data_name_pattern.rpartition(".{number")
+        index._data_name_pattern = f"{head}.{_STAMP[:12]}.{{number{number}"
 
 
 def kernel(function: F) -> F:
@@ -35,5 +42,5 @@ def kernel(function: F) -> F:
     No fast-math: sums keep their order, so a result never depends on the batch it is in.
     """
     dispatcher = cast(Any, numba).njit(fastmath=False, nogil=True)(function)
-    dispatcher._cache = _Cache(dispatcher.py_func)  # type: ignore[no-untyped-call]
+    dispatcher._cache = _Cache(dispatcher.py_func)
     return cast(F, dispatcher)

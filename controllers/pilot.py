@@ -23,7 +23,7 @@ PLAN_S = 0.5  # between two looks at the traffic
 HELD_MPS = 0.1  # slower than this at most counts as held back
 
 
-class Crew(NamedTuple):
+class FleetArrays(NamedTuple):
     """A batch of fleets and what they know of each other, written by the pilot."""
 
     state: FleetArray  # (episode, vessel)
@@ -44,28 +44,28 @@ def _begin(fleet: FleetArray, helms: HelmArray, room: float, spare: FloatArray) 
 
 
 @kernel
-def _steer_fleet(crew: Crew, e: int, step_s: float, commands: FloatArray) -> None:
+def _steer_fleet(fleets: FleetArrays, e: int, step_s: float, commands: FloatArray) -> None:
     """One tick of episode `e` under way: change modes, plan at times, command every vessel."""
-    fleet, helms, room = crew.state[e], crew.helms, ROOM * crew.pitch
+    fleet, helms, room = fleets.state[e], fleets.helms, ROOM * fleets.pitch
     if fleet[0].mode == START:
-        crew.ticks[e] = 0
-        _begin(fleet, helms, room, crew.paths[helms.shape[0]])
+        fleets.ticks[e] = 0
+        _begin(fleet, helms, room, fleets.paths[helms.shape[0]])
     for v in range(helms.shape[0]):
         change_mode(fleet[v], helms[v])
         if fleet[v].mode == HOLD and fleet[v].rank < NEVER_S:
             fleet[v].rank = NEVER_S + v  # who has arrived makes room
-    if crew.ticks[e] % max(round(PLAN_S / step_s), 1) == 0 and helms.shape[0] > 1:
-        plan_fleet(Traffic(fleet, helms, crew.paths, crew.met, crew.land, crew.pitch))
-    crew.ticks[e] += 1
+    if fleets.ticks[e] % max(round(PLAN_S / step_s), 1) == 0 and helms.shape[0] > 1:
+        plan_fleet(Traffic(fleet, helms, fleets.paths, fleets.met, fleets.land, fleets.pitch))
+    fleets.ticks[e] += 1
     for v in range(helms.shape[0]):
-        limit_speeds(fleet, helms, crew.land, crew.pitch, v)
+        limit_speeds(fleet, helms, fleets.land, fleets.pitch, v)
         port, starboard = steer(fleet[v], helms[v], room, step_s)
         commands[e, v, 0], commands[e, v, 1] = port, starboard
 
 
 @kernel
 def _command(
-    crew: Crew,
+    fleets: FleetArrays,
     active: NDArray[np.bool_],
     pose: FloatArray,
     velocity: FloatArray,
@@ -73,7 +73,7 @@ def _command(
     commands: FloatArray,
 ) -> None:
     """Measure and command every vessel of the active episodes; 0 for all others."""
-    state, helms = crew.state, crew.helms
+    state, helms = fleets.state, fleets.helms
     for e in range(active.size):
         commands[e] = 0.0
         if not active[e]:
@@ -82,7 +82,7 @@ def _command(
             estimate(state[e, v], helms[v], pose[e, v], velocity[e, v], step_s)
             state[e, v].clock += step_s
         if state[e, 0].mode != IDLE:
-            _steer_fleet(crew, e, step_s, commands)
+            _steer_fleet(fleets, e, step_s, commands)
 
 
 class Pilot:
@@ -116,7 +116,7 @@ class Pilot:
             )
         count = len(helms)
         self._step_s = float(control_s)
-        self._crew = Crew(
+        self._fleets = FleetArrays(
             state=np.zeros((episodes, count), STATE),
             helms=np.array([packed(helm) for helm in helms], HELM),
             land=np.zeros((0, 0), np.bool_) if chart is None else chart.land,
@@ -130,7 +130,7 @@ class Pilot:
 
     def reset(self, ids: NDArray[Any] | None = None) -> None:
         """Forget episodes (indices or mask, all by default)."""
-        self._crew.state[slice(None) if ids is None else ids] = idle_state()
+        self._fleets.state[slice(None) if ids is None else ids] = idle_state()
 
     def order(
         self,
@@ -148,7 +148,7 @@ class Pilot:
         stay : (episode, vessel) whether to keep position at the target
         """
         begin = np.where(stay[..., None], target, origin)
-        state = self._crew.state
+        state = self._fleets.state
         for axis, name in enumerate("xy"):
             state[f"origin_{name}"][active] = begin[active, :, axis]
             state[f"target_{name}"][active] = target[active, :, axis]
@@ -161,7 +161,7 @@ class Pilot:
         ----------
         xy : (episode, vessel, 2) [m]; NaN for none
         """
-        self._crew.state["item_x"], self._crew.state["item_y"] = xy[..., 0], xy[..., 1]
+        self._fleets.state["item_x"], self._fleets.state["item_y"] = xy[..., 0], xy[..., 1]
 
     def command(
         self, active: NDArray[np.bool_], pose: FloatArray, velocity: FloatArray
@@ -180,7 +180,7 @@ class Pilot:
         order; valid until the next call
         """
         _command(
-            self._crew,
+            self._fleets,
             np.ascontiguousarray(active, np.bool_),
             np.ascontiguousarray(pose, np.float64),
             np.ascontiguousarray(velocity, np.float64),
@@ -192,7 +192,7 @@ class Pilot:
     @property
     def giving_way(self) -> NDArray[np.bool_]:
         """(episode, vessel) whether it is under way and held back for another hull or a quay."""
-        state = self._crew.state
+        state = self._fleets.state
         most = np.where(state["way"] > 0.0, state["most_ahead"], state["most_astern"])
         held = (state["wait"] > state["clock"]) | (most < HELD_MPS)
         return np.asarray((state["mode"] == TRANSIT) & held)

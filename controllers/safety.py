@@ -1,4 +1,4 @@
-"""Safe speeds: how fast a hull may go and turn so that it can still stop before anything.
+"""Safe speeds: how fast a hull may go and turn so that it can still stop before an obstacle.
 
 They limit every command, whatever guidance and traffic want.
 """

@@ -7,21 +7,30 @@ the PettingZoo view. `pip install -c constraints.txt -e '.[libraries]'` installs
     python examples/stable_baselines3_and_torchrl.py waypoint 9216 1
     python examples/stable_baselines3_and_torchrl.py shared 24000
     python examples/stable_baselines3_and_torchrl.py torchrl
+    python examples/stable_baselines3_and_torchrl.py policy 24000
 
-The numbers are steps and, if given, the learner's seed.
+The numbers are steps and, if given, the learner's seed. The last one makes a policy of the model,
+and compares it with Greedy at graph level and in MuJoCo.
 """
 
 import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from rich.console import Console
 
 import mjforage
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
+from mjforage.learning.environments.spaces import Pictures
+from mjforage.learning.model_policy import ModelPolicy
+from mjforage.runs.evaluate import evaluate
 
 output = Console(highlight=False)
 
@@ -82,14 +91,50 @@ def waypoint(steps: int = 9216, seed: int = 0) -> None:
     learn(env, steersman(env, seed), steps)
 
 
-def shared(steps: int = 24000, seed: int = 0) -> None:
-    """PPO learns one policy for all agents of a fleet."""
+def forager(env: gymnasium.Env[Any, Any], seed: int = 0) -> Any:
+    """PPO for `mjforage/SharedPolicy-v0`, untrained."""
     from stable_baselines3 import PPO
 
+    return PPO("MultiInputPolicy", env, seed=seed, device="cpu", n_steps=2400, batch_size=240)
+
+
+def shared(steps: int = 24000, seed: int = 0) -> None:
+    """PPO learns one policy for all agents of a fleet."""
     env = gymnasium.make("mjforage/SharedPolicy-v0", reward=SHARED_REWARD)
     output.print(f"random {mean_return(env):.1f}")
-    model = PPO("MultiInputPolicy", env, seed=seed, device="cpu", n_steps=2400, batch_size=240)
-    learn(env, model, steps)
+    learn(env, forager(env, seed), steps)
+
+
+class Ppo(ModelPolicy):
+    """A model of `forager` as a policy; on a command line `MODULE:Ppo(file=ppo.zip)`."""
+
+    def __init__(self, file: Path = Path("ppo.zip")) -> None:
+        from stable_baselines3 import PPO
+
+        super().__init__([file])
+        self.model = PPO.load(file, device="cpu")
+
+    def decide(self, seen: Pictures, agents: NDArray[np.int64]) -> NDArray[Any]:
+        """Moves (row,), one row for each agent that decides."""
+        moves: NDArray[Any] = self.model.predict(seen, deterministic=True)[0]
+        return moves
+
+
+def policy(steps: int = 24000, seed: int = 0) -> None:
+    """PPO learns in the environment and plays in both worlds; `ppo.zip` and `runs/ppo` are left."""
+    model = forager(gymnasium.make("mjforage/SharedPolicy-v0", reward=SHARED_REWARD), seed)
+    model.learn(steps).save("ppo.zip")
+    compared("ppo.zip", Path("runs/ppo"))
+
+
+def compared(file: str, folder: Path, *overrides: str, episodes: int = 5) -> None:
+    """Play a model beside Greedy at graph level and in MuJoCo, and print what each collected."""
+    names = [f"{Path(__file__).stem}:Ppo(file={file})", "greedy"]
+    setup = Setup.of(load_scenario("comb-port", overrides))
+    found = evaluate(setup, names, folder, episodes=episodes, worlds=("graph", "physics"))
+    for world, policies in found.items():
+        for name, metrics in policies.items():
+            output.print(f"{world}, {name}: PTA_C {metrics['pta_c']['mean']:.1f} %")
 
 
 def torchrl() -> None:
@@ -112,6 +157,7 @@ LESSONS: dict[str, Callable[..., None]] = {
     "waypoint": waypoint,
     "shared": shared,
     "torchrl": torchrl,
+    "policy": policy,
 }
 
 

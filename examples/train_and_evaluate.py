@@ -17,8 +17,8 @@ from rich.console import Console
 
 from graph_planner.policies.ddqn import QPolicy
 from graph_planner.policies.registry import register
-from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
 from mjforage.runs.episode_replay import Replay

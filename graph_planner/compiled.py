@@ -28,17 +28,21 @@ def _stamp(source: Path) -> str:
 
 
 class _Cache(FunctionCache):
-    """numba's disk cache knows the kernel's own file; this one also knows what it may call."""
+    """numba's disk cache knows the kernel's own file; this one also knows what it may call.
+
+    The sources' hash stands at the head of an index, before what names their classes, and in the
+    names of its files: whatever older sources left is never read.
+    """
 
     def __init__(self, function: Callable[..., object]) -> None:
         super().__init__(function)  # type: ignore[no-untyped-call]
         depth = len(function.__module__.split(".")) - 1
         here = Path(function.__code__.co_filename).resolve()
-        self._sources = _stamp(here.parents[depth - 1] if depth else here)
-
-    def _index_key(self, sig: Any, codegen: Any) -> Any:
-        key = super()._index_key(sig, codegen)  # type: ignore[no-untyped-call]
-        return (*key, self._sources)
+        sources = _stamp(here.parents[depth - 1] if depth else here)
+        index: Any = self._cache_file
+        index._version = f"{index._version} {sources}"
+        head, _, number = index._data_name_pattern.rpartition(".{number")
+        index._data_name_pattern = f"{head}.{sources[:12]}.{{number{number}"
 
 
 def _compiled(function: F, inline: str) -> F:

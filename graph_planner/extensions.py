@@ -6,17 +6,19 @@ names travel, finds them again by `places` and `adopt`.
 """
 
 import importlib
+import inspect
 import sys
 from collections.abc import Callable, Iterable
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar, cast
 
 from graph_planner.errors import UserError
 from graph_planner.references import Reference, bind, nearest, parse_reference
 
 T = TypeVar("T", bound=Callable[..., Any])
+M = TypeVar("M", bound=Callable[..., Any])
 _OURS = ("graph_planner", "controllers", "metrics", "mjforage")
 
 
@@ -34,13 +36,14 @@ class Table(Generic[T]):
     ----------
     kind : what they are, for messages
     group : entry points of installed packages that belong to it
+    given : arguments that each is called with before its options
     """
 
-    def __init__(self, kind: str, group: str) -> None:
-        self.kind, self.group = kind, group
+    def __init__(self, kind: str, group: str, given: int = 0) -> None:
+        self.kind, self.group, self.given = kind, group, given
         self._registered: dict[str, T] = {}
 
-    def register(self, name: str) -> Callable[[T], T]:
+    def register(self, name: str) -> Callable[[M], M]:
         """Decorator that makes something known under a name.
 
         Raises
@@ -49,10 +52,10 @@ class Table(Generic[T]):
             If the name is taken.
         """
 
-        def add(made: T) -> T:
+        def add(made: M) -> M:
             if name in self._registered:
                 raise ValueError(f"{self.kind} {name!r} is registered already")
-            self._registered[name] = made
+            self._registered[name] = cast(T, made)
             return made
 
         return add
@@ -102,7 +105,7 @@ class Table(Generic[T]):
         ours = [name for name, one in self._registered.items() if one is made and is_ours(made)]
         if ours:
             reference = Reference(ours[0], reference.options)
-        spelt, values = bind(made, reference, self.kind)
+        spelt, values = bind(made, reference, self.kind, self.given)
         return spelt, made, values
 
     def origin(self, name: str) -> str:
@@ -121,10 +124,11 @@ class Table(Generic[T]):
         UserError
             If one is of the script itself, which another process cannot import.
         """
-        return {name: self._place(name) for name in names if not is_ours(self.find(name))}
+        found = {name: self.find(name) for name in names}
+        return {name: self.place(name, made) for name, made in found.items() if not is_ours(made)}
 
-    def _place(self, name: str) -> Place:
-        made = self.find(name)
+    def place(self, name: str, made: T) -> Place:
+        """Where another process finds something that goes by a name here; raises as `places`."""
         module, path = made.__module__, getattr(made, "__qualname__", "<none>")
         if module == "__main__" or "<" in path:
             raise UserError(
@@ -146,11 +150,21 @@ class Table(Generic[T]):
         UserError
             If it cannot be imported here.
         """
-        if name in self._registered:
-            return
+        if name not in self._registered:
+            made = self.at(place)
+            self._registered.setdefault(name, made)  # its module may have registered it itself
+
+    def at(self, place: Place) -> T:
+        """What is at a place that another process found; it gets no name here.
+
+        Raises
+        ------
+        UserError
+            If it cannot be imported here.
+        """
         _reach(place.folder)
-        made = _imported(place.reference, f"{self.kind} {name}")
-        self._registered.setdefault(name, made)  # its module may have registered it itself
+        found: T = _imported(place.reference, f"{self.kind} {place.reference}")
+        return found
 
 
 def is_ours(made: Any) -> bool:
@@ -173,6 +187,8 @@ def _imported(reference: str, what: str) -> Any:
         If there is no such module or name, or the module itself does not import.
     """
     module_name, _, path = reference.partition(":")
+    if not all(part.isidentifier() for part in (*module_name.split("."), *path.split("."))):
+        raise UserError(f"{what}: expected package.module:Name, letters, digits and underscores")
     _reach(str(Path.cwd()))
     try:
         found: Any = importlib.import_module(module_name)
@@ -192,9 +208,15 @@ def _imported(reference: str, what: str) -> Any:
             f"{what}: module {module_name} cannot be imported ({type(error).__name__}: {error}); "
             "mend it"
         ) from error
+    except SystemExit as error:
+        raise UserError(
+            f"{what}: module {module_name} ends the process; let it only define"
+        ) from error
     for name in path.split("."):
         if not hasattr(found, name):
             names = [one for one, value in vars(found).items() if isinstance(value, type)]
             raise UserError(f"{what}: {module_name} has no {path}; {nearest(name, names)}")
         found = getattr(found, name)
+    if not inspect.isclass(found) and not inspect.isfunction(found):
+        raise UserError(f"{what}: is a {type(found).__name__}; give a class or a function")
     return found

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import inlined, kernel
+from graph_planner.errors import UserError
 from graph_planner.fleet import Fleet
 from graph_planner.geodesics import DIAGONAL, Int32Array
 from graph_planner.navigation import STAY, NavigationGraph
@@ -198,6 +199,31 @@ def _resolve(
             claimed[end] = token
 
 
+def check_preferences(
+    answer: NDArray[np.float64], rows_agents: tuple[int, ...], who: str
+) -> NDArray[np.float64]:
+    """The answer of a policy, if it is an array (row, agent, 9) of numbers.
+
+    Parameters
+    ----------
+    rows_agents : how many rows and agents it must have
+    who : gave it, as an error begins
+
+    Raises
+    ------
+    UserError
+        If it is not.
+    """
+    shape = (*rows_agents, 9)
+    kind = getattr(getattr(answer, "dtype", None), "kind", "")
+    if getattr(answer, "shape", None) != shape or kind not in tuple("fiub"):
+        was = f"{answer.dtype} {answer.shape}" if kind else type(answer).__name__
+        raise UserError(
+            f"{who}: act gave {was}, expected numbers of shape {shape}, (row, agent, move)"
+        )
+    return answer
+
+
 class Resolver:
     """Turns preferences into moves: agents choose one after the other, see `Fleet.order`."""
 
@@ -238,15 +264,13 @@ class Resolver:
 
         Raises
         ------
-        ValueError
-            If the preferences have the wrong shape or contain NaN.
+        UserError
+            If the preferences have the wrong shape or contain NaN: the policy is at fault.
         """
-        shape = (*agent_node.shape, 9)
-        if preferences.shape != shape:
-            raise ValueError(f"preferences: shape {preferences.shape}, expected {shape}")
+        check_preferences(preferences, agent_node.shape, "policy")
         if np.isnan(preferences).any():
-            raise ValueError(
-                "preferences: contain NaN; give illegal or unwanted moves -inf instead"
+            raise UserError(
+                "policy: gives preferences that are NaN; give illegal or unwanted moves -inf"
             )
         moves = Moves(
             direction=np.full(agent_node.shape, STAY, np.int8),

@@ -6,7 +6,7 @@ from torch import Tensor, nn
 from graph_planner.encodings import Shapes
 
 MOVES = 9
-WIDTH, HEAD = 192, 64
+WIDTH, HEAD = 192, 64  # units of the trunk and of each head; estimates
 LEVELS = 255.0
 
 
@@ -21,9 +21,10 @@ class DuelingNetwork(nn.Module):
     def __init__(self, shapes: Shapes) -> None:
         """Build for arrays of these shapes, see `Encoder.shapes`."""
         super().__init__()
-        self.maps = nn.ModuleDict({k: _eye(s) for k, s in shapes.items() if len(s) == 3})
+        self.pictures = [name for name, shape in shapes.items() if len(shape) == 3]
+        self.maps = nn.ModuleDict({_key(name): _eye(shapes[name]) for name in self.pictures})
         self.flat = [name for name, shape in shapes.items() if len(shape) < 3]
-        width = sum(_size(eye, shapes[name]) for name, eye in self.maps.items())
+        width = sum(_size(self.maps[_key(name)], shapes[name]) for name in self.pictures)
         width += sum(torch.Size(shapes[name]).numel() for name in self.flat)
         self.trunk = nn.Sequential(nn.Linear(width, WIDTH), nn.ReLU())
         self.value = nn.Sequential(nn.Linear(WIDTH, HEAD), nn.ReLU(), nn.Linear(HEAD, 1))
@@ -35,7 +36,7 @@ class DuelingNetwork(nn.Module):
     def forward(self, levels: dict[str, Tensor]) -> Tensor:
         """(row, 9) values of levels (row, ...) uint8."""
         seen = {name: level.float() / LEVELS for name, level in levels.items()}
-        parts = [eye(seen[name]) for name, eye in self.maps.items()]
+        parts = [self.maps[_key(name)](seen[name]) for name in self.pictures]
         parts += [seen[name].flatten(1) for name in self.flat]
         trunk = self.trunk(torch.cat(parts, dim=1))
         if self.read_move is None:
@@ -45,6 +46,12 @@ class DuelingNetwork(nn.Module):
             advantage = self.advantage(torch.relu(joined)).squeeze(2)
         values: Tensor = self.value(trunk) + advantage - advantage.mean(dim=1, keepdim=True)
         return values
+
+
+def _key(name: str) -> str:
+    """The name of an array as torch takes it, which keeps some for itself, such as `items`."""
+    name = name.replace(".", "_")
+    return f"{name}_" if hasattr(nn.ModuleDict, name) else name
 
 
 def _eye(shape: tuple[int, ...]) -> nn.Module:

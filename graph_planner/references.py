@@ -116,11 +116,22 @@ def with_options(
     return [str(one) for one in found], tuple(others)
 
 
+def assigned(text: str) -> dict[str, Any]:
+    """The TOML value of what stands behind `KEY=`, as `value`; a bare word is a text.
+
+    A text of several lines may have other keys beside it.
+    """
+    try:
+        return tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return {"value": text.strip()}
+
+
 def _value(text: str) -> Any:
     """A TOML value of plain kind, or a bare word; None for neither."""
     try:
         tree = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         return text if _BARE.fullmatch(text) else None
     value = tree.pop("value")
     if tree or value != value:  # a second line, or NaN, which equals nothing
@@ -155,8 +166,14 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f"did you mean {close[0]}?" if close else f"choose {', '.join(names) or 'none'}"
 
 
-def bind(made: Callable[..., object], reference: Reference, kind: str) -> tuple[Reference, Any]:
+def bind(
+    made: Callable[..., object], reference: Reference, kind: str, given: int = 0
+) -> tuple[Reference, Any]:
     """Check a reference's options against the signature of what it names.
+
+    Parameters
+    ----------
+    given : arguments before the options, which it is called with whatever they say
 
     Returns
     -------
@@ -176,7 +193,7 @@ def bind(made: Callable[..., object], reference: Reference, kind: str) -> tuple[
     open_end = any(one.kind is one.VAR_KEYWORD for one in signature.values())
     known = {
         name: one
-        for name, one in signature.items()
+        for name, one in list(signature.items())[given:]
         if one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)
     }
     hints = _hints(made) if reference.options else {}

@@ -1,5 +1,6 @@
 """What a policy is told before an episode, and what it sees at every step."""
 
+import hashlib
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -91,6 +92,16 @@ class Task:
             energy=self.fleet.energy,
             horizon=self.horizon,
         )
+
+
+def digest(task: Task) -> bytes:
+    """Hash of the arrays of a task, which all missions of a setup share and nobody may change."""
+    fleet, graph = task.fleet, task.graph
+    arrays = (fleet.moves, fleet.radius, fleet.collects, fleet.capacity, fleet.energy, fleet.order)
+    found = hashlib.sha256()
+    for array in (*arrays, graph.neighbours, graph.rows, graph.cols, *task.views):
+        found.update(np.ascontiguousarray(array).data)
+    return found.digest()
 
 
 class Observation(NamedTuple):

@@ -47,12 +47,30 @@ def rounded_line(d_row: int, d_col: int) -> NDArray[np.int64]:
     return offsets
 
 
-def disc_offsets(radius: float) -> NDArray[np.int64]:
-    """Offsets within `radius` of the origin in row-major order: (offset, 2) int64."""
-    reach = int(np.floor(radius))
-    d_row, d_col = np.mgrid[-reach : reach + 1, -reach : reach + 1]
+def disc_offsets(radius: float, shape: tuple[int, int]) -> NDArray[np.int64]:
+    """Offsets within `radius` of the origin in row-major order: (offset, 2) int64.
+
+    Those alone that join two cells of a map of this shape (rows, columns).
+    """
+    down, across = (min(int(np.floor(radius)), size - 1) for size in shape)
+    d_row, d_col = np.mgrid[-down : down + 1, -across : across + 1]
     inside = d_row**2 + d_col**2 <= radius**2 + 1e-9
     return np.stack((d_row[inside], d_col[inside]), axis=1).astype(np.int64)
+
+
+def list_bytes(radius: float, shape: tuple[int, int], nodes: int) -> float:
+    """Memory that lists of nodes of one radius take at most while they are made [byte].
+
+    Parameters
+    ----------
+    radius : [node]
+    shape : (rows, columns) of the map
+    nodes : navigable cells
+    """
+    down, across = (min(radius, size - 1.0) for size in shape)
+    offsets = min(np.pi * radius**2 + 1.0, (2.0 * down + 1.0) * (2.0 * across + 1.0))
+    points = 2.0 * max(down, across) / 3.0 + 1.0  # of a mean line
+    return float(offsets * points * 32 + nodes * min(offsets, nodes) * 8)
 
 
 @kernel
@@ -108,7 +126,7 @@ def node_lists(
     parts: list[Int32Array] = []
     total = 0
     for i, radius in enumerate(radii):
-        offsets = disc_offsets(radius)
+        offsets = disc_offsets(radius, (node_of_cell.shape[0], node_of_cell.shape[1]))
         lines = [
             rounded_line(r, c) if line_of_sight else np.zeros((0, 2), np.int64) for r, c in offsets
         ]

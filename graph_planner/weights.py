@@ -10,8 +10,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graph_planner.encodings import ENCODERS, Shapes
-from graph_planner.errors import WeightsError
+from graph_planner.encodings import ENCODERS, Shapes, create_encoder, encoder_class
+from graph_planner.errors import UserError, WeightsError
 from graph_planner.task import Task
 
 if TYPE_CHECKING:
@@ -25,9 +25,11 @@ TEAMS = ("scout", "forager")
 
 _HERE = Path(__file__).resolve().parent
 _PLACES = (_HERE.parent / "mjforage" / "models", _HERE.parent / "models")  # a wheel, a checkout
-_LARGEST_HEADER = 1 << 20
+_LARGEST_HEADER = 1 << 20  # bytes
+LARGEST = 1e4
+"""Magnitude of a weight, those that ship being below 10: through five layers of some thousand
+inputs, values in [0, 1] then stay finite in 32 bits."""
 _NOTE = "mjforage"  # the one entry of the safetensors metadata, as several have no order
-_MAP_BOUND = ("paper",)  # encodings whose weights are of no use on another map
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class WeightsHeader:
 
     Attributes
     ----------
-    encoding : name in `ENCODERS`
+    encoding : reference to an observation encoder
     shapes : of the arrays that the networks read
     grounds : maps and rules that they were trained on, see `ground_note`; empty: not known
     """
@@ -92,11 +94,16 @@ def read_header(path: Path) -> WeightsHeader:
             f"weights {path}: not a safetensors file; give one that `mjforage train` wrote"
         )
     notes = _notes(header.get("__metadata__"))
-    if notes.get("format") != FORMAT or notes.get("perception") not in list(ENCODERS):
+    encoding = notes.get("perception")
+    if notes.get("format") != FORMAT or not isinstance(encoding, str):
         raise WeightsError(
-            f"weights {path}: format {notes.get('format')!r}, perception "
-            f"{notes.get('perception')!r}; expected {FORMAT!r} and one of {', '.join(ENCODERS)}"
+            f"weights {path}: format {notes.get('format')!r}, perception {encoding!r}; expected "
+            f"{FORMAT!r} and {', '.join(ENCODERS.names())} or package.module:Class"
         )
+    try:
+        encoder_class(encoding)
+    except UserError as error:
+        raise WeightsError(f"weights {path}: {error}") from error
     shapes: Any = notes.get("shapes")
     grounds: Any = notes.get("grounds", [])
     if not _are_shapes(shapes) or not _are_grounds(grounds):
@@ -105,7 +112,7 @@ def read_header(path: Path) -> WeightsHeader:
             "not what `mjforage train` writes; get the file again"
         )
     arrays = {name: tuple(shape) for name, shape in shapes.items()}
-    return WeightsHeader(notes["perception"], arrays, tuple(grounds))
+    return WeightsHeader(encoding, arrays, tuple(grounds))
 
 
 def _parsed(text: Any) -> Any:
@@ -182,13 +189,13 @@ def load_networks(path: Path, task: Task) -> "dict[str, DuelingNetwork]":
 
 def _check_fit(path: Path, header: WeightsHeader, task: Task) -> None:
     """Refuse weights that were made for something else."""
-    shapes = ENCODERS[header.encoding](task).shapes
+    shapes = create_encoder(header.encoding, task).shapes
     if shapes != header.shapes:
         raise WeightsError(
             f"weights {path}: made for {header.encoding} arrays of {header.shapes}, but this "
             f"scenario's are {shapes}; use its own weights, or egocentric ones, which fit every map"
         )
-    if header.encoding in _MAP_BOUND and header.grounds:
+    if getattr(encoder_class(header.encoding), "map_bound", False) and header.grounds:
         here = ground_note(task)
         if here not in header.grounds:
             raise WeightsError(
@@ -201,7 +208,7 @@ def _check_fit(path: Path, header: WeightsHeader, task: Task) -> None:
 def _check_tensors(
     path: Path, tensors: "Mapping[str, Tensor]", networks: "Mapping[str, DuelingNetwork]"
 ) -> None:
-    """Refuse tensors that are missing, unknown, of another shape or type, or not finite."""
+    """Refuse tensors that are missing, unknown, of another shape or type, or not finite or huge."""
     wanted = {
         f"{team}.{name}": _kind(value)
         for team, network in networks.items()
@@ -214,10 +221,11 @@ def _check_tensors(
                 f"weights {path}: {name} is {found.get(name, 'missing')}, expected "
                 f"{wanted.get(name, 'nothing of that name')}; train again with this version"
             )
-        if not bool(tensors[name].isfinite().all()):
+        if not bool((tensors[name].abs() <= LARGEST).all()):  # nor what is no number
             raise WeightsError(
-                f"weights {path}: {name} holds numbers that are not finite; train again, or take "
-                "an earlier checkpoint"
+                f"weights {path}: {name} holds numbers that are not finite or beyond "
+                f"+-{LARGEST:g}, with which values overflow; train again, or take an earlier "
+                "checkpoint"
             )
 
 

@@ -60,17 +60,6 @@ class EventTable:
         array.setflags(write=False)
         object.__setattr__(self, name, array)
 
-    def subset(self, chosen: BoolArray) -> "EventTable":
-        """Give the table of the items in `chosen` (..., item) only, the others as padding."""
-        keep = np.broadcast_to(chosen, self.exists.shape) & self.exists
-        return EventTable(
-            np.where(keep, self.discovered_at, NEVER),
-            np.where(keep, self.discovered_by, NOBODY),
-            np.where(keep, self.collected_at, NEVER),
-            np.where(keep, self.collected_by, NOBODY),
-            keep,
-        )
-
 
 def counts_by_step(times: ArrayLike, horizon: int) -> IntArray:
     """Cumulative number of events with time <= t, for t = 0..horizon.

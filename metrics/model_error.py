@@ -106,6 +106,7 @@ def _errors(
     rmse: FloatArray,  # (map,) out
     rmse_columns: FloatArray,  # (map,) out
 ) -> None:
+    """Root mean squared error of each map after Gaussian filtering: over nodes, and by columns."""
     rows, columns = navigable.shape
     padded = np.zeros((rows + 2 * RADIUS, columns + 2 * RADIUS))
     squares = np.zeros((2, columns))  # per column: over the nodes, over all rows

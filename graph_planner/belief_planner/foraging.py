@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.group import Group
+from graph_planner.belief_planner.move_preferences import towards
 from graph_planner.belief_planner.routes import NOWHERE, Legs, search_routes
 from graph_planner.belief_planner.shore import Shore, settled, shore_of
-from graph_planner.belief_planner.steering import towards
 from graph_planner.belief_planner.stops import (
     MOST,
     Floating,

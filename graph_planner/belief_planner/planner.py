@@ -13,10 +13,10 @@ from graph_planner.belief_planner.cloud import cloud_of
 from graph_planner.belief_planner.covers import hotspot_cover, landmarks_of
 from graph_planner.belief_planner.currents import currents_of
 from graph_planner.belief_planner.foraging import Foraging
+from graph_planner.belief_planner.move_preferences import towards
 from graph_planner.belief_planner.routes import NOWHERE
 from graph_planner.belief_planner.scouting import Scouting
 from graph_planner.belief_planner.shore import shore_of
-from graph_planner.belief_planner.steering import towards
 from graph_planner.belief_planner.waiting import approach, regrets
 from graph_planner.geodesics import Int32Array
 from graph_planner.randomness import Stream, UInt64Array, stream_key

@@ -1,21 +1,36 @@
 """What a learner sees of an `Observation`: pictures of the map per agent, as levels of 0 to 255.
 
-Kinds are named in `ENCODERS`; each turns the fleet's observation into arrays of
+One encoder per file, registered by name; each turns the fleet's observation into arrays of
 (episode, agent, ...) uint8, where level / 255 is the value in [0, 1]. Policies and environments
-share them, so a network sees the same bytes when it is trained and when it is used.
+share them, so a network sees the same bytes when it is trained and when it is used. A file that is
+put here is found without an edit elsewhere; a class in a package of your own is found by the entry
+point `mjforage.observations` or by `package.module:Class`.
 """
 
-from collections.abc import Callable
+import importlib
+import pkgutil
 
-from graph_planner.encodings.egocentric import Egocentric
-from graph_planner.encodings.encoder import Encoder, Shapes
+from graph_planner.encodings.encoder import (
+    ENCODERS,
+    Encoder,
+    Shapes,
+    create_encoder,
+    encoder,
+    encoder_class,
+    encoder_label,
+)
 from graph_planner.encodings.masks import legal_moves
-from graph_planner.encodings.paper_channels import PaperChannels
-from graph_planner.task import Task
 
-ENCODERS: dict[str, Callable[[Task], Encoder]] = {
-    "paper": PaperChannels,
-    "egocentric": Egocentric,
-}
+for _module in pkgutil.iter_modules(__path__):
+    importlib.import_module(f"{__name__}.{_module.name}")
 
-__all__ = ["ENCODERS", "Egocentric", "Encoder", "PaperChannels", "Shapes", "legal_moves"]
+__all__ = [
+    "ENCODERS",
+    "Encoder",
+    "Shapes",
+    "create_encoder",
+    "encoder",
+    "encoder_class",
+    "encoder_label",
+    "legal_moves",
+]

@@ -1,4 +1,4 @@
-"""What one agent sees around itself, roughly everywhere, and of each of its moves.
+"""The egocentric encoding: the map around an agent, a coarse one of all, features of its moves.
 
 Unlike the paper's channels its size does not depend on the map, so weights fit every map.
 """
@@ -14,6 +14,7 @@ from graph_planner.encodings.encoder import (
     TRAIL,
     Levels,
     Shapes,
+    encoder,
     item_level,
     remember_places,
     trail_level,
@@ -186,6 +187,7 @@ def _look_around(
             describe_moves(e, a, seen, arrays, chart, fields, distances, moves[e, a])
 
 
+@encoder("egocentric")
 class Egocentric:
     """`egocentric`: four arrays per agent, of the same size on every map.
 

@@ -1,13 +1,16 @@
-"""What observation encoders have in common: their interface, levels, and who was where before."""
+"""What observation encoders have in common: their interface, table, levels, and trails."""
 
+from collections.abc import Callable
 from typing import Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import inlined, kernel
+from graph_planner.errors import UserError
+from graph_planner.extensions import Table
 from graph_planner.geodesics import Int32Array
-from graph_planner.task import Observation
+from graph_planner.task import Observation, Task
 
 Levels: TypeAlias = NDArray[np.uint8]
 Shapes: TypeAlias = dict[str, tuple[int, ...]]
@@ -20,7 +23,11 @@ TOP = 255
 
 
 class Encoder(Protocol):
-    """Pictures of what the fleet knows, one set per agent."""
+    """Pictures of what the fleet knows, one set per agent.
+
+    Its class is called with the task, and the options of a reference as keywords. A class whose
+    pictures are of no use on another map says `map_bound = True`.
+    """
 
     @property
     def shapes(self) -> Shapes:
@@ -40,6 +47,63 @@ class Encoder(Protocol):
         had. Looking twice at one step changes nothing.
         """
         ...
+
+
+ENCODERS: Table[Callable[..., Encoder]] = Table("observation", "mjforage.observations", given=1)
+
+
+encoder = ENCODERS.register
+"""Class decorator that makes an encoder known under a name, as `Table.register`."""
+
+
+def encoder_class(text: str) -> Callable[..., Encoder]:
+    """The class that a reference names.
+
+    Raises
+    ------
+    UserError
+        If there is none, an option does not fit, or it is no class of encoders.
+    """
+    _, made, _ = ENCODERS.bound(text)
+    missing = [name for name in ("reset", "see") if not callable(getattr(made, name, None))]
+    if missing or not isinstance(made, type):
+        raise UserError(
+            f"observation {text}: is no encoder; give a class with shapes, reset and see"
+        )
+    return made
+
+
+def encoder_label(text: str) -> str:
+    """The one spelling of a reference to an encoder; raises as `encoder_class`."""
+    encoder_class(text)
+    return str(ENCODERS.bound(text)[0])
+
+
+def create_encoder(text: str, task: Task) -> Encoder:
+    """A fresh encoder.
+
+    Parameters
+    ----------
+    text : NAME or `package.module:Class`, with options in parentheses
+    task : map, fleet and rules that it is for
+
+    Raises
+    ------
+    UserError
+        As `encoder_class`, and if its shapes are none.
+    """
+    made = encoder_class(text)(task, **ENCODERS.bound(text)[2])
+    shapes = getattr(made, "shapes", None)
+    if not isinstance(shapes, dict) or not all(map(_is_shape, shapes.values())) or not shapes:
+        raise UserError(
+            f"observation {text}: shapes = {shapes!r:.60}; give a dict of names and tuples of "
+            "whole numbers, at least one"
+        )
+    return made
+
+
+def _is_shape(value: object) -> bool:
+    return isinstance(value, tuple) and all(type(n) is int and n > 0 for n in value)
 
 
 @inlined

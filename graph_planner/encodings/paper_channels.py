@@ -9,6 +9,7 @@ from graph_planner.encodings.encoder import (
     TRAIL,
     Levels,
     Shapes,
+    encoder,
     item_level,
     remember_places,
     trail_level,
@@ -76,6 +77,7 @@ def _paint(
                     picture[5, map_rows[node], map_cols[node]] = max(before, level)
 
 
+@encoder("paper")
 class PaperChannels:
     """`paper`: one array `map` of (6, row, column); land is 0 everywhere.
 
@@ -89,6 +91,8 @@ class PaperChannels:
     | 4 | own position and trail of 10 positions | step | 1, then 0.1 less per step back |
     | 5 | teammates' positions | - | scout 128 / 255, forager 1 |
     """
+
+    map_bound = True
 
     def __init__(self, task: Task) -> None:
         self._task = task

@@ -1,12 +1,13 @@
 """The Double DQN: shipped weights, a network per team (paper, "Experimental Study")."""
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.encodings import ENCODERS
+from graph_planner.encodings import create_encoder, encoder_class
 from graph_planner.policies.registry import plays_weights, register
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task
@@ -36,9 +37,14 @@ class QPolicy:
         """Get ready for a batch of episodes (episode,)."""
         self._networks = self._load(task)
         self._teams = (task.fleet.discoverers, task.fleet.collectors)
-        self._encoder = ENCODERS[self._header.encoding](task)
+        self._encoder = create_encoder(self._header.encoding, task)
         self._encoder.reset(keys.size)
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
+
+    @property
+    def parts(self) -> tuple[Callable[..., Any], ...]:
+        """The encoder that the weights were made for."""
+        return (encoder_class(self._header.encoding),)
 
     def _load(self, task: Task) -> "dict[str, DuelingNetwork]":
         return load_networks(self._path, task)  # and thereby torch

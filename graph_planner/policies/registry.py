@@ -20,7 +20,8 @@ class Policy(Protocol):
 
     Its class is called without arguments, or with the options of a reference as keywords. A policy
     whose moves hang on files names them in an attribute `files`, a tuple of paths: what is in them
-    is then part of what a run is.
+    is then part of what a run is. So is the source of the classes in an attribute `parts`, a tuple
+    of those that it finds by their names, such as an observation encoder.
     """
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
@@ -54,7 +55,6 @@ class Bound(Policy, Protocol):
         ...
 
 
-PolicyClass = TypeVar("PolicyClass", bound=Callable[..., Policy])
 WeightsPlayer = TypeVar("WeightsPlayer", bound=Callable[[Path], Policy])
 
 POLICIES: Table[Callable[..., Policy]] = Table("policy", "mjforage.policies")
@@ -62,20 +62,8 @@ _PLAYERS: list[Callable[[Path], Policy]] = []
 _logger = logging.getLogger(__name__)
 
 
-def register(name: str) -> Callable[[PolicyClass], PolicyClass]:
-    """Class decorator that makes a policy known under a name.
-
-    Raises
-    ------
-    ValueError
-        If the name is taken.
-    """
-
-    def add(policy: PolicyClass) -> PolicyClass:
-        POLICIES.register(name)(policy)
-        return policy
-
-    return add
+register = POLICIES.register
+"""Class decorator that makes a policy known under a name, as `Table.register`."""
 
 
 def plays_weights(policy: WeightsPlayer) -> WeightsPlayer:
@@ -163,7 +151,11 @@ def create_policy(text: str) -> Policy:
         If the present folder has a weight file of that name, but no weights of ours are in it.
     """
     _, made, options = _bound(text)
-    return made(**options)
+    policy = made(**options)
+    for method in ("reset", "act"):
+        if not callable(getattr(policy, method, None)):
+            raise UserError(f"policy {text}: has no method {method}; define it")
+    return policy
 
 
 def outside_class(text: str) -> str:
@@ -199,9 +191,19 @@ def policy_files(text: str) -> tuple[Path, ...]:
     """The files that a policy's moves hang on, its weights for example.
 
     A warning is logged if the present folder has weights of that name which it does not read.
+
+    Raises
+    ------
+    UserError
+        As `create_policy`, and if one of them is missing.
     """
-    name = parse_reference(text, "policy").name
-    files = tuple(Path(file) for file in getattr(create_policy(text), "files", ()))
+    name, named = parse_reference(text, "policy").name, getattr(create_policy(text), "files", ())
+    files = tuple(Path(file) for file in ((named,) if isinstance(named, str | Path) else named))
+    for file in files:
+        if not file.is_file():
+            raise UserError(
+                f"policy {text}: there is no file {file}, which it reads; mend its path"
+            )
     there = Path(f"{name}.safetensors")
     if there.is_file() and not any(file.exists() and there.samefile(file) for file in files):
         _logger.warning(
@@ -211,6 +213,12 @@ def policy_files(text: str) -> tuple[Path, ...]:
             there,
         )
     return files
+
+
+def policy_parts(text: str) -> tuple[Callable[..., Any], ...]:
+    """The classes that a policy finds by their names, an observation encoder for example."""
+    made = policy_class(text)
+    return tuple(getattr(create_policy(text), "parts", ())) if hasattr(made, "parts") else ()
 
 
 def policy_summary(name: str) -> str:

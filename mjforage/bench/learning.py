@@ -5,7 +5,6 @@ import time
 import gymnasium
 import numpy as np
 
-from graph_planner.encodings import ENCODERS
 from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.trainer import Trainer
@@ -14,6 +13,7 @@ ENVS = 32
 STEPS = 150
 ROUNDS = 2
 UPDATES = 40
+OBSERVATIONS = ("paper", "egocentric")
 SMALL = {"num_envs": 8, "warmup": 500, "explore_updates": 100}
 
 
@@ -41,7 +41,7 @@ def learning_speeds() -> dict[str, float]:
     team's network, draw and priorities included; `ddqn_share_<part>`: of the time of training on
     the published scenario.
     """
-    figures = {f"env_obs_steps_per_core_s_{kind}": _observed_per_s(kind) for kind in ENCODERS}
+    figures = {f"env_obs_steps_per_core_s_{kind}": _observed_per_s(kind) for kind in OBSERVATIONS}
     trainer = Trainer([load_scenario("published")], changed(Hyperparameters(), SMALL))
     trainer.play_round()  # compiles, and fills the replay
     for part in trainer.clock.seconds:

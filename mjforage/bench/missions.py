@@ -7,9 +7,9 @@ import time
 import numpy as np
 
 from graph_planner.policies import create_policy
-from mjforage.core.mission import Setup
 from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 from mjforage.physics.worlds import create_mission
 
 PARTS = {

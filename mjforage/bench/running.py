@@ -18,9 +18,10 @@ from mjforage.bench.memory import peak_memory_mb
 from mjforage.bench.missions import mission_speeds
 from mjforage.bench.simulations import physics_speeds
 from mjforage.core.maps import GridMap
-from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 from mjforage.runs.evaluate import evaluate
 
 Figures = dict[str, dict[str, float | str]]

@@ -19,7 +19,7 @@ from mjforage.cli import (  # they add their commands
     validating,
 )
 from mjforage.cli.console import app, errors
-from mjforage.core.errors import UserError
+from mjforage.core.errors import UserError, printable
 
 __all__ = [
     "drawing",
@@ -44,24 +44,28 @@ def main(arguments: Sequence[str] | None = None) -> None:
         format="%(message)s",
         handlers=[RichHandler(console=errors, show_time=False, show_path=False)],
     )
+    arguments = sys.argv[1:] if arguments is None else arguments
     try:
+        for word in arguments:
+            if any("\ud800" <= letter <= "\udfff" for letter in word):
+                raise UserError(f"{word}: is not UTF-8; give names in UTF-8, of files as well")
         app(arguments, exit_on_error=False, print_error=False)
     except (UserError, cyclopts.CycloptsError) as error:
-        words = " ".join(str(error).split())
-        errors.print(f"mjforage: {words}", style="red", markup=False)
+        _say(str(error))
         sys.exit(BAD_INPUT)
     except OSError as error:  # of a file that is nobody's in particular, such as a compiler's cache
         where, reason = error.filename or "a file", error.strerror or str(error)
-        errors.print(
-            f"mjforage: {where}: {reason}; free some space or mend its permissions, then run the "
-            "same command again",
-            style="red",
-            markup=False,
+        _say(
+            f"{where}: {reason}; free some space or mend its permissions, then run the same "
+            "command again"
         )
         sys.exit(BAD_INPUT)
     except KeyboardInterrupt:
-        errors.print(
-            "mjforage: interrupted; finished work is kept, run the same command again to resume",
-            style="red",
-        )
+        _say("interrupted; finished work is kept, run the same command again to resume")
         sys.exit(BAD_INPUT)
+
+
+def _say(words: str) -> None:
+    """One line on standard error."""
+    line = printable(" ".join(words.split()))
+    errors.print(f"mjforage: {line}", style="red", markup=False)

@@ -22,10 +22,10 @@ app = cyclopts.App(
     suppress_keyboard_interrupt=False,
 )
 
-output = Console(markup=False, highlight=False)
+output = Console(markup=False, emoji=False, highlight=False)
 if not output.is_terminal and "COLUMNS" not in os.environ:
     output.width = PIPE_COLUMNS
-errors = Console(stderr=True, soft_wrap=True, highlight=False)
+errors = Console(stderr=True, soft_wrap=True, emoji=False, highlight=False)
 
 
 @contextmanager

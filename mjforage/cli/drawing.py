@@ -114,8 +114,8 @@ def view(
     seed
         Seed of a scenario's episode; a run has its own.
     """
-    from mjforage.core.mission import Setup
     from mjforage.core.scenario_file import load_scenario
+    from mjforage.core.setup import Setup
     from mjforage.runs.replaying import replay_of_run
     from mjforage.view.render.viewer import check_display, view_replay, view_scenario
 

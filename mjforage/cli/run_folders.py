@@ -1,19 +1,29 @@
 """Commands that make, read and draw run folders."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypedDict
 
 from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
 from mjforage.cli.console import app, bar, errors, output
-from mjforage.cli.resuming import SAME_ONLY, GoingOn, Resuming
+from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
 
 if TYPE_CHECKING:
-    from mjforage.core.mission import Setup
+    from mjforage.core.setup import Setup
 
 Policies = Annotated[list[str], Parameter(name="--policy", negative="")]
+Metrics = Annotated[tuple[str, ...], Parameter(name="--metric", negative="")]
 Overrides = Annotated[tuple[str, ...], Parameter(name="--set", negative="")]
+
+
+class Plan(TypedDict):
+    """What a run is besides its scenario and its policies."""
+
+    worlds: tuple[str, ...]
+    episodes: int
+    seed: int
+    metrics: tuple[str, ...]
 
 
 @app.command
@@ -22,6 +32,7 @@ def evaluate(
     /,
     *,
     policy: Policies,
+    metric: Metrics = (),
     world: str = "graph",
     episodes: int = 100,
     seed: int = 0,
@@ -40,6 +51,8 @@ def evaluate(
     policy
         A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
         NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
+    metric
+        MODULE:CLASS of a metric of your own, to take beside the others; repeatable.
     world
         graph or physics, or a world between: hulls, debris, intake (see `mjforage compare`).
     episodes
@@ -55,13 +68,14 @@ def evaluate(
         Run folder; default runs/SCENARIO. An unfinished run of the same settings is resumed.
     """
     from graph_planner.references import with_options
-    from mjforage.core.mission import Setup
     from mjforage.core.scenario_file import load_scenario
+    from mjforage.core.setup import Setup
 
     policy, set = with_options("policy", policy, set)
     setup = Setup.of(load_scenario(scenario, set, map))
     folder = out or Path("runs") / setup.scenario.name
-    _play(setup, policy, (world,), folder, episodes, seed, by, again)
+    plan: Plan = {"worlds": (world,), "episodes": episodes, "seed": seed, "metrics": metric}
+    _play(setup, policy, folder, plan, by, again)
 
 
 @app.command
@@ -70,6 +84,7 @@ def compare(
     /,
     *,
     policy: Policies,
+    metric: Metrics = (),
     ladder: bool = False,
     episodes: int = 20,
     seed: int = 0,
@@ -88,6 +103,8 @@ def compare(
     policy
         A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
         NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
+    metric
+        MODULE:CLASS of a metric of your own, to take beside the others; repeatable.
     ladder
         Also the worlds between, one piece of reality more in each: hulls, debris, intake.
     episodes
@@ -102,24 +119,23 @@ def compare(
         Run folder; default runs/SCENARIO-gap. An unfinished run of the same settings is resumed.
     """
     from graph_planner.references import with_options
-    from mjforage.core.mission import Setup
     from mjforage.core.scenario_file import load_scenario
+    from mjforage.core.setup import Setup
     from mjforage.physics.worlds import ladder_of
 
     policy, set = with_options("policy", policy, set)
     setup = Setup.of(load_scenario(scenario, set, map))
     worlds = ladder_of(setup.scenario) if ladder else ("graph", "physics")
     folder = out or Path("runs") / f"{setup.scenario.name}-gap"
-    _play(setup, policy, worlds, folder, episodes, seed, by, again)
+    plan: Plan = {"worlds": worlds, "episodes": episodes, "seed": seed, "metrics": metric}
+    _play(setup, policy, folder, plan, by, again)
 
 
 def _play(
     setup: "Setup",
     policies: list[str],
-    worlds: tuple[str, ...],
     folder: Path,
-    episodes: int,
-    seed: int,
+    plan: Plan,
     by: Computing,
     again: Resuming,
 ) -> None:
@@ -139,10 +155,8 @@ def _play(
             setup,
             policies,
             folder,
-            episodes=episodes,
-            seed=seed,
+            **plan,
             workers=by.workers,
-            worlds=worlds,
             progress=shown,
             resume=again.resume,
         )

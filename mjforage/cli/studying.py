@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
 from mjforage.cli.console import app, bar, errors, output
-from mjforage.cli.resuming import SAME_ONLY, GoingOn, Resuming
+from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
 
 if TYPE_CHECKING:
     from mjforage.core.scenario import Scenario
@@ -27,7 +27,7 @@ PAPER = ("ddqn", "greedy", "levy")
 
 
 @dataclass(frozen=True)
-class Choice:
+class StudyOptions:
     """What every study is told.
 
     Parameters
@@ -43,6 +43,8 @@ class Choice:
     set
         Override KEY=VALUE in TOML syntax, for example team.scouts.count=3, or
         policy.greedy.distance=2 for an option of a policy; repeatable.
+    metric
+        MODULE:CLASS of a metric of your own, to take beside the others; repeatable.
     out
         Study folder; default runs/SCENARIO-KIND. An unfinished study of the same settings is
         resumed.
@@ -53,6 +55,7 @@ class Choice:
     seed: int = 0
     map: str | None = None
     set: Names = ()
+    metric: Names = ()
     out: Path | None = None
 
 
@@ -74,8 +77,8 @@ class Draws:
     whole_team: bool = False
 
 
-DEFAULT, USUAL = Choice(), Draws()
-With = Annotated[Choice, Parameter(name="*")]
+DEFAULT, USUAL = StudyOptions(), Draws()
+With = Annotated[StudyOptions, Parameter(name="*")]
 Corrupted = Annotated[Draws, Parameter(name="*")]
 
 
@@ -188,15 +191,15 @@ def _play(
     scenario: str,
     policies: Sequence[str],
     varied: "Callable[[Scenario, Sequence[str]], tuple[Variant, ...]]",
-    choice: Choice,
+    choice: StudyOptions,
     by: Computing,
     again: Resuming,
     **options: object,
 ) -> None:
     """Compute a study and draw its report."""
     from graph_planner.references import with_options
-    from mjforage.core.mission import Setup
     from mjforage.core.scenario_file import load_scenario
+    from mjforage.core.setup import Setup
     from mjforage.runs.identity import pinned
     from mjforage.runs.study import Study, run_study
     from mjforage.view.report.studies import write_study_report
@@ -206,7 +209,7 @@ def _play(
     setup = pinned(Setup.of(load_scenario(scenario, overrides, choice.map)))
     variants = varied(setup.scenario, players)
     worlds, episodes, seed = tuple(choice.world), choice.episodes, choice.seed
-    plan = Study(kind, setup, variants, worlds, episodes, seed, options)
+    plan = Study(kind, setup, variants, worlds, episodes, seed, options, tuple(choice.metric))
     folder = choice.out or Path("runs") / f"{setup.scenario.name}-{kind}"
 
     def begin() -> None:

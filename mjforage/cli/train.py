@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import App, Parameter
 
 from mjforage.cli.console import app, errors, output
-from mjforage.cli.resuming import SAME_ONLY, GoingOn
+from mjforage.cli.resume_flags import SAME_ONLY, GoingOn
 from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
@@ -54,8 +54,8 @@ def ddqn(
     also
         Train on this SCENARIO, or SCENARIO:MAP, in turn; repeatable. A map has its own starts.
     learning
-        Override KEY=VALUE of the learning hyperparameters, such as num_envs=32 or reward.removed=2;
-        repeatable.
+        Override KEY=VALUE of the learning hyperparameters, such as num_envs=32, reward.removed=2,
+        reward.MODULE:CLASS=1 or observation=MODULE:CLASS of your own; repeatable.
     teacher
         Policy that shows moves at first, as --policy of evaluate; give also --learning
         teacher_updates=N.
@@ -106,15 +106,22 @@ def _other(text: str) -> "Scenario":
 
 def _pair(text: str) -> tuple[str, Any]:
     """KEY=VALUE as TOML has it; a bare word is text."""
-    import tomllib
+    from graph_planner.references import assigned
 
-    key, separator, value = text.partition("=")
+    key, separator, value = _parted(text)
     if not separator or not key.strip():
         raise UserError(f"--learning {text}: expected KEY=VALUE, for example num_envs=32")
-    try:
-        return key.strip(), tomllib.loads(f"value = {value}")["value"]
-    except ValueError:
-        return key.strip(), value.strip()
+    return key.strip(), assigned(value)["value"]
+
+
+def _parted(text: str) -> tuple[str, str, str]:
+    """Key, sign and value; a sign in parentheses is of an option, as in reward.MINE(a=2)=1."""
+    depth = 0
+    for place, sign in enumerate(text):
+        depth += (sign == "(") - (sign == ")")
+        if sign == "=" and depth == 0:
+            return text[:place], "=", text[place + 1 :]
+    return text, "", ""
 
 
 def _report(table: str, row: "Row") -> None:

@@ -1,4 +1,4 @@
-"""The one room in which worlds differ: how vessels move and items drift during one decision."""
+"""The protocol of dynamics: how vessels move and items drift during one decision, in any world."""
 
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol

@@ -1,4 +1,4 @@
-"""How the agents' looks reach those who decide: the room in which communication is written.
+"""Exchanges: which holders of knowledge hear of which agents' looks; a communication model is one.
 
 After every step an exchange is told all looks, and brings what each holder knows up to date by
 those that it hears. `Ideal` is the only one so far: everybody hears everything at once.

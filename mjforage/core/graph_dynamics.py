@@ -65,7 +65,8 @@ class GraphDynamics:
         self, graph: NavigationGraph, fleet: Fleet, scenario: Scenario, film: Film | None = None
     ) -> None:
         self._graph, self._film = graph, film
-        self._items = ItemRule(graph, fleet, scenario.weather.noise_node_per_step)
+        noise, walls = scenario.weather.noise_node_per_step, scenario.rules.walls
+        self._items = ItemRule(graph, fleet, noise, walls)
         self._centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._yaw = np.arctan2(-OFFSETS[:, 0], OFFSETS[:, 1]).astype(np.float64)
         self._mps = graph.pitch_m / scenario.period_s

@@ -19,6 +19,8 @@ from mjforage.core.scenario import Items, Weather
 
 LEEWAY = 0.03  # of the wind, at which an item drifts by the paper's rule
 INSET = 0.49  # an item pushed back into a node keeps this far from its centre at most [node]
+WALLS = ("clip", "project", "published")
+"""Values of `rules.walls`; kernels take the place in this list."""
 _HALF = np.uint64(32)
 _LOW = np.uint64(0xFFFFFFFF)
 _TO_SYMMETRIC = 2.0 / (1 << 32)
@@ -75,12 +77,41 @@ def nearest_node(framed: Int32Array, row: float, col: float) -> int:
 
 
 @inlined
-def into_water(water: Water, row: float, col: float) -> tuple[float, float, int]:
+def put_back(
+    walls: int, row: float, col: float, centre_row: float, centre_col: float
+) -> tuple[float, float]:
+    """A position outside a node's square, moved into it by the rule of walls.
+
+    clip: each component to +-0.49. project: the offset from the centre is scaled as a whole, its
+    larger component to 0.49. published: so, and the smaller component takes the sign of the lesser
+    of the two signed offsets, as the paper's code has it (scenario section 1); of equal magnitudes
+    the column is that one. An offset within the square is kept.
+    """
+    if walls == 0:
+        row = min(max(row, centre_row - INSET), centre_row + INSET)
+        return row, min(max(col, centre_col - INSET), centre_col + INSET)
+    off_row, off_col = row - centre_row, col - centre_col
+    largest = max(abs(off_row), abs(off_col))
+    if largest <= INSET:
+        return row, col
+    back_row, back_col = off_row * (INSET / largest), off_col * (INSET / largest)
+    if walls == 2:
+        lesser = min(off_row, off_col)
+        sign = np.sign(lesser)
+        if abs(off_row) < abs(off_col):
+            back_row = abs(back_row) * sign
+        else:
+            back_col = abs(back_col) * sign
+    return centre_row + back_row, centre_col + back_col
+
+
+@inlined
+def into_water(water: Water, walls: int, row: float, col: float) -> tuple[float, float, int]:
     """Position and node of an item; out of navigable water it is moved to the nearest node's
     square.
 
-    Clipped to the array first, then to +-0.49 node around the nearest node's centre (scenario
-    section 1).
+    Clipped to the array first, then put back around the nearest node's centre by the rule of walls
+    (scenario section 1).
     """
     framed, rows, cols = water.framed, water.rows, water.cols
     height, width = framed.shape[0] - 2, framed.shape[1] - 2
@@ -92,8 +123,7 @@ def into_water(water: Water, row: float, col: float) -> tuple[float, float, int]
         node = int(framed[int(row + 1.5), int(col + 1.5)])
         if node < 0:
             node = nearest_node(framed, row, col)
-        row = min(max(row, rows[node] - INSET), rows[node] + INSET)
-        col = min(max(col, cols[node] - INSET), cols[node] + INSET)
+        row, col = put_back(walls, row, col, rows[node], cols[node])
     return row, col, node
 
 
@@ -102,7 +132,7 @@ def _nodes_of(water: Water, rc: NDArray[np.float64]) -> Int32Array:
     """Node of each position (position, 2)."""
     nodes = np.empty(rc.shape[0], np.int32)
     for i in range(rc.shape[0]):
-        _, _, nodes[i] = into_water(water, rc[i, 0], rc[i, 1])
+        _, _, nodes[i] = into_water(water, 0, rc[i, 0], rc[i, 1])
     return nodes
 
 
@@ -135,6 +165,7 @@ def _count_items(keys: UInt64Array, mean: float, std: float) -> Int32Array:
 def _scatter_items(
     keys: UInt64Array,
     water: Water,
+    walls: int,
     counts: Int32Array,
     spread: float,
     hotspots: int,
@@ -149,19 +180,19 @@ def _scatter_items(
             hotspot = int(uniform(key, 1 + cluster, 1) * water.rows.size)
             row = water.rows[hotspot] + spread * normal(key, 2 * k, 2)
             col = water.cols[hotspot] + spread * normal(key, 2 * k + 1, 2)
-            row, col, node = into_water(water, row, col)
+            row, col, node = into_water(water, walls, row, col)
             item_rc[e, k, 0], item_rc[e, k, 1], item_node[e, k] = row, col, node
 
 
 def _place_items(
-    graph: NavigationGraph, items: Items, keys: UInt64Array
+    graph: NavigationGraph, items: Items, walls: int, keys: UInt64Array
 ) -> tuple[Int32Array, NDArray[np.float64], Int32Array]:
     counts = _count_items(keys, items.mean, items.std)
     padded = (keys.size, int(counts.max(initial=1)))
     item_rc = np.zeros((*padded, 2))
     item_node = np.full(padded, -1, np.int32)
     spread = items.covariance_node2**0.5
-    _scatter_items(keys, graph.water, counts, spread, items.hotspots, item_rc, item_node)
+    _scatter_items(keys, graph.water, walls, counts, spread, items.hotspots, item_rc, item_node)
     return counts, item_rc, item_node
 
 
@@ -238,6 +269,7 @@ def create_initial_state(
     starts: Int32Array,
     n_agents: int,
     keys: UInt64Array,
+    walls: str = "clip",
 ) -> InitialState:
     """The worlds of a batch of episodes.
 
@@ -245,13 +277,14 @@ def create_initial_state(
     ----------
     starts : (start,) nodes to assign at random, or empty for a random cluster per episode
     keys : (episode,) episode keys
+    walls : of `WALLS`, how items on land are put into the water
 
     Raises
     ------
     UserError
         If there are more agents than nodes.
     """
-    counts, item_rc, item_node = _place_items(graph, items, keys)
+    counts, item_rc, item_node = _place_items(graph, items, WALLS.index(walls), keys)
     return InitialState(
         n_items=counts,
         item_rc=item_rc,

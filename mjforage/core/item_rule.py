@@ -13,7 +13,7 @@ from graph_planner.navigation import NavigationGraph, Water
 from graph_planner.randomness import Stream, UInt64Array, stream_key
 from graph_planner.rows import put_rows
 from mjforage.core.dynamics import Transition
-from mjforage.core.initial_state import INSET, InitialState, into_water, item_noise
+from mjforage.core.initial_state import WALLS, InitialState, into_water, item_noise, put_back
 
 
 @kernel
@@ -83,6 +83,7 @@ def _drift(
 @kernel
 def _settle(
     water: Water,
+    walls: int,
     state: Transition,
     gone: Int32Array,
     n_gone: Int32Array,
@@ -114,10 +115,9 @@ def _settle(
                     nearer = nearer & (node >= 0)
                     after = int(node) if nearer else after
                     squared = there if nearer else squared
-                row = min(max(row, rows[after] - INSET), rows[after] + INSET)
-                col = min(max(col, cols[after] - INSET), cols[after] + INSET)
+                row, col = put_back(walls, row, col, rows[after], cols[after])
             elif after < 0:
-                row, col, after = into_water(water, row, col)
+                row, col, after = into_water(water, walls, row, col)
             item_rc[e, k, 0], item_rc[e, k, 1] = row, col
             if after != before:
                 items_in_node[e, before] -= 1
@@ -128,14 +128,16 @@ def _settle(
 class ItemRule:
     """Items of a batch of episodes, moved by the paper's rule."""
 
-    def __init__(self, graph: NavigationGraph, fleet: Fleet, noise: float) -> None:
+    def __init__(self, graph: NavigationGraph, fleet: Fleet, noise: float, walls: str) -> None:
         """Prepare.
 
         Parameters
         ----------
         noise : half width of the drift's random part [node/step]
+        walls : of `WALLS`, what becomes of items that drift onto land
         """
         self._graph, self._fleet, self._noise = graph, fleet, noise
+        self._walls = WALLS.index(walls)
 
     def reset(self, initial: InitialState, keys: UInt64Array) -> None:
         """Start a batch of episodes."""
@@ -168,4 +170,4 @@ class ItemRule:
             self._gone,
             self._n_gone,
         )
-        _settle(water, state, self._gone, self._n_gone, self._items_in_node)
+        _settle(water, self._walls, state, self._gone, self._n_gone, self._items_in_node)

@@ -30,6 +30,11 @@ def shipped_maps() -> tuple[str, ...]:
     return tuple(sorted(f.stem for f in files if not f.stem.endswith(".starts")))
 
 
+def is_shipped_map(reference: str) -> bool:
+    """Whether a reference names a map that comes with the package."""
+    return reference.replace("-", "_") in shipped_maps()
+
+
 def map_path(reference: str) -> Path:
     """File of a shipped map or of a user's.
 
@@ -43,9 +48,8 @@ def map_path(reference: str) -> Path:
         If there is no such map or file; similar names of shipped maps are offered.
     """
     shipped = shipped_maps()
-    name = reference.replace("-", "_")
-    if name in shipped:
-        return models_folder() / "maps" / f"{name}.csv"
+    if is_shipped_map(reference):
+        return models_folder() / "maps" / f"{reference.replace('-', '_')}.csv"
     path = Path(reference)
     try:
         if path.is_file():
@@ -54,7 +58,7 @@ def map_path(reference: str) -> Path:
             raise UserError(f"map {reference!r}: is not a file; give a CSV, text or image file")
     except (OSError, ValueError) as error:
         raise UserError(f"map {reference!r}: cannot be opened ({error})") from error
-    close = difflib.get_close_matches(Path(name).stem.lower(), shipped, n=1)
+    close = difflib.get_close_matches(path.stem.replace("-", "_").lower(), shipped, n=1)
     hint = f"did you mean {close[0]}? " if close else ""
     raise UserError(
         f"map {reference!r}: no such file or shipped map; {hint}shipped maps: {', '.join(shipped)}"

@@ -4,122 +4,23 @@ Decide -> move -> collect -> drift -> see -> tell -> log.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.fleet import UNLIMITED, Fleet
-from graph_planner.geodesics import Int32Array
+from graph_planner.fleet import UNLIMITED
 from graph_planner.knowledge import Knowledge, Looks, hear, idleness, times_seen
-from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
-from graph_planner.navigation import NavigationGraph, navigation_graph
+from graph_planner.moves import Moves, Resolver, check_preferences
 from graph_planner.policies import Bound, Policy
 from graph_planner.randomness import UInt64Array, episode_keys
 from graph_planner.rows import put_rows
-from graph_planner.task import Observation, Task, Truth
+from graph_planner.task import Observation, Truth
 from mjforage.core.dynamics import Dynamics, Transition
 from mjforage.core.errors import UserError
 from mjforage.core.exchange import Exchange, Ideal
 from mjforage.core.graph_dynamics import GraphDynamics
-from mjforage.core.initial_state import InitialState, create_initial_state, nodes_around
 from mjforage.core.ledger import Ledger
-from mjforage.core.maps import GridMap, check_starts, load_map, load_starts, reachable_share
-from mjforage.core.scenario import Scenario
-
-
-@dataclass(frozen=True, eq=False)
-class Setup:
-    """A scenario with its map read and its graph built."""
-
-    scenario: Scenario
-    grid: GridMap
-
-    @classmethod
-    def of(cls, scenario: Scenario) -> "Setup":
-        """Load the map and check that the scenario fits on it.
-
-        Raises
-        ------
-        UserError
-            If the map cannot be used or a start is not on water.
-        """
-        choice = scenario.map
-        grid = load_map(
-            choice.file,
-            corner_cutting=choice.corner_cutting,
-            largest_component=choice.largest_component,
-        )
-        setup = cls(scenario, grid)
-        check_starts(setup.start_cells, grid.navigable, f"scenario {scenario.name}", choice.file)
-        nodes_around(setup.graph, setup.start_nodes, len(setup.fleet))
-        return setup
-
-    @property
-    def start_cells(self) -> tuple[tuple[int, int], ...]:
-        """(row, column) of the starts: the scenario's, else those beside the map, else none."""
-        if self.scenario.map.starts is None:
-            return load_starts(self.scenario.map.file) or ()
-        return self.scenario.map.starts
-
-    @property
-    def reachable_shares(self) -> dict[str, float]:
-        """Share of the nodes that each role can end a move on, from the first start (or node 0)."""
-        first = self.start_cells[0] if self.start_cells else self._first_node
-        choice, strict = self.scenario.map, not self.scenario.rules.shorten
-        return {
-            name: reachable_share(
-                self.grid.navigable, first, role.moves, strict, choice.corner_cutting
-            )
-            for name, role in self.scenario.team.items()
-        }
-
-    @property
-    def _first_node(self) -> tuple[int, int]:
-        return int(self.graph.rows[0]), int(self.graph.cols[0])
-
-    @cached_property
-    def graph(self) -> NavigationGraph:
-        """The map as a graph."""
-        choice = self.scenario.map
-        return navigation_graph(self.grid.navigable, choice.pitch_m, choice.corner_cutting)
-
-    @cached_property
-    def fleet(self) -> Fleet:
-        """The agents."""
-        return Fleet.of(self.scenario.team, self.scenario.rules.order)
-
-    @cached_property
-    def task(self) -> Task:
-        """What policies are told."""
-        rules = MoveRules(self.scenario.rules.stay, self.scenario.rules.shorten)
-        return Task(self.graph, self.fleet, rules, self.scenario.horizon, self.scenario.belief)
-
-    @cached_property
-    def start_nodes(self) -> Int32Array:
-        """(start,) nodes to assign; empty for a random cluster."""
-        return np.array([self.graph.node_of_cell[rc] for rc in self.start_cells], np.int32)
-
-    @cached_property
-    def corruption(self) -> Corruption:
-        """Whose actions are partly random."""
-        choice = self.scenario.corruption
-        names = np.array(self.fleet.team_names)[self.fleet.team]
-        epsilon = np.where(names == choice.team, choice.epsilon, 0.0)
-        return Corruption(epsilon, choice.whole_team)
-
-    def create_initial_state(self, keys: UInt64Array) -> InitialState:
-        """Initial state of the episodes with the given keys (episode,)."""
-        scenario = self.scenario
-        return create_initial_state(
-            self.graph,
-            scenario.items,
-            scenario.weather,
-            self.start_nodes,
-            len(self.fleet),
-            keys,
-        )
+from mjforage.core.setup import Setup
 
 
 class Mission:
@@ -217,7 +118,7 @@ class Mission:
         """Replace episodes (row,) of the batch by another mission's; in the graph world only.
 
         So a batch goes on while some of its episodes are over, as vector environments ask. The
-        initial `world` stays that of the first episodes.
+        state `initial` stays that of the first episodes.
         """
         assert isinstance(self._dynamics, GraphDynamics) and isinstance(
             other._dynamics, GraphDynamics
@@ -296,13 +197,21 @@ class Mission:
     def ask(self, policy: Policy) -> NDArray[np.float64]:
         """The preferences (episode, agent, 9) of a policy, those of each agent by what it knows.
 
-        A bound is shown the truth too, and what the fleet knows together.
+        A bound (`Bound`) is shown the truth too, and what the fleet knows together.
+
+        Raises
+        ------
+        UserError
+            If the answer is no array of numbers of that shape.
         """
-        if isinstance(policy, Bound):
-            policy.reveal(self.truth)
-            return policy.act(self.observation)
+        who = f"policy {type(policy).__name__}"
+        reveal = getattr(policy, "reveal", None)  # `isinstance` of a protocol takes 25 us
+        if reveal is not None:
+            reveal(self.truth)
+            return check_preferences(policy.act(self.observation), self.state.agent_node.shape, who)
         holders, holder_of = self.exchange.holders, self.exchange.holder_of
         answer = policy.act(self._observed(self.exchange.knowledge, holders))
+        check_preferences(answer, (self.keys.size * holders, holder_of.size), who)
         if holders == 1:
             return answer
         each = answer.reshape(self.keys.size, holders, *answer.shape[1:])
@@ -331,8 +240,8 @@ class Mission:
 
         Raises
         ------
-        ValueError
-            If the preferences have the wrong shape or contain NaN.
+        UserError
+            If the preferences have the wrong shape, are no numbers or contain NaN.
         """
         self.moves = self.decide(preferences)
         self.step = self.step + self.active.astype(np.int32)

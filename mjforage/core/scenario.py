@@ -21,7 +21,7 @@ class MapChoice:
     """The grid, how it becomes a graph, and where agents start."""
 
     file: str
-    """Name of a shipped map, or path of a CSV file or image."""
+    """Name of a shipped map, or path of a CSV file or image from the scenario's folder."""
     pitch_m: Annotated[float, Within(1e-3, 1e6, "m")] = 4.0
     """Distance between the centres of neighbouring nodes."""
     corner_cutting: bool = False
@@ -40,6 +40,10 @@ class Rules:
     """Whether staying put is an action."""
     shorten: bool = True
     """Whether a blocked longer move ends before the obstacle instead of being illegal."""
+    walls: Annotated[Literal["clip", "project", "published"], Later()] = "clip"
+    """How an item on land is put back into the nearest node: each component of its offset cut to
+    0.49 node; the offset scaled, its larger component to 0.49; so, and the smaller one with the
+    sign of the lesser of both, as the paper's code has it."""
     order: Annotated[tuple[str, ...], Later()] = ()
     """All teams as they choose, in each the highest number first; empty: those that collect, then
     the others, each by name."""
@@ -89,7 +93,8 @@ class Physics:
     """How the MuJoCo world carries decisions out."""
 
     vessels: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
-    """Team -> vessel (a name or a TOML file); absent: `forager` if it collects, else `scout`."""
+    """Team -> vessel (a name, or a TOML file from the scenario's folder); absent: `forager` if it
+    collects, else `scout`."""
     capture: Literal["node", "intake"] = "node"
     """`node`: all items in the hull's node at the end of a decision; `intake`: an item that enters
     the mouth at the bow."""

@@ -7,17 +7,19 @@ names the file, the key, the value and what was expected.
 import dataclasses
 import difflib
 import json
-import tomllib
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, cast, get_args, get_type_hints
 
 from graph_planner.fields import Later
+from graph_planner.references import assigned
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
+from mjforage.core.map_files import is_shipped_map
 from mjforage.core.scenario import Scenario
 from mjforage.core.schema import check, shown
+from mjforage.core.toml_files import read_toml
 
 Tree = dict[str, Any]
 
@@ -54,6 +56,9 @@ def load_scenario(
 ) -> Scenario:
     """Read a preset or a file, replace the grid, then apply `KEY=VALUE` overrides in order.
 
+    Paths in a file start from the folder of that file, those of overrides from the working
+    directory.
+
     Parameters
     ----------
     reference : name of a preset, or path of a TOML file
@@ -66,15 +71,26 @@ def load_scenario(
         For anything that is not a valid scenario.
     """
     path = scenario_path(reference)
-    try:
-        tree = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        raise UserError(f"scenario {path.name}: not readable as TOML ({error})") from error
+    tree = read_toml(path, f"scenario {path.name}")
+    _start_paths(tree, path.parent)
     if map_file is not None:
         _put(tree, ["map", "file"], map_file, f"--map {map_file}")
     for override in overrides:
         _apply(tree, override)
     return scenario_from_tree(tree, f"scenario {path.stem}")
+
+
+def _start_paths(tree: Tree, folder: Path) -> None:
+    """Let the paths of a file's map and vessels start from its folder; names stay as they are."""
+    choice, physics = tree.get("map"), tree.get("physics")
+    if isinstance(choice, dict) and isinstance(file := choice.get("file"), str):
+        choice["file"] = file if is_shipped_map(file) else str(folder / file)
+    vessels = physics.get("vessels") if isinstance(physics, dict) else None
+    if not isinstance(vessels, dict):
+        return
+    for team, vessel in vessels.items():
+        if isinstance(vessel, str) and vessel.endswith(".toml"):
+            vessels[team] = str(folder / vessel)
 
 
 def _apply(tree: Tree, override: str) -> None:
@@ -84,10 +100,7 @@ def _apply(tree: Tree, override: str) -> None:
         raise UserError(f"--set {override}: expected KEY=VALUE, for example team.scouts.count=3")
     if any("\ud800" <= letter <= "\udfff" for letter in override):
         raise UserError(f"--set {override!r}: is not UTF-8")
-    try:
-        document = tomllib.loads(f"value = {text}")
-    except (ValueError, RecursionError):  # a bare word
-        document = {"value": text.strip()}
+    document = assigned(text)
     if len(document) > 1:
         raise UserError(f"--set {override!r}: expected one value")
     _put(tree, parts, document["value"], f"--set {override}")

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from mjforage.core.errors import UserError
+from mjforage.core.errors import UserError, printable
 
 _AGAIN = "run the same command again: finished work is kept"
 _PART = ".part"
@@ -55,8 +55,8 @@ def writing(path: Path, *others: type[Exception]) -> Iterator[None]:
     except ValueError as error:
         if "\0" not in str(path):
             raise
-        words = str(path).replace("\0", "\\0")
-        raise UserError(f"{words}: holds a NUL byte; give another name") from error
+        name = printable(str(path))
+        raise UserError(f"{name}: no file can have this name; give another one") from error
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.encodings import ENCODERS, legal_moves
+from graph_planner.encodings import create_encoder, encoder_class, legal_moves
 from graph_planner.encodings.masks import legal_of_agent
 from graph_planner.inference import BLOCK, one_thread
 from graph_planner.moves import Corruption, Resolver
@@ -31,7 +31,7 @@ class ModelPolicy:
     Attributes
     ----------
     trained_on : the environment: mjforage/SharedPolicy-v0, mjforage/Foraging-v0 or parallel_env
-    observation : the kind that it was made with, as `observation=` there
+    observation : reference to the encoder that it was made with, as `observation=` there
     task : map, fleet and rules, from `reset` on
     """
 
@@ -50,6 +50,11 @@ class ModelPolicy:
         for file in self.files:
             if not file.is_file():
                 raise UserError(f"model {file}: there is no such file; train one, or name another")
+
+    @property
+    def parts(self) -> tuple[Callable[..., Any], ...]:
+        """The encoder, whose source is part of what a run is."""
+        return (encoder_class(self.observation),)
 
     def decide(self, seen: Pictures, agents: Rows) -> NDArray[Any]:
         """Ask the model.
@@ -74,14 +79,13 @@ class ModelPolicy:
         UserError
             If `trained_on` or `observation` is not known.
         """
-        for name, known in (("trained_on", list(_VIEWS)), ("observation", list(ENCODERS))):
-            if getattr(self, name) not in known:
-                raise UserError(
-                    f"{type(self).__name__}.{name} = {getattr(self, name)!r}: unknown; choose "
-                    f"{', '.join(known)}"
-                )
+        if self.trained_on not in _VIEWS:
+            raise UserError(
+                f"{type(self).__name__}.trained_on = {self.trained_on!r}: unknown; choose "
+                f"{', '.join(_VIEWS)}"
+            )
         self.task = task
-        self._encoder = ENCODERS[self.observation](task)
+        self._encoder = create_encoder(self.observation, task)
         self._encoder.reset(keys.size)
         calm = Corruption(np.zeros(len(task.fleet)))
         self._resolver = Resolver(task.graph, task.fleet, task.rules, calm)

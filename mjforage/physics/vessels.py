@@ -5,10 +5,8 @@ x forward, y port, z up; coefficients are magnitudes, so the marine tables (x fo
 z down) keep their numbers, and only the side of a lever changes sign: port is +y here.
 """
 
-import dataclasses
 import difflib
 import math
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -17,7 +15,8 @@ from pydantic import Discriminator
 
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
-from mjforage.core.schema import Kept, check
+from mjforage.core.schema import NotInFile, check
+from mjforage.core.toml_files import read_toml
 from mjforage.physics.quantities import Quantity, positive
 
 
@@ -182,7 +181,7 @@ class Vessel:
     out.
     """
 
-    name: Annotated[str, Kept()]
+    name: Annotated[str, NotInFile()]
     description: str
     """What the vessel is, in a line."""
     length_m: Annotated[float, positive("m", 1e3)]
@@ -267,24 +266,9 @@ def load_vessel(name_or_path: str | Path) -> Vessel:
     """
     path = vessel_path(name_or_path)
     where = f"vessel {path.stem}"
-    try:
-        tree = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        raise UserError(f"{where}: not readable as TOML ({error})") from error
-    vessel = check(Vessel, tree, where, name=path.stem)
+    vessel = check(Vessel, read_toml(path, where), where, name=path.stem)
     _check(vessel, where)
     return vessel
-
-
-def with_load(vessel: Vessel, items: float) -> Vessel:
-    """The vessel with that many items on board: heavier at midships, more drag in surge."""
-    mass = vessel.mass_kg + items * vessel.load.mass_per_item_kg
-    return dataclasses.replace(
-        vessel,
-        mass_kg=mass,
-        cog_x_m=vessel.cog_x_m * vessel.mass_kg / mass,
-        quadratic_surge=vessel.quadratic_surge + items * vessel.load.drag_per_item,
-    )
 
 
 def _check(vessel: Vessel, where: str) -> None:

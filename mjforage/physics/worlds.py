@@ -13,8 +13,9 @@ from graph_planner.navigation import NavigationGraph
 from mjforage.core.dynamics import Dynamics
 from mjforage.core.film import Film
 from mjforage.core.graph_dynamics import GraphDynamics
-from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission import Mission
 from mjforage.core.scenario import Scenario, Sensors
+from mjforage.core.setup import Setup
 
 Factory = Callable[[NavigationGraph, Fleet, Scenario, Film | None], Dynamics]
 

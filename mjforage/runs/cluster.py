@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
+from graph_planner.extensions import Place
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setup
+from mjforage.core.setup import Setup
 from mjforage.runs.identity import run_info
 from mjforage.runs.interrupts import interrupts_held
 from mjforage.runs.run_info import load_run
@@ -222,7 +223,9 @@ def check_threads() -> None:
             )
 
 
-def check_run(folder: Path, run_hash: str, setup: Setup) -> None:
+def check_run(
+    folder: Path, run_hash: str, setup: Setup, metrics: Sequence[str | Place] = ()
+) -> None:
     """Check in a worker that it shares the run folder, and reads the same scenario and hulls.
 
     Raises
@@ -237,7 +240,7 @@ def check_run(folder: Path, run_hash: str, setup: Setup) -> None:
             "share, under the same path"
         )
     run = load_run(file)
-    own = run_info(setup, run.policies, run.worlds, 0, 0)["hash"]
+    own = run_info(setup, run.policies, run.worlds, 0, 0, metrics)["hash"]
     if not run_hash == own == run.hash:
         raise UserError(
             f"worker on {here}: scenario and hulls have the hash {own} there, {run_hash} where the "

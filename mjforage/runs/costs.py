@@ -1,4 +1,4 @@
-"""What every finished chunk of episodes took, kept with it: nothing is lost with a killed call."""
+"""Processor and clock time of every finished chunk of episodes, stored in the chunk's folder."""
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass

@@ -1,15 +1,51 @@
 """One episode, step by step, as plain arrays: what rendering and the report draw from."""
 
 import io
+import tokenize
 import zipfile
+import zlib
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
 from mjforage.runs.run_info import again
+
+_DAMAGED = (
+    *(
+        OSError,
+        ValueError,
+        TypeError,
+        LookupError,
+        EOFError,
+        SyntaxError,
+        RuntimeError,
+        MemoryError,
+    ),
+    *(RuntimeError, MemoryError, zipfile.BadZipFile, zlib.error, tokenize.TokenError),
+)
+"""What zipfile and numpy raise on damaged files."""
+_AXES = {
+    "navigable": "rc",
+    "agent_team": "a",
+    "agent_collects": "a",
+    "agent_rc": "ta2",
+    "item_rc": "ti2",
+    "item_present": "ti",
+    "belief": "trc",
+    "idleness": "trc",
+    "in_view": "trc",
+    "item_class": "i",
+    "track_pose": "fa3",
+    "track_items": "fi2",
+    "track_present": "fi",
+    "track_wind": "f2",
+    "t_discovered": "i",
+}
+"""Axes of the arrays: row, column, agent, item, step (t), frame, or a number."""
 
 
 @dataclass(frozen=True)
@@ -71,18 +107,36 @@ class Replay:
             )
         try:
             with np.load(path, allow_pickle=False) as file:
-                names = [f.name for f in fields(cls) if f.name != "t_discovered" or f.name in file]
-                values = {name: file[name] for name in names}
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+                return cls(**_values(file))
+        except _DAMAGED as error:
             raise UserError(
                 f"replay {path}: cannot be read ({error}); {again(path.parent.parent)}"
             ) from error
-        for name in ("pitch_m", "period_s", "frame_s"):
-            values[name] = float(values[name])
-        for name in ("horizon", "seed", "episode"):
-            values[name] = int(values[name])
-        for name in ("world", "policy"):
-            values[name] = str(values[name])
-        for name in ("team_names", "vessels"):
-            values[name] = tuple(str(word) for word in values[name])
-        return cls(**values)
+
+
+def _values(file: Any) -> dict[str, Any]:
+    """The fields of a replay from an open npz file."""
+    names = [f.name for f in fields(Replay) if f.name != "t_discovered" or f.name in file]
+    values = {name: file[name] for name in names}
+    _check_axes(values)
+    for kind, words in (
+        (float, ("pitch_m", "period_s", "frame_s")),
+        (int, ("horizon", "seed", "episode")),
+        (str, ("world", "policy")),
+    ):
+        values |= {name: kind(values[name]) for name in words}
+    for name in ("team_names", "vessels"):
+        values[name] = tuple(str(word) for word in values[name])
+    return values
+
+
+def _check_axes(values: dict[str, Any]) -> None:
+    """Arrays of numbers, whose axes fit together."""
+    sizes = {"2": 2, "3": 3}
+    for name in [one for one in _AXES if one in values]:
+        array, axes = values[name], _AXES[name]
+        if array.dtype.kind not in "biuf" or array.ndim != len(axes):
+            raise ValueError(f"{name} is {array.dtype} of shape {array.shape}")
+        for axis, size in zip(axes, array.shape, strict=True):
+            if sizes.setdefault(axis, size) != size:
+                raise ValueError(f"{name} of shape {array.shape} does not fit the others")

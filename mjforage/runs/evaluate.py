@@ -14,7 +14,10 @@ import polars as pl
 import metrics
 from graph_planner.policies.registry import check_policies
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setup
+from mjforage.core.mission_metrics import chosen_metrics
+from mjforage.core.mission_metrics.known import course_metrics
+from mjforage.core.setup import Setup
+from mjforage.core.sizes import check_memory, table_bytes
 from mjforage.core.whole_files import write_json
 from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.worlds import WORLDS, create_mission
@@ -84,6 +87,7 @@ class Run:
     info: dict[str, Any]  # content of run.json
     folder: RunFolder
     chunks: list[Chunk]
+    metrics: tuple[str, ...]  # references, beside those that are known
 
     @classmethod
     def plan(
@@ -95,8 +99,13 @@ class Run:
         episodes: int = 100,
         seed: int = 0,
         worlds: Sequence[str] = ("graph",),
+        metrics: Sequence[str] = (),
     ) -> "Run":
         """Check everything, and write nothing yet.
+
+        Parameters
+        ----------
+        metrics : references to metrics, beside those that are known
 
         Raises
         ------
@@ -104,6 +113,7 @@ class Run:
             For unknown names and numbers out of range.
         """
         policies = check_policies(policies)
+        course_metrics(chosen_metrics(metrics))
         for world in worlds:
             if world not in WORLDS:
                 raise UserError(f"world {world}: unknown; choose {', '.join(WORLDS)}")
@@ -115,11 +125,18 @@ class Run:
                 f"episodes {episodes}, seed {seed}: give at least 1 and 0 (below 2**64)"
             )
         item_choices(setup.scenario.physics)  # which replays need, also at graph level
-        setup = pinned(setup)
-        info = run_info(setup, policies, worlds, episodes, seed)
+        in_all = episodes * len(policies) * len(worlds)
+        check_memory(
+            f"episodes {episodes}: the report of {in_all} in all",
+            table_bytes(in_all, setup.scenario.horizon),
+            "give fewer",
+        )
         chunks = plan(policies, worlds, episodes)
+        setup.check_memory(max(chunk.count for chunk in chunks), recorded=True)
+        setup = pinned(setup)
+        info = run_info(setup, policies, worlds, episodes, seed, metrics)
         names = tuple(policies), tuple(worlds)
-        return cls(setup, *names, seed, info, RunFolder(folder), chunks)
+        return cls(setup, *names, seed, info, RunFolder(folder), chunks, tuple(metrics))
 
     def open(self, accept: bool = False) -> None:
         """Create the folder, or find the same run in it.
@@ -181,7 +198,9 @@ def carry_out(
     """
     started, work, summaries = time.perf_counter(), [], []
     assignments = {
-        place: Assignment.of(run.setup, run.seed, run.folder.path, run.info, invocation, workers)
+        place: Assignment.of(
+            run.setup, run.seed, run.folder.path, run.info, run.metrics, invocation, workers
+        )
         for place, run in enumerate(runs)
         if not run.folder.complete
     }
@@ -217,6 +236,7 @@ def evaluate(
     seed: int = 0,
     workers: Workers = THIS_PROCESS,
     worlds: Sequence[str] = ("graph",),
+    metrics: Sequence[str] = (),
     progress: Progress = lambda done, total: None,
     resume: Resume = "same",
 ) -> Summary:
@@ -227,6 +247,7 @@ def evaluate(
     setup : scenario and map
     policies : references, see `create_policy`
     worlds : names
+    metrics : `package.module:Class` of metrics to take beside those that are known
     folder : run folder; an unfinished run of the same settings in it is resumed
     episodes : episodes per policy and world, 1 or more
     seed : of the run
@@ -244,8 +265,10 @@ def evaluate(
         For unknown names, a folder that holds something else, a failure to write, or workers that
         are lost.
     """
-    run = Run.plan(setup, policies, folder, episodes=episodes, seed=seed, worlds=worlds)
-    invocation = workers.invocation(run.policies)
+    run = Run.plan(
+        setup, policies, folder, episodes=episodes, seed=seed, worlds=worlds, metrics=metrics
+    )
+    invocation = workers.invocation(run.policies, run.metrics)
     if resume == "fresh":
         set_aside(folder, "run")
     run.open(accept=resume == "accept-code-change")

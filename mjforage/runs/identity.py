@@ -11,18 +11,18 @@ from functools import lru_cache
 from importlib.metadata import version
 from typing import Any
 
-from graph_planner.extensions import is_ours
+from graph_planner.extensions import Place, is_ours
 from graph_planner.policies.registry import (
-    Policy,
     is_bound,
     outside_class,
     policy_class,
     policy_files,
+    policy_parts,
 )
 from mjforage.core.assets import models_folder
-from mjforage.core.mission import Setup
-from mjforage.core.mission_metrics import chosen_metrics, description
+from mjforage.core.mission_metrics import Metric, chosen_metrics, description
 from mjforage.core.scenario_file import canonical_json, scenario_to_tree
+from mjforage.core.setup import Setup
 from mjforage.runs.resuming import UNCOMPARED
 from mjforage.runs.source_code import DIGITS, WHOLE, Code, decisive_code
 
@@ -39,7 +39,7 @@ def pinned(setup: Setup) -> Setup:
 @lru_cache(maxsize=64)
 def _mission_code(physics: bool) -> Code:
     """Code of the mission and its scores, and of MuJoCo's world if asked for."""
-    modules = ("mission", "episode_log", "scoring")
+    modules = ("mission", "episode_log")
     paths = [f"mjforage.core.{name}" for name in modules] + ["mjforage.runs.tables"]
     code = decisive_code([*paths, *(["mjforage.physics.worlds"] if physics else [])], WHOLE)
     if not physics:
@@ -52,23 +52,33 @@ def _mission_code(physics: bool) -> Code:
 
 
 @lru_cache(maxsize=256)
-def _code_of(policy: Callable[..., Policy]) -> Code:
-    """Code of a policy, as it is when first asked for: a class does not change in a process."""
-    return decisive_code([policy.__module__])
+def _code_of(made: Callable[..., Any]) -> Code:
+    """Code of a class, as it is when first asked for: a class does not change in a process."""
+    return decisive_code([made.__module__])
+
+
+def code_of(classes: Iterable[Callable[..., Any]], outside: bool = False) -> Code:
+    """Code of classes that are found by their names; only of those not ours if `outside`."""
+    code = Code({}, {})
+    for made in classes:
+        if not (outside and is_ours(made)):
+            code = code.joined(_code_of(made))
+    return code
 
 
 def policy_code(policies: Iterable[str], outside: bool = False) -> Code:
     """Code of policies; only that which is not ours if `outside`."""
-    code = Code({}, {})
-    for policy in map(policy_class, policies):
-        if not (outside and is_ours(policy)):
-            code = code.joined(_code_of(policy))
-    return code
+    names = list(policies)
+    parts = [part for name in names for part in policy_parts(name)]
+    return code_of([*map(policy_class, names), *parts], outside)
 
 
-def run_code(policies: Iterable[str], worlds: Iterable[str]) -> Code:
-    """All code that decides a run's numbers."""
-    return _mission_code(any(world != "graph" for world in worlds)).joined(policy_code(policies))
+def run_code(
+    policies: Iterable[str], worlds: Iterable[str], metrics: Iterable[type[Metric]]
+) -> Code:
+    """All code that decides a run's numbers; that of our own metrics counts with the mission."""
+    code = _mission_code(any(world != "graph" for world in worlds))
+    return code.joined(policy_code(policies)).joined(code_of(metrics, outside=True))
 
 
 def versions(code: Code) -> dict[str, str]:
@@ -123,11 +133,22 @@ def weight_hashes(policies: Sequence[str]) -> dict[str, str]:
 
 
 def run_info(
-    setup: Setup, policies: Sequence[str], worlds: Sequence[str], episodes: int, seed: int
+    setup: Setup,
+    policies: Sequence[str],
+    worlds: Sequence[str],
+    episodes: int,
+    seed: int,
+    metrics: Iterable[str | Place] = (),
 ) -> dict[str, Any]:
-    """Content of `run.json` before the run: what it is and where it comes from."""
+    """Content of `run.json` before the run: what it is and where it comes from.
+
+    Parameters
+    ----------
+    metrics : references, as for `chosen_metrics`
+    """
     navigable = setup.grid.navigable
-    origin, code = provenance(), run_code(policies, worlds)
+    taken = chosen_metrics(metrics)
+    origin, code = provenance(), run_code(policies, worlds, taken)
     info: dict[str, Any] = {
         "command": origin["command"],
         "scenario": scenario_to_tree(setup.scenario),
@@ -150,7 +171,7 @@ def run_info(
             policy: reference for policy in policies if (reference := outside_class(policy))
         },
         "weights": weight_hashes(policies),
-        "metrics": [asdict(description(one)) for one in chosen_metrics()],
+        "metrics": [asdict(description(one)) for one in taken],
         "agents": [
             {"name": name, "team": setup.fleet.team_names[team], "collects": bool(collects)}
             for name, team, collects in zip(

@@ -1,9 +1,15 @@
-"""Keeping Ctrl-C from worker processes, which would each print a traceback of their own."""
+"""Keeping worker processes quiet when they are interrupted or killed: our one line says it."""
 
 import signal
+import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
+
+from joblib.externals.loky.backend import resource_tracker as worker_tracker
+
+_NO_WARNING = "ignore:resource_tracker:UserWarning"
 
 
 @contextmanager
@@ -18,3 +24,36 @@ def interrupts_held() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def start_quiet_tracker() -> None:
+    """Start the process that removes what killed workers leave behind, without its warnings.
+
+    It would say that a folder was gone already, which depends on who came first.
+    """
+    sys.warnoptions.append(_NO_WARNING)  # which a new interpreter inherits
+    try:
+        worker_tracker.ensure_running()
+    finally:
+        sys.warnoptions.remove(_NO_WARNING)
+
+
+@contextmanager
+def loose_ends_dropped() -> Iterator[None]:
+    """Drop the error of the thread that hands out work, raised while its workers are killed.
+
+    Its loop forgets all work on the way out, then looks up what was not yet handed out: a
+    `KeyError` in loky 3.6, whose traceback would follow our line.
+    """
+    before = threading.excepthook
+
+    def tell(error: threading.ExceptHookArgs) -> None:
+        managing = error.thread is not None and error.thread.name == "ExecutorManagerThread"
+        if not (managing and issubclass(error.exc_type, KeyError)):
+            before(error)
+
+    threading.excepthook = tell
+    try:
+        yield
+    finally:
+        threading.excepthook = before

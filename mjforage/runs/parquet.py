@@ -9,7 +9,7 @@ import polars as pl
 from mjforage.core.errors import UserError
 from mjforage.core.whole_files import whole
 
-FAILURES = (OSError, pl.exceptions.PolarsError)
+FAILURES = (OSError, pl.exceptions.PolarsError, pl.exceptions.PanicException)
 
 
 def read_schema(path: Path, remedy: str = "") -> dict[str, pl.DataType]:

@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 
 from graph_planner.policies import create_policy
 from mjforage.core.film import Film
-from mjforage.core.mission import Mission, Observer, Setup
+from mjforage.core.mission import Mission, Observer
+from mjforage.core.setup import Setup
 from mjforage.physics.dynamics.fleet_scene import hull_names, item_choices
 from mjforage.physics.dynamics.item_bodies import draw_classes
 from mjforage.physics.worlds import create_mission

@@ -10,8 +10,8 @@ from graph_planner.navigation import navigation_graph
 from graph_planner.policies.registry import adopt_policy, check_policies, policy_label
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap, check_starts
-from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import scenario_from_tree
+from mjforage.core.setup import Setup
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.recording import record
 from mjforage.runs.run_info import again, load_run

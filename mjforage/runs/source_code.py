@@ -1,12 +1,13 @@
 """Which code decides a run's numbers: the files that its modules reach by their imports.
 
-Imports are read from the source, those within functions too; those for type checkers alone are
-not. A user's own modules are followed as ours are; of installed libraries the versions count.
-Documentation, drawings and policies that a run does not play are never reached.
+Imports are read from the source, those within functions and by `import_module` of a written name
+too; those for type checkers alone are not. A user's own modules are followed as ours are; of
+installed libraries the versions count. Documentation, drawings and policies that a run does not
+play are never reached.
 """
 
+import ast
 import hashlib
-import re
 import sys
 import sysconfig
 import uuid
@@ -27,11 +28,6 @@ _ROOT = Path(__file__).resolve().parents[2]
 _INSTALLED = {Path(sysconfig.get_path(kind)).resolve() for kind in ("purelib", "platlib")}
 _SUFFIXES = (".py", ".so", ".pyd")
 _UNREADABLE = f"unreadable-{uuid.uuid4().hex[:DIGITS]}"  # another one in every process
-_FOR_TYPES = re.compile(r"^if TYPE_CHECKING:\n(?:[ \t]+.*\n|\n)+", re.MULTILINE)
-_IMPORT = re.compile(
-    r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|[^\n#;(]+)|import[ \t]+([^\n#;]+))",
-    re.MULTILINE,
-)
 
 
 class Code(NamedTuple):
@@ -145,17 +141,40 @@ def _read(path: Path | None, package: str) -> tuple[str, set[str]]:
 def _imported(text: str, package: str) -> set[str]:
     """Names that a source imports: modules, and what may be modules of a package."""
     names: set[str] = set()
-    for origin, members, plain in _IMPORT.findall(_FOR_TYPES.sub("", text.replace("\\\n", " "))):
-        for part in plain.split(","):
-            names |= set(part.split()[:1])
-        if origin.startswith("."):
-            up = len(origin) - len(origin.lstrip(".")) - 1
-            base = package.split(".")[: len(package.split(".")) - up] if up else [package]
-            origin = ".".join((*base, origin.lstrip("."))).strip(".")
-        if origin:
-            listed = re.sub(r"#.*", "", members).strip("()").split(",")
-            names |= {origin} | {f"{origin}.{part.split()[0]}" for part in listed if part.split()}
+    try:
+        left: list[ast.AST] = [ast.parse(text)]
+    except (SyntaxError, ValueError, RecursionError):
+        return names  # nobody can import it
+    while left:
+        node = left.pop()
+        if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING"):
+            left += node.orelse
+            continue
+        if isinstance(node, ast.Import):
+            names |= {one.name for one in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            origin = _origin_of(node, package)
+            names |= {origin, *(f"{origin}.{one.name}" for one in node.names)} - {""}
+        elif isinstance(node, ast.Call):
+            names |= _imported_by_call(node)
+        left += ast.iter_child_nodes(node)
     return names
+
+
+def _origin_of(node: ast.ImportFrom, package: str) -> str:
+    """The module from which names are imported, a relative one from its package."""
+    above = package.split(".")[: len(package.split(".")) - max(0, node.level - 1)]
+    return ".".join(filter(None, [*(above if node.level else ()), node.module or ""]))
+
+
+def _imported_by_call(node: ast.Call) -> set[str]:
+    """The module of `importlib.import_module("name")` or `__import__("name")`."""
+    called = node.func.attr if isinstance(node.func, ast.Attribute) else ""
+    called = node.func.id if isinstance(node.func, ast.Name) else called
+    first = node.args[0] if node.args else None
+    if called in ("import_module", "__import__") and isinstance(first, ast.Constant):
+        return {first.value} if isinstance(first.value, str) and first.value else set()
+    return set()
 
 
 def _is_installed(top: str) -> bool:

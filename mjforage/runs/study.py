@@ -12,10 +12,10 @@ from typing import Any
 
 from graph_planner.policies.registry import policy_label
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setup
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import scenario_to_tree
 from mjforage.core.schema import OPEN, check
+from mjforage.core.setup import Setup
 from mjforage.core.whole_files import write_json
 from mjforage.runs.evaluate import THIS_PROCESS, Progress, Run, carry_out
 from mjforage.runs.identity import provenance
@@ -48,6 +48,7 @@ class Study:
     variants : in the order in which they are computed
     worlds, episodes, seed : the same for all variants, so that episodes can be paired
     options : what the report must know besides
+    metrics : `package.module:Class` of metrics to take beside those that are known
     """
 
     kind: str
@@ -57,6 +58,7 @@ class Study:
     episodes: int = 100
     seed: int = 0
     options: Mapping[str, Any] = field(default_factory=dict)
+    metrics: tuple[str, ...] = ()
 
     @property
     def info(self) -> dict[str, Any]:
@@ -218,7 +220,7 @@ def run_study(
         workers that are lost. Nothing computed is lost.
     """
     runs = [_plan(study, variant, folder) for variant in study.variants]
-    invocation = workers.invocation({policy for run in runs for policy in run.policies})
+    invocation = workers.invocation({p for run in runs for p in run.policies}, study.metrics)
     if resume == "fresh":
         set_aside(folder, "study")
     _check_flags(folder, study.info)
@@ -246,6 +248,7 @@ def _plan(study: Study, variant: Variant, folder: Path) -> Run:
             episodes=study.episodes,
             seed=study.seed,
             worlds=study.worlds,
+            metrics=study.metrics,
         )
     except UserError as error:
         if variant is study.variants[0]:  # the scenario as it is

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from mjforage.core.dynamics import OUTCOMES
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setup
 from mjforage.core.mission_metrics import Scores
+from mjforage.core.setup import Setup
 from mjforage.runs.parquet import read_parquet, read_schema, spoilt
 
 Columns = dict[str, NDArray[Any] | pl.Series]

@@ -26,19 +26,20 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from graph_planner.extensions import Place
 from graph_planner.policies import create_policy
-from graph_planner.policies.registry import adopt_policy, own_weights, policy_place
+from graph_planner.policies.registry import adopt_policy, outside_class, own_weights, policy_place
 from graph_planner.references import file_label
+from graph_planner.task import digest
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap
-from mjforage.core.mission import Setup
-from mjforage.core.mission_metrics import Scorer
+from mjforage.core.mission_metrics import Metric, Scorer, chosen_metrics, places_of
 from mjforage.core.scenario_file import canonical_json, scenario_from_tree, scenario_to_tree
+from mjforage.core.setup import Setup
 from mjforage.core.whole_files import write_bytes, writing
 from mjforage.physics.worlds import create_mission
 from mjforage.runs import cluster
 from mjforage.runs.costs import Cost, Invocation
-from mjforage.runs.identity import policy_code, run_code, versions
-from mjforage.runs.interrupts import interrupts_held
+from mjforage.runs.identity import code_of, policy_code, run_code, versions
+from mjforage.runs.interrupts import interrupts_held, loose_ends_dropped, start_quiet_tracker
 from mjforage.runs.recording import record
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import frames
@@ -83,19 +84,20 @@ class Workers:
         """Whether other processes compute."""
         return self.remote or self.jobs > 1
 
-    def invocation(self, policies: Iterable[str]) -> Invocation:
-        """Check that they can compute these policies, before anything is written.
+    def invocation(self, policies: Iterable[str], metrics: Iterable[str] = ()) -> Invocation:
+        """Check that they can compute these policies and metrics, before anything is written.
 
         Raises
         ------
         UserError
             If dask is missing, the scheduler cannot be reached or has no workers, or they lack the
-            weights or cannot import a policy.
+            weights or cannot import a policy or metric.
         """
         started, count = datetime.now(UTC).isoformat(), self.local_cluster or self.jobs
         how = "local dask cluster" if self.local_cluster else "processes"
         if self.elsewhere:
             _places(policies)
+            places_of(chosen_metrics(metrics))
         if self.remote:
             cluster.check_dask()
         if self.scheduler:
@@ -136,6 +138,7 @@ class Assignment:
     parent: int | None  # process that asked for it and must outlive its workers; None: a cluster
     policies: tuple[str, ...] = ()
     worlds: tuple[str, ...] = ()
+    metrics: tuple[str | Place, ...] = ()  # references; for other processes where to find theirs
     places: tuple[tuple[str, Place], ...] = ()  # of policies, for other processes
     code: tuple[tuple[str, str], ...] = ()  # file or library -> hash or version, which must agree
 
@@ -146,38 +149,44 @@ class Assignment:
         seed: int,
         folder: Path,
         info: Mapping[str, Any],
+        metrics: Sequence[str],
         invocation: Invocation,
         workers: Workers,
     ) -> "Assignment":
         """Pack a setup; `info` is the content of `run.json`."""
         rows, columns = setup.grid.navigable.shape
         policies = tuple(info["policies"])
+        worlds = info["worlds"] if workers.remote else None
+        taken = chosen_metrics(metrics)
         return cls(
             canonical_json(scenario_to_tree(setup.scenario)),
             setup.grid.name,
             (rows, columns),
             np.packbits(setup.grid.navigable).tobytes(),
             seed,
-            folder.resolve() if workers.remote else folder,
+            folder.resolve() if workers.elsewhere else folder,
             info["hash"],
             invocation,
             None if workers.remote else os.getpid(),
             policies,
             tuple(info["worlds"]),
+            places_of(taken) if workers.elsewhere else tuple(metrics),
             _places(policies) if workers.elsewhere else (),
-            _facts(policies, info["worlds"] if workers.remote else None),
+            _facts(policies, worlds, taken),
         )
 
 
-def _facts(policies: Sequence[str], worlds: Sequence[str] | None) -> tuple[tuple[str, str], ...]:
-    """Code and versions that decide a run's numbers; only of outside policies without worlds.
+def _facts(
+    policies: Sequence[str], worlds: Sequence[str] | None, metrics: Sequence[type[Metric]]
+) -> tuple[tuple[str, str], ...]:
+    """Code and versions that decide a run's numbers; only of what is not ours without worlds.
 
     Processes of one machine share all the rest.
     """
     if worlds is None:
-        code = policy_code(policies, outside=True)
+        code = policy_code(policies, outside=True).joined(code_of(metrics, outside=True))
         return tuple({**code.versions, **code.files}.items())
-    code = run_code(policies, worlds)
+    code = run_code(policies, worlds, metrics)
     return tuple({**versions(code), **code.files}.items())
 
 
@@ -199,7 +208,7 @@ def _setup(assignment: Assignment) -> Setup:
         adopt_policy(policy, place)
     if assignment.parent != os.getpid() and assignment.code:
         worlds = assignment.worlds if assignment.parent is None else None
-        here = dict(_facts(assignment.policies, worlds))
+        here = dict(_facts(assignment.policies, worlds, chosen_metrics(assignment.metrics)))
         cluster.check_code(assignment.code, here)
     if assignment.parent is None:
         cluster.check_threads()
@@ -211,7 +220,7 @@ def _setup(assignment: Assignment) -> Setup:
     scenario = scenario_from_tree(json.loads(assignment.scenario_json), "scenario")
     setup = Setup(scenario, GridMap(assignment.map_name, navigable))
     if assignment.parent is None:
-        cluster.check_run(assignment.folder, assignment.hash, setup)
+        cluster.check_run(assignment.folder, assignment.hash, setup, assignment.metrics)
     return setup
 
 
@@ -262,8 +271,16 @@ def run_chunk(assignment: Assignment, chunk: Chunk) -> str | None:
         episodes = np.arange(chunk.first, chunk.first + chunk.count)
         mission = create_mission(setup, chunk.world)
         mission.reset(assignment.seed, episodes)
-        scorer = Scorer(mission)
+        outside = bool(outside_class(chunk.policy))  # ours are known to read only
+        shared = digest(setup.task) if outside else b""
+        scorer = Scorer(mission, chosen_metrics(assignment.metrics))
         mission.run(create_policy(chunk.policy), (scorer,))
+        if outside and digest(setup.task) != shared:
+            _setup.cache_clear()  # others are not to play on with it
+            return (
+                f"policy {chunk.policy}: changed arrays of the task, which other policies share; "
+                "copy what you change"
+            )
         log, scores = scorer.log, scorer.scores()
         tables = frames(setup, chunk.world, chunk.policy, episodes, log, scores)
         cost = Cost(
@@ -309,6 +326,8 @@ def _remote(work: Sequence[Task], workers: Workers) -> Results:
 def _local(work: Sequence[Task], workers: Workers) -> Results:
     parallel = joblib.Parallel(n_jobs=min(workers.jobs, len(work)), return_as="generator")
     results = None
+    if workers.jobs > 1:
+        start_quiet_tracker()
     try:
         with interrupts_held():
             results = parallel(joblib.delayed(run_chunk)(*task) for task in work)
@@ -320,6 +339,7 @@ def _local(work: Sequence[Task], workers: Workers) -> Results:
         ) from error
     finally:
         if results is not None:
-            with warnings.catch_warnings():  # those that are left are cancelled without a word
+            # what is left is cancelled without a word
+            with warnings.catch_warnings(), loose_ends_dropped():
                 warnings.simplefilter("ignore", UserWarning)
                 results.close()

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
 from mjforage.physics.manoeuvre.trajectory import Trajectory, check_file
-from mjforage.view.report import style
-from mjforage.view.report.all_figures import house_style
+from mjforage.view.page import style
+from mjforage.view.page.picture import house_style
 
 HULLS = 12  # outlines along the track
 PICTURES = (".png", ".svg", ".pdf", ".jpg")

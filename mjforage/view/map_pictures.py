@@ -18,7 +18,7 @@ from scipy import ndimage
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap, Starts
 from mjforage.core.whole_files import whole
-from mjforage.view.report import style
+from mjforage.view.page import style
 
 LONG_SIDE_IN = 7.0  # of the map itself [inch]
 MARGIN_IN = (0.6, 0.75)  # across, up: for ticks and title [inch]

@@ -9,7 +9,7 @@ from tests.controllers.plant import CALM, beam_gusts, cross_current, sail
 
 SETTLED = 300  # ticks
 YAWS = np.linspace(-np.pi, np.pi, 9)[:-1]
-HERE = (0.0, 0.0)
+TARGET = (0.0, 0.0)
 
 
 @pytest.mark.parametrize("name", ["scout", "forager", "ideal"])
@@ -25,18 +25,18 @@ HERE = (0.0, 0.0)
     ids=["calm", "current", "gusts", "both", "gusts and noise"],
 )
 def test_station_keeping(name: str, weather: WeatherSettings, noise_m: float) -> None:
-    track = sail(load_vessel(name), YAWS, HERE, 60.0, stay=True, weather=weather, noise_m=noise_m)
-    off = track.off(HERE)[SETTLED:]
+    track = sail(load_vessel(name), YAWS, TARGET, 60.0, stay=True, weather=weather, noise_m=noise_m)
+    off = track.off(TARGET)[SETTLED:]
     assert np.sqrt((off**2).mean(axis=0)).max() <= 0.5
 
 
 def test_it_returns_to_its_place() -> None:
     start = (0.9, -0.9)
-    track = sail(load_vessel("forager"), YAWS, HERE, 30.0, stay=True, start=start)
-    assert track.off(HERE)[-1].max() < 0.55
+    track = sail(load_vessel("forager"), YAWS, TARGET, 30.0, stay=True, start=start)
+    assert track.off(TARGET)[-1].max() < 0.55
 
 
 def test_in_calm_water_it_lies_still() -> None:
-    track = sail(load_vessel("scout"), YAWS, HERE, 20.0, stay=True)
-    assert track.off(HERE).max() < 0.01
+    track = sail(load_vessel("scout"), YAWS, TARGET, 20.0, stay=True)
+    assert track.off(TARGET).max() < 0.01
     assert np.abs(track.pose[..., 2] - YAWS).max() < 0.01

@@ -24,11 +24,13 @@ ASK = (
 )
 
 
+def printed(program: str, folder: Path) -> str:
+    command = [sys.executable, "-c", program]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout
+
+
 def ask(folder: Path) -> list[float]:
-    done = subprocess.run(
-        [sys.executable, "-c", ASK], cwd=folder, capture_output=True, text=True, check=True
-    )
-    return [float(word) for word in done.stdout.split()]
+    return [float(word) for word in printed(ASK, folder).split()]
 
 
 def test_a_kernel_is_compiled_again_when_a_file_that_it_calls_changes(tmp_path: Path) -> None:
@@ -42,3 +44,33 @@ def test_a_kernel_is_compiled_again_when_a_file_that_it_calls_changes(tmp_path: 
         assert ask(tmp_path) == [21.0, 1.0]  # unchanged: taken from the disk
         (package / "helm.py").write_text(HELM.format(decorator=decorator, factor=3.25))
         assert ask(tmp_path) == [33.5, 0.0]
+
+
+NAMED = """
+from typing import NamedTuple
+from graph_planner.compiled import kernel
+
+class {name}(NamedTuple):
+    x: float
+
+@kernel
+def steer(of: {name}) -> float:
+    return of.x + 1.0
+"""
+
+
+def test_a_class_that_is_no_more_spoils_no_cache(tmp_path: Path) -> None:
+    package = tmp_path / "flotilla"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    for name in ("Crew", "Fleet"):
+        (package / "steering.py").write_text(NAMED.format(name=name))
+        program = f"from flotilla import steering as s; print(s.steer(s.{name}(2.0)))"
+        done = subprocess.run(
+            [sys.executable, "-c", program],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        assert done.stdout == "3.0\n"

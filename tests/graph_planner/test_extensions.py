@@ -95,12 +95,19 @@ def test_what_is_of_a_function_or_script_is_refused_with_the_remedy() -> None:
         ("needs:X", "module needs needs no_such_thing; install it"),
         ("broken:X", r"broken.py, line 1: "),
         ("wrong:X", "module wrong cannot be imported .NameError: name 'nothing'"),
+        ("ending:X", "module ending ends the process"),
+        ("..:X", "expected package.module:Name"),
+        ("ending:", "expected package.module:Name"),
+        ("things:math", "is a module; give a class or a function"),
+        ("things:HALF", "is a partial; give a class or a function"),
     ],
 )
 def test_what_cannot_be_had_is_one_line(installed: Path, name: str, words: str) -> None:
     (installed / "needs.py").write_text("import no_such_thing")
     (installed / "broken.py").write_text("def (:")
     (installed / "wrong.py").write_text("nothing")
+    (installed / "ending.py").write_text("import sys; sys.exit(3)")
+    (installed / "things.py").write_text("import functools, math; HALF = functools.partial(int, 5)")
     with pytest.raises(UserError, match=words) as caught:
         boats().find(name)
     assert "\n" not in str(caught.value)

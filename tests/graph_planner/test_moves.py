@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from graph_planner.errors import UserError
 from graph_planner.fleet import Fleet, Role
 from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
 from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
@@ -197,8 +198,28 @@ def test_a_corrupted_agent_takes_only_an_item_that_it_knows_of_itself() -> None:
     assert 0.05 < (moves.direction[:, 0] == E).mean() < 0.5, "one legal move of six"
 
 
-@pytest.mark.parametrize("fault", ["shape", "nan"])
-def test_bad_preferences_are_refused(fault: str) -> None:
+def test_a_known_item_in_its_own_node_does_not_keep_a_corrupted_agent_there() -> None:
+    """Staying is one of nine uniform moves: only items beside it draw the agent."""
+    belief = np.zeros((500, len(WATER)), np.int16)
+    belief[:, WATER.node_of_cell[2, 2]] = 1
+    moves = resolve(
+        *(WATER, {"foragers": FORAGER}, [(2, 2)], [[N]], FREE),
+        episodes=500,
+        corruption=Corruption(np.ones(1), whole_team=True),
+        belief=belief,
+    )
+    assert 0.05 < (moves.direction == STAY).mean() < 0.2
+    assert np.unique(moves.direction).size == 9
+
+
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        ("shape", r"policy: act gave float64 \(1, 1, 8\), expected numbers of shape \(1, 1, 9\)"),
+        ("nan", "policy: gives preferences that are NaN"),
+    ],
+)
+def test_bad_preferences_are_refused(fault: str, words: str) -> None:
     fleet = Fleet.of({"scouts": SCOUT})
     resolver = Resolver(WATER, fleet, FREE, Corruption(np.zeros(1)))
     preferences = np.zeros((1, 1, 8 if fault == "shape" else 9))
@@ -206,5 +227,5 @@ def test_bad_preferences_are_refused(fault: str) -> None:
     node = np.zeros((1, 1), np.int32)
     step, keys = np.ones(1, np.int32), episode_keys(0, np.arange(1))
     energy, belief = np.full((1, 1), np.inf), np.zeros((1, 25), np.int16)
-    with pytest.raises(ValueError, match="preferences"):
+    with pytest.raises(UserError, match=words):
         resolver(np.ones(1, np.bool_), preferences, node, energy, belief, step, keys)

@@ -37,7 +37,7 @@ def write(
     path: Path, kind: str = "egocentric", changes: dict[str, torch.Tensor] | None = None
 ) -> Path:
     torch.manual_seed(0)
-    shapes = ENCODERS[kind](task()).shapes
+    shapes = ENCODERS.find(kind)(task()).shapes
     tensors = {
         f"{team}.{name}": value.clone()
         for team in TEAMS
@@ -48,7 +48,7 @@ def write(
     return path
 
 
-@pytest.mark.parametrize("kind", sorted(ENCODERS))
+@pytest.mark.parametrize("kind", ["egocentric", "paper"])
 def test_a_policy_reads_what_was_written(tmp_path: Path, kind: str) -> None:
     policy = QPolicy(write(tmp_path / "w.safetensors", kind))
     state = observation_of(task(), [(0, 0), (3, 3), (5, 5)], {(2, 2): 1}, episodes=3)
@@ -86,7 +86,7 @@ def test_paper_weights_are_bound_to_their_map_and_rules(tmp_path: Path) -> None:
 
 
 def test_weights_without_a_team_are_for_fleets_without_it(tmp_path: Path) -> None:
-    shapes = ENCODERS["egocentric"](task()).shapes
+    shapes = ENCODERS.find("egocentric")(task()).shapes
     network = DuelingNetwork(shapes)
     tensors = {f"forager.{name}": value for name, value in network.state_dict().items()}
     path = tmp_path / "w.safetensors"
@@ -183,7 +183,7 @@ def test_tensors_of_another_shape_and_cut_files_are_named(tmp_path: Path) -> Non
 @pytest.mark.every_capability
 def test_the_batch_changes_no_bit_of_a_value() -> None:
     torch.manual_seed(1)
-    shapes = ENCODERS["egocentric"](task()).shapes
+    shapes = ENCODERS.find("egocentric")(task()).shapes
     network, random = DuelingNetwork(shapes), np.random.default_rng(0)
     rows = 2 * BLOCK + 5
     levels = {n: random.integers(0, 256, (rows, *s)).astype(np.uint8) for n, s in shapes.items()}
@@ -199,7 +199,7 @@ def test_the_batch_changes_no_bit_of_a_value() -> None:
 def test_the_network_is_dueling() -> None:
     """Q less its mean over moves is the advantage less its mean: the value shifts all alike."""
     torch.manual_seed(0)
-    shapes = ENCODERS["egocentric"](task()).shapes
+    shapes = ENCODERS.find("egocentric")(task()).shapes
     network = DuelingNetwork(shapes)
     levels = {name: torch.randint(0, 256, (4, *s), dtype=torch.uint8) for name, s in shapes.items()}
     before = network(levels)

@@ -98,10 +98,3 @@ def test_counts_never_fall_and_ignore_the_batch(
     np.testing.assert_array_equal(counts[:, -1], (~np.isnan(times)).sum(axis=-1))
     for episode, row in enumerate(times):
         np.testing.assert_array_equal(counts_by_step(row, 30), counts[episode])
-
-
-def test_subset_blanks_the_rest() -> None:
-    kept = EventTable(**columns()).subset(np.array([False, True, True, True]))
-    np.testing.assert_array_equal(kept.exists, [False, True, True, False])
-    np.testing.assert_array_equal(kept.discovered_by, [-1, 1, -1, -1])
-    assert np.isnan(kept.collected_at).all()

@@ -51,7 +51,13 @@ def test_csr_by_hand() -> None:
 
 
 def test_csr_is_undefined_with_nothing_collected() -> None:
-    untouched = EPISODE.subset(np.array([False, False, False, True, True]))
+    untouched = EventTable(
+        EPISODE.discovered_at,
+        EPISODE.discovered_by,
+        collected_at=np.full(5, NAN),
+        collected_by=np.full(5, -1),
+        exists=EPISODE.exists,
+    )
     assert np.isnan(csr(untouched, SCOUTS))
     assert np.isnan(csr_series(untouched, SCOUTS, 10)).all()
 

@@ -47,9 +47,9 @@ def test_pta_adds_up_over_disjoint_items(random_events: Build, seed: int) -> Non
     events = random_events(seed)
     some = np.random.default_rng(seed).random(events.exists.shape) < 0.5
     total = np.zeros(len(some))
-    for part in (events.subset(some), events.subset(~some)):
-        size = part.exists.sum(axis=-1)
-        total += np.where(size > 0, pta(part.collected_at, part.exists) * size, 0.0)
+    for part in (events.exists & some, events.exists & ~some):
+        size = part.sum(axis=-1)
+        total += np.where(size > 0, pta(events.collected_at, part) * size, 0.0)
     whole = pta(events.collected_at, events.exists) * events.exists.sum(axis=-1)
     np.testing.assert_allclose(total, whole)
 

@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 
 from mjforage.cli import main
-from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 from mjforage.runs.evaluate import evaluate
 
 HORIZON = 12

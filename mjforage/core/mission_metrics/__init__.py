@@ -8,7 +8,13 @@ in a package of your own is found by the entry point `mjforage.metrics` or by `p
 import importlib
 import pkgutil
 
-from mjforage.core.mission_metrics.known import METRICS, chosen_metrics, describe, metric
+from mjforage.core.mission_metrics.known import (
+    METRICS,
+    chosen_metrics,
+    describe,
+    metric,
+    places_of,
+)
 from mjforage.core.mission_metrics.metric import Batch, Description, Metric, Moment, description
 from mjforage.core.mission_metrics.scoring import Scorer, Scores, score
 
@@ -24,6 +30,7 @@ __all__ = [
     "describe",
     "description",
     "metric",
+    "places_of",
     "score",
 ]
 

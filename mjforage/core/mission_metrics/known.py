@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
-from graph_planner.extensions import Table
+from graph_planner.extensions import Place, Table, is_ours
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics.metric import Description, Metric, description
 
@@ -35,12 +35,12 @@ def metric(made: _M) -> _M:
     return made
 
 
-def chosen_metrics(references: Iterable[str] = ()) -> tuple[type[Metric], ...]:
+def chosen_metrics(references: Iterable[str | Place] = ()) -> tuple[type[Metric], ...]:
     """All metrics that are registered or installed, and those referred to, in a fixed order.
 
     Parameters
     ----------
-    references : keys, names of entry points, or `package.module:Name`
+    references : keys, names of entry points, `package.module:Name`, or places of another process
 
     Raises
     ------
@@ -49,7 +49,8 @@ def chosen_metrics(references: Iterable[str] = ()) -> tuple[type[Metric], ...]:
     """
     found: dict[str, type[Metric]] = {}
     for name in (*METRICS.names(), *references):
-        one = checked(METRICS.find(name), name)
+        made = METRICS.at(name) if isinstance(name, Place) else METRICS.find(name)
+        one = checked(made, name if isinstance(name, str) else name.reference)
         if found.setdefault(one.key, one) is not one:
             raise UserError(
                 f"metric {name}: key {one.key!r} is that of {found[one.key].__qualname__}, too; "
@@ -59,6 +60,17 @@ def chosen_metrics(references: Iterable[str] = ()) -> tuple[type[Metric], ...]:
     return tuple(
         sorted(found.values(), key=lambda one: (places.get(one.key, len(places)), one.key))
     )
+
+
+def places_of(metrics: Iterable[type[Metric]]) -> tuple[Place, ...]:
+    """Where another process finds those metrics that are not ours.
+
+    Raises
+    ------
+    UserError
+        If one is of the script itself, which another process cannot import.
+    """
+    return tuple(METRICS.place(one.key, one) for one in metrics if not is_ours(one))
 
 
 def checked(made: object, name: str) -> type[Metric]:

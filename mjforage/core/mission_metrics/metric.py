@@ -5,10 +5,10 @@ column of `steps.parquet` and a curve of the report.
 """
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, TypeVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,26 +18,12 @@ from graph_planner.fleet import Fleet
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Mission
+from mjforage.core.once import Once
 
 FloatArray = NDArray[np.float64]
-_T = TypeVar("_T")
 
 
-class _Once:
-    """Keeps what several metrics ask for, so that it is computed once."""
-
-    def __init__(self) -> None:
-        self._kept: dict[object, Any] = {}
-
-    def once(self, compute: "Callable[[Any], _T]") -> _T:
-        """`compute(self)`, or what it gave when it was asked for before."""
-        if compute not in self._kept:
-            self._kept[compute] = compute(self)
-        found: _T = self._kept[compute]
-        return found
-
-
-class Moment(_Once):
+class Moment(Once):
     """A mission after its start or a step, as a course that is taken live sees it.
 
     Attributes
@@ -51,7 +37,7 @@ class Moment(_Once):
         self.mission, self.episodes = mission, episodes
 
 
-class Batch(_Once):
+class Batch(Once):
     """A batch that is over, as a metric's formula sees it.
 
     Attributes

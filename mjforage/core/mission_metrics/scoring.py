@@ -76,8 +76,9 @@ class Scorer(Observer):
             As `score`.
         """
         horizon = self._setup.scenario.horizon
-        last = np.minimum(np.arange(horizon + 1)[None, :], self.log.length[:, None])
-        taken = {key: np.take_along_axis(v, last, axis=1) for key, v in self._taken.items()}
+        ends = np.arange(self.log.length.size), self.log.length
+        over = np.arange(horizon + 1) > self.log.length[:, None]
+        taken = {key: np.where(over, v[ends][:, None], v) for key, v in self._taken.items()}
         return score(Batch(self.log, self._setup.fleet, horizon, taken), self.metrics)
 
 

@@ -4,14 +4,14 @@ A field is a type, its range and unit (`graph_planner.fields`) and a sentence, t
 it. `check` reads plain values against it, `describe` says it in rows, `json_schema` for editors.
 """
 
-from mjforage.core.schema.adapters import OPEN, Kept, json_schema
+from mjforage.core.schema.adapters import OPEN, NotInFile, json_schema
 from mjforage.core.schema.check import check, check_fields, shown
 from mjforage.core.schema.describe import NAME, Row, explain, page, rows
 
 __all__ = [
     "NAME",
     "OPEN",
-    "Kept",
+    "NotInFile",
     "Row",
     "check",
     "check_fields",

@@ -24,7 +24,7 @@ _SCALARS = ("int", "float", "bool", "str")
 
 
 @dataclass(frozen=True)
-class Kept:
+class NotInFile:
     """Marks what is not a key of the file, such as a name that comes from the file's own name."""
 
     def __get_pydantic_json_schema__(self, core: object, handler: Handler) -> Tree:

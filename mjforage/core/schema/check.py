@@ -39,7 +39,7 @@ def check(schema: type[_T], tree: object, where: str, *, remedy: str = "", **giv
     tree : as read from TOML or JSON
     where : what errors name first; may be empty
     remedy : what errors name last, for files that nobody writes by hand
-    given : fields that are no keys of the file (`Kept`)
+    given : fields that are no keys of the file (`NotInFile`)
 
     Raises
     ------

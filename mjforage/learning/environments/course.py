@@ -10,7 +10,7 @@ from mjforage.physics.weather import Field, WeatherSettings
 
 TICK_S = 0.1  # controllers run at 10 Hz
 NEAREST_M, FARTHEST_M = 4.0, 12.0  # from one waypoint to the next: one to three nodes
-REACHED_M = 1.0
+REACHED_M = 1.0  # from a waypoint's centre, as a decision's arrival has it
 
 FloatArray = NDArray[np.float64]
 

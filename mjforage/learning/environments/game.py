@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.encodings import ENCODERS, legal_moves
+from graph_planner.encodings import create_encoder, legal_moves
 from graph_planner.navigation import STAY
 from graph_planner.randomness import UInt64Array
 from mjforage.core.mission import Mission
@@ -39,15 +39,21 @@ class Game:
         Parameters
         ----------
         num_envs : episodes side by side; more than one in the graph world only
+
+        Raises
+        ------
+        UserError
+            If this machine has not the memory for them.
         """
         self.options, self.num_envs = options, num_envs
         self.setup = options.setup
+        self.setup.check_memory(num_envs)
         self.agents = len(self.setup.fleet)
         self.mission = create_mission(self.setup, options.world)
         self._spare = Mission(self.setup) if num_envs > 1 else None
         self._weights = options.weights
-        self._terms = RewardTerms(self.setup.task, tuple(self._weights))
-        self._encoder = ENCODERS[options.observation](self.setup.task)
+        self._terms = RewardTerms(self.setup.task, self._weights)
+        self._encoder = create_encoder(options.observation, self.setup.task)
         self.shapes = self._encoder.shapes
         self.started = False  # whether there are episodes
 

@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypedDict
 
-from graph_planner.encodings import ENCODERS
+from graph_planner.encodings import encoder_label
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setup
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 from mjforage.learning.environments.rewards import PUBLISHED, checked_weights
 from mjforage.physics.worlds import WORLDS
 
@@ -33,8 +33,8 @@ class EnvironmentOptions:
     ----------
     scenario : preset, path of a TOML file, or a scenario
     world : name in `mjforage.physics.worlds.WORLDS`
-    observation : name in `graph_planner.encodings.ENCODERS`
-    reward : term -> weight, see `rewards`; absent: the published weights
+    observation : reference to an encoder, see `graph_planner.encodings.create_encoder`
+    reward : reference to a term -> weight, see `rewards`; absent: the published weights
     map : replaces the scenario's grid: a name, CSV or image
     set : overrides KEY=VALUE of the scenario
 
@@ -55,12 +55,9 @@ class EnvironmentOptions:
     weights: dict[str, float] = field(init=False)
 
     def __post_init__(self) -> None:
-        for word, value, known in (
-            ("world", self.world, list(WORLDS)),
-            ("observation", self.observation, list(ENCODERS)),
-        ):
-            if value not in known:
-                raise UserError(f"{word} = {value!r}: unknown; choose {', '.join(known)}")
+        if self.world not in WORLDS:
+            raise UserError(f"world = {self.world!r}: unknown; choose {', '.join(WORLDS)}")
+        object.__setattr__(self, "observation", encoder_label(self.observation))
         scenario = self.scenario
         if isinstance(scenario, str):
             scenario = load_scenario(scenario, self.set, self.map)

@@ -90,6 +90,22 @@ def _look_ahead(
         sums[k], discount[k], successor[k] = total, factor, row
 
 
+def blocks_of(streams: int, capacity: int, n_step: int) -> int:
+    """Blocks of a memory: as many as fit, and enough for two returns."""
+    return max(capacity // max(streams, 1), 2 * n_step + 2)
+
+
+def memory_bytes(shapes: Shapes, streams: int, capacity: int, n_step: int) -> int:
+    """Memory that a `ReplayMemory` takes once it is full [byte]; parameters as there."""
+    rows = blocks_of(streams, capacity, n_step) * streams
+    row = sum(int(np.prod(shape)) for shape in shapes.values()) + 9 + 1 + 9 + 4 + 1
+    return rows * row + 8 * _tree_size(rows)
+
+
+def _tree_size(rows: int) -> int:
+    return 2 << max(rows - 1, 1).bit_length()
+
+
 class ReplayMemory:
     """Memory of one team. All arrays but the tree of priorities are (row, ...)."""
 
@@ -97,7 +113,7 @@ class ReplayMemory:
         self, shapes: Shapes, streams: int, capacity: int, n_step: int, gamma: float
     ) -> None:
         self.streams, self.n_step, self.gamma = streams, n_step, gamma
-        self.blocks = max(capacity // max(streams, 1), 2 * n_step + 2)
+        self.blocks = blocks_of(streams, capacity, n_step)
         rows = self.blocks * streams
         self.levels = {name: np.zeros((rows, *shape), np.uint8) for name, shape in shapes.items()}
         self.legal = np.zeros((rows, 9), np.bool_)
@@ -105,7 +121,7 @@ class ReplayMemory:
         self.shown = np.zeros((rows, 9), np.bool_)
         self.rewards = np.zeros(rows, np.float32)
         self.kind = np.zeros(rows, np.uint8)
-        self.tree = np.zeros(2 << max(rows - 1, 1).bit_length())
+        self.tree = np.zeros(_tree_size(rows))
         self.written, self.ready, self.most = 0, 0, 1.0  # blocks; blocks; largest priority
 
     def __len__(self) -> int:

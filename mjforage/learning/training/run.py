@@ -11,13 +11,15 @@ from pathlib import Path
 
 import torch
 
+from graph_planner.encodings import encoder_class
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Scenario
+from mjforage.learning.environments.rewards import term_class
 from mjforage.learning.training.checkpoint import identity, restore_checkpoint, save_checkpoint
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.trainer import Row, Trainer, save_weights
-from mjforage.runs.identity import policy_code, provenance, versions, weight_hashes
+from mjforage.runs.identity import code_of, policy_code, provenance, versions, weight_hashes
 from mjforage.runs.lock import claimed
 from mjforage.runs.resuming import CODE, Resume, open_folder, set_aside
 from mjforage.runs.source_code import WHOLE, decisive_code
@@ -136,9 +138,11 @@ def _device(name: str) -> str:
 
 def _facts(trainer: Trainer) -> dict[str, object]:
     """Content of `training.json`."""
-    teachers = [trainer.hyperparameters.teacher] if trainer.hyperparameters.teacher else []
+    told = trainer.hyperparameters
+    teachers = [told.teacher] if told.teacher else []
     code = decisive_code(["mjforage.learning.training.trainer"], WHOLE)
-    code = code.joined(policy_code(teachers))
+    found = [encoder_class(told.observation), *map(term_class, told.reward)]
+    code = code.joined(policy_code(teachers)).joined(code_of(found))
     return {
         "command": provenance()["command"],
         **identity(trainer),

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.encodings import Shapes, encoder_label
 from graph_planner.policies import Policy, create_policy
 from graph_planner.policies.ddqn import QPolicy
 from graph_planner.policies.registry import check_policies
@@ -25,12 +26,14 @@ from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import METRICS, Scorer
 from mjforage.core.scenario import Scenario
 from mjforage.core.schema import OPEN
+from mjforage.core.sizes import check_memory
 from mjforage.learning.environments.game import Game, Outcome
 from mjforage.learning.environments.options import EnvironmentOptions
-from mjforage.learning.training.ddqn import Learner
+from mjforage.learning.environments.rewards import labelled
 from mjforage.learning.training.files import save_tensors
 from mjforage.learning.training.hyperparameters import Hyperparameters
-from mjforage.learning.training.replay_memory import FINAL, NOTHING, PLAYED
+from mjforage.learning.training.learner import Learner
+from mjforage.learning.training.replay_memory import FINAL, NOTHING, PLAYED, memory_bytes
 
 if TYPE_CHECKING:
     from graph_planner.q_network import DuelingNetwork
@@ -120,6 +123,11 @@ class Trainer:
         if hyperparameters.teacher:
             teacher = check_policies([hyperparameters.teacher])[0]
             hyperparameters = replace(hyperparameters, teacher=teacher)
+        hyperparameters = replace(
+            hyperparameters,
+            observation=encoder_label(hyperparameters.observation),
+            reward=labelled(hyperparameters.reward),
+        )
         self.hyperparameters, self.seed, self.device = hyperparameters, seed, device
         options = [
             EnvironmentOptions(
@@ -132,6 +140,7 @@ class Trainer:
         fleet = self.game.setup.fleet
         _check_alike(self.games)
         self.agents = dict(zip(TEAMS, (fleet.discoverers, fleet.collectors), strict=True))
+        _check_memory(self.game.shapes, self.agents, hyperparameters)
         self.learners = {
             team: Learner(
                 self.game.shapes,
@@ -310,6 +319,23 @@ class Trainer:
         row["rank"] = row["nt50"] + row["nt90"] + (100.0 - row["pta_c"]) / 20.0
         self.book_time()
         return self._come("rounds", "updates", "seconds") | row
+
+
+def _check_memory(
+    shapes: Shapes, agents: dict[str, NDArray[np.int64]], chosen: Hyperparameters
+) -> None:
+    """Refuse replays that do not fit into this machine."""
+    wanted = sum(
+        memory_bytes(shapes, chosen.num_envs * ids.size, chosen.capacity, chosen.n_step)
+        for ids in agents.values()
+        if ids.size
+    )
+    check_memory(
+        f"--learning: a replay of capacity = {chosen.capacity} for each team, with num_envs = "
+        f"{chosen.num_envs},",
+        wanted,
+        "give less capacity, or fewer environments",
+    )
 
 
 def _check_alike(games: Sequence[Game]) -> None:

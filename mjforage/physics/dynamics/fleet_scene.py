@@ -1,5 +1,6 @@
 """Which hulls a fleet has, which classes items have, and the scene that holds them all."""
 
+import logging
 from collections.abc import Sequence
 from functools import lru_cache
 
@@ -13,6 +14,9 @@ from mjforage.core.scenario import Physics
 from mjforage.physics.scene import Scene, build_scene, load_debris
 from mjforage.physics.vessels import Vessel, load_vessel
 
+_logger = logging.getLogger(__name__)
+MOST_BODIES = 1024  # items in a scene; MuJoCo takes a minute to build it, four for twice as many
+LONG_BUILD = 256  # bodies from which on building takes seconds, growing with their square
 POOL_STEP = 32  # pools grow by this many bodies: few scenes, and whole blocks of the sums in MuJoCo
 
 
@@ -52,10 +56,27 @@ def item_choices(choice: Physics) -> NDArray[np.int64]:
     return np.array([known.index(name) for name in choice.item_classes], np.int64)
 
 
+def check_bodies(items: float) -> None:
+    """Refuse more items as bodies than a scene can hold.
+
+    Raises
+    ------
+    UserError
+        If there are.
+    """
+    if items > MOST_BODIES:
+        raise UserError(
+            f"items: {items:g} in an episode are too many as bodies, at most {MOST_BODIES} can be; "
+            "lower items.mean or items.std, or give --set physics.items=graph"
+        )
+
+
 @lru_cache(maxsize=8)
 def _built(
     graph: NavigationGraph, vessels: tuple[Vessel, ...], names: tuple[str, ...], pool: int
 ) -> Scene:
+    if pool > LONG_BUILD:
+        _logger.warning("building a scene of %d bodies takes a while, up to a minute", pool)
     return build_scene(
         vessels, navigable=graph.navigable, pitch_m=graph.pitch_m, items=pool, names=names
     )
@@ -72,7 +93,8 @@ def fleet_scene(
     Raises
     ------
     UserError
-        If a hull cannot turn in the narrowest passage.
+        If a hull cannot turn in the narrowest passage, or there are more than `MOST_BODIES`.
     """
+    check_bodies(items)
     pool = -(-items // POOL_STEP) * POOL_STEP
     return _built(graph, tuple(vessels), tuple(names), pool)

@@ -60,7 +60,7 @@ def read_items(
             row, col = height - 1 - xy[e, k, 1] / pitch_m, xy[e, k, 0] / pitch_m
             item_rc[e, k, 0], item_rc[e, k, 1] = row, col
             before = item_node[e, k]
-            _, _, after = into_water(water, row, col)
+            _, _, after = into_water(water, 0, row, col)
             items_in_node[e, before] -= 1
             items_in_node[e, after] += 1
             item_node[e, k] = after

@@ -21,7 +21,12 @@ from mjforage.core.film import Film
 from mjforage.core.initial_state import InitialState, nearest_nodes
 from mjforage.core.item_rule import ItemRule, collect
 from mjforage.core.scenario import Scenario
-from mjforage.physics.dynamics.fleet_scene import fleet_scene, fleet_vessels, item_choices
+from mjforage.physics.dynamics.fleet_scene import (
+    check_bodies,
+    fleet_scene,
+    fleet_vessels,
+    item_choices,
+)
 from mjforage.physics.dynamics.item_bodies import (
     draw_classes,
     nearest_items,
@@ -69,6 +74,8 @@ class MujocoDynamics:
                 "physics.capture = 'intake' with physics.items = 'graph': items without bodies "
                 "enter no mouth; set physics.capture=node or physics.items=bodies"
             )
+        if self._bodies:  # all but one in some ten thousand episodes have fewer
+            check_bodies(round(scenario.items.mean + 4.0 * scenario.items.std))
         fleet_scene(graph, self._vessels, fleet.names, 0)  # hulls that do not fit say so now
         self._helms = [helm_of(vessel) for vessel in self._vessels]
         self._chart = Chart(graph.navigable, graph.pitch_m)
@@ -114,8 +121,8 @@ class MujocoDynamics:
         self._room_left = np.tile(self._fleet.capacity, (len(initial.n_items), 1))
         self._rule: ItemRule | None = None
         if not self._bodies:
-            noise = self._scenario.weather.noise_node_per_step
-            self._rule = ItemRule(self._graph, self._fleet, noise)
+            noise, walls = self._scenario.weather.noise_node_per_step, self._scenario.rules.walls
+            self._rule = ItemRule(self._graph, self._fleet, noise, walls)
             self._rule.reset(initial, self._keys)
             self._room_left = self._rule.room_left
             return

@@ -20,7 +20,7 @@ from mjforage.physics.hydrodynamics.thruster import thrust
 
 ARRIVAL_M, SLOW_MPS, BLOCKED_S = 1.0, 0.1, 2.0  # of the definitions above; estimates
 PROPELLER_DISC_M2 = math.pi / 4 * 0.2**2  # of one side, 0.2 m across: an estimate for both classes
-WATER_DENSITY_KGPM3 = 1025.0
+WATER_DENSITY_KGPM3 = 1025.0  # sea water; of the least energy of propellers
 FloatArray = NDArray[np.float64]
 
 

@@ -4,7 +4,7 @@ import math
 
 from mjforage.core.errors import UserError
 
-FASTEST_MPS = 100.0
+FASTEST_MPS = 100.0  # of wind or current that is accepted: faster than any hurricane
 
 
 def parse_flow(text: str, thing: str) -> tuple[float, float]:

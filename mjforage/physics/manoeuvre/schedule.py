@@ -35,6 +35,10 @@ def read_schedule(path: str | Path, vessel: Vessel) -> Schedule:
         numbers, is not later than the one before, or is out of the thrusters' range.
     """
     where = f"schedule {Path(path).name}"
+    if Path(path).exists() and not Path(path).is_file():
+        raise UserError(
+            f"{where}: is no file; give a CSV file with the columns {','.join(COLUMNS)}"
+        )
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
     except (OSError, ValueError) as error:

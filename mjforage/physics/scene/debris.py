@@ -1,7 +1,6 @@
 """Debris: classes of floating items with drag in air and water, and the pool of bodies for them."""
 
 import math
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -12,7 +11,8 @@ from numpy.typing import NDArray
 
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
-from mjforage.core.schema import Kept, check
+from mjforage.core.schema import NotInFile, check
+from mjforage.core.toml_files import read_toml
 from mjforage.physics.hydrodynamics.parameters import AIR_DENSITY_KGPM3
 from mjforage.physics.quantities import Quantity, positive
 
@@ -25,7 +25,7 @@ PARKING_OFF_M = 50.0  # of parked items, beyond the map's south-west corner
 class DebrisClass:
     """One class of `models/debris.toml`."""
 
-    name: Annotated[str, Kept()]
+    name: Annotated[str, NotInFile()]
     description: str
     """What the items are, in a line."""
     mass_kg: Annotated[float, positive("kg", 1e4)]
@@ -79,10 +79,7 @@ def load_debris(path: str | Path | None = None) -> tuple[DebrisClass, ...]:
     """
     file = models_folder() / "debris.toml" if path is None else Path(path)
     where = f"debris {file.name}"
-    try:
-        tree = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        raise UserError(f"{where}: not readable as TOML ({error})") from error
+    tree = read_toml(file, where)
     if not tree:
         raise UserError(f"{where}: no class; add a table such as [bottle]")
     return tuple(_read(name, entry, f"{where}: {name}") for name, entry in tree.items())

@@ -156,12 +156,6 @@ class Simulation:
         parked = self.item_class[chosen] < 0
         self._item_xy[chosen] = np.where(parked[..., None], self.scene.parking, xy)
 
-    def park_items(self, gone: NDArray[np.bool_]) -> None:
-        """Take items (simulation, item) off the water."""
-        self.item_class[gone] = -1.0
-        self._item_velocity[gone] = 0.0
-        self._item_xy[gone] = np.broadcast_to(self.scene.parking, self._item_xy.shape)[gone]
-
     def remove_items(self, which: NDArray[np.bool_]) -> None:
         """Take items (simulation, item) off the water."""
         _, items = np.nonzero(which)

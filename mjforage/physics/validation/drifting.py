@@ -16,7 +16,7 @@ from mjforage.physics.validation.finding import (
     dashed,
     within,
 )
-from mjforage.physics.validation.registry import Parts, check
+from mjforage.physics.validation.known_checks import Parts, check
 from mjforage.physics.validation.shared_runs import INTEGRATORS, SPEED_KIND, VESSELS, clock
 from mjforage.physics.vessels import load_vessel
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from graph_planner.randomness import episode_keys
 from mjforage.physics.validation.finding import Float64Array, Line, Measure, Panel, near_share
-from mjforage.physics.validation.registry import Parts, check
+from mjforage.physics.validation.known_checks import Parts, check
 from mjforage.physics.weather import Field, WeatherSettings
 
 MEAN_MPS, INTENSITY, TAU_S = 6.0, 0.15, 2.0

@@ -14,7 +14,7 @@ from mjforage.physics.validation.finding import (
     dashed,
     near_share,
 )
-from mjforage.physics.validation.registry import Parts, check
+from mjforage.physics.validation.known_checks import Parts, check
 from mjforage.physics.validation.shared_runs import INTEGRATORS, SPEED_KIND, VESSELS, body_axes, row
 from mjforage.physics.vessels import Vessel, load_vessel
 

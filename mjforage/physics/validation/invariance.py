@@ -6,7 +6,7 @@ import numpy as np
 
 from mjforage.physics.simulation import Integrator
 from mjforage.physics.validation.finding import Float64Array, Line, Panel, at_most
-from mjforage.physics.validation.registry import Parts, check
+from mjforage.physics.validation.known_checks import Parts, check
 from mjforage.physics.validation.shared_runs import INTEGRATORS, SPEED_KIND, TURN, clock, scheduled
 from mjforage.physics.vessels import load_vessel
 

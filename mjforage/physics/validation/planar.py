@@ -1,6 +1,6 @@
 """Roll, pitch and heave: the check that does not apply to planar hulls."""
 
-from mjforage.physics.validation.registry import Parts, check
+from mjforage.physics.validation.known_checks import Parts, check
 
 
 @check("roll-pitch-heave", "7", "Decay of roll, pitch and heave")

@@ -1,4 +1,4 @@
-"""A load on the physics: a crew driven at random through the default port.
+"""A load on the physics: a fleet driven at random through the default port.
 
 Two scouts, two foragers and 75 items, under wind and changing commands, so that hulls and items lie
 against quays.
@@ -13,16 +13,16 @@ from mjforage.physics.simulation.integrators import Integrator
 from mjforage.physics.simulation.simulation import Simulation
 from mjforage.physics.vessels import load_vessel
 
-CREW = ("scout", "scout", "forager", "forager")
+FLEET = ("scout", "scout", "forager", "forager")
 ITEMS, PITCH_M, STEP_S = 75, 4.0, 0.1
 CONTROL_S = 5.0  # commands change this often
 WIND_MPS = (1.5, 1.0)
 
 
 def port_scene() -> Scene:
-    """The default port with its crew and items."""
+    """The default port with its fleet and items."""
     navigable = load_map("comb_port").navigable
-    vessels = [load_vessel(name) for name in CREW]
+    vessels = [load_vessel(name) for name in FLEET]
     return build_scene(vessels, navigable=navigable, pitch_m=PITCH_M, items=ITEMS)
 
 
@@ -32,13 +32,15 @@ def port_simulation(
     """Vessels and items at random nodes of the default port, under wind."""
     graph = navigation_graph(load_map("comb_port").navigable, PITCH_M, False)
     rng = np.random.default_rng(seed)
-    nodes = np.stack([rng.permutation(len(graph))[: len(CREW) + ITEMS] for _ in range(simulations)])
+    nodes = np.stack(
+        [rng.permutation(len(graph))[: len(FLEET) + ITEMS] for _ in range(simulations)]
+    )
     xy = graph.metres(np.stack((graph.rows[nodes], graph.cols[nodes]), axis=-1).astype(float))
-    pose = np.zeros((simulations, len(CREW), 3))
-    pose[..., :2], pose[..., 2] = xy[:, : len(CREW)], rng.uniform(0, 6.28, pose.shape[:2])
+    pose = np.zeros((simulations, len(FLEET), 3))
+    pose[..., :2], pose[..., 2] = xy[:, : len(FLEET)], rng.uniform(0, 6.28, pose.shape[:2])
     simulation = Simulation(scene, simulations, integrator=integrator, step_s=STEP_S)
     simulation.place_vessels(pose)
-    items = xy[:, len(CREW) :] + rng.uniform(-1, 1, (simulations, ITEMS, 2))
+    items = xy[:, len(FLEET) :] + rng.uniform(-1, 1, (simulations, ITEMS, 2))
     simulation.place_items(items, rng.integers(0, len(scene.classes), (simulations, ITEMS)))
     simulation.vessel_wind[:] = simulation.item_wind[:] = WIND_MPS
     return simulation

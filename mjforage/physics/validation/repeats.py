@@ -10,8 +10,8 @@ import numpy as np
 
 from mjforage.physics.simulation import InstabilityError, Integrator, Simulation
 from mjforage.physics.validation.finding import Float64Array, Measure, at_most
+from mjforage.physics.validation.known_checks import Parts, check
 from mjforage.physics.validation.port_drive import drive, port_scene, port_simulation
-from mjforage.physics.validation.registry import Parts, check
 from mjforage.physics.validation.shared_runs import INTEGRATORS, SPEED_KIND
 
 logger = logging.getLogger(__name__)

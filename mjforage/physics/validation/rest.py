@@ -7,7 +7,7 @@ from mjforage.physics.hydrodynamics.motion import kinetic_energy
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.validation.finding import Float64Array, Line, Panel, at_most
-from mjforage.physics.validation.registry import Parts, check
+from mjforage.physics.validation.known_checks import Parts, check
 from mjforage.physics.validation.shared_runs import (
     INTEGRATORS,
     SPEED_KIND,

@@ -7,7 +7,7 @@ from mjforage.core.errors import UserError
 from mjforage.physics.simulation import InstabilityError
 from mjforage.physics.validation import all_checks
 from mjforage.physics.validation.finding import Finding, Measure
-from mjforage.physics.validation.registry import Check, check_names, find_check
+from mjforage.physics.validation.known_checks import Check, check_names, find_check
 
 MOST_RUNS = 100_000
 _Tick = Callable[[], None]

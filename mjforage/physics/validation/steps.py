@@ -7,7 +7,7 @@ import numpy as np
 
 from mjforage.physics.simulation import Integrator
 from mjforage.physics.validation.finding import Float64Array, Line, Measure, Panel, at_most, near
-from mjforage.physics.validation.registry import Parts, check
+from mjforage.physics.validation.known_checks import Parts, check
 from mjforage.physics.validation.shared_runs import HARD, SPEED_KIND, STEP_S, TURN, clock, scheduled
 from mjforage.physics.vessels import load_vessel
 

@@ -18,7 +18,7 @@ from mjforage.physics.validation.finding import (
     near,
     within,
 )
-from mjforage.physics.validation.registry import Parts, check
+from mjforage.physics.validation.known_checks import Parts, check
 from mjforage.physics.validation.shared_runs import (
     INTEGRATORS,
     SPEED_KIND,

@@ -10,7 +10,7 @@ from mjforage.physics.manoeuvre import Trajectory, key_figures, run_test
 from mjforage.physics.simulation.mujoco_hull import MujocoHull
 from mjforage.physics.validation import independent as otter
 from mjforage.physics.validation.finding import Float64Array, Line, Measure, Panel, near, near_share
-from mjforage.physics.validation.registry import Parts, check
+from mjforage.physics.validation.known_checks import Parts, check
 from mjforage.physics.vessels import load_vessel
 
 CURRENT = (0.24, -0.1)  # [m/s], 0.26 together

@@ -5,7 +5,7 @@ import numpy as np
 from mjforage.physics.manoeuvre import Trajectory, key_figures, run_test
 from mjforage.physics.simulation.mujoco_hull import MujocoHull
 from mjforage.physics.validation.finding import Line, Measure, Panel, near, near_share
-from mjforage.physics.validation.registry import Parts, check
+from mjforage.physics.validation.known_checks import Parts, check
 from mjforage.physics.validation.shared_runs import independent_run
 from mjforage.physics.vessels import load_vessel
 

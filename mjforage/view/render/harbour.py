@@ -36,7 +36,7 @@ class Shape:
 
 
 @dataclass(frozen=True)
-class Ground:
+class PaddedLand:
     """The map with land carried on beyond its edge.
 
     Attributes
@@ -52,7 +52,7 @@ class Ground:
     columns: int
 
     @classmethod
-    def of(cls, navigable: Bools, pitch_m: float) -> "Ground":
+    def of(cls, navigable: Bools, pitch_m: float) -> "PaddedLand":
         """Continue the outermost cells of the map outwards."""
         return cls(np.pad(~navigable, BEYOND, mode="edge"), pitch_m, *navigable.shape)
 
@@ -88,7 +88,7 @@ def flat_quads(boxes: Floats, z: float, tile_m: float) -> Shape:
     return quads(corners, xy / tile_m)
 
 
-def piers(ground: Ground) -> Bools:
+def piers(ground: PaddedLand) -> Bools:
     """(row, column) land that is nowhere wider than `PIER_CELLS`."""
     block = np.ones((PIER_CELLS + 1,) * 2, np.bool_)
     wide = ndimage.binary_opening(np.pad(ground.land, PIER_CELLS + 1, mode="edge"), block)
@@ -97,14 +97,14 @@ def piers(ground: Ground) -> Bools:
     return result
 
 
-def inland(ground: Ground) -> Bools:
+def inland(ground: PaddedLand) -> Bools:
     """(row, column) land behind the quays, at least `_QUAY_CELLS` from water."""
     room = ndimage.distance_transform_cdt(np.pad(ground.land, 1, mode="edge"), "chessboard")
     result: Bools = room[1:-1, 1:-1] > _QUAY_CELLS
     return result
 
 
-def tops(ground: Ground, cells: Bools, tile_m: float) -> Shape:
+def tops(ground: PaddedLand, cells: Bools, tile_m: float) -> Shape:
     """Quay tops of the given cells."""
     box = merged_rectangles(cells)
     sides = (ground.x(box[:, 1]), ground.y(box[:, 2]), ground.x(box[:, 3]), ground.y(box[:, 0]))
@@ -114,7 +114,7 @@ def tops(ground: Ground, cells: Bools, tile_m: float) -> Shape:
 _AROUND = ((-1, 0), (0, 1), (1, 0), (0, -1))  # north, east, south, west
 
 
-def shoreline(ground: Ground) -> tuple[Floats, NDArray[np.int64]]:
+def shoreline(ground: PaddedLand) -> tuple[Floats, NDArray[np.int64]]:
     """Sides of land cells that face water.
 
     Returns
@@ -162,7 +162,7 @@ def walls(ends: Floats, tile_m: float) -> Shape:
     return quads(corners, np.stack((u, v), axis=-1))
 
 
-def kerbs(ground: Ground, ends: Floats, tile_m: float) -> Shape:
+def kerbs(ground: PaddedLand, ends: Floats, tile_m: float) -> Shape:
     """Coping along the water: its top, its inner face, and the squares at inner corners."""
     inner = ends + KERB_M * _inward(ends)[:, None]
     low = np.minimum(ends.min(axis=1), inner.min(axis=1))
@@ -181,7 +181,7 @@ def kerbs(ground: Ground, ends: Floats, tile_m: float) -> Shape:
     return joined((top, quads(corners, corners[..., :2] / tile_m)))
 
 
-def _corner_boxes(ground: Ground) -> Floats:
+def _corner_boxes(ground: PaddedLand) -> Floats:
     """Squares where only the diagonal neighbour of a land cell is water."""
     row, column = (axis.astype(np.int64) for axis in np.nonzero(ground.land))
     boxes = []

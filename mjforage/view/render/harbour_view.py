@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from mjforage.core.errors import UserError
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.cameras import CAMERAS, Area, Camera, Circumstances, View, magnified
-from mjforage.view.render.harbour import Ground
+from mjforage.view.render.harbour import PaddedLand
 from mjforage.view.render.markings import lay_hull, lay_rings
 from mjforage.view.render.opengl import Canvas
 from mjforage.view.render.overlay import Overlay
@@ -77,7 +77,7 @@ class HarbourView:
             self._look.masts[self._followed],
         )
         self._surface_rate = min(1.0, _CALM_FILM / speed)
-        self._water = Water(shore_of(Ground.of(replay.navigable, replay.pitch_m)))
+        self._water = Water(shore_of(PaddedLand.of(replay.navigable, replay.pitch_m)))
         self._overlay = Overlay(replay, self._timeline, width, height)
         self._size, self._detail = (height, width), detail
         drawn = detail * height, detail * width

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from mjforage.view.report import style
+from mjforage.view.page import style
 
 Colour = tuple[float, float, float]  # red, green, blue in 0..255
 

@@ -22,6 +22,7 @@ def span(low: float, high: float, size: int) -> tuple[int, int]:
 
 @kernel
 def _blend(image: Image, y: int, x: int, colour: Colour, alpha: float) -> None:
+    """Lay a colour over a pixel with an opacity from 0 to 1."""
     for channel in range(3):
         old = float(image[y, x, channel])
         image[y, x, channel] = np.uint8(old + (colour[channel] - old) * alpha + 0.5)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from mjforage.physics.scene.quays import FREEBOARD_M
-from mjforage.view.render.harbour import Ground, Shape, joined, quads
+from mjforage.view.render.harbour import PaddedLand, Shape, joined, quads
 
 Floats = NDArray[np.float64]
 _OFF_CELLS = 3  # between a shed and the water, at least
@@ -19,7 +19,7 @@ _WALL_V, _ROOF_V = 0.25, 0.75  # where their colours lie in the palette
 _Corner = tuple[float, float, float]
 
 
-def shed_boxes(ground: Ground) -> Floats:
+def shed_boxes(ground: PaddedLand) -> Floats:
     """(n, 5) west, south, east, north [m] of sheds, and the height of their walls [m]."""
     room = ndimage.distance_transform_cdt(np.pad(ground.land, 1), "chessboard")[1:-1, 1:-1]
     random = np.random.Generator(np.random.PCG64(_SEED))

@@ -87,6 +87,7 @@ def _lay_foam(texels: NDArray[np.float32], points: Floats, width: Floats, streng
 
 @kernel
 def _over(texels: NDArray[np.float32], row: int, column: int, colour: Colour, alpha: float) -> None:
+    """Lay a colour over a texel of premultiplied colour and opacity."""
     left = 1.0 - alpha
     for channel in range(3):
         old = texels[row, column, channel] * left
@@ -98,6 +99,7 @@ def _over(texels: NDArray[np.float32], row: int, column: int, colour: Colour, al
 def _lay_stroke(
     texels: NDArray[np.float32], points: Floats, width: Floats, alpha: Floats, colour: Colour
 ) -> None:
+    """Lay a stroke of changing width and opacity over the texels."""
     top, left, cover = stroke_cover(texels.shape[0], texels.shape[1], points, width, alpha)
     for row in range(cover.shape[0]):
         for column in range(cover.shape[1]):
@@ -114,6 +116,7 @@ def _lay_rings(
     alpha: Floats,
     colour: Colour,
 ) -> None:
+    """Lay rings over the texels; `radius` and `width` are in texels, one each per point."""
     for i in range(points.shape[0]):
         x, y, reach = points[i, 0], points[i, 1], radius[i] + width[i] + 1.0
         rows = span(y - reach, y + reach, texels.shape[0])

@@ -41,6 +41,7 @@ def smooth_edges(image: Image, result: Image) -> None:
 
 @kernel
 def _smooth(image: Image, result: Image, first: int, end: int) -> None:
+    """Rows `first` to `end` of an image with stair-steps along contrast edges blended away."""
     height, width = image.shape[:2]
     near, far = np.empty(3), np.empty(3)
     result[first:end] = image[first:end]

@@ -143,7 +143,7 @@ def _add_items(spec: mujoco.MjSpec, classes: NDArray[np.int16], scale: float) ->
 
 
 def _add_harbour(spec: mujoco.MjSpec, navigable: NDArray[np.bool_], pitch_m: float) -> None:
-    ground = harbour.Ground.of(navigable, pitch_m)
+    ground = harbour.PaddedLand.of(navigable, pitch_m)
     if ground.land.any():
         ends, _ = harbour.shoreline(ground)
         pier = harbour.piers(ground)

@@ -116,17 +116,20 @@ def _sky(rise: float, channel: int) -> float:
 
 @inlined
 def _haze(distance: float) -> float:
+    """Share of the horizon's colour in what is seen at a distance [m]."""
     square = distance * distance
     return square / (square + _HAZE_M * _HAZE_M)
 
 
 @inlined
 def _to_sun(x: float, y: float, z: float) -> float:
+    """Cosine between a unit vector and the sun's direction, at least 0."""
     return max(0.0, x * _SUN_X + y * _SUN_Y + z * _SUN_Z)
 
 
 @inlined
 def _paint_solid(image: Image, i: int, j: int, haze: float) -> None:
+    """Blend a pixel of something solid with the horizon's colour."""
     for k in range(3):
         value = float(image[i, j, k])
         image[i, j, k] = np.uint8(value + (_HORIZON[k] - value) * haze + 0.5)
@@ -134,6 +137,7 @@ def _paint_solid(image: Image, i: int, j: int, haze: float) -> None:
 
 @inlined
 def _paint_sky(image: Image, i: int, j: int, x: float, y: float, z: float) -> None:
+    """Paint a pixel of sky in the view direction (x, y, z), brighter towards the sun."""
     glow = 0.35 * _to_sun(x, y, z) ** 8
     for k in range(3):
         value = _sky(z, k)

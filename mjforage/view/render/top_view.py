@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.render import palette, symbols
 from mjforage.view.render.background import paint_background
-from mjforage.view.render.fields import fields_at, nearest_water, paint_fields
 from mjforage.view.render.frame_layout import plan_layout
 from mjforage.view.render.legend import Legend
+from mjforage.view.render.node_fields import fields_at, nearest_water, paint_fields
 from mjforage.view.render.panel import Panel, team_collects
 from mjforage.view.render.raster import Floats, Image, paint_box
 from mjforage.view.render.timeline import between, course_at, split_time, timeline_of

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission import Mission
+from mjforage.core.setup import Setup
 from mjforage.physics.scene import Scene, build_scene
 from mjforage.physics.vessels import load_vessel
 from mjforage.runs.episode_replay import Replay

@@ -13,7 +13,7 @@ from scipy import ndimage
 
 from mjforage.view.render.bands import in_bands
 from mjforage.view.render.cameras import View
-from mjforage.view.render.harbour import Ground
+from mjforage.view.render.harbour import PaddedLand
 from mjforage.view.render.sheet import Sheet
 from mjforage.view.render.surface import (
     BROAD,
@@ -43,7 +43,7 @@ class Shore:
     texel_m: float
 
 
-def shore_of(ground: Ground) -> Shore:
+def shore_of(ground: PaddedLand) -> Shore:
     """Measure the water of a harbour."""
     finer = int(np.clip(_SHORE_TEXELS // max(ground.land.shape), 1, 8))
     water = np.repeat(np.repeat(~ground.land[::-1], finer, axis=0), finer, axis=1)

@@ -3,11 +3,12 @@
 from pathlib import Path
 
 from mjforage.core.whole_files import write_bytes
-from mjforage.view.report.all_figures import draw_figures, save_figure
-from mjforage.view.report.html import render, shown
+from mjforage.view.page import embedded
+from mjforage.view.report.all_figures import draw_figures
 from mjforage.view.report.hull_tables import hulls_table
 from mjforage.view.report.policy_pairs import comparison_table
 from mjforage.view.report.reality_gap import gap_table, ladder_table
+from mjforage.view.report.report_page import render
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.text_tables import (
     full_table,
@@ -35,9 +36,7 @@ def write_report(folder: Path) -> Path:
         If a log is missing, truncated, foreign or incomplete, or the folder cannot be written.
     """
     logs = load_logs(folder)
-    figures = [
-        shown(picture, *save_figure(folder / "figures", picture)) for picture in draw_figures(logs)
-    ]
+    figures = [embedded(picture, folder) for picture in draw_figures(logs)]
     gap_tables = (ladder_table(logs), hulls_table(logs), gap_table(logs))
     text = render(
         logs,

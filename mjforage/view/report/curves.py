@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from mjforage.core.mission_metrics import Description
-from mjforage.view.report.picture import (
+from mjforage.view.page.picture import (
     WIDTH_IN,
     Panel,
     Picture,

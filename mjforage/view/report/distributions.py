@@ -11,8 +11,8 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
 from mjforage.core.mission_metrics import Description
-from mjforage.view.report import style
-from mjforage.view.report.picture import (
+from mjforage.view.page import style
+from mjforage.view.page.picture import (
     WIDTH_IN,
     Panel,
     Picture,

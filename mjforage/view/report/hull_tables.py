@@ -6,12 +6,28 @@ import polars as pl
 
 from graph_planner.navigation import STAY
 from mjforage.core.dynamics import ARRIVED, BLOCKED, OUTCOMES
+from mjforage.view.page.table import Row, Table
 from mjforage.view.report.run_logs import RunLogs, read_columns
-from mjforage.view.report.text_tables import Row, Table, head_of, number
+from mjforage.view.report.text_tables import head_of, number
 
 COLUMNS = (
     *("step", "agent", "direction", "outcome", "speed_mps"),
     *("collisions", "impact_mps", "work_j"),
+)
+
+
+SHOWN = (
+    *(("moves", ""), ("arrived", "%"), ("late", "%"), ("blocked", "%"), ("stays", "")),
+    *(("kept", "%"), ("speed", "m/s"), ("touches", "per episode"), ("fastest touch", "m/s")),
+    *(("energy", "kJ per episode"), ("energy", "kJ per item")),
+)
+"""Column -> unit, in the order of the cells of `_figures`."""
+NOTE = (
+    "Arrived: midships came within 1 m of the target's centre during the decision; blocked: "
+    "slower than 0.1 m/s for 2 s because of contact or giving way, or no legal move; late: "
+    "neither. Stays: decisions to stay put; kept: within 1 m of the centre at some time of "
+    "the decision. Speed: mean over the decisions with any way made. Touch: of a quay or "
+    "another hull. Energy: least energy of the propellers by momentum theory."
 )
 
 
@@ -69,37 +85,5 @@ def hulls_table(logs: RunLogs) -> Table | None:
                 numbers = [i for i, agent in enumerate(logs.run.agents) if agent.team == team]
                 cells = _figures(mine.filter(pl.col("agent").is_in(numbers)), collected)
                 rows.append(Row(team, cells, group=head_of(logs, series)))
-    columns = (
-        "moves",
-        "arrived",
-        "late",
-        "blocked",
-        "stays",
-        "kept",
-        "speed",
-        "touches",
-        "fastest touch",
-        "energy",
-        "energy",
-    )
-    units = (
-        "",
-        "%",
-        "%",
-        "%",
-        "",
-        "%",
-        "m/s",
-        "per episode",
-        "m/s",
-        "kJ per episode",
-        "kJ per item",
-    )
-    notes = (
-        "Arrived: midships came within 1 m of the target's centre during the decision; blocked: "
-        "slower than 0.1 m/s for 2 s because of contact or giving way, or no legal move; late: "
-        "neither. Stays: decisions to stay put; kept: within 1 m of the centre at some time of "
-        "the decision. Speed: mean over the decisions with any way made. Touch: of a quay or "
-        "another hull. Energy: least energy of the propellers by momentum theory.",
-    )
-    return Table("hulls", "How the hulls did", columns, tuple(rows), notes, units)
+    labels, units = zip(*SHOWN, strict=True)
+    return Table("hulls", "How the hulls did", labels, tuple(rows), (NOTE,), units)

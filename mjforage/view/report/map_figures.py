@@ -18,8 +18,8 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from mjforage.runs.episode_replay import Replay
-from mjforage.view.report import style
-from mjforage.view.report.picture import WIDE_IN, Picture, canvas
+from mjforage.view.page import style
+from mjforage.view.page.picture import WIDE_IN, Picture, canvas
 from mjforage.view.report.run_logs import RunLogs
 
 SCOUT_HULL = DrawnPath(

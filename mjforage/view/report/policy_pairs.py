@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from metrics import probability_of_improvement
 from mjforage.core.mission_metrics import Description
+from mjforage.view.page.table import Row, Table
 from mjforage.view.report.differences import (
     SEED,
     Difference,
@@ -15,7 +16,7 @@ from mjforage.view.report.differences import (
     set_apart,
 )
 from mjforage.view.report.run_logs import RunLogs
-from mjforage.view.report.text_tables import Row, Table, number, policy_name
+from mjforage.view.report.text_tables import number, policy_name
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ import itertools
 from mjforage.core.mission_metrics import Description, describe
 from mjforage.core.scenario_file import scenario_from_tree
 from mjforage.physics.worlds import added
+from mjforage.view.page.table import Row, Table
 from mjforage.view.report.differences import (
     Difference,
     corrected,
@@ -13,7 +14,7 @@ from mjforage.view.report.differences import (
     set_apart,
 )
 from mjforage.view.report.run_logs import RunLogs, Series
-from mjforage.view.report.text_tables import HEADLINE, Row, Table, entry_of, plus_minus
+from mjforage.view.report.text_tables import HEADLINE, entry_of, plus_minus
 
 
 def _step(logs: RunLogs, here: Series, there: Series, metric: Description) -> Difference:

@@ -17,7 +17,7 @@ from mjforage.core.mission_metrics import Description, chosen_metrics, describe,
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.parquet import read_parquet, read_schema
 from mjforage.runs.run_info import REMEDY, RunInfo, again, load_run, read_json
-from mjforage.view.report import style
+from mjforage.view.page import style
 
 KEYS = ("world", "policy", "episode")
 ITEM_COLUMNS = ("item", "t_discovered", "discovered_by", "t_collected", "collected_by")

@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from rich.table import Table as RichTable
 from rich.text import Text
 
 from mjforage.core.mission_metrics import Description, describe
-from mjforage.view.report import style
+from mjforage.view.page import style
+from mjforage.view.page.table import Row, Table
 from mjforage.view.report.published import LABEL, Published, published_for
 from mjforage.view.report.run_logs import RunLogs, Series, Summaries, Summary, parse_summary
 
@@ -18,32 +18,6 @@ TERMINAL = ("pta_d", "pta_c", "rmse", "nt50", "nt90", "throughput", "csr", "leng
 NORMAL_95 = 1.96
 NOTHING = "–"
 MEASURED = "†"
-
-
-@dataclass(frozen=True)
-class Row:
-    """One row: its head, its cells, and what sets it apart."""
-
-    head: str
-    cells: tuple[str, ...]
-    colour: str = ""  # chip before the head, "#rrggbb"
-    paper: bool = False  # published figures, not ours
-    best: frozenset[int] = frozenset()  # cells with the best mean of their column
-    group: str = ""  # heading above this row, where it differs from the row before
-    note: str = ""  # small print beside the group
-
-
-@dataclass(frozen=True)
-class Table:
-    """A titled table. Column labels may carry a subscript after an underscore."""
-
-    name: str
-    title: str
-    columns: tuple[str, ...]  # without the head column
-    rows: tuple[Row, ...]
-    notes: tuple[str, ...] = ()
-    units: tuple[str, ...] = ()  # below the labels
-    stacked: bool = False  # intervals stand below their numbers, for wide tables
 
 
 def number(value: float, digits: int) -> str:

@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from mjforage.view.report import style
+from mjforage.view.page import style
+from mjforage.view.page.picture import WIDE_IN, WIDTH_IN, Picture, canvas
 from mjforage.view.report.map_figures import draw_port
-from mjforage.view.report.picture import WIDE_IN, WIDTH_IN, Picture, canvas
 from mjforage.view.report.run_logs import RunLogs, Series
 
 SPREAD = 0.34  # node; tracks over the same nodes are drawn side by side within this width

@@ -16,7 +16,7 @@ from mjforage.core.errors import UserError
 from mjforage.physics.vessels import load_vessel, vessel_names
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.run_info import REMEDY
-from mjforage.view.report import style
+from mjforage.view.page import style
 from mjforage.view.report.run_logs import RunLogs, Series
 from mjforage.view.report.web_stream import Ints, changes, packed, thinned, track
 

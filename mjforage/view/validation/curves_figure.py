@@ -7,9 +7,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from mjforage.physics.validation.finding import Finding, Line, Panel
-from mjforage.view.report import style
-from mjforage.view.report.all_figures import house_style
-from mjforage.view.report.picture import WIDE_IN, WIDTH_IN, Picture, canvas
+from mjforage.view.page import style
+from mjforage.view.page.picture import WIDE_IN, WIDTH_IN, Picture, canvas, house_style
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#B5308A", "#7A6A00")
 MARKERS = ("o", "s", "^", "D", "v")

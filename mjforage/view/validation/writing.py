@@ -4,21 +4,15 @@ import math
 import os
 import platform
 from collections.abc import Sequence
-from importlib import resources
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
-
-import jinja2
-from markupsafe import Markup
 
 from mjforage.core.errors import UserError
 from mjforage.core.whole_files import write_bytes, write_json
 from mjforage.physics.callback import install
 from mjforage.physics.validation.finding import FAILED, PASSED, Finding, Measure, shown
-from mjforage.view.report.all_figures import save_figure
-from mjforage.view.report.html import Shown, rich_text
-from mjforage.view.report.html import shown as embedded
+from mjforage.view.page import Shown, embedded, set_page
 from mjforage.view.validation.curves_figure import draw
 
 CHIP_COLOURS = {PASSED: "#009E73", FAILED: "#C2255C"}
@@ -57,8 +51,7 @@ def write_validation(findings: Sequence[Finding], folder: Path) -> Path:
     figures: dict[str, Shown] = {}
     for finding in findings:
         if finding.panels:
-            picture = draw(finding)
-            figures[finding.name] = embedded(picture, *save_figure(folder / "figures", picture))
+            figures[finding.name] = embedded(draw(finding), folder)
     write_bytes(target, _page(findings, figures).encode("utf-8"))
     write_json(folder / "validation.json", _json(findings))
     return target
@@ -97,31 +90,19 @@ def _measure(measure: Measure) -> dict[str, Any]:
 
 
 def _page(findings: Sequence[Finding], figures: dict[str, Shown]) -> str:
-    setup = jinja2.Environment(
-        loader=jinja2.FunctionLoader(_template),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    setup.filters.update(rich_text=rich_text, number=shown)
-    style = resources.files("mjforage.view.report").joinpath("report.css.j2").read_text("utf-8")
-    count = [finding.status for finding in findings].count
-    return setup.get_template("validation.html.j2").render(
-        findings=findings,
-        figures=figures,
-        environment=environment(),
-        passed=count(PASSED),
-        failed=count(FAILED),
-        others=len(findings) - count(PASSED) - count(FAILED),
-        colours={finding.status: _colour(finding.status) for finding in findings},
-        stylesheet=Markup(style),
-    )
+    here, count = environment(), [finding.status for finding in findings].count
+    content: dict[str, Any] = {
+        "findings": findings,
+        "figures": figures,
+        "environment": here,
+        "passed": count(PASSED),
+        "failed": count(FAILED),
+        "others": len(findings) - count(PASSED) - count(FAILED),
+        "colours": {finding.status: _colour(finding.status) for finding in findings},
+        "shown": shown,
+    }
+    return set_page("validation.html.j2", here["mjforage"], content)
 
 
 def _colour(status: str) -> str:
     return CHIP_COLOURS.get(status, OTHER_COLOUR)
-
-
-def _template(name: str) -> str:
-    return resources.files("mjforage.view.validation").joinpath(name).read_text("utf-8")

@@ -15,7 +15,7 @@ SHORE = shore_of(MAP)
 
 @kernel
 def pushed(water: Water, row: float, col: float) -> tuple[float, float, int]:
-    return into_water(water, row, col)
+    return into_water(water, 0, row, col)
 
 
 @given(row=st.floats(-6, 9), col=st.floats(-6, 13))

@@ -3,8 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graph_planner.encodings import Egocentric
-from graph_planner.encodings.egocentric import SELF
+from graph_planner.encodings.egocentric import SELF, Egocentric
 from graph_planner.encodings.encoder import Levels
 from graph_planner.encodings.move_features import MOVE_FEATURES
 from graph_planner.encodings.shared_fields import COARSE, REACH

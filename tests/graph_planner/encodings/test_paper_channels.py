@@ -1,6 +1,6 @@
 import numpy as np
 
-from graph_planner.encodings import PaperChannels
+from graph_planner.encodings.paper_channels import PaperChannels
 from graph_planner.fleet import Role
 from graph_planner.navigation import navigation_graph
 from tests.graph_planner.charts import grid

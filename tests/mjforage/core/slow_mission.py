@@ -12,7 +12,7 @@ from scipy.ndimage import gaussian_filter
 
 from graph_planner.randomness import Stream, episode_keys, stream_key
 from mjforage.core.initial_state import item_noise
-from mjforage.core.mission import Setup
+from mjforage.core.setup import Setup
 
 
 @dataclass
@@ -117,7 +117,14 @@ class SlowMission:
         squared = (self.graph.rows - row) ** 2 + (self.graph.cols - col) ** 2
         node = int(np.argmin(squared))
         r, c = int(self.graph.rows[node]), int(self.graph.cols[node])
-        return min(max(row, r - 0.49), r + 0.49), min(max(col, c - 0.49), c + 0.49)
+        walls, off = self.setup.scenario.rules.walls, np.array((row - r, col - c))
+        if walls == "clip" or abs(off).max() <= 0.49:
+            return min(max(row, r - 0.49), r + 0.49), min(max(col, c - 0.49), c + 0.49)
+        back = off * (0.49 / abs(off).max())
+        if walls == "published":
+            smaller = 0 if abs(off[0]) < abs(off[1]) else 1
+            back[smaller] = abs(back[smaller]) * np.sign(off.min())
+        return r + float(back[0]), c + float(back[1])
 
     def _see(self) -> None:
         state, truth = self.state, self.truth()

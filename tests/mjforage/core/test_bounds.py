@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from graph_planner.policies import Policy, create_policy, is_bound, policy_names
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task, Truth
-from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission import Mission
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 from mjforage.view.report.policy_pairs import comparison_table
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.text_tables import full_table, headline_table, policy_name

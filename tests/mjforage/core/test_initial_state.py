@@ -7,7 +7,7 @@ from scipy import stats
 from graph_planner.compiled import kernel
 from graph_planner.navigation import Water, navigation_graph
 from graph_planner.randomness import episode_keys
-from mjforage.core.initial_state import create_initial_state, into_water, nodes_around
+from mjforage.core.initial_state import WALLS, create_initial_state, into_water, nodes_around
 from mjforage.core.scenario import Items, Weather
 
 KEYS = episode_keys(0, np.arange(3000))
@@ -15,8 +15,8 @@ OPEN = navigation_graph(np.ones((60, 60), np.bool_), 4.0, False)
 
 
 @kernel
-def pushed(water: Water, row: float, col: float) -> tuple[float, float, int]:
-    return into_water(water, row, col)
+def pushed(water: Water, row: float, col: float, walls: int = 0) -> tuple[float, float, int]:
+    return into_water(water, walls, row, col)
 
 
 def test_counts_hotspots_and_drift_have_their_distributions() -> None:
@@ -65,6 +65,43 @@ def test_items_are_pushed_to_the_nearest_node_like_by_brute_force(
     assert node == np.flatnonzero(squared <= squared.min())[0] or squared[node] == squared.min()
     assert abs(found_row - graph.rows[node]) <= 0.49 + 1e-9
     assert abs(found_col - graph.cols[node]) <= 0.49 + 1e-9
+
+
+@pytest.mark.parametrize(
+    ("offset", "clip", "project", "published"),
+    [
+        ((0.7, 0.3), (0.49, 0.3), (0.49, 0.21), (0.49, 0.21)),
+        ((-0.7, -0.3), (-0.49, -0.3), (-0.49, -0.21), (-0.49, -0.21)),
+        ((-0.7, 0.3), (-0.49, 0.3), (-0.49, 0.21), (-0.49, -0.21)),  # the slip, on a column
+        ((0.3, -0.7), (0.3, -0.49), (0.21, -0.49), (-0.21, -0.49)),  # the slip, on a row
+        ((0.7, -0.3), (0.49, -0.3), (0.49, -0.21), (0.49, -0.21)),
+        ((-0.3, 0.7), (-0.3, 0.49), (-0.21, 0.49), (-0.21, 0.49)),
+        ((0.98, 1.4), (0.49, 0.49), (0.343, 0.49), (0.343, 0.49)),
+        ((0.75, -0.75), (0.49, -0.49), (0.49, -0.49), (0.49, -0.49)),
+        ((-0.75, 0.75), (-0.49, 0.49), (-0.49, 0.49), (-0.49, -0.49)),  # a corner, with the slip
+        ((0.5, 0.0), (0.49, 0.0), (0.49, 0.0), (0.49, 0.0)),  # on the border
+        ((0.4, -0.49), (0.4, -0.49), (0.4, -0.49), (0.4, -0.49)),  # within the square
+    ],
+)
+def test_walls_put_an_item_back_as_they_say(
+    offset: tuple[float, float],
+    clip: tuple[float, float],
+    project: tuple[float, float],
+    published: tuple[float, float],
+) -> None:
+    navigable = np.zeros((5, 5), np.bool_)
+    navigable[2, 2] = True
+    water = navigation_graph(navigable, 1.0, True).water
+    for name, expected in {"clip": clip, "project": project, "published": published}.items():
+        row, col, node = pushed(water, 2.0 + offset[0], 2.0 + offset[1], WALLS.index(name))
+        assert (row - 2.0, col - 2.0) == pytest.approx(expected, abs=1e-12), name
+        assert node == 0
+
+
+def test_an_item_beyond_the_map_stays_where_the_map_ends() -> None:
+    for walls in range(len(WALLS)):
+        assert pushed(OPEN.water, -3.0, 7.3, walls)[:2] == (0.0, 7.3)
+        assert pushed(OPEN.water, 70.0, -0.6, walls)[:2] == (59.0, 0.0)
 
 
 def test_a_tie_goes_to_the_lowest_row_major_node() -> None:

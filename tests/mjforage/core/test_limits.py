@@ -5,8 +5,9 @@ import pytest
 
 from graph_planner.fleet import UNLIMITED
 from graph_planner.policies import create_policy
-from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission import Mission
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 
 FAST = ("belief.fast=true", "horizon=70")
 MANY_SMALL = ("team.foragers.count=16", "team.foragers.capacity=5")

@@ -23,6 +23,9 @@ from mjforage.core.maps import (
     load_starts,
     reachable_share,
 )
+from mjforage.core.mission import Mission
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 
 Cells = NDArray[np.bool_]
 WriteMap = Callable[..., str]
@@ -65,8 +68,21 @@ def test_shipped_map_is_what_it_says(
     assert reachable_share(grid.navigable, (start[0], start[1]), 2, False, corner_cutting) == 1.0
 
 
+@pytest.mark.parametrize("name", shipped_maps())
+def test_every_shipped_map_is_one_component_and_fits_the_default_mission(name: str) -> None:
+    grid = load_map(name, corner_cutting=False)
+    assert components(grid.navigable, False)[1].tolist() == [grid.nodes]
+    scenario = load_scenario("comb-port", ("horizon=2", "map.starts=[]"), map_file=name)
+    mission = Mission(Setup.of(scenario))
+    mission.reset(0, np.arange(2))
+    assert (mission.state.agent_node >= 0).all()
+
+
 def test_every_shipped_map_is_listed_and_found_with_dashes() -> None:
-    assert shipped_maps() == ("channels", "comb_port", "open_bay")
+    files = (assets.models_folder() / "maps").iterdir()
+    names = {f.name.removesuffix(".csv") for f in files if f.name.count(".") == 1}
+    assert set(shipped_maps()) == names >= {"channels", "comb_port", "open_bay"}
+    assert list(shipped_maps()) == sorted(names)
     assert np.array_equal(load_map("comb-port").navigable, load_map("comb_port").navigable)
 
 
@@ -132,7 +148,7 @@ def test_bad_table_is_named(write: WriteMap, content: str | bytes, message: str)
     [
         ("comb_prt", "did you mean comb_port?"),
         ("no/such/Channels.csv", "did you mean channels?"),
-        ("zzz.csv", "no such file or shipped map; shipped maps: channels, comb_port, open_bay"),
+        ("zzz.csv", f"no such file or shipped map; shipped maps: {', '.join(shipped_maps())}"),
         ("", "is not a file"),
         ("x" * 5000, "map 'xxx"),
     ],

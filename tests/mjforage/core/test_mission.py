@@ -6,16 +6,24 @@ from scipy import ndimage
 from graph_planner.policies import create_policy, policy_names
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap
-from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree
+from mjforage.core.setup import Setup
 from tests.mjforage.core.slow_mission import SlowMission
 
 VARIANTS = {
     "published": (),
     "comb-port": (),
-    "open-bay": ("team.foragers.radius=2.5", "weather.drift_node_per_step=0.6"),
-    "channels": ("team.scouts.moves=3", "team.scouts.energy=25", "team.foragers.capacity=3"),
+    "open-bay": (
+        "team.foragers.radius=2.5",
+        "weather.drift_node_per_step=0.6",
+        "rules.walls=project",
+    ),
+    "channels": (
+        *("team.scouts.moves=3", "team.scouts.energy=25", "team.foragers.capacity=3"),
+        "rules.walls=published",
+    ),
 }
 
 
@@ -60,6 +68,7 @@ def test_kernels_agree_with_the_mission_in_plain_python(preset: str) -> None:
         assert errors == pytest.approx(oracle.rmse(), abs=1e-12)
         assert courses["mi"][i, end] == pytest.approx(oracle.state.idleness.mean(), abs=1e-12)
         assert courses["co_scouts"][i, -1] == oracle.overlap(setup.fleet.discoverers)
+        assert courses["co_foragers"][i, -1] == oracle.overlap(setup.fleet.collectors)
         assert mission.state.distance[i] == pytest.approx(oracle.travelled)
 
 

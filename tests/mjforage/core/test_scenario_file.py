@@ -1,13 +1,15 @@
 import json
 import math
+import shutil
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setup
+from mjforage.core.maps import load_map
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import (
     canonical_json,
@@ -17,6 +19,8 @@ from mjforage.core.scenario_file import (
     scenario_path,
     scenario_to_tree,
 )
+from mjforage.core.setup import Setup
+from mjforage.physics.vessels import load_vessel
 
 TEAMS = """
 [team.pilots]
@@ -319,3 +323,30 @@ def test_what_a_younger_key_has_by_default_leaves_the_hash_as_it_was() -> None:
     used = load_scenario("comb-port", ["rules.order=['scouts','foragers']"])
     assert scenario_to_tree(used)["rules"]["order"] == ["scouts", "foragers"]
     assert scenario_from_tree(scenario_to_tree(used), "again") == used
+
+
+def test_paths_in_a_file_start_from_its_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those of overrides start from the working directory, and shipped names are no paths."""
+    folder, elsewhere = tmp_path / "mine", tmp_path / "elsewhere"
+    for place, cells in ((folder, "1,1,1\n"), (elsewhere, "1,1\n")):
+        place.mkdir()
+        (place / "bay.csv").write_text(cells)
+    shutil.copy(models_folder() / "vessels" / "otter.toml", folder / "hull.toml")
+    text = MINIMAL.replace('"open_bay"', '"bay.csv"')
+    text += '[physics.vessels]\npilots = "hull.toml"\nskimmers = "otter"\n'
+    (folder / "mine.toml").write_text(text)
+    monkeypatch.chdir(elsewhere)
+    for reference in (str(folder / "mine.toml"), "../mine/mine.toml"):
+        scenario = load_scenario(reference)
+        assert load_map(scenario.map.file).navigable.shape == (1, 3)
+        assert load_vessel(scenario.physics.vessels["pilots"]).name == "hull"
+        assert scenario.physics.vessels["skimmers"] == "otter"
+    for overridden in (
+        load_scenario(reference, ["map.file=bay.csv"]),
+        load_scenario(reference, map_file="bay.csv"),
+    ):
+        assert load_map(overridden.map.file).navigable.shape == (1, 2)
+    (folder / "shipped.toml").write_text(text.replace('"bay.csv"', '"open-bay"'))
+    assert load_scenario(str(folder / "shipped.toml")).map.file == "open-bay"

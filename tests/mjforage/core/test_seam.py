@@ -15,9 +15,10 @@ from graph_planner.task import Observation, Task
 from mjforage.core.errors import UserError
 from mjforage.core.exchange import Exchange
 from mjforage.core.initial_state import InitialState
-from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree
+from mjforage.core.setup import Setup
 
 PLANNING = ("belief", "greedy", "ddqn")
 SWEEPERS = {"count": 2, "moves": 1, "radius": 3.0, "collects": True, "capacity": 4}
@@ -244,3 +245,15 @@ def test_episodes_are_adopted_with_what_each_holder_knows() -> None:
     )
     np.testing.assert_array_equal(into.exchange.knowledge.belief[[0, 1, 4, 5]], kept)
     np.testing.assert_array_equal(into.ledger.entries.truth[1], source.ledger.entries.truth[0])
+
+
+def test_what_is_one_array_stays_one_when_episodes_are_adopted() -> None:
+    """Where all in view is seen, sightings are the truth; ideal hearers know what all know."""
+    into, source = Mission(setup_of({})), Mission(setup_of({}))
+    into.reset(5, np.arange(3))
+    source.reset(5, np.array([7]))
+    assert into.ledger.entries.sighted is into.ledger.entries.truth
+    into.adopt(np.array([1]), source)
+    entries = into.ledger.entries
+    assert entries.sighted is entries.truth and entries.sighted_node is entries.counted_node
+    assert into.exchange.knowledge is into.knowledge

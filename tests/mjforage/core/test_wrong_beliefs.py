@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from graph_planner.policies import create_policy
-from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission import Mission
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 
 
 def played(*overrides: str, episodes: int) -> Mission:

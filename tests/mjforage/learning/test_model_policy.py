@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 import mjforage
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission import Mission
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 from mjforage.learning.environments.spaces import Pictures
 from mjforage.learning.model_policy import ModelPolicy
 from mjforage.physics.worlds import create_mission

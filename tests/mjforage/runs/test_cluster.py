@@ -15,8 +15,8 @@ from types import SimpleNamespace
 import pytest
 
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 from mjforage.runs import cluster, variants
 from mjforage.runs.costs import Invocation, load_costs
 from mjforage.runs.evaluate import Run, plan
@@ -164,7 +164,7 @@ def assignment(tmp_path: Path) -> Assignment:
     run.open()
     invocation = Invocation("now", "dask", 1)
     workers = Workers(scheduler="tcp://host:8786")
-    return Assignment.of(run.setup, 0, run.folder.path, run.info, invocation, workers)
+    return Assignment.of(run.setup, 0, run.folder.path, run.info, (), invocation, workers)
 
 
 def refusal(assignment: Assignment) -> str:

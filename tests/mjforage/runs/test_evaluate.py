@@ -12,10 +12,10 @@ import pytest
 from graph_planner.policies.registry import check_policies
 from graph_planner.weights import shipped_weights
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setup
 from mjforage.core.mission_metrics import chosen_metrics
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.schema import json_schema
+from mjforage.core.setup import Setup
 from mjforage.runs import evaluate as module
 from mjforage.runs import identity
 from mjforage.runs.costs import Costs

@@ -20,8 +20,8 @@ from graph_planner.policies.registry import POLICIES
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 from mjforage.runs import variants
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.replaying import replay_of_run
@@ -222,3 +222,59 @@ def test_a_policy_of_the_script_itself_needs_one_process(tmp_path: Path) -> None
     with pytest.raises(UserError, match=r"policy of-this-function: .*Local is defined in the scr"):
         evaluate(setup, ["of-this-function"], tmp_path / "run", workers=Workers(2))
     assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "import sys; import own_more",
+        "try: from own_more import HALF\nexcept ImportError: pass",
+        "import importlib; importlib.import_module('own_more')",
+    ],
+)
+def test_however_it_imports_a_module_that_counts(folder: Path, forget: Forget, line: str) -> None:
+    (folder / "own_more.py").write_text("HALF = 1\n")
+    (folder / "own_compass.py").write_text(f"NORTH = 0\n{line}\n")
+    played("run", "own_policies:North")
+    (folder / "own_more.py").write_text("HALF = 2\n")
+    forget()
+    with pytest.raises(UserError, match="own_more"):
+        played("run", "own_policies:North")
+
+
+def test_a_policy_that_changes_what_others_share_is_named(folder: Path) -> None:
+    reaching = "    def reset(self, task, keys):\n        task.fleet.moves[:] = 2\n"
+    source = SOURCE.replace("    def reset(self, task, keys):\n", reaching)
+    (folder / "own_policies.py").write_text(source)
+    with pytest.raises(UserError, match="own_policies:North: changed arrays of the task, which"):
+        played("run", "own_policies:North", "greedy")
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        ("None", "policy North: act gave NoneType, expected numbers of shape"),
+        ("preferences.astype(str)", "policy North: act gave <U32"),
+        ("preferences[:1]", r"act gave float64 \(1, 4, 9\), expected numbers of shape \(2, 4, 9\)"),
+    ],
+)
+def test_an_answer_that_is_none_is_one_line(folder: Path, answer: str, words: str) -> None:
+    source = SOURCE.replace("return preferences", f"return {answer}")
+    (folder / "own_policies.py").write_text(source)
+    with pytest.raises(UserError, match=words):
+        played("run", "own_policies:North")
+
+
+def test_a_policy_without_a_method_is_one_line(folder: Path) -> None:
+    (folder / "own_policies.py").write_text(SOURCE.replace("def act", "def acts"))
+    with pytest.raises(UserError, match="own_policies:North: has no method act; define it"):
+        played("run", "own_policies:North")
+
+
+def test_a_file_that_is_missing_is_named(folder: Path) -> None:
+    source = SOURCE.replace('    """A bound."""\n', '    files = "net.bin"\n')
+    (folder / "own_policies.py").write_text(source)
+    with pytest.raises(UserError, match=r"own_policies:Seer: there is no file net.bin, which it"):
+        played("run", "own_policies:Seer")
+    (folder / "net.bin").write_text("weights")
+    played("run", "own_policies:Seer")

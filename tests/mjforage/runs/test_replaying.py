@@ -8,8 +8,8 @@ import polars as pl
 import pytest
 
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.recording import record

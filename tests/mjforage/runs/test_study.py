@@ -11,9 +11,9 @@ from typing import Any
 import jsonschema
 import pytest
 
-from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.schema import json_schema
+from mjforage.core.setup import Setup
 from mjforage.runs import variants
 from mjforage.runs.costs import load_costs
 from mjforage.runs.evaluate import evaluate

@@ -5,7 +5,7 @@ from pathlib import Path
 from mjforage.core.errors import UserError
 from mjforage.core.whole_files import write_bytes
 from mjforage.runs.run_info import again
-from mjforage.view.report.html import definition_notes
+from mjforage.view.report.report_page import definition_notes
 from mjforage.view.report.studies import ablation, corruption, paper, planner_parts
 from mjforage.view.report.studies.study_logs import load_study
 from mjforage.view.report.studies.study_page import render

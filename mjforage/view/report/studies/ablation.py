@@ -3,15 +3,15 @@
 from metrics import paired_contribution, paired_p
 from mjforage.core.mission_metrics import describe
 from mjforage.runs.variants import COMPLETE, lesser_name
-from mjforage.view.report import style
-from mjforage.view.report.all_figures import house_style
+from mjforage.view.page import style
+from mjforage.view.page.picture import Picture, house_style
+from mjforage.view.page.table import Row, Table
 from mjforage.view.report.differences import SEED, Estimate, family_note, set_apart
-from mjforage.view.report.picture import Picture
 from mjforage.view.report.published import LABEL, published_for
 from mjforage.view.report.studies.forest import Subject, forest
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
 from mjforage.view.report.studies.study_page import Section
-from mjforage.view.report.text_tables import Row, Table, number, plus_minus, policy_name
+from mjforage.view.report.text_tables import number, plus_minus, policy_name
 
 IN_PAPER = ("pta_d", "pta_c", "rmse_columns", "rmse")
 BEYOND = ("nt50", "nt90", "csr")

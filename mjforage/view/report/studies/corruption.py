@@ -21,14 +21,22 @@ from metrics import (
 )
 from mjforage.core.mission_metrics import describe
 from mjforage.runs.variants import corrupted_name, levels
-from mjforage.view.report import style
-from mjforage.view.report.all_figures import house_style
+from mjforage.view.page import style
+from mjforage.view.page.picture import (
+    WIDTH_IN,
+    Panel,
+    Picture,
+    canvas,
+    house_style,
+    joined,
+    mathtext,
+)
+from mjforage.view.page.table import Row, Table
 from mjforage.view.report.differences import SEED
-from mjforage.view.report.picture import WIDTH_IN, Panel, Picture, canvas, joined, mathtext
 from mjforage.view.report.published import LABEL, published_for
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
 from mjforage.view.report.studies.study_page import Section
-from mjforage.view.report.text_tables import NOTHING, Row, Table, number, policy_name
+from mjforage.view.report.text_tables import NOTHING, number, policy_name
 
 KEYS = ("pta_c", "pta_d", "rmse_columns", "rmse")
 COLUMNS = ("ε = 0", "ε = 1", "SS", "break", "before", "after", "gain %", "p of one line")
@@ -130,6 +138,31 @@ def unlike_draws(logs: StudyLogs) -> str:
     return "paper: one draw for the team; ours: one per agent"
 
 
+def _slope_notes(logs: StudyLogs, printed: bool) -> tuple[str, ...]:
+    """What the columns mean; `printed`: with the paper's rows among them."""
+    draw = (
+        "One draw for the whole team, and random foragers still take a known item beside them, as "
+        "in the published code."
+        if logs.options["whole_team"]
+        else "Every agent has its own draw, as the paper defines it."
+    )
+    if printed and unlike_draws(logs):
+        draw += " Its printed slopes were made with one draw for the whole team (`--whole-team`)."
+    return (
+        "SS: slope of the least-squares line through the means, per unit of ε, with the bootstrap "
+        "95 % interval over episodes (the same ones at every level). Break: where two joined "
+        "segments meet, with their slopes before and after, and its interval; gain: share of the "
+        "line's squared residuals that the break removes.",
+        "p of one line: how often sweeps whose means lie on one line gain as much (F ratio of two "
+        "segments against one line, over resampled episodes moved onto the line, each searched for "
+        f"its own break), bold below {SIGNIFICANT:g}, not corrected for the number of tests. Then "
+        "the fall is not straight, but a smooth bend shows so too; with fewer than 20 episodes p "
+        "is too small too often. A break on the first or last level inside means that one end "
+        "point stands apart, not that there are two regimes; that side then has no slope (–).",
+        draw,
+    )
+
+
 def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
     """Slopes and break points per corrupted team and metric."""
     rows, found = [], (published_for(logs.base, policy) for policy in logs.base.policies)
@@ -152,27 +185,7 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
                     cells = (NOTHING, NOTHING, slope, *(NOTHING,) * (len(COLUMNS) - 3))
                     head = f"{known.algorithm}, {LABEL}"
                     rows.append(Row(head, cells, group=group, paper=True))
-    draw = (
-        "One draw for the whole team, and random foragers still take a known item beside them, as "
-        "in the published code."
-        if logs.options["whole_team"]
-        else "Every agent has its own draw, as the paper defines it."
-    )
-    if unlike_draws(logs) and any(row.paper for row in rows):
-        draw += " Its printed slopes were made with one draw for the whole team (`--whole-team`)."
-    notes = (
-        "SS: slope of the least-squares line through the means, per unit of ε, with the bootstrap "
-        "95 % interval over episodes (the same ones at every level). Break: where two joined "
-        "segments meet, with their slopes before and after, and its interval; gain: share of the "
-        "line's squared residuals that the break removes.",
-        "p of one line: how often sweeps whose means lie on one line gain as much (F ratio of two "
-        "segments against one line, over resampled episodes moved onto the line, each searched for "
-        f"its own break), bold below {SIGNIFICANT:g}, not corrected for the number of tests. Then "
-        "the fall is not straight, but a smooth bend shows so too; with fewer than 20 episodes p "
-        "is too small too often. A break on the first or last level inside means that one end "
-        "point stands apart, not that there are two regimes; that side then has no slope (–).",
-        draw,
-    )
+    notes = _slope_notes(logs, any(row.paper for row in rows))
     return Table("slopes", "Sensitivity slopes", COLUMNS, tuple(rows), notes)
 
 

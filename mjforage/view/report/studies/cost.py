@@ -9,11 +9,11 @@ from matplotlib.ticker import MaxNLocator
 
 from metrics import half_width_95, mean
 from mjforage.runs.costs import Cost
-from mjforage.view.report import style
-from mjforage.view.report.all_figures import house_style
-from mjforage.view.report.picture import WIDTH_IN, Panel, Picture, canvas
+from mjforage.view.page import style
+from mjforage.view.page.picture import WIDTH_IN, Panel, Picture, canvas, house_style
+from mjforage.view.page.table import Row, Table
 from mjforage.view.report.studies.study_logs import StudyLogs
-from mjforage.view.report.text_tables import Row, Table, number, policy_name
+from mjforage.view.report.text_tables import number, policy_name
 
 PAPER_EPISODES = 4300
 """All of the paper for one policy: the fleet, 2 fleets less one, 2 teams at 20 levels; 100 each."""

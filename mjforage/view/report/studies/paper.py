@@ -6,8 +6,9 @@ import numpy as np
 
 from mjforage.core.mission_metrics import describe
 from mjforage.runs.variants import COMPLETE, lesser_name
-from mjforage.view.report import style
-from mjforage.view.report.all_figures import house_style
+from mjforage.view.page import style
+from mjforage.view.page.picture import house_style
+from mjforage.view.page.table import Row, Table
 from mjforage.view.report.curves import time_figures
 from mjforage.view.report.distributions import distribution_figures
 from mjforage.view.report.policy_pairs import comparison_table
@@ -18,8 +19,6 @@ from mjforage.view.report.studies.study_logs import Player, StudyLogs
 from mjforage.view.report.studies.study_page import Section
 from mjforage.view.report.text_tables import (
     NOTHING,
-    Row,
-    Table,
     headline_table,
     mean_only,
     number,

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 from mjforage.core.mission_metrics import describe
 from mjforage.runs.variants import BASELINES, COMPLETE, PARTS, WRONG
-from mjforage.view.report import style
-from mjforage.view.report.all_figures import house_style
+from mjforage.view.page import style
+from mjforage.view.page.picture import Picture, house_style
+from mjforage.view.page.table import Row, Table
 from mjforage.view.report.differences import Difference, family_note, set_apart
-from mjforage.view.report.picture import Picture
 from mjforage.view.report.studies.forest import Subject, forest
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
 from mjforage.view.report.studies.study_page import Section
-from mjforage.view.report.text_tables import Row, Table, plus_minus, policy_name
+from mjforage.view.report.text_tables import plus_minus, policy_name
 
 COMPARED = ("pta_d", "pta_c", "nt50", "nt90", "csr", "rmse")
 SHOWN = (*COMPARED, "cleared", "length")

@@ -5,16 +5,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from markupsafe import Markup
-
-from mjforage.view.report import style
-from mjforage.view.report.all_figures import save_figure
+from mjforage.view.page import embedded, set_page, style
+from mjforage.view.page.picture import Picture
+from mjforage.view.page.table import Table
 from mjforage.view.report.differences import too_few
-from mjforage.view.report.html import environment, shown, template
-from mjforage.view.report.picture import Picture
 from mjforage.view.report.studies.cost import cost_table, throughput_picture, throughput_table
 from mjforage.view.report.studies.study_logs import StudyLogs
-from mjforage.view.report.text_tables import Table
 
 
 @dataclass(frozen=True)
@@ -64,10 +60,7 @@ def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -
         sections = [*sections, Section("cost", "Cost and throughput", "", tables, drawn)]
     parts: list[dict[str, Any]] = []
     for section in sections:
-        figures = [
-            shown(picture, *save_figure(logs.folder / "figures", picture))
-            for picture in section.pictures
-        ]
+        figures = [embedded(picture, logs.folder) for picture in section.pictures]
         parts.append(
             {
                 "name": section.name,
@@ -78,7 +71,7 @@ def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -
                 "narrow": [figure for figure in figures if not figure.wide],
             }
         )
-    context: dict[str, Any] = {
+    content: dict[str, Any] = {
         "logs": logs,
         "facts": facts(logs),
         "variants": [
@@ -88,6 +81,5 @@ def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -
         "few": too_few(logs.info.episodes),
         "notes": notes,
         "scenario_json": json.dumps(logs.info.scenario, indent=2, ensure_ascii=False),
-        "stylesheet": Markup(template("report.css.j2")),
     }
-    return environment().get_template("study.html.j2").render(context)
+    return set_page("study.html.j2", logs.base.versions.get("mjforage", ""), content)

@@ -5,9 +5,10 @@ import pytest
 
 from graph_planner.policies import create_policy
 from mjforage.core.episode_log import EpisodeLog
-from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import METRICS, Batch, Scorer, Scores, chosen_metrics, score
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 
 BY_HAND = {
     "pta_d": 75.0,  # 3 of 4 found
@@ -16,8 +17,8 @@ BY_HAND = {
     "rmse_columns": 0.05,
     "nt50": 0.5,  # the second one at step 5 of 10
     "nt90": 1.0,  # never
-    "throughput": 2 / (2 * 10),
-    "throughput_scouts": 3 / (2 * 10),
+    "throughput": 2 / (3 * 10),  # 3 foragers
+    "throughput_scouts": 3 / (2 * 10),  # 2 scouts
     "mi_final": 0.5,
     "mi_mean": 0.75,
     "irr_mean": 0.05,  # (1 - 0.5) / 10
@@ -25,7 +26,7 @@ BY_HAND = {
     "itl": 0.2,  # first largest rises at steps 1 and 3
     "itl_level": 0.0,  # both reach their maximum at step 5
     "csr": 0.5,
-    "gini_foragers": 0.0,
+    "gini_foragers": 1 / 3,  # of 1, 1 and 0 items
     "gini_scouts": 0.0,
     "co_scouts": 0.25,
     "co_foragers": 0.0,
@@ -37,7 +38,7 @@ BY_HAND = {
 
 @pytest.fixture(scope="module")
 def setup() -> Setup:
-    return Setup.of(load_scenario("comb-port", ("horizon=10",)))
+    return Setup.of(load_scenario("comb-port", ("horizon=10", "team.foragers.count=3")))
 
 
 def by_hand(setup: Setup) -> Scores:
@@ -56,7 +57,7 @@ def by_hand(setup: Setup) -> Scores:
 
 
 def log_by_hand(setup: Setup) -> EpisodeLog:
-    """Two scouts (0, 1) and two foragers (2, 3); four items, of which one is never found."""
+    """Two scouts (0, 1) and three foragers (2 to 4); four items, of which one is never found."""
     log = EpisodeLog(Mission(setup))
     log.n_items = np.array([4], np.int32)
     log.t_discovered = np.array([[1, 2, 5, -1, -1]], np.int16)
@@ -73,6 +74,17 @@ def test_scalars_of_an_episode_by_hand(setup: Setup) -> None:
         assert scores.scalars[key][0] == pytest.approx(value), key
 
 
+def test_an_episode_is_cleared_only_when_its_last_item_is_removed(setup: Setup) -> None:
+    """The first episode keeps one item of 200, more than 99 % removed; the second keeps none."""
+    log = log_by_hand(setup)
+    removed = np.arange(200) < np.array([[199], [200]])
+    log.n_items, log.length = np.array([200, 200], np.int32), np.array([10, 5], np.int32)
+    log.t_discovered = log.t_collected = np.where(removed, 5, -1).astype(np.int16)
+    log.discovered_by = log.collected_by = np.where(removed, 2, -1).astype(np.int16)
+    scores = score(Batch(log, setup.fleet, 10, {}), [METRICS.find("cleared")])
+    assert scores.scalars["cleared"].tolist() == [0.0, 1.0]
+
+
 def test_columns_keep_their_order_and_others_come_after() -> None:
     assert [one.key for one in chosen_metrics()][: len(BY_HAND)] == list(BY_HAND)
 
@@ -82,7 +94,7 @@ def test_series_follow_the_events(setup: Setup) -> None:
     assert series["pta_d"][0].tolist() == [0, 25, 50, 50, 50, 75, 75, 75, 75, 75, 75]
     assert series["pta_c"][0].tolist() == [0, 0, 0, 25, 25, 50, 50, 50, 50, 50, 50]
     assert np.isnan(series["csr"][0, :3]).all() and series["csr"][0, 3:6].tolist() == [1, 1, 0.5]
-    assert series["gini_foragers"][0, 3] == 0.5 and np.isnan(series["irr"][0, -1])
+    assert series["gini_foragers"][0, 3] == pytest.approx(2 / 3) and np.isnan(series["irr"][0, -1])
 
 
 def test_padding_items_do_not_count(setup: Setup) -> None:

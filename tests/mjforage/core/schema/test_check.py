@@ -8,7 +8,16 @@ import pytest
 
 from graph_planner.fields import Above, Later, Within, source
 from mjforage.core.errors import UserError
-from mjforage.core.schema import OPEN, Kept, check, check_fields, explain, json_schema, page, rows
+from mjforage.core.schema import (
+    OPEN,
+    NotInFile,
+    check,
+    check_fields,
+    explain,
+    json_schema,
+    page,
+    rows,
+)
 
 
 @dataclass(frozen=True)
@@ -24,7 +33,7 @@ class Mast:
 class Boat:
     """A boat."""
 
-    name: Annotated[str, Kept()]
+    name: Annotated[str, NotInFile()]
     masts: Mapping[str, Mast]
     """By name."""
     rig: Literal["sloop", "ketch"] = "sloop"

@@ -1,6 +1,8 @@
 """An outside library learns on our environments, without wrappers of ours, within seconds."""
 
+import importlib
 import runpy
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +49,7 @@ def test_ppo_learns_to_forage(example: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("way",), "lesson way: unknown; choose waypoint, shared, torchrl"),
+        (("way",), "lesson way: unknown; choose waypoint, shared, torchrl, policy"),
         (("waypoint", "many"), "waypoint many: give at most 2 whole numbers, steps and seed"),
         (("torchrl", "5"), "torchrl 5: give at most 0 whole numbers"),
     ],
@@ -57,3 +59,18 @@ def test_the_example_refuses_what_it_does_not_know(
 ) -> None:
     with pytest.raises(SystemExit, match=message):
         example["main"](*words)
+
+
+def test_a_model_of_the_example_plays_in_both_worlds(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(EXAMPLE.parent)
+    example = importlib.import_module(EXAMPLE.stem)
+    env = gymnasium.make("mjforage/SharedPolicy-v0", set=("horizon=4",))
+    PPO("MultiInputPolicy", env, n_steps=16, batch_size=16, device="cpu").save("ppo.zip")
+    monkeypatch.setattr(example.output, "file", sys.stdout)
+    example.compared("ppo.zip", tmp_path / "run", "horizon=4", episodes=1)
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split(", ")[0] for line in lines] == ["graph", "graph", "physics", "physics"]
+    assert f"{EXAMPLE.stem}:Ppo: PTA_C" in lines[0]

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from graph_planner.policies import create_policy
-from mjforage.core.mission import Mission, Setup
+from mjforage.core.dynamics import ARRIVED, BLOCKED
+from mjforage.core.mission import Mission
 from mjforage.core.scenario_file import load_scenario
-from mjforage.learning.environments.rewards import PUBLISHED, TERMS, RewardTerms
+from mjforage.core.setup import Setup
+from mjforage.learning.environments.rewards import PUBLISHED, REWARDS, RewardTerms
 
 
 def test_the_published_weights() -> None:
@@ -20,11 +22,11 @@ def setup() -> Setup:
 
 def test_terms_by_their_definitions(setup: Setup) -> None:
     mission, policy = Mission(setup), create_policy("greedy")
-    terms = RewardTerms(setup.task, tuple(TERMS))
+    terms = RewardTerms(setup.task, REWARDS.names())
     mission.reset(3, np.arange(3))
     policy.reset(setup.task, mission.keys)
     graph, fleet, task = setup.graph, setup.fleet, setup.task
-    sums = dict.fromkeys(TERMS, 0.0)
+    sums = dict.fromkeys(REWARDS.names(), 0.0)
     while mission.active.any():
         played = mission.active.copy()
         terms.before(mission)
@@ -45,6 +47,9 @@ def test_terms_by_their_definitions(setup: Setup) -> None:
                 1.0, (mission.step[e] - old.last_seen[e].astype(float)) * task.forgetting
             )
             new = (mission.state.collected_by[e] != collected[e]) & (collected[e] < 0)
+            entries = mission.ledger.entries
+            first_seen = entries.t_discovered[e] == mission.step[e]
+            assert (mission.state.outcome[e] == ARRIVED).all()
             for a, view in enumerate(views):
                 here = mission.state.agent_node[e, a]
                 now_known = np.flatnonzero(known.belief[e])
@@ -58,6 +63,8 @@ def test_terms_by_their_definitions(setup: Setup) -> None:
                 expected = {
                     "removed": removed,
                     "team_removed": new.sum() / 4,
+                    "discovered": (first_seen & (entries.discovered_by[e] == a)).sum(),
+                    "blocked": 0.0,  # in open water an agent can always go somewhere
                     "belief": (change[view] / viewers[view]).sum(),
                     "idleness": 0.0 if fleet.collects[a] else idle[view].sum(),
                     "distance": nearest,
@@ -71,5 +78,19 @@ def test_terms_by_their_definitions(setup: Setup) -> None:
             sums[name] += value.sum()
     total = mission.initial.n_items.sum()
     assert sums["removed"] == (mission.ledger.entries.t_collected >= 0).sum() <= total
-    assert sums["discovered"] <= (mission.ledger.entries.t_discovered >= 0).sum()
+    later = (mission.ledger.entries.t_discovered > 0).sum()
+    assert sums["discovered"] == later > sums["removed"], "scouts find more than is removed"
     assert all(sums[name] != 0.0 for name in ("belief", "idleness", "distance", "approach"))
+
+
+def test_an_agent_without_a_legal_move_is_blocked_and_the_others_are_not() -> None:
+    """The scouts have no energy at all; the foragers go on."""
+    setup = Setup.of(load_scenario("published", ("horizon=3", "team.scouts.energy=0.5")))
+    mission, terms = Mission(setup), RewardTerms(setup.task, ("blocked",))
+    mission.reset(3, np.arange(2))
+    terms.before(mission)
+    mission.advance(np.zeros((2, 4, 9)))
+    assert (mission.state.outcome == np.where(setup.fleet.collects, ARRIVED, BLOCKED)).all()
+    found = terms.after(mission, np.array([True, True]))
+    expected = np.repeat([~setup.fleet.collects], 2, axis=0)
+    np.testing.assert_array_equal(found["blocked"], expected.astype(np.float64))

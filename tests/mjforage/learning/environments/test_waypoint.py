@@ -61,7 +61,7 @@ def test_calm_water_and_other_hulls() -> None:
     )
     observation, _ = env.reset(seed=0)
     assert not observation[11:15].any()
-    with pytest.raises(UserError, match="reward speed: unknown term"):
+    with pytest.raises(UserError, match="reward speed: unknown"):
         WaypointEnv(reward={"speed": 1.0})
 
 

@@ -18,10 +18,11 @@ from safetensors import safe_open
 from graph_planner.errors import WeightsError
 from graph_planner.policies.ddqn import QPolicy
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission import Mission
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.schema import check, json_schema
+from mjforage.core.setup import Setup
 from mjforage.learning.training import run
 from mjforage.learning.training.checkpoint import TrainingInfo, save_checkpoint
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
@@ -320,7 +321,7 @@ def test_files_that_cannot_be_written_are_named(
         ({"batchsize": 3}, "unknown key batchsize; did you mean batch"),
         ({"batch": 1.5}, "batch = 1.5, expected an integer"),
         ({"gamma": 2}, "--learning: gamma = 2 is out of range; give 0 to 1"),
-        ({"reward.removd": 2.0}, "reward removd: unknown term; did you mean removed"),
+        ({"reward.removd": 2.0}, "reward removd: unknown; did you mean removed"),
         ({"warmup": 1001}, "warmup = 1001: the replay holds only capacity = 1000"),
         ({"updates_per_step": 0}, "updates_per_step = 0 is out of range"),
         ({"gamma": float("nan")}, "gamma = nan is out of range"),

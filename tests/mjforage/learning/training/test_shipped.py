@@ -9,9 +9,10 @@ import pytest
 from graph_planner.policies import create_policy
 from graph_planner.weights import shipped_weights
 from mjforage.core.episode_log import EpisodeLog
-from mjforage.core.mission import Mission, Setup
+from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 
 SHIPPED = ("ddqn", "ddqn-reward")
 PAPER = {"pta_d": 99.41, "pta_c": 98.68, "csr": 0.946}

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from graph_planner.policies import create_policy
 from mjforage.core.dynamics import ARRIVED, LATE
 from mjforage.core.episode_log import EpisodeLog
-from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
 from mjforage.physics.worlds import create_mission
 

@@ -11,9 +11,9 @@ from mjforage.core.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
 from mjforage.core.film import Film
-from mjforage.core.mission import Setup
 from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
 from mjforage.physics.simulation import InstabilityError
 from mjforage.physics.worlds import WORLDS, create_mission

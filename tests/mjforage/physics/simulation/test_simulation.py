@@ -113,7 +113,7 @@ def test_parked_items_do_not_move() -> None:
     simulation.step(100)
     np.testing.assert_array_equal(simulation.item_xy[0, ::2], simulation.scene.parking[::2])
     assert simulation.item_xy[0, 1, 0] > 9.5
-    simulation.park_items(np.array([[False, True, False]]))
+    simulation.remove_items(np.array([[False, True, False]]))
     simulation.step(100)
     np.testing.assert_array_equal(simulation.item_xy[0], simulation.scene.parking)
 

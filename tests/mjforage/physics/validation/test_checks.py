@@ -17,7 +17,7 @@ from mjforage.physics.callback.model_layout import HEADER, HULL_WIDTH, ITEM_AIR,
 from mjforage.physics.hydrodynamics.parameters import HULL
 from mjforage.physics.simulation import InstabilityError, Integrator, mujoco_hull, simulation
 from mjforage.physics.validation import Finding, repeats, rest, run_checks
-from mjforage.physics.validation.registry import check_names
+from mjforage.physics.validation.known_checks import check_names
 from mjforage.physics.weather import Field
 
 RUNS = 2  # of 900 s each; `mjforage validate --runs N` makes more

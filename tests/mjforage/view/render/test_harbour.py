@@ -4,7 +4,7 @@ from numpy.typing import NDArray
 
 from mjforage.core.maps import load_map
 from mjforage.view.render import harbour, textures
-from mjforage.view.render.harbour import BEYOND, Ground, Shape
+from mjforage.view.render.harbour import BEYOND, PaddedLand, Shape
 from mjforage.view.render.sheds import shed_boxes, shed_shape
 
 PITCH = 4.0
@@ -23,14 +23,14 @@ def normals(shape: Shape) -> NDArray[np.float64]:
 
 
 @pytest.fixture(scope="module")
-def island() -> Ground:
+def island() -> PaddedLand:
     """One cell of land in the middle of a lake."""
     water = np.ones((5, 7), np.bool_)
     water[2, 3] = False
-    return Ground.of(water, PITCH)
+    return PaddedLand.of(water, PITCH)
 
 
-def test_an_island_has_four_sides_with_water_on_the_right_hand(island: Ground) -> None:
+def test_an_island_has_four_sides_with_water_on_the_right_hand(island: PaddedLand) -> None:
     ends, sides = harbour.shoreline(island)
     assert sorted(sides.tolist()) == [0, 1, 2, 3]
     centre = np.array([12.0, 8.0])
@@ -41,7 +41,7 @@ def test_an_island_has_four_sides_with_water_on_the_right_hand(island: Ground) -
     np.testing.assert_allclose(right, out / 2.0)
 
 
-def test_walls_face_the_water_and_tops_the_sky(island: Ground) -> None:
+def test_walls_face_the_water_and_tops_the_sky(island: PaddedLand) -> None:
     ends, _ = harbour.shoreline(island)
     wall = harbour.walls(ends, 4.0)
     middle = wall.vertices[wall.faces].mean(axis=1)[:, :2] - (12.0, 8.0)
@@ -53,7 +53,7 @@ def test_walls_face_the_water_and_tops_the_sky(island: Ground) -> None:
 
 
 def test_tops_lie_where_the_map_has_land() -> None:
-    ground = Ground.of(PORT, PITCH)
+    ground = PaddedLand.of(PORT, PITCH)
     pier, lawn = harbour.piers(ground), harbour.inland(ground)
     assert not (pier & ~ground.land).any()
     assert not (pier & lawn).any()
@@ -67,7 +67,7 @@ def test_tops_lie_where_the_map_has_land() -> None:
 
 
 def test_kerbs_and_bollards_stand_on_land() -> None:
-    ground = Ground.of(PORT, PITCH)
+    ground = PaddedLand.of(PORT, PITCH)
     ends, _ = harbour.shoreline(ground)
     kerb = harbour.kerbs(ground, ends, 2.0)
     corners = kerb.vertices[kerb.faces].mean(axis=1)[:, :2]
@@ -78,7 +78,7 @@ def test_kerbs_and_bollards_stand_on_land() -> None:
 
 
 def test_sheds_keep_away_from_the_water() -> None:
-    ground = Ground.of(PORT, PITCH)
+    ground = PaddedLand.of(PORT, PITCH)
     boxes = shed_boxes(ground)
     assert len(boxes) > 10
     for west, south, east, north, _ in boxes.tolist():

@@ -3,7 +3,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.view.render.cameras import Area, View, looking
-from mjforage.view.render.harbour import Ground
+from mjforage.view.render.harbour import PaddedLand
 from mjforage.view.render.sheet import Sheet, blank_sheet
 from mjforage.view.render.smoothing import smooth_edges
 from mjforage.view.render.water import SHORE_M, Shore, Water, shore_of
@@ -11,7 +11,7 @@ from mjforage.view.render.water import SHORE_M, Shore, Water, shore_of
 Image = NDArray[np.uint8]
 Field = NDArray[np.float32]
 SIZE = (60, 80)
-WATER = Water(shore_of(Ground.of(np.ones((6, 6), np.bool_), 4.0)))
+WATER = Water(shore_of(PaddedLand.of(np.ones((6, 6), np.bool_), 4.0)))
 AHEAD = looking(np.array([10.0, 0.0, 3.0]), np.array([10.0, 20.0, 1.0]), np.radians(50.0))
 
 
@@ -82,7 +82,7 @@ def test_waves_finer_than_a_pixel_do_not_flicker() -> None:
 def test_water_near_land_knows_how_near() -> None:
     water = np.ones((9, 9), np.bool_)
     water[4, 4] = False
-    shore: Shore = shore_of(Ground.of(water, 4.0))
+    shore: Shore = shore_of(PaddedLand.of(water, 4.0))
     column = int((16.0 + 2.0 + 3.0 - shore.west) / shore.texel_m)
     row = int((16.0 - shore.south) / shore.texel_m)
     assert shore.distance[row, column] == pytest.approx(3.0, abs=shore.texel_m)

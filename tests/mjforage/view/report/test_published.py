@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from metrics import marginal_contribution
-from mjforage.core.mission import Setup
 from mjforage.core.mission_metrics import describe
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 from mjforage.core.whole_files import write_json
 from mjforage.runs.identity import run_info
 from mjforage.runs.run_info import load_run

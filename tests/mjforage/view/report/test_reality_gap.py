@@ -8,9 +8,9 @@ import polars as pl
 import pytest
 
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Setup
 from mjforage.core.mission_metrics import chosen_metrics
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 from mjforage.runs.evaluate import evaluate
 from mjforage.view.report.hull_tables import hulls_table
 from mjforage.view.report.reality_gap import gap_table, ladder_table
@@ -45,7 +45,7 @@ def test_every_metric_has_its_paired_difference(logs: RunLogs) -> None:
             assert row.cells[2] == NOTHING
 
 
-def test_each_rung_is_measured_against_the_one_below(logs: RunLogs) -> None:
+def test_each_world_is_measured_against_the_one_below(logs: RunLogs) -> None:
     table = ladder_table(logs)
     assert table is not None
     assert [row.head for row in table.rows] == ["+ hulls", "+ physics"] * 2

@@ -12,7 +12,8 @@ from rich.console import Console
 
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import chosen_metrics
-from mjforage.view.report import published, style, terminal_table, write_report
+from mjforage.view.page import style
+from mjforage.view.report import published, terminal_table, write_report
 from mjforage.view.report.text_tables import number, policy_name
 
 MakeRun = Callable[..., Path]

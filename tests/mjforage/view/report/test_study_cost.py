@@ -6,10 +6,10 @@ import numpy as np
 
 from mjforage.runs.costs import Cost
 from mjforage.runs.study import StudyInfo
-from mjforage.view.report.picture import Picture
+from mjforage.view.page.picture import Picture
+from mjforage.view.page.table import Table
 from mjforage.view.report.studies.cost import cost_table, throughput_picture, throughput_table
 from mjforage.view.report.studies.study_logs import StudyLogs
-from mjforage.view.report.text_tables import Table
 
 CALLS = {"monday": 1, "tuesday": 4}
 

@@ -12,15 +12,16 @@ from metrics import (
     sensitivity_slope,
     two_segment_fit,
 )
-from mjforage.core.mission import Setup
 from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 from mjforage.runs import variants
 from mjforage.runs.study import Study, run_study
+from mjforage.view.page.table import Table
 from mjforage.view.report.curves import time_figures
 from mjforage.view.report.studies import ablation, corruption, paper
 from mjforage.view.report.studies.study_logs import StudyLogs, load_study
 from mjforage.view.report.studies.study_page import facts, render
-from mjforage.view.report.text_tables import NOTHING, Table
+from mjforage.view.report.text_tables import NOTHING
 
 Make = Callable[..., StudyLogs]
 STEP = 0.25

@@ -7,8 +7,8 @@ import pytest
 import torch
 
 from graph_planner.encodings import Shapes
-from mjforage.learning.training.ddqn import Learner, lead_lacking
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
+from mjforage.learning.training.learner import Learner, lead_lacking
 from mjforage.learning.training.replay_memory import FINAL, PLAYED, Batch
 
 pytestmark = pytest.mark.every_capability
@@ -98,7 +98,7 @@ UPDATES = 400
 
 @pytest.mark.parametrize("seed", range(3))
 def test_it_learns_the_values_of_a_chain(seed: int) -> None:
-    """Two states: move 1 in the first earns 1 and leads on, where move 2 earns 2 and ends.
+    """Two states: move 1 in the first earns 1 and leads on, where move 2 earns 3 and ends.
 
     Every pair of moves is played five times, so that no seed decides what there is to learn from,
     and the learning rate falls, so that what is left at the end is no swing of the last updates:
@@ -113,7 +113,7 @@ def test_it_learns_the_values_of_a_chain(seed: int) -> None:
         one.memory.close(np.array([a]), nothing, np.array([float(a == 1)]), np.array([a != 1]))
         if a == 1:
             one.memory.open({"x": second}, legal, np.array([PLAYED], np.uint8))
-            one.memory.close(np.array([b]), nothing, np.array([2.0 * (b == 2)]), np.array([True]))
+            one.memory.close(np.array([b]), nothing, np.array([3.0 * (b == 2)]), np.array([True]))
         one.memory.open({"x": second}, legal, np.array([FINAL], np.uint8))
         one.memory.finish()
     for _ in range(UPDATES):
@@ -122,8 +122,8 @@ def test_it_learns_the_values_of_a_chain(seed: int) -> None:
         one.memory.reprioritise(drawn.rows, errors, 0.6)
     values = one.values({"x": np.concatenate((first, second))})
     assert values.argmax(axis=1).tolist() == [1, 2]
-    assert values[1, 2] == pytest.approx(2.0, abs=0.1)
-    assert values[0, 1] == pytest.approx(1.0 + 0.5 * 2.0, abs=0.1)
+    assert values[1, 2] == pytest.approx(3.0, abs=0.1)
+    assert values[0, 1] == pytest.approx(1.0 + 0.5 * 3.0, abs=0.1)
 
 
 def test_the_learning_rate_falls_to_a_tenth() -> None:

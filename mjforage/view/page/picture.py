@@ -1,8 +1,10 @@
 """What every figure shares: the record of one, its canvas, its legend and its files."""
 
 import io
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -12,7 +14,8 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from mjforage.view.report import style
+from mjforage.core.whole_files import write_bytes
+from mjforage.view.page import style
 
 WIDTH_IN = 5.6  # half a page of the report
 WIDE_IN = 11.2  # a whole page
@@ -129,3 +132,30 @@ def png_bytes(figure: Figure) -> bytes:
             buffer, format="png", dpi=PNG_DPI, metadata={"Software": None}
         )
     return buffer.getvalue()
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Draw in the project's style inside the block; matplotlib's settings come back after it."""
+    with mpl.rc_context(style.RC):
+        yield
+
+
+def save_figure(folder: Path, picture: Picture) -> tuple[bytes, bytes]:
+    """Write ``<name>.png`` (150 dpi) and ``<name>.svg`` into the folder.
+
+    Returns
+    -------
+    tuple of bytes
+        The PNG and the SVG, for embedding.
+
+    Raises
+    ------
+    UserError
+        If a file cannot be written.
+    """
+    with house_style():
+        svg, png = svg_bytes(picture.figure), png_bytes(picture.figure)
+    write_bytes(folder / f"{picture.name}.svg", svg)
+    write_bytes(folder / f"{picture.name}.png", png)
+    return png, svg

@@ -1,73 +1,13 @@
-"""`report.html`: one file with tables and figures inside it, nothing fetched from outside."""
+"""`report.html` of a run: what it is set from, and what it says of itself."""
 
-import base64
 import json
-import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from importlib import resources
+from collections.abc import Sequence
 from typing import Any
 
-import jinja2
-from markupsafe import Markup, escape
-
-from mjforage.view.report import style
+from mjforage.view.page import Shown, Table, groups, set_page, style
 from mjforage.view.report.differences import too_few
-from mjforage.view.report.picture import Picture
 from mjforage.view.report.run_logs import RunLogs
-from mjforage.view.report.text_tables import Row, Table
 from mjforage.view.report.web_replay import web_replay
-
-_SUBSCRIPT = re.compile(r"(?<![\w.:])([A-Z][A-Za-z]*)_([A-Za-z0-9]+)\b")  # of labels of metrics
-_CODE = re.compile(r"`([^`]+)`")
-
-
-@dataclass(frozen=True)
-class Shown:
-    """A figure as the template sets it."""
-
-    name: str
-    title: str
-    caption: str
-    source: str  # data URI
-    wide: bool
-    width_px: int  # CSS pixels at natural size
-    height_px: int
-
-
-def rich_text(text: str) -> Markup:
-    """Escape, then set subscripts of metric names and code between backticks."""
-    safe = str(escape(text))
-    safe = _SUBSCRIPT.sub(r"\1<sub>\2</sub>", safe)
-    return Markup(_CODE.sub(r"<code>\1</code>", safe))
-
-
-def interval_text(text: str) -> Markup:
-    """Escape, and set what follows ± or an opening parenthesis smaller."""
-    for sign in (" ± ", " ("):
-        mean, found, rest = text.partition(sign)
-        if found:
-            return Markup("{}<small>{}{}</small>").format(mean, sign, rest)
-    return escape(text)
-
-
-def groups(rows: Sequence[Row]) -> list[tuple[Row, list[Row]]]:
-    """Consecutive rows of one group, each with its first row."""
-    result: list[tuple[Row, list[Row]]] = []
-    for row in rows:
-        if result and result[-1][0].group == row.group:
-            result[-1][1].append(row)
-        else:
-            result.append((row, [row]))
-    return result
-
-
-def shown(picture: Picture, png: bytes, svg: bytes) -> Shown:
-    """Embed a figure as a data URI: curves as SVG, maps as the much smaller PNG."""
-    kind, content = ("png", png) if picture.wide else ("svg+xml", svg)
-    source = f"data:image/{kind};base64," + base64.b64encode(content).decode("ascii")
-    width, height = (round(96 * size) for size in picture.figure.get_size_inches())
-    return Shown(picture.name, picture.title, picture.caption, source, picture.wide, width, height)
 
 
 def run_facts(logs: RunLogs) -> list[tuple[str, str]]:
@@ -122,30 +62,6 @@ def definition_notes() -> list[str]:
     ]
 
 
-def environment() -> jinja2.Environment:
-    """The templates with the filters that they use."""
-    templates = jinja2.Environment(
-        loader=jinja2.FunctionLoader(template),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    templates.filters["rich_text"] = rich_text
-    templates.filters["interval_text"] = interval_text
-    templates.filters["groups"] = groups
-    return templates
-
-
-def template(name: str) -> str:
-    """Text of a template or style sheet."""
-    return resources.files("mjforage.view.report").joinpath(name).read_text(encoding="utf-8")
-
-
-def _chips(logs: RunLogs) -> Mapping[str, str]:
-    return {name: look.colour for name, look in style.looks(logs.policies).items()}
-
-
 def render(
     logs: RunLogs,
     figures: Sequence[Shown],
@@ -156,9 +72,9 @@ def render(
     gap: Sequence[Table] = (),
 ) -> str:
     """Set the whole report as HTML."""
-    context: dict[str, Any] = {
+    content: dict[str, Any] = {
         "run": logs.run,
-        "chips": _chips(logs),
+        "chips": {name: look.colour for name, look in style.looks(logs.policies).items()},
         "facts": run_facts(logs),
         "headline": headline,
         "few": too_few(logs.run.episodes),
@@ -172,6 +88,5 @@ def render(
         "notes": definition_notes(),
         "replay": web_replay(logs),
         "scenario_json": json.dumps(logs.run.scenario, indent=2, ensure_ascii=False),
-        "stylesheet": Markup(template("report.css.j2")),
     }
-    return environment().get_template("report.html.j2").render(context)
+    return set_page("report.html.j2", logs.run.versions.get("mjforage", ""), content)

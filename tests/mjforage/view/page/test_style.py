@@ -3,7 +3,7 @@ import itertools
 import pytest
 from matplotlib.colors import to_rgb
 
-from mjforage.view.report import style
+from mjforage.view.page import style
 
 
 def test_colours_do_not_depend_on_company() -> None:

@@ -19,7 +19,7 @@ from graph_planner.q_network import DuelingNetwork
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.replay_memory import Batch, ReplayMemory
 
-GRADIENT_LIMIT = 10.0
+GRADIENT_LIMIT = 10.0  # norm of a step's gradients at most; an estimate
 
 
 def lead_lacking(values: Tensor, shown: Tensor, margin: float) -> Tensor:

@@ -76,6 +76,7 @@ def _smooth(field: NodeField) -> NodeField:
 
 @kernel
 def _fill_edge_distance(inside: NDArray[np.bool_], distance: NodeField) -> None:
+    """Distance of each cell to the edge of `inside` [cell], negative within, cut at `_REACH`."""
     rows, columns = inside.shape
     for row in range(rows):
         for column in range(columns):

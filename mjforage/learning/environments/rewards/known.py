@@ -1,0 +1,143 @@
+"""Which terms there are: ours, those of installed packages, and any by `package.module:Class`."""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.extensions import Table, is_ours
+from graph_planner.geodesics import Workspace
+from graph_planner.references import nearest
+from graph_planner.task import Task
+from mjforage.core.errors import UserError
+from mjforage.core.mission import Mission
+from mjforage.learning.environments.rewards.term import Amounts, Before, Step, Term
+
+REWARDS: Table[Callable[..., Term]] = Table("reward", "mjforage.rewards")
+
+PUBLISHED = {"belief": 2.12, "removed": 5.91, "idleness": 2.23, "distance": -1.7}
+"""Weights of the published experiments (scenario section 3)."""
+
+
+reward = REWARDS.register
+"""Class decorator that makes a term known under a name, as `Table.register`."""
+
+
+def term_class(text: str) -> Callable[..., Term]:
+    """The class that a reference names.
+
+    Raises
+    ------
+    UserError
+        If there is none, an option does not fit, or it is no class of terms.
+    """
+    _, made, _ = REWARDS.bound(text)
+    if not isinstance(made, type) or not any("__call__" in vars(base) for base in made.__mro__):
+        raise UserError(f"reward {text}: is no term; give a class with __call__(self, step)")
+    return made
+
+
+def create_term(text: str) -> Term:
+    """A fresh term.
+
+    Parameters
+    ----------
+    text : NAME or `package.module:Class`, with options in parentheses
+
+    Raises
+    ------
+    UserError
+        As `term_class`.
+    """
+    return term_class(text)(**REWARDS.bound(text)[2])
+
+
+class RewardTerms:
+    """Computes the chosen terms of a batch at every step."""
+
+    def __init__(self, task: Task, names: Iterable[str]) -> None:
+        """Prepare.
+
+        Parameters
+        ----------
+        names : references to terms
+
+        Raises
+        ------
+        UserError
+            As `create_term`.
+        """
+        self._task, self._workspace = task, Workspace.of(len(task.graph))
+        self._terms = {name: create_term(name) for name in names}
+        self._theirs = {name for name, term in self._terms.items() if not is_ours(type(term))}
+
+    def before(self, mission: Mission) -> None:
+        """Take a copy of what the next state is compared with; call before every step."""
+        self._before = Before.of(mission)
+
+    def after(self, mission: Mission, played: NDArray[np.bool_]) -> dict[str, Amounts]:
+        """Terms of the step just made: name -> (episode, agent), 0 for episodes not played.
+
+        Raises
+        ------
+        UserError
+            If a term of a user gives an array of another shape, or a number that is not finite.
+        """
+        step = Step(mission, self._before, self._task, self._workspace)
+        found = {name: term(step) for name, term in self._terms.items()}
+        for name in self._theirs:
+            found[name] = _sound(name, found[name], step)
+        return {name: np.where(played[:, None], value, 0.0) for name, value in found.items()}
+
+
+def _sound(name: str, found: Any, step: Step) -> Amounts:
+    """The numbers of a term, of the shape that they must have, and all finite."""
+    amounts = np.asarray(found, np.float64)
+    shape = step.mission.state.agent_node.shape
+    if amounts.shape != shape:
+        raise UserError(
+            f"reward {name}: gave an array of shape {amounts.shape}; give (episode, agent), "
+            f"here {shape}"
+        )
+    if not np.isfinite(amounts).all():
+        raise UserError(f"reward {name}: gave a number that is not finite; mend the term")
+    return amounts
+
+
+def checked_weights(weights: Mapping[str, float]) -> dict[str, float]:
+    """The weights that are not 0, each by the one spelling of its term.
+
+    Raises
+    ------
+    UserError
+        If a term is not known or is given twice, or a weight is no finite number.
+    """
+    return {name: weight for name, weight in labelled(weights).items() if weight}
+
+
+def labelled(weights: Mapping[str, float]) -> dict[str, float]:
+    """All weights, each by the one spelling of its term; raises as `checked_weights`."""
+    found: dict[str, float] = {}
+    for text, weight in weights.items():
+        term_class(text)
+        name = str(REWARDS.bound(text)[0])
+        if name in found:
+            raise UserError(f"reward {name}: given twice; give it one weight")
+        found[name] = _finite(name, weight)
+    return found
+
+
+def checked_names(weights: Mapping[str, float], known: Iterable[str]) -> dict[str, float]:
+    """The weights that are not 0, all of known terms; raises `UserError` as above."""
+    names = list(known)
+    for name in weights:
+        if name not in names:
+            raise UserError(f"reward {name}: unknown; {nearest(name, names)}")
+    return {name: _finite(name, weight) for name, weight in weights.items() if weight}
+
+
+def _finite(name: str, weight: float) -> float:
+    if not isinstance(weight, int | float) or not np.isfinite(weight):
+        raise UserError(f"reward {name} = {weight!r}: give a finite number")
+    return float(weight)

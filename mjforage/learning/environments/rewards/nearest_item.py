@@ -1,0 +1,64 @@
+"""Terms of the way to the nearest known item."""
+
+import numpy as np
+
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import FAR, Int32Array, Workspace, distances_to_nearest
+from graph_planner.task import TaskArrays
+from mjforage.learning.environments.rewards.known import reward
+from mjforage.learning.environments.rewards.term import Amounts, Step
+
+
+@kernel
+def _nearest_known(
+    arrays: TaskArrays,
+    known: Int32Array,
+    n_known: Int32Array,
+    agent_node: Int32Array,
+    workspace: Workspace,
+    out: Amounts,
+) -> None:
+    """Distance of each agent to the nearest known item [node]; 0 if none is known."""
+    neighbours, table = arrays.neighbours, arrays.distances
+    agents = agent_node.shape[1]
+    targets = np.full((agents, 9), np.int32(-1), np.int32)
+    nearest = np.empty((agents, 9))
+    for e in range(agent_node.shape[0]):
+        out[e] = 0.0
+        if n_known[e] == 0:
+            continue
+        targets[:, 0] = agent_node[e]
+        items = known[e, : n_known[e]]
+        distances_to_nearest(
+            neighbours, table, items, agent_node[e], targets, 0.0, workspace, nearest
+        )
+        for a in range(agents):
+            if nearest[a, 0] < FAR:
+                out[e, a] = nearest[a, 0]
+
+
+def _nearest(step: Step, known: Int32Array, n_known: Int32Array, agent_node: Int32Array) -> Amounts:
+    out = np.empty(agent_node.shape)
+    _nearest_known(step.task.arrays, known, n_known, agent_node, step.workspace, out)
+    return out
+
+
+@reward("distance")
+class Distance:
+    """Distance to the nearest known item, 0 if none is known."""
+
+    def __call__(self, step: Step) -> Amounts:
+        """(episode, agent) [node]."""
+        known = step.mission.knowledge
+        return _nearest(step, known.known, known.n_known, step.mission.state.agent_node)
+
+
+@reward("approach")
+class Approach:
+    """By how much the nearest item known before the move has come nearer."""
+
+    def __call__(self, step: Step) -> Amounts:
+        """(episode, agent) [node]."""
+        old = step.before
+        before = _nearest(step, old.known, old.n_known, old.agent_node)
+        return before - _nearest(step, old.known, old.n_known, step.mission.state.agent_node)

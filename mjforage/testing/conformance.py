@@ -1,0 +1,54 @@
+"""How a conformance check says no, and how several are made one."""
+
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+T = TypeVar("T")
+
+
+class ConformanceError(AssertionError):
+    """One sentence: what was asked, what came, what to do.
+
+    Attributes
+    ----------
+    check : name of the check that failed
+    """
+
+    def __init__(self, check: str, message: str) -> None:
+        super().__init__(f"{check}: {message}")
+        self.check = check
+
+
+def run_checks(checks: Sequence[Callable[[T], None]], trial: T) -> None:
+    """All checks, in their order.
+
+    Raises
+    ------
+    ConformanceError
+        Of the first that fails, or in which something else is raised.
+    """
+    for check in checks:
+        try:
+            check(trial)
+        except ConformanceError:
+            raise
+        except Exception as error:
+            name = check.__name__.removeprefix("check_")
+            words = f"{getattr(trial, 'name', '')} raised {type(error).__name__}: {error}; mend it"
+            raise ConformanceError(name, words) from error
+
+
+def first_difference(one: NDArray[np.generic], other: NDArray[np.generic]) -> str:
+    """Where two arrays of one shape differ first in a bit, as text; "" if nowhere."""
+    if one.shape != other.shape or one.dtype != other.dtype:
+        return f"{one.dtype} {one.shape} and {other.dtype} {other.shape}"
+    same = (one == other) | ((one != one) & (other != other))
+    wrong = np.argwhere(~np.atleast_1d(same))
+    if not len(wrong):
+        return ""
+    place = tuple(int(i) for i in wrong[0])
+    here, there = np.atleast_1d(one)[place], np.atleast_1d(other)[place]
+    return f"{here!s} and {there!s} at {list(place)}"

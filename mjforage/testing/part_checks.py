@@ -1,0 +1,225 @@
+"""Conformance of metrics, reward terms and observation encoders."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.encodings import create_encoder, encoder_class
+from graph_planner.policies import create_policy
+from mjforage.core.mission import Mission
+from mjforage.core.mission_metrics import METRICS, Metric, Scorer, chosen_metrics
+from mjforage.core.mission_metrics.known import checked
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
+from mjforage.learning.environments.rewards import RewardTerms, term_class
+from mjforage.learning.environments.spaces import MASK
+from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
+
+Play = Callable[[list[int]], list[NDArray[Any]]]
+"""From numbers of episodes to arrays (episode, ...), one for each step or result."""
+
+
+@dataclass(frozen=True)
+class PartTrial:
+    """A metric, term or encoder, by its reference, and what it is tried on: random moves."""
+
+    name: str
+    scenario: str = "comb-port"
+    overrides: tuple[str, ...] = ("horizon=8",)
+    seed: int = 0
+
+    @cached_property
+    def setup(self) -> Setup:
+        """Scenario and map."""
+        return Setup.of(load_scenario(self.scenario, self.overrides))
+
+    def mission(self, episodes: list[int]) -> Mission:
+        """A mission at its start."""
+        mission = Mission(self.setup)
+        mission.reset(self.seed, np.array(episodes))
+        return mission
+
+    def error(self, check: str, words: str) -> ConformanceError:
+        """That it fails a check."""
+        return ConformanceError(check, f"{self.name} {words}")
+
+
+def _check_alone(trial: PartTrial, check: str, play: Play) -> None:
+    """An episode gives the same alone, in another order and beside others, and again."""
+    whole = play([0, 1, 2])
+    for episodes in ([0, 1, 2], [2, 0], [1]):
+        for step, (one, two) in enumerate(zip(whole, play(episodes), strict=False)):
+            found = first_difference(one[episodes], two)
+            if found:
+                raise trial.error(
+                    check,
+                    f"gave {found} at step {step} for one episode in two batches; let an episode "
+                    "depend on nothing but itself",
+                )
+
+
+def _scores(trial: PartTrial, metric: type[Metric], episodes: list[int]) -> list[NDArray[Any]]:
+    mission = trial.mission(episodes)
+    known = [one for one in chosen_metrics() if one.key != metric.key]
+    scorer = Scorer(mission, [*known, metric])  # whose courses it may ask for
+    mission.run(create_policy("greedy"), (scorer,))
+    found = scorer.scores()
+    course = [found.courses[metric.course_name()]] if metric.has_course() else []
+    return [found.scalars[metric.key], *course]
+
+
+def check_metric_is_described(trial: PartTrial) -> None:
+    """It has a docstring, whose first sentence is its definition, and its attributes."""
+    metric = checked(METRICS.find(trial.name), trial.name)
+    if not (metric.__doc__ or "").strip() or metric.__doc__ == Metric.__doc__:
+        raise trial.error(
+            "metric_is_described", "has no docstring; say in its first sentence what it measures"
+        )
+
+
+def check_metric_alone(trial: PartTrial) -> None:
+    """An episode does not depend on its batch; are of the right shape, finite or NaN."""
+    _check_alone(
+        trial,
+        "metric_alone",
+        partial(_scores, trial, checked(METRICS.find(trial.name), trial.name)),
+    )
+
+
+def _amounts(trial: PartTrial, episodes: list[int]) -> list[NDArray[Any]]:
+    mission, policy = trial.mission(episodes), create_policy("greedy")
+    terms = RewardTerms(trial.setup.task, [trial.name])
+    mission.prepare(policy)
+    found = []
+    while mission.active.any():
+        played = mission.active.copy()
+        terms.before(mission)
+        mission.advance(mission.ask(policy))
+        found.append(terms.after(mission, played)[trial.name])
+    return found
+
+
+def check_reward_only_reads(trial: PartTrial) -> None:
+    """A term changes nothing of the mission."""
+    mission, policy = trial.mission([0, 1]), create_policy("greedy")
+    terms = RewardTerms(trial.setup.task, [trial.name])
+    mission.prepare(policy)
+    while mission.active.any():
+        terms.before(mission)
+        mission.advance(mission.ask(policy))
+        before = _state(mission)
+        terms.after(mission, mission.active)
+        for name, value in _state(mission).items():
+            if first_difference(before[name], value):
+                raise trial.error("reward_only_reads", f"changed {name}; copy what you change")
+
+
+def _state(mission: Mission) -> dict[str, NDArray[Any]]:
+    parts = (mission.knowledge, mission.ledger.entries, mission.state)
+    return {
+        name: np.array(value, copy=True)
+        for part in parts
+        for name, value in part._asdict().items()
+        if isinstance(value, np.ndarray)
+    }
+
+
+def check_reward_alone(trial: PartTrial) -> None:
+    """An episode gives the same alone, in another order and beside others, and again."""
+    _check_alone(trial, "reward_alone", partial(_amounts, trial))
+
+
+def _pictures(trial: PartTrial, episodes: list[int]) -> list[NDArray[Any]]:
+    mission, policy = trial.mission(episodes), create_policy("greedy")
+    encoder = create_encoder(trial.name, trial.setup.task)
+    encoder.reset(len(episodes))
+    mission.prepare(policy)
+    found = []
+    while mission.active.any():
+        levels = encoder.see(mission.observation, np.flatnonzero(mission.active))
+        found += [np.array(level, copy=True) for level in levels.values()]
+        mission.advance(mission.ask(policy))
+    return found
+
+
+def check_observation_shapes(trial: PartTrial) -> None:
+    """`see` gives what `shapes` says, as levels: (episode, agent, *shape) uint8."""
+    encoder, mission = create_encoder(trial.name, trial.setup.task), trial.mission([0, 1])
+    encoder.reset(2)
+    levels, agents = encoder.see(mission.observation, np.arange(2)), len(trial.setup.fleet)
+    wanted = {name: f"uint8 {(2, agents, *shape)}" for name, shape in encoder.shapes.items()}
+    found = {name: f"{level.dtype} {level.shape}" for name, level in levels.items()}
+    if found != wanted or MASK in wanted:
+        raise trial.error(
+            "observation_shapes",
+            f"gave {found}; give {wanted}, and nothing of the name {MASK}",
+        )
+
+
+def check_observation_twice(trial: PartTrial) -> None:
+    """Looking twice at one step changes nothing."""
+    encoder, mission = create_encoder(trial.name, trial.setup.task), trial.mission([0, 1])
+    encoder.reset(2)
+    policy = create_policy("greedy")
+    mission.prepare(policy)
+    while mission.active.any():
+        rows = np.flatnonzero(mission.active)
+        once = {n: v.copy() for n, v in encoder.see(mission.observation, rows).items()}
+        for name, level in encoder.see(mission.observation, rows).items():
+            found = first_difference(once[name], level)
+            if found:
+                raise trial.error(
+                    "observation_twice",
+                    f"gave {name} {found} for one step; remember by observation.step",
+                )
+        mission.advance(mission.ask(policy))
+
+
+def check_observation_alone(trial: PartTrial) -> None:
+    """An episode gives the same alone, in another order and beside others, and again."""
+    _check_alone(trial, "observation_alone", partial(_pictures, trial))
+
+
+METRIC_CHECKS = (check_metric_is_described, check_metric_alone)
+REWARD_CHECKS = (check_reward_only_reads, check_reward_alone)
+OBSERVATION_CHECKS = (
+    check_observation_shapes,
+    check_observation_twice,
+    check_observation_alone,
+)
+
+
+def check_metric(
+    metric: str, scenario: str = "comb-port", overrides: Iterable[str] = ("horizon=8",)
+) -> None:
+    """All checks of a metric, by its reference.
+
+    Raises
+    ------
+    ConformanceError
+        Of the first check that fails.
+    UserError
+        If there is no such metric or scenario.
+    """
+    checked(METRICS.find(metric), metric)
+    run_checks(METRIC_CHECKS, PartTrial(metric, scenario, tuple(overrides)))
+
+
+def check_reward(
+    reward: str, scenario: str = "comb-port", overrides: Iterable[str] = ("horizon=8",)
+) -> None:
+    """All checks of a reward term, by its reference; raises as `check_metric`."""
+    term_class(reward)
+    run_checks(REWARD_CHECKS, PartTrial(reward, scenario, tuple(overrides)))
+
+
+def check_observation(
+    observation: str, scenario: str = "comb-port", overrides: Iterable[str] = ("horizon=8",)
+) -> None:
+    """All checks of an observation encoder, by its reference; raises as `check_metric`."""
+    encoder_class(observation)
+    run_checks(OBSERVATION_CHECKS, PartTrial(observation, scenario, tuple(overrides)))

@@ -1,0 +1,323 @@
+"""Conformance of policies: what every one of ours keeps, and what makes runs reproducible."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import joblib
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.extensions import Place, is_ours
+from graph_planner.policies import Bound, Policy, create_policy
+from graph_planner.policies.registry import POLICIES, adopt_policy, policy_class
+from graph_planner.task import Observation, Task, Truth, digest
+from mjforage.core.errors import UserError
+from mjforage.core.mission import Mission
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
+from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
+from mjforage.testing.two_holders import HOLDERS, TwoHolders
+
+Preferences = NDArray[np.float64]  # (row, agent, 9)
+Rows = NDArray[np.int64]
+
+
+class Frame(NamedTuple):
+    """What a policy was shown at one step, in copies, and what it answered."""
+
+    observation: Observation
+    truth: Truth | None  # for bounds
+    answer: Preferences
+
+    def of(self, rows: Rows) -> "Frame":
+        """The same for some rows only, in their order."""
+        truth = None if self.truth is None else Truth._make(part[rows] for part in self.truth)
+        observation = Observation._make(part[rows] for part in self.observation)
+        return Frame(observation, truth, self.answer[rows])
+
+
+@dataclass(frozen=True)
+class PolicyTrial:
+    """A policy, and what it is tried on.
+
+    Attributes
+    ----------
+    policy : reference, as `--policy`, or a class
+    scenario, overrides : as of `evaluate`; episodes are as short as its horizon
+    episodes, seed : how many are played side by side, and of which seed
+    """
+
+    policy: str | Callable[..., Policy]
+    scenario: str = "comb-port"
+    overrides: tuple[str, ...] = ("horizon=8",)
+    episodes: int = 3
+    seed: int = 0
+
+    @property
+    def name(self) -> str:
+        """What it is called in messages."""
+        policy = self.policy
+        return policy if isinstance(policy, str) else getattr(policy, "__qualname__", str(policy))
+
+    def fresh(self) -> Policy:
+        """A policy that has not played."""
+        return create_policy(self.policy) if isinstance(self.policy, str) else self.policy()
+
+    @cached_property
+    def setup(self) -> Setup:
+        """Scenario and map."""
+        return Setup.of(load_scenario(self.scenario, self.overrides))
+
+    @cached_property
+    def whole(self) -> list[Frame]:
+        """A batch of episodes, played to its end by a fresh policy."""
+        return self.played(self.fresh(), range(self.episodes))
+
+    def played(self, policy: Policy, episodes: Iterable[int], holders: int = 1) -> list[Frame]:
+        """What a policy sees and answers along some episodes."""
+        mission = Mission(self.setup, exchange=TwoHolders() if holders > 1 else None)
+        mission.reset(self.seed, np.array(list(episodes)))
+        watched = _Watched(policy)
+        mission.prepare(watched)
+        bound = isinstance(policy, Bound)
+        while mission.active.any():
+            watched.truth = mission.truth if bound else None
+            mission.advance(mission.ask(watched))
+        return watched.frames
+
+    def error(self, check: str, words: str) -> ConformanceError:
+        """That the policy fails a check."""
+        return ConformanceError(check, f"policy {self.name} {words}")
+
+
+class _Watched:
+    """A policy, with a copy of all that it is shown and answers."""
+
+    def __init__(self, policy: Policy) -> None:
+        self._policy = policy
+        self.frames: list[Frame] = []
+        self.truth: Truth | None = None
+
+    def reset(self, task: Task, keys: NDArray[np.uint64]) -> None:
+        self._shape = (keys.size, len(task.fleet), 9)
+        self._policy.reset(task, keys)
+
+    def act(self, observation: Observation) -> Preferences:
+        shown = Observation._make(part.copy() for part in observation)
+        truth = None
+        if isinstance(self._policy, Bound) and self.truth is not None:
+            truth = Truth._make(part.copy() for part in self.truth)
+            self._policy.reveal(self.truth)
+        answer = self._policy.act(observation)
+        self.frames.append(Frame(shown, truth, np.array(answer, copy=True)))
+        return np.asarray(answer)
+
+
+def check_shape(trial: PolicyTrial) -> None:
+    """`act` answers with an array (row, agent, 9) of floating-point numbers."""
+    policy, mission = trial.fresh(), Mission(trial.setup)
+    mission.reset(trial.seed, np.arange(trial.episodes))
+    policy.reset(trial.setup.task, mission.keys)
+    if isinstance(policy, Bound):
+        policy.reveal(mission.truth)
+    answer = policy.act(mission.observation)
+    shape = (trial.episodes, len(trial.setup.fleet), 9)
+    kind = getattr(getattr(answer, "dtype", None), "kind", "")
+    if getattr(answer, "shape", None) != shape or kind != "f":
+        was = f"{answer.dtype} {answer.shape}" if isinstance(answer, np.ndarray) else type(answer)
+        raise trial.error(
+            "shape",
+            f"gave {was}; give floating-point numbers of shape (row, agent, 9), here {shape}",
+        )
+
+
+def check_values(trial: PolicyTrial) -> None:
+    """Preferences of rows whose episode is not over are finite, or minus infinity."""
+    policy, mission = trial.fresh(), Mission(trial.setup)
+    mission.reset(trial.seed, np.arange(trial.episodes))
+    mission.prepare(policy)
+    while mission.active.any():
+        answer = mission.ask(policy)
+        wrong = (np.isnan(answer) | (answer == np.inf)) & mission.active[:, None, None]
+        if wrong.any():
+            place = np.argwhere(wrong)[0]
+            raise trial.error(
+                "values",
+                f"gave {answer[tuple(place)]} for move {place[2]} of agent {place[1]} at step "
+                f"{int(mission.step.max()) + 1}; give finite numbers, or -inf for a move never "
+                "to be made",
+            )
+        mission.advance(np.where(np.isnan(answer), 0.0, answer))
+
+
+def check_observation_is_only_read(trial: PolicyTrial) -> None:
+    """`act` changes no array of the observation, which is the mission's own."""
+    policy, mission = trial.fresh(), Mission(trial.setup)
+    mission.reset(trial.seed, np.arange(trial.episodes))
+    mission.prepare(policy)
+    while mission.active.any():
+        seen = mission.observation
+        before = [part.copy() for part in seen]
+        answer = mission.ask(policy)
+        after = mission.observation._asdict()
+        for name, one in zip(seen._fields, before, strict=True):
+            if first_difference(one, after[name]):
+                raise trial.error(
+                    "observation_is_only_read",
+                    f"changed observation.{name} at step {int(mission.step.max()) + 1}; copy what "
+                    "you change",
+                )
+        mission.advance(answer)
+
+
+def check_task_is_only_read(trial: PolicyTrial) -> None:
+    """`reset` and `act` change no array of the task, which other policies share, and no key."""
+    setup = Setup.of(load_scenario(trial.scenario, trial.overrides))  # its own, to be spoilt
+    policy, mission = trial.fresh(), Mission(setup)
+    mission.reset(trial.seed, np.arange(trial.episodes))
+    before = digest(setup.task)
+    mission.prepare(policy)
+    mission.advance(mission.ask(policy))
+    if digest(setup.task) != before:
+        raise trial.error("task_is_only_read", "changed arrays of the task; copy what you change")
+
+
+def _compare(trial: PolicyTrial, check: str, one: list[Frame], two: list[Frame], why: str) -> None:
+    """Both must have answered alike, for rows whose episode is not over."""
+    for step, (a, b) in enumerate(zip(one, two, strict=False), start=1):
+        active = a.observation.active
+        found = first_difference(a.answer[active], b.answer[active])
+        if found:
+            raise trial.error(check, f"gave {found} (row, agent, move) at step {step} {why}")
+
+
+def check_repeatable(trial: PolicyTrial) -> None:
+    """Two fresh policies with the same keys answer alike: chance comes from the keys alone."""
+    again = trial.played(trial.fresh(), range(trial.episodes))
+    why = "for the same keys; draw random numbers from the keys of reset or the observation alone"
+    _compare(trial, "repeatable", trial.whole, again, why)
+
+
+def check_reset(trial: PolicyTrial) -> None:
+    """After `reset` nothing is left of the episodes before."""
+    policy = trial.fresh()
+    trial.played(policy, [trial.episodes + 1])
+    again = trial.played(policy, range(trial.episodes))
+    why = "fresh and after other episodes; let reset forget everything"
+    _compare(trial, "reset", trial.whole, again, why)
+
+
+def check_rows(trial: PolicyTrial) -> None:
+    """A row's answer depends on that row alone: whatever the batch, its size and its order."""
+    why = "in a batch and in another; read no row but its own"
+    _check_parts(trial, "rows", trial.whole, trial.episodes, why)
+
+
+def check_second_holder(trial: PolicyTrial) -> None:
+    """Where two holders of knowledge share an episode and its key, each is answered for itself."""
+    if isinstance(trial.fresh(), Bound):
+        return  # a bound is shown the truth, once for each episode
+    frames = trial.played(trial.fresh(), range(trial.episodes), HOLDERS)
+    why = (
+        "beside the other holder of its episode and without; keep what you remember by row, not by "
+        "key or episode"
+    )
+    _check_parts(trial, "second_holder", frames, trial.episodes * HOLDERS, why)
+
+
+def _check_parts(trial: PolicyTrial, check: str, frames: list[Frame], size: int, why: str) -> None:
+    """Show some rows of what was shown to another fresh policy: it must answer alike."""
+    everyone = np.arange(size)
+    for rows in (everyone[::-1], everyone[:1], everyone[-1:], everyone[1::2]):
+        if not rows.size:
+            continue
+        policy = trial.fresh()
+        policy.reset(trial.setup.task, frames[0].observation.keys[rows])
+        shown, answered = [frame.of(rows) for frame in frames], []
+        for frame in shown:
+            if frame.truth is not None and isinstance(policy, Bound):
+                policy.reveal(frame.truth)
+            answered.append(frame._replace(answer=np.array(policy.act(frame.observation))))
+        _compare(trial, check, shown, answered, why)
+
+
+def check_worker(trial: PolicyTrial) -> None:
+    """Another process finds it by its name, and gets the same answers."""
+    text, place = trial.name, None
+    made = policy_class(trial.policy) if isinstance(trial.policy, str) else trial.policy
+    if not is_ours(made):
+        try:
+            place = POLICIES.place(trial.name, made)
+        except UserError as error:
+            raise trial.error("worker", f"cannot be sent to a worker process: {error}") from error
+    if not isinstance(trial.policy, str):
+        text = f"{made.__module__}:{trial.name}"
+    told = (trial.scenario, trial.overrides, trial.episodes, trial.seed)
+    (found,) = joblib.Parallel(n_jobs=2)([joblib.delayed(_answers)(text, place, *told)])
+    for step, (frame, there) in enumerate(zip(trial.whole, found, strict=True), start=1):
+        active = frame.observation.active
+        difference = first_difference(frame.answer[active], there[active])
+        if difference:
+            raise trial.error(
+                "worker",
+                f"gave {difference} (row, agent, move) at step {step} here and in a worker "
+                "process; let nothing depend on the process",
+            )
+
+
+def _answers(
+    text: str,
+    place: Place | None,
+    scenario: str,
+    overrides: tuple[str, ...],
+    episodes: int,
+    seed: int,
+) -> list[Preferences]:
+    """Answers of a policy in this process."""
+    if place is not None:
+        adopt_policy(text, place)
+    trial = PolicyTrial(text, scenario, overrides, episodes, seed)
+    return [frame.answer for frame in trial.whole]
+
+
+POLICY_CHECKS = (
+    check_shape,
+    check_values,
+    check_observation_is_only_read,
+    check_task_is_only_read,
+    check_repeatable,
+    check_reset,
+    check_rows,
+    check_second_holder,
+    check_worker,
+)
+
+
+def check_policy(
+    policy: str | Callable[..., Policy],
+    scenario: str = "comb-port",
+    overrides: Iterable[str] = ("horizon=8",),
+    episodes: int = 3,
+    seed: int = 0,
+) -> None:
+    """All checks of a policy.
+
+    Parameters
+    ----------
+    policy : reference, such as `my_policies:North(heading=2)`, or a class
+    scenario : name of a preset or path of a TOML file
+    overrides : KEY=VALUE of the scenario, as `--set`
+    episodes, seed : how many are played side by side, and of which seed
+
+    Raises
+    ------
+    ConformanceError
+        Of the first check that fails.
+    UserError
+        If there is no such policy or scenario.
+    """
+    trial = PolicyTrial(policy, scenario, tuple(overrides), episodes, seed)
+    trial.fresh(), trial.setup  # what is not there says so itself
+    run_checks(POLICY_CHECKS, trial)

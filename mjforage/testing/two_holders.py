@@ -1,0 +1,37 @@
+"""Two holders of knowledge in an episode: the fewest that tell rows from episodes."""
+
+from collections.abc import Set
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.knowledge import Knowledge, Looks, hear
+from graph_planner.task import Task
+
+HOLDERS = 2
+
+
+class TwoHolders:
+    """Agents of even and of odd number hear only one another, and act by what they heard."""
+
+    uses: Set[str] = frozenset()
+    holders = HOLDERS
+
+    def reset(self, task: Task, looks: Looks, pooled: Knowledge) -> None:
+        """Start a batch of episodes with the looks of step 0."""
+        self._task = task
+        self.holder_of = np.arange(len(task.fleet), dtype=np.int64) % HOLDERS
+        self.knowledge = Knowledge.of_starts(looks, len(task.graph), HOLDERS)
+        self.tell(looks, pooled)
+
+    def tell(self, looks: Looks, pooled: Knowledge) -> None:
+        """Take in the looks of a step."""
+        own = self.holder_of == np.arange(HOLDERS)[:, None]
+        heard = np.tile(own, (looks.step.size, 1))
+        hear(looks, heard, self._task.views, self._task.radius_number, self.knowledge)
+
+    def adopt(self, rows: NDArray[np.int64], other: Self, pooled: Knowledge) -> None:
+        """Replace episodes (row,) of the batch by those of another."""
+        own = (rows[:, None] * HOLDERS + np.arange(HOLDERS)).reshape(-1)
+        self.knowledge = self.knowledge.with_rows(own, other.knowledge)

@@ -1,0 +1,13 @@
+"""One HTML page with everything inside it: what reports, studies and validation are set with."""
+
+from mjforage.view.page.html import Shown, embedded, set_page
+from mjforage.view.page.table import Row, Table, groups
+
+__all__ = [
+    "Row",
+    "Shown",
+    "Table",
+    "embedded",
+    "groups",
+    "set_page",
+]

@@ -1,0 +1,98 @@
+"""Sets a page: head, sections, tables and figures as HTML, nothing fetched from outside."""
+
+import base64
+import re
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from markupsafe import Markup, escape
+
+from mjforage.view.page.picture import Picture, save_figure
+from mjforage.view.page.table import groups
+
+_SUBSCRIPT = re.compile(r"(?<![\w.:])([A-Z][A-Za-z]*)_([A-Za-z0-9]+)\b")  # of labels of metrics
+_CODE = re.compile(r"`([^`]+)`")
+_FOLDERS = ("page", "report", "validation")  # of templates
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A figure as the template sets it."""
+
+    name: str
+    title: str
+    caption: str
+    source: str  # data URI
+    wide: bool
+    width_px: int  # CSS pixels at natural size
+    height_px: int
+
+
+def embedded(picture: Picture, folder: Path) -> Shown:
+    """Save a figure in `figures` of a folder, and embed it: curves as SVG, maps as smaller PNG.
+
+    Raises
+    ------
+    UserError
+        If a file cannot be written.
+    """
+    png, svg = save_figure(folder / "figures", picture)
+    kind, content = ("png", png) if picture.wide else ("svg+xml", svg)
+    source = f"data:image/{kind};base64," + base64.b64encode(content).decode("ascii")
+    width, height = (round(96 * size) for size in picture.figure.get_size_inches())
+    return Shown(picture.name, picture.title, picture.caption, source, picture.wide, width, height)
+
+
+def set_page(name: str, version: str, content: dict[str, Any]) -> str:
+    """The page as HTML.
+
+    Parameters
+    ----------
+    name : template that fills the blocks of `page.html.j2`
+    version : of the mjforage that made the numbers
+    content : what that template reads
+    """
+    stylesheet = Markup(_template("page.css"))
+    return environment().get_template(name).render(content, version=version, stylesheet=stylesheet)
+
+
+def environment() -> jinja2.Environment:
+    """The templates with the filters that they use."""
+    templates = jinja2.Environment(
+        loader=jinja2.FunctionLoader(_template),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    filters = {"rich_text": rich_text, "interval_text": interval_text, "groups": groups}
+    templates.filters.update(filters)
+    return templates
+
+
+def _template(name: str) -> str | None:
+    """Text of a template or style sheet, from whichever folder has it."""
+    for folder in _FOLDERS:
+        file = resources.files("mjforage.view").joinpath(folder, *name.split("/"))
+        if file.is_file():
+            return file.read_text(encoding="utf-8")
+    return None
+
+
+def rich_text(text: str) -> Markup:
+    """Escape, then set subscripts of metric names and code between backticks."""
+    safe = str(escape(text))
+    safe = _SUBSCRIPT.sub(r"\1<sub>\2</sub>", safe)
+    return Markup(_CODE.sub(r"<code>\1</code>", safe))
+
+
+def interval_text(text: str) -> Markup:
+    """Escape, and set what follows ± or an opening parenthesis smaller."""
+    for sign in (" ± ", " ("):
+        mean, found, rest = text.partition(sign)
+        if found:
+            return Markup("{}<small>{}{}</small>").format(mean, sign, rest)
+    return escape(text)

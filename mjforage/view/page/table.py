@@ -1,0 +1,41 @@
+"""A table as plain text cells."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row: its head, its cells, and what sets it apart."""
+
+    head: str
+    cells: tuple[str, ...]
+    colour: str = ""  # chip before the head, "#rrggbb"
+    paper: bool = False  # published figures, not ours
+    best: frozenset[int] = frozenset()  # cells with the best mean of their column
+    group: str = ""  # heading above this row, where it differs from the row before
+    note: str = ""  # small print beside the group
+
+
+@dataclass(frozen=True)
+class Table:
+    """A titled table. Column labels may carry a subscript after an underscore."""
+
+    name: str
+    title: str
+    columns: tuple[str, ...]  # without the head column
+    rows: tuple[Row, ...]
+    notes: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()  # below the labels
+    stacked: bool = False  # intervals stand below their numbers, for wide tables
+
+
+def groups(rows: Sequence[Row]) -> list[tuple[Row, list[Row]]]:
+    """Consecutive rows of one group, each with its first row."""
+    result: list[tuple[Row, list[Row]]] = []
+    for row in rows:
+        if result and result[-1][0].group == row.group:
+            result[-1][1].append(row)
+        else:
+            result.append((row, [row]))
+    return result

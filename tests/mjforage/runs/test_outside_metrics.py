@@ -1,0 +1,154 @@
+"""Metrics of a user's own folder: taken, shown, carried to other processes, part of the run."""
+
+import json
+import math
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import polars as pl
+import pytest
+
+from mjforage.core.errors import UserError
+from mjforage.core.mission_metrics import METRICS, chosen_metrics
+from mjforage.core.mission_metrics.metric import Metric
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
+from mjforage.runs import variants
+from mjforage.runs.evaluate import evaluate
+from mjforage.runs.identity import _code_of
+from mjforage.runs.storage import RunFolder
+from mjforage.runs.study import Study, run_study
+from mjforage.runs.workers import Workers
+from mjforage.view.report.text_tables import number
+
+SOURCE = '''from mjforage.core.mission_metrics import Batch, Metric
+
+
+class Waste(Metric):
+    """Items that are left at the end. They drift on."""
+
+    key, label, unit, better, digits, top = "left", "Left_T", "item", -1, 1, 0
+
+    def course(self, batch):
+        removed = batch.events.collected_at
+        steps = range(batch.horizon + 1)
+        import numpy as np
+        gone = np.stack([((removed >= 0) & (removed <= t)).sum(axis=1) for t in steps], axis=1)
+        return batch.log.n_items[:, None] - gone
+'''
+OWN = "own_waste:Waste"
+
+
+def forget() -> None:
+    for name in [name for name in sys.modules if name.startswith("own_")]:
+        del sys.modules[name]
+    _code_of.cache_clear()
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    (tmp_path / "own_waste.py").write_text(SOURCE)
+    monkeypatch.chdir(tmp_path)
+    path = list(sys.path)
+    yield tmp_path
+    sys.path[:] = path
+    forget()
+
+
+def setup() -> Setup:
+    return Setup.of(load_scenario("comb-port", ["horizon=6"]))
+
+
+def played(name: str, *metrics: str, jobs: int = 1, **options: Any) -> Path:
+    workers = options.pop("workers", Workers(jobs))
+    more: dict[str, Any] = {"episodes": 2, "metrics": metrics} | options
+    evaluate(setup(), ["greedy"], Path(name), workers=workers, **more)
+    return Path(name)
+
+
+@pytest.mark.parametrize("workers", [Workers(jobs=2), Workers(local_cluster=1)])
+def test_other_processes_take_it_to_the_same_bits(folder: Path, workers: Workers) -> None:
+    if workers.remote:
+        pytest.importorskip("distributed")
+    one = played("one", OWN, episodes=30)
+    two = played("two", OWN, episodes=30, workers=workers)
+    for name in ("episodes", "steps"):
+        assert RunFolder(one).table(name).equals(RunFolder(two).table(name))
+    left = RunFolder(two).table("episodes").select("left", "items", "pta_c")
+    gone = pl.col("items") - pl.col("pta_c") / 100 * pl.col("items")
+    assert left.select(((pl.col("left") - gone).abs() < 1e-6).all()).item()
+    assert not METRICS.has("left") and "left" not in {one.key for one in chosen_metrics()}
+
+
+def test_commands_take_it_and_the_report_shows_it(
+    folder: Path, command: Callable[..., Any], refused: Callable[..., str]
+) -> None:
+    base = ("--policy", "greedy", "--episodes", 2, "--set", "horizon=6", "--metric", OWN)
+    assert command("evaluate", "comb-port", *base, "--out", "run").code == 0
+    summary = json.loads((folder / "run" / "summary.json").read_text())
+    assert summary["graph"]["greedy"]["left"]["n"] == 2
+    (told,) = [
+        m
+        for m in json.loads((folder / "run" / "run.json").read_text())["metrics"]
+        if m["key"] == "left"
+    ]
+    assert (told["unit"], told["better"]) == ("item", -1)
+    page = (folder / "run" / "report.html").read_text()
+    assert "Items that are left at the end" in page and "Left<sub>T</sub>" in page
+    forget()
+    (folder / "own_waste.py").rename(folder / "gone.txt")
+    assert command("report", "run").code == 0  # by what the run says of it
+    assert "Items that are left at the end" in (folder / "run" / "report.html").read_text()
+    words = refused("evaluate", "comb-port", *base, "--out", "run")
+    assert "metric own_waste:Waste: no module own_waste is installed or in" in words
+
+
+def test_a_run_without_it_shows_a_dash(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, command: Callable[..., Any]
+) -> None:
+    run = played("run")
+    assert command("report", run).code == 0
+    made = METRICS.find(OWN)
+    monkeypatch.setitem(METRICS._registered, "left", made)
+    assert command("report", run).code == 0
+    page = (run / "report.html").read_text()
+    row = page[page.index("Left<sub>T</sub>") :].split("</tr>", 2)[1]
+    assert row.count(f">{number(math.nan, 3)}<") >= 3, row
+
+
+def test_its_source_is_part_of_the_run(folder: Path) -> None:
+    run = played("run", OWN)
+    assert "own_waste.py" in json.loads((run / "run.json").read_text())["code"]
+    forget()
+    (folder / "own_waste.py").write_text(SOURCE + "\n# edited\n")
+    with pytest.raises(UserError, match=r"another run: own_waste.py differs; give --accept-code"):
+        played("run", OWN)
+    with pytest.raises(UserError, match=r"another run: own_waste.py is gone; give --accept-code"):
+        played("run")
+
+
+def test_a_study_takes_it(folder: Path, command: Callable[..., Any]) -> None:
+    varied = variants.ablation(setup().scenario, ["greedy"])
+    found = run_study(
+        Study("ablation", setup(), varied, episodes=1, metrics=(OWN,)), folder / "study"
+    )
+    assert found["complete"]["graph"]["greedy"]["left"]["n"] == 1
+    assert command("report", folder / "study").code == 0
+
+
+def test_one_of_the_script_itself_needs_one_process(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Local(Metric):
+        key, label = "local", "Local"
+
+        def value(self, batch: Any) -> Any:
+            return batch.log.n_items
+
+    monkeypatch.setitem(METRICS._registered, "local", Local)
+    assert "local" in RunFolder(played("run")).table("episodes").columns
+    with pytest.raises(UserError, match=r"metric local: .*Local is defined in the script itself"):
+        played("other", jobs=2)
+    assert not (folder / "other").exists()

@@ -1,0 +1,137 @@
+"""Our metrics, terms and encoders pass; each check rejects a bad one."""
+
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from graph_planner.encodings import ENCODERS
+from mjforage.core.mission_metrics import METRICS
+from mjforage.learning.environments.rewards import REWARDS
+from mjforage.testing import ConformanceError, check_metric, check_observation, check_reward
+from mjforage.testing.part_checks import METRIC_CHECKS, OBSERVATION_CHECKS, REWARD_CHECKS
+
+SHORT = ("horizon=5",)
+SOURCE = '''import numpy as np
+from mjforage.core.mission_metrics import Metric
+
+
+class Count(Metric):
+    """Items of an episode."""
+
+    key, label = "count", "Count"
+
+    def value(self, batch):
+        return batch.log.n_items.astype(float)
+
+
+class Wordless(Metric):
+    key, label = "wordless", "Wordless"
+    value = Count.value
+
+
+class Ranked(Metric):
+    """Place in the batch."""
+
+    key, label = "ranked", "Ranked"
+
+    def value(self, batch):
+        return np.arange(batch.log.n_items.size) / 2
+
+
+class East:
+    def __call__(self, step):
+        return step.task.graph.cols[step.mission.state.agent_node].astype(float)
+
+
+class Writing(East):
+    def __call__(self, step):
+        step.mission.knowledge.belief[:, 0] += 1
+        return super().__call__(step)
+
+
+class Best(East):
+    def __call__(self, step):
+        found = super().__call__(step)
+        return found - found.mean()
+
+
+class Steps:
+    def __init__(self, task):
+        self.task, self.shapes = task, {"steps": (2,)}
+
+    def reset(self, episodes):
+        self.out = np.zeros((episodes, len(self.task.fleet), 2), np.uint8)
+
+    def see(self, seen, rows):
+        self.out[rows] = seen.step[rows][:, None, None]
+        return {"steps": self.out}
+
+
+class Values(Steps):
+    def see(self, seen, rows):
+        return {"steps": super().see(seen, rows)["steps"] / np.float32(255)}
+
+
+class Looks(Steps):
+    def see(self, seen, rows):
+        self.out[rows] += 1
+        return {"steps": self.out}
+
+
+class Crowd(Steps):
+    def see(self, seen, rows):
+        self.out[rows] = np.uint8(seen.agent_node[rows].sum() % 251)
+        return {"steps": self.out}
+'''
+Check = Callable[..., None]
+BAD: list[tuple[Check, str, str, str]] = [
+    (check_metric, "Wordless", "metric_is_described", "has no docstring; say in its first"),
+    (check_metric, "Ranked", "metric_alone", "alone: .*let an episode depend on nothing but"),
+    (check_reward, "Writing", "reward_only_reads", "changed belief; copy what you change"),
+    (check_reward, "Best", "reward_alone", "let an episode depend on nothing but itself"),
+    (check_observation, "Values", "observation_shapes", "gave {'steps': 'float32 .*give {'steps'"),
+    (check_observation, "Looks", "observation_twice", "gave steps 1 and 2 .*for one step; rememb"),
+    (check_observation, "Crowd", "observation_alone", "for one episode in two batches"),
+]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    (tmp_path / "own_parts.py").write_text(SOURCE)
+    monkeypatch.chdir(tmp_path)
+    path = list(sys.path)
+    yield
+    sys.path[:] = path
+    sys.modules.pop("own_parts", None)
+
+
+@pytest.mark.parametrize(("check", "name", "which", "words"), BAD)
+def test_a_bad_one_is_rejected_by_its_check(
+    check: Check, name: str, which: str, words: str
+) -> None:
+    with pytest.raises(ConformanceError, match=words) as caught:
+        check(f"own_parts:{name}", overrides=SHORT)
+    assert caught.value.check == which
+
+
+def test_every_check_has_a_bad_one() -> None:
+    checks = (*METRIC_CHECKS, *REWARD_CHECKS, *OBSERVATION_CHECKS)
+    assert {check.__name__.removeprefix("check_") for check in checks} == {b[2] for b in BAD}
+
+
+def test_good_ones_pass() -> None:
+    check_metric("own_parts:Count", overrides=SHORT)
+    check_reward("own_parts:East", overrides=SHORT)
+    check_observation("own_parts:Steps", overrides=SHORT)
+
+
+@pytest.mark.parametrize(
+    ("check", "name"),
+    [(check_metric, name) for name in METRICS.names()]
+    + [(check_reward, name) for name in REWARDS.names()]
+    + [(check_observation, name) for name in ENCODERS.names()],
+)
+def test_ours_pass(check: Check, name: str) -> None:
+    check(name, overrides=SHORT)

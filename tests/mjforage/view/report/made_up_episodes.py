@@ -1,0 +1,263 @@
+"""Episodes made up by chance: their rows in the tables and their replay."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.core.mission_metrics import chosen_metrics
+from mjforage.runs.episode_replay import Replay
+
+FLOATS = tuple(one.key for one in chosen_metrics())
+COURSES = tuple(one.course_name() for one in chosen_metrics() if one.has_course())
+OTHER = 0.5  # of a metric that this file does not know
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to make up."""
+
+    policies: tuple[str, ...] = ("greedy", "levy")
+    worlds: tuple[str, ...] = ("graph",)
+    episodes: int = 3
+    horizon: int = 12
+    scouts: int = 2
+    foragers: int = 2
+    name: str = "comb-port"
+    shape: tuple[int, int] = (13, 10)
+    items: int = 12
+    replays: tuple[str, ...] | None = None  # policies with a replay file; None: all
+
+
+def port(shape: tuple[int, int]) -> NDArray[np.bool_]:
+    """Basins between fingers: land ring, and every fourth row a quay from the right."""
+    mask = np.zeros(shape, dtype=bool)
+    mask[1:-1, 1:-1] = True
+    for row in range(4, shape[0] - 3, 4):
+        mask[row, max(3, shape[1] // 3) : -1] = False
+    return mask
+
+
+def _walk(
+    rng: np.random.Generator, mask: NDArray[np.bool_], steps: int, stride: int
+) -> NDArray[np.int64]:
+    spots = np.argwhere(mask)
+    path = [spots[rng.integers(min(8, len(spots)))]]
+    move = rng.integers(-1, 2, 2)
+    for _ in range(steps):
+        here = path[-1]
+        for _ in range(12):
+            target = here + stride * move
+            inside = (target >= 0).all() and (target < mask.shape).all()
+            if inside and mask[tuple(target)] and rng.random() < 0.85:
+                here = target
+                break
+            move = rng.integers(-1, 2, 2)
+        path.append(here)
+    return np.array(path)
+
+
+@dataclass
+class Episode:
+    tables: dict[str, list[dict[str, Any]]]
+    replay: Replay
+
+
+def made_up_episode(plan: Plan, world: str, policy: str, episode: int, skill: float) -> Episode:
+    rng = np.random.default_rng([episode, plan.policies.index(policy), plan.worlds.index(world)])
+    count, horizon, agents = plan.items, plan.horizon, plan.scouts + plan.foragers
+    mask, times = port(plan.shape), np.arange(horizon + 1)
+    key = {"world": world, "policy": policy, "episode": episode}
+    spots = np.argwhere(mask)
+    centre = spots[np.random.default_rng(episode).integers(len(spots))]
+    near = spots[np.argsort(((spots - centre) ** 2).sum(1))[: max(9, len(spots) // 9)]]
+    start = near[rng.integers(len(near), size=count)] + rng.uniform(-0.4, 0.4, (count, 2))
+    found = np.floor(rng.gamma(2.0, 0.14 * horizon / skill, count))
+    served = found + np.floor(rng.gamma(1.5, 0.1 * horizon / skill, count)) + 1
+    if agents == 0 or plan.foragers == 0:
+        served[:] = np.inf
+    if agents == 0:
+        found[:] = np.inf
+    unlucky = episode == plan.episodes - 1 and policy == plan.policies[-1]
+    if unlucky:
+        served[:] = np.inf
+    served[served > horizon] = np.inf
+    found[found > horizon] = np.inf
+    length = int(served.max()) if np.isfinite(served).all() else horizon
+    finder = rng.integers(0, max(1, agents), count)
+    by_scout = (finder < plan.scouts) & np.isfinite(found)
+    server = plan.scouts + rng.integers(0, max(1, plan.foragers), count)
+    gone = served[None, :] <= times[:, None]
+    seen = found[None, :] <= times[:, None]
+    nothing = math.nan
+
+    def ratio(step: int) -> float:
+        removed = int(gone[step].sum())
+        return float((gone[step] & by_scout).sum()) / removed if removed else nothing
+
+    def gini(step: int) -> float:
+        load = [int((gone[step] & (server == plan.scouts + f)).sum()) for f in range(plan.foragers)]
+        if not sum(load):
+            return nothing
+        pairs = sum(abs(a - b) for a in load for b in load)
+        return pairs / (2 * len(load) * sum(load))
+
+    pta_d, pta_c = 100 * seen.mean(1), 100 * gone.mean(1)
+    idle = 0.35 + 0.65 * np.exp(-times * skill * 5 / horizon) + rng.normal(0, 0.01, len(times))
+    rmse = 0.06 * (1.02 - pta_d / 100) * rng.uniform(0.8, 1.2)
+    scouts_off = nothing if plan.scouts == 0 else 1.0
+    foragers_off = nothing if plan.foragers == 0 else 1.0
+    overlap = 0.08 / skill + 0.7 * np.exp(-times * 12 / horizon)
+    series: dict[str, NDArray[np.float64]] = {
+        "pta_d": pta_d,
+        "pta_c": pta_c,
+        "rmse": rmse,
+        "rmse_columns": rmse / 3.8,
+        "mi": idle,
+        "irr": np.append(nothing, -np.diff(idle)),
+        "csr": np.array([ratio(t) for t in range(horizon + 1)]),
+        "gini_foragers": np.array([gini(t) for t in range(horizon + 1)]),
+        "gini_scouts": np.full(len(times), 0.2 * scouts_off),
+        "co_scouts": scouts_off * overlap,
+        "co_foragers": foragers_off * overlap / 2,
+    }
+    other = np.full(len(times), OTHER)
+    steps = [
+        {**key, "step": t, **{n: float(series.get(n, other)[t]) for n in COURSES}} for t in times
+    ]
+
+    def reach(level: float) -> float:
+        hits = np.flatnonzero(pta_c >= level)
+        return float(hits[0]) / horizon if len(hits) else 1.0
+
+    served_by_scout = by_scout & np.isfinite(served)
+    dsl = (
+        (served[served_by_scout] - found[served_by_scout]).mean() / horizon
+        if served_by_scout.any()
+        else nothing
+    )
+    rises = [int(np.argmax(np.diff(curve))) for curve in (pta_d, pta_c)]
+    removed, discovered = float(gone[-1].sum()), float(seen[-1].sum())
+    scalars = {
+        "pta_d": pta_d[-1],
+        "pta_c": pta_c[-1],
+        "rmse": rmse[-1],
+        "rmse_columns": rmse[-1] / 3.8,
+        "nt50": reach(50),
+        "nt90": reach(90),
+        "throughput": removed / (plan.foragers * horizon) if plan.foragers else nothing,
+        "throughput_scouts": discovered / (plan.scouts * horizon) if plan.scouts else nothing,
+        "mi_final": idle[-1],
+        "mi_mean": idle.mean(),
+        "irr_mean": (idle[0] - idle[-1]) / horizon,
+        "dsl": dsl,
+        "itl": abs(rises[0] - rises[1]) / horizon,
+        "itl_level": abs(int(np.argmax(pta_d)) - int(np.argmax(pta_c))) / horizon,
+        "csr": ratio(-1),
+        "gini_foragers": gini(-1),
+        "gini_scouts": series["gini_scouts"][-1],
+        "co_scouts": series["co_scouts"].mean(),
+        "co_foragers": series["co_foragers"].mean(),
+        "length": float(length),
+        "cleared": float(bool(gone[-1].all())),
+    }
+    items = [
+        {
+            **key,
+            "item": k,
+            "row_start": float(start[k, 0]),
+            "col_start": float(start[k, 1]),
+            "t_discovered": int(found[k]) if np.isfinite(found[k]) else None,
+            "discovered_by": int(finder[k]) if np.isfinite(found[k]) else None,
+            "t_collected": int(served[k]) if np.isfinite(served[k]) else None,
+            "collected_by": int(server[k]) if np.isfinite(served[k]) else None,
+        }
+        for k in range(count)
+    ]
+    tracks = [_walk(rng, mask, length, 1 + (a < plan.scouts)) for a in range(agents)]
+    poses = [
+        {
+            **key,
+            "step": t,
+            "agent": a,
+            "node": 0,
+            "x_m": 4.0 * float(track[t, 1]),
+            "y_m": 4.0 * (mask.shape[0] - 1 - float(track[t, 0])),
+            "direction": 0 if t else None,
+            "outcome": "arrived" if t else "start",
+            "speed_mps": 0.4 * min(t, 1),
+            "collisions": 0,
+            "impact_mps": 0.0,
+            "work_j": 100.0 * t,
+        }
+        for a, track in enumerate(tracks)
+        for t in range(length + 1)
+    ]
+    tables = {
+        "episodes": [{**key, "items": count, **{n: float(scalars.get(n, OTHER)) for n in FLOATS}}],
+        "steps": steps,
+        "items": items,
+        "agents": poses,
+    }
+    return Episode(
+        tables, _replay(plan, world, policy, episode, mask, tracks, start, gone, seen, length)
+    )
+
+
+def _replay(
+    plan: Plan,
+    world: str,
+    policy: str,
+    episode: int,
+    mask: NDArray[np.bool_],
+    tracks: list[NDArray[np.int64]],
+    start: NDArray[np.float64],
+    gone: NDArray[np.bool_],
+    seen: NDArray[np.bool_],
+    length: int,
+) -> Replay:
+    agents, shape = plan.scouts + plan.foragers, mask.shape
+    places = np.stack(tracks, 1) if tracks else np.zeros((length + 1, 0, 2))
+    rows, cols = np.indices(shape)
+    view = np.zeros((length + 1, *shape), np.uint8)
+    belief = np.zeros((length + 1, *shape), np.int16)
+    nodes = np.rint(start).astype(int)
+    for t in range(length + 1):
+        for a in range(agents):
+            reach, bit = (4.0, 1) if a < plan.scouts else (1.0, 2)
+            row, col = places[t, a]
+            view[t] |= np.where(np.hypot(rows - row, cols - col) <= reach, bit, 0).astype(np.uint8)
+        view[t] *= mask
+        known = nodes[seen[t] & ~gone[t]]
+        np.add.at(belief[t], (known[:, 0], known[:, 1]), 1)
+    idle = np.where(mask, 0.5, 0.0).astype(np.float16)
+    return Replay(
+        navigable=mask,
+        pitch_m=4.0,
+        horizon=plan.horizon,
+        period_s=10.0,
+        team_names=("scouts", "foragers"),
+        agent_team=np.array([int(a >= plan.scouts) for a in range(agents)], dtype=np.int64),
+        agent_collects=np.array([a >= plan.scouts for a in range(agents)], dtype=bool),
+        agent_rc=places.astype(np.float32),
+        item_rc=np.repeat(start[None].astype(np.float32), length + 1, 0),
+        item_present=~gone[: length + 1],
+        belief=belief,
+        idleness=np.repeat(idle[None], length + 1, 0),
+        in_view=view,
+        vessels=("scout",) * plan.scouts + ("forager",) * plan.foragers,
+        item_class=np.zeros(len(start), np.int16),
+        frame_s=10.0,
+        track_pose=np.zeros((length + 1, agents, 3), np.float32),
+        track_items=np.zeros((length + 1, len(start), 2), np.float32),
+        track_present=~gone[: length + 1],
+        track_wind=np.zeros((length + 1, 2), np.float32),
+        world=world,
+        policy=policy,
+        episode=episode,
+        t_discovered=np.where(
+            (seen | gone)[: length + 1].any(axis=0), (seen | gone)[: length + 1].argmax(axis=0), -1
+        ).astype(np.int16),
+    )
