@@ -61,6 +61,7 @@ def _walk(
                     heading[e, a] = legal[int(draw * n_legal)]
                 elif back != NO_HEADING:
                     heading[e, a] = back
+            if left[e, a] <= 0:
                 left[e, a] = cap
                 if cap < NO_LIMIT:
                     left[e, a] = levy_length(key, _DRAWS * a + 1, step[e], cap)

@@ -23,7 +23,7 @@ app.command(study)
 
 Names = Annotated[tuple[str, ...], Parameter(negative="")]
 Policies = Annotated[tuple[str, ...], Parameter(name="--policy", negative="")]
-PAPER = ("ddqn", "greedy", "levy")
+PAPER = ("ddqn", "greedy", "levy", "wanderer")
 
 
 @dataclass(frozen=True)

@@ -194,6 +194,26 @@ def test_levy_walks_turn_in_open_water_too() -> None:
     assert all((a != (b + 4) % 8).all() for b, a in itertools.pairwise(headings))
 
 
+def test_an_obstacle_turns_a_levy_walk_and_leaves_its_length() -> None:
+    graph = navigation_graph(np.ones((9, 12), np.bool_), 1.0, False)
+    steps, episodes, cap = 60, 40, 9
+    headings, nodes = walk("levy", graph, steps, episodes)
+    keys = observation_of(task_of(graph, scouts=SCOUT), [(0, 0)], episodes=episodes).keys
+    free_turns = blocked_turns = 0
+    for e in range(episodes):
+        key, draws, step = np.uint64(stream_key(keys[e], Stream.POLICY)), set(), 1
+        while step <= steps:  # a length is used up before the next one is drawn
+            draws.add(step)
+            step += levy_length(key, 1, step, cap)
+        for step in range(2, steps + 1):
+            before, after = headings[step - 2][e], headings[step - 1][e]
+            free = graph.neighbours[nodes[step - 2][e], before] >= 0
+            free_turns += int(free and after != before)
+            blocked_turns += int(not free and step not in draws)
+            assert not free or after == before or step in draws
+    assert free_turns > 100 and blocked_turns > 100
+
+
 def test_lanes_run_back_and_forth_over_every_stretch_of_water() -> None:
     graph = navigation_graph(grid(".....", "..#..", "....."), 1.0, False)
     corners = [(int(graph.rows[v]), int(graph.cols[v])) for v in lane_corners(graph, 1)]

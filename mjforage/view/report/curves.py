@@ -199,11 +199,12 @@ def _paper(logs: RunLogs, curve: Description) -> str:
     ends: dict[str, list[str]] = {}
     for policy in logs.policies:
         known = published_for(logs.run, policy)
+        pooled = known.pooled.mean if known and known.pooled else {}
         for source, values in (
-            (("Paper", known.printed), ("Paper's public code", known.measured)) if known else ()
+            (("Paper", known.printed), ("Paper's public code", pooled)) if known else ()
         ):
-            if curve.course in values:
-                value = number(values[curve.course], curve.digits)
+            if curve.key in values:
+                value = number(values[curve.key], curve.digits)
                 ends.setdefault(source, []).append(f"{value}{_unit(curve)} ({policy})")
     return "".join(f" {source} (its own map): {joined(listed)}." for source, listed in ends.items())
 

@@ -10,14 +10,13 @@ from rich.text import Text
 from mjforage.core.mission_metrics import Description, describe
 from mjforage.view.page import style
 from mjforage.view.page.table import Row, Table
-from mjforage.view.report.published import LABEL, Published, published_for
+from mjforage.view.report.published import LABEL, STRAIGHT, STRAIGHT_NOTE, Published, published_for
 from mjforage.view.report.run_logs import RunLogs, Series, Summaries, Summary, parse_summary
 
 HEADLINE = ("pta_d", "pta_c", "rmse", "nt90", "csr", "gini_foragers", "length")
 TERMINAL = ("pta_d", "pta_c", "rmse", "nt50", "nt90", "throughput", "csr", "length")
 NORMAL_95 = 1.96
 NOTHING = "–"
-MEASURED = "†"
 
 
 def number(value: float, digits: int) -> str:
@@ -79,13 +78,21 @@ def _best(logs: RunLogs, metric: Description) -> set[Series]:
     return winners
 
 
-def _paper_cell(paper: Published, metric: Description, intervals: bool) -> str:
-    if metric.key in paper.measured:
-        return number(paper.measured[metric.key], metric.digits) + MEASURED
-    text = number(paper.printed.get(metric.key, math.nan), metric.digits)
-    if intervals and metric.key in paper.interval:
-        text += f" ± {number(paper.interval[metric.key], metric.digits)}"
-    return text
+def _paper_rows(known: Published, metrics: Sequence[Description], intervals: bool) -> list[Row]:
+    """What the paper prints, and what its public code gives over many seeds."""
+    sources = [(f"{known.algorithm}, {LABEL}", known.printed, known.interval)]
+    if known.pooled:
+        sources.append((known.pooled.what, known.pooled.mean, known.pooled.interval))
+    rows = []
+    for head, mean, half in sources:
+        cells = []
+        for metric in metrics:
+            text = number(mean.get(metric.key, math.nan), metric.digits)
+            if intervals and metric.key in half:
+                text += f" ± {number(half[metric.key], metric.digits)}"
+            cells.append(text)
+        rows.append(Row(head, tuple(cells), paper=True))
+    return rows
 
 
 def _by_policy(logs: RunLogs) -> list[Series]:
@@ -107,7 +114,7 @@ def metric_table(
     metrics = [describe(key) for key in keys]
     looks, several = style.looks(logs.policies), _by_policy(logs)
     winners = [_best(logs, metric) for metric in metrics]
-    rows, marked = [], False
+    rows: list[Row] = []
     for place, series in enumerate(several):
         cells = tuple(cell(entry_of(logs.summary, series, m.key), m.digits) for m in metrics)
         best = frozenset(i for i, winner in enumerate(winners) if series in winner)
@@ -116,18 +123,14 @@ def metric_table(
         last = place + 1 == len(several) or several[place + 1][1] != series[1]
         known = published_for(logs.run, series[1]) if paper and last else None
         if known:
-            cells = tuple(_paper_cell(known, m, cell is plus_minus) for m in metrics)
-            marked = marked or any(MEASURED in text for text in cells)
-            rows.append(Row(f"{known.algorithm}, {LABEL}", cells, paper=True))
-    extra = [
-        f"{MEASURED} not printed in the paper; measured by running its public code, 100 episodes."
-    ]
+            rows += _paper_rows(known, metrics, cell is plus_minus)
+    straight = any(row.paper and row.head.startswith(STRAIGHT) for row in rows)
     return Table(
         name,
         title,
         tuple(metric.label for metric in metrics),
         tuple(rows),
-        (*notes, *(extra if marked else ())),
+        (*notes, *([STRAIGHT_NOTE] if straight else ())),
         tuple(metric.unit for metric in metrics),
     )
 

@@ -12,7 +12,13 @@ from mjforage.view.page.table import Row, Table
 from mjforage.view.report.curves import time_figures
 from mjforage.view.report.distributions import distribution_figures
 from mjforage.view.report.policy_pairs import comparison_table
-from mjforage.view.report.published import LABEL, Published, published_for
+from mjforage.view.report.published import (
+    LABEL,
+    STRAIGHT,
+    STRAIGHT_NOTE,
+    Published,
+    published_for,
+)
 from mjforage.view.report.reality_gap import gap_table, ladder_table
 from mjforage.view.report.studies import ablation, corruption
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
@@ -61,7 +67,8 @@ class Beside:
 
 def _means(logs: StudyLogs, known: Published, policy: str, world: str) -> list[Beside]:
     found = []
-    fleets = {COMPLETE: known.printed | known.measured} | {
+    mean, interval = known.whole_fleet
+    fleets = {COMPLETE: mean} | {
         lesser_name(team): values
         for team, values in known.ablated.items()
         if lesser_name(team) in logs.runs
@@ -70,7 +77,7 @@ def _means(logs: StudyLogs, known: Published, policy: str, world: str) -> list[B
         end = "" if variant == COMPLETE else f", {logs.title(variant)}"
         for key, value in values.items():
             metric, entry = describe(key), logs.entry(Player(variant, world, policy), key)
-            half = known.interval.get(key, 0.0) if variant == COMPLETE else 0.0
+            half = interval.get(key, 0.0) if variant == COMPLETE else 0.0
             ours = (entry.mean, entry.low, entry.high)
             found.append(
                 Beside(f"{metric.label}{end}", value, *ours, half, metric.digits, _same(world))
@@ -110,11 +117,12 @@ def _same(world: str) -> bool:
 
 def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table | None:
     """Every number of the paper beside ours; None where the run is not one to compare with."""
-    rows = []
+    rows, beside = [], []
     for policy in style.ordered(logs.base.policies):
         known = published_for(logs.base, policy)
         if known is None:
             continue
+        beside.append(known)
         for world in logs.worlds:
             group = f"{policy} · {world}, beside the paper's {known.algorithm} (graph)"
             unlike, colour = corruption.unlike_draws(logs), style.policy_colour(policy)
@@ -132,8 +140,9 @@ def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table | None:
         "The paper's numbers are of its own map, ours of the map named above. Interval: bootstrap "
         "95 % over our episodes. Within: whether the paper's number lies in it, widened by the "
         "paper's own ± where it prints one; not asked where the two are unlike, with hulls or with "
-        "another rule of corruption. RMSE without a subscript is not "
-        "printed in the paper but measured by running its public code.",
+        "another rule of corruption. Of the whole fleet of a baseline the numbers are those that "
+        "its public code gives over many seeds (Tables 2 to 4 have what it printed of one).",
+        *([STRAIGHT_NOTE] if STRAIGHT in {known.algorithm for known in beside} else []),
     )
     columns = ("paper", "ours", "95 % interval", "difference", "within")
     return Table("beside", "The paper's numbers beside ours", columns, tuple(rows), notes)

@@ -96,10 +96,30 @@ def test_table_2_shows_the_summary_and_the_paper_beside_it(
     assert rows["Greedy, paper (its own map)"] == [
         "98.85 ± 1.04",
         "98.20 ± 1.15",
-        "0.0063†",
+        "–",
         "0.0017 ± 0.0012",
     ]
-    assert rows["Lévy walks, paper (its own map)"][0] == "82.28 ± 5.93"
+    code = "its public code (its own map), 1,300 episodes"
+    pooled = ["98.56 ± 0.40", "97.20 ± 0.51", "0.0069 ± 0.0014", "0.0018"]
+    assert rows[f"Greedy, {code}"] == pooled
+    straight = "Lévy walks, walked straight"
+    assert rows[f"{straight}, paper (its own map)"][0] == "82.28 ± 5.93"
+    kept = "Lévy walks, its public code with lengths kept (its own map), 600 episodes"
+    assert rows[kept] == ["82.50 ± 2.40", "80.00 ± 2.50", "–", "0.0159"]
+
+
+def test_the_straight_walk_has_the_papers_levy_rows_and_a_note_says_so(
+    make_run: MakeRun, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(published, "comparable", lambda run: True)
+    for policy, said in (("wanderer", True), ("levy", True), ("greedy", False)):
+        page = written(make_run(policies=(policy,)))
+        assert ("never uses them" in page) is said
+    rows = table_rows(written(make_run(policies=("wanderer",))), "table-2")
+    straight = "Lévy walks, walked straight"
+    assert rows[f"{straight}, paper (its own map)"][1] == "80.43 ± 5.98"
+    code = f"{straight}, its public code (its own map), 1,300 episodes"
+    assert rows[code] == ["82.02 ± 1.67", "79.08 ± 1.73", "0.0522", "0.0168"]
 
 
 def test_tables_3_and_4_show_means(make_run: MakeRun, monkeypatch: pytest.MonkeyPatch) -> None:
