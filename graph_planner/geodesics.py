@@ -220,15 +220,14 @@ def distances_to_nearest(
             distance[touched[i]] = FAR
         return
     for a in range(targets.shape[0]):
-        row = table[centres[a]]
-        nearest = np.float32(np.inf)
+        centre, nearest = np.uint64(centres[a]), np.float32(np.inf)  # unsigned: see `hear_some`
         for source in sources:
-            nearest = min(nearest, row[source])
+            nearest = min(nearest, table[centre, np.uint64(source)])
         limit = nearest + np.float32(2.0 * slack + 1e-3)
         for source in sources:
-            if row[source] <= limit:
-                from_source = table[source]
+            if table[centre, np.uint64(source)] <= limit:
                 for move in range(9):
                     target = targets[a, move]
                     if target >= 0:
-                        out[a, move] = min(out[a, move], np.float64(from_source[target]))
+                        there = np.float64(table[np.uint64(source), np.uint64(target)])
+                        out[a, move] = min(out[a, move], there)

@@ -71,6 +71,54 @@ class Knowledge(NamedTuple):
 
 
 @kernel
+def hear_some(
+    looks: Looks,
+    heard: NDArray[np.bool_],
+    views: NodeLists,
+    radius_number: NDArray[np.int64],
+    knowledge: Knowledge,
+    first: int,
+    last: int,
+) -> None:
+    """`hear` in the episodes from the first to before the last."""
+    active, step, at, sighted = looks.active, looks.step, looks.agent_node, looks.sighted
+    energy, room = looks.energy_left, looks.room_left
+    start, nodes = views.start, views.nodes
+    belief, last_seen = knowledge.belief, knowledge.last_seen
+    known, known_at, n_known = knowledge.known, knowledge.known_at, knowledge.n_known
+    agent_node, agent_seen = knowledge.agent_node, knowledge.agent_seen
+    energy_left, room_left = knowledge.energy_left, knowledge.room_left
+    holders = heard.shape[0] // max(1, active.size)
+    for row in range(first * holders, last * holders):
+        e = row // holders
+        if not active[e]:
+            continue
+        now = np.int16(step[e])
+        for agent in range(radius_number.size):
+            if not heard[row, agent]:
+                continue
+            radius, viewer = radius_number[agent], at[e, agent]
+            agent_node[row, agent], agent_seen[row, agent] = viewer, step[e]
+            energy_left[row, agent], room_left[row, agent] = energy[e, agent], room[e, agent]
+            for i in range(start[radius, viewer], start[radius, viewer + 1]):
+                node = np.uint64(nodes[np.uint64(i)])  # unsigned: never counted from the end
+                last_seen[row, node] = now
+                believed, there = belief[row, node], sighted[e, node]
+                if believed == there:
+                    continue
+                belief[row, node] = there
+                if believed == 0:
+                    known[row, n_known[row]] = node
+                    known_at[row, node] = n_known[row]
+                    n_known[row] += 1
+                elif there == 0:
+                    n_known[row] -= 1
+                    last_known = known[row, n_known[row]]
+                    known[row, known_at[row, node]] = last_known
+                    known_at[row, last_known] = known_at[row, node]
+
+
+@kernel
 def hear(
     looks: Looks,
     heard: NDArray[np.bool_],
@@ -86,41 +134,7 @@ def hear(
     views, radius_number : what an agent sees from a node, see `Task`
     knowledge : changed in the rows of active episodes
     """
-    active, step, at, sighted = looks.active, looks.step, looks.agent_node, looks.sighted
-    energy, room = looks.energy_left, looks.room_left
-    start, nodes = views.start, views.nodes
-    belief, last_seen = knowledge.belief, knowledge.last_seen
-    known, known_at, n_known = knowledge.known, knowledge.known_at, knowledge.n_known
-    agent_node, agent_seen = knowledge.agent_node, knowledge.agent_seen
-    energy_left, room_left = knowledge.energy_left, knowledge.room_left
-    holders = heard.shape[0] // max(1, active.size)
-    for row in range(heard.shape[0]):
-        e = row // holders
-        if not active[e]:
-            continue
-        now = np.int16(step[e])
-        for agent in range(radius_number.size):
-            if not heard[row, agent]:
-                continue
-            radius, viewer = radius_number[agent], at[e, agent]
-            agent_node[row, agent], agent_seen[row, agent] = viewer, step[e]
-            energy_left[row, agent], room_left[row, agent] = energy[e, agent], room[e, agent]
-            for i in range(start[radius, viewer], start[radius, viewer + 1]):
-                node = nodes[i]
-                last_seen[row, node] = now
-                believed, there = belief[row, node], sighted[e, node]
-                if believed == there:
-                    continue
-                belief[row, node] = there
-                if believed == 0:
-                    known[row, n_known[row]] = node
-                    known_at[row, node] = n_known[row]
-                    n_known[row] += 1
-                elif there == 0:
-                    n_known[row] -= 1
-                    last = known[row, n_known[row]]
-                    known[row, known_at[row, node]] = last
-                    known_at[row, last] = known_at[row, node]
+    hear_some(looks, heard, views, radius_number, knowledge, 0, looks.active.size)
 
 
 @kernel

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
+from graph_planner.compiled import inlined, kernel, prepared
 from graph_planner.errors import UserError
 from graph_planner.fleet import Fleet
 from graph_planner.geodesics import DIAGONAL, Int32Array
@@ -71,6 +71,9 @@ class Ask(NamedTuple):
     keys: UInt64Array  # (episode,)
 
 
+_ASK_TYPES = ("?", "f8", "i4", "f8", "i2", "i8", "i4", "u8")  # of its fields
+
+
 class Moves(NamedTuple):
     """Resolved decisions of one step."""
 
@@ -78,6 +81,9 @@ class Moves(NamedTuple):
     target: Int32Array  # (episode, agent) node
     steps: NDArray[np.int8]  # (episode, agent) nodes travelled
     blocked: NDArray[np.bool_]  # (episode, agent) no legal move was left
+
+
+_ALL_MOVES = (1 << 9) - 1
 
 
 @kernel
@@ -124,11 +130,35 @@ def free_move(
 
 
 @kernel
+def _targets(
+    neighbours: Int32Array, strides: NDArray[np.int64], stay: bool, shorten: bool
+) -> Int32Array:
+    targets = np.empty((strides.size, neighbours.shape[0], 9), np.int32)
+    nobody = np.empty(0, np.int64)
+    for i in range(strides.size):
+        for node in range(neighbours.shape[0]):
+            for move in range(9):
+                end, _ = free_move(neighbours, nobody, -1, node, move, strides[i], stay, shorten)
+                targets[i, node, move] = end
+    return targets
+
+
+def all_targets(graph: NavigationGraph, strides: NDArray[np.int64], rules: MoveRules) -> Int32Array:
+    """(stride, node, 9) where each move ends with nobody in the way, -1 where it is illegal.
+
+    Parameters
+    ----------
+    strides : (stride,) nodes per decision
+    """
+    return _targets(graph.neighbours, strides, rules.stay, rules.shorten)
+
+
+@kernel
 def _resolve(
-    ask: Ask,
     movers: Movers,
     corruption: Corruption,
     claimed: NDArray[np.int64],
+    ask: Ask,
     first_token: int,
     moves: Moves,
 ) -> None:
@@ -154,7 +184,7 @@ def _resolve(
         token = first_token + e
         key = stream_key(keys[e], Stream.CORRUPTION)
         for agent in order:
-            node = agent_node[e, agent]
+            node, stride, energy = agent_node[e, agent], strides[agent], energy_left[e, agent]
             best, end, length = -1, node, 0
             draw = 1.0
             if epsilon[agent] > 0.0:
@@ -163,9 +193,9 @@ def _resolve(
                 n_legal, n_known, row = 0, 0, e * holders + holder_of[agent]
                 for d in range(9):
                     end, length = free_move(
-                        neighbours, claimed, token, node, d, strides[agent], stay, shorten
+                        neighbours, claimed, token, node, d, stride, stay, shorten
                     )
-                    if end < 0 or move_length(d, length) > energy_left[e, agent]:
+                    if end < 0 or move_length(d, length) > energy:
                         continue
                     if whole_team and collects[agent] and d != STAY and belief[row, end] > 0:
                         legal[n_legal] = legal[n_known]
@@ -177,26 +207,41 @@ def _resolve(
                 if n_legal > 0:
                     choice = uniform(key, n_agents + agent, decision[e])
                     best = legal[int(choice * (n_known if n_known > 0 else n_legal))]
-            else:
-                best_value = -np.inf
-                for d in range(9):
-                    value = preferences[e, agent, d]
-                    if best >= 0 and value <= best_value:
-                        continue
                     end, length = free_move(
-                        neighbours, claimed, token, node, d, strides[agent], stay, shorten
+                        neighbours, claimed, token, node, best, stride, stay, shorten
                     )
-                    if end >= 0 and move_length(d, length) <= energy_left[e, agent]:
-                        best, best_value = d, value
-            end, length = node, 0
-            if best >= 0:
-                end, length = free_move(
-                    neighbours, claimed, token, node, best, strides[agent], stay, shorten
-                )
+            else:
+                refused = 0  # a bit per move that turned out to be illegal
+                while best < 0 and refused < _ALL_MOVES:
+                    # the largest preference that is left, the first of equals, without a branch
+                    wanted, largest = -1, -np.inf
+                    for d in range(9):
+                        value = preferences[e, agent, d]
+                        left = (refused >> d) & 1 == 0
+                        larger = left & ((value > largest) | (wanted < 0))
+                        wanted = d if larger else wanted
+                        largest = value if larger else largest
+                    end, length = free_move(
+                        neighbours, claimed, token, node, wanted, stride, stay, shorten
+                    )
+                    if end >= 0 and move_length(wanted, length) <= energy:
+                        best = wanted
+                    refused |= 1 << wanted
+            if best < 0:
+                end, length = node, 0
             direction[e, agent] = best if best >= 0 else STAY
             target[e, agent], steps[e, agent] = end, length
             blocked[e, agent] = best < 0
             claimed[end] = token
+
+
+@kernel
+def _has_nan(values: NDArray[np.float64]) -> bool:
+    """Whether any of the preferences (row, agent, move) is NaN."""
+    found = 0
+    for value in values.flat:
+        found += value != value
+    return found > 0
 
 
 def check_preferences(
@@ -230,12 +275,13 @@ class Resolver:
     def __init__(
         self, graph: NavigationGraph, fleet: Fleet, rules: MoveRules, corruption: Corruption
     ) -> None:
-        self._movers = Movers(
+        movers = Movers(
             graph.neighbours, fleet.moves, fleet.collects, fleet.order, rules.stay, rules.shorten
         )
-        self._corruption, self._one_holder = corruption, np.zeros(len(fleet), np.int64)
-        self._claimed = np.zeros(len(graph), np.int64)  # node -> token of who took it last
-        self._token = 1
+        claimed = np.zeros(len(graph), np.int64)  # node -> token of who took it last
+        self._resolve = prepared(_resolve, movers, corruption, claimed)
+        self._has_nan = prepared(_has_nan)
+        self._one_holder, self._token = np.zeros(len(fleet), np.int64), 1
 
     def __call__(
         self,
@@ -268,7 +314,8 @@ class Resolver:
             If the preferences have the wrong shape or contain NaN: the policy is at fault.
         """
         check_preferences(preferences, agent_node.shape, "policy")
-        if np.isnan(preferences).any():
+        preferences = np.ascontiguousarray(preferences, np.float64)
+        if self._has_nan(preferences):
             raise UserError(
                 "policy: gives preferences that are NaN; give illegal or unwanted moves -inf"
             )
@@ -280,7 +327,7 @@ class Resolver:
         )
         ask = Ask(
             active=active,
-            preferences=np.ascontiguousarray(preferences, np.float64),
+            preferences=preferences,
             agent_node=agent_node,
             energy_left=energy_left,
             belief=belief,
@@ -288,6 +335,6 @@ class Resolver:
             decision=step,
             keys=keys,
         )
-        _resolve(ask, self._movers, self._corruption, self._claimed, self._token, moves)
+        self._resolve(Ask(*map(np.ascontiguousarray, ask, _ASK_TYPES)), self._token, moves)
         self._token += active.size
         return moves

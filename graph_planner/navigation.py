@@ -112,6 +112,21 @@ class NavigationGraph:
         return Water(np.pad(self.node_of_cell, 1, constant_values=-1), self.rows, self.cols)
 
     @cached_property
+    def corners(self) -> NDArray[np.bool_]:
+        """(node, 4) whether the three other cells around a corner of a node's square are all land:
+        north-west, north-east, south-west, south-east.
+        """
+        land, r, c = self.water.framed < 0, self.rows + 1, self.cols + 1
+        return np.stack(
+            [
+                land[r + down, c] & land[r, c + right] & land[r + down, c + right]
+                for down in (-1, 1)
+                for right in (-1, 1)
+            ],
+            axis=1,
+        )
+
+    @cached_property
     def neighbours(self) -> Int32Array:
         """(node, 8) neighbour in each compass direction, -1 where there is no edge."""
         return _neighbours(self.node_of_cell, self.rows, self.cols, self.corner_cutting)

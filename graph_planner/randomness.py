@@ -72,9 +72,22 @@ def bits(key: np.uint64, index: int, step: int) -> np.uint64:
 
 
 @kernel
+def fill_bits(key: np.uint64, step: int, out: UInt64Array) -> None:
+    """`bits` of the indices 0, 1, ... (index,) of a step, as fast as the processor has lanes."""
+    for index in range(out.size):
+        out[index] = bits(key, index, step)
+
+
+@kernel
+def to_uniform(random_bits: np.uint64) -> float:
+    """A float64 in [0, 1) from 64 random bits: the upper 53."""
+    return np.float64(random_bits >> _S11) * _TO_UNIT
+
+
+@kernel
 def uniform(key: np.uint64, index: int, step: int) -> float:
     """A float64 in [0, 1) of (stream key, index, step)."""
-    return np.float64(bits(key, index, step) >> _S11) * _TO_UNIT
+    return to_uniform(bits(key, index, step))
 
 
 @kernel

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.fleet import Fleet
 from graph_planner.geodesics import Float32Array, Int32Array
-from graph_planner.moves import MoveRules
+from graph_planner.moves import MoveRules, all_targets
 from graph_planner.navigation import NavigationGraph
 from graph_planner.visibility import NodeLists
 
@@ -27,6 +27,8 @@ class TaskArrays(NamedTuple):
     rows: Int32Array  # (node,)
     cols: Int32Array  # (node,)
     moves: NDArray[np.int64]  # (agent,) nodes per decision
+    stride_number: NDArray[np.int64]  # (agent,) which of `targets` has its nodes per decision
+    targets: Int32Array  # (stride, node, 9) where moves end with nobody in the way, -1: illegal
     collects: NDArray[np.bool_]  # (agent,)
     radius_number: NDArray[np.int64]  # (agent,) which list of `NodeLists`
     stay: bool
@@ -77,12 +79,15 @@ class Task:
     @cached_property
     def arrays(self) -> TaskArrays:
         """The task as kernels read it."""
+        strides, stride_number = np.unique(self.fleet.moves, return_inverse=True)
         return TaskArrays(
             neighbours=self.graph.neighbours,
             distances=self.graph.distances,
             rows=self.graph.rows,
             cols=self.graph.cols,
             moves=self.fleet.moves,
+            stride_number=stride_number.astype(np.int64),
+            targets=all_targets(self.graph, strides, self.rules),
             collects=self.fleet.collects,
             radius_number=self.radius_number,
             stay=self.rules.stay,

@@ -11,13 +11,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
-from graph_planner.geodesics import FAR, Int32Array, Workspace, distances_to_nearest
+from graph_planner.compiled import kernel, prepared
+from graph_planner.geodesics import FAR, Workspace, distances_to_nearest
 from graph_planner.policies.registry import register
-from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
+from graph_planner.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
 from graph_planner.seeking import TIE, longest_move, possible_targets
 from graph_planner.task import Observation, Task, TaskArrays
 from graph_planner.visibility import NodeLists
+
+_FULL_BITS = 40
+_FULL = 1 << _FULL_BITS  # stands for idleness 1 among ages, which never add up to as much
 
 
 class Weights(NamedTuple):
@@ -29,24 +32,22 @@ class Weights(NamedTuple):
 
 
 @kernel
-def _idleness_around(
-    last_seen: NDArray[np.int16], nodes: Int32Array, now: int, forgetting: float
-) -> float:
-    """Sum of idleness over nodes, from last_seen (node,) of one episode."""
-    total = 0.0
-    for node in nodes:
-        total += min(1.0, (now - np.int64(last_seen[node])) * forgetting)
-    return total
+def _saturation(forgetting: float) -> int:
+    """The least age of a node at which its idleness is 1 [step]."""
+    age = int(1.0 / forgetting)
+    while age * forgetting < 1.0:
+        age += 1
+    return age
 
 
 @kernel
 def _rewards(
-    seen: Observation,
+    weights: Weights,
     arrays: TaskArrays,
     discs: NodeLists,
     workspace: Workspace,
-    weights: Weights,
     preferences: NDArray[np.float64],
+    seen: Observation,
 ) -> None:
     """Fill the instant rewards of all moves, -inf where illegal."""
     active, step, keys, agent_node = seen.active, seen.step, seen.keys, seen.agent_node
@@ -56,12 +57,15 @@ def _rewards(
     start, nodes = discs.start, discs.nodes
     per_item, per_idleness, per_distance = weights.item, weights.idleness, weights.distance
     n_agents, slack = agent_node.shape[1], longest_move(arrays.moves)
+    saturated = _saturation(forgetting)
+    draws = np.empty(9 * n_agents, np.uint64)
     targets = np.empty((n_agents, 9), np.int32)
     nearest = np.empty((n_agents, 9))
     for e in range(active.size):
         if not active[e]:
             continue
-        key, items = stream_key(keys[e], Stream.POLICY), known[e, : n_known[e]]
+        items, now = known[e, : n_known[e]], step[e] - 1
+        fill_bits(stream_key(keys[e], Stream.POLICY), step[e], draws)
         possible_targets(arrays, agent_node[e], targets)
         distances_to_nearest(
             neighbours, distances, items, agent_node[e], targets, slack, workspace, nearest
@@ -73,14 +77,18 @@ def _rewards(
                 if target < 0:
                     preferences[e, a, move] = -np.inf
                     continue
-                reward = TIE * uniform(key, 9 * a + move, step[e])
+                reward = TIE * to_uniform(draws[9 * a + move])
                 if nearest[a, move] < FAR:
                     reward -= per_distance * nearest[a, move]
                 if collects[a]:
                     reward += per_item * belief[e, target]
                 else:
-                    around = nodes[start[radius, target] : start[radius, target + 1]]
-                    idle = _idleness_around(last_seen[e], around, step[e] - 1, forgetting)
+                    found = 0  # ages [step], or `_FULL` for idleness 1: no order matters to a sum
+                    for i in range(start[radius, target], start[radius, target + 1]):
+                        around = np.uint64(nodes[np.uint64(i)])  # never counted from the end
+                        age = now - np.int64(last_seen[e, around])
+                        found += age if age < saturated else _FULL
+                    idle = (found & (_FULL - 1)) * forgetting + (found >> _FULL_BITS)
                     reward += per_idleness * idle
                 preferences[e, a, move] = reward
 
@@ -99,19 +107,18 @@ class GreedyPolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self._arrays = task.arrays
-        self._discs = task.graph.discs(task.view_radii)
-        self._workspace = Workspace.of(len(task.graph))
+        graph = task.graph
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
+        self._fill = prepared(
+            _rewards,
+            self._weights,
+            task.arrays,
+            graph.discs(task.view_radii),
+            Workspace.of(len(graph)),
+            self._preferences,
+        )
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Instant rewards (episode, agent, 9) of all moves."""
-        _rewards(
-            observation,
-            self._arrays,
-            self._discs,
-            self._workspace,
-            self._weights,
-            self._preferences,
-        )
+        self._fill(observation)
         return self._preferences

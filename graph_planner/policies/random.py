@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
 from graph_planner.policies.registry import register
-from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
+from graph_planner.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
 from graph_planner.task import Observation, Task
 
 
@@ -13,12 +13,14 @@ from graph_planner.task import Observation, Task
 def _draw(seen: Observation, preferences: NDArray[np.float64]) -> None:
     """Fill preferences with uniform draws."""
     active, keys, step = seen.active, seen.keys, seen.step
+    agents = preferences.shape[1]
+    draws = np.empty(9 * agents, np.uint64)
     for e in range(active.size):
         if active[e]:
-            key = stream_key(keys[e], Stream.POLICY)
-            for a in range(preferences.shape[1]):
+            fill_bits(stream_key(keys[e], Stream.POLICY), step[e], draws)
+            for a in range(agents):
                 for move in range(9):
-                    preferences[e, a, move] = uniform(key, 9 * a + move, step[e])
+                    preferences[e, a, move] = to_uniform(draws[9 * a + move])
 
 
 @register("random")

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import kernel, prepared
 from graph_planner.fleet import Fleet
 from graph_planner.geodesics import Int32Array
 from graph_planner.moves import Moves, move_length
@@ -24,11 +24,11 @@ from mjforage.core.scenario import Scenario
 
 @kernel
 def _move(
-    active: NDArray[np.bool_],
-    moves: Moves,
     centres: NDArray[np.float64],
     yaws: NDArray[np.float64],
     state: Transition,
+    active: NDArray[np.bool_],
+    moves: Moves,
 ) -> None:
     """Put every agent into its target node; distance, energy and speed follow from the move."""
     direction, target, steps, blocked = moves
@@ -75,30 +75,35 @@ class GraphDynamics:
 
     def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0."""
-        self._items.reset(initial, keys)
-        self._state = start_state(initial, self._centres)
+        self._begin(start_state(initial, self._centres))
+        self._items.reset(initial, keys, self._state)
         drift = initial.drift_rc[0] * self._mps / LEEWAY
         self._wind = np.array((drift[1], -drift[0]))
         self._shoot()
         return self._state
 
+    def _begin(self, state: Transition) -> None:
+        self._state, self._move = state, prepared(_move, self._centres, self._yaw, state)
+
     def adopt(self, rows: NDArray[np.int64], other: "GraphDynamics") -> Transition:
         """Replace episodes (row,) of the batch by those of another one; returns the new state."""
         nobody = {"item_node", "collected_by"}
         mine, theirs = self._state, other._state
-        self._state = Transition(
-            *(
-                put_rows(getattr(mine, name), rows, getattr(theirs, name), -(name in nobody))
-                for name in mine._fields
+        self._begin(
+            Transition(
+                *(
+                    put_rows(getattr(mine, name), rows, getattr(theirs, name), -(name in nobody))
+                    for name in mine._fields
+                )
             )
         )
-        self._items.adopt(rows, other._items)
+        self._items.adopt(rows, other._items, self._state)
         return self._state
 
     def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:
         """Carry out one decision: move, collect, drift. Inactive episodes do not change."""
-        _move(active, moves, self._centres, self._yaw, self._state)
-        self._items.advance(active, step, self._state)
+        self._move(active, moves)
+        self._items.advance(active, step)
         if active[0]:
             self._shoot()
         return self._state

@@ -39,16 +39,22 @@ class InitialState:
 
 @kernel
 def _search_outwards(framed: Int32Array, row: float, col: float) -> int:
-    """`nearest_node` by growing squares; what is outside reach q is at least q + 0.5 away."""
+    """`nearest_node` by rings; what is outside of reach q is at least q + 0.5 away."""
     height, width = framed.shape
     centre_row, centre_col = int(row + 0.5) + 1, int(col + 0.5) + 1
     best, best_squared = -1, np.inf
-    for reach in range(1, height + width):
+    for reach in range(height + width):
+        left, right = max(0, centre_col - reach), min(width - 1, centre_col + reach)
         for r in range(max(0, centre_row - reach), min(height, centre_row + reach + 1)):
-            for c in range(max(0, centre_col - reach), min(width, centre_col + reach + 1)):
+            edge = abs(r - centre_row) == reach  # all of the ring's row, or its two ends
+            stride = 1 if edge else max(1, 2 * reach)
+            for c in range(left if edge else centre_col - reach, right + 1, stride):
+                node = int(framed[r, c]) if c >= 0 else -1
                 squared = (r - 1 - row) ** 2 + (c - 1 - col) ** 2
-                if framed[r, c] >= 0 and squared < best_squared:
-                    best, best_squared = int(framed[r, c]), squared
+                if node >= 0 and (
+                    squared < best_squared or (squared == best_squared and node < best)
+                ):
+                    best, best_squared = node, squared
         if best_squared < (reach + 0.5) ** 2:
             break
     return best
@@ -136,6 +142,27 @@ def _nodes_of(water: Water, rc: NDArray[np.float64]) -> Int32Array:
     return nodes
 
 
+@kernel
+def _count_by_node(item_node: Int32Array, counts: NDArray[np.int16]) -> None:
+    """Count the items (episode, item) of each node (episode, node)."""
+    for e in range(item_node.shape[0]):
+        for node in item_node[e]:
+            if node >= 0:
+                counts[e, node] += 1
+
+
+def items_by_node(item_node: Int32Array, nodes: int) -> NDArray[np.int16]:
+    """(episode, node) items in each node, from the node of each item (episode, item), -1 for none.
+
+    Parameters
+    ----------
+    nodes : of the map
+    """
+    counts = np.zeros((item_node.shape[0], nodes), np.int16)
+    _count_by_node(item_node, counts)
+    return counts
+
+
 def nearest_nodes(water: Water, rc: NDArray[np.float64]) -> Int32Array:
     """(...,) node of each position (..., 2): its cell's, or the nearest one's on land [node]."""
     flat = np.ascontiguousarray(rc.reshape(-1, 2))
@@ -144,11 +171,16 @@ def nearest_nodes(water: Water, rc: NDArray[np.float64]) -> Int32Array:
 
 
 @kernel
-def item_noise(key: np.uint64, item: int, step: int) -> tuple[float, float]:
-    """Two uniforms in [-1, 1) for one item and step, from one draw: (row, column)."""
-    draw = bits(key, item, step)
+def to_symmetric(draw: np.uint64) -> tuple[float, float]:
+    """Two uniforms in [-1, 1) from 64 random bits: (row, column) of an item's noise."""
     high, low = np.int64(draw >> _HALF), np.int64(draw & _LOW)
     return high * _TO_SYMMETRIC - 1.0, low * _TO_SYMMETRIC - 1.0
+
+
+@kernel
+def item_noise(key: np.uint64, item: int, step: int) -> tuple[float, float]:
+    """Two uniforms in [-1, 1) for one item and step, from one draw: (row, column)."""
+    return to_symmetric(bits(key, item, step))
 
 
 @kernel

@@ -3,17 +3,51 @@
 Items drift by a constant vector plus independent noise per item and step (scenario section 1).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import BLOCK, inlined, kernel, prepared
 from graph_planner.fleet import Fleet
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import NavigationGraph, Water
-from graph_planner.randomness import Stream, UInt64Array, stream_key
+from graph_planner.randomness import Stream, UInt64Array, fill_bits, stream_key
 from graph_planner.rows import put_rows
 from mjforage.core.dynamics import Transition
-from mjforage.core.initial_state import WALLS, InitialState, into_water, item_noise, put_back
+from mjforage.core.initial_state import (
+    WALLS,
+    InitialState,
+    into_water,
+    items_by_node,
+    put_back,
+    to_symmetric,
+)
+
+_AHEAD, _BESIDE = 1.0 - 1e-6, 0.5 - 1e-6  # [node] with room for rounding
+
+
+class Surroundings(NamedTuple):
+    """What the items of a batch meet."""
+
+    collects: NDArray[np.bool_]  # (agent,)
+    room_left: NDArray[np.int64]  # (episode, agent) items
+    items_in_node: NDArray[np.int16]  # (episode, node)
+    keys: UInt64Array  # (episode,)
+    drift_rc: NDArray[np.float64]  # (episode, 2) [node/step]
+    noise: float  # half width of the drift's random part [node/step]
+    water: Water
+    corners: NDArray[np.bool_]  # (node, 4) see `NavigationGraph.corners`
+    walls: int  # place in `WALLS`
+
+
+class Scratch(NamedTuple):
+    """Memory for the items of one episode at a time."""
+
+    draws: UInt64Array  # (item,)
+    shift: NDArray[np.float64]  # (item x 2) by which they move
+    beyond: NDArray[np.uint8]  # (item x 2) whether each of their coordinates left its node's square
+    gone: Int32Array  # (item + 1,) those of which one did; the last place is never read
 
 
 @kernel
@@ -23,10 +57,17 @@ def collect(
     room_left: NDArray[np.int64],
     items_in_node: NDArray[np.int16],
     state: Transition,
+    first: int,
+    last: int,
 ) -> None:
-    """Every forager removes what is in its node, in index order, while it has room."""
+    """Every forager removes what is in its node, in index order, while it has room.
+
+    Parameters
+    ----------
+    first, last : episodes from the first to before the last
+    """
     agent_node, item_node, collected_by = state.agent_node, state.item_node, state.collected_by
-    for e in range(active.size):
+    for e in range(first, last):
         if not active[e]:
             continue
         for agent in range(collects.size):
@@ -41,92 +82,140 @@ def collect(
                     room_left[e, agent] -= 1
 
 
+@inlined
+def _nearest_of_four(
+    framed: Int32Array, here: int, row: int, col: int, off_row: float, off_col: float
+) -> int:
+    """The nearest of the four nodes around an item that lies on land less than a node from one.
+
+    Parameters
+    ----------
+    here : node whose centre is (row, col); ties go to the lowest number
+    off_row, off_col : the item's signed distance from it, below 1 node in all
+    """
+    down, right = 2 * (off_row >= 0) - 1, 2 * (off_col >= 0) - 1
+    off_row, off_col, nearest = abs(off_row), abs(off_col), here
+    squared = off_row * off_row + off_col * off_col
+    for at_row, at_col in ((1, 0), (0, 1), (1, 1)):
+        node = framed[np.uint64(row + 1 + at_row * down), np.uint64(col + 1 + at_col * right)]
+        there = (at_row - off_row) ** 2 + (at_col - off_col) ** 2
+        nearer = (there < squared) | ((there == squared) & (node < nearest))
+        nearer = nearer & (node >= 0)
+        nearest = int(node) if nearer else nearest
+        squared = there if nearer else squared
+    return nearest
+
+
 @kernel
 def _drift(
+    around: Surroundings,
+    item_rc: NDArray[np.float64],
+    centre: NDArray[np.float32],
+    item_node: Int32Array,
+    scratch: Scratch,
     active: NDArray[np.bool_],
     step: Int32Array,
-    keys: UInt64Array,
-    drift_rc: NDArray[np.float64],
-    noise: float,
-    water: Water,
-    state: Transition,
-    gone: Int32Array,
-    n_gone: Int32Array,
+    first: int,
+    last: int,
 ) -> None:
-    """Move every item left by the episode's drift and its own noise.
+    """Move every item left by the episode's drift and its own noise, and put those that left the
+    square of their node into the node they are in, or back into the water.
 
-    Lists those that left the square of their node: `gone` (episode, item), `n_gone` (episode,).
-    The list is made without a branch: whether an item on a quay leaves its square is a coin toss
+    The loops over all items have no branch and go through what lies side by side: the compiler
+    makes vectors of the first two, and whether an item on a quay leaves its square is a coin toss
     that no processor predicts.
+
+    Parameters
+    ----------
+    item_rc, centre : (episode, item x 2) row, column, row, ... of the items and of their nodes
+    first, last : episodes from the first to before the last
     """
-    item_rc, item_node = state.item_rc, state.item_node
-    rows, cols = water.rows, water.cols
-    for e in range(active.size):
-        n_gone[e] = 0
+    keys, drift_rc, noise, corners = around.keys, around.drift_rc, around.noise, around.corners
+    water, walls, items_in_node = around.water, around.walls, around.items_in_node
+    framed, rows, cols = water
+    bottom, right_edge = framed.shape[0] - 3, framed.shape[1] - 3
+    draws, shift, beyond, gone = scratch
+    for e in range(first, last):
         if not active[e]:
             continue
-        key, now, n = stream_key(keys[e], Stream.NOISE), step[e], 0
+        fill_bits(stream_key(keys[e], Stream.NOISE), step[e], draws)
         drift_row, drift_col = drift_rc[e, 0], drift_rc[e, 1]
         for k in range(item_node.shape[1]):
-            node = item_node[e, k]
-            if node < 0:
-                continue
-            noise_row, noise_col = item_noise(key, k, now)
-            row = item_rc[e, k, 0] + (drift_row + noise * noise_row)
-            col = item_rc[e, k, 1] + (drift_col + noise * noise_col)
-            item_rc[e, k, 0], item_rc[e, k, 1] = row, col
-            gone[e, n] = k
-            n += int((abs(row - rows[node]) >= 0.5) | (abs(col - cols[node]) >= 0.5))
-        n_gone[e] = n
-
-
-@kernel
-def _settle(
-    water: Water,
-    walls: int,
-    state: Transition,
-    gone: Int32Array,
-    n_gone: Int32Array,
-    items_in_node: NDArray[np.int16],
-) -> None:
-    """Give every item that left its node the node it is in, or push it back into the water."""
-    item_rc, item_node = state.item_rc, state.item_node
-    framed, rows, cols = water
-    height, width = framed.shape[0] - 2, framed.shape[1] - 2
-    for e in range(n_gone.size):
-        for i in range(n_gone[e]):
-            k = gone[e, i]
-            before, after = int(item_node[e, k]), -1
-            row, col = item_rc[e, k, 0], item_rc[e, k, 1]
-            off_row, off_col = abs(row - rows[before]), abs(col - cols[before])
-            squared = off_row * off_row + off_col * off_col
-            inside = (row >= -0.5) & (row < height - 0.5) & (col >= -0.5) & (col < width - 0.5)
+            noise_row, noise_col = to_symmetric(draws[k])
+            to_row, to_col = drift_row + noise * noise_row, drift_col + noise * noise_col
+            left = item_node[e, k] >= 0
+            shift[2 * k] = to_row if left else 0.0
+            shift[2 * k + 1] = to_col if left else 0.0
+        for j in range(item_rc.shape[1]):
+            moved = item_rc[e, j] + shift[j]
+            item_rc[e, j] = moved
+            beyond[j] = abs(moved - centre[e, j]) >= 0.5
+        n_gone = 0
+        for k in range(item_node.shape[1]):
+            gone[n_gone] = k
+            n_gone += (beyond[2 * k] | beyond[2 * k + 1]) & (item_node[e, k] >= 0)
+        for i in range(n_gone):
+            k_gone = np.uint64(gone[i])  # unsigned: an index that never counts from the end
+            at_row, at_col = 2 * k_gone, 2 * k_gone + np.uint64(1)
+            row, col = item_rc[e, at_row], item_rc[e, at_col]
+            before = np.int64(item_node[e, k_gone])
+            centre_row, centre_col = centre[e, at_row], centre[e, at_col]
+            off_row, off_col = row - centre_row, col - centre_col
+            far_row, far_col = abs(off_row), abs(off_col)
+            inside = (row >= 0.0) & (row <= bottom) & (col >= 0.0) & (col <= right_edge)
+            after = np.int64(-1)
             if inside:
-                after = int(framed[np.uint64(row + 1.5), np.uint64(col + 1.5)])
-            within = (row >= 0.0) & (row <= height - 1.0) & (col >= 0.0) & (col <= width - 1.0)
-            if after < 0 and within and squared < 1.0:
-                # On a quay less than a node away: only the four centres around can be nearest.
-                after, r, c = before, rows[before] + 1, cols[before] + 1  # framed: one more
-                down, right = 2 * (row >= r - 1) - 1, 2 * (col >= c - 1) - 1
-                for at_row, at_col in ((1, 0), (0, 1), (1, 1)):
-                    node = framed[np.uint64(r + at_row * down), np.uint64(c + at_col * right)]
-                    there = (at_row - off_row) ** 2 + (at_col - off_col) ** 2
-                    nearer = (there < squared) | ((there == squared) & (node < after))
-                    nearer = nearer & (node >= 0)
-                    after = int(node) if nearer else after
-                    squared = there if nearer else squared
-                row, col = put_back(walls, row, col, rows[after], cols[after])
-            elif after < 0:
-                row, col, after = into_water(water, walls, row, col)
-            item_rc[e, k, 0], item_rc[e, k, 1] = row, col
+                after = np.int64(framed[np.uint64(row + 1.5), np.uint64(col + 1.5)])
+            if after < 0:
+                # On a quay, mostly straight ahead of its node or in a corner: no other is nearer.
+                ahead = (far_row + far_col < _AHEAD) & (min(far_row, far_col) < _BESIDE)
+                side = 2 * np.uint64(off_row >= 0) + np.uint64(off_col >= 0)
+                near = inside & (far_row * far_row + far_col * far_col < 1.0)
+                if near & (ahead | corners[np.uint64(before), side]):
+                    after = before
+                    row, col = put_back(walls, row, col, centre_row, centre_col)
+                elif near:
+                    r, c = rows[before], cols[before]
+                    after = np.int64(_nearest_of_four(framed, before, r, c, off_row, off_col))
+                    row, col = put_back(walls, row, col, rows[after], cols[after])
+                else:
+                    row, col, after = into_water(water, walls, row, col)
+                item_rc[e, at_row], item_rc[e, at_col] = row, col
             if after != before:
                 items_in_node[e, before] -= 1
                 items_in_node[e, after] += 1
-                item_node[e, k] = after
+                item_node[e, k_gone] = after
+                centre[e, at_row], centre[e, at_col] = rows[after], cols[after]
+
+
+@kernel
+def _advance(
+    around: Surroundings,
+    state: Transition,
+    item_rc: NDArray[np.float64],
+    centre: NDArray[np.float32],
+    scratch: Scratch,
+    active: NDArray[np.bool_],
+    step: Int32Array,
+) -> None:
+    """One step of the items of every active episode: collect, then drift.
+
+    A block of episodes goes through all of it before the next one comes, and so stays in the cache.
+    """
+    item_node, collects, room_left = state.item_node, around.collects, around.room_left
+    for first in range(0, active.size, BLOCK):
+        last = min(first + BLOCK, active.size)
+        collect(active, collects, room_left, around.items_in_node, state, first, last)
+        _drift(around, item_rc, centre, item_node, scratch, active, step, first, last)
 
 
 class ItemRule:
-    """Items of a batch of episodes, moved by the paper's rule."""
+    """Items of a batch of episodes, moved by the paper's rule.
+
+    Attributes
+    ----------
+    advance : one step once all have moved, from `active` and `step` (episode,): collect, then drift
+    """
 
     def __init__(self, graph: NavigationGraph, fleet: Fleet, noise: float, walls: str) -> None:
         """Prepare.
@@ -139,35 +228,61 @@ class ItemRule:
         self._graph, self._fleet, self._noise = graph, fleet, noise
         self._walls = WALLS.index(walls)
 
-    def reset(self, initial: InitialState, keys: UInt64Array) -> None:
-        """Start a batch of episodes."""
-        episodes, items = initial.item_node.shape
-        self._keys, self._drift_rc = keys, initial.drift_rc
-        self.room_left = np.tile(self._fleet.capacity, (episodes, 1))  # (episode, agent) items
-        self._items_in_node = np.zeros((episodes, len(self._graph)), np.int16)
-        self._gone = np.empty((episodes, items), np.int32)
-        self._n_gone = np.empty(episodes, np.int32)
-        present = initial.item_node >= 0
-        np.add.at(self._items_in_node, (np.nonzero(present)[0], initial.item_node[present]), 1)
+    def reset(self, initial: InitialState, keys: UInt64Array, state: Transition) -> None:
+        """Start a batch of episodes.
 
-    def adopt(self, rows: NDArray[np.int64], other: "ItemRule") -> None:
-        """Replace episodes (row,) of the batch by those of another one."""
-        for name in ("_keys", "_drift_rc", "room_left", "_items_in_node", "_gone", "_n_gone"):
-            setattr(self, name, put_rows(getattr(self, name), rows, getattr(other, name)))
-
-    def advance(self, active: NDArray[np.bool_], step: Int32Array, state: Transition) -> None:
-        """One step once all have moved: collect, then drift."""
-        collects, water = self._fleet.collects, self._graph.water
-        collect(active, collects, self.room_left, self._items_in_node, state)
-        _drift(
-            active,
-            step,
-            self._keys,
-            self._drift_rc,
-            self._noise,
-            water,
+        Parameters
+        ----------
+        state : of the world at step 0; `advance` changes its items
+        """
+        items_in_node = items_by_node(initial.item_node, len(self._graph))
+        self._begin(
+            Surroundings(
+                collects=self._fleet.collects,
+                room_left=np.tile(self._fleet.capacity, (keys.size, 1)),
+                items_in_node=items_in_node,
+                keys=keys,
+                drift_rc=initial.drift_rc,
+                noise=self._noise,
+                water=self._graph.water,
+                corners=self._graph.corners,
+                walls=self._walls,
+            ),
             state,
-            self._gone,
-            self._n_gone,
         )
-        _settle(water, self._walls, state, self._gone, self._n_gone, self._items_in_node)
+
+    @property
+    def room_left(self) -> NDArray[np.int64]:
+        """(episode, agent) items that can still be taken aboard; live."""
+        return self._around.room_left
+
+    def _begin(self, around: Surroundings, state: Transition) -> None:
+        self._around, water, items = around, around.water, state.item_node
+        centre = np.stack((water.rows[items], water.cols[items]), axis=-1)
+        scratch = Scratch(
+            draws=np.empty(items.shape[1], np.uint64),
+            shift=np.empty(2 * items.shape[1]),
+            beyond=np.empty(2 * items.shape[1], np.uint8),
+            gone=np.empty(items.shape[1] + 1, np.int32),
+        )
+        by_episode = len(items), -1
+        self.advance = prepared(
+            _advance,
+            around,
+            state,
+            state.item_rc.reshape(by_episode),
+            centre.reshape(by_episode).astype(np.float32),
+            scratch,
+        )
+
+    def adopt(self, rows: NDArray[np.int64], other: "ItemRule", state: Transition) -> None:
+        """Replace episodes (row,) of the batch by those of another one.
+
+        Parameters
+        ----------
+        state : of the mixed batch; `advance` changes its items
+        """
+        mine, theirs = self._around, other._around
+        names = ("keys", "drift_rc", "room_left", "items_in_node")
+        mixed = {n: put_rows(getattr(mine, n), rows, getattr(theirs, n)) for n in names}
+        self._begin(mine._replace(**mixed), state)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
-from graph_planner.knowledge import Looks
+from graph_planner.knowledge import Knowledge, Looks
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from graph_planner.rows import put_rows
 from graph_planner.task import Task
@@ -33,18 +33,27 @@ class Entries(NamedTuple):
 
 
 @kernel
-def _count(
+def count(
     active: NDArray[np.bool_],
     step: Int32Array,
     item_node: Int32Array,
     taken_by: NDArray[np.int16],
     entries: Entries,
+    first: int,
+    last: int,
 ) -> None:
-    """Discretise to counts, and note what was collected; collected unseen counts as discovered."""
+    """Discretise to counts, and note what was collected; collected unseen counts as discovered.
+
+    Parameters
+    ----------
+    item_node : (episode, item) node of each item, -1 once removed
+    taken_by : (episode, item) agent that removed it, -1 nobody
+    first, last : episodes from the first to before the last
+    """
     truth, counted_node = entries.truth, entries.counted_node
     t_discovered, discovered_by = entries.t_discovered, entries.discovered_by
     t_collected, collected_by = entries.t_collected, entries.collected_by
-    for e in range(active.size):
+    for e in range(first, last):
         if not active[e]:
             continue
         for k in range(item_node.shape[1]):
@@ -63,17 +72,25 @@ def _count(
 
 
 @kernel
-def _sight(
+def sight(
     active: NDArray[np.bool_],
     step: Int32Array,
     keys: UInt64Array,
     detection: float,
     entries: Entries,
+    first: int,
+    last: int,
 ) -> None:
-    """Draw which items are seen if looked at in this step."""
+    """Draw which items are seen if looked at in this step.
+
+    Parameters
+    ----------
+    detection : probability that an item in view is seen, drawn per item and step
+    first, last : episodes from the first to before the last
+    """
     counted_node, sighted = entries.counted_node, entries.sighted
     sighted_node = entries.sighted_node
-    for e in range(active.size):
+    for e in range(first, last):
         if not active[e]:
             continue
         key = stream_key(keys[e], Stream.DETECTION)
@@ -89,41 +106,56 @@ def _sight(
 
 
 @kernel
-def _credit(
+def credit(
     looks: Looks,
-    last_seen: NDArray[np.int16],
+    knowledge: Knowledge,
     credit_order: NDArray[np.int64],
     views: NodeLists,
     radius_number: NDArray[np.int64],
+    in_view: NDArray[np.bool_],
     entries: Entries,
+    first: int,
+    last: int,
 ) -> None:
     """Credit each item's first sighting to the first agent in order that sees it.
 
     Parameters
     ----------
-    last_seen : (episode, node) step in which any agent saw the node last, this one included
+    knowledge : of one who has heard all looks of this step, one row per episode
+    in_view : (node,) memory, all False before and after
+    first, last : episodes from the first to before the last
     """
     active, step, agent_node = looks.active, looks.step, looks.agent_node
+    known, n_known, last_seen = knowledge.known, knowledge.n_known, knowledge.last_seen
     start, nodes, sighted_node = views.start, views.nodes, entries.sighted_node
     t_discovered, discovered_by = entries.t_discovered, entries.discovered_by
-    for e in range(active.size):
+    for e in range(first, last):
         if not active[e]:
             continue
-        now = step[e]
+        now, any_in_view = step[e], False
+        for i in range(n_known[e]):  # all nodes in view that hold an item are among them
+            node = np.uint64(known[e, i])  # unsigned: an index that never counts from the end
+            if last_seen[e, node] == now:
+                in_view[node] = any_in_view = True
+        if not any_in_view:
+            continue
         for k in range(sighted_node.shape[1]):
-            node = sighted_node[e, k]
-            if node < 0 or t_discovered[e, k] >= 0 or last_seen[e, node] != now:
+            if t_discovered[e, k] >= 0 or sighted_node[e, k] < 0:
+                continue
+            if not in_view[np.uint64(sighted_node[e, k])]:
                 continue
             t_discovered[e, k] = now
             for agent in credit_order:
                 radius, viewer = radius_number[agent], agent_node[e, agent]
                 for i in range(start[radius, viewer], start[radius, viewer + 1]):
-                    if nodes[i] == node and discovered_by[e, k] < 0:
+                    if nodes[i] == sighted_node[e, k] and discovered_by[e, k] < 0:
                         discovered_by[e, k] = agent
+        for i in range(n_known[e]):
+            in_view[np.uint64(known[e, i])] = False
 
 
 class Ledger:
-    """The ledger of a batch of episodes; see `Entries` for the arrays."""
+    """The ledger of a batch of episodes; see `Entries` for the arrays, `Lookout` for their life."""
 
     def __init__(self, task: Task, detection: float = 1.0) -> None:
         """Prepare.
@@ -134,21 +166,17 @@ class Ledger:
         """
         self._detection = detection
         self._nodes = len(task.graph)
-        self._views, self._radius_number = task.views, task.radius_number
-        self._credit_order = task.fleet.credit_order
 
-    def reset(self, item_node: Int32Array, keys: UInt64Array) -> None:
-        """Start a batch of episodes; `update` at step 0 comes next.
+    def reset(self, item_node: Int32Array) -> None:
+        """Start a batch of episodes; the look of step 0 comes next.
 
         Parameters
         ----------
         item_node : (episode, item); their number is what counts here
-        keys : (episode,) episode keys
         """
         items, nodes = item_node.shape, (item_node.shape[0], self._nodes)
         truth, counted_node = np.zeros(nodes, np.int16), np.full(items, -1, np.int32)
         certain = self._detection >= 1.0
-        self._keys = keys
         self.entries = Entries(
             truth=truth,
             counted_node=counted_node,
@@ -171,35 +199,3 @@ class Ledger:
         if mine.sighted is mine.truth:  # everything is seen: they stay one array
             mixed |= {"sighted": mixed["truth"], "sighted_node": mixed["counted_node"]}
         self.entries = Entries(**mixed)
-        self._keys = put_rows(self._keys, rows, other._keys)
-
-    def update(
-        self,
-        active: NDArray[np.bool_],
-        step: Int32Array,
-        item_node: Int32Array,
-        taken_by: NDArray[np.int16],
-    ) -> None:
-        """Take in where the items are at the end of a step.
-
-        Parameters
-        ----------
-        active : (episode,) others are left untouched
-        step : (episode,) the step that has just been made
-        item_node : (episode, item) node of each item, -1 once removed
-        taken_by : (episode, item) agent that removed it, -1 nobody
-        """
-        _count(active, step, item_node, taken_by, self.entries)
-        if self._detection < 1.0:
-            _sight(active, step, self._keys, self._detection, self.entries)
-
-    def credit(self, looks: Looks, last_seen: NDArray[np.int16]) -> None:
-        """Credit first discoveries, after `update`.
-
-        Parameters
-        ----------
-        looks : the step's
-        last_seen : (episode, node) step in which any agent saw the node last, this one included
-        """
-        views, radii = self._views, self._radius_number
-        _credit(looks, last_seen, self._credit_order, views, radii, self.entries)

@@ -8,8 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.compiled import kernel, prepared
 from graph_planner.fleet import UNLIMITED
-from graph_planner.knowledge import Knowledge, Looks, hear, idleness, times_seen
+from graph_planner.geodesics import Int32Array
+from graph_planner.knowledge import Knowledge, Looks, idleness, times_seen
 from graph_planner.moves import Moves, Resolver, check_preferences
 from graph_planner.policies import Bound, Policy
 from graph_planner.randomness import UInt64Array, episode_keys
@@ -20,7 +22,23 @@ from mjforage.core.errors import UserError
 from mjforage.core.exchange import Exchange, Ideal
 from mjforage.core.graph_dynamics import GraphDynamics
 from mjforage.core.ledger import Ledger
+from mjforage.core.looking import Lookout
 from mjforage.core.setup import Setup
+
+
+@kernel
+def _go_on(
+    horizon: int, active: NDArray[np.bool_], step: Int32Array, item_node: Int32Array
+) -> NDArray[np.bool_]:
+    """(episode,) whether it has steps to go and an item left, of those that went on so far."""
+    going = np.zeros(active.size, np.bool_)
+    for e in range(active.size):
+        if active[e] and step[e] < horizon:
+            for k in range(item_node.shape[1]):
+                if item_node[e, k] >= 0:
+                    going[e] = True
+                    break
+    return going
 
 
 class Mission:
@@ -61,7 +79,9 @@ class Mission:
         self._dynamics = dynamics
         self._views, self._radius_number = setup.task.views, setup.task.radius_number
         self._resolver = Resolver(setup.graph, setup.fleet, setup.task.rules, setup.corruption)
-        self._energy = setup.fleet.energy
+        self._endless = bool(np.isinf(setup.fleet.energy).all())
+        self._holds = np.flatnonzero(setup.fleet.capacity < UNLIMITED)  # whose room has an end
+        self._go_on = prepared(_go_on, setup.scenario.horizon)
 
     def reset(self, seed: int, episodes: NDArray[np.int64]) -> None:
         """Start the given episodes of a seed.
@@ -89,9 +109,10 @@ class Mission:
         self.step = np.zeros(keys.size, np.int32)
         self.active = np.ones(keys.size, np.bool_)
         self.moves: Moves | None = None
-        self.ledger.reset(self.state.item_node, self.keys)
-        self._all_heard = np.ones(self.state.agent_node.shape, np.bool_)
+        self.ledger.reset(self.state.item_node)
+        self._fill_stores()
         self.knowledge = Knowledge.of_starts(self._looks(), len(self.setup.graph))
+        self._post_lookout()
         self.exchange.reset(self.setup.task, self._see(), self.knowledge)
 
     def _looks(self) -> Looks:
@@ -107,12 +128,13 @@ class Mission:
 
     def _see(self) -> Looks:
         """All agents look: the fleet's knowledge and the ledger come up to date."""
-        state = self.state
-        self.ledger.update(self.active, self.step, state.item_node, state.collected_by)
         looks = self._looks()
-        hear(looks, self._all_heard, self._views, self._radius_number, self.knowledge)
-        self.ledger.credit(looks, self.knowledge.last_seen)
+        self._lookout.look(looks, self.state.item_node, self.state.collected_by)
         return looks
+
+    def _post_lookout(self) -> None:
+        about = self.setup.task, self._dynamics.detection, self.keys
+        self._lookout = Lookout(*about, self.ledger.entries, self.knowledge)
 
     def adopt(self, rows: NDArray[np.int64], other: "Mission") -> None:
         """Replace episodes (row,) of the batch by another mission's; in the graph world only.
@@ -129,6 +151,7 @@ class Mission:
         self.exchange.adopt(rows, other.exchange, self.knowledge)
         for name in ("keys", "step", "active"):
             setattr(self, name, put_rows(getattr(self, name), rows, getattr(other, name)))
+        self._post_lookout()
 
     @property
     def energy_left(self) -> NDArray[np.float64]:
@@ -136,16 +159,26 @@ class Mission:
 
         A hull can overdraw its budget by the way it makes beyond a straight line; then it stays.
         """
-        return np.maximum(self._energy - self.state.energy, 0.0)
+        if self._endless:
+            return self._full_energy
+        return np.maximum(self._full_energy - self.state.energy, 0.0)
 
     @property
     def room_left(self) -> NDArray[np.int64]:
         """(episode, agent) items that can still be taken aboard, `UNLIMITED` if any number."""
-        capacity, taken_by = self.setup.fleet.capacity, self.state.collected_by
-        room = np.tile(capacity, (taken_by.shape[0], 1))
-        for agent in np.flatnonzero(capacity < UNLIMITED):
+        if not self._holds.size:
+            return self._full_room
+        room, taken_by = self._full_room.copy(), self.state.collected_by
+        for agent in self._holds:
             room[:, agent] -= (taken_by == agent).sum(axis=1)
         return room
+
+    def _fill_stores(self) -> None:
+        """What every agent starts with, for as many episodes as there are."""
+        fleet, episodes = self.setup.fleet, (self.keys.size, 1)
+        self._full_energy, self._full_room = (
+            np.tile(store, episodes) for store in (fleet.energy, fleet.capacity)
+        )
 
     @property
     def observation(self) -> Observation:
@@ -247,8 +280,8 @@ class Mission:
         self.step = self.step + self.active.astype(np.int32)
         self.state = self._dynamics.advance(self.active, self.step, self.moves)
         self.exchange.tell(self._see(), self.knowledge)
-        left = (self.state.item_node >= 0).any(axis=1)
-        self.active = self.active & left & (self.step < self.setup.scenario.horizon)
+        item_node = np.ascontiguousarray(self.state.item_node, np.int32)
+        self.active = self._go_on(self.active, self.step, item_node)
         return self.state
 
     def run(self, policy: Policy, observers: "tuple[Observer, ...]" = ()) -> None:

@@ -18,7 +18,7 @@ from graph_planner.randomness import UInt64Array
 from mjforage.core.dynamics import Transition, start_state
 from mjforage.core.errors import UserError
 from mjforage.core.film import Film
-from mjforage.core.initial_state import InitialState, nearest_nodes
+from mjforage.core.initial_state import InitialState, items_by_node, nearest_nodes
 from mjforage.core.item_rule import ItemRule, collect
 from mjforage.core.scenario import Scenario
 from mjforage.physics.dynamics.fleet_scene import (
@@ -123,16 +123,15 @@ class MujocoDynamics:
         if not self._bodies:
             noise, walls = self._scenario.weather.noise_node_per_step, self._scenario.rules.walls
             self._rule = ItemRule(self._graph, self._fleet, noise, walls)
-            self._rule.reset(initial, self._keys)
+            self._rule.reset(initial, self._keys, self._state)
             self._room_left = self._rule.room_left
             return
         episodes, items = initial.item_node.shape
-        self._items_in_node = np.zeros((episodes, len(self._graph)), np.int16)
-        present = initial.item_node >= 0
-        np.add.at(self._items_in_node, (np.nonzero(present)[0], initial.item_node[present]), 1)
+        self._items_in_node = items_by_node(initial.item_node, len(self._graph))
         classes = np.full((episodes, self._simulation.scene.items), -1, np.int64)
         classes[:, :items] = draw_classes(self._keys, initial.item_node, self._classes)
         xy = np.array(np.broadcast_to(self._simulation.scene.parking, (*classes.shape, 2)))
+        present = initial.item_node >= 0
         xy[:, :items][present] = self._graph.metres(initial.item_rc)[present]
         self._simulation.place_items(xy, classes)
 
@@ -255,12 +254,13 @@ class MujocoDynamics:
         state.work[active] = watched.work_j[active]
         judge(active, moves.blocked, watched, state.outcome)
         if self._rule is not None:
-            self._rule.advance(active, step, state)
+            self._rule.advance(active, step)
             return
         xy = self._simulation.item_xy
         read_items(active, xy, graph.water, graph.pitch_m, self._items_in_node, state)
         if self._choice.capture == "node":
-            collect(active, self._fleet.collects, self._room_left, self._items_in_node, state)
+            about = self._fleet.collects, self._room_left, self._items_in_node
+            collect(active, *about, state, 0, active.size)
             self._remove()
 
     def _shoot(self) -> None:

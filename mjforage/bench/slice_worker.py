@@ -1,0 +1,107 @@
+"""One side of `mjforage bench --against`: does slices of work on request.
+
+Run as a script with the checkout to measure first on `PYTHONPATH`, so that it imports that
+checkout's mjforage: it keeps to what has long been there. A line "NAME SECONDS" on standard input
+asks for a slice; the answer is the work done and the CPU seconds that it took.
+"""
+
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numba
+import numpy as np
+
+from graph_planner.policies import create_policy
+from mjforage.core.mission import Mission
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
+from mjforage.physics.worlds import create_mission
+from mjforage.runs.evaluate import evaluate
+
+HASHES = 1_000_000
+EVALUATED = 100  # episodes of a call
+HORIZON = 20  # decisions with hulls
+
+
+@numba.njit  # type: ignore[untyped-decorator]
+def _hash(count: int) -> np.uint64:
+    """Integer hashing, the yardstick: it hangs on the core alone, not on memory."""
+    value = np.uint64(1)
+    for _ in range(count):
+        value ^= value >> np.uint64(30)
+        value *= np.uint64(0xBF58476D1CE4E5B9)
+        value ^= value >> np.uint64(27)
+    return value
+
+
+def _hashing() -> float:
+    _hash(HASHES)
+    return HASHES
+
+
+def _steps(policy_name: str, episodes: int) -> Callable[[], float]:
+    mission = Mission(Setup.of(load_scenario("comb-port")))
+    policy = create_policy(policy_name)
+
+    def work() -> float:
+        mission.reset(0, np.arange(episodes))
+        mission.run(policy)
+        return float(mission.step.sum())
+
+    return work
+
+
+def _evaluation() -> float:
+    setup = Setup.of(load_scenario("comb-port"))
+    with tempfile.TemporaryDirectory() as folder:
+        summary = evaluate(setup, ["greedy"], Path(folder) / "run", episodes=EVALUATED)
+    return float(summary["graph"]["greedy"]["length"]["mean"]) * EVALUATED
+
+
+def _hulls() -> Callable[[], float]:
+    setup = Setup.of(load_scenario("comb-port", [f"horizon={HORIZON}"]))
+
+    def work() -> float:
+        mission = create_mission(setup, "physics")
+        mission.reset(0, np.arange(4))
+        mission.run(create_policy("greedy"))
+        return float(mission.step.sum())
+
+    return work
+
+
+def workloads() -> dict[str, Callable[[], Callable[[], float]]]:
+    """Name -> maker of a piece of work, which returns how many steps (or hashes) it was."""
+    return {
+        "hashing": lambda: _hashing,
+        "random, 400 episodes": lambda: _steps("random", 400),
+        "random, 100 episodes": lambda: _steps("random", 100),
+        "random, 1 episode": lambda: _steps("random", 1),
+        "greedy, 400 episodes": lambda: _steps("greedy", 400),
+        "greedy, 100 episodes": lambda: _steps("greedy", 100),
+        "levy, 100 episodes": lambda: _steps("levy", 100),
+        "evaluate greedy": lambda: _evaluation,
+        "physics": _hulls,
+    }
+
+
+def serve() -> None:
+    """Answer requests until standard input ends; the first slice of a kind compiles before it."""
+    makers, made = workloads(), dict[str, Callable[[], float]]()
+    for line in sys.stdin:
+        name, _, seconds = line.strip().rpartition(" ")
+        if name not in made:
+            made[name] = makers[name]()
+            made[name]()
+        done, started = 0.0, time.process_time()
+        while (spent := time.process_time() - started) < float(seconds):
+            done += made[name]()
+        sys.stdout.write(f"{done} {spent}\n")
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    serve()
