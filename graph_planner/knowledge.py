@@ -154,9 +154,9 @@ def idleness(
     """
     out = np.empty((rows.size, last_seen.shape[1]))
     for i in range(rows.size):
-        now = step[rows[i]]
+        row, now = rows[i], step[rows[i]]
         for node in range(last_seen.shape[1]):
-            unseen_for = np.float64(now - np.int32(last_seen[rows[i], node]))
+            unseen_for = np.float64(now - np.int32(last_seen[row, node]))
             out[i, node] = min(1.0, unseen_for * forgetting)
     return out
 

@@ -6,6 +6,7 @@ kernel adds one stencil per differing node into a padded map, folds the padding 
 borders (scipy's mode `reflect`) and sums squares inside the bounding box.
 """
 
+from functools import lru_cache
 from math import sqrt
 
 import numpy as np
@@ -88,6 +89,7 @@ def _checked(name: str, values: NDArray[np.number], cells: IntArray) -> NDArray[
     return nodes
 
 
+@lru_cache(maxsize=1)
 def _stencil() -> FloatArray:
     """Weights (9, 9) of the filter around one node; they add up to 1."""
     offset = np.arange(-RADIUS, RADIUS + 1)

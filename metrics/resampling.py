@@ -1,6 +1,6 @@
 """Bootstrap percentile intervals over episodes, plain or stratified.
 
-Each row of a batch draws from its own generator with the same seed, so that an interval
+Each row of a batch draws as if from its own generator with the same seed, so that an interval
 depends neither on the other rows nor on their number.
 """
 
@@ -66,14 +66,19 @@ def bootstrap(
     given = statistics.defined(values)
     labels = _labels(strata, given.shape[-1])
     low, high = np.full(given.shape[:-1], np.nan), np.full(given.shape[:-1], np.nan)
+    alike: dict[bytes, list[tuple[int, ...]]] = {}  # rows defined in the same episodes draw alike
     for row in np.ndindex(given.shape[:-1]):
-        kept = ~np.isnan(given[row])
+        alike.setdefault((~np.isnan(given[row])).tobytes(), []).append(row)
+    for mask, rows in alike.items():
+        kept = np.frombuffer(mask, np.bool_)
         if kept.sum() < 2:
             continue
-        sample, groups = given[row][kept], _groups(labels[kept])
-        draws = resampled(groups, seed, resamples)
-        replicates = np.concatenate([statistic(sample[block]) for block in draws])
-        low[row], high[row] = percentiles(replicates, level)
+        found: dict[tuple[int, ...], list[FloatArray]] = {row: [] for row in rows}
+        for block in resampled(_groups(labels[kept]), seed, resamples):
+            for row in rows:
+                found[row].append(statistic(given[row][kept][block]))
+        for row in rows:
+            low[row], high[row] = percentiles(np.concatenate(found[row]), level)
     return Interval(statistic(given), low, high, statistics.count(given))
 
 

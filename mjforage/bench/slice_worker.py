@@ -22,7 +22,7 @@ from mjforage.physics.worlds import create_mission
 from mjforage.runs.evaluate import evaluate
 
 HASHES = 1_000_000
-EVALUATED = 100  # episodes of a call
+EVALUATED = 400  # episodes of a call
 HORIZON = 20  # decisions with hulls
 
 

@@ -1,10 +1,67 @@
 """What a batch of episodes leaves behind: trajectories and events."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 import metrics
+from graph_planner.compiled import kernel, prepared
+from graph_planner.moves import Moves
+from mjforage.core.dynamics import Transition
 from mjforage.core.mission import Mission, Observer
+
+_STATE_TYPES = (
+    *("i4", "f8", "f8", "f8", "i1", "f8", "i4", "i2", "f8", "f8", "i4", "f8", "f8"),
+)  # of the fields of `Transition`
+
+
+class Tracks(NamedTuple):
+    """What is logged of every agent in every step: attributes of `EpisodeLog` of these names."""
+
+    agent_node: NDArray[np.int32]
+    agent_rc: NDArray[np.float32]
+    yaw: NDArray[np.float32]
+    speed: NDArray[np.float32]
+    distance: NDArray[np.float32]
+    energy: NDArray[np.float32]
+    collisions: NDArray[np.int32]
+    impact: NDArray[np.float32]
+    work: NDArray[np.float32]
+    outcome: NDArray[np.int8]
+    direction: NDArray[np.int8]
+    target: NDArray[np.int32]
+
+
+@kernel
+def _write_down(
+    tracks: Tracks,
+    episodes: NDArray[np.int64],
+    step: NDArray[np.int32],
+    state: Transition,
+    moves: Moves,
+    moved: bool,
+) -> None:
+    """Log the state of some episodes at their steps; their moves only if they have `moved`."""
+    agent_node, agent_rc, yaw, speed, distance, energy = tracks[:6]
+    collisions, impact, work, outcome, direction, target = tracks[6:]
+    for e in episodes:
+        t = step[e]
+        for a in range(agent_node.shape[2]):
+            agent_node[e, t, a] = state.agent_node[e, a]
+            agent_rc[e, t, a, 0] = state.agent_rc[e, a, 0]
+            agent_rc[e, t, a, 1] = state.agent_rc[e, a, 1]
+            yaw[e, t, a] = state.agent_yaw[e, a]
+            speed[e, t, a] = state.agent_speed[e, a]
+            distance[e, t, a] = state.distance[e, a]
+            energy[e, t, a] = state.energy[e, a]
+            collisions[e, t, a] = state.collisions[e, a]
+            impact[e, t, a] = state.impact[e, a]
+            work[e, t, a] = state.work[e, a]
+            outcome[e, t, a] = state.outcome[e, a]
+            if moved:
+                direction[e, t, a] = moves.direction[e, a]
+                target[e, t, a] = moves.target[e, a]
 
 
 class EpisodeLog(Observer):
@@ -63,23 +120,21 @@ class EpisodeLog(Observer):
         self.direction = np.full(shape, -1, np.int8)
         self.target = np.zeros(shape, np.int32)
         self.target[:, 0] = mission.state.agent_node
+        tracks = Tracks(*(getattr(self, name) for name in Tracks._fields))
+        self._write_down = prepared(_write_down, tracks)
+        at_rest = np.zeros((episodes, agents), np.int8)
+        nowhere = at_rest.astype(np.int32)
+        self._no_moves = Moves(at_rest, nowhere, at_rest, at_rest.astype(np.bool_))
 
     def _write(self, mission: Mission, episodes: NDArray[np.int64]) -> None:
-        state = mission.state
-        at = (episodes, mission.step[episodes])
-        self.agent_node[at] = state.agent_node[episodes]
-        self.agent_rc[at] = state.agent_rc[episodes]
-        self.yaw[at] = state.agent_yaw[episodes]
-        self.speed[at] = state.agent_speed[episodes]
-        self.distance[at] = state.distance[episodes]
-        self.energy[at] = state.energy[episodes]
-        self.collisions[at] = state.collisions[episodes]
-        self.impact[at] = state.impact[episodes]
-        self.work[at] = state.work[episodes]
-        self.outcome[at] = state.outcome[episodes]
-        if mission.moves is not None:
-            self.direction[at] = mission.moves.direction[episodes]
-            self.target[at] = mission.moves.target[episodes]
+        state, moves = mission.state, mission.moves
+        self._write_down(
+            episodes,
+            mission.step,
+            Transition(*map(np.ascontiguousarray, state, _STATE_TYPES)),
+            self._no_moves if moves is None else moves,
+            moves is not None,
+        )
 
     def _finish(self, mission: Mission) -> None:
         entries = mission.ledger.entries

@@ -28,7 +28,7 @@ from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import metric_columns
 from mjforage.runs.workers import Assignment, Workers, keep_replay, run_chunks
 
-CHUNK = 25  # episodes per unit of work at graph level
+CHUNK = 50  # episodes per unit of work at graph level
 PHYSICS_CHUNK = 10  # the same with hulls, which take a second each
 BOOTSTRAP_SEED = 0
 

@@ -4,12 +4,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.fleet import Fleet, Role
-from graph_planner.knowledge import Knowledge, Looks, hear
+from graph_planner.knowledge import Knowledge, Looks
 from graph_planner.moves import MoveRules
 from graph_planner.navigation import navigation_graph
 from graph_planner.randomness import episode_keys
 from graph_planner.task import Task
 from mjforage.core.ledger import Ledger
+from mjforage.core.looking import Lookout
 
 GRAPH = navigation_graph(np.ones((1, 3), np.bool_), 1.0, True)
 SCOUT = Fleet.of({"scouts": Role(count=1, moves=1, radius=1.0, collects=False)})
@@ -26,7 +27,7 @@ class Watched:
     def __init__(self, detection: float, steps: int, rows: slice = slice(None)) -> None:
         keys, nodes = KEYS[rows], AGENT[rows]
         ledger, everyone = Ledger(TASK, detection), np.ones(keys.size, np.bool_)
-        ledger.reset(ITEMS[rows], keys)
+        ledger.reset(ITEMS[rows])
         self.entries = ledger.entries
         looks = Looks(
             active=everyone,
@@ -37,13 +38,11 @@ class Watched:
             room_left=np.zeros(nodes.shape, np.int64),
         )
         self.knowledge = Knowledge.of_starts(looks, len(GRAPH))
+        lookout = Lookout(TASK, detection, keys, ledger.entries, self.knowledge)
+        nobody = np.full(ITEMS[rows].shape, -1, np.int16)
         for step in range(steps + 1):
             looks = looks._replace(step=np.full(keys.size, step, np.int32))
-            nobody = np.full(ITEMS[rows].shape, -1, np.int16)
-            ledger.update(everyone, looks.step, ITEMS[rows], nobody)
-            heard = np.ones(nodes.shape, np.bool_)
-            hear(looks, heard, TASK.views, TASK.radius_number, self.knowledge)
-            ledger.credit(looks, self.knowledge.last_seen)
+            lookout.look(looks, ITEMS[rows], nobody)
 
 
 def share(values: NDArray[np.bool_]) -> float:
