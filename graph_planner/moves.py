@@ -180,6 +180,9 @@ def _resolve(
     legal = np.empty(9, np.int64)
     for e in range(n_episodes):
         if not active[e]:
+            for agent in range(n_agents):
+                direction[e, agent], target[e, agent] = STAY, agent_node[e, agent]
+                steps[e, agent], blocked[e, agent] = 0, False
             continue
         token = first_token + e
         key = stream_key(keys[e], Stream.CORRUPTION)
@@ -320,10 +323,10 @@ class Resolver:
                 "policy: gives preferences that are NaN; give illegal or unwanted moves -inf"
             )
         moves = Moves(
-            direction=np.full(agent_node.shape, STAY, np.int8),
-            target=agent_node.copy(),
-            steps=np.zeros(agent_node.shape, np.int8),
-            blocked=np.zeros(agent_node.shape, np.bool_),
+            direction=np.empty(agent_node.shape, np.int8),
+            target=np.empty(agent_node.shape, np.int32),
+            steps=np.empty(agent_node.shape, np.int8),
+            blocked=np.empty(agent_node.shape, np.bool_),
         )
         ask = Ask(
             active=active,

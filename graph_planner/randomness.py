@@ -72,9 +72,9 @@ def bits(key: np.uint64, index: int, step: int) -> np.uint64:
 
 
 @kernel
-def fill_bits(key: np.uint64, step: int, out: UInt64Array) -> None:
-    """`bits` of the indices 0, 1, ... (index,) of a step, as fast as the processor has lanes."""
-    for index in range(out.size):
+def fill_bits(key: np.uint64, step: int, count: int, out: UInt64Array) -> None:
+    """`bits` of the first `count` indices (index,) of a step, with all lanes of the processor."""
+    for index in range(count):
         out[index] = bits(key, index, step)
 
 

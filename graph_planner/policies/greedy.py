@@ -65,7 +65,7 @@ def _rewards(
         if not active[e]:
             continue
         items, now = known[e, : n_known[e]], step[e] - 1
-        fill_bits(stream_key(keys[e], Stream.POLICY), step[e], draws)
+        fill_bits(stream_key(keys[e], Stream.POLICY), step[e], draws.size, draws)
         possible_targets(arrays, agent_node[e], targets)
         distances_to_nearest(
             neighbours, distances, items, agent_node[e], targets, slack, workspace, nearest

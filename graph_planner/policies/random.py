@@ -3,21 +3,21 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import kernel, prepared
 from graph_planner.policies.registry import register
 from graph_planner.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
 from graph_planner.task import Observation, Task
 
 
 @kernel
-def _draw(seen: Observation, preferences: NDArray[np.float64]) -> None:
+def _draw(preferences: NDArray[np.float64], seen: Observation) -> None:
     """Fill preferences with uniform draws."""
     active, keys, step = seen.active, seen.keys, seen.step
     agents = preferences.shape[1]
     draws = np.empty(9 * agents, np.uint64)
     for e in range(active.size):
         if active[e]:
-            fill_bits(stream_key(keys[e], Stream.POLICY), step[e], draws)
+            fill_bits(stream_key(keys[e], Stream.POLICY), step[e], draws.size, draws)
             for a in range(agents):
                 for move in range(9):
                     preferences[e, a, move] = to_uniform(draws[9 * a + move])
@@ -30,8 +30,9 @@ class RandomPolicy:
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
+        self._draw = prepared(_draw, self._preferences)
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Independent uniform preferences (episode, agent, 9)."""
-        _draw(observation, self._preferences)
+        self._draw(observation)
         return self._preferences

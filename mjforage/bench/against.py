@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from mjforage.bench.slice_worker import workloads
+from mjforage.bench.slice_worker import NAMES
 from mjforage.core.errors import UserError
 
 WORKER = Path(__file__).with_name("slice_worker.py")
@@ -99,7 +99,7 @@ def against(
     ours, theirs = Side(Path(__file__).resolve().parents[2]), Side(other)
     found = []
     try:
-        for name in names or workloads():
+        for name in names or NAMES:
             progress(name)
             pairs = []
             for side in (ours, theirs):

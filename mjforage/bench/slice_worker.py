@@ -73,28 +73,30 @@ def _hulls() -> Callable[[], float]:
     return work
 
 
-def workloads() -> dict[str, Callable[[], Callable[[], float]]]:
-    """Name -> maker of a piece of work, which returns how many steps (or hashes) it was."""
-    return {
-        "hashing": lambda: _hashing,
-        "random, 400 episodes": lambda: _steps("random", 400),
-        "random, 100 episodes": lambda: _steps("random", 100),
-        "random, 1 episode": lambda: _steps("random", 1),
-        "greedy, 400 episodes": lambda: _steps("greedy", 400),
-        "greedy, 100 episodes": lambda: _steps("greedy", 100),
-        "levy, 100 episodes": lambda: _steps("levy", 100),
-        "evaluate greedy": lambda: _evaluation,
-        "physics": _hulls,
-    }
+NAMES = (
+    "hashing",
+    *("random, 400 episodes", "random, 100 episodes", "random, 1 episode"),
+    *("greedy, 400 episodes", "greedy, 100 episodes", "levy, 100 episodes"),
+    *("evaluate", "physics"),
+)
+"""Workloads: a policy and the episodes of its batch at graph level, or one of the others."""
+
+
+def _made(name: str) -> Callable[[], float]:
+    """A piece of work, which returns how many steps (or hashes) it was."""
+    policy, _, batch = name.partition(", ")
+    if batch:
+        return _steps(policy, int(batch.split()[0]))
+    return _hulls() if name == "physics" else {"hashing": _hashing, "evaluate": _evaluation}[name]
 
 
 def serve() -> None:
     """Answer requests until standard input ends; the first slice of a kind compiles before it."""
-    makers, made = workloads(), dict[str, Callable[[], float]]()
+    made: dict[str, Callable[[], float]] = {}
     for line in sys.stdin:
         name, _, seconds = line.strip().rpartition(" ")
         if name not in made:
-            made[name] = makers[name]()
+            made[name] = _made(name)
             made[name]()
         done, started = 0.0, time.process_time()
         while (spent := time.process_time() - started) < float(seconds):

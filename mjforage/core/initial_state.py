@@ -163,6 +163,18 @@ def items_by_node(item_node: Int32Array, nodes: int) -> NDArray[np.int16]:
     return counts
 
 
+def item_places(item_node: Int32Array) -> NDArray[np.int64]:
+    """(episode,) leading places that hold an item or did, of (episode, item): the rest is padding.
+
+    Parameters
+    ----------
+    item_node : at step 0, -1 for padding
+    """
+    place = np.arange(1, item_node.shape[1] + 1)
+    places: NDArray[np.int64] = np.where(item_node >= 0, place, 0).max(axis=1, initial=0)
+    return places
+
+
 def nearest_nodes(water: Water, rc: NDArray[np.float64]) -> Int32Array:
     """(...,) node of each position (..., 2): its cell's, or the nearest one's on land [node]."""
     flat = np.ascontiguousarray(rc.reshape(-1, 2))

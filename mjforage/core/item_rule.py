@@ -19,6 +19,7 @@ from mjforage.core.initial_state import (
     WALLS,
     InitialState,
     into_water,
+    item_places,
     items_by_node,
     put_back,
     to_symmetric,
@@ -33,6 +34,7 @@ class Surroundings(NamedTuple):
     collects: NDArray[np.bool_]  # (agent,)
     room_left: NDArray[np.int64]  # (episode, agent) items
     items_in_node: NDArray[np.int16]  # (episode, node)
+    places: NDArray[np.int64]  # (episode,) see `item_places`
     keys: UInt64Array  # (episode,)
     drift_rc: NDArray[np.float64]  # (episode, 2) [node/step]
     noise: float  # half width of the drift's random part [node/step]
@@ -131,6 +133,7 @@ def _drift(
     first, last : episodes from the first to before the last
     """
     keys, drift_rc, noise, corners = around.keys, around.drift_rc, around.noise, around.corners
+    places = around.places
     water, walls, items_in_node = around.water, around.walls, around.items_in_node
     framed, rows, cols = water
     bottom, right_edge = framed.shape[0] - 3, framed.shape[1] - 3
@@ -138,20 +141,21 @@ def _drift(
     for e in range(first, last):
         if not active[e]:
             continue
-        fill_bits(stream_key(keys[e], Stream.NOISE), step[e], draws)
+        n_items = places[e]
+        fill_bits(stream_key(keys[e], Stream.NOISE), step[e], n_items, draws)
         drift_row, drift_col = drift_rc[e, 0], drift_rc[e, 1]
-        for k in range(item_node.shape[1]):
+        for k in range(n_items):
             noise_row, noise_col = to_symmetric(draws[k])
             to_row, to_col = drift_row + noise * noise_row, drift_col + noise * noise_col
             left = item_node[e, k] >= 0
             shift[2 * k] = to_row if left else 0.0
             shift[2 * k + 1] = to_col if left else 0.0
-        for j in range(item_rc.shape[1]):
+        for j in range(2 * n_items):
             moved = item_rc[e, j] + shift[j]
             item_rc[e, j] = moved
             beyond[j] = abs(moved - centre[e, j]) >= 0.5
         n_gone = 0
-        for k in range(item_node.shape[1]):
+        for k in range(n_items):
             gone[n_gone] = k
             n_gone += (beyond[2 * k] | beyond[2 * k + 1]) & (item_node[e, k] >= 0)
         for i in range(n_gone):
@@ -241,6 +245,7 @@ class ItemRule:
                 collects=self._fleet.collects,
                 room_left=np.tile(self._fleet.capacity, (keys.size, 1)),
                 items_in_node=items_in_node,
+                places=item_places(initial.item_node),
                 keys=keys,
                 drift_rc=initial.drift_rc,
                 noise=self._noise,
@@ -283,6 +288,6 @@ class ItemRule:
         state : of the mixed batch; `advance` changes its items
         """
         mine, theirs = self._around, other._around
-        names = ("keys", "drift_rc", "room_left", "items_in_node")
+        names = ("keys", "places", "drift_rc", "room_left", "items_in_node")
         mixed = {n: put_rows(getattr(mine, n), rows, getattr(theirs, n)) for n in names}
         self._begin(mine._replace(**mixed), state)

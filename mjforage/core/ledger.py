@@ -17,11 +17,13 @@ from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from graph_planner.rows import put_rows
 from graph_planner.task import Task
 from graph_planner.visibility import NodeLists
+from mjforage.core.initial_state import item_places
 
 
 class Entries(NamedTuple):
     """The arrays of a ledger. Steps are -1 for never, agents -1 for nobody."""
 
+    places: NDArray[np.int64]  # (episode,) see `item_places`
     truth: NDArray[np.int16]  # (episode, node) items
     counted_node: Int32Array  # (episode, item) node in which `truth` counts it, -1 not at all
     sighted: NDArray[np.int16]  # (episode, node) items that a look shows now; or `truth`
@@ -50,13 +52,13 @@ def count(
     taken_by : (episode, item) agent that removed it, -1 nobody
     first, last : episodes from the first to before the last
     """
-    truth, counted_node = entries.truth, entries.counted_node
+    places, truth, counted_node = entries.places, entries.truth, entries.counted_node
     t_discovered, discovered_by = entries.t_discovered, entries.discovered_by
     t_collected, collected_by = entries.t_collected, entries.collected_by
     for e in range(first, last):
         if not active[e]:
             continue
-        for k in range(item_node.shape[1]):
+        for k in range(places[e]):
             before, after = counted_node[e, k], item_node[e, k]
             if before == after:
                 continue
@@ -88,13 +90,13 @@ def sight(
     detection : probability that an item in view is seen, drawn per item and step
     first, last : episodes from the first to before the last
     """
-    counted_node, sighted = entries.counted_node, entries.sighted
+    places, counted_node, sighted = entries.places, entries.counted_node, entries.sighted
     sighted_node = entries.sighted_node
     for e in range(first, last):
         if not active[e]:
             continue
         key = stream_key(keys[e], Stream.DETECTION)
-        for k in range(counted_node.shape[1]):
+        for k in range(places[e]):
             before, after = sighted_node[e, k], counted_node[e, k]
             if after >= 0 and uniform(key, k, step[e]) >= detection:
                 after = np.int32(-1)
@@ -128,6 +130,7 @@ def credit(
     active, step, agent_node = looks.active, looks.step, looks.agent_node
     known, n_known, last_seen = knowledge.known, knowledge.n_known, knowledge.last_seen
     start, nodes, sighted_node = views.start, views.nodes, entries.sighted_node
+    places = entries.places
     t_discovered, discovered_by = entries.t_discovered, entries.discovered_by
     for e in range(first, last):
         if not active[e]:
@@ -139,7 +142,7 @@ def credit(
                 in_view[node] = any_in_view = True
         if not any_in_view:
             continue
-        for k in range(sighted_node.shape[1]):
+        for k in range(places[e]):
             if t_discovered[e, k] >= 0 or sighted_node[e, k] < 0:
                 continue
             if not in_view[np.uint64(sighted_node[e, k])]:
@@ -172,12 +175,13 @@ class Ledger:
 
         Parameters
         ----------
-        item_node : (episode, item); their number is what counts here
+        item_node : (episode, item) at step 0, -1 for padding
         """
         items, nodes = item_node.shape, (item_node.shape[0], self._nodes)
         truth, counted_node = np.zeros(nodes, np.int16), np.full(items, -1, np.int32)
         certain = self._detection >= 1.0
         self.entries = Entries(
+            places=item_places(item_node),
             truth=truth,
             counted_node=counted_node,
             sighted=truth if certain else truth.copy(),

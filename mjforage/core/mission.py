@@ -25,6 +25,8 @@ from mjforage.core.ledger import Ledger
 from mjforage.core.looking import Lookout
 from mjforage.core.setup import Setup
 
+_ONE = np.ones(1, np.int32)
+
 
 @kernel
 def _go_on(
@@ -187,7 +189,7 @@ class Mission:
 
     def _observed(self, knowledge: Knowledge, holders: int) -> Observation:
         """Knowledge as a policy sees it, the episodes' arrays once for each holder."""
-        active, step, keys = self.active, self.step + np.int32(1), self.keys
+        active, step, keys = self.active, self.step + _ONE, self.keys
         if holders > 1:
             active, step, keys = (np.repeat(each, holders) for each in (active, step, keys))
         return Observation(
@@ -259,7 +261,7 @@ class Mission:
             self.state.agent_node,
             self.knowledge.energy_left,
             self.exchange.knowledge.belief,
-            self.step + np.int32(1),
+            self.step + _ONE,
             self.keys,
             self.exchange.holder_of,
         )
