@@ -94,8 +94,10 @@ def against(
     Raises
     ------
     UserError
-        If the folder holds no checkout, or one that cannot do the work.
+        If there are fewer than 2 slices, or the folder holds no checkout or one that cannot do it.
     """
+    if slices < 2:
+        raise UserError(f"--slices {slices}: give at least 2")
     ours, theirs = Side(Path(__file__).resolve().parents[2]), Side(other)
     found = []
     try:

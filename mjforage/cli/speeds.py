@@ -1,7 +1,8 @@
 """`mjforage bench`."""
 
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 from rich.table import Table
@@ -9,25 +10,44 @@ from rich.table import Table
 from mjforage.cli.console import app, errors, output
 from mjforage.core.errors import UserError
 
+if TYPE_CHECKING:
+    from mjforage.bench.running import Figures
+
 
 def _rounded(value: float) -> str:
     return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"
 
 
 @app.command
-def bench(*, json_file: Annotated[Path | None, Parameter(name="--json")] = None) -> None:
+def bench(
+    *,
+    json_file: Annotated[Path | None, Parameter(name="--json")] = None,
+    against: Path | None = None,
+    slices: int = 9,
+) -> None:
     """Measure speeds on this machine, in CPU seconds of one core.
 
     Parameters
     ----------
     json_file
-        Also write {key: {"value", "unit"}} to this file.
+        Also write the figures to this file: {key: {"value", "unit"}}, or a list of comparisons.
+    against
+        Folder of another checkout: measure it beside this one, in slices of CPU time in turn, which
+        is the way to compare two states of the code on a machine with other work to do.
+    slices
+        Slices of each side and workload, with --against.
     """
-    from mjforage.bench.running import bench as measure
     from mjforage.core.whole_files import write_json
 
     if json_file is not None and not json_file.parent.is_dir():
         raise UserError(f"--json {json_file}: cannot be written, no folder {json_file.parent}")
+    found = _measured() if against is None else _compared(against, slices)
+    if json_file is not None:
+        write_json(json_file, found)
+
+
+def _measured() -> "Figures":
+    from mjforage.bench.running import bench as measure
 
     with errors.status("measuring") as status:
         figures = measure(lambda key: status.update(f"measuring {key}"))
@@ -35,5 +55,18 @@ def bench(*, json_file: Annotated[Path | None, Parameter(name="--json")] = None)
     for key, figure in figures.items():
         table.add_row(key, _rounded(float(figure["value"])), str(figure["unit"]))
     output.print(table)
-    if json_file is not None:
-        write_json(json_file, figures)
+    return figures
+
+
+def _compared(other: Path, slices: int) -> list[dict[str, float | str]]:
+    from mjforage.bench.against import against
+
+    with errors.status("measuring") as status:
+        pairs = against(other, slices, progress=lambda name: status.update(f"measuring {name}"))
+    table = Table("work per CPU second", "this code", str(other), "ratio", "middle half of ratios")
+    for pair in pairs:
+        half = f"{pair.low:.2f} to {pair.high:.2f}"
+        rates = _rounded(pair.ours), _rounded(pair.theirs)
+        table.add_row(pair.name, *rates, f"{pair.ratio:.2f}", half)
+    output.print(table)
+    return [asdict(pair) for pair in pairs]

@@ -3,6 +3,19 @@
 import subprocess
 import sys
 from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel, prepared
+
+
+class Pair(NamedTuple):
+    factor: NDArray[np.float64]
+    offset: float
+
 
 CALLER = """
 from graph_planner.compiled import kernel
@@ -74,3 +87,36 @@ def test_a_class_that_is_no_more_spoils_no_cache(tmp_path: Path) -> None:
             check=True,
         )
         assert done.stdout == "3.0\n"
+
+
+@kernel
+def _scale(by: Pair, values: NDArray[np.float64]) -> float:
+    for i in range(values.size):
+        values[i] = by.factor[i] * values[i] + by.offset
+    return float(values.sum())
+
+
+def test_a_prepared_kernel_keeps_its_first_arguments_and_sees_what_becomes_of_them() -> None:
+    factor = np.array([2.0, 3.0])
+    scale = prepared(_scale, Pair(factor, 1.0))
+    first, second = np.ones(2), np.array([1.0, 10.0])
+    assert scale(first) == 3.0 + 4.0  # compiles
+    assert scale(second) == 3.0 + 31.0  # goes straight to the compiled code
+    factor[:] = 0.0
+    assert scale(second) == 2.0
+    assert first.tolist() == [3.0, 4.0]
+    assert second.tolist() == [1.0, 1.0]
+
+
+def test_a_prepared_kernel_passes_errors_on() -> None:
+    fails = prepared(_fail)
+    for _ in range(2):
+        with pytest.raises(ValueError, match="no number"):
+            fails(1)
+
+
+@kernel
+def _fail(number: int) -> int:
+    if number > 0:
+        raise ValueError("no number")
+    return number

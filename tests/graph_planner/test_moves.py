@@ -4,7 +4,7 @@ from numpy.typing import NDArray
 
 from graph_planner.errors import UserError
 from graph_planner.fleet import Fleet, Role
-from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
+from graph_planner.moves import Corruption, MoveRules, Moves, Resolver, all_targets, free_move
 from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
 from graph_planner.randomness import episode_keys
 from tests.graph_planner.charts import grid
@@ -229,3 +229,20 @@ def test_bad_preferences_are_refused(fault: str, words: str) -> None:
     energy, belief = np.full((1, 1), np.inf), np.zeros((1, 25), np.int16)
     with pytest.raises(UserError, match=words):
         resolver(np.ones(1, np.bool_), preferences, node, energy, belief, step, keys)
+
+
+@pytest.mark.parametrize("stay", [False, True])
+@pytest.mark.parametrize("shorten", [False, True])
+def test_the_table_of_targets_is_where_free_moves_end(stay: bool, shorten: bool) -> None:
+    graph = navigation_graph(grid(".....", "..#..", "....."), 1.0, False)
+    strides, rules = np.array([1, 2]), MoveRules(stay, shorten)
+    table, nobody = all_targets(graph, strides, rules), np.empty(0, np.int64)
+    for i, stride in enumerate(strides):
+        for node in range(len(graph)):
+            for move in range(9):
+                end, _ = free_move(graph.neighbours, nobody, -1, node, move, stride, stay, shorten)
+                assert table[i, node, move] == end
+    middle = int(graph.node_of_cell[1, 1])  # land to the east of it
+    assert table[0, middle, 2] == -1
+    west = int(graph.node_of_cell[1, 0])  # one node of water, then land
+    assert table[1, west, 2] == (middle if shorten else -1)

@@ -146,3 +146,16 @@ def test_a_graph_is_built_once_per_map() -> None:
     cells = np.ones((4, 4), np.bool_)
     assert navigation_graph(cells, 4.0, False) is navigation_graph(cells.copy(), 4.0, False)
     assert navigation_graph(cells, 4.0, True) is not navigation_graph(cells, 4.0, False)
+
+
+def test_a_corner_is_one_whose_three_other_cells_are_all_land() -> None:
+    graph = navigation_graph(grid("..#", "...", "##."), 1.0, False)
+    corners = {
+        (int(r), int(c)): found.tolist()
+        for r, c, found in zip(graph.rows, graph.cols, graph.corners, strict=True)
+    }
+    assert corners[0, 0] == [True, False, False, False]  # the map's north-west corner
+    assert corners[0, 1] == [False, True, False, False]  # land to the east, the edge above
+    assert corners[1, 0] == [False, False, True, False]
+    assert corners[1, 1] == [False] * 4
+    assert corners[2, 2] == [False, False, True, True]  # land to the west, and below

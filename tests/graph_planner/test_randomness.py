@@ -2,7 +2,16 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from graph_planner.randomness import Stream, episode_keys, normal, stream_key, uniform
+from graph_planner.randomness import (
+    Stream,
+    bits,
+    episode_keys,
+    fill_bits,
+    normal,
+    stream_key,
+    to_uniform,
+    uniform,
+)
 
 GOLDEN = [0.10063856910330715, 0.04200778606163369, 0.2888124517485807]
 
@@ -55,3 +64,10 @@ def test_normals_are_normal() -> None:
     draws = np.array([normal(key, i, 2) for i in range(5000)])
     assert stats.kstest(draws, "norm").pvalue > 0.01
     assert abs(np.corrcoef(draws[:-1], draws[1:])[0, 1]) < 0.04
+
+
+def test_many_bits_are_those_of_each_index() -> None:
+    key, out = np.uint64(stream_key(np.uint64(5), Stream.NOISE)), np.zeros(9, np.uint64)
+    fill_bits(key, 3, 7, out)
+    assert out.tolist() == [int(bits(key, i, 3)) for i in range(7)] + [0, 0]
+    assert to_uniform(out[2]) == uniform(key, 2, 3)

@@ -7,7 +7,14 @@ from scipy import stats
 from graph_planner.compiled import kernel
 from graph_planner.navigation import Water, navigation_graph
 from graph_planner.randomness import episode_keys
-from mjforage.core.initial_state import WALLS, create_initial_state, into_water, nodes_around
+from mjforage.core.initial_state import (
+    WALLS,
+    create_initial_state,
+    into_water,
+    item_places,
+    items_by_node,
+    nodes_around,
+)
 from mjforage.core.scenario import Items, Weather
 
 KEYS = episode_keys(0, np.arange(3000))
@@ -156,3 +163,9 @@ def test_several_hotspots_share_the_items_and_one_is_the_default() -> None:
     assert one.item_rc[inland, :40].std(axis=1).max() < 1.6
     apart = np.abs(two.item_rc[:, 0:40:2].mean(axis=1) - two.item_rc[:, 1:40:2].mean(axis=1))
     assert np.median(apart.max(axis=1)) > 10
+
+
+def test_places_end_with_the_last_item_and_counts_leave_padding_out() -> None:
+    nodes = np.array([[2, 0, 2, -1], [-1, 1, -1, -1], [-1, -1, -1, -1]], np.int32)
+    assert item_places(nodes).tolist() == [3, 2, 0]
+    assert items_by_node(nodes, 3).tolist() == [[1, 0, 2], [0, 1, 0], [0, 0, 0]]

@@ -5,6 +5,7 @@ from scipy import ndimage
 
 from graph_planner.policies import create_policy, policy_names
 from mjforage.core.errors import UserError
+from mjforage.core.initial_state import WALLS
 from mjforage.core.maps import GridMap
 from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import Scorer
@@ -82,6 +83,7 @@ def test_kernels_agree_on_small_ragged_maps_with_water_at_the_border(seed: int) 
         *("horizon=25", "items.mean=30", "map.starts=[]", "team.scouts.count=1"),
         *("team.foragers.count=1", "weather.drift_node_per_step=0.4"),
         f"map.corner_cutting={str(bool(seed % 2)).lower()}",
+        f"rules.walls={WALLS[seed % 3]}",
     )
     setup = Setup(load_scenario("comb-port", overrides), GridMap("ragged", navigable))
     mission, slow = Mission(setup), [SlowMission(setup, seed, e) for e in range(3)]
