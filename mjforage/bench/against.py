@@ -10,6 +10,7 @@ import statistics
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -69,7 +70,7 @@ class Side:
             raise UserError(f"{self.checkout}: cannot run {name!r}; its own message stands above")
         return float(answer[0]) / float(answer[1])
 
-    def end(self) -> None:
+    def close(self) -> None:
         """Let it end."""
         self._process.communicate()
 
@@ -98,9 +99,8 @@ def against(
     """
     if slices < 2:
         raise UserError(f"--slices {slices}: give at least 2")
-    ours, theirs = Side(Path(__file__).resolve().parents[2]), Side(other)
-    found = []
-    try:
+    here, found = Path(__file__).resolve().parents[2], []
+    with closing(Side(here)) as ours, closing(Side(other)) as theirs:
         for name in names or NAMES:
             progress(name)
             pairs = []
@@ -110,11 +110,8 @@ def against(
                 order = (ours, theirs) if turn % 2 == 0 else (theirs, ours)
                 rates = {side: side.rate(name, seconds) for side in order}
                 pairs.append((rates[ours], rates[theirs]))
-            ratios = [mine / other_rate for mine, other_rate in pairs]
+            ratios = [ours_now / theirs_now for ours_now, theirs_now in pairs]
             low, middle, high = statistics.quantiles(ratios, n=4)
-            middles = (statistics.median(side) for side in zip(*pairs, strict=True))
-            found.append(Beside(name, *middles, middle, low, high))
-    finally:
-        ours.end()
-        theirs.end()
+            mine, other_rates = (statistics.median(side) for side in zip(*pairs, strict=True))
+            found.append(Beside(name, mine, other_rates, middle, low, high))
     return found

@@ -10,6 +10,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any, cast
 
 import numba
 import numpy as np
@@ -26,7 +27,6 @@ EVALUATED = 400  # episodes of a call
 HORIZON = 20  # decisions with hulls
 
 
-@numba.njit  # type: ignore[untyped-decorator]
 def _hash(count: int) -> np.uint64:
     """Integer hashing, the yardstick: it hangs on the core alone, not on memory."""
     value = np.uint64(1)
@@ -37,8 +37,11 @@ def _hash(count: int) -> np.uint64:
     return value
 
 
+_fast_hash = cast(Any, numba).njit(_hash)
+
+
 def _hashing() -> float:
-    _hash(HASHES)
+    _fast_hash(HASHES)
     return HASHES
 
 

@@ -3,7 +3,7 @@
 Items drift by a constant vector plus independent noise per item and step (scenario section 1).
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -162,14 +162,14 @@ def _drift(
             k_gone = np.uint64(gone[i])  # unsigned: an index that never counts from the end
             at_row, at_col = 2 * k_gone, 2 * k_gone + np.uint64(1)
             row, col = item_rc[e, at_row], item_rc[e, at_col]
-            before = np.int64(item_node[e, k_gone])
+            before = int(item_node[e, k_gone])
             centre_row, centre_col = centre[e, at_row], centre[e, at_col]
             off_row, off_col = row - centre_row, col - centre_col
             far_row, far_col = abs(off_row), abs(off_col)
             inside = (row >= 0.0) & (row <= bottom) & (col >= 0.0) & (col <= right_edge)
-            after = np.int64(-1)
+            after = -1
             if inside:
-                after = np.int64(framed[np.uint64(row + 1.5), np.uint64(col + 1.5)])
+                after = int(framed[np.uint64(row + 1.5), np.uint64(col + 1.5)])
             if after < 0:
                 # On a quay, mostly straight ahead of its node or in a corner: no other is nearer.
                 ahead = (far_row + far_col < _AHEAD) & (min(far_row, far_col) < _BESIDE)
@@ -180,7 +180,7 @@ def _drift(
                     row, col = put_back(walls, row, col, centre_row, centre_col)
                 elif near:
                     r, c = rows[before], cols[before]
-                    after = np.int64(_nearest_of_four(framed, before, r, c, off_row, off_col))
+                    after = _nearest_of_four(framed, before, r, c, off_row, off_col)
                     row, col = put_back(walls, row, col, rows[after], cols[after])
                 else:
                     row, col, after = into_water(water, walls, row, col)
@@ -289,5 +289,7 @@ class ItemRule:
         """
         mine, theirs = self._around, other._around
         names = ("keys", "places", "drift_rc", "room_left", "items_in_node")
-        mixed = {n: put_rows(getattr(mine, n), rows, getattr(theirs, n)) for n in names}
+        mixed: dict[str, Any] = {
+            name: put_rows(getattr(mine, name), rows, getattr(theirs, name)) for name in names
+        }
         self._begin(mine._replace(**mixed), state)

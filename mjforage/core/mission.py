@@ -178,9 +178,8 @@ class Mission:
     def _fill_stores(self) -> None:
         """What every agent starts with, for as many episodes as there are."""
         fleet, episodes = self.setup.fleet, (self.keys.size, 1)
-        self._full_energy, self._full_room = (
-            np.tile(store, episodes) for store in (fleet.energy, fleet.capacity)
-        )
+        self._full_energy = np.tile(fleet.energy, episodes)
+        self._full_room = np.tile(fleet.capacity, episodes)
 
     @property
     def observation(self) -> Observation:
