@@ -91,7 +91,8 @@ def _paper_rows(known: Published, metrics: Sequence[Description], intervals: boo
             if intervals and metric.key in half:
                 text += f" ± {number(half[metric.key], metric.digits)}"
             cells.append(text)
-        rows.append(Row(head, tuple(cells), paper=True))
+        if any(cell != NOTHING for cell in cells):
+            rows.append(Row(head, tuple(cells), paper=True))
     return rows
 
 
