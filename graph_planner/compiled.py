@@ -4,11 +4,12 @@ Kernels take related arrays as one named tuple, and take what they need out of i
 before their loops: reading a field counts references, which costs more than the arithmetic.
 """
 
+import copy
 import hashlib
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, Generic, TypeVar, cast
 
 import numba
 from numba.core.caching import FunctionCache
@@ -64,26 +65,37 @@ def kernel(function: F) -> F:
     return _compiled(function, "never")
 
 
-def prepared(function: Callable[..., T], *fixed: object) -> Callable[..., T]:
+class prepared(Generic[T]):  # noqa: N801  what it makes is called like a function
     """A kernel that keeps its first arguments and no longer looks at anybody's type: for kernels
     called once per decision, where finding out the types of dozens of arrays takes most of a call.
 
     The first call compiles; later arguments must be of the same types as those of the first call
-    (arrays: of the same item, dimensions and contiguity), which is the caller's business.
+    (arrays: of the same item, dimensions and contiguity), which is the caller's business. A copy
+    keeps copies of the first arguments.
     """
-    entry: list[Callable[..., T]] = []
 
-    def call(*rest: object) -> T:
-        if entry:
-            return entry[0](*fixed, *rest)
-        answer = function(*fixed, *rest)
-        dispatcher = cast(Any, function)
+    def __init__(self, function: Callable[..., T], *fixed: object) -> None:
+        self._function, self._fixed = function, fixed
+        self._entry: Callable[..., T] | None = None
+
+    def __call__(self, *rest: object) -> T:
+        """Run the kernel on the first arguments and these."""
+        if self._entry is not None:
+            return self._entry(*self._fixed, *rest)
+        answer = self._function(*self._fixed, *rest)
+        dispatcher = cast(Any, self._function)
         if hasattr(dispatcher, "overloads"):  # not when numba is switched off
-            types = tuple(map(dispatcher.typeof_pyval, (*fixed, *rest)))
-            entry.append(dispatcher.overloads[types].entry_point)
+            types = tuple(map(dispatcher.typeof_pyval, (*self._fixed, *rest)))
+            self._entry = dispatcher.overloads[types].entry_point
         return answer
 
-    return call
+    def __deepcopy__(self, memo: dict[int, Any]) -> "prepared[T]":
+        """The same kernel on copies."""
+        return prepared(self._function, *copy.deepcopy(self._fixed, memo))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """The kernel and its arguments; another process finds the compiled code itself."""
+        return prepared, (self._function, *self._fixed)
 
 
 def inlined(function: F) -> F:

@@ -131,6 +131,16 @@ class Observation(NamedTuple):
     agent_seen: Int32Array  # (row, agent) step of which `agent_node` tells; now is `step` - 1
 
 
+_TYPES = ("?", "i4", "u8", "i4", "f8", "i8", "i2", "i2", "i4", "i4", "i4")  # of its fields
+
+
+def plain(observation: Observation) -> Observation:
+    """An observation whose arrays are of the types above, one item beside the other, as prepared
+    kernels need them; those that are so already are not copied.
+    """
+    return Observation(*map(np.ascontiguousarray, observation, _TYPES))
+
+
 class Truth(NamedTuple):
     """Where the items are and how they drift: for bounds only, never for a policy in a comparison.
 

@@ -16,7 +16,7 @@ from graph_planner.geodesics import FAR, Workspace, distances_to_nearest
 from graph_planner.policies.registry import register
 from graph_planner.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
 from graph_planner.seeking import TIE, longest_move, possible_targets
-from graph_planner.task import Observation, Task, TaskArrays
+from graph_planner.task import Observation, Task, TaskArrays, plain
 from graph_planner.visibility import NodeLists
 
 _FULL_BITS = 40
@@ -120,5 +120,5 @@ class GreedyPolicy:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Instant rewards (episode, agent, 9) of all moves."""
-        self._fill(observation)
+        self._fill(plain(observation))
         return self._preferences

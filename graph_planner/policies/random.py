@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from graph_planner.compiled import kernel, prepared
 from graph_planner.policies.registry import register
 from graph_planner.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
-from graph_planner.task import Observation, Task
+from graph_planner.task import Observation, Task, plain
 
 
 @kernel
@@ -34,5 +34,5 @@ class RandomPolicy:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Independent uniform preferences (episode, agent, 9)."""
-        self._draw(observation)
+        self._draw(plain(observation))
         return self._preferences

@@ -10,7 +10,7 @@ import statistics
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -63,8 +63,9 @@ class Side:
             If that checkout cannot do it.
         """
         assert self._process.stdin is not None and self._process.stdout is not None
-        self._process.stdin.write(f"{name} {seconds}\n")
-        self._process.stdin.flush()
+        with suppress(BrokenPipeError):  # it has ended: no answer comes
+            self._process.stdin.write(f"{name} {seconds}\n")
+            self._process.stdin.flush()
         answer = self._process.stdout.readline().split()
         if not answer:
             raise UserError(f"{self.checkout}: cannot run {name!r}; its own message stands above")
@@ -72,7 +73,8 @@ class Side:
 
     def close(self) -> None:
         """Let it end."""
-        self._process.communicate()
+        with suppress(BrokenPipeError):
+            self._process.communicate()
 
 
 def against(

@@ -62,6 +62,8 @@ def start_state(initial: InitialState, centres: NDArray[np.float64]) -> Transiti
 class Dynamics(Protocol):
     """How a world moves. Batched over episodes; one episode is a batch of one.
 
+    All items are there at step 0, or never: places that are empty then are padding.
+
     Attributes
     ----------
     detection : probability that an item in view is seen, drawn per item and step

@@ -25,7 +25,7 @@ from mjforage.core.initial_state import (
     to_symmetric,
 )
 
-_AHEAD, _BESIDE = 1.0 - 1e-6, 0.5 - 1e-6  # [node] with room for rounding
+_AHEAD = 1.0 - 1e-6  # [node] of both offsets together, with room for rounding
 
 
 class Surroundings(NamedTuple):
@@ -172,7 +172,7 @@ def _drift(
                 after = int(framed[np.uint64(row + 1.5), np.uint64(col + 1.5)])
             if after < 0:
                 # On a quay, mostly straight ahead of its node or in a corner: no other is nearer.
-                ahead = (far_row + far_col < _AHEAD) & (min(far_row, far_col) < _BESIDE)
+                ahead = far_row + far_col < _AHEAD
                 side = 2 * np.uint64(off_row >= 0) + np.uint64(off_col >= 0)
                 near = inside & (far_row * far_row + far_col * far_col < 1.0)
                 if near & (ahead | corners[np.uint64(before), side]):

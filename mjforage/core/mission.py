@@ -157,7 +157,7 @@ class Mission:
 
     @property
     def energy_left(self) -> NDArray[np.float64]:
-        """(episode, agent) distance that can still be travelled [node].
+        """(episode, agent) distance that can still be travelled [node]; live, not to be changed.
 
         A hull can overdraw its budget by the way it makes beyond a straight line; then it stays.
         """
@@ -167,7 +167,9 @@ class Mission:
 
     @property
     def room_left(self) -> NDArray[np.int64]:
-        """(episode, agent) items that can still be taken aboard, `UNLIMITED` if any number."""
+        """(episode, agent) items that can still be taken aboard, `UNLIMITED` if any number; live,
+        not to be changed.
+        """
         if not self._holds.size:
             return self._full_room
         room, taken_by = self._full_room.copy(), self.state.collected_by

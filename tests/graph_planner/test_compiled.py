@@ -1,5 +1,7 @@
 """Compiled kernels must follow the sources of everything that they call."""
 
+import copy
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -120,3 +122,14 @@ def _fail(number: int) -> int:
     if number > 0:
         raise ValueError("no number")
     return number
+
+
+def test_a_copy_of_a_prepared_kernel_has_arguments_of_its_own() -> None:
+    factor = np.array([2.0, 3.0])
+    scale = prepared(_scale, Pair(factor, 1.0))
+    scale(np.ones(2))
+    for again in (copy.deepcopy(scale), pickle.loads(pickle.dumps(scale))):  # noqa: S301  ours
+        factor[:] = 0.0
+        assert again(np.ones(2)) == 3.0 + 4.0
+        assert scale(np.ones(2)) == 2.0
+        factor[:] = 2.0, 3.0

@@ -1,3 +1,4 @@
+import copy
 import itertools
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from graph_planner.fleet import Role
 from graph_planner.moves import MoveRules
 from graph_planner.navigation import OFFSETS, STAY, NavigationGraph, navigation_graph
 from graph_planner.policies import create_policy, policy_names, register
+from graph_planner.policies.greedy import _saturation
 from graph_planner.policies.lawnmower import LawnmowerPolicy, lane_corners
 from graph_planner.policies.registry import policy_files
 from graph_planner.randomness import Stream, episode_keys, stream_key
@@ -311,3 +313,27 @@ def test_preferences_are_the_same_bits_alone_and_in_a_batch(
 
 def test_compass_offsets_are_unit_moves() -> None:
     assert np.abs(OFFSETS[:8]).max() == 1 and (np.abs(OFFSETS[1:8:2]).sum(axis=1) == 2).all()
+
+
+@pytest.mark.parametrize("name", ["greedy", "random"])
+def test_a_policy_answers_alike_for_arrays_of_another_layout_and_from_a_copy(name: str) -> None:
+    graph = navigation_graph(np.ones((6, 6), np.bool_), 1.0, False)
+    task = task_of(graph, scouts=SCOUT)
+    observation = observation_of(task, [(2, 2)], {(4, 4): 2}, episodes=3)
+    policy = create_policy(name)
+    policy.reset(task, observation.keys)
+    expected = policy.act(observation).copy()
+    odd = observation._replace(
+        step=observation.step.astype(np.int64),
+        last_seen=np.repeat(observation.last_seen, 2, axis=1)[:, ::2],
+        belief=np.asfortranarray(observation.belief),
+    )
+    assert (policy.act(odd) == expected).all()
+    twin, later = copy.deepcopy(policy), observation._replace(step=observation.step + 1)
+    assert (twin.act(later) == policy.act(later)).all()
+    assert (twin.act(observation) == expected).all()
+
+
+def test_a_node_is_saturated_at_the_first_age_of_idleness_one() -> None:
+    assert _saturation(1.0 / 135.0) == 135
+    assert _saturation(1.0 / (0.9 * 148)) == 134  # 133.2 steps

@@ -28,3 +28,12 @@ def test_what_is_no_checkout_and_too_few_slices_are_refused(tmp_path: Path) -> N
         against(tmp_path)
     with pytest.raises(UserError, match="--slices 1: give at least 2"):
         against(HERE, slices=1)
+
+
+def test_a_checkout_that_cannot_be_imported_is_one_error(tmp_path: Path) -> None:
+    for name in ("mjforage", "mjforage/core"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "__init__.py").touch()
+    (tmp_path / "mjforage" / "core" / "mission.py").write_text("import there_is_no_such_thing\n")
+    with pytest.raises(UserError, match="cannot run 'hashing'; its own message stands above"):
+        against(tmp_path, slices=2, seconds=0.01, names=("hashing",))

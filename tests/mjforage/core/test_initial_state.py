@@ -15,6 +15,7 @@ from mjforage.core.initial_state import (
     items_by_node,
     nodes_around,
 )
+from mjforage.core.item_rule import _nearest_of_four
 from mjforage.core.scenario import Items, Weather
 
 KEYS = episode_keys(0, np.arange(3000))
@@ -169,3 +170,18 @@ def test_places_end_with_the_last_item_and_counts_leave_padding_out() -> None:
     nodes = np.array([[2, 0, 2, -1], [-1, 1, -1, -1], [-1, -1, -1, -1]], np.int32)
     assert item_places(nodes).tolist() == [3, 2, 0]
     assert items_by_node(nodes, 3).tolist() == [[1, 0, 2], [0, 1, 0], [0, 0, 0]]
+
+
+def test_a_tie_of_far_nodes_goes_to_the_lowest_whichever_ring_it_is_in() -> None:
+    navigable = np.zeros((12, 12), np.bool_)
+    navigable[0, 5] = navigable[8, 9] = True  # both five nodes from (5, 5): rings 5 and 4
+    water = navigation_graph(navigable, 1.0, False).water
+    assert into_water(water, 0, 5.0, 5.0)[2] == 0
+
+
+def test_a_tie_of_two_nodes_beside_an_item_goes_to_the_lowest() -> None:
+    navigable = np.zeros((4, 4), np.bool_)
+    navigable[1, 1] = navigable[2, 1] = True
+    framed = navigation_graph(navigable, 1.0, False).water.framed
+    assert _nearest_of_four(framed, 1, 2, 1, -0.5, 0.75) == 0
+    assert _nearest_of_four(framed, 0, 1, 1, 0.5, 0.75) == 0

@@ -82,3 +82,24 @@ def test_only_what_was_seen_is_credited() -> None:
 def test_draws_do_not_depend_on_the_batch() -> None:
     whole = Watched(0.5, 0).knowledge.belief
     assert (Watched(0.5, 0, slice(5, 7)).knowledge.belief == whole[5:7]).all()
+
+
+def test_a_look_of_both_teams_is_credited_to_the_scout_whatever_the_order_of_the_file() -> None:
+    forager, scout = Role(1, 1, 1.0, True), Role(1, 1, 1.0, False)
+    for roles in ({"foragers": forager, "scouts": scout}, {"scouts": scout, "foragers": forager}):
+        fleet = Fleet.of(roles)
+        task = Task(GRAPH, fleet, MoveRules(True, True), 100)
+        at, ledger = np.ones((1, 2), np.int32), Ledger(task)
+        ledger.reset(ITEMS[:1])
+        looks = Looks(
+            active=np.ones(1, np.bool_),
+            step=np.zeros(1, np.int32),
+            agent_node=at,
+            sighted=ledger.entries.sighted,
+            energy_left=np.full(at.shape, np.inf),
+            room_left=np.zeros(at.shape, np.int64),
+        )
+        knowledge = Knowledge.of_starts(looks, len(GRAPH))
+        lookout = Lookout(task, 1.0, KEYS[:1], ledger.entries, knowledge)
+        lookout.look(looks, ITEMS[:1], np.full((1, 3), -1, np.int16))
+        assert (ledger.entries.discovered_by[0] == fleet.discoverers[0]).all()

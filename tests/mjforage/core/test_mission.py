@@ -249,3 +249,15 @@ def test_more_agents_than_starts_take_the_nearest_free_nodes() -> None:
 def test_reachable_share_is_a_quarter_for_published_scouts() -> None:
     assert setup_of("published").reachable_shares["scouts"] == pytest.approx(0.25, abs=0.01)
     assert setup_of("comb-port").reachable_shares == {"scouts": 1.0, "foragers": 1.0}
+
+
+@pytest.mark.parametrize("value", [0.0, -np.inf])
+def test_equal_preferences_go_to_the_lowest_legal_move(value: float) -> None:
+    mission = Mission(setup_of("comb-port"))
+    mission.reset(1, np.arange(4))
+    fleet, arrays = mission.setup.fleet, mission.setup.task.arrays
+    first, nodes = fleet.order[0], mission.state.agent_node
+    moves = mission.decide(np.full((4, len(fleet), 9), value))
+    for e in range(4):
+        legal = np.flatnonzero(arrays.targets[arrays.stride_number[first], nodes[e, first]] >= 0)
+        assert moves.direction[e, first] == legal[0]
