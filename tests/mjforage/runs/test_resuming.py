@@ -13,7 +13,7 @@ import pytest
 
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
-from mjforage.runs.evaluate import evaluate, plan
+from mjforage.runs.evaluate import CHUNK, evaluate, plan
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import TABLES
 from mjforage.runs.workers import Assignment, run_chunk
@@ -193,13 +193,13 @@ def test_a_full_disk_is_one_line_and_keeps_finished_chunks(
 def test_a_disk_that_fills_while_merging_keeps_every_chunk(start: Start, tmp_path: Path) -> None:
     pytest.importorskip("resource")
     run, episodes = tmp_path / "run", 500
-    process = start(*arguments(run, episodes, 1), before=LIMIT.format(150_000))
+    process = start(*arguments(run, episodes, 1), before=LIMIT.format(300_000))
     _, err = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 2
     assert err.startswith(f"mjforage: {run}/")
     assert "parquet: cannot be written (" in err
     assert err.count("\n") == 1
-    assert len(chunks(run)) == 20
+    assert len(chunks(run)) == 500 / CHUNK
     assert not (run / "summary.json").exists()
     assert [path.name for path in run.glob(".*")] == [".lock"]
 
@@ -216,7 +216,7 @@ def stop_after_one_chunk(folder: Path, episodes: int) -> None:
 
 def test_only_missing_chunks_are_computed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     run = tmp_path / "run"
-    stop_after_one_chunk(run, 60)
+    stop_after_one_chunk(run, 2 * CHUNK + 10)
     asked: list[int] = []
 
     def note(assignment: Assignment, chunk: Chunk) -> str | None:
@@ -224,8 +224,8 @@ def test_only_missing_chunks_are_computed(tmp_path: Path, monkeypatch: pytest.Mo
         return run_chunk(assignment, chunk)
 
     monkeypatch.setattr("mjforage.runs.workers.run_chunk", note)
-    undisturbed(run, 60)
-    assert asked == [25, 50]
+    undisturbed(run, 2 * CHUNK + 10)
+    assert asked == [CHUNK, 2 * CHUNK]
 
 
 DIE_AT = """

@@ -49,8 +49,9 @@ def _with_fits(logs: StudyLogs) -> tuple[StudyLogs, corruption.Fits]:
 
 def verdicts(table: Table | None) -> dict[str, str]:
     assert table is not None
-    place = table.columns.index("within")
-    return {row.head: row.cells[place] for row in table.rows}
+    place, interval = table.columns.index("within"), table.columns.index("95 % interval")
+    told = (row for row in table.rows if row.cells[interval] != NOTHING)  # few episodes: not all
+    return {row.head: row.cells[place] for row in told}
 
 
 def noted(table: Table | None) -> set[str]:
