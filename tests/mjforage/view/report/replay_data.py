@@ -1,0 +1,114 @@
+"""Replays for tests, and a reader of their data that is written apart from the code under test."""
+
+import base64
+import shutil
+import zlib
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.core.whole_files import write_bytes
+from mjforage.runs.episode_replay import Replay
+from mjforage.view.report.run_logs import load_logs
+from mjforage.view.report.web_replay import WebReplay, web_replay
+
+MakeRun = Callable[..., Path]
+Numbers = Iterator[int]
+NODE = shutil.which("node")
+
+
+def unpacked(text: str) -> Numbers:
+    """Written apart from the code under test: one byte after the other."""
+    number = shift = 0
+    for byte in zlib.decompress(base64.b64decode(text)):
+        number |= (byte & 127) << shift
+        shift += 7
+        if byte < 128:
+            yield number
+            number = shift = 0
+
+
+def read_track(numbers: Numbers, lines: int, times: int, unit: float) -> NDArray[np.float64]:
+    """(line, time)."""
+    order, values = next(numbers), np.empty((lines, times))
+    for line in range(lines):
+        value = rate = 0
+        for time in range(times):
+            code = next(numbers)
+            change = -(code + 1) // 2 if code % 2 else code // 2
+            rate = rate + change if order == 2 else change
+            value += rate
+            values[line, time] = value * unit
+    return values
+
+
+def read_layer(numbers: Numbers, shape: tuple[int, ...]) -> NDArray[np.int64]:
+    """(step, row, column)."""
+    counts = [next(numbers) for _ in range(shape[0])]
+    gaps = [next(numbers) for _ in range(sum(counts))]
+    values = [next(numbers) for _ in range(sum(counts))]
+    grid, steps, at = np.zeros(shape[1] * shape[2], np.int64), [], 0
+    for count in counts:
+        cell = 0
+        for _ in range(count):
+            cell += gaps[at]
+            grid[cell] = values[at]
+            at += 1
+        steps.append(grid.copy())
+    return np.array(steps).reshape(shape)
+
+
+def finer(replay: Replay, frame_s: float, world: str) -> Replay:
+    """The same episode with a track as the physics world has it: smooth, noisy, often turning."""
+    rng = np.random.default_rng(7)
+    per = round(replay.period_s / frame_s)
+    steps, items = replay.item_present.shape
+    agents = len(replay.agent_team)
+    frames = (steps - 1) * per + 1
+    speed = np.cumsum(rng.normal(0.0, 0.01, (frames, agents, 2)), axis=0)
+    yaw = np.cumsum(rng.normal(0.0, 0.15, (frames, agents, 1)), axis=0) + 3.0
+    drift = 0.08 + 0.02 * rng.normal(size=(frames, items, 2))
+    start = 4.0 * rng.uniform(1.0, 40.0, (items, 2))
+    late = rng.integers(0, per, items)
+    gone = ~replay.item_present
+    frame = np.where(gone.any(0), np.maximum(gone.argmax(0) * per - late, 0), frames)
+    present = np.arange(frames)[:, None] < frame
+    place = start + np.cumsum(np.where(present[..., None], drift * frame_s, 0.0), axis=0)
+    return replace(
+        replay,
+        world=world,
+        frame_s=frame_s,
+        track_pose=np.concatenate(
+            [60.0 + np.cumsum(speed, axis=0) * 0.02, (yaw + np.pi) % (2 * np.pi) - np.pi], axis=-1
+        ).astype(np.float32),
+        track_items=place.astype(np.float32),
+        track_present=present,
+        track_wind=rng.normal(0.0, 3.0, (frames, 2)).astype(np.float32),
+    )
+
+
+def with_track(folder: Path, world: str, frame_s: float) -> Replay:
+    """Give a world of the run a track of its own, and return that replay."""
+    path = folder / "replay" / f"{world}-greedy-0.npz"
+    replay = finer(Replay.load(path), frame_s, world)
+    write_bytes(path, replay.content())
+    return replay
+
+
+def with_physics(folder: Path) -> Replay:
+    return with_track(folder, "physics", 0.5)
+
+
+def shown(folder: Path) -> WebReplay:
+    result = web_replay(load_logs(folder))
+    assert result is not None
+    return result
+
+
+def entry_of(result: WebReplay, world: str) -> dict[str, Any]:
+    found: dict[str, Any] = next(e for e in result.data["replays"] if e["world"] == world)
+    return found

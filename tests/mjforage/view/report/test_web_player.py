@@ -1,0 +1,164 @@
+"""The player on the page: harmless, and its script reads what was written."""
+
+import json
+import re
+import subprocess
+from html import unescape
+from importlib import resources
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pytest
+from numpy.typing import NDArray
+
+from mjforage.core.errors import UserError
+from mjforage.view.page import html
+from mjforage.view.report import write_report
+from mjforage.view.report.run_logs import load_logs
+from mjforage.view.report.web_replay import SCRIPTS, WebReplay
+from tests.mjforage.view.report.replay_data import (
+    NODE,
+    MakeRun,
+    entry_of,
+    shown,
+    with_physics,
+    with_track,
+)
+
+
+def player(page: str) -> str:
+    return page.split('<section id="replay">', 1)[1].split("</section>", 1)[0]
+
+
+def test_hulls_are_as_long_as_those_that_ran(make_run: MakeRun) -> None:
+    folder = make_run(policies=("greedy",), episodes=1)
+    lengths = {agent["name"]: agent["length_m"] for agent in shown(folder).data["agents"]}
+    assert (lengths["scouts-0"], lengths["foragers-0"]) == (1.35, 2.0)
+    run = json.loads((folder / "run.json").read_text())
+    run["hulls"] = {"vessels": {"scout": {"length_m": 3.5}}}
+    (folder / "run.json").write_text(json.dumps(run))
+    lengths = {agent["name"]: agent["length_m"] for agent in shown(folder).data["agents"]}
+    assert (lengths["scouts-0"], lengths["foragers-0"]) == (3.5, 2.0)
+    run["hulls"]["vessels"]["scout"] = {"length_m": "long"}
+    (folder / "run.json").write_text(json.dumps(run))
+    with pytest.raises(UserError, match=r"hulls.vessels.scout.length_m = 'long', expected a n"):
+        shown(folder)
+
+
+def options(part: str, mark: str) -> list[str]:
+    inside = part.split(mark, 1)[1].split("</select>", 1)[0]
+    return [unescape(word) for word in re.findall(r"<option[^>]*>(.*?)</option>", inside)]
+
+
+def test_the_page_of_one_world(make_run: MakeRun) -> None:
+    policy = "<b onclick=alert(1)>&\"'`x`</script>".replace("/", "")
+    page = write_report(make_run(policies=("greedy", policy), episodes=1)).read_text("utf-8")
+    part = player(page)
+    assert options(part, 'id="player-policy"') == ["greedy", policy]
+    assert part.count("<canvas tabindex") == 1
+    assert "data-world" not in part.split("<script>", 1)[0]
+    assert "<b onclick" not in page
+    assert page.count("<script") == page.count("</script>") == 2
+    data = json.loads(part.split('id="player-data">', 1)[1].split("</script>", 1)[0])
+    assert [entry["policy"] for entry in data["replays"]] == ["greedy", policy]
+
+
+def test_the_player_of_three_worlds(make_run: MakeRun) -> None:
+    worlds = ("graph", "hulls", "physics")
+    folder = make_run(worlds=worlds, policies=("greedy",), episodes=1)
+    with_physics(folder)
+    template = html.environment().get_template("player/player.html.j2")
+    part = player(template.render(replay=shown(folder)))
+    assert part.count("<canvas tabindex") == 2
+    for panel, chosen in (("1", "graph"), ("2", "physics")):
+        mark = f'aria-label="World of panel {panel}"'
+        assert options(part, mark) == list(worlds)
+        assert f"<option selected>{chosen}</option>" in part.split(mark, 1)[1].split("</select>")[0]
+    assert options(part, 'id="player-follow"')[:2] == ["nobody", "scouts-0"]
+
+
+def test_the_script_needs_nothing_from_outside() -> None:
+    for name in (*SCRIPTS, "player.css", "player.html.j2"):
+        text = resources.files("mjforage.view.report").joinpath("player", name).read_text("utf-8")
+        assert not re.search(r"https?:|\beval\b|new Function|import\b|XMLHttp|url\(", text)
+
+
+ASKING = """
+let input = "";
+process.stdin.on("data", (part) => { input += part; });
+process.stdin.on("end", async () => {
+  const { stage, entry, times } = JSON.parse(input);
+  const episode = await decodeEpisode(entry, stage), steps = [...Array(entry.steps + 1).keys()];
+  const agents = stage.agents.map((_, i) => i), items = [...Array(entry.items).keys()];
+  console.log(JSON.stringify({
+    poses: times.map((time) => agents.map((i) => Object.values(episode.pose(i, time)))),
+    items: times.map((time) => items.map((i) => Object.values(episode.item(i, time)))),
+    winds: times.map((time) => Object.values(episode.wind(time))),
+    shares: steps.map((step) => Object.values(episode.shares(step * stage.period_s))),
+    belief: [...steps, ...steps.reverse()].map((step) => [...episode.belief.at(step)]),
+  }));
+});
+"""
+
+
+def linear(values: NDArray[np.floating], frame: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Values (frame, ...) between frames."""
+    before = np.minimum(frame.astype(np.int64), len(values) - 2)
+    part = (frame - before).reshape(-1, *[1] * (values.ndim - 1))
+    mixed: NDArray[np.float64] = values[before] * (1.0 - part) + values[before + 1] * part
+    return mixed
+
+
+def answers(result: WebReplay, world: str, times_s: NDArray[np.float64]) -> dict[str, Any]:
+    """What the page's own code makes of a replay, run by Node.js."""
+    if NODE is None:
+        pytest.skip("Node.js is not installed")
+    stage = {key: value for key, value in result.data.items() if key != "replays"}
+    asked = {"stage": stage, "entry": entry_of(result, world), "times": times_s.tolist()}
+    code = (
+        resources.files("mjforage.view.report").joinpath("player", "decode.js").read_text("utf-8")
+    )
+    done = subprocess.run(
+        [NODE, "-e", code + ASKING],
+        input=json.dumps(asked),
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    )
+    return {key: np.array(value) for key, value in json.loads(done.stdout).items()}
+
+
+@pytest.mark.parametrize(("world", "frame_s"), [("graph", 10.0), ("physics", 0.5)])
+def test_the_browsers_code_reads_the_same(make_run: MakeRun, world: str, frame_s: float) -> None:
+    folder = make_run(worlds=("graph", "physics"), policies=("greedy",), episodes=1)
+    replay = with_track(folder, world, frame_s)
+    frames = len(replay.track_pose)
+    frame = np.random.default_rng(1).uniform(0, frames - 1, 40)
+    frame[:3] = 0.0, frames - 1, 4.0
+    said = answers(shown(folder), world, frame * frame_s)
+    yaw = np.unwrap(replay.track_pose[..., 2].astype(np.float64), axis=0)
+    early = frame.astype(np.int64) + np.minimum(1.0, frame % 1.0 / 0.35)
+    np.testing.assert_allclose(
+        said["poses"][..., :2], linear(replay.track_pose[..., :2], frame), atol=0.0055
+    )
+    turned = linear(yaw, np.minimum(early, frames - 1) if world == "graph" else frame)
+    np.testing.assert_allclose(said["poses"][..., 2], turned, atol=0.0055)
+    np.testing.assert_allclose(said["items"], linear(replay.track_items, frame), atol=0.03)
+    logged = load_logs(folder).steps.filter(world=world, episode=0).sort("step")
+    shares = logged.select("pta_d", "pta_c").to_numpy()[: len(replay.item_present)]
+    np.testing.assert_allclose(said["shares"], shares, atol=1e-9)
+    both_ways = np.concatenate([replay.belief, replay.belief[::-1]])
+    assert (said["belief"] == both_ways.reshape(len(both_ways), -1)).all()
+
+
+def test_what_nobody_saw_is_discovered_as_it_is_collected(make_run: MakeRun) -> None:
+    folder = make_run(policies=("greedy",), episodes=2)
+    items = pl.read_parquet(folder / "items.parquet")
+    assert items["t_collected"].null_count() < len(items)
+    never = pl.lit(None, pl.Int64).alias("t_discovered")
+    items.with_columns(never).write_parquet(folder / "items.parquet")
+    said = answers(shown(folder), "graph", np.zeros(1))
+    assert said["shares"][-1, 1] > 0.0
+    assert (said["shares"][:, 0] == said["shares"][:, 1]).all()
