@@ -71,16 +71,21 @@ class Knowledge(NamedTuple):
 
 
 @kernel
-def hear_some(
+def hear(
     looks: Looks,
     heard: NDArray[np.bool_],
     views: NodeLists,
     radius_number: NDArray[np.int64],
     knowledge: Knowledge,
-    first: int,
-    last: int,
 ) -> None:
-    """`hear` in the episodes from the first to before the last."""
+    """Take in the looks of this step: idleness ends and belief becomes what the look shows.
+
+    Parameters
+    ----------
+    heard : (row, agent) whose look each holder hears of
+    views, radius_number : what an agent sees from a node, see `Task`
+    knowledge : changed in the rows of active episodes
+    """
     active, step, at, sighted = looks.active, looks.step, looks.agent_node, looks.sighted
     energy, room = looks.energy_left, looks.room_left
     start, nodes = views.start, views.nodes
@@ -89,7 +94,7 @@ def hear_some(
     agent_node, agent_seen = knowledge.agent_node, knowledge.agent_seen
     energy_left, room_left = knowledge.energy_left, knowledge.room_left
     holders = heard.shape[0] // max(1, active.size)
-    for row in range(first * holders, last * holders):
+    for row in range(heard.shape[0]):
         e = row // holders
         if not active[e]:
             continue
@@ -116,25 +121,6 @@ def hear_some(
                     last_known = known[row, n_known[row]]
                     known[row, known_at[row, node]] = last_known
                     known_at[row, last_known] = known_at[row, node]
-
-
-@kernel
-def hear(
-    looks: Looks,
-    heard: NDArray[np.bool_],
-    views: NodeLists,
-    radius_number: NDArray[np.int64],
-    knowledge: Knowledge,
-) -> None:
-    """Take in the looks of this step: idleness ends and belief becomes what the look shows.
-
-    Parameters
-    ----------
-    heard : (row, agent) whose look each holder hears of
-    views, radius_number : what an agent sees from a node, see `Task`
-    knowledge : changed in the rows of active episodes
-    """
-    hear_some(looks, heard, views, radius_number, knowledge, 0, looks.active.size)
 
 
 @kernel

@@ -52,6 +52,7 @@ class Movers(NamedTuple):
 
     neighbours: Int32Array  # (node, 8), -1 where there is no edge
     moves: NDArray[np.int64]  # (agent,) nodes per decision
+    shut: NDArray[np.int64]  # (agent, node) a bit per move that is illegal with nobody in the way
     collects: NDArray[np.bool_]  # (agent,)
     order: NDArray[np.int64]  # (agent,) agents as they choose
     stay: bool
@@ -143,14 +144,32 @@ def _targets(
     return targets
 
 
-def all_targets(graph: NavigationGraph, strides: NDArray[np.int64], rules: MoveRules) -> Int32Array:
-    """(stride, node, 9) where each move ends with nobody in the way, -1 where it is illegal.
+def all_targets(
+    graph: NavigationGraph, moves: NDArray[np.int64], rules: MoveRules
+) -> tuple[NDArray[np.int64], Int32Array]:
+    """Where each move ends with nobody in the way.
 
     Parameters
     ----------
-    strides : (stride,) nodes per decision
+    moves : (agent,) nodes per decision
+
+    Returns
+    -------
+    stride_number : (agent,) which table is the agent's
+    targets : (stride, node, 9) node, -1 where the move is illegal
     """
-    return _targets(graph.neighbours, strides, rules.stay, rules.shorten)
+    strides, stride_number = np.unique(moves, return_inverse=True)
+    targets = _targets(graph.neighbours, strides, rules.stay, rules.shorten)
+    return stride_number.astype(np.int64), targets
+
+
+@kernel
+def _has_nan(values: NDArray[np.float64]) -> bool:
+    """Whether any of the preferences (row, agent, move) is NaN."""
+    found = 0
+    for value in values.flat:
+        found += value != value
+    return found > 0
 
 
 @kernel
@@ -161,17 +180,24 @@ def _resolve(
     ask: Ask,
     first_token: int,
     moves: Moves,
-) -> None:
+) -> bool:
     """Let the agents of every episode choose one after the other; fill `moves`.
 
     Parameters
     ----------
     claimed, first_token : (node,) see `free_move`; episode e marks what it takes by the e-th token
+
+    Returns
+    -------
+    Whether the preferences have no NaN; otherwise nothing is resolved.
     """
+    if _has_nan(ask.preferences):
+        return False
     active, preferences, agent_node = ask.active, ask.preferences, ask.agent_node
     energy_left, belief, holder_of = ask.energy_left, ask.belief, ask.holder_of
     decision, keys, neighbours = ask.decision, ask.keys, movers.neighbours
-    strides, collects, order = movers.moves, movers.collects, movers.order
+    strides, shut = movers.moves, movers.shut
+    collects, order = movers.collects, movers.order
     stay, shorten = movers.stay, movers.shorten
     epsilon, whole_team = corruption.epsilon, corruption.whole_team
     direction, target, steps, blocked = moves
@@ -214,7 +240,7 @@ def _resolve(
                         neighbours, claimed, token, node, best, stride, stay, shorten
                     )
             else:
-                refused = 0  # a bit per move that turned out to be illegal
+                refused = shut[agent, node]  # a bit per move; more as others turn out to be illegal
                 while best < 0 and refused < _ALL_MOVES:
                     # the largest preference that is left, the first of equals, without a branch
                     wanted, largest = -1, -np.inf
@@ -236,15 +262,7 @@ def _resolve(
             target[e, agent], steps[e, agent] = end, length
             blocked[e, agent] = best < 0
             claimed[end] = token
-
-
-@kernel
-def _has_nan(values: NDArray[np.float64]) -> bool:
-    """Whether any of the preferences (row, agent, move) is NaN."""
-    found = 0
-    for value in values.flat:
-        found += value != value
-    return found > 0
+    return True
 
 
 def check_preferences(
@@ -278,12 +296,12 @@ class Resolver:
     def __init__(
         self, graph: NavigationGraph, fleet: Fleet, rules: MoveRules, corruption: Corruption
     ) -> None:
-        movers = Movers(
-            graph.neighbours, fleet.moves, fleet.collects, fleet.order, rules.stay, rules.shorten
-        )
+        number, targets = all_targets(graph, fleet.moves, rules)
+        shut = ((targets < 0) << np.arange(9)).sum(axis=2)[number]
+        about = fleet.collects, fleet.order, rules.stay, rules.shorten
+        movers = Movers(graph.neighbours, fleet.moves, shut, *about)
         claimed = np.zeros(len(graph), np.int64)  # node -> token of who took it last
         self._resolve = prepared(_resolve, movers, corruption, claimed)
-        self._has_nan = prepared(_has_nan)
         self._one_holder, self._token = np.zeros(len(fleet), np.int64), 1
 
     def __call__(
@@ -317,27 +335,18 @@ class Resolver:
             If the preferences have the wrong shape or contain NaN: the policy is at fault.
         """
         check_preferences(preferences, agent_node.shape, "policy")
-        preferences = np.ascontiguousarray(preferences, np.float64)
-        if self._has_nan(preferences):
-            raise UserError(
-                "policy: gives preferences that are NaN; give illegal or unwanted moves -inf"
-            )
         moves = Moves(
             direction=np.empty(agent_node.shape, np.int8),
             target=np.empty(agent_node.shape, np.int32),
             steps=np.empty(agent_node.shape, np.int8),
             blocked=np.empty(agent_node.shape, np.bool_),
         )
-        ask = Ask(
-            active=active,
-            preferences=preferences,
-            agent_node=agent_node,
-            energy_left=energy_left,
-            belief=belief,
-            holder_of=self._one_holder if holder_of is None else holder_of,
-            decision=step,
-            keys=keys,
-        )
-        self._resolve(Ask(*map(np.ascontiguousarray, ask, _ASK_TYPES)), self._token, moves)
+        acts_by = self._one_holder if holder_of is None else holder_of
+        given = (active, preferences, agent_node, energy_left, belief, acts_by, step, keys)
+        ask = Ask(*map(np.ascontiguousarray, given, _ASK_TYPES))
+        if not self._resolve(ask, self._token, moves):
+            raise UserError(
+                "policy: gives preferences that are NaN; give illegal or unwanted moves -inf"
+            )
         self._token += active.size
         return moves

@@ -79,15 +79,15 @@ class Task:
     @cached_property
     def arrays(self) -> TaskArrays:
         """The task as kernels read it."""
-        strides, stride_number = np.unique(self.fleet.moves, return_inverse=True)
+        stride_number, targets = all_targets(self.graph, self.fleet.moves, self.rules)
         return TaskArrays(
             neighbours=self.graph.neighbours,
             distances=self.graph.distances,
             rows=self.graph.rows,
             cols=self.graph.cols,
             moves=self.fleet.moves,
-            stride_number=stride_number.astype(np.int64),
-            targets=all_targets(self.graph, strides, self.rules),
+            stride_number=stride_number,
+            targets=targets,
             collects=self.fleet.collects,
             radius_number=self.radius_number,
             stay=self.rules.stay,

@@ -142,27 +142,6 @@ def _nodes_of(water: Water, rc: NDArray[np.float64]) -> Int32Array:
     return nodes
 
 
-@kernel
-def _count_by_node(item_node: Int32Array, counts: NDArray[np.int16]) -> None:
-    """Count the items (episode, item) of each node (episode, node)."""
-    for e in range(item_node.shape[0]):
-        for node in item_node[e]:
-            if node >= 0:
-                counts[e, node] += 1
-
-
-def items_by_node(item_node: Int32Array, nodes: int) -> NDArray[np.int16]:
-    """(episode, node) items in each node, from the node of each item (episode, item), -1 for none.
-
-    Parameters
-    ----------
-    nodes : of the map
-    """
-    counts = np.zeros((item_node.shape[0], nodes), np.int16)
-    _count_by_node(item_node, counts)
-    return counts
-
-
 def item_places(item_node: Int32Array) -> NDArray[np.int64]:
     """(episode,) leading places that hold an item or did, of (episode, item): the rest is padding.
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import BLOCK, inlined, kernel, prepared
+from graph_planner.compiled import inlined, kernel, prepared
 from graph_planner.fleet import Fleet
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import NavigationGraph, Water
@@ -20,7 +20,6 @@ from mjforage.core.initial_state import (
     InitialState,
     into_water,
     item_places,
-    items_by_node,
     put_back,
     to_symmetric,
 )
@@ -33,7 +32,6 @@ class Surroundings(NamedTuple):
 
     collects: NDArray[np.bool_]  # (agent,)
     room_left: NDArray[np.int64]  # (episode, agent) items
-    items_in_node: NDArray[np.int16]  # (episode, node)
     places: NDArray[np.int64]  # (episode,) see `item_places`
     keys: UInt64Array  # (episode,)
     drift_rc: NDArray[np.float64]  # (episode, 2) [node/step]
@@ -57,30 +55,25 @@ def collect(
     active: NDArray[np.bool_],
     collects: NDArray[np.bool_],
     room_left: NDArray[np.int64],
-    items_in_node: NDArray[np.int16],
     state: Transition,
-    first: int,
-    last: int,
 ) -> None:
-    """Every forager removes what is in its node, in index order, while it has room.
-
-    Parameters
-    ----------
-    first, last : episodes from the first to before the last
-    """
+    """Every forager removes what is in its node, in index order, while it has room."""
     agent_node, item_node, collected_by = state.agent_node, state.item_node, state.collected_by
-    for e in range(first, last):
+    for e in range(active.size):
         if not active[e]:
             continue
         for agent in range(collects.size):
-            node = agent_node[e, agent]
-            if not collects[agent] or items_in_node[e, node] == 0:
+            if not collects[agent]:
+                continue
+            node, found = agent_node[e, agent], 0
+            for k in range(item_node.shape[1]):  # without a branch: a vector loop
+                found += item_node[e, k] == node
+            if found == 0:
                 continue
             for k in range(item_node.shape[1]):
                 if item_node[e, k] == node and room_left[e, agent] > 0:
                     item_node[e, k] = -1
                     collected_by[e, k] = agent
-                    items_in_node[e, node] -= 1
                     room_left[e, agent] -= 1
 
 
@@ -117,8 +110,6 @@ def _drift(
     scratch: Scratch,
     active: NDArray[np.bool_],
     step: Int32Array,
-    first: int,
-    last: int,
 ) -> None:
     """Move every item left by the episode's drift and its own noise, and put those that left the
     square of their node into the node they are in, or back into the water.
@@ -130,15 +121,14 @@ def _drift(
     Parameters
     ----------
     item_rc, centre : (episode, item x 2) row, column, row, ... of the items and of their nodes
-    first, last : episodes from the first to before the last
     """
     keys, drift_rc, noise, corners = around.keys, around.drift_rc, around.noise, around.corners
     places = around.places
-    water, walls, items_in_node = around.water, around.walls, around.items_in_node
+    water, walls = around.water, around.walls
     framed, rows, cols = water
     bottom, right_edge = framed.shape[0] - 3, framed.shape[1] - 3
     draws, shift, beyond, gone = scratch
-    for e in range(first, last):
+    for e in range(active.size):
         if not active[e]:
             continue
         n_items = places[e]
@@ -186,8 +176,6 @@ def _drift(
                     row, col, after = into_water(water, walls, row, col)
                 item_rc[e, at_row], item_rc[e, at_col] = row, col
             if after != before:
-                items_in_node[e, before] -= 1
-                items_in_node[e, after] += 1
                 item_node[e, k_gone] = after
                 centre[e, at_row], centre[e, at_col] = rows[after], cols[after]
 
@@ -202,15 +190,9 @@ def _advance(
     active: NDArray[np.bool_],
     step: Int32Array,
 ) -> None:
-    """One step of the items of every active episode: collect, then drift.
-
-    A block of episodes goes through all of it before the next one comes, and so stays in the cache.
-    """
-    item_node, collects, room_left = state.item_node, around.collects, around.room_left
-    for first in range(0, active.size, BLOCK):
-        last = min(first + BLOCK, active.size)
-        collect(active, collects, room_left, around.items_in_node, state, first, last)
-        _drift(around, item_rc, centre, item_node, scratch, active, step, first, last)
+    """One step of the items of every active episode: collect, then drift."""
+    collect(active, around.collects, around.room_left, state)
+    _drift(around, item_rc, centre, state.item_node, scratch, active, step)
 
 
 class ItemRule:
@@ -239,12 +221,10 @@ class ItemRule:
         ----------
         state : of the world at step 0; `advance` changes its items
         """
-        items_in_node = items_by_node(initial.item_node, len(self._graph))
         self._begin(
             Surroundings(
                 collects=self._fleet.collects,
                 room_left=np.tile(self._fleet.capacity, (keys.size, 1)),
-                items_in_node=items_in_node,
                 places=item_places(initial.item_node),
                 keys=keys,
                 drift_rc=initial.drift_rc,
@@ -288,7 +268,7 @@ class ItemRule:
         state : of the mixed batch; `advance` changes its items
         """
         mine, theirs = self._around, other._around
-        names = ("keys", "places", "drift_rc", "room_left", "items_in_node")
+        names = ("keys", "places", "drift_rc", "room_left")
         mixed: dict[str, Any] = {
             name: put_rows(getattr(mine, name), rows, getattr(theirs, name)) for name in names
         }

@@ -41,8 +41,6 @@ def count(
     item_node: Int32Array,
     taken_by: NDArray[np.int16],
     entries: Entries,
-    first: int,
-    last: int,
 ) -> None:
     """Discretise to counts, and note what was collected; collected unseen counts as discovered.
 
@@ -50,12 +48,11 @@ def count(
     ----------
     item_node : (episode, item) node of each item, -1 once removed
     taken_by : (episode, item) agent that removed it, -1 nobody
-    first, last : episodes from the first to before the last
     """
     places, truth, counted_node = entries.places, entries.truth, entries.counted_node
     t_discovered, discovered_by = entries.t_discovered, entries.discovered_by
     t_collected, collected_by = entries.t_collected, entries.collected_by
-    for e in range(first, last):
+    for e in range(active.size):
         if not active[e]:
             continue
         for k in range(places[e]):
@@ -80,19 +77,16 @@ def sight(
     keys: UInt64Array,
     detection: float,
     entries: Entries,
-    first: int,
-    last: int,
 ) -> None:
     """Draw which items are seen if looked at in this step.
 
     Parameters
     ----------
     detection : probability that an item in view is seen, drawn per item and step
-    first, last : episodes from the first to before the last
     """
     places, counted_node, sighted = entries.places, entries.counted_node, entries.sighted
     sighted_node = entries.sighted_node
-    for e in range(first, last):
+    for e in range(active.size):
         if not active[e]:
             continue
         key = stream_key(keys[e], Stream.DETECTION)
@@ -115,9 +109,8 @@ def credit(
     views: NodeLists,
     radius_number: NDArray[np.int64],
     in_view: NDArray[np.bool_],
+    found: Int32Array,
     entries: Entries,
-    first: int,
-    last: int,
 ) -> None:
     """Credit each item's first sighting to the first agent in order that sees it.
 
@@ -125,14 +118,14 @@ def credit(
     ----------
     knowledge : of one who has heard all looks of this step, one row per episode
     in_view : (node,) memory, all False before and after
-    first, last : episodes from the first to before the last
+    found : (item + 1,) memory
     """
     active, step, agent_node = looks.active, looks.step, looks.agent_node
     known, n_known, last_seen = knowledge.known, knowledge.n_known, knowledge.last_seen
     start, nodes, sighted_node = views.start, views.nodes, entries.sighted_node
     places = entries.places
     t_discovered, discovered_by = entries.t_discovered, entries.discovered_by
-    for e in range(first, last):
+    for e in range(active.size):
         if not active[e]:
             continue
         now, any_in_view = step[e], False
@@ -142,17 +135,19 @@ def credit(
                 in_view[node] = any_in_view = True
         if not any_in_view:
             continue
-        for k in range(places[e]):
-            if t_discovered[e, k] >= 0 or sighted_node[e, k] < 0:
-                continue
-            if not in_view[np.uint64(sighted_node[e, k])]:
-                continue
-            t_discovered[e, k] = now
+        n_found = 0
+        for k in range(places[e]):  # without a branch: which items are new is a coin toss
+            item = sighted_node[e, k]
+            found[n_found] = k
+            n_found += in_view[np.uint64(max(item, 0))] & (item >= 0) & (t_discovered[e, k] < 0)
+        for j in range(n_found):
+            k_found = np.uint64(found[j])
+            t_discovered[e, k_found] = now
             for agent in credit_order:
                 radius, viewer = radius_number[agent], agent_node[e, agent]
                 for i in range(start[radius, viewer], start[radius, viewer + 1]):
-                    if nodes[i] == sighted_node[e, k] and discovered_by[e, k] < 0:
-                        discovered_by[e, k] = agent
+                    if nodes[i] == sighted_node[e, k_found] and discovered_by[e, k_found] < 0:
+                        discovered_by[e, k_found] = agent
         for i in range(n_known[e]):
             in_view[np.uint64(known[e, i])] = False
 

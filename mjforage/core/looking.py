@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import BLOCK, kernel, prepared
+from graph_planner.compiled import kernel, prepared
 from graph_planner.geodesics import Int32Array
-from graph_planner.knowledge import Knowledge, Looks, hear_some
+from graph_planner.knowledge import Knowledge, Looks, hear
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Task
 from graph_planner.visibility import NodeLists
@@ -26,6 +26,7 @@ class Eyes(NamedTuple):
     keys: UInt64Array  # (episode,)
     all_heard: NDArray[np.bool_]  # (episode, agent) True
     in_view: NDArray[np.bool_]  # (node,) memory of `credit`
+    found: Int32Array  # (item + 1,) the same
 
 
 @kernel
@@ -37,27 +38,15 @@ def _look(
     item_node: Int32Array,
     taken_by: NDArray[np.int16],
 ) -> None:
-    """Discretise, look, credit; a block of episodes stays in the cache through all of it."""
+    """Discretise, look, credit."""
     active, step = looks.active, looks.step
     views, radius_number, credit_order = eyes.views, eyes.radius_number, eyes.credit_order
     detection, keys, all_heard = eyes.detection, eyes.keys, eyes.all_heard
-    for first in range(0, active.size, BLOCK):
-        last = min(first + BLOCK, active.size)
-        count(active, step, item_node, taken_by, entries, first, last)
-        if detection < 1.0:
-            sight(active, step, keys, detection, entries, first, last)
-        hear_some(looks, all_heard, views, radius_number, knowledge, first, last)
-        credit(
-            looks,
-            knowledge,
-            credit_order,
-            views,
-            radius_number,
-            eyes.in_view,
-            entries,
-            first,
-            last,
-        )
+    count(active, step, item_node, taken_by, entries)
+    if detection < 1.0:
+        sight(active, step, keys, detection, entries)
+    hear(looks, all_heard, views, radius_number, knowledge)
+    credit(looks, knowledge, credit_order, views, radius_number, eyes.in_view, eyes.found, entries)
 
 
 class Lookout:
@@ -87,6 +76,7 @@ class Lookout:
             keys,
             np.ones((keys.size, len(task.fleet)), np.bool_),
             np.zeros(len(task.graph), np.bool_),
+            np.empty(entries.t_discovered.shape[1] + 1, np.int32),
         )
         self._look = prepared(_look, eyes, entries, knowledge)
 

@@ -133,3 +133,19 @@ def test_a_copy_of_a_prepared_kernel_has_arguments_of_its_own() -> None:
         assert again(np.ones(2)) == 3.0 + 4.0
         assert scale(np.ones(2)) == 2.0
         factor[:] = 2.0, 3.0
+
+
+@kernel
+def _double_first(values: NDArray[np.float64], by: Pair) -> float:
+    return float(values.flat[0]) * 2.0 + by.offset
+
+
+def test_prepared_kernels_of_other_kinds_of_arguments_are_compiled_for_those() -> None:
+    """Each takes the code of its own kinds, also after one of the same kernel with others."""
+    by, wide = Pair(np.ones(1), 0.5), np.full((3, 4), 3.0)
+    kinds = (wide, wide[:, ::2], np.asfortranarray(wide), wide.astype(np.float32), wide[0])
+    for values in kinds + kinds:
+        assert prepared(_double_first, values)(by) == 6.5
+        assert prepared(_double_first, values)(by) == 6.5
+    whole = Pair(np.ones(1), 1)
+    assert prepared(_double_first, wide)(whole) == 7.0

@@ -236,7 +236,8 @@ def test_bad_preferences_are_refused(fault: str, words: str) -> None:
 def test_the_table_of_targets_is_where_free_moves_end(stay: bool, shorten: bool) -> None:
     graph = navigation_graph(grid(".....", "..#..", "....."), 1.0, False)
     strides, rules = np.array([1, 2]), MoveRules(stay, shorten)
-    table, nobody = all_targets(graph, strides, rules), np.empty(0, np.int64)
+    (number, table), nobody = all_targets(graph, np.array([2, 1, 2]), rules), np.empty(0, np.int64)
+    assert number.tolist() == [1, 0, 1]
     for i, stride in enumerate(strides):
         for node in range(len(graph)):
             for move in range(9):

@@ -38,7 +38,6 @@ def read_items(
     xy: FloatArray,
     water: Water,
     pitch_m: float,
-    items_in_node: NDArray[np.int16],
     state: Transition,
 ) -> None:
     """Positions and nodes of the items that are left, from where their bodies are.
@@ -46,7 +45,6 @@ def read_items(
     Parameters
     ----------
     xy : (episode, item, 2) [m]
-    items_in_node : (episode, node) updated
     state : `item_rc` and `item_node` are written
     """
     item_rc, item_node = state.item_rc, state.item_node
@@ -59,11 +57,7 @@ def read_items(
                 continue
             row, col = height - 1 - xy[e, k, 1] / pitch_m, xy[e, k, 0] / pitch_m
             item_rc[e, k, 0], item_rc[e, k, 1] = row, col
-            before = item_node[e, k]
-            _, _, after = into_water(water, 0, row, col)
-            items_in_node[e, before] -= 1
-            items_in_node[e, after] += 1
-            item_node[e, k] = after
+            _, _, item_node[e, k] = into_water(water, 0, row, col)
 
 
 @kernel
@@ -74,7 +68,6 @@ def take_at_mouth(
     pose: FloatArray,
     xy: FloatArray,
     room_left: NDArray[np.int64],
-    items_in_node: NDArray[np.int16],
     state: Transition,
 ) -> int:
     """Capture rule `intake`: an item in a forager's mouth is taken, while there is room.
@@ -105,7 +98,6 @@ def take_at_mouth(
                 dx, dy = xy[e, k, 0] - pose[e, agent, 0], xy[e, k, 1] - pose[e, agent, 1]
                 ahead, aside = c * dx + s * dy, c * dy - s * dx
                 if -MOUTH_DEPTH_M <= ahead - bow <= MOUTH_REACH_M and abs(aside) <= half:
-                    items_in_node[e, item_node[e, k]] -= 1
                     item_node[e, k] = -1
                     collected_by[e, k] = agent
                     room_left[e, agent] -= 1

@@ -18,7 +18,7 @@ from graph_planner.randomness import UInt64Array
 from mjforage.core.dynamics import Transition, start_state
 from mjforage.core.errors import UserError
 from mjforage.core.film import Film
-from mjforage.core.initial_state import InitialState, items_by_node, nearest_nodes
+from mjforage.core.initial_state import InitialState, nearest_nodes
 from mjforage.core.item_rule import ItemRule, collect
 from mjforage.core.scenario import Scenario
 from mjforage.physics.dynamics.fleet_scene import (
@@ -127,7 +127,6 @@ class MujocoDynamics:
             self._room_left = self._rule.room_left
             return
         episodes, items = initial.item_node.shape
-        self._items_in_node = items_by_node(initial.item_node, len(self._graph))
         classes = np.full((episodes, self._simulation.scene.items), -1, np.int64)
         classes[:, :items] = draw_classes(self._keys, initial.item_node, self._classes)
         xy = np.array(np.broadcast_to(self._simulation.scene.parking, (*classes.shape, 2)))
@@ -226,7 +225,6 @@ class MujocoDynamics:
             self._motion.pose,
             simulation.item_xy,
             self._room_left,
-            self._items_in_node,
             state,
         )
         if taken:
@@ -257,10 +255,9 @@ class MujocoDynamics:
             self._rule.advance(active, step)
             return
         xy = self._simulation.item_xy
-        read_items(active, xy, graph.water, graph.pitch_m, self._items_in_node, state)
+        read_items(active, xy, graph.water, graph.pitch_m, state)
         if self._choice.capture == "node":
-            about = self._fleet.collects, self._room_left, self._items_in_node
-            collect(active, *about, state, 0, active.size)
+            collect(active, self._fleet.collects, self._room_left, state)
             self._remove()
 
     def _shoot(self) -> None:

@@ -12,7 +12,6 @@ from mjforage.core.initial_state import (
     create_initial_state,
     into_water,
     item_places,
-    items_by_node,
     nodes_around,
 )
 from mjforage.core.item_rule import _nearest_of_four
@@ -166,10 +165,9 @@ def test_several_hotspots_share_the_items_and_one_is_the_default() -> None:
     assert np.median(apart.max(axis=1)) > 10
 
 
-def test_places_end_with_the_last_item_and_counts_leave_padding_out() -> None:
+def test_places_end_with_the_last_item() -> None:
     nodes = np.array([[2, 0, 2, -1], [-1, 1, -1, -1], [-1, -1, -1, -1]], np.int32)
     assert item_places(nodes).tolist() == [3, 2, 0]
-    assert items_by_node(nodes, 3).tolist() == [[1, 0, 2], [0, 1, 0], [0, 0, 0]]
 
 
 def test_a_tie_of_far_nodes_goes_to_the_lowest_whichever_ring_it_is_in() -> None:

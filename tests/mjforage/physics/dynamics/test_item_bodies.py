@@ -1,5 +1,4 @@
 import numpy as np
-from numpy.typing import NDArray
 
 from graph_planner.navigation import navigation_graph
 from graph_planner.randomness import episode_keys
@@ -17,56 +16,50 @@ GRAPH = navigation_graph(np.array([[1, 1, 1], [1, 0, 1]], np.bool_), 4.0, False)
 CENTRES = np.stack((GRAPH.rows, GRAPH.cols), axis=1).astype(np.float64)
 
 
-def state_of(item_node: list[int]) -> tuple[Transition, NDArray[np.int16]]:
+def state_of(item_node: list[int]) -> Transition:
     nodes = np.array([item_node], np.int32)
     rc = np.where(nodes[..., None] >= 0, CENTRES[nodes], 0.0)
     count = np.array([sum(n >= 0 for n in item_node)], np.int32)
     world = InitialState(count, rc, nodes, np.zeros((1, 2)), np.array([[0, 2]], np.int32))
-    in_node = np.zeros((1, len(GRAPH)), np.int16)
-    for node in item_node:
-        if node >= 0:
-            in_node[0, node] += 1
-    return start_state(world, CENTRES), in_node
+    return start_state(world, CENTRES)
 
 
 def test_positions_of_bodies_become_nodes_and_land_the_nearest_one() -> None:
     """South-west cell at the origin, land east of it. Collected items are left alone."""
-    state, in_node = state_of([0, 0, 0, -1])
+    state = state_of([0, 0, 0, -1])
     xy = np.array([[[1.9, 0.0], [2.1, -0.3], [4.4, 3.0], [8.0, 4.0]]])
-    read_items(ON, xy, GRAPH.water, 4.0, in_node, state)
+    read_items(ON, xy, GRAPH.water, 4.0, state)
     south_west, north = GRAPH.node_of_cell[1, 0], GRAPH.node_of_cell[0, 1]
     assert state.item_node.tolist() == [[south_west, south_west, north, -1]]
     assert state.item_rc[0, 0].tolist() == [1.0, 0.475]
-    assert in_node[0].tolist() == [0, 1, 0, 2, 0]
 
 
 def test_the_mouth_is_the_beam_wide_at_the_bow_and_fills_up() -> None:
     """A forager at the origin heads north: bow at y = 1, beam from x = -0.54 to 0.54."""
     places = [(0.0, 1.1), (0.53, 0.95), (0.55, 1.0), (0.0, 1.2), (0.0, 0.6), (-0.5, 1.0)]
-    state, in_node = state_of([3] * 6)
+    state = state_of([3] * 6)
     xy = np.array([places])
     pose = np.array([[[50.0, 50.0, 0.0], [0.0, 0.0, np.pi / 2]]])
     size, collects = np.array([[0.7, 0.5], [1.0, 0.54]]), np.array([False, True])
     room = np.array([[5, 2]])
-    taken = take_at_mouth(ON, collects, size, pose, xy, room, in_node, state)
+    taken = take_at_mouth(ON, collects, size, pose, xy, room, state)
     assert taken == 2 and room.tolist() == [[5, 0]]
     assert state.collected_by.tolist() == [[1, 1, -1, -1, -1, -1]]
     assert state.item_node.tolist() == [[-1, -1, 3, 3, 3, 3]]
-    assert in_node[0, 3] == 4
     room[:] = 5
-    assert take_at_mouth(ON, collects, size, pose, xy, room, in_node, state) == 1
+    assert take_at_mouth(ON, collects, size, pose, xy, room, state) == 1
     assert state.collected_by[0].tolist() == [1, 1, -1, -1, -1, 1]
 
 
 def test_a_scout_takes_nothing() -> None:
-    state, in_node = state_of([3])
+    state = state_of([3])
     pose = np.zeros((1, 2, 3))
-    arguments = (np.full((2, 2), 1.0), pose, np.array([[[1.0, 0.0]]]), np.full((1, 2), 9), in_node)
+    arguments = (np.full((2, 2), 1.0), pose, np.array([[[1.0, 0.0]]]), np.full((1, 2), 9))
     assert take_at_mouth(ON, np.zeros(2, np.bool_), *arguments, state) == 0
 
 
 def test_the_goal_is_the_nearest_item_within_the_target_node() -> None:
-    state, _ = state_of([0, 0, -1, 0])
+    state = state_of([0, 0, -1, 0])
     xy = np.array([[[1.9, -1.9], [-1.0, 0.0], [0.1, 0.0], [2.1, 0.0]]])
     pose = np.array([[[1.0, 0.0, 0.0]] * 2])
     target = np.zeros((1, 2, 2))
