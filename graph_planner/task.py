@@ -48,6 +48,7 @@ class Task:
     graph, fleet, rules : map, agents and what they may do
     horizon : decisions in an episode
     belief : what the belief planner assumes and how hard it searches
+    walls : of `graph_planner.walls.WALLS`, what becomes of items that drift onto land
     """
 
     graph: NavigationGraph
@@ -55,6 +56,7 @@ class Task:
     rules: MoveRules
     horizon: int
     belief: BeliefSettings = field(default_factory=BeliefSettings)
+    walls: str = "clip"
 
     @property
     def forgetting(self) -> float:

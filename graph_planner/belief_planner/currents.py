@@ -40,7 +40,7 @@ class Currents:
     axis : (value,) the drifts per axis that the hypotheses combine, ascending
     """
 
-    def __init__(self, graph: NavigationGraph, largest: float, horizon: int) -> None:
+    def __init__(self, graph: NavigationGraph, walls: str, largest: float, horizon: int) -> None:
         n = len(graph)
         many = PER_AXIS if n <= TABLE_LIMIT and largest > 0 else 1
         self.axis = largest * (np.arange(many) - (many - 1) / 2) * 2.0 / many
@@ -50,7 +50,7 @@ class Currents:
         self._row = np.tile(graph.rows.astype(np.float64), (hypotheses, 1))
         self._col = np.tile(graph.cols.astype(np.float64), (hypotheses, 1))
         self._tables = [np.tile(np.arange(n, dtype=np.int32), (hypotheses, 1))]
-        self._shore, self._still = shore_of(graph), many == 1
+        self._shore, self._still = shore_of(graph, walls), many == 1
 
     def nodes(self, step: int) -> Int32Array:
         """(hypothesis, node) where an item that started in a node is after so many steps."""
@@ -66,6 +66,6 @@ class Currents:
 
 
 @lru_cache(maxsize=8)
-def currents_of(graph: NavigationGraph, largest: float, horizon: int) -> Currents:
+def currents_of(graph: NavigationGraph, walls: str, largest: float, horizon: int) -> Currents:
     """The currents of a map for drifts of up to `largest` per axis, made once and kept."""
-    return Currents(graph, largest, horizon)
+    return Currents(graph, walls, largest, horizon)

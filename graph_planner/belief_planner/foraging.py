@@ -119,7 +119,7 @@ class Foraging:
 
     def __init__(self, task: Task, settings: BeliefSettings) -> None:
         self.group = Group.of(task, task.fleet.collectors)
-        self.shore = shore_of(task.graph)
+        self.shore = shore_of(task.graph, task.walls)
         self.items = floating(max(4096, 5 * int(settings.items)))
         nodes, members = len(task.graph), max(1, self.group.agents.size)
         self._scratch, self._nothing = Scratch(stops(MOST, nodes), np.zeros(nodes)), np.zeros(nodes)

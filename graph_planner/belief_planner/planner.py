@@ -63,7 +63,8 @@ class BeliefPlanner:
         self._keys = [np.uint64(stream_key(key, Stream.POLICY)) for key in keys]
         self.tracks = tr.tracks(episodes, capacity)
         self.wind = wd.wind(episodes, settings)
-        self._currents = currents_of(graph, settings.drift_node_per_step, task.horizon)
+        largest = settings.drift_node_per_step
+        self._currents = currents_of(graph, task.walls, largest, task.horizon)
         hypotheses = len(self._currents.drift)
         self.spots = hs.hotspots(episodes, len(graph), hypotheses, capacity, settings)
         self.stragglers = st.stragglers(
@@ -73,7 +74,8 @@ class BeliefPlanner:
             task.fleet.collectors.size,
             settings.noise_node_per_step,
         )
-        self._cloud, self._shore = cloud_of(graph, settings.spread_node), shore_of(graph)
+        self._cloud = cloud_of(graph, settings.spread_node)
+        self._shore = shore_of(graph, task.walls)
         self._ways, self._scratch = tr.ended(4 * capacity), tr.scratch(len(graph))
         self._lost = tr.losses(capacity)
         self._foragers = Foraging(task, settings)

@@ -1,7 +1,7 @@
 """Where a position on land or off the map counts as: the nearest navigable node.
 
 The planner's own view of the items' rule (scenario section 1): items pushed out of the water are
-put back beside the nearest node's centre.
+put back beside the nearest node's centre by the rule of walls.
 """
 
 from functools import lru_cache
@@ -13,8 +13,8 @@ from scipy import ndimage
 from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import NavigationGraph
+from graph_planner.walls import WALLS, put_back
 
-INSET = 0.49  # an item put back keeps this far from the centre at most [node]
 STRIDE = 0.4  # longest stretch drifted at once, so that no quay is jumped over [node]
 
 
@@ -26,6 +26,7 @@ class Shore(NamedTuple):
     rows: Int32Array  # (node,)
     cols: Int32Array  # (node,)
     room: Int32Array  # (node, axis, 2) free cells to the wall: up and down, left and right
+    walls: int  # place in `WALLS`
 
 
 @kernel
@@ -46,12 +47,12 @@ def _rooms(water: Int32Array, rows: Int32Array, cols: Int32Array) -> Int32Array:
 
 
 @lru_cache(maxsize=16)
-def shore_of(graph: NavigationGraph) -> Shore:
-    """The shore of a map, made once and kept."""
+def shore_of(graph: NavigationGraph, walls: str = "clip") -> Shore:
+    """The shore of a map under a rule of `WALLS`, made once and kept."""
     _, (row, col) = ndimage.distance_transform_edt(~graph.navigable, return_indices=True)
     nearest = np.ascontiguousarray(graph.node_of_cell[row, col])
     room = _rooms(graph.node_of_cell, graph.rows, graph.cols)
-    return Shore(nearest, graph.node_of_cell, graph.rows, graph.cols, room)
+    return Shore(nearest, graph.node_of_cell, graph.rows, graph.cols, room, WALLS.index(walls))
 
 
 @kernel
@@ -66,6 +67,13 @@ def _nearest(shore: Shore, row: float, col: float) -> int:
             if shore.water[i, j] >= 0 and squared < best_squared:
                 best, best_squared = int(shore.water[i, j]), squared
     return best if best >= 0 else int(shore.nearest[r, c])
+
+
+@inlined
+def held(shore: Shore, node: int, axis: int) -> bool:
+    """Whether a quay beside a node may hold up items that drift along it, as all but clip do."""
+    across = shore.room[node, 1 - axis]
+    return bool((shore.walls != 0) & (min(across[0], across[1]) == 0))
 
 
 @inlined
@@ -85,8 +93,7 @@ def settled(shore: Shore, row: float, col: float) -> tuple[float, float, int]:
         return row, col, node
     row, col = min(max(row, 0.0), height - 1.0), min(max(col, 0.0), width - 1.0)
     node = _nearest(shore, row, col)
-    row = min(max(row, shore.rows[node] - INSET), shore.rows[node] + INSET)
-    col = min(max(col, shore.cols[node] - INSET), shore.cols[node] + INSET)
+    row, col = put_back(shore.walls, row, col, shore.rows[node], shore.cols[node])
     return row, col, node
 
 

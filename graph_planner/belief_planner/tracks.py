@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.shore import INSET, Shore, drifted
+from graph_planner.belief_planner.shore import Shore, drifted, held
 from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
+from graph_planner.walls import INSET
 
 FIRST_GATE = 1.3  # distance of a plain mistake: a node and a bit [node]
 IN_VIEW_GATE = 2.3  # between two places in view [node]
@@ -144,14 +145,15 @@ def _lose(tracks: Tracks, e: int, i: int, lost: Lost) -> None:
 
 @inlined
 def _same_walls(shore: Shore, start: int, node: int, axis: int) -> bool:
-    """Whether drift along an axis ends at the same walls in two nodes."""
+    """Whether drift along an axis ends at the same walls in two nodes, and is held up alike."""
     shift = (
         (shore.rows[node] - shore.rows[start])
         if axis == 0
         else (shore.cols[node] - shore.cols[start])
     )
     before, now = shore.room[start, axis], shore.room[node, axis]
-    return bool((now[0] - shift == before[0]) & (now[1] + shift == before[1]))
+    alike = held(shore, start, axis) == held(shore, node, axis)
+    return bool((now[0] - shift == before[0]) & (now[1] + shift == before[1]) & alike)
 
 
 @kernel

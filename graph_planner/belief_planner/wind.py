@@ -1,7 +1,8 @@
 """The drift that all items share, from how far tracks have come between two sightings.
 
 Per axis a likelihood over a grid of drifts. A way of d nodes in s steps is known to within the
-squares of its two nodes and the items' own noise, which together look like a triangle.
+squares of its two nodes and the items' own noise, which together look like a triangle. Ways along
+quays that hold items up say nothing.
 """
 
 from typing import NamedTuple
@@ -9,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.shore import Shore
+from graph_planner.belief_planner.shore import Shore, held
 from graph_planner.belief_planner.tracks import Ended, Tracks
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.compiled import kernel
@@ -84,6 +85,8 @@ def log_likelihood(
 def settle(wind: Wind, shore: Shore, e: int, ways: Ended) -> None:
     """Keep what ended ways say for good, and empty the list."""
     for i in range(ways.number[0]):
+        if held(shore, ways.start[i], ways.axis[i]):
+            continue
         axis, room = ways.axis[i], shore.room[ways.start[i], ways.axis[i]]
         log_likelihood(
             ways.shift[i],
@@ -107,7 +110,7 @@ def estimate(wind: Wind, tracks: Tracks, shore: Shore, e: int) -> None:
         for i in range(tracks.number[e]):
             start = tracks.base_node[e, i, axis]
             steps = float(tracks.seen[e, i] - tracks.base[e, i, axis])
-            if steps < 1.0:
+            if steps < 1.0 or held(shore, start, axis):
                 continue
             shift = float(places[tracks.seen_node[e, i]] - places[start])
             room = shore.room[start, axis]

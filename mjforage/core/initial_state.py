@@ -14,13 +14,11 @@ from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import NavigationGraph, Water
 from graph_planner.randomness import Stream, UInt64Array, bits, normal, stream_key, uniform
+from graph_planner.walls import WALLS, put_back
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Items, Weather
 
 LEEWAY = 0.03  # of the wind, at which an item drifts by the paper's rule
-INSET = 0.49  # an item pushed back into a node keeps this far from its centre at most [node]
-WALLS = ("clip", "project", "published")
-"""Values of `rules.walls`; kernels take the place in this list."""
 _HALF = np.uint64(32)
 _LOW = np.uint64(0xFFFFFFFF)
 _TO_SYMMETRIC = 2.0 / (1 << 32)
@@ -80,35 +78,6 @@ def nearest_node(framed: Int32Array, row: float, col: float) -> int:
     if best_squared >= 1.5**2:
         best = _search_outwards(framed, row, col)
     return best
-
-
-@inlined
-def put_back(
-    walls: int, row: float, col: float, centre_row: float, centre_col: float
-) -> tuple[float, float]:
-    """A position outside a node's square, moved into it by the rule of walls.
-
-    clip: each component to +-0.49. project: the offset from the centre is scaled as a whole, its
-    larger component to 0.49. published: so, and the smaller component takes the sign of the lesser
-    of the two signed offsets, as the paper's code has it (scenario section 1); of equal magnitudes
-    the column is that one. An offset within the square is kept.
-    """
-    if walls == 0:
-        row = min(max(row, centre_row - INSET), centre_row + INSET)
-        return row, min(max(col, centre_col - INSET), centre_col + INSET)
-    off_row, off_col = row - centre_row, col - centre_col
-    largest = max(abs(off_row), abs(off_col))
-    if largest <= INSET:
-        return row, col
-    back_row, back_col = off_row * (INSET / largest), off_col * (INSET / largest)
-    if walls == 2:
-        lesser = min(off_row, off_col)
-        sign = np.sign(lesser)
-        if abs(off_row) < abs(off_col):
-            back_row = abs(back_row) * sign
-        else:
-            back_col = abs(back_col) * sign
-    return centre_row + back_row, centre_col + back_col
 
 
 @inlined

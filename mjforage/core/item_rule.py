@@ -14,13 +14,12 @@ from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import NavigationGraph, Water
 from graph_planner.randomness import Stream, UInt64Array, fill_bits, stream_key
 from graph_planner.rows import put_rows
+from graph_planner.walls import WALLS, put_back
 from mjforage.core.dynamics import Transition
 from mjforage.core.initial_state import (
-    WALLS,
     InitialState,
     into_water,
     item_places,
-    put_back,
     to_symmetric,
 )
 

@@ -104,8 +104,10 @@ class Setup:
     @cached_property
     def task(self) -> Task:
         """What policies are told."""
-        rules = MoveRules(self.scenario.rules.stay, self.scenario.rules.shorten)
-        return Task(self.graph, self.fleet, rules, self.scenario.horizon, self.scenario.belief)
+        scenario, rules = self.scenario, self.scenario.rules
+        moves = MoveRules(rules.stay, rules.shorten)
+        about = scenario.horizon, scenario.belief, rules.walls
+        return Task(self.graph, self.fleet, moves, *about)
 
     @cached_property
     def start_nodes(self) -> Int32Array:

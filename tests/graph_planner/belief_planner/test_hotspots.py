@@ -220,7 +220,7 @@ def test_an_unsighted_second_hotspot_is_still_expected_somewhere() -> None:
 
 
 def test_currents_carry_every_start_and_are_made_step_by_step() -> None:
-    currents = Currents(SEA, 0.1, 150)
+    currents = Currents(SEA, "clip", 0.1, 150)
     assert currents.drift.shape == (25, 2) and np.abs(currents.drift).max() <= 0.1
     w = int(np.argmin(np.abs(currents.drift - (0.08, -0.04)).sum(axis=1)))
     later = currents.nodes(50)[w].reshape(40, 40)
@@ -230,7 +230,7 @@ def test_currents_carry_every_start_and_are_made_step_by_step() -> None:
 
 
 def test_starts_that_drifted_into_view_are_seen_only_under_that_drift() -> None:
-    currents = Currents(SEA, 0.1, 150)
+    currents = Currents(SEA, "clip", 0.1, 150)
     spots = hs.hotspots(1, len(SEA), 25, 10, BeliefSettings())
     last_seen = np.full(len(SEA), -32768, np.int16)
     last_seen[SEA.node_of_cell[14, 18]] = 50

@@ -2,7 +2,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner import tracks as tr
-from graph_planner.belief_planner.shore import shore_of
+from graph_planner.belief_planner.shore import Shore, shore_of
 from graph_planner.navigation import navigation_graph
 
 SEA = navigation_graph(np.ones((12, 12), np.bool_), 1.0, False)
@@ -12,8 +12,8 @@ SHORE = shore_of(SEA)
 class Watch:
     """One episode's tracks, fed with views by hand."""
 
-    def __init__(self) -> None:
-        self.tracks = tr.tracks(1, 20)
+    def __init__(self, shore: Shore = SHORE) -> None:
+        self.shore, self.tracks = shore, tr.tracks(1, 20)
         self.ways, self.lost, self.memory = tr.ended(50), tr.losses(20), tr.scratch(len(SEA))
         self.last_seen = np.full(len(SEA), -32768, np.int16)
 
@@ -32,7 +32,7 @@ class Watch:
             belief[SEA.node_of_cell[cell]] = count
         edges, wander, view = SEA.neighbours, 0.1, tr.View(now, belief, self.last_seen)
         return tr.reconcile(
-            self.tracks, SHORE, edges, 0, view, wander, self.memory, self.ways, self.lost
+            self.tracks, self.shore, edges, 0, view, wander, self.memory, self.ways, self.lost
         )
 
     @property
@@ -119,3 +119,13 @@ def test_an_ended_track_reports_its_way_along_both_axes() -> None:
     watch.view(12, {(5, 4): 1})
     tr.drop(watch.tracks, SHORE, 0, 0, watch.ways)
     assert reported(watch.ways) == [(0, 2.0, 12.0), (1, 1.0, 12.0)]
+
+
+def test_a_way_along_a_quay_that_holds_items_up_is_one_of_its_own() -> None:
+    along = {"clip": [(1, 3.0, 18.0)], "published": [(1, 1.0, 6.0), (1, 1.0, 6.0)]}
+    for walls, expected in along.items():
+        watch = Watch(shore_of(SEA, walls))
+        for step, cell in enumerate(((2, 3), (1, 4), (0, 5), (0, 6))):
+            watch.view(6 * step, {cell: 1})
+        tr.drop(watch.tracks, watch.shore, 0, 0, watch.ways)
+        assert reported(watch.ways) == [(0, -2.0, 18.0), *expected]

@@ -64,6 +64,24 @@ def test_what_lies_at_a_quay_says_nothing_of_drift_against_it() -> None:
     assert total[2] > total[1] == total[3] > total[0] == total[4]
 
 
+@pytest.mark.parametrize(("walls", "drift"), [("clip", 0.08), ("project", 0), ("published", 0)])
+def test_what_a_quay_may_hold_up_says_nothing_of_the_drift_along_it(
+    walls: str, drift: float
+) -> None:
+    """Three tracks of 50 steps along the north quay, by live tracks and by ways that ended."""
+    shore = shore_of(navigation_graph(np.ones((80, 80), np.bool_), 1.0, False), walls)
+    live, ended, none = tr.tracks(1, 4), tr.ended(9), tr.tracks(1, 4)
+    live.base_node[0, :3], live.seen_node[0, :3], live.seen[0, :3] = 40, 44, 50
+    ended.axis[:3], ended.start[:3], ended.shift[:3], ended.steps[:3] = 1, 40, 4.0, 50.0
+    live.number[0] = ended.number[0] = 3
+    for tracks, ways in ((live, tr.ended(1)), (none, ended)):
+        wind = wd.wind(1, BeliefSettings())
+        wd.settle(wind, shore, 0, ways)
+        wd.estimate(wind, tracks, shore, 0)
+        assert wind.mean[0, 1] == pytest.approx(drift, abs=0.015)
+        assert (wind.deviation[0, 1] > 0.05) == (walls != "clip")
+
+
 def test_live_tracks_count_too() -> None:
     wind, live = wd.wind(1, BeliefSettings()), tr.tracks(1, 4)
     node = 40 * 80 + 40

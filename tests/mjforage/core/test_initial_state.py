@@ -7,8 +7,8 @@ from scipy import stats
 from graph_planner.compiled import kernel
 from graph_planner.navigation import Water, navigation_graph
 from graph_planner.randomness import episode_keys
+from graph_planner.walls import WALLS
 from mjforage.core.initial_state import (
-    WALLS,
     create_initial_state,
     into_water,
     item_places,

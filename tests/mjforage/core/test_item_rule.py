@@ -6,8 +6,9 @@ import pytest
 from graph_planner.fleet import Fleet, Role
 from graph_planner.navigation import navigation_graph
 from graph_planner.randomness import episode_keys
+from graph_planner.walls import WALLS
 from mjforage.core.dynamics import start_state
-from mjforage.core.initial_state import WALLS, InitialState
+from mjforage.core.initial_state import InitialState
 from mjforage.core.item_rule import ItemRule
 from tests.graph_planner.charts import grid
 

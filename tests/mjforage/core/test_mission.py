@@ -4,8 +4,8 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from graph_planner.policies import create_policy, policy_names
+from graph_planner.walls import WALLS
 from mjforage.core.errors import UserError
-from mjforage.core.initial_state import WALLS
 from mjforage.core.maps import GridMap
 from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import Scorer
