@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage
 
 from graph_planner.compiled import inlined, kernel
@@ -26,6 +27,7 @@ class Shore(NamedTuple):
     rows: Int32Array  # (node,)
     cols: Int32Array  # (node,)
     room: Int32Array  # (node, axis, 2) free cells to the wall: up and down, left and right
+    quay: NDArray[np.bool_]  # (node, axis) whether land, not the map's edge, is beside it there
     walls: int  # place in `WALLS`
 
 
@@ -51,8 +53,17 @@ def shore_of(graph: NavigationGraph, walls: str = "clip") -> Shore:
     """The shore of a map under a rule of `WALLS`, made once and kept."""
     _, (row, col) = ndimage.distance_transform_edt(~graph.navigable, return_indices=True)
     nearest = np.ascontiguousarray(graph.node_of_cell[row, col])
-    room = _rooms(graph.node_of_cell, graph.rows, graph.cols)
-    return Shore(nearest, graph.node_of_cell, graph.rows, graph.cols, room, WALLS.index(walls))
+    rows, cols = graph.rows, graph.cols
+    room = _rooms(graph.node_of_cell, rows, cols)
+    land = np.pad(~graph.navigable, 1)
+    quay = np.stack(
+        (
+            land[rows, cols + 1] | land[rows + 2, cols + 1],
+            land[rows + 1, cols] | land[rows + 1, cols + 2],
+        ),
+        axis=1,
+    )
+    return Shore(nearest, graph.node_of_cell, rows, cols, room, quay, WALLS.index(walls))
 
 
 @kernel
@@ -71,9 +82,11 @@ def _nearest(shore: Shore, row: float, col: float) -> int:
 
 @inlined
 def held(shore: Shore, node: int, axis: int) -> bool:
-    """Whether a quay beside a node may hold up items that drift along it, as all but clip do."""
-    across = shore.room[node, 1 - axis]
-    return bool((shore.walls != 0) & (min(across[0], across[1]) == 0))
+    """Whether a quay beside a node may hold up items that drift along it, as all but clip do.
+
+    Items at the edge of the map are clipped to it, whatever the rule, and drift along it freely.
+    """
+    return bool((shore.walls != 0) & shore.quay[node, 1 - axis])
 
 
 @inlined

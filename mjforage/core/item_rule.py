@@ -46,7 +46,7 @@ class Scratch(NamedTuple):
     draws: UInt64Array  # (item,)
     shift: NDArray[np.float64]  # (item x 2) by which they move
     beyond: NDArray[np.uint8]  # (item x 2) whether each of their coordinates left its node's square
-    gone: Int32Array  # (item + 1,) those of which one did; the last place is never read
+    gone: Int32Array  # (item,) those of which one did
 
 
 @kernel
@@ -247,7 +247,7 @@ class ItemRule:
             draws=np.empty(items.shape[1], np.uint64),
             shift=np.empty(2 * items.shape[1]),
             beyond=np.empty(2 * items.shape[1], np.uint8),
-            gone=np.empty(items.shape[1] + 1, np.int32),
+            gone=np.empty(items.shape[1], np.int32),
         )
         by_episode = len(items), -1
         self.advance = prepared(

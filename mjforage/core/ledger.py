@@ -118,7 +118,7 @@ def credit(
     ----------
     knowledge : of one who has heard all looks of this step, one row per episode
     in_view : (node,) memory, all False before and after
-    found : (item + 1,) memory
+    found : (item,) memory
     """
     active, step, agent_node = looks.active, looks.step, looks.agent_node
     known, n_known, last_seen = knowledge.known, knowledge.n_known, knowledge.last_seen

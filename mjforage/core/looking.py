@@ -26,7 +26,7 @@ class Eyes(NamedTuple):
     keys: UInt64Array  # (episode,)
     all_heard: NDArray[np.bool_]  # (episode, agent) True
     in_view: NDArray[np.bool_]  # (node,) memory of `credit`
-    found: Int32Array  # (item + 1,) the same
+    found: Int32Array  # (item,) the same
 
 
 @kernel
@@ -76,7 +76,7 @@ class Lookout:
             keys,
             np.ones((keys.size, len(task.fleet)), np.bool_),
             np.zeros(len(task.graph), np.bool_),
-            np.empty(entries.t_discovered.shape[1] + 1, np.int32),
+            np.empty(entries.t_discovered.shape[1], np.int32),
         )
         self._look = prepared(_look, eyes, entries, knowledge)
 

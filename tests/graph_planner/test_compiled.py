@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from numba.core.errors import TypingError
 from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel, prepared
@@ -149,3 +150,66 @@ def test_prepared_kernels_of_other_kinds_of_arguments_are_compiled_for_those() -
         assert prepared(_double_first, values)(by) == 6.5
     whole = Pair(np.ones(1), 1)
     assert prepared(_double_first, wide)(whole) == 7.0
+
+
+@kernel
+def _in_order(values: NDArray[np.float64], by: Pair) -> float:
+    total = by.offset
+    for place, value in enumerate(values.flat):
+        total += (place + 1) * value
+    return float(total)
+
+
+@kernel
+def _zero(values: NDArray[np.float64]) -> None:
+    values[0] = 0.0
+
+
+def test_prepared_kernels_take_every_place_of_arrays_of_other_layouts() -> None:
+    by, wide = Pair(np.ones(1), 0.5), np.arange(12.0).reshape(3, 4)
+    kinds = (wide, np.asfortranarray(wide), wide[:, ::2], wide[0], wide[0, ::2], wide[None])
+    for values in kinds + kinds:
+        expected = 0.5 + float(np.arange(1, values.size + 1) @ values.ravel())
+        assert prepared(_in_order, values)(by) == expected
+
+
+def test_what_may_not_be_written_is_not_by_another_s_code() -> None:
+    mine, theirs = np.ones(2), np.ones(2)
+    theirs.flags.writeable = False
+    prepared(_zero, mine)()
+    with pytest.raises(TypingError):
+        prepared(_zero, theirs)()
+    assert theirs[0] == 1.0
+
+
+class Rise(NamedTuple):
+    low: float
+    high: float
+
+
+class Fall(NamedTuple):
+    high: float
+    low: float
+
+
+@kernel
+def _height(of: Rise | Fall) -> float:
+    return of.high - of.low
+
+
+@kernel
+def _depth(of: Rise | Fall) -> float:
+    return of.low - of.high
+
+
+def test_prepared_kernels_tell_named_tuples_and_kernels_apart() -> None:
+    for _ in range(2):
+        assert prepared(_height)(Rise(1.0, 3.0)) == 2.0
+        assert prepared(_height)(Fall(1.0, 3.0)) == -2.0
+        assert prepared(_depth)(Rise(1.0, 3.0)) == -2.0
+
+
+def test_prepared_kernels_look_into_tuples() -> None:
+    for kind in (np.float64, np.float32, np.int64):
+        factor = np.array([2, 3]).astype(kind)
+        assert prepared(_scale, Pair(factor, 1.0))(np.ones(2)) == 7.0

@@ -247,3 +247,53 @@ def test_the_table_of_targets_is_where_free_moves_end(stay: bool, shorten: bool)
     assert table[0, middle, 2] == -1
     west = int(graph.node_of_cell[1, 0])  # one node of water, then land
     assert table[1, west, 2] == (middle if shorten else -1)
+
+
+@pytest.mark.parametrize("place", [(0, 1, 8), (1, 0, 0), (1, 1, 8)])
+def test_nan_is_refused_wherever_it_is_and_nothing_is_resolved(place: tuple[int, int, int]) -> None:
+    """Also of an episode that is over: a policy answers for all rows."""
+    fleet = Fleet.of({"scouts": Role(2, 1, 4.0, False)})
+    resolver = Resolver(WATER, fleet, FREE, Corruption(np.zeros(2)))
+    preferences = np.zeros((2, 2, 9))
+    node = np.tile(np.array([0, 1], np.int32), (2, 1))
+    step, keys, active = (
+        np.ones(2, np.int32),
+        episode_keys(0, np.arange(2)),
+        np.array([True, False]),
+    )
+    rest = node, np.full((2, 2), np.inf), np.zeros((2, 25), np.int16), step, keys
+    before = resolver(active, preferences, *rest)
+    spoiled = preferences.copy()
+    spoiled[place] = np.nan
+    with pytest.raises(UserError, match="NaN"):
+        resolver(active, spoiled, *rest)
+    after = resolver(active, preferences, *rest)
+    for first, second in zip(before, after, strict=True):
+        np.testing.assert_array_equal(first, second)
+
+
+@pytest.mark.parametrize("stay", [False, True])
+@pytest.mark.parametrize("shorten", [False, True])
+def test_each_agent_is_shut_in_by_its_own_stride(stay: bool, shorten: bool) -> None:
+    """Alone on the map, agents of 2, 1 and 3 nodes per decision take each legal move they ask."""
+    graph, rules = (
+        navigation_graph(grid(".....", "..#..", "....."), 1.0, False),
+        MoveRules(stay, shorten),
+    )
+    nobody = np.empty(0, np.int64)
+    for strides in ((2, 1), (1, 2), (3, 2)):
+        teams = {f"t{i}": Role(1, m, 1.0, False) for i, m in enumerate(strides)}
+        for agent, stride in enumerate(strides):
+            order = (f"t{agent}", f"t{1 - agent}")
+            for node in range(len(graph)):
+                cell = int(graph.rows[node]), int(graph.cols[node])
+                for move in range(9):
+                    end, _ = free_move(
+                        graph.neighbours, nobody, -1, node, move, stride, stay, shorten
+                    )
+                    wishes: list[list[int]] = [[], []]
+                    wishes[agent] = [move]
+                    moves = resolve(graph, teams, [cell, cell], wishes, rules, order=order)
+                    assert (moves.direction[0, agent] == move and not moves.blocked[0, agent]) == (
+                        end >= 0
+                    ) or (move == STAY and end < 0 and moves.blocked[0, agent])

@@ -69,7 +69,7 @@ def test_what_a_quay_may_hold_up_says_nothing_of_the_drift_along_it(
     walls: str, drift: float
 ) -> None:
     """Three tracks of 50 steps along the north quay, by live tracks and by ways that ended."""
-    shore = shore_of(navigation_graph(np.ones((80, 80), np.bool_), 1.0, False), walls)
+    shore = shore_of(navigation_graph(np.pad(np.ones((80, 80), np.bool_), 1), 1.0, False), walls)
     live, ended, none = tr.tracks(1, 4), tr.ended(9), tr.tracks(1, 4)
     live.base_node[0, :3], live.seen_node[0, :3], live.seen[0, :3] = 40, 44, 50
     ended.axis[:3], ended.start[:3], ended.shift[:3], ended.steps[:3] = 1, 40, 4.0, 50.0
@@ -91,3 +91,30 @@ def test_live_tracks_count_too() -> None:
     live.number[0] = 3
     wd.estimate(wind, live, SEA, 0)
     assert wind.mean[0] == pytest.approx([0.08, 0.0], abs=0.015)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_quay_on_either_side_holds_up_and_ways_off_it_count_all_the_same(turned: bool) -> None:
+    """Of 3 ways along a southern (eastern) quay and 3 in open water behind them, these count."""
+    graph = navigation_graph(np.pad(np.ones((80, 80), np.bool_), 1), 1.0, False)
+    shore, axis = shore_of(graph, "published"), 0 if turned else 1
+    at = (40, 80) if turned else (80, 40)
+    quay, sea = graph.node_of_cell[at], graph.node_of_cell[40, 40]
+    wind, ended = wd.wind(1, BeliefSettings()), tr.ended(9)
+    ended.axis[:6], ended.start[:3], ended.start[3:6] = axis, quay, sea
+    ended.shift[:3], ended.shift[3:6], ended.steps[:6] = -4.0, 4.0, 50.0
+    ended.number[0] = 6
+    wd.settle(wind, shore, 0, ended)
+    wd.estimate(wind, tr.tracks(1, 4), shore, 0)
+    assert wind.mean[0, axis] == pytest.approx(0.08, abs=0.015)
+
+
+def test_the_edge_of_the_map_holds_nothing_up() -> None:
+    """Items are clipped to it and go on along it, whatever the rule (scenario section 1)."""
+    open_sea = navigation_graph(np.ones((80, 80), np.bool_), 1.0, False)
+    shore, ended = shore_of(open_sea, "published"), tr.ended(9)
+    ended.axis[:3], ended.start[:3], ended.shift[:3], ended.steps[:3] = 1, 40, 4.0, 50.0
+    ended.number[0], wind = 3, wd.wind(1, BeliefSettings())
+    wd.settle(wind, shore, 0, ended)
+    wd.estimate(wind, tr.tracks(1, 4), shore, 0)
+    assert wind.mean[0, 1] == pytest.approx(0.08, abs=0.015)

@@ -261,3 +261,8 @@ def test_equal_preferences_go_to_the_lowest_legal_move(value: float) -> None:
     for e in range(4):
         legal = np.flatnonzero(arrays.targets[arrays.stride_number[first], nodes[e, first]] >= 0)
         assert moves.direction[e, first] == legal[0]
+
+
+@pytest.mark.parametrize("walls", WALLS)
+def test_policies_are_told_the_rule_of_walls(walls: str) -> None:
+    assert setup_of("comb-port", f"rules.walls={walls}").task.walls == walls
