@@ -15,7 +15,7 @@ from controllers.loops import turning_limit
 from controllers.quayside import APPROACH_MPS, is_quayed, meeting_speed, run_in
 from controllers.state import VesselState
 
-BACK_MPS = 0.5  # backing off from it
+BACK_MPS = 0.5  # backing off from an item
 BERTH_M = 0.25  # between an item and the turning bow
 SLACK_M = 0.5  # beyond its room a hull still counts as inside its node
 AFRESH_M = 0.35  # more than that is made by backing off
