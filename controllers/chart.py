@@ -41,6 +41,16 @@ class Chart:
 
 
 @kernel
+def is_land(land: LandArray, pitch: float, x: float, y: float) -> bool:
+    """Whether a point [m] lies on land; an empty map has none, and all is land around a map."""
+    if land.size == 0:
+        return False
+    i, j = math.floor(x / pitch + 0.5) + 1, math.floor(y / pitch + 0.5) + 1
+    inside = 0 <= i < land.shape[0] and 0 <= j < land.shape[1]
+    return bool(not inside or land[i, j])
+
+
+@kernel
 def quay_gap(
     land: LandArray,
     pitch: float,

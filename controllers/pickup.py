@@ -1,11 +1,9 @@
 """Picking up an item: bring the mouth, the full beam at the bow, over it, going ahead.
 
-An item ahead of the bow is steered for. One farther away than the bow reaches is turned to first.
-One beside the hull or behind it, within reach of the turning bow, would be pushed away: the hull
-first backs off from it, or draws ahead of it.
-
-A hull that comes to a stop on the way, for the item lies in a corner of quays, backs off and tries
-along the quay: parallel to it, the item at the edge of the mouth.
+On the way to its node an item is taken in passing. At the node, one ahead of the bow is steered
+for, and one farther away than the bow reaches is turned to first. One beside the hull or behind it,
+within reach of the turning bow, would be pushed away: the hull first backs off from it, or draws
+ahead of it. Items beside quays: `quayside`.
 """
 
 import math
@@ -13,20 +11,15 @@ import math
 from controllers._compiled import kernel
 from controllers.angles import wrapped
 from controllers.helm import PackedHelm
+from controllers.loops import turning_limit
+from controllers.quayside import APPROACH_MPS, is_quayed, meeting_speed, run_in
 from controllers.state import VesselState
 
-APPROACH_MPS = 0.5  # towards an item
-BACK_MPS = 0.5  # backing off from it
+BACK_MPS = 0.5  # backing off from an item
 BERTH_M = 0.25  # between an item and the turning bow
 SLACK_M = 0.5  # beyond its room a hull still counts as inside its node
 AFRESH_M = 0.35  # more than that is made by backing off
 AIM = 0.6  # share of the half beam within which the item must lie to be taken straight on
-
-STRAIGHT, ALONG = 0.0, 2.0  # ways of picking up; 1 and 3 are backing off
-STILL_MPS, STILL_RADPS, STUCK_S = 0.08, 0.1, 1.5  # so slow for so long is stuck
-OFF_S, ALONG_S = 3.0, 10.0  # longest times of backing off and of trying along a quay
-EDGE_M = 0.05  # from the edge of the mouth to an item that is taken along a quay
-LOOKAHEAD_M = 0.8  # of the guidance along a quay
 
 
 @kernel
@@ -44,30 +37,44 @@ def leaves_room(s: VesselState, speed: float, room: float) -> bool:
 
 
 @kernel
-def note_progress(s: VesselState, step_s: float) -> None:
-    """Go on to the next way of picking up when the hull is stuck, or took too long."""
-    still = math.sqrt(s.vx**2 + s.vy**2) < STILL_MPS and abs(s.rate) < STILL_RADPS
-    s.still_s = s.still_s + step_s if still else 0.0
-    s.approach_s += step_s
-    off = s.approach != STRAIGHT and s.approach != ALONG
-    over = (off and s.approach_s > OFF_S) or (s.approach == ALONG and s.approach_s > ALONG_S)
-    if over or s.still_s > STUCK_S:
-        s.approach = (s.approach + 1.0) % 4.0
-        s.still_s = s.approach_s = s.backing = 0.0
+def is_free(s: VesselState) -> bool:
+    """Whether a hull on its way to an item there need not heed anybody."""
+    straight = s.via == 0.0 and s.clock >= s.wait and s.stuck == 0.0
+    at_target = s.place_x == s.target_x and s.place_y == s.target_y
+    return bool(straight and at_target and not math.isnan(s.item_x))
 
 
 @kernel
-def along_quay(s: VesselState, p: PackedHelm) -> tuple[float, float]:
-    """Heading [rad] and speed [m/s] along the axis of the map on which the item lies outward."""
-    east, north = s.item_x - s.target_x, s.item_y - s.target_y
-    course = 0.5 * math.pi * round(math.atan2(north, east) / (0.5 * math.pi))
-    c, t = math.cos(course), math.sin(course)
-    outward = math.copysign(1.0, c * north - t * east)
-    across = c * (s.y - s.item_y) - t * (s.x - s.item_x)
-    across += outward * (0.5 * p.beam_m - EDGE_M)
-    heading = course - math.atan(across / LOOKAHEAD_M)
-    error = abs(wrapped(heading - s.yaw))
-    return heading, APPROACH_MPS * max(math.cos(2.0 * error), 0.0) if error < 0.7 else 0.0
+def meets_item(s: VesselState, p: PackedHelm) -> bool:
+    """Whether a hull under way to its target can steer its mouth through the item there."""
+    if not is_free(s) or is_quayed(s):
+        return False
+    dx, dy = s.item_x - s.x, s.item_y - s.y
+    c, t = math.cos(s.yaw), math.sin(s.yaw)
+    ahead, aside = c * dx + t * dy, abs(c * dy - t * dx)
+    reach = 0.5 * math.sqrt(p.length_m**2 + p.beam_m**2) + BERTH_M
+    in_mouth = ahead > 0.4 * p.length_m and aside < 0.5 * p.beam_m
+    return bool(in_mouth or dx * dx + dy * dy > reach * reach)
+
+
+@kernel
+def meet_item(s: VesselState, p: PackedHelm) -> tuple[float, float]:
+    """Heading [rad] and speed over ground along the hull [m/s] that take the item on the way.
+
+    Through the water the hull must make what it shall make over ground less the drift.
+    """
+    dx, dy = s.item_x - s.x, s.item_y - s.y
+    far = math.sqrt(dx * dx + dy * dy)
+    c, t = math.cos(s.yaw), math.sin(s.yaw)
+    ahead, aside = c * dx + t * dy, c * dy - t * dx
+    speed = meeting_speed(p, far - 0.5 * p.length_m)
+    if ahead < 0.5 * p.length_m + BERTH_M and abs(aside) < AIM * 0.5 * p.beam_m:
+        return s.yaw, speed  # close to the bow the bearing swings
+    wx, wy = speed * dx / far - s.drift_x, speed * dy / far - s.drift_y
+    heading = math.atan2(wy, wx)
+    error = wrapped(heading - s.yaw)
+    made = min(math.sqrt(wx * wx + wy * wy), turning_limit(p, math.cos(error)))
+    return heading, made + c * s.drift_x + t * s.drift_y
 
 
 @kernel
@@ -78,11 +85,8 @@ def pick_up(s: VesselState, p: PackedHelm, room: float, step_s: float) -> tuple[
     ----------
     room : distance from the target on each axis that midships should not exceed [m]
     """
-    note_progress(s, step_s)
-    if s.approach == ALONG:
-        return along_quay(s, p)
-    if s.approach != STRAIGHT:
-        return s.yaw, -BACK_MPS
+    if is_quayed(s):
+        return run_in(s, p, step_s)
     dx, dy = s.item_x - s.x, s.item_y - s.y
     c, t = math.cos(s.yaw), math.sin(s.yaw)
     ahead, aside = c * dx + t * dy, c * dy - t * dx

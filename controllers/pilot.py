@@ -12,6 +12,7 @@ from controllers.conflicts import Traffic
 from controllers.estimate import estimate
 from controllers.helm import HELM, FloatArray, Helm, HelmArray, packed
 from controllers.prediction import NEVER_S, SAMPLES
+from controllers.quayside import note_quays
 from controllers.safety import limit_speeds
 from controllers.state import HOLD, IDLE, START, STATE, TRANSIT, FleetArray, idle_state
 from controllers.steering import change_mode, start_decision, steer
@@ -58,6 +59,7 @@ def _steer_fleet(fleets: FleetArrays, e: int, step_s: float, commands: FloatArra
         plan_fleet(Traffic(fleet, helms, fleets.paths, fleets.met, fleets.land, fleets.pitch))
     fleets.ticks[e] += 1
     for v in range(helms.shape[0]):
+        note_quays(fleet[v], helms[v], fleets.land, fleets.pitch)
         limit_speeds(fleet, helms, fleets.land, fleets.pitch, v)
         port, starboard = steer(fleet[v], helms[v], room, step_s)
         commands[e, v, 0], commands[e, v, 1] = port, starboard

@@ -79,10 +79,14 @@ class VesselState:
     backing: float
     # How far up the drift of its place it lies, where a quay is to leeward [m].
     up: float
-    # How it picks up an item (see `pickup`); for how long it has been still, and doing that [s].
+    # Quays beside the item, east or west and north or south of it: 1, -1 or 0 for none;
+    # beside a quay, the course on which the mouth is brought to it [rad].
+    quay_x: float
+    quay_y: float
+    run: float
+    # Whether it backs off from it (see `quayside`); for how long it has been still [s].
     approach: float
     still_s: float
-    approach_s: float
 
 
 STATE = record_type(VesselState.__annotations__)

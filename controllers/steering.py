@@ -16,7 +16,8 @@ from controllers.loops import (
     surge_force,
     surge_windup,
 )
-from controllers.pickup import in_room, pick_up
+from controllers.pickup import in_room, is_free, meet_item, meets_item, pick_up
+from controllers.quayside import COMING, come_in, comes_in, is_in, is_quayed
 from controllers.state import HOLD, TRANSIT, VesselState
 
 AT_M = 0.3  # from its place: there
@@ -91,6 +92,10 @@ def change_mode(s: VesselState, p: PackedHelm) -> None:
     if s.mode == HOLD:
         if far > LEAVE_M and (math.isnan(s.item_x) or s.arrived == 0.0):
             start_transit(s, p, x, y, False)
+        return
+    if is_free(s) and is_quayed(s) and is_in(s, p):
+        start_hold(s, p)
+        s.arrived, s.approach = 1.0, COMING
         return
     along, across = along_and_across(s.x, s.y, s.leg_x, s.leg_y, s.course)
     passed = along > s.leg_length - 0.1
@@ -191,7 +196,12 @@ def steer(s: VesselState, p: PackedHelm, room: float, step_s: float) -> tuple[fl
     room : how far from the target on each axis midships may go to pick up an item [m]
     """
     if s.mode == TRANSIT:
-        heading, speed = follow_leg(s, p, step_s)
+        if meets_item(s, p):
+            heading, speed = meet_item(s, p)
+        elif is_free(s) and is_quayed(s) and comes_in(s, p):
+            heading, speed = come_in(s, p)
+        else:
+            heading, speed = follow_leg(s, p, step_s)
         return drive(s, p, heading, speed, step_s)
     at_target = s.place_x == s.target_x and s.place_y == s.target_y
     if not math.isnan(s.item_x) and s.arrived != 0.0 and at_target:
@@ -199,7 +209,7 @@ def steer(s: VesselState, p: PackedHelm, room: float, step_s: float) -> tuple[fl
         s.wanted = s.yaw
         return drive(s, p, heading, speed, step_s)
     if math.isnan(s.item_x):
-        s.approach = s.still_s = s.approach_s = 0.0
+        s.approach = s.still_s = 0.0
     if s.up > 0.0:
         shift = s.up / math.sqrt(s.drift_x**2 + s.drift_y**2)
         x, y = s.place_x - shift * s.drift_x, s.place_y - shift * s.drift_y

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 from controllers import Chart, Pilot
 from controllers.helm import packed
 from controllers.pickup import pick_up
+from controllers.quayside import is_quayed, line_to_item, note_quays
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessel_helm import helm_of
@@ -22,21 +23,25 @@ def pick(
     yaws: NDArray[np.float64],
     seconds: float,
     node: NDArray[np.float64] | None = None,
+    origin: NDArray[np.float64] | None = None,
 ) -> tuple[NDArray[np.float64], float]:
     """Time at which each item passed the mouth [s], and the farthest midships from the node.
 
-    `node` (episode, 1, 2) is the centre of each one's node, by default the basin's.
+    `node` (episode, 1, 2) is the centre of each one's node, by default the basin's; `origin` that
+    of the node from which it is ordered there, by default the same.
     """
     n = yaws.size
     scene = build_scene([FORAGER], navigable=BASIN, pitch_m=PITCH_M)
     simulation, pilot = Simulation(scene, n), Pilot([helm_of(FORAGER)], Chart(BASIN, PITCH_M), n)
     active, to = np.ones(n, np.bool_), np.full((n, 1, 2), CENTRE) if node is None else node
-    pose = np.concatenate((to, yaws[:, None, None]), axis=-1)
+    begin = to if origin is None else origin
+    pose = np.concatenate((begin, yaws[:, None, None]), axis=-1)
     simulation.place_vessels(pose)
     taken, ahead, farthest = np.full(n, np.inf), np.full(n, np.inf), 0.0
     for tick in range(round(10 * seconds)):
         if tick % 100 == 0:
-            pilot.order(active, to, to, np.ones((n, 1), np.bool_))
+            stay = np.full((n, 1), tick > 0 or origin is None)
+            pilot.order(active, begin, to, stay)
         pilot.collect(np.where(np.isinf(taken)[:, None, None], items, np.nan))
         now, speed = simulation.vessel_pose, simulation.vessel_velocity
         simulation.commands[:] = pilot.command(active, now, speed)
@@ -73,14 +78,84 @@ def test_an_item_abeam_is_backed_off_from_before_turning() -> None:
     assert (heading, speed < 0.0) == (0.0, True)
 
 
-def test_items_in_the_corner_of_a_basin_are_reached() -> None:
+def test_an_item_in_the_next_node_is_taken_on_the_way() -> None:
+    """Within a decision, where it lies less than 90 degrees off the bow."""
+    rng = np.random.default_rng(3)
+    angle = 0.25 * np.pi * rng.integers(0, 8, 40)
+    way = np.round(np.column_stack((np.cos(angle), np.sin(angle))))[:, None]
+    items = CENTRE + rng.uniform(-1.3, 1.3, (40, 1, 2))
+    origin = CENTRE - PITCH_M * way
+    dx, dy = (items - origin)[:, 0].T
+    yaws = np.arctan2(dy, dx) + np.radians(rng.uniform(-85, 85, 40))
+    taken, _ = pick(items, yaws, 10.0, np.full((40, 1, 2), CENTRE), origin)
+    assert np.mean(taken < 10.0) > 0.95
+
+
+REST_M = 5.9  # from the basin's middle, of an item's middle that touches a quay: 6 m less 0.1
+
+
+def test_items_in_the_corner_of_a_basin_are_taken() -> None:
     """A full-beam mouth does not fit into a corner at 45 degrees, along the quay it does."""
     rng = np.random.default_rng(1)
     sides = rng.choice((-1.0, 1.0), (24, 1, 2))
-    items = 4.0 + sides * rng.uniform(5.6, 5.85, (24, 1, 2))  # quays at -2 and 10
-    corner = 4.0 + 4.0 * sides
-    taken, _ = pick(items, rng.uniform(-np.pi, np.pi, 24), 60.0, corner)
-    assert np.mean(np.isfinite(taken)) > 0.8
+    items = CENTRE + sides * rng.uniform(REST_M - 0.1, REST_M, (24, 1, 2))
+    corner = CENTRE + PITCH_M * sides
+    taken, _ = pick(items, rng.uniform(-np.pi, np.pi, 24), 30.0, corner)
+    assert np.isfinite(taken).all()
+
+
+def test_items_along_a_straight_quay_are_taken() -> None:
+    """Square on: a bow that comes in obliquely touches the quay with a corner first."""
+    rng = np.random.default_rng(2)
+    side, along = rng.choice((-1.0, 1.0), 40), rng.uniform(-1.3, 1.3, 40)
+    across, turned = side * rng.uniform(REST_M - 0.1, REST_M, 40), rng.random(40) < 0.5
+    items = CENTRE + np.where(turned[:, None], np.c_[along, across], np.c_[across, along])[:, None]
+    node = CENTRE + PITCH_M * np.where(
+        turned[:, None], np.c_[0 * side, side], np.c_[side, 0 * side]
+    )
+    taken, _ = pick(items, rng.uniform(-np.pi, np.pi, 40), 30.0, node[:, None])
+    assert np.mean(np.isfinite(taken)) > 0.95
+
+
+@pytest.mark.parametrize("east", [1.0, -1.0])
+@pytest.mark.parametrize("north", [1.0, -1.0])
+@pytest.mark.parametrize("yaw", [0.0, 0.5 * np.pi, np.pi, -0.5 * np.pi])
+def test_a_corner_is_entered_along_the_quay_nearer_ahead(
+    east: float, north: float, yaw: float
+) -> None:
+    """On the line the near edge of the mouth reaches past the item, towards the other quay."""
+    s, helm, land = blank(), packed(helm_of(FORAGER)), Chart(BASIN, PITCH_M).land
+    s.x, s.y, s.yaw = CENTRE + 4 * east, CENTRE + 4 * north, yaw
+    s.item_x, s.item_y = CENTRE + REST_M * east, CENTRE + REST_M * north
+    note_quays(s, helm, land, PITCH_M)
+    assert (s.quay_x, s.quay_y) == (east, north)
+    run = np.array([np.cos(s.run), np.sin(s.run)])
+    quays = np.array([[east, 0.0], [0.0, north]])
+    assert np.abs(quays - run).sum(axis=1).min() == pytest.approx(0.0, abs=1e-9)
+    assert run @ [np.cos(yaw), np.sin(yaw)] > -1e-9
+    other = quays[np.abs(quays - run).sum(axis=1).argmax()]
+    inside = 0.5 * FORAGER.beam_m - 0.05
+    s.x, s.y = np.array([s.item_x, s.item_y]) - 2.0 * run - inside * other
+    assert line_to_item(s, helm) == pytest.approx((0.5 * FORAGER.length_m - 2.0, 0.0), abs=1e-9)
+
+
+def test_a_corner_without_water_behind_is_entered_along_the_other_quay() -> None:
+    """A channel of one node, west to east, that ends in the east: in from the west only."""
+    chart = Chart(np.array([[1, 1, 1]], np.bool_), PITCH_M)
+    s = blank()
+    s.x, s.y, s.yaw, s.item_x, s.item_y = 8.0, 0.0, 0.5 * np.pi, 9.9, 1.9
+    note_quays(s, packed(helm_of(FORAGER)), chart.land, PITCH_M)
+    assert (s.quay_x, s.quay_y, s.run) == (1.0, 1.0, 0.0)
+
+
+def test_in_open_water_there_is_no_quay() -> None:
+    s = blank()
+    s.quay_x, s.item_x, s.item_y = 1.0, CENTRE + 5.3, CENTRE
+    note_quays(s, packed(helm_of(FORAGER)), Chart(BASIN, PITCH_M).land, PITCH_M)
+    assert not is_quayed(s)
+    s.item_x = np.nan
+    note_quays(s, packed(helm_of(FORAGER)), Chart(BASIN, PITCH_M).land, PITCH_M)
+    assert not is_quayed(s)
 
 
 def test_without_an_item_it_keeps_its_place() -> None:

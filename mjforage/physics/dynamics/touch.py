@@ -85,7 +85,8 @@ def closing_speed(
     ny: float,
     of_a: bool,
 ) -> float:
-    """Fastest approach [m/s] of the corners that lie in the contact along the normal (nx, ny).
+    """Fastest approach [m/s] of what touches along the normal (nx, ny): a corner, or the ends of
+    the stretch in which an edge lies along the other box's side.
 
     Parameters
     ----------
@@ -94,12 +95,18 @@ def closing_speed(
     """
     deepest, fastest = np.inf, -np.inf
     sign = -1.0 if of_a else 1.0  # towards the other box
+    tx, ty = -ny, nx  # along the side, which reaches `half` both ways from its box's middle
+    side, size = (a, size_a) if of_a else (b, size_b)
+    half = _reach(tx, ty, side[2], size[0], size[1])
     for number in range(4):
         px, py = _corner(b, size_b, number) if of_a else _corner(a, size_a, number)
         deepest = min(deepest, sign * (px * nx + py * ny))
     for number in range(4):
         px, py = _corner(b, size_b, number) if of_a else _corner(a, size_a, number)
         if sign * (px * nx + py * ny) < deepest + CORNER_M:
+            along = (px - side[0]) * tx + (py - side[1]) * ty
+            beyond = along - min(max(along, -half), half)
+            px, py = px - beyond * tx, py - beyond * ty
             ux, uy = _speed_at(a, velocity_a, px, py)
             vx, vy = _speed_at(b, velocity_b, px, py)
             fastest = max(fastest, -((ux - vx) * nx + (uy - vy) * ny))

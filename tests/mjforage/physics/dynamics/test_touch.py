@@ -92,3 +92,17 @@ def test_two_hulls_share_their_closing_speed() -> None:
     hit, fastest = found(poses, [(0.3, 0, 0), (-0.2, 0, 0), (1, 0, 0)], rows)
     assert hit == [True, True, False]
     assert fastest == pytest.approx([0.5, 0.5, 0.0])
+
+
+def test_no_point_of_a_touch_lies_outside_the_hull() -> None:
+    """Turning at 1 rad/s on the spot beside a quay of two cells, nearly parallel to it, no point
+    of a hull is faster than its corner, 1 m along the quay; the cells' own corners are 4 m off.
+    """
+    rng = np.random.default_rng(0)
+    fastest, hits = 0.0, 0
+    for _ in range(2000):
+        at = pose(1.505, rng.uniform(-1.0, 5.0), 90 + rng.normal(0.0, 0.4))
+        hit, closing = found([at], [(0.0, 0.0, 1.0)], ["10", "10"])
+        fastest, hits = max(fastest, *closing), hits + hit[0]
+    assert hits > 1000
+    assert 0.9 < fastest < 1.05
