@@ -109,10 +109,10 @@ def test_items_along_a_straight_quay_are_taken() -> None:
     rng = np.random.default_rng(2)
     side, along = rng.choice((-1.0, 1.0), 40), rng.uniform(-1.3, 1.3, 40)
     across, turned = side * rng.uniform(REST_M - 0.1, REST_M, 40), rng.random(40) < 0.5
-    items = CENTRE + np.where(turned[:, None], np.c_[along, across], np.c_[across, along])[:, None]
-    node = CENTRE + PITCH_M * np.where(
-        turned[:, None], np.c_[0 * side, side], np.c_[side, 0 * side]
-    )
+    item, node = np.column_stack((across, along)), np.column_stack((PITCH_M * side, 0.0 * side))
+    for offset in (item, node):
+        offset[turned] = offset[turned, ::-1]
+    items, node = CENTRE + item[:, None], CENTRE + node
     taken, _ = pick(items, rng.uniform(-np.pi, np.pi, 40), 30.0, node[:, None])
     assert np.mean(np.isfinite(taken)) > 0.95
 
