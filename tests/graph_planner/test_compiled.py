@@ -5,7 +5,7 @@ import pickle
 import subprocess
 import sys
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -210,5 +210,7 @@ def test_prepared_kernels_tell_named_tuples_and_kernels_apart() -> None:
 
 
 def test_prepared_kernels_look_into_tuples() -> None:
-    for factor in (np.array([2.0]), np.array([2.0], np.float32), np.array([2, 3])):
+    whole = np.array([2, 3])
+    factors: list[NDArray[Any]] = [whole.astype(np.float64), whole.astype(np.float32), whole]
+    for factor in factors:
         assert prepared(_scale, Pair(factor, 1.0))(np.ones(2)) == 7.0
