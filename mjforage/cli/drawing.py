@@ -50,7 +50,7 @@ def render(
     camera
         Point of view; default top for graph, else overview.
     follow
-        Vessel of the cameras chase and scout, for example forager-1.
+        Vessel of the cameras chase and scout, for example foragers-1.
     start
         Where to begin [simulated s].
     duration

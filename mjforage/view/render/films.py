@@ -56,7 +56,7 @@ def render_replay(
     camera : str, optional
         overview, chase, top or scout; by default `default_camera`.
     follow : str, optional
-        Vessel of chase and scout, such as ``forager-1``.
+        Vessel of chase and scout, such as ``foragers-1``.
     size : (int or None, int or None)
         Width and height of a frame [pixel], by default 1280 x 720. The drawing of the graph world
         from above takes the width for its longer side and finds its own height.
