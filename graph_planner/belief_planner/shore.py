@@ -14,7 +14,7 @@ from scipy import ndimage
 from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import NavigationGraph
-from graph_planner.walls import WALLS, put_back
+from graph_planner.walls import WALLS, nearest_node, put_back
 
 STRIDE = 0.4  # longest stretch drifted at once, so that no quay is jumped over [node]
 
@@ -24,6 +24,7 @@ class Shore(NamedTuple):
 
     nearest: Int32Array  # (row, column) the cell's own node, or the nearest one
     water: Int32Array  # (row, column) the cell's own node, -1 on land
+    framed: Int32Array  # (row + 2, column + 2) the same in a frame of land, see `Water`
     rows: Int32Array  # (node,)
     cols: Int32Array  # (node,)
     room: Int32Array  # (node, axis, 2) free cells to the wall: up and down, left and right
@@ -63,21 +64,8 @@ def shore_of(graph: NavigationGraph, walls: str = "clip") -> Shore:
         ),
         axis=1,
     )
-    return Shore(nearest, graph.node_of_cell, rows, cols, room, quay, WALLS.index(walls))
-
-
-@kernel
-def _nearest(shore: Shore, row: float, col: float) -> int:
-    """Node nearest to a position on land: of the cells around, else by the position's cell."""
-    height, width = shore.water.shape
-    r, c = int(row + 0.5), int(col + 0.5)
-    best, best_squared = -1, np.inf
-    for i in range(max(0, r - 1), min(height, r + 2)):
-        for j in range(max(0, c - 1), min(width, c + 2)):
-            squared = (i - row) ** 2 + (j - col) ** 2
-            if shore.water[i, j] >= 0 and squared < best_squared:
-                best, best_squared = int(shore.water[i, j]), squared
-    return best if best >= 0 else int(shore.nearest[r, c])
+    water, framed = graph.node_of_cell, graph.water.framed
+    return Shore(nearest, water, framed, rows, cols, room, quay, WALLS.index(walls))
 
 
 @inlined
@@ -105,7 +93,7 @@ def settled(shore: Shore, row: float, col: float) -> tuple[float, float, int]:
     if node >= 0:
         return row, col, node
     row, col = min(max(row, 0.0), height - 1.0), min(max(col, 0.0), width - 1.0)
-    node = _nearest(shore, row, col)
+    node = nearest_node(shore.framed, row, col)
     row, col = put_back(shore.walls, row, col, shore.rows[node], shore.cols[node])
     return row, col, node
 

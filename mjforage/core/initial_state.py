@@ -14,7 +14,7 @@ from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import NavigationGraph, Water
 from graph_planner.randomness import Stream, UInt64Array, bits, normal, stream_key, uniform
-from graph_planner.walls import WALLS, put_back
+from graph_planner.walls import WALLS, nearest_node, put_back
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Items, Weather
 
@@ -33,51 +33,6 @@ class InitialState:
     item_node: Int32Array  # (episode, item) node; -1 for padding
     drift_rc: NDArray[np.float64]  # (episode, 2) constant drift [node/step]
     agent_node: Int32Array  # (episode, agent)
-
-
-@kernel
-def _search_outwards(framed: Int32Array, row: float, col: float) -> int:
-    """`nearest_node` by rings; what is outside of reach q is at least q + 0.5 away."""
-    height, width = framed.shape
-    centre_row, centre_col = int(row + 0.5) + 1, int(col + 0.5) + 1
-    best, best_squared = -1, np.inf
-    for reach in range(height + width):
-        left, right = max(0, centre_col - reach), min(width - 1, centre_col + reach)
-        for r in range(max(0, centre_row - reach), min(height, centre_row + reach + 1)):
-            edge = abs(r - centre_row) == reach  # all of the ring's row, or its two ends
-            stride = 1 if edge else max(1, 2 * reach)
-            for c in range(left if edge else centre_col - reach, right + 1, stride):
-                node = int(framed[r, c]) if c >= 0 else -1
-                squared = (r - 1 - row) ** 2 + (c - 1 - col) ** 2
-                if node >= 0 and (
-                    squared < best_squared or (squared == best_squared and node < best)
-                ):
-                    best, best_squared = node, squared
-        if best_squared < (reach + 0.5) ** 2:
-            break
-    return best
-
-
-@inlined
-def nearest_node(framed: Int32Array, row: float, col: float) -> int:
-    """Node whose centre is nearest to a position on a land cell; ties: the lowest row-major index.
-
-    Hot, because items lie on quays: the eight cells around are compared without branches, and only
-    if something farther could be nearer does a search go on.
-    """
-    r, c = int(row + 0.5), int(col + 0.5)
-    best, best_squared = -1, np.inf
-    for i in range(3):
-        squared_rows = (r + i - 1 - row) * (r + i - 1 - row)
-        for j in range(3):
-            node = int(framed[np.uint64(r + i), np.uint64(c + j)])
-            squared = squared_rows + (c + j - 1 - col) * (c + j - 1 - col)
-            squared = squared if node >= 0 else np.inf
-            best = node if squared < best_squared else best
-            best_squared = min(best_squared, squared)
-    if best_squared >= 1.5**2:
-        best = _search_outwards(framed, row, col)
-    return best
 
 
 @inlined

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from graph_planner.belief_planner.shore import drifted, settled, shore_of
@@ -19,6 +19,7 @@ def pushed(water: Water, walls: int, row: float, col: float) -> tuple[float, flo
     return into_water(water, walls, row, col)
 
 
+@example(walls="clip", row=0.0, col=2.5)  # as near to two nodes, and to no cell around
 @given(walls=st.sampled_from(WALLS), row=st.floats(-6, 9), col=st.floats(-6, 13))
 def test_items_are_put_where_the_world_puts_them(walls: str, row: float, col: float) -> None:
     world = pushed(MAP.water, WALLS.index(walls), row, col)
