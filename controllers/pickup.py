@@ -15,7 +15,6 @@ from controllers.loops import turning_limit
 from controllers.quayside import APPROACH_MPS, is_quayed, meeting_speed, run_in
 from controllers.state import VesselState
 
-BACK_MPS = 0.5  # backing off from an item
 BERTH_M = 0.25  # between an item and the turning bow
 SLACK_M = 0.5  # beyond its room a hull still counts as inside its node
 AFRESH_M = 0.35  # more than that is made by backing off
@@ -101,7 +100,7 @@ def pick_up(s: VesselState, p: PackedHelm, room: float, step_s: float) -> tuple[
         s.backing = 1.0 if ahead >= 0.0 else -1.0
     elif far > reach + AFRESH_M:
         s.backing = 0.0
-    speed = -s.backing * BACK_MPS
+    speed = -s.backing * APPROACH_MPS
     if s.backing != 0.0 and not leaves_room(s, speed, room):
         return s.yaw, speed
     error = abs(wrapped(bearing - s.yaw))

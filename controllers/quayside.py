@@ -38,6 +38,12 @@ def is_quayed(s: VesselState) -> bool:
 
 
 @kernel
+def is_cornered(s: VesselState) -> bool:
+    """Whether it lies in a corner of two."""
+    return bool(s.quay_x != 0.0 and s.quay_y != 0.0)
+
+
+@kernel
 def meeting_speed(p: PackedHelm, left: float) -> float:
     """Speed [m/s] towards an item `left` metres before the bow, to meet it at `CONTACT_MPS`."""
     room = left + 0.5 * CONTACT_MPS**2 / p.brake_mps2
@@ -66,7 +72,7 @@ def note_quays(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> 
         return
     east, north = 0.5 * math.pi * (1.0 - s.quay_x), 0.5 * math.pi * s.quay_y
     by_east = s.quay_x != 0.0
-    if by_east and s.quay_y != 0.0:
+    if is_cornered(s):
         room = p.length_m + STAND_OFF_M
         east_shut = is_land(land, pitch, x - s.quay_x * room, y)
         north_shut = is_land(land, pitch, x, y - s.quay_y * room)
@@ -80,12 +86,12 @@ def note_quays(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> 
 def line_to_item(s: VesselState, p: PackedHelm) -> tuple[float, float]:
     """Where the hull is on its line [m]: of the bow past the item, of midships to port of the line.
 
-    In a corner the line leads the item's distance from the edge of the mouth past it.
+    In a corner the item lies `EDGE_M` within the edge of the mouth of a hull on the line.
     """
     c, t = math.cos(s.run), math.sin(s.run)
     dx, dy = s.x - s.item_x, s.y - s.item_y
     across = c * dy - t * dx
-    if s.quay_x != 0.0 and s.quay_y != 0.0:
+    if is_cornered(s):
         to_port = c * s.quay_y if abs(c) > 0.5 else -t * s.quay_x
         across += math.copysign(0.5 * p.beam_m - EDGE_M, to_port)
     return c * dx + t * dy + 0.5 * p.length_m, across
@@ -123,7 +129,7 @@ def run_in(s: VesselState, p: PackedHelm, step_s: float) -> tuple[float, float]:
     still = math.sqrt(s.vx**2 + s.vy**2) < STILL_MPS and abs(s.rate) < STILL_RADPS
     s.still_s = s.still_s + step_s if still else 0.0
     if s.approach == OFF:
-        near = ON_EDGE_M if s.quay_x != 0.0 and s.quay_y != 0.0 else ON_LINE_M
+        near = ON_EDGE_M if is_cornered(s) else ON_LINE_M
         on_line = abs(across) < near and abs(wrapped(s.run - s.yaw)) < ALIGNED_RAD
         if (on_line and past < -NEAR_M) or past < -STAND_OFF_M or s.still_s > 2.0 * STUCK_S:
             s.approach, s.still_s = COMING, 0.0

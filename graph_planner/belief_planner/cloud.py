@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from graph_planner.belief_planner.shore import shore_of
+from graph_planner.belief_planner.shore import nearest_of_cells
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import NavigationGraph
@@ -38,7 +38,7 @@ def cloud_of(graph: NavigationGraph, spread: float) -> Cloud:
     reach = min(int(np.ceil(MARGIN * spread)), max(graph.shape))
     steps = np.arange(-reach, reach + 1)
     shares = ndtr((steps + 0.5) / spread) - ndtr((steps - 0.5) / spread)
-    node = np.pad(shore_of(graph).nearest, reach, mode="edge").astype(np.int32)
+    node = np.pad(nearest_of_cells(graph), reach, mode="edge").astype(np.int32)
     order = np.argsort(node.ravel(), kind="stable").astype(np.int64)
     start = np.searchsorted(node.ravel()[order], np.arange(len(graph) + 1)).astype(np.int64)
     return Cloud(reach, shares / shares.sum(), node, start, order, graph.rows, graph.cols)

@@ -20,9 +20,8 @@ STRIDE = 0.4  # longest stretch drifted at once, so that no quay is jumped over 
 
 
 class Shore(NamedTuple):
-    """The node of every cell of the map, land included."""
+    """Where water ends, and what becomes of items there."""
 
-    nearest: Int32Array  # (row, column) the cell's own node, or the nearest one
     water: Int32Array  # (row, column) the cell's own node, -1 on land
     framed: Int32Array  # (row + 2, column + 2) the same in a frame of land, see `Water`
     rows: Int32Array  # (node,)
@@ -49,11 +48,15 @@ def _rooms(water: Int32Array, rows: Int32Array, cols: Int32Array) -> Int32Array:
     return room
 
 
+def nearest_of_cells(graph: NavigationGraph) -> Int32Array:
+    """(row, column) node of every cell of a map, of land the one nearest to its centre."""
+    _, (row, col) = ndimage.distance_transform_edt(~graph.navigable, return_indices=True)
+    return np.ascontiguousarray(graph.node_of_cell[row, col])
+
+
 @lru_cache(maxsize=16)
 def shore_of(graph: NavigationGraph, walls: str = "clip") -> Shore:
     """The shore of a map under a rule of `WALLS`, made once and kept."""
-    _, (row, col) = ndimage.distance_transform_edt(~graph.navigable, return_indices=True)
-    nearest = np.ascontiguousarray(graph.node_of_cell[row, col])
     rows, cols = graph.rows, graph.cols
     room = _rooms(graph.node_of_cell, rows, cols)
     land = np.pad(~graph.navigable, 1)
@@ -65,7 +68,7 @@ def shore_of(graph: NavigationGraph, walls: str = "clip") -> Shore:
         axis=1,
     )
     water, framed = graph.node_of_cell, graph.water.framed
-    return Shore(nearest, water, framed, rows, cols, room, quay, WALLS.index(walls))
+    return Shore(water, framed, rows, cols, room, quay, WALLS.index(walls))
 
 
 @inlined

@@ -137,22 +137,6 @@ def test_a_copy_of_a_prepared_kernel_has_arguments_of_its_own() -> None:
 
 
 @kernel
-def _double_first(values: NDArray[np.float64], by: Pair) -> float:
-    return float(values.flat[0]) * 2.0 + by.offset
-
-
-def test_prepared_kernels_of_other_kinds_of_arguments_are_compiled_for_those() -> None:
-    """Each takes the code of its own kinds, also after one of the same kernel with others."""
-    by, wide = Pair(np.ones(1), 0.5), np.full((3, 4), 3.0)
-    kinds = (wide, wide[:, ::2], np.asfortranarray(wide), wide.astype(np.float32), wide[0])
-    for values in kinds + kinds:
-        assert prepared(_double_first, values)(by) == 6.5
-        assert prepared(_double_first, values)(by) == 6.5
-    whole = Pair(np.ones(1), 1)
-    assert prepared(_double_first, wide)(whole) == 7.0
-
-
-@kernel
 def _in_order(values: NDArray[np.float64], by: Pair) -> float:
     total = by.offset
     for place, value in enumerate(values.flat):
@@ -165,9 +149,12 @@ def _zero(values: NDArray[np.float64]) -> None:
     values[0] = 0.0
 
 
-def test_prepared_kernels_take_every_place_of_arrays_of_other_layouts() -> None:
+def test_prepared_kernels_take_every_place_of_arrays_of_other_types_and_layouts() -> None:
     by, wide = Pair(np.ones(1), 0.5), np.arange(12.0).reshape(3, 4)
-    kinds = (wide, np.asfortranarray(wide), wide[:, ::2], wide[0], wide[0, ::2], wide[None])
+    kinds: tuple[NDArray[Any], ...] = (
+        *(wide, np.asfortranarray(wide), wide[:, ::2], wide[0], wide[0, ::2], wide[None]),
+        *(wide.astype(np.float32), wide.astype(np.int64)),
+    )
     for values in kinds + kinds:
         expected = 0.5 + float(np.arange(1, values.size + 1) @ values.ravel())
         assert prepared(_in_order, values)(by) == expected

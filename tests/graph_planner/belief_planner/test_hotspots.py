@@ -11,7 +11,7 @@ from graph_planner.belief_planner.cloud import (
     start_chances,
 )
 from graph_planner.belief_planner.currents import Currents
-from graph_planner.belief_planner.shore import shore_of
+from graph_planner.belief_planner.shore import nearest_of_cells, shore_of
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.navigation import NavigationGraph, navigation_graph
 
@@ -36,7 +36,7 @@ def test_a_start_counts_for_the_node_nearest_to_its_cell(ragged_coast: Navigatio
     c, rng, (height, width) = 150, np.random.default_rng(1), ragged_coast.shape
     places = rng.normal((ragged_coast.rows[c], ragged_coast.cols[c]), 2.0, (100_000, 2))
     cells = np.rint(places).astype(int).clip(0, (height - 1, width - 1))
-    nodes = shore_of(ragged_coast).nearest[cells[:, 0], cells[:, 1]]
+    nodes = nearest_of_cells(ragged_coast)[cells[:, 0], cells[:, 1]]
     drawn = np.bincount(nodes, minlength=len(ragged_coast)) / 100_000
     np.testing.assert_allclose(chances[c], drawn, atol=0.004)
 
