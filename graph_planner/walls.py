@@ -6,6 +6,7 @@ import numpy as np
 
 from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
+from graph_planner.navigation import Water
 
 INSET = 0.49  # an item pushed back into a node keeps this far from its centre at most [node]
 WALLS = ("clip", "project", "published")
@@ -84,3 +85,33 @@ def nearest_node(framed: Int32Array, row: float, col: float) -> int:
     if best_squared >= 1.5**2:
         best = _search_outwards(framed, row, col)
     return best
+
+
+@inlined
+def own_node(framed: Int32Array, row: float, col: float) -> int:
+    """Node in whose square a position lies, -1 on land or off the map."""
+    height, width = framed.shape[0] - 2, framed.shape[1] - 2
+    inside = (row >= -0.5) & (row < height - 0.5) & (col >= -0.5) & (col < width - 0.5)
+    return int(framed[int(row + 1.5), int(col + 1.5)]) if inside else -1
+
+
+@inlined
+def into_water(water: Water, walls: int, row: float, col: float) -> tuple[float, float, int]:
+    """Position and node of an item; out of navigable water it is moved to the nearest node's
+    square.
+
+    Clipped to the array first, then put back around the nearest node's centre by the rule of walls
+    (scenario section 1).
+    """
+    framed, rows, cols = water.framed, water.rows, water.cols
+    node = own_node(framed, row, col)
+    if node < 0:
+        row, col = (
+            min(max(row, 0.0), framed.shape[0] - 3.0),
+            min(max(col, 0.0), framed.shape[1] - 3.0),
+        )
+        node = own_node(framed, row, col)
+        if node < 0:
+            node = nearest_node(framed, row, col)
+        row, col = put_back(walls, row, col, rows[node], cols[node])
+    return row, col, node

@@ -13,8 +13,8 @@ from scipy import ndimage
 
 from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
-from graph_planner.navigation import NavigationGraph
-from graph_planner.walls import WALLS, nearest_node, put_back
+from graph_planner.navigation import NavigationGraph, Water
+from graph_planner.walls import WALLS, into_water
 
 STRIDE = 0.4  # longest stretch drifted at once, so that no quay is jumped over [node]
 
@@ -22,7 +22,6 @@ STRIDE = 0.4  # longest stretch drifted at once, so that no quay is jumped over 
 class Shore(NamedTuple):
     """Where water ends, and what becomes of items there."""
 
-    water: Int32Array  # (row, column) the cell's own node, -1 on land
     framed: Int32Array  # (row + 2, column + 2) the same in a frame of land, see `Water`
     rows: Int32Array  # (node,)
     cols: Int32Array  # (node,)
@@ -67,8 +66,7 @@ def shore_of(graph: NavigationGraph, walls: str = "clip") -> Shore:
         ),
         axis=1,
     )
-    water, framed = graph.node_of_cell, graph.water.framed
-    return Shore(water, framed, rows, cols, room, quay, WALLS.index(walls))
+    return Shore(graph.water.framed, rows, cols, room, quay, WALLS.index(walls))
 
 
 @inlined
@@ -80,25 +78,10 @@ def held(shore: Shore, node: int, axis: int) -> bool:
     return bool((shore.walls != 0) & shore.quay[node, 1 - axis])
 
 
-@inlined
-def afloat(water: Int32Array, row: float, col: float) -> int:
-    """Node in whose square a position lies, -1 on land or off the map."""
-    height, width = water.shape
-    inside = (row >= -0.5) & (row < height - 0.5) & (col >= -0.5) & (col < width - 0.5)
-    return int(water[int(row + 0.5), int(col + 0.5)]) if inside else -1
-
-
 @kernel
 def settled(shore: Shore, row: float, col: float) -> tuple[float, float, int]:
-    """A position with its node; out of the water it is moved to the nearest node's square."""
-    height, width = shore.water.shape
-    node = afloat(shore.water, row, col)
-    if node >= 0:
-        return row, col, node
-    row, col = min(max(row, 0.0), height - 1.0), min(max(col, 0.0), width - 1.0)
-    node = nearest_node(shore.framed, row, col)
-    row, col = put_back(shore.walls, row, col, shore.rows[node], shore.cols[node])
-    return row, col, node
+    """A position with its node, moved into the water as the world does it."""
+    return into_water(Water(shore.framed, shore.rows, shore.cols), shore.walls, row, col)
 
 
 @kernel

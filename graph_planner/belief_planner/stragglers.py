@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.hotspots import Hotspots, believed
-from graph_planner.belief_planner.shore import Shore, afloat, settled
+from graph_planner.belief_planner.shore import Shore, settled
 from graph_planner.belief_planner.wind import Wind
 from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.randomness import bits, normal, uniform
+from graph_planner.walls import own_node
 
 UNSEEN = 200  # of them kept
 LOSSES = 32  # items lost at a time
@@ -97,7 +98,7 @@ def _survives(
     -------
     False if it is collected before one of them, or seen in one of them
     """
-    views, foragers, water = stragglers.views[e], stragglers.foragers[e], shore.water
+    views, foragers, framed = stragglers.views[e], stragglers.foragers[e], shore.framed
     row, col, node = settled(shore, stragglers.row[e, i], stragglers.col[e, i])
     drift_row, drift_col = stragglers.drift[e, i, 0], stragglers.drift[e, i, 1]
     noise, label = stragglers.noise * np.sqrt(EVERY), _DRAWS * stragglers.label[e, i]
@@ -113,7 +114,7 @@ def _survives(
             draw = bits(key, label, step)
             row += noise * (np.float64(draw >> np.uint64(32)) * _TO_SYMMETRIC - 1.0)
             col += noise * (np.float64(draw & np.uint64(0xFFFFFFFF)) * _TO_SYMMETRIC - 1.0)
-        node = afloat(water, row, col)
+        node = own_node(framed, row, col)
         if node < 0:
             row, col, node = settled(shore, row, col)
         alive = not _met(views, step, node)

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
+from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import NavigationGraph, Water
 from graph_planner.randomness import Stream, UInt64Array, bits, normal, stream_key, uniform
-from graph_planner.walls import WALLS, nearest_node, put_back
+from graph_planner.walls import WALLS, into_water
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Items, Weather
 
@@ -33,28 +33,6 @@ class InitialState:
     item_node: Int32Array  # (episode, item) node; -1 for padding
     drift_rc: NDArray[np.float64]  # (episode, 2) constant drift [node/step]
     agent_node: Int32Array  # (episode, agent)
-
-
-@inlined
-def into_water(water: Water, walls: int, row: float, col: float) -> tuple[float, float, int]:
-    """Position and node of an item; out of navigable water it is moved to the nearest node's
-    square.
-
-    Clipped to the array first, then put back around the nearest node's centre by the rule of walls
-    (scenario section 1).
-    """
-    framed, rows, cols = water.framed, water.rows, water.cols
-    height, width = framed.shape[0] - 2, framed.shape[1] - 2
-    node = -1
-    if -0.5 <= row < height - 0.5 and -0.5 <= col < width - 0.5:
-        node = int(framed[int(row + 1.5), int(col + 1.5)])
-    if node < 0:
-        row, col = min(max(row, 0.0), height - 1.0), min(max(col, 0.0), width - 1.0)
-        node = int(framed[int(row + 1.5), int(col + 1.5)])
-        if node < 0:
-            node = nearest_node(framed, row, col)
-        row, col = put_back(walls, row, col, rows[node], cols[node])
-    return row, col, node
 
 
 @kernel

@@ -14,11 +14,10 @@ from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import NavigationGraph, Water
 from graph_planner.randomness import Stream, UInt64Array, fill_bits, stream_key
 from graph_planner.rows import put_rows
-from graph_planner.walls import WALLS, put_back
+from graph_planner.walls import WALLS, into_water, put_back
 from mjforage.core.dynamics import Transition
 from mjforage.core.initial_state import (
     InitialState,
-    into_water,
     item_places,
     to_symmetric,
 )

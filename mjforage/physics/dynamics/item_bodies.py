@@ -9,8 +9,8 @@ from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import Water
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
+from graph_planner.walls import into_water
 from mjforage.core.dynamics import Transition
-from mjforage.core.initial_state import into_water
 
 MOUTH_DEPTH_M = 0.3  # how far behind the bow the mouth reaches, and the item's radius ahead of it
 MOUTH_REACH_M = 0.12  # an item of radius 0.1 m that touches the bow is in

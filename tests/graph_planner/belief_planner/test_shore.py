@@ -1,29 +1,12 @@
 import numpy as np
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
 
-from graph_planner.belief_planner.shore import drifted, settled, shore_of
-from graph_planner.compiled import kernel
-from graph_planner.navigation import Water, navigation_graph
-from graph_planner.walls import WALLS
-from mjforage.core.initial_state import into_water
+from graph_planner.belief_planner.shore import drifted, shore_of
+from graph_planner.navigation import navigation_graph
 from tests.graph_planner.charts import grid
 
 MAP = navigation_graph(grid("..##....", ".###..#.", "....#...", "##......"), 1.0, False)
 SHORE = shore_of(MAP)
-
-
-@kernel
-def pushed(water: Water, walls: int, row: float, col: float) -> tuple[float, float, int]:
-    return into_water(water, walls, row, col)
-
-
-@example(walls="clip", row=0.0, col=2.5)  # as near to two nodes, and to no cell around
-@given(walls=st.sampled_from(WALLS), row=st.floats(-6, 9), col=st.floats(-6, 13))
-def test_items_are_put_where_the_world_puts_them(walls: str, row: float, col: float) -> None:
-    world = pushed(MAP.water, WALLS.index(walls), row, col)
-    assert settled(shore_of(MAP, walls), row, col) == pytest.approx(world)
 
 
 def test_drift_goes_along_a_quay_and_not_through_a_pier() -> None:

@@ -7,10 +7,9 @@ from scipy import stats
 from graph_planner.compiled import kernel
 from graph_planner.navigation import Water, navigation_graph
 from graph_planner.randomness import episode_keys
-from graph_planner.walls import WALLS
+from graph_planner.walls import WALLS, into_water
 from mjforage.core.initial_state import (
     create_initial_state,
-    into_water,
     item_places,
     nodes_around,
 )
