@@ -31,10 +31,9 @@ from mjforage.physics.callback.model_layout import (
     WATER,
     WIND,
 )
+from mjforage.physics.hydrodynamics.item_drag import item_load
 from mjforage.physics.hydrodynamics.parameters import HULL, Float64Array, HullParameters
 from mjforage.physics.hydrodynamics.thruster import thruster_force
-
-STIFF = 1.2  # item drag rate times step above which Runge-Kutta (limit 2.78 on twice this) is tamed
 
 
 class State(NamedTuple):
@@ -142,10 +141,7 @@ def _boat(state: State, v: int, p: HullParameters, averaged: bool) -> None:
 def _items(
     state: State, classes: Float64Array, first_dof: int, first_input: int, averaged: bool
 ) -> None:
-    """Drag of air and water on every item on the water: k_a |W - v| (W - v) + k_w |c - v| (c - v).
-
-    Linearly implicit under Euler: the slope (k_a |W - v| + k_w |c - v|) h is put into M.
-    """
+    """Drag of air and water on every item on the water."""
     qvel, userdata, force, mass, row = (
         state.qvel,
         state.userdata,
@@ -159,17 +155,19 @@ def _items(
         which = int(userdata[at + LOAD]) * CLASS_WIDTH
         if which < 0 or which >= classes.size:
             continue
-        ax, ay = userdata[at + WIND] - qvel[i], userdata[at + WIND + 1] - qvel[i + 1]
-        wx, wy = userdata[at + WATER] - qvel[i], userdata[at + WATER + 1] - qvel[i + 1]
-        air = classes[which + ITEM_AIR] * math.sqrt(ax * ax + ay * ay)
-        water = classes[which + ITEM_WATER] * math.sqrt(wx * wx + wy * wy)
-        own, slope = classes[which + ITEM_MASS], h * (air + water)
-        if averaged:
-            own += slope
-        else:
-            own *= max(1.0, slope / (STIFF * own))
-        force[i] += air * ax + water * wx
-        force[i + 1] += air * ay + water * wy
+        force_x, force_y, own = item_load(
+            classes[which + ITEM_MASS],
+            classes[which + ITEM_AIR],
+            classes[which + ITEM_WATER],
+            userdata[at + WIND] - qvel[i],
+            userdata[at + WIND + 1] - qvel[i + 1],
+            userdata[at + WATER] - qvel[i],
+            userdata[at + WATER + 1] - qvel[i + 1],
+            h,
+            averaged,
+        )
+        force[i] += force_x
+        force[i + 1] += force_y
         mass[row[i]] = own
         mass[row[i + 1]] = own
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers import Chart, Pilot
+from graph_planner.compiled import prepared
 from graph_planner.fleet import Fleet
 from graph_planner.geodesics import Int32Array
 from graph_planner.moves import Moves
@@ -22,7 +23,6 @@ from mjforage.core.initial_state import InitialState, nearest_nodes
 from mjforage.core.item_rule import ItemRule, collect
 from mjforage.core.scenario import Scenario
 from mjforage.physics.dynamics.fleet_scene import (
-    check_bodies,
     fleet_scene,
     fleet_vessels,
     item_choices,
@@ -74,9 +74,7 @@ class MujocoDynamics:
                 "physics.capture = 'intake' with physics.items = 'graph': items without bodies "
                 "enter no mouth; set physics.capture=node or physics.items=bodies"
             )
-        if self._bodies:  # all but one in some ten thousand episodes have fewer
-            check_bodies(round(scenario.items.mean + 4.0 * scenario.items.std))
-        fleet_scene(graph, self._vessels, fleet.names, 0)  # hulls that do not fit say so now
+        self._scene = fleet_scene(graph, self._vessels, tuple(fleet.names))
         self._helms = [helm_of(vessel) for vessel in self._vessels]
         self._chart = Chart(graph.navigable, graph.pitch_m)
         self._size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in self._vessels])
@@ -94,18 +92,17 @@ class MujocoDynamics:
         episodes, items = initial.item_node.shape
         self._keys, self._state = keys, start_state(initial, self._centres)
         self._field = Field.create(self._settings, keys, self._graph)
-        scene = fleet_scene(
-            self._graph, self._vessels, self._fleet.names, items if self._bodies else 0
-        )
         self._simulation = Simulation(
-            scene,
+            self._scene,
             episodes,
             integrator=Integrator(self._choice.integrator),
             step_s=self._choice.step_s,
             seeds=names,
+            items=items if self._bodies else 0,
         )
         self._pilot = Pilot(self._helms, self._chart, episodes, CONTROL_S)
         self._watched = Watched.of(initial.agent_node.shape)
+        self._watch = prepared(watch, self._harbour, self._watched)
         pose = np.zeros((*initial.agent_node.shape, 3))
         pose[..., :2] = self._centres_xy[initial.agent_node]
         self._simulation.place_vessels(pose)
@@ -126,13 +123,8 @@ class MujocoDynamics:
             self._rule.reset(initial, self._keys, self._state)
             self._room_left = self._rule.room_left
             return
-        episodes, items = initial.item_node.shape
-        classes = np.full((episodes, self._simulation.scene.items), -1, np.int64)
-        classes[:, :items] = draw_classes(self._keys, initial.item_node, self._classes)
-        xy = np.array(np.broadcast_to(self._simulation.scene.parking, (*classes.shape, 2)))
-        present = initial.item_node >= 0
-        xy[:, :items][present] = self._graph.metres(initial.item_rc)[present]
-        self._simulation.place_items(xy, classes)
+        classes = draw_classes(self._keys, initial.item_node, self._classes)
+        self._simulation.place_items(self._graph.metres(initial.item_rc), classes)
 
     def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:
         """Carry out one decision: steer, drift, collect. Inactive episodes do not change."""
@@ -197,7 +189,7 @@ class MujocoDynamics:
         before = self._motion
         seen = measured_poses(sensors, self._keys, self._tick, before.pose)
         commands = self._pilot.command(active, seen, before.velocity)
-        simulation.commands[ids] = commands[ids]
+        simulation.commands[:] = commands
         simulation.step(self._substeps, None if len(ids) == len(active) else ids)
         self._motion = self._measured()
         self._tick[ids] += 1
@@ -209,7 +201,7 @@ class MujocoDynamics:
             water=simulation.vessel_water,
             lagged=simulation.thruster_state,
         )
-        watch(active, tick, self._harbour, self._watched)
+        self._watch(active, tick)
 
     def _measured(self) -> Motion:
         """The hulls now; copies."""
@@ -232,9 +224,8 @@ class MujocoDynamics:
 
     def _remove(self) -> None:
         """Take the bodies of collected items off the water."""
-        gone = np.zeros(self._simulation.item_class.shape, np.bool_)
-        gone[:, : self._state.item_node.shape[1]] = self._state.item_node < 0
-        self._simulation.remove_items(gone & (self._simulation.item_class >= 0))
+        simulation = self._simulation
+        simulation.remove_items((self._state.item_node < 0) & (simulation.item_class >= 0))
 
     def _settle(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> None:
         """Write the period's end into the state."""

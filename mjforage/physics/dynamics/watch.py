@@ -121,7 +121,7 @@ def _note_hindrance(slow: bool, tick_s: float, seen: Watched, e: int, v: int) ->
 
 
 @kernel
-def watch(active: NDArray[np.bool_], tick: Tick, harbour: Harbour, seen: Watched) -> None:
+def watch(harbour: Harbour, seen: Watched, active: NDArray[np.bool_], tick: Tick) -> None:
     """Note one tick of the active episodes in `seen`."""
     pose, before, velocity = tick.after.pose, tick.before.pose, tick.after.velocity
     vessels, size = pose.shape[1], harbour.size

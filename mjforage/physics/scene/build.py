@@ -1,13 +1,15 @@
 """Putting a scene together: water, quays, fleet and debris as one MuJoCo model."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers import Chart
 from mjforage.core.errors import UserError
 from mjforage.physics.callback.model_layout import (
     CLASS_WIDTH,
@@ -37,9 +39,12 @@ class Scene:
     ----------
     model : its degrees of freedom are x, y, yaw of each vessel, then x, y of each item
     vessels, names : (vessel,) what floats, and what it is called in the model
-    items : bodies in the debris pool
+    items : bodies for items, the pool
     classes : debris classes that an item can have
-    parking : (item, 2) where items lie that are not on the water [m]
+    parking : (item, 2) where bodies lie that no item has [m]
+    land : (column + 2, row + 2) bool, as `controllers.Chart` has it; empty: open water
+    pitch_m : side of a map cell [m]
+    parts : MJCF file of a vessel's hull by the vessel's name, instead of the shipped one
     """
 
     model: mujoco.MjModel
@@ -48,6 +53,9 @@ class Scene:
     items: int
     classes: tuple[DebrisClass, ...]
     parking: NDArray[np.float64]
+    land: NDArray[np.bool_]
+    pitch_m: float
+    parts: Mapping[str, Path]
 
 
 def build_scene(
@@ -58,7 +66,7 @@ def build_scene(
     items: int = 0,
     names: Sequence[str] | None = None,
     classes: Sequence[DebrisClass] | None = None,
-    parts: dict[str, Path] | None = None,
+    parts: Mapping[str, Path] | None = None,
     looks: Sequence[int] | bool = False,
 ) -> Scene:
     """Build a scene.
@@ -68,7 +76,7 @@ def build_scene(
     vessels : at least one, in the order of the fleet
     navigable : (row, column) map, or None for open water
     pitch_m : side of a map cell [m]
-    items : size of the debris pool
+    items : bodies for items
     names : of the vessels
     classes : debris classes, by default those that ship
     parts : MJCF file of a vessel's hull by the vessel's name, instead of the shipped one
@@ -101,7 +109,23 @@ def build_scene(
         add_quays(spec, navigable, pitch_m)
     model = compiled(spec, "scene")
     _check_layout(model, len(vessels), items)
-    return Scene(model, tuple(vessels), labels, items, kinds, parking_xy(items))
+    land = np.zeros((0, 0), np.bool_) if navigable is None else Chart(navigable, pitch_m).land
+    parking, own = parking_xy(items), dict(parts or {})
+    return Scene(model, tuple(vessels), labels, items, kinds, parking, land, pitch_m, own)
+
+
+@lru_cache(maxsize=8)
+def with_bodies(scene: Scene, items: int) -> Scene:
+    """The same scene, without what only looks, with another number of bodies for items."""
+    return build_scene(
+        scene.vessels,
+        navigable=~scene.land[1:-1, 1:-1].T[::-1] if scene.land.size else None,
+        pitch_m=scene.pitch_m,
+        items=items,
+        names=scene.names,
+        classes=scene.classes,
+        parts=scene.parts,
+    )
 
 
 def check_passages(vessels: Sequence[Vessel], navigable: NDArray[np.bool_], pitch_m: float) -> None:

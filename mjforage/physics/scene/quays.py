@@ -1,4 +1,4 @@
-"""Quays and the map's edge as static boxes, each its own body, which MuJoCo culls far faster."""
+"""Quays and the map's edge as static boxes of the world."""
 
 import mujoco
 import numpy as np
@@ -39,9 +39,9 @@ def _box(
     high: tuple[float, float],
     default: str,
 ) -> None:
-    """One static body with one box from corner `low` to corner `high` [m]."""
+    """One static box from corner `low` to corner `high` [m]."""
     bottom, top = (-DEPTH_M, FREEBOARD_M) if default == "quay" else (-EDGE_M, EDGE_M)
     half = [0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]), 0.5 * (top - bottom)]
     centre = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (bottom + top)]
-    body = spec.worldbody.add_body(name=name, pos=centre)
-    body.add_geom(spec.find_default(default), name=name, type=mujoco.mjtGeom.mjGEOM_BOX, size=half)
+    box, look = mujoco.mjtGeom.mjGEOM_BOX, spec.find_default(default)
+    spec.worldbody.add_geom(look, name=name, type=box, pos=centre, size=half)

@@ -13,6 +13,7 @@ _FIELDS = {
     "qpos": _SPEC.mjSTATE_QPOS,
     "qvel": _SPEC.mjSTATE_QVEL,
     "act": _SPEC.mjSTATE_ACT,
+    "qacc_warmstart": _SPEC.mjSTATE_WARMSTART,
     "ctrl": _SPEC.mjSTATE_CTRL,
     "userdata": _SPEC.mjSTATE_USERDATA,
 }

@@ -7,20 +7,39 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
+from graph_planner.compiled import prepared as kernel_with
 from mjforage.core.errors import UserError
 from mjforage.physics.callback import Route, calling, install
-from mjforage.physics.callback.model_layout import INPUT_WIDTH, LOAD, VESSEL_DOFS, WATER, WIND
-from mjforage.physics.scene import Scene
-from mjforage.physics.simulation.instability import check_warnings
+from mjforage.physics.callback.model_layout import (
+    CLASS_WIDTH,
+    INPUT_WIDTH,
+    LOAD,
+    VESSEL_DOFS,
+    WATER,
+    WIND,
+)
+from mjforage.physics.floating import Afloat, Bodies, Quays, drift, lend, quays_of, take_back
+from mjforage.physics.scene import Scene, parking_xy, with_bodies
+from mjforage.physics.simulation.instability import InstabilityError, check_warnings
 from mjforage.physics.simulation.integrators import Integrator, half_step_s, prepared
 from mjforage.physics.simulation.loop import Loop
 from mjforage.physics.simulation.quiet import silent
 
 Float64Array = NDArray[np.float64]
 
+LOAN_S = 0.1  # for which items are lent bodies, a step at least
+CLOSING_MPS = 5.0  # faster than any hull comes to an item
+MOST_BODIES = 1024  # of a scene; MuJoCo takes a minute to build it, four for twice as many
+SPARE = 2  # bodies never lent: the last numbers of MuJoCo's sums, which are added in blocks of four
+STRIDE = 4  # by which pools grow: a few sizes, so that their scenes are built once
+_CARRIED = ("time", "qpos", "qvel", "act", "qacc_warmstart", "ctrl", "userdata")
+
 
 class Simulation:
     """A batch of simulations.
+
+    Hulls move in MuJoCo, and so do items near hulls; the others move in `physics.floating` by the
+    same equations. Bodies are lent from the scene's pool, which grows where it has too few.
 
     Attributes
     ----------
@@ -30,11 +49,13 @@ class Simulation:
     load : (simulation, vessel) items aboard
     item_wind, item_water : (simulation, item, 2) the same at each item [m/s]
     item_class : (simulation, item) index into the scene's classes; -1: not on the water
+    items : items of a simulation
     time_s : (simulation,)
     engine : what steps them, `mujoco.batch.Batch` on the native route
 
-    All of them are live: a write counts from the next step. At first all vessels lie at the
-    origin, with no wind, no current, no load, and all items parked.
+    All of them are live: a write counts from the next step; look them up anew after a step, which
+    may have brought a larger pool. At first all vessels lie at the origin, with no wind, no
+    current, no load, and all items parked.
     """
 
     def __init__(
@@ -46,6 +67,7 @@ class Simulation:
         step_s: float = 0.1,
         threads: int = 1,
         seeds: Sequence[int | str] | None = None,
+        items: int | None = None,
     ) -> None:
         """Set up simulations.
 
@@ -56,6 +78,7 @@ class Simulation:
         threads : of MuJoCo; results do not depend on it
         seeds : (simulation,) names of the runs in error messages, by default their numbers; a text
             may say more, such as "3, episode 12"
+        items : of each simulation, by default as many as the scene has bodies for them
 
         Raises
         ------
@@ -67,51 +90,106 @@ class Simulation:
                 f"simulation: {simulations} simulations, {threads} threads, step {step_s} s; "
                 "give numbers above 0"
             )
-        self.scene, self.simulations, self.step_s = scene, simulations, step_s
+        self.simulations, self.step_s, self._integrator = simulations, step_s, integrator
         if integrator is Integrator.REFERENCE:
             _check_lags(scene, step_s)
-        self.route = install()
-        self.model = prepared(scene.model, integrator, step_s)
-        self.engine: Any = (
-            Batch(self.model, simulations, threads)
-            if self.route is Route.NATIVE
-            else Loop(self.model, simulations)
-        )
+        self.items = scene.items if items is None else items
+        if bool(self.items) != bool(scene.items):
+            scene = with_bodies(scene, self.items and SPARE + 1)
+        self.route, self._threads = install(), threads
         self._shift_s = half_step_s(integrator, step_s)
         self._every = np.arange(simulations)
         self.seeds = tuple(range(simulations) if seeds is None else seeds)
         if len(self.seeds) != simulations:
             raise UserError(f"simulation: {len(self.seeds)} seeds, expected {simulations}")
+        self._afloat = _afloat(scene, simulations, self.items)
+        self.item_wind, self.item_water = self._afloat.wind, self._afloat.water
+        self.item_class = self._afloat.kind
+        self._parking = parking_xy(self.items)
+        self._sizes = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in scene.vessels])
+        self._loan = max(1, int(LOAN_S / step_s + 1e-9))  # steps
+        self._engage(scene)
+        self.place_items(self._parking, -1)
+
+    def _engage(self, scene: Scene) -> None:
+        """Take a scene, with an engine of its own."""
+        self.scene = scene
+        self.model = prepared(scene.model, self._integrator, self.step_s)
+        self.engine: Any = (
+            Batch(self.model, self.simulations, self._threads)
+            if self.route is Route.NATIVE
+            else Loop(self.model, self.simulations)
+        )
         self._bind(len(scene.vessels))
-        self.place_items(scene.parking, -1)
+        if scene.items:
+            first = int(self.model.dof_bodyid[VESSEL_DOFS * len(scene.vessels)])
+            quays = quays_of(self.model, first, scene.land, scene.pitch_m)
+            self._reach = quays.radius_m + CLOSING_MPS * self._loan * self.step_s
+            self._prepare(quays)
+
+    def _prepare(self, quays: Quays) -> None:
+        """The kernels of items, with their arrays."""
+        items, bodies = self._afloat, self._bodies
+        averaged = self._integrator is Integrator.FAST
+        self._lend = kernel_with(lend, items, bodies, self._pose, self._sizes, self._reach)
+        self._take_back = kernel_with(take_back, items, bodies)
+        self._drift = kernel_with(drift, items, quays, self.step_s, averaged)
 
     def _bind(self, vessels: int) -> None:
-        engine, n, items = self.engine, self.simulations, self.scene.items
+        engine, n, bodies = self.engine, self.simulations, self.scene.items
         dofs, inputs = VESSEL_DOFS * vessels, INPUT_WIDTH * vessels
-        self._qpos, self._qvel = engine.bind("qpos"), engine.bind("qvel")
+        q, v = engine.bind("qpos"), engine.bind("qvel")
         self.time_s: Float64Array = engine.bind("time")
-        self._pose = self._qpos[:, :dofs].reshape(n, vessels, 3)
-        self._velocity = self._qvel[:, :dofs].reshape(n, vessels, 3)
-        self._item_xy = self._qpos[:, dofs:].reshape(n, items, 2)
-        self._item_velocity = self._qvel[:, dofs:].reshape(n, items, 2)
+        self._pose = q[:, :dofs].reshape(n, vessels, 3)
+        self._velocity = v[:, :dofs].reshape(n, vessels, 3)
         self.commands: Float64Array = engine.bind("ctrl").reshape(n, vessels, 2)
         self.thruster_state: Float64Array = engine.bind("act").reshape(n, vessels, 2)
         data = engine.bind("userdata")
         own = data[:, :inputs].reshape(n, vessels, INPUT_WIDTH)
-        theirs = data[:, inputs:].reshape(n, items, INPUT_WIDTH)
+        theirs = data[:, inputs:].reshape(n, bodies, INPUT_WIDTH)
         self.vessel_wind: Float64Array = own[..., WIND : WIND + 2]
         self.vessel_water: Float64Array = own[..., WATER : WATER + 2]
         self.load: Float64Array = own[..., LOAD]
-        self.item_wind: Float64Array = theirs[..., WIND : WIND + 2]
-        self.item_water: Float64Array = theirs[..., WATER : WATER + 2]
-        self.item_class: Float64Array = theirs[..., LOAD]
+        self._bodies = Bodies(
+            q[:, dofs:].reshape(n, bodies, 2),
+            v[:, dofs:].reshape(n, bodies, 2),
+            theirs[..., WIND : WIND + 2],
+            theirs[..., WATER : WATER + 2],
+            theirs[..., LOAD],
+            self.scene.parking,
+            np.full((n, bodies), -1, np.int64),
+            max(bodies - SPARE, 0),
+        )
+
+    def _grow(self, bodies: int) -> None:
+        """Go on in a scene with bodies for so many items.
+
+        Raises
+        ------
+        UserError
+            If that is more than MuJoCo can build.
+        """
+        if bodies > MOST_BODIES:
+            raise UserError(
+                f"physics: {bodies} items within {self._reach:g} m of hulls, at most "
+                f"{MOST_BODIES} can be; lower items.mean, or give --set physics.items=graph"
+            )
+        before = self.engine
+        self._engage(with_bodies(self.scene, -(-(bodies + SPARE) // STRIDE) * STRIDE))
+        for name in _CARRIED:
+            old, new = before.bind(name), self.engine.bind(name)
+            if old.ndim == 1:
+                new[:] = old
+            else:
+                new[:, : old.shape[1]] = old
 
     def reset(self, ids: NDArray[Any] | None = None) -> None:
         """Put simulations (indices or mask, all by default) back to the start, items parked."""
         chosen = self._every if ids is None else self._every[ids]
         with calling():
             self.engine.reset(chosen)
-        self.place_items(self.scene.parking, -1, chosen)
+        self.item_wind[chosen] = self.item_water[chosen] = 0.0
+        self.place_items(self._parking, -1, chosen)
 
     def place_vessels(
         self,
@@ -152,15 +230,15 @@ class Simulation:
                 "counted from 0"
             )
         self.item_class[chosen] = classes
-        self._item_velocity[chosen] = 0.0
+        self._afloat.v[chosen] = 0.0
         parked = self.item_class[chosen] < 0
-        self._item_xy[chosen] = np.where(parked[..., None], self.scene.parking, xy)
+        self._afloat.q[chosen] = np.where(parked[..., None], self._parking, xy)
 
     def remove_items(self, which: NDArray[np.bool_]) -> None:
         """Take items (simulation, item) off the water."""
         _, items = np.nonzero(which)
-        self._item_xy[which] = self.scene.parking[items]
-        self._item_velocity[which] = 0.0
+        self._afloat.q[which] = self._parking[items]
+        self._afloat.v[which] = 0.0
         self.item_class[which] = -1.0
 
     @property
@@ -176,18 +254,38 @@ class Simulation:
     @property
     def item_xy(self) -> Float64Array:
         """(simulation, item, 2) [m]."""
-        return np.asarray(self._item_xy - self._shift_s * self._item_velocity)
+        return np.asarray(self._afloat.q - self._shift_s * self._afloat.v)
 
     @property
     def item_velocity(self) -> Float64Array:
         """(simulation, item, 2) over ground [m/s]; a copy."""
-        return np.array(self._item_velocity)
+        return np.array(self._afloat.v)
 
-    @property
-    def state(self) -> Float64Array:
-        """(simulation, number) MuJoCo's integration states, live: a copy of it resumes a run."""
-        state: Float64Array = self.engine.state
-        return state
+    def snapshot(self) -> Float64Array:
+        """(simulation, number) all that a run goes on from: MuJoCo's states and the items."""
+        parts = (self.engine.state, *self._afloat[:5])
+        return np.concatenate([part.reshape(self.simulations, -1) for part in parts], axis=1)
+
+    def restore(self, saved: Float64Array, ids: NDArray[Any] | None = None) -> None:
+        """Put simulations (indices or mask, all by default) back to a snapshot of as many.
+
+        Raises
+        ------
+        UserError
+            If it is of another scene, or of another size of its pool.
+        """
+        chosen = self._every if ids is None else self._every[ids]
+        parts = (self.engine.state, *self._afloat[:5])
+        widths = [part[0].size for part in parts]
+        if saved.shape != (len(chosen), sum(widths)):
+            raise UserError(
+                f"simulation: a snapshot of shape {saved.shape}, expected "
+                f"{(len(chosen), sum(widths))}; give one of the same scene, taken before its pool "
+                "of bodies grew"
+            )
+        pieces = np.split(saved, np.cumsum(widths)[:-1], axis=1)
+        for part, piece in zip(parts, pieces, strict=True):
+            part[chosen] = piece.reshape(len(chosen), *part.shape[1:])
 
     def step(self, steps: int = 1, ids: NDArray[Any] | None = None) -> None:
         """Advance simulations (indices or mask, all by default) by `steps` time steps.
@@ -196,12 +294,54 @@ class Simulation:
         ------
         InstabilityError
             If one of them became unstable, naming its seed, the time and the body.
+        UserError
+            If more items are near hulls than there can be bodies.
         """
         chosen = self._every if ids is None else self._every[ids]
         before = self.time_s.copy()
         with calling(), silent():
-            self.engine.step(None if ids is None else chosen, nstep=steps)
+            if self.items:
+                for done in range(0, steps, self._loan):
+                    self._step_items(chosen, min(self._loan, steps - done))
+            else:
+                self.engine.step(None if ids is None else chosen, nstep=steps)
         check_warnings(self.model, self.engine.warning, chosen, self.seeds, before)
+
+    def _step_items(self, ids: NDArray[np.intp], steps: int) -> None:
+        """Advance hulls and items by at most `_loan` steps.
+
+        Raises
+        ------
+        InstabilityError
+            If an item became unstable.
+        """
+        wanted = self._lend(ids)
+        if wanted > self._bodies.most:
+            self._grow(wanted)
+            self._lend(ids)
+        self.engine.step(ids if len(ids) < self.simulations else None, nstep=steps)
+        self._take_back(ids)
+        sim, item = self._drift(ids, steps)
+        if item >= 0:
+            raise InstabilityError(
+                f"physics: unstable at seed {self.seeds[sim]}, t = {self.time_s[sim]:.2f} s, item "
+                f"{item}; check the wind and the water given to it"
+            )
+
+
+def _afloat(scene: Scene, simulations: int, items: int) -> Afloat:
+    """Items, not yet on the water."""
+    q, v, wind, water = np.zeros((4, simulations, items, 2))
+    kinds = [(c.mass_kg + c.added_mass_kg, c.air, c.water) for c in scene.classes]
+    return Afloat(
+        q,
+        v,
+        wind,
+        water,
+        np.full((simulations, items), -1.0),
+        np.array(kinds).reshape(-1, CLASS_WIDTH),
+        np.zeros((simulations, items), np.bool_),
+    )
 
 
 def _check_lags(scene: Scene, step_s: float) -> None:

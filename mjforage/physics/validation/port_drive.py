@@ -14,7 +14,7 @@ from mjforage.physics.simulation.simulation import Simulation
 from mjforage.physics.vessels import load_vessel
 
 FLEET = ("scout", "scout", "forager", "forager")
-ITEMS, PITCH_M, STEP_S = 75, 4.0, 0.1
+ITEMS, BODIES, PITCH_M, STEP_S = 75, 8, 4.0, 0.1
 CONTROL_S = 5.0  # commands change this often
 WIND_MPS = (1.5, 1.0)
 
@@ -23,7 +23,7 @@ def port_scene() -> Scene:
     """The default port with its fleet and items."""
     navigable = load_map("comb_port").navigable
     vessels = [load_vessel(name) for name in FLEET]
-    return build_scene(vessels, navigable=navigable, pitch_m=PITCH_M, items=ITEMS)
+    return build_scene(vessels, navigable=navigable, pitch_m=PITCH_M, items=BODIES)
 
 
 def port_simulation(
@@ -38,7 +38,7 @@ def port_simulation(
     xy = graph.metres(np.stack((graph.rows[nodes], graph.cols[nodes]), axis=-1).astype(float))
     pose = np.zeros((simulations, len(FLEET), 3))
     pose[..., :2], pose[..., 2] = xy[:, : len(FLEET)], rng.uniform(0, 6.28, pose.shape[:2])
-    simulation = Simulation(scene, simulations, integrator=integrator, step_s=STEP_S)
+    simulation = Simulation(scene, simulations, integrator=integrator, step_s=STEP_S, items=ITEMS)
     simulation.place_vessels(pose)
     items = xy[:, len(FLEET) :] + rng.uniform(-1, 1, (simulations, ITEMS, 2))
     simulation.place_items(items, rng.integers(0, len(scene.classes), (simulations, ITEMS)))

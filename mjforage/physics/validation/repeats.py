@@ -31,16 +31,28 @@ def states(
 ) -> Float64Array:
     """(3, number) states of three busy simulations in the default port, among others or not."""
     scene = port_scene()
-    simulation = Simulation(scene, simulations, integrator=integrator, threads=threads)
     model = port_simulation(scene, integrator, 3)
-    for name in ("qpos", "qvel", "userdata"):
-        simulation.engine.bind(name)[:3] = model.engine.bind(name)
+    simulation = Simulation(
+        scene, simulations, integrator=integrator, threads=threads, items=model.items
+    )
+    simulation.restore(model.snapshot(), np.arange(3))
     others = np.arange(12.0).reshape(4, 3) * 3.0
     simulation.place_vessels(others, ids=np.arange(3, simulations))
     for k in range(round(seconds / 5.0)):
         simulation.commands[:] = 20.0 - 7.0 * (k % 4)
         simulation.step(50)
-    return simulation.state[:3].copy()
+    return np.concatenate(
+        [
+            part[:3].reshape(3, -1)
+            for part in (
+                simulation.vessel_pose,
+                simulation.vessel_velocity,
+                simulation.item_xy,
+                simulation.item_velocity,
+            )
+        ],
+        axis=1,
+    )
 
 
 def digest(finals: Float64Array) -> str:

@@ -15,7 +15,6 @@ from mjforage.core.setup import Setup
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.replay_memory import ReplayMemory, memory_bytes
 from mjforage.learning.training.trainer import Trainer
-from mjforage.physics.worlds import create_mission
 from mjforage.runs.evaluate import Run
 
 GB = 10**9
@@ -59,14 +58,6 @@ def test_runs_that_are_too_large_are_refused(
     with pytest.raises(UserError, match=r"needs about .* GB of memory, this machine has 16 GB; "):
         Run.plan(setup(*overrides), ["greedy"], tmp_path / "run", episodes=episodes)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_items_as_bodies_are_limited() -> None:
-    many = setup("items.mean=20000")
-    with pytest.raises(UserError, match=r"items: 20040 in .*, at most 1024 .*physics.items=graph"):
-        create_mission(many, "physics")
-    create_mission(many, "hulls")
-    create_mission(many, "graph")
 
 
 def test_a_replay_that_is_too_large_is_refused() -> None:

@@ -69,11 +69,9 @@ def fingerprint(scorer: Scorer, episode: int) -> bytes:
 
 @pytest.mark.parametrize("preset", ["comb-port", "comb-port-weather"])
 def test_an_episode_is_the_same_to_the_bit_in_any_batch(preset: str) -> None:
-    """Alone, in another order, and beside an episode that needs a larger pool of bodies."""
+    """Alone, in another order, and beside episodes that need a larger pool of bodies."""
     setup = setup_of(preset, *SHORT, "items.mean=95", "items.std=8")
     whole = scored(setup, [0, 1, 2, 3, 4, 5])
-    pools = {int(n > 96) for n in whole.log.n_items}
-    assert pools == {0, 1}, "the batch should need another pool than its smallest episode"
     for episode in (int(np.argmin(whole.log.n_items)), 5):
         assert fingerprint(scored(setup, [episode]), 0) == fingerprint(whole, episode)
     back = scored(setup, [5, 3])

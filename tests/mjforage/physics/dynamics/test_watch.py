@@ -48,7 +48,7 @@ def noted(
             water=np.array([[[water, 0.0]]]),
             lagged=np.full((1, 1, 2), lagged),
         )
-        watch(ON, tick, HARBOUR, seen)
+        watch(HARBOUR, seen, ON, tick)
 
 
 def outcome(seen: Watched, *, no_move: bool = False) -> int:

@@ -59,11 +59,6 @@ def test_water_and_quays_are_where_the_map_has_them(model: mujoco.MjModel) -> No
         assert on_land != PORT[row, col]
 
 
-def test_every_quay_has_its_own_body(model: mujoco.MjModel) -> None:
-    colliders = np.flatnonzero(model.geom_contype)
-    assert np.unique(model.geom_bodyid[colliders]).size == colliders.size
-
-
 def test_items_wait_apart_and_away() -> None:
     scene = build_scene([SCOUT], navigable=PORT, pitch_m=4.0, items=30)
     assert (np.diff(scene.parking[:, 0]) <= -1.0).all()

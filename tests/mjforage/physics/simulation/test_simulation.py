@@ -8,12 +8,11 @@ import pytest
 
 from mjforage.bench.simulations import physics_speeds
 from mjforage.core.errors import UserError
-from mjforage.core.maps import load_map
 from mjforage.physics import callback
 from mjforage.physics.callback import Route
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.hydrodynamics.ode_hull import OdeHull
-from mjforage.physics.scene import build_scene
+from mjforage.physics.scene import build_scene, with_bodies
 from mjforage.physics.simulation import InstabilityError, Integrator, Simulation
 from mjforage.physics.simulation.mujoco_hull import MujocoHull
 from mjforage.physics.validation.port_drive import (
@@ -32,12 +31,14 @@ BOTH = pytest.mark.parametrize("integrator", Integrator)
 def test_a_copied_state_resumes_to_the_bit(integrator: Integrator) -> None:
     first = port_simulation(PORT, integrator, 2)
     drive(first, 30.0)
-    saved = first.state.copy()
+    saved, scene = first.snapshot(), first.scene
     drive(first, 20.0, seed=1)
-    second = Simulation(PORT, 2, integrator=integrator)
-    second.state[:] = saved
+    second = Simulation(scene, 2, integrator=integrator, items=first.items)
+    second.restore(saved)
     drive(second, 20.0, seed=1)
-    np.testing.assert_array_equal(second.state, first.state)
+    np.testing.assert_array_equal(second.snapshot(), first.snapshot())
+    with pytest.raises(UserError, match=r"a snapshot of shape \(2, .*; give one of the same scene"):
+        second.restore(saved[:, 1:])
 
 
 def test_looks_change_no_bit_of_the_motion() -> None:
@@ -47,31 +48,21 @@ def test_looks_change_no_bit_of_the_motion() -> None:
     )
     drive(bare, 30.0)
     drive(shown, 30.0)
-    np.testing.assert_array_equal(shown.state, bare.state)
+    np.testing.assert_array_equal(shown.snapshot(), bare.snapshot())
 
 
-def test_bodies_that_lie_parked_change_no_bit() -> None:
-    """The solver ends on its progress relative to all masses, those of parked items too.
-
-    Pools differ by a multiple of 32 bodies, as those of missions do: sums are made in blocks.
-    """
-    start = port_simulation(PORT, Integrator.FAST, 8)
+@BOTH
+def test_the_size_of_the_pool_changes_no_bit(integrator: Integrator) -> None:
+    """Nor that it grows on the way, which the smallest of these does."""
     ends = []
-    for pool in (96, 128):
-        scene = build_scene(
-            PORT.vessels, navigable=load_map("comb_port").navigable, pitch_m=4.0, items=pool
-        )
-        simulation = Simulation(scene, 8, integrator=Integrator.FAST, step_s=start.step_s)
-        simulation.place_vessels(start.vessel_pose)
-        xy = np.array(np.broadcast_to(scene.parking, (8, pool, 2)))
-        kinds = np.full((8, pool), -1)
-        xy[:, : PORT.items], kinds[:, : PORT.items] = start.item_xy, start.item_class
-        simulation.place_items(xy, kinds)
-        simulation.vessel_wind[:] = simulation.item_wind[:] = start.item_wind[0, 0]
-        drive(simulation, 100.0)
-        ends.append((simulation.item_xy[:, : PORT.items], simulation.vessel_pose))
-    np.testing.assert_array_equal(ends[1][0], ends[0][0])
-    np.testing.assert_array_equal(ends[1][1], ends[0][1])
+    for bodies in (1, 8, 60):
+        simulation = port_simulation(with_bodies(PORT, bodies), integrator, 4)
+        drive(simulation, 60.0)
+        ends.append((simulation.item_xy, simulation.vessel_pose, simulation.scene.items))
+    for xy, pose, _ in ends[1:]:
+        np.testing.assert_array_equal(xy, ends[0][0])
+        np.testing.assert_array_equal(pose, ends[0][1])
+    assert ends[0][2] > 1 and ends[2][2] == 60
 
 
 @BOTH
@@ -111,23 +102,24 @@ def test_parked_items_do_not_move() -> None:
     simulation.item_wind[:] = 20.0, 5.0
     simulation.place_items(np.array([9.0, 9.0]), np.array([-1, 0, -1]))
     simulation.step(100)
-    np.testing.assert_array_equal(simulation.item_xy[0, ::2], simulation.scene.parking[::2])
+    parking = simulation.scene.parking
+    np.testing.assert_array_equal(simulation.item_xy[0, ::2], parking[::2])
     assert simulation.item_xy[0, 1, 0] > 9.5
     simulation.remove_items(np.array([[False, True, False]]))
     simulation.step(100)
-    np.testing.assert_array_equal(simulation.item_xy[0], simulation.scene.parking)
+    np.testing.assert_array_equal(simulation.item_xy[0], parking)
 
 
 def test_reset_by_mask_leaves_the_others_alone() -> None:
     simulation = port_simulation(PORT, Integrator.FAST, 3)
     drive(simulation, 10.0)
-    before = simulation.state.copy()
+    before = simulation.snapshot()
     simulation.reset(np.array([False, True, False]))
-    np.testing.assert_array_equal(simulation.state[::2], before[::2])
+    np.testing.assert_array_equal(simulation.snapshot()[::2], before[::2])
     assert simulation.time_s.tolist() == [before[0, 0], 0.0, before[2, 0]]
     assert (simulation.item_class[1] == -1.0).all()
     simulation.step(10, ids=np.array([1]))
-    np.testing.assert_array_equal(simulation.state[::2], before[::2])
+    np.testing.assert_array_equal(simulation.snapshot()[::2], before[::2])
     assert simulation.time_s[1] == pytest.approx(1.0)
 
 
@@ -219,7 +211,7 @@ def test_one_hull_moves_as_the_plain_equations_say() -> None:
 
 def test_speeds_are_measured_in_contact() -> None:
     speeds = physics_speeds(seconds=5.0, simulations=1)
-    assert speeds["physics_contacts"] > 5.0
+    assert speeds["physics_contacts"] > 1.0
     assert speeds["physics_sim_s_per_core_s"] > speeds["physics_sim_s_per_core_s_reference"] > 0.0
     assert speeds["physics_steps_per_core_s"] == pytest.approx(
         10.0 * speeds["physics_sim_s_per_core_s"]

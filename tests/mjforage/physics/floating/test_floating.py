@@ -1,0 +1,103 @@
+"""Items that drift in our kernel do what they do in MuJoCo, and go over without a jump."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mjforage.core.errors import UserError
+from mjforage.physics.scene import build_scene
+from mjforage.physics.simulation import InstabilityError, Integrator, Simulation, simulation
+from mjforage.physics.vessels import load_vessel
+
+BOTH = pytest.mark.parametrize("integrator", Integrator)
+FORAGER = load_vessel("forager")
+BASIN = np.ones((7, 9), np.bool_)
+PIER = BASIN.copy()
+PIER[3, 4] = False
+ITEMS, RUNS = 60, 2
+NEVER, ALWAYS = -1e9, 1e9  # speeds of approach for which no item, or every item, has a body
+
+
+def scattered(
+    water: NDArray[np.bool_],
+    integrator: Integrator,
+    closing_mps: float,
+    monkeypatch: pytest.MonkeyPatch,
+    bodies: int = ITEMS,
+) -> Simulation:
+    """Items of all classes all over a basin and a little way onto its quays, and a hull."""
+    scene = build_scene([FORAGER], navigable=water, pitch_m=4.0, items=bodies)
+    with monkeypatch.context() as patch:
+        patch.setattr(simulation, "CLOSING_MPS", closing_mps)
+        sim = Simulation(scene, RUNS, integrator=integrator, step_s=0.1, items=ITEMS)
+    rng = np.random.default_rng(1)
+    rows, cols = np.nonzero(water)
+    cell = rng.integers(0, len(rows), (RUNS, ITEMS))
+    at = np.stack((cols[cell], water.shape[0] - 1 - rows[cell]), axis=-1) * 4.0
+    at[:, ::4] = 6.0, 6.0  # about a quarter of them before the bow
+    sim.place_items(at + rng.uniform(-2.05, 2.05, at.shape), rng.integers(0, 5, (RUNS, ITEMS)))
+    sim.place_vessels(np.array([4.0, 4.0, 0.5]))
+    return sim
+
+
+def blow(sim: Simulation, seconds: float, *, drive: bool) -> None:
+    """Turning, gusty wind and a current; the hull drives about, or lies far away."""
+    rng = np.random.default_rng(2)
+    if not drive:
+        sim.place_vessels(np.array([900.0, 900.0, 0.0]))
+    for k in range(round(seconds / 0.1)):
+        if k % 5 == 0:
+            toward, speed = 0.004 * k + rng.normal(0.0, 0.2), rng.uniform(4.0, 12.0)
+            sim.item_wind[:] = speed * np.array((np.cos(toward), np.sin(toward)))
+            sim.item_water[:] = 0.1, -0.05
+            sim.commands[:] = rng.uniform(-40.0, 90.0, 2) if drive else 0.0
+        sim.step(1)
+
+
+@BOTH
+@pytest.mark.parametrize("water", [BASIN, PIER], ids=["basin", "pier"])
+def test_items_move_as_in_mujoco(
+    water: NDArray[np.bool_], integrator: Integrator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Freely, onto quays, along them, into corners, around the corners of a pier, out of land."""
+    ours, mujocos = (scattered(water, integrator, v, monkeypatch) for v in (NEVER, ALWAYS))
+    start = ours.item_xy
+    blow(ours, 150.0, drive=False)
+    blow(mujocos, 150.0, drive=False)
+    np.testing.assert_allclose(ours.item_xy, mujocos.item_xy, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(ours.item_velocity, mujocos.item_velocity, rtol=0, atol=1e-7)
+    assert np.median(np.hypot(*np.moveaxis(ours.item_xy - start, -1, 0))) > 2.0
+
+
+@BOTH
+def test_items_go_over_to_mujoco_and_back_without_a_jump(
+    integrator: Integrator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A hull that drives through them, pushes some and pins some to quays does so all the same."""
+    lent = scattered(BASIN, integrator, simulation.CLOSING_MPS, monkeypatch, bodies=3)
+    all_bodies = scattered(BASIN, integrator, ALWAYS, monkeypatch)
+    unpushed = scattered(BASIN, integrator, NEVER, monkeypatch)
+    for sim in (lent, all_bodies, unpushed):
+        blow(sim, 60.0, drive=True)
+    np.testing.assert_allclose(lent.vessel_pose, all_bodies.vessel_pose, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(lent.item_xy, all_bodies.item_xy, rtol=0, atol=1e-6)
+    pushed = np.abs(lent.item_xy - unpushed.item_xy).max(axis=-1) > 0.05
+    assert pushed.sum() >= 3
+    assert 3 < lent.scene.items < ITEMS
+
+
+def test_water_that_is_no_number_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    sim = scattered(BASIN, Integrator.FAST, NEVER, monkeypatch)
+    sim.step(10)
+    sim.item_water[1, 7, 0] = np.nan
+    with pytest.raises(InstabilityError, match=r"unstable at seed 1, t = 1.1. s, item 7; check"):
+        sim.step(10)
+
+
+def test_more_items_near_hulls_than_bodies_can_be_are_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(simulation, "MOST_BODIES", 12)
+    sim = scattered(BASIN, Integrator.FAST, ALWAYS, monkeypatch, bodies=4)
+    with pytest.raises(UserError, match=r"physics: 60 items within .* at most 12 .*items=graph"):
+        sim.step(1)
