@@ -104,8 +104,8 @@ class Physics:
     """Classes of `models/debris.toml`, one drawn per item."""
     integrator: Literal["fast", "reference"] = "fast"
     """`fast`: Euler with forces averaged over the step; `reference`: Runge-Kutta of order 4."""
-    step_s: Annotated[float, Within(1e-3, 0.1, "s")] = 0.1
-    """Time step of the integrator."""
+    step_s: Annotated[float, Within(1e-3, 0.1, "s")] | None = None
+    """Time step of the integrator, by default 0.1 s of `fast` and 0.02 s of `reference`."""
 
 
 @dataclass(frozen=True)

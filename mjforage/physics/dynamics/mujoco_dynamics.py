@@ -61,7 +61,8 @@ class MujocoDynamics:
         self._graph, self._fleet, self._scenario, self._film = graph, fleet, scenario, film
         self._choice = scenario.physics
         self.detection = scenario.sensors.detection
-        weather_s, step_s = WEATHER_TICKS * CONTROL_S, self._choice.step_s
+        weather_s, self._integrator = WEATHER_TICKS * CONTROL_S, Integrator(self._choice.integrator)
+        self._step_s = step_s = self._choice.step_s or self._integrator.step_s
         self._ticks = WEATHER_TICKS * _times(
             scenario.period_s, weather_s, f"period_s = {scenario.period_s:g} s"
         )
@@ -95,8 +96,8 @@ class MujocoDynamics:
         self._simulation = Simulation(
             self._scene,
             episodes,
-            integrator=Integrator(self._choice.integrator),
-            step_s=self._choice.step_s,
+            integrator=self._integrator,
+            step_s=self._step_s,
             seeds=names,
             items=items if self._bodies else 0,
         )

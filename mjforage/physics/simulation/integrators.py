@@ -21,6 +21,11 @@ class Integrator(Enum):
     REFERENCE = "reference"
     """Classical Runge-Kutta, order 4."""
 
+    @property
+    def step_s(self) -> float:
+        """Step that it takes by default [s]: at 0.1 s Runge-Kutta is the less exact of the two."""
+        return 0.1 if self is Integrator.FAST else 0.02
+
 
 def prepared(model: mujoco.MjModel, integrator: Integrator, step_s: float) -> mujoco.MjModel:
     """A copy of a scene's model set up for an integrator and a step [s]."""

@@ -12,6 +12,8 @@ from mjforage.core.errors import UserError
 from mjforage.physics.callback import Route, calling, install
 from mjforage.physics.callback.model_layout import (
     CLASS_WIDTH,
+    HEADER,
+    HULL_WIDTH,
     INPUT_WIDTH,
     LOAD,
     VESSEL_DOFS,
@@ -64,7 +66,7 @@ class Simulation:
         simulations: int = 1,
         *,
         integrator: Integrator = Integrator.FAST,
-        step_s: float = 0.1,
+        step_s: float | None = None,
         threads: int = 1,
         seeds: Sequence[int | str] | None = None,
         items: int | None = None,
@@ -73,8 +75,8 @@ class Simulation:
 
         Parameters
         ----------
-        step_s : time step of the physics [s]; of the reference integrator at most twice the
-            shortest lag of the vessels' thrusters
+        step_s : time step of the physics [s], by default the integrator's own; of the reference
+            integrator at most twice the shortest lag of the vessels' thrusters
         threads : of MuJoCo; results do not depend on it
         seeds : (simulation,) names of the runs in error messages, by default their numbers; a text
             may say more, such as "3, episode 12"
@@ -85,6 +87,7 @@ class Simulation:
         UserError
             If a number is out of range, or no callback works here.
         """
+        step_s = integrator.step_s if step_s is None else step_s
         if simulations < 1 or threads < 1 or not 0.0 < step_s < np.inf:
             raise UserError(
                 f"simulation: {simulations} simulations, {threads} threads, step {step_s} s; "
@@ -122,6 +125,8 @@ class Simulation:
         )
         self._bind(len(scene.vessels))
         if scene.items:
+            table, kinds = HEADER + len(scene.vessels) * HULL_WIDTH, self._afloat.kinds
+            kinds.flat[:] = self.model.numeric_data[table : table + kinds.size]
             first = int(self.model.dof_bodyid[VESSEL_DOFS * len(scene.vessels)])
             quays = quays_of(self.model, first, scene.land, scene.pitch_m)
             self._reach = quays.radius_m + CLOSING_MPS * self._loan * self.step_s
@@ -332,14 +337,13 @@ class Simulation:
 def _afloat(scene: Scene, simulations: int, items: int) -> Afloat:
     """Items, not yet on the water."""
     q, v, wind, water = np.zeros((4, simulations, items, 2))
-    kinds = [(c.mass_kg + c.added_mass_kg, c.air, c.water) for c in scene.classes]
     return Afloat(
         q,
         v,
         wind,
         water,
         np.full((simulations, items), -1.0),
-        np.array(kinds).reshape(-1, CLASS_WIDTH),
+        np.zeros((len(scene.classes), CLASS_WIDTH)),
         np.zeros((simulations, items), np.bool_),
     )
 

@@ -80,7 +80,7 @@ def _pressed(
     """(row,) force on the quay [N], and the gap between hull and quay at the end [m]."""
     forager = load_vessel("forager")
     scene = build_scene([forager], navigable=BASIN, pitch_m=PITCH_M)
-    simulation = Simulation(scene, integrator=integrator)
+    simulation = Simulation(scene, integrator=integrator, step_s=0.1)
     simulation.place_vessels(np.array([16.0, QUAY_Y_M - 1.0, yaw]))
     simulation.vessel_wind[:], simulation.vessel_water[:] = (0.0, wind_mps), (0.0, current_mps)
     force = []
@@ -139,7 +139,7 @@ def _rammed(
     rammer: Vessel, rammed: Vessel, integrator: Integrator, gap_m: float, yaw: float
 ) -> Float64Array:
     """(row, 2) speed of both along the rammer's course [m/s]."""
-    simulation = Simulation(build_scene([rammer, rammed]), integrator=integrator)
+    simulation = Simulation(build_scene([rammer, rammed]), integrator=integrator, step_s=0.1)
     start = -0.5 * rammer.length_m - 0.5 * rammed.beam_m - gap_m
     c, s = math.cos(yaw), math.sin(yaw)
     simulation.place_vessels(

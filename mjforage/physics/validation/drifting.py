@@ -54,7 +54,7 @@ def _slips(integrator: Integrator) -> Float64Array:
     """(row, body) speed through the water: vessels, then one item of each class."""
     hulls = [load_vessel(name) for name in VESSELS]
     scene = build_scene(hulls, items=5)
-    simulation = Simulation(scene, integrator=integrator)
+    simulation = Simulation(scene, integrator=integrator, step_s=0.1)
     pose = np.zeros((len(hulls), 3))
     pose[:, 1], pose[:, 2] = 300.0 * np.arange(len(hulls)), [0.5, 1.0, -2.0]
     simulation.place_vessels(pose)
@@ -114,7 +114,7 @@ def leeway() -> Parts:
 def _leeway(integrator: Integrator) -> Float64Array:
     """(wind, class) drift over wind."""
     scene = build_scene([load_vessel("scout")], items=5)
-    simulation = Simulation(scene, WINDS_MPS.size, integrator=integrator)
+    simulation = Simulation(scene, WINDS_MPS.size, integrator=integrator, step_s=0.1)
     simulation.place_vessels(np.array([-100.0, -100.0, 0.0]))
     simulation.place_items(np.array([[0.0, 10.0 * k] for k in range(5)]), np.arange(5))
     simulation.item_wind[:] = (WINDS_MPS[:, None] * [0.6, 0.8])[:, None]

@@ -45,7 +45,7 @@ def rest() -> Parts:
 
 
 def _departure(vessel: Vessel, integrator: Integrator) -> float:
-    simulation = Simulation(build_scene([vessel]), HEADINGS.size, integrator=integrator)
+    simulation = Simulation(build_scene([vessel]), HEADINGS.size, integrator=integrator, step_s=0.1)
     pose = np.zeros((HEADINGS.size, 1, 3))
     pose[:, 0, 2] = HEADINGS
     simulation.place_vessels(pose)
@@ -83,7 +83,7 @@ def energy() -> Parts:
 def _energies(vessel: Vessel, integrator: Integrator) -> Float64Array:
     """(row, start) kinetic energy over that at the start."""
     runs = len(STARTS)
-    simulation = Simulation(build_scene([vessel]), runs, integrator=integrator)
+    simulation = Simulation(build_scene([vessel]), runs, integrator=integrator, step_s=0.1)
     yaw = np.linspace(0.0, 3.0, runs)
     pose, velocity = np.zeros((runs, 1, 3)), np.zeros((runs, 1, 3))
     pose[:, 0, 2], velocity[:, 0, 2] = yaw, STARTS[:, 2]

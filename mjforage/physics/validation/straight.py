@@ -74,7 +74,7 @@ def straight() -> Parts:
 
 def _coast(vessel: Vessel, integrator: Integrator) -> Float64Array:
     """(row,) surge from 1.5 m/s with stopped thrusters."""
-    simulation = Simulation(build_scene([vessel]), integrator=integrator)
+    simulation = Simulation(build_scene([vessel]), integrator=integrator, step_s=0.1)
     simulation.place_vessels(np.zeros(3), np.array([1.5, 0.0, 0.0]))
     rows = [row(simulation)]
     for _ in range(round(AHEAD_S / STEP_S)):

@@ -79,6 +79,15 @@ def test_an_episode_is_the_same_to_the_bit_in_any_batch(preset: str) -> None:
     assert fingerprint(back, 1) == fingerprint(whole, 3)
 
 
+@pytest.mark.parametrize(("integrator", "step_s"), [("fast", 0.1), ("reference", 0.02)])
+def test_integrators_have_steps_of_their_own(integrator: str, step_s: float) -> None:
+    """What they are at the same step is a check of `mjforage validate`."""
+    setup = setup_of("comb-port", f"physics.integrator={integrator}", "horizon=1")
+    dynamics = create_mission(setup, "physics")._dynamics
+    assert isinstance(dynamics, MujocoDynamics)
+    assert dynamics._step_s == step_s
+
+
 def test_filming_changes_nothing_and_shows_where_hulls_were() -> None:
     setup, film = setup_of("comb-port", *SHORT), Film()
     filmed = scored(setup, [1], film=film)

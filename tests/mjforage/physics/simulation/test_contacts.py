@@ -19,7 +19,7 @@ def pressed(
 ) -> tuple[float, float]:
     """Force [N] and moment [N m] between the forager and a quay on its port side, at rest."""
     scene = build_scene([FORAGER], navigable=BASIN, pitch_m=4.0)
-    simulation = Simulation(scene, integrator=integrator)
+    simulation = Simulation(scene, integrator=integrator, step_s=0.1)
     simulation.place_vessels(np.array([16.0, QUAY_Y_M - 0.5 * FORAGER.beam_m - 0.01, 0.0]))
     simulation.vessel_wind[:], simulation.vessel_water[:] = (0.0, wind_mps), (0.0, current_mps)
     side, p = 0.5 * moment / FORAGER.lever_m, pack(FORAGER)
@@ -63,7 +63,7 @@ def test_a_quay_bears_a_turning_hull_at_one_corner(
 @BOTH
 def test_items_stop_at_quays_and_give_way_to_hulls(integrator: Integrator) -> None:
     scene = build_scene([FORAGER], navigable=BASIN, pitch_m=4.0, items=2)
-    simulation = Simulation(scene, integrator=integrator)
+    simulation = Simulation(scene, integrator=integrator, step_s=0.1)
     simulation.place_vessels(np.array([4.0, 4.0, 0.0]))
     simulation.place_items(np.array([[20.0, 12.0], [8.0, 4.0]]), np.array([0, 2]))
     simulation.item_wind[0, 0] = 0.0, 10.0

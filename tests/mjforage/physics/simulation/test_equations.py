@@ -29,7 +29,7 @@ def test_mujoco_agrees_with_the_plain_equations(conditions: Conditions) -> None:
 @BOTH
 def test_load_slows_a_forager_and_makes_it_heavy(integrator: Integrator) -> None:
     scene = build_scene([FORAGER])
-    simulation = Simulation(scene, 2, integrator=integrator)
+    simulation = Simulation(scene, 2, integrator=integrator, step_s=0.1)
     simulation.load[:, 0] = 0.0, 100.0
     simulation.commands[:] = 60.0
     windage = FORAGER.windage

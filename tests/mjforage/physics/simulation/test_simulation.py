@@ -33,7 +33,7 @@ def test_a_copied_state_resumes_to_the_bit(integrator: Integrator) -> None:
     drive(first, 30.0)
     saved, scene = first.snapshot(), first.scene
     drive(first, 20.0, seed=1)
-    second = Simulation(scene, 2, integrator=integrator, items=first.items)
+    second = Simulation(scene, 2, integrator=integrator, step_s=0.1, items=first.items)
     second.restore(saved)
     drive(second, 20.0, seed=1)
     np.testing.assert_array_equal(second.snapshot(), first.snapshot())
