@@ -29,10 +29,11 @@ Refused = Callable[..., str]
 PATIENCE_S = 120.0
 EPISODES = 150
 NO_REPORT = """
-import mjforage.view.report.studies as studies
-studies.write_study_report = lambda folder: folder / "report.html"
+from mjforage.view import report
+from mjforage.view.report import studies
+report.write_report = studies.write_study_report = lambda folder: folder / "report.html"
 """
-"""Its seconds prove nothing here; tests of studies draw it."""
+"""Its seconds prove nothing here; tests of reports and studies draw it."""
 needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs /proc")
 
 
@@ -299,7 +300,7 @@ def test_one_worker_computes_too(start: Start, tmp_path: Path) -> None:
     process = start(
         *("evaluate", "published", "--policy", "greedy", "--set", "horizon=5", "--episodes", 30),
         *("--local-cluster", 1, "--out", tmp_path / "run"),
-        before="from mjforage.runs import workers; workers.score = None",
+        before=NO_REPORT + "from mjforage.runs import workers; workers.score = None",
     )
     _, err = process.communicate(timeout=PATIENCE_S)
     assert (process.returncode, err) == (0, ""), "the command computed itself"
