@@ -142,7 +142,10 @@ def test_a_spoilt_table_is_one_line_and_stays(
     assert path.read_bytes() == before
 
 
-def test_a_spoilt_table_moved_away_is_made_again(command: Callable[..., Any], folder: Path) -> None:
+def test_a_spoilt_table_moved_away_is_made_again(
+    command: Callable[..., Any], folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("mjforage.view.report.write_report", lambda folder: folder / "report.html")
     path = folder / "steps.parquet"
     whole, summary = path.read_bytes(), (folder / "summary.json").read_bytes()
     path.unlink()
