@@ -9,6 +9,7 @@ from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
@@ -19,8 +20,8 @@ from mjforage.view.page import style
 
 WIDTH_IN = 5.6  # half a page of the report
 WIDE_IN = 11.2  # a whole page
-PNG_DPI = 150
-SVG_RASTER_DPI = 150  # of maps inside an SVG
+DPI = 150  # of a PNG, and of maps inside an SVG
+SVG_DPI = 72  # of an SVG's points
 
 
 @dataclass(frozen=True)
@@ -115,22 +116,31 @@ def joined(words: Sequence[str]) -> str:
 
 def svg_bytes(figure: Figure) -> bytes:
     """Render to SVG with no date and salted ids, so that equal figures give equal bytes."""
-    buffer = io.BytesIO()
+    figure.set_dpi(SVG_DPI)
     metadata: dict[str, Any] = {"Date": None, "Creator": None}
-    with mpl.rc_context(style.RC):
-        FigureCanvasSVG(figure).print_figure(
-            buffer, format="svg", dpi=SVG_RASTER_DPI, metadata=metadata
-        )
-    return buffer.getvalue()
+    return _printed(figure, FigureCanvasSVG(figure), format="svg", metadata=metadata)
 
 
 def png_bytes(figure: Figure) -> bytes:
     """Render to PNG at 150 dpi, without the software stamp."""
-    buffer = io.BytesIO()
+    figure.set_dpi(DPI)
+    return _printed(figure, FigureCanvasAgg(figure), format="png", metadata={"Software": None})
+
+
+def _printed(figure: Figure, canvas: FigureCanvasBase, **options: Any) -> bytes:
+    """Lay the figure out as it is to be printed, and print it.
+
+    With a layout engine in the figure, matplotlib would draw all of it twice.
+    """
+    buffer, engine = io.BytesIO(), figure.get_layout_engine()
     with mpl.rc_context(style.RC):
-        FigureCanvasAgg(figure).print_figure(
-            buffer, format="png", dpi=PNG_DPI, metadata={"Software": None}
-        )
+        if engine is not None:
+            engine.execute(figure)
+        figure.set_layout_engine(None)
+        try:
+            canvas.print_figure(buffer, dpi=DPI, **options)
+        finally:
+            figure.set_layout_engine(engine)
     return buffer.getvalue()
 
 

@@ -1,11 +1,27 @@
+from collections.abc import Sequence
+from functools import partial
+
 import pytest
 
 from mjforage.bench import learning as speeds
 from mjforage.bench import running as bench
+from mjforage.bench import simulations
+from mjforage.core.scenario import Scenario
+from mjforage.core.scenario_file import load_scenario
+
+HORIZON = "horizon=10"  # where the bench asks for no other
+
+
+def short(name: str, overrides: Sequence[str] = ()) -> Scenario:
+    return load_scenario(name, (HORIZON, *overrides))
 
 
 def test_bench_measures_every_promised_figure(monkeypatch: pytest.MonkeyPatch) -> None:
     """With a tiny load: the figures are there, positive, and have units."""
+    for place in (bench, speeds):
+        monkeypatch.setattr(place, "load_scenario", short)
+    few_states = partial(simulations.callback_overhead, simulations=2)
+    monkeypatch.setattr(simulations, "callback_overhead", few_states)
     monkeypatch.setattr(bench, "BATCH", 2)
     monkeypatch.setattr(bench, "REPEATS", 1)
     monkeypatch.setattr(bench, "BELIEF_BATCH", 4)
@@ -20,7 +36,7 @@ def test_bench_measures_every_promised_figure(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(speeds, "STEPS", 3)
     monkeypatch.setattr(speeds, "ROUNDS", 1)
     monkeypatch.setattr(speeds, "UPDATES", 2)
-    monkeypatch.setattr(speeds, "SMALL", {"num_envs": 1, "warmup": 100, "batch": 8})
+    monkeypatch.setattr(speeds, "SMALL", {"num_envs": 1, "warmup": 10, "batch": 8})
     measured: list[str] = []
     figures = bench.bench(measured.append)
     promised = {

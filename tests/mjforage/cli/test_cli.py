@@ -142,7 +142,10 @@ def test_a_spoilt_table_is_one_line_and_stays(
     assert path.read_bytes() == before
 
 
-def test_a_spoilt_table_moved_away_is_made_again(command: Callable[..., Any], folder: Path) -> None:
+def test_a_spoilt_table_moved_away_is_made_again(
+    command: Callable[..., Any], folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("mjforage.view.report.write_report", lambda folder: folder / "report.html")
     path = folder / "steps.parquet"
     whole, summary = path.read_bytes(), (folder / "summary.json").read_bytes()
     path.unlink()
@@ -299,12 +302,12 @@ def test_version_and_help(command: Callable[..., Any]) -> None:
 def test_render_draws_a_frame_a_series_and_films(
     command: Callable[..., Any], folder: Path, here: Path
 ) -> None:
-    short = ("--duration", 20, "--fps", 4)
+    short = ("--duration", 20, "--fps", 4, "--width", 320)
     for arguments in (
         ("-o", "frame.png", "--episode", 1, "--start", 40),
         ("-o", "film.gif", "--policy", "lawnmower", *short),
         ("--output", "film.mp4", *short),
-        ("-o", "frame-%02d.png", "--duration", 20, "--fps", 4),
+        ("-o", "frame-%02d.png", *short),
     ):
         outcome = command("render", folder, *arguments)
         assert (outcome.code, outcome.err) == (0, "")

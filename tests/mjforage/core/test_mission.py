@@ -122,22 +122,23 @@ def agree(mission: Mission, slow: list[SlowMission]) -> None:
 @pytest.mark.parametrize("policy", policy_names())
 def test_logs_are_the_same_bits_whatever_the_batch(policy: str) -> None:
     setup = setup_of("comb-port", "horizon=50")
-    scorer, _ = played(setup, policy, np.arange(100))
+    first = 41  # so that an episode has another place in each batch, and by any small divisor
+    scorer, _ = played(setup, policy, np.arange(first, 70))
     whole, scores = scorer.log, scorer.scores()
     for batch in (np.array([63]), np.arange(60, 67), np.array([66, 60])):
         scorer, _ = played(setup, policy, batch)
         part, found = scorer.log, scorer.scores()
         for name in ("agent_node", "yaw", "distance", "length", "n_items"):
-            np.testing.assert_array_equal(getattr(part, name), getattr(whole, name)[batch])
+            np.testing.assert_array_equal(getattr(part, name), getattr(whole, name)[batch - first])
         for name, course in found.courses.items():
-            np.testing.assert_array_equal(course, scores.courses[name][batch])
+            np.testing.assert_array_equal(course, scores.courses[name][batch - first])
         for name, values in found.scalars.items():
-            np.testing.assert_array_equal(values, scores.scalars[name][batch])
+            np.testing.assert_array_equal(values, scores.scalars[name][batch - first])
         for name in ("t_discovered", "discovered_by", "t_collected", "collected_by", "item_start"):
-            for i, episode in enumerate(batch):
+            for i, place in enumerate(batch - first):
                 k = part.n_items[i]
                 np.testing.assert_array_equal(
-                    getattr(part, name)[i, :k], getattr(whole, name)[episode, :k]
+                    getattr(part, name)[i, :k], getattr(whole, name)[place, :k]
                 )
 
 
@@ -159,7 +160,7 @@ def test_policies_start_every_batch_afresh() -> None:
     mission = Mission(setup)
     for name in policy_names():
         policy, ends = create_policy(name), []
-        for episodes in (np.arange(5), np.arange(9), np.arange(5)):
+        for episodes in (np.arange(3), np.arange(5), np.arange(3)):
             mission.reset(1, episodes)
             mission.run(policy)
             ends.append(mission.state.agent_node.copy())

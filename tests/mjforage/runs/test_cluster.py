@@ -28,6 +28,12 @@ Start = Callable[..., "subprocess.Popen[str]"]
 Refused = Callable[..., str]
 PATIENCE_S = 120.0
 EPISODES = 150
+NO_REPORT = """
+from mjforage.view import report
+from mjforage.view.report import studies
+report.write_report = studies.write_study_report = lambda folder: folder / "report.html"
+"""
+"""Its seconds prove nothing here; tests of reports and studies draw it."""
 needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs /proc")
 
 
@@ -70,6 +76,7 @@ def test_a_worker_killed_in_the_middle_changes_no_bit(start: Start, tmp_path: Pa
     process = start(
         *("study", "ablation", "published", "--policy", "greedy", "--set", "horizon=60"),
         *("--episodes", EPISODES, "--local-cluster", 2, "--out", killed),
+        before=NO_REPORT,
     )
     wait_for(lambda: chunks(killed), "a finished chunk")
     before = dask_workers(process.pid)
@@ -293,7 +300,7 @@ def test_one_worker_computes_too(start: Start, tmp_path: Path) -> None:
     process = start(
         *("evaluate", "published", "--policy", "greedy", "--set", "horizon=5", "--episodes", 30),
         *("--local-cluster", 1, "--out", tmp_path / "run"),
-        before="from mjforage.runs import workers; workers.score = None",
+        before=NO_REPORT + "from mjforage.runs import workers; workers.score = None",
     )
     _, err = process.communicate(timeout=PATIENCE_S)
     assert (process.returncode, err) == (0, ""), "the command computed itself"

@@ -109,7 +109,6 @@ def test_a_run_without_it_shows_a_dash(
     folder: Path, monkeypatch: pytest.MonkeyPatch, command: Callable[..., Any]
 ) -> None:
     run = played("run")
-    assert command("report", run).code == 0
     made = METRICS.find(OWN)
     monkeypatch.setitem(METRICS._registered, "left", made)
     assert command("report", run).code == 0

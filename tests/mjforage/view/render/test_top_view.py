@@ -10,6 +10,11 @@ from mjforage.view.render import TopView, palette
 
 Build = Callable[..., Replay]
 Image = NDArray[np.uint8]
+LONG_SIDE = 640  # of the small map; a frame of the full size takes four times as long
+
+
+def drawn(replay: Replay) -> TopView:
+    return TopView(replay, LONG_SIDE)
 
 
 def around(image: Image, view: TopView, rc: tuple[float, float], reach: int) -> Image:
@@ -62,20 +67,20 @@ def test_large_maps_shrink_to_the_frame(build: Build) -> None:
 
 def test_frames_are_deterministic(build: Build, comb: NDArray[np.bool_]) -> None:
     replay = build(comb, steps=3)
-    first, second = TopView(replay), TopView(replay)
+    first, second = drawn(replay), drawn(replay)
     second.frame(0.2)
     assert first.frame(1.7).tobytes() == second.frame(1.7).tobytes()
 
 
 def test_time_outside_the_episode_is_refused(still: Replay) -> None:
-    view = TopView(still)
+    view = drawn(still)
     for time in (-0.1, 4.1):
         with pytest.raises(ValueError, match="outside the episode"):
             view.frame(time)
 
 
 def test_vessels_are_drawn_at_their_nodes_in_team_colours(still: Replay) -> None:
-    view = TopView(still)
+    view = drawn(still)
     frame = view.frame(0.0)
     scout, forager = palette.team_colours([False, True])
     for rc, own, other in (((2, 2), scout, forager), ((2, 9), forager, scout)):
@@ -88,7 +93,7 @@ def test_vessels_are_drawn_at_their_nodes_in_team_colours(still: Replay) -> None
 def test_vessels_move_between_steps(still: Replay) -> None:
     route = still.agent_rc.copy()
     route[1:, 0] = (2.0, 4.0)
-    view = TopView(replace(still, agent_rc=route))
+    view = drawn(replace(still, agent_rc=route))
     scout = palette.team_colours([False])[0]
     assert holds(around(view.frame(0.5), view, (2, 3), 8), scout)
     assert not holds(around(view.frame(0.0), view, (2, 3.5), 8), scout)
@@ -102,7 +107,7 @@ def test_hull_points_along_the_motion(still: Replay) -> None:
     scout = np.array(palette.team_colours([False])[0])
     heavier = []
     for route in (east, west):
-        view = TopView(replace(still, agent_rc=route))
+        view = drawn(replace(still, agent_rc=route))
         hull = around(view.frame(2.0), view, (2, 4), 20).astype(float)
         cover = np.abs(hull - scout).max(axis=2) < 12.0
         heavier.append(cover[:, :20].sum() > cover[:, 21:].sum())
@@ -113,13 +118,13 @@ def test_removed_item_disappears(still: Replay) -> None:
     present = still.item_present.copy()
     present[2:] = False
     found = np.zeros(1, np.int16)
-    view = TopView(replace(still, item_present=present, t_discovered=found))
+    view = drawn(replace(still, item_present=present, t_discovered=found))
     assert holds(around(view.frame(1.0), view, (8, 8), 6), palette.ITEM, 40.0)
     assert not holds(around(view.frame(3.0), view, (8, 8), 6), palette.ITEM, 40.0)
 
 
 def test_undiscovered_items_are_dimmer(still: Replay) -> None:
-    view = TopView(replace(still, t_discovered=np.ones(1, np.int16)))
+    view = drawn(replace(still, t_discovered=np.ones(1, np.int16)))
     before, after = (around(view.frame(time), view, (8, 8), 1) for time in (0.0, 1.0))
     assert after.astype(float).mean() > before.astype(float).mean() + 10.0
 
@@ -127,7 +132,7 @@ def test_undiscovered_items_are_dimmer(still: Replay) -> None:
 def test_belief_ring_appears_only_where_items_are_believed(still: Replay) -> None:
     belief = still.belief.copy()
     belief[1:3, 5, 5] = 2
-    view = TopView(replace(still, belief=belief))
+    view = drawn(replace(still, belief=belief))
     for time, expected in ((0.0, False), (1.0, True), (2.0, True), (3.0, False)):
         frame = view.frame(time)
         assert holds(around(frame, view, (5, 5), 30), palette.BELIEF) is expected
@@ -137,8 +142,8 @@ def test_belief_ring_appears_only_where_items_are_believed(still: Replay) -> Non
 def test_idle_water_is_darker_and_quays_stay(still: Replay) -> None:
     navigable = still.navigable.copy()
     navigable[10:, :] = False
-    hazy = TopView(replace(still, navigable=navigable))
-    clear = TopView(replace(still, navigable=navigable, idleness=0 * still.idleness))
+    hazy = drawn(replace(still, navigable=navigable))
+    clear = drawn(replace(still, navigable=navigable, idleness=0 * still.idleness))
     water = [around(view.frame(0.0), view, (5, 5), 5).mean() for view in (hazy, clear)]
     quay = [around(view.frame(0.0), view, (11, 5), 5) for view in (hazy, clear)]
     assert water[1] > water[0] + 20.0
@@ -160,12 +165,12 @@ def test_view_is_tinted_and_outlined(still: Replay, bit: int) -> None:
 
 def test_zero_scouts_and_zero_items(build: Build) -> None:
     replay = build(np.ones((8, 8), np.bool_), steps=2, items=0, agents=(0, 1))
-    view = TopView(replay)
+    view = drawn(replay)
     assert view.frame(1.0).shape == (*view.size, 3)
 
 
 def test_an_episode_without_a_step_has_one_picture(still: Replay) -> None:
     series = ("agent_rc", "item_rc", "item_present", "belief", "idleness", "in_view")
-    view = TopView(replace(still, **{name: getattr(still, name)[:1] for name in series}))
+    view = drawn(replace(still, **{name: getattr(still, name)[:1] for name in series}))
     assert view.length == 0
-    np.testing.assert_array_equal(view.frame(0.0), TopView(still).frame(0.0))
+    np.testing.assert_array_equal(view.frame(0.0), drawn(still).frame(0.0))

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from mjforage.core.mission_metrics import describe
-from mjforage.view.report import write_report
 from mjforage.view.report.differences import (
     LEVEL,
     Difference,
@@ -17,7 +16,9 @@ from mjforage.view.report.differences import (
     set_apart,
 )
 from mjforage.view.report.policy_pairs import comparison_table
+from mjforage.view.report.report_page import render
 from mjforage.view.report.run_logs import load_logs
+from mjforage.view.report.text_tables import full_table, headline_table, paper_tables
 
 NOTE = "Intervals from fewer than 10 episodes are too narrow; none is bold."
 
@@ -54,8 +55,9 @@ def test_what_is_undefined_is_no_test() -> None:
 def test_a_page_of_few_episodes_says_so_and_has_no_bold_interval(
     make_run: Callable[..., Path], episodes: int, few: bool
 ) -> None:
-    folder = make_run(episodes=episodes)
-    assert (write_report(folder).read_text(encoding="utf-8").count(NOTE) == 1) is few
-    table = comparison_table(load_logs(folder))
+    logs = load_logs(make_run(episodes=episodes))
+    table = comparison_table(logs)
     assert table is not None
+    page = render(logs, (), headline_table(logs), paper_tables(logs), full_table(logs), table)
+    assert (page.count(NOTE) == 1) is few
     assert any(row.best for row in table.rows) is not few

@@ -1,3 +1,4 @@
+import itertools
 import json
 import re
 import shutil
@@ -14,7 +15,11 @@ from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import chosen_metrics
 from mjforage.view.page import style
 from mjforage.view.report import published, terminal_table, write_report
-from mjforage.view.report.text_tables import number, policy_name
+from mjforage.view.report.all_figures import draw_figures
+from mjforage.view.report.run_logs import load_logs
+from mjforage.view.report.text_tables import number, paper_tables, policy_name
+from tests.mjforage.view.report.made_up_episodes import Plan
+from tests.mjforage.view.report.made_up_runs import build
 
 MakeRun = Callable[..., Path]
 
@@ -48,6 +53,29 @@ def written(folder: Path) -> str:
     return write_report(folder).read_text(encoding="utf-8")
 
 
+@pytest.fixture(scope="module")
+def reported(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a run that nobody may change, greedy and levy, with its report."""
+    folder = build(tmp_path_factory.mktemp("reported") / "run", Plan())
+    write_report(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def page(reported: Path) -> str:
+    return (reported / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def beside_the_paper(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a run like the paper's that nobody may change, with its report."""
+    folder = build(tmp_path_factory.mktemp("published") / "run", Plan(name="published"))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(published, "comparable", lambda run: True)
+        write_report(folder)
+    return folder
+
+
 def table_rows(page: str, name: str) -> dict[str, list[str]]:
     """Cells of a table by row head, without markup."""
     block = page.split(f'id="{name}"', 1)[1].split("</table>", 1)[0]
@@ -63,18 +91,15 @@ def table_rows(page: str, name: str) -> dict[str, list[str]]:
     return plain
 
 
-def test_every_section_and_figure_is_there(make_run: MakeRun) -> None:
-    folder = make_run()
-    page = written(folder)
+def test_every_section_and_figure_is_there(reported: Path, page: str) -> None:
     assert re.findall(r'<section id="([a-z]+)">', page) == list(SECTIONS)
     assert set(re.findall(r'<figure id="figure-([a-z-]+)"', page)) == set(FIGURES)
     assert page.count("data:image/") == len(FIGURES)
-    files = {path.name for path in (folder / "figures").iterdir()}
+    files = {path.name for path in (reported / "figures").iterdir()}
     assert files == {f"{name}.{kind}" for name in FIGURES for kind in ("png", "svg")}
 
 
-def test_the_page_needs_nothing_from_outside(make_run: MakeRun) -> None:
-    page = written(make_run())
+def test_the_page_needs_nothing_from_outside(page: str) -> None:
     references = re.findall(r'(?:src|href|url)\s*[=(]\s*"?([^")>\s]+)', page)
     assert references
     assert all(ref.startswith(("#", "data:image/")) for ref in references)
@@ -83,13 +108,9 @@ def test_the_page_needs_nothing_from_outside(make_run: MakeRun) -> None:
     assert "@import" not in page
 
 
-def test_table_2_shows_the_summary_and_the_paper_beside_it(
-    make_run: MakeRun, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(published, "comparable", lambda run: True)
-    folder = make_run(name="published")
-    rows = table_rows(written(folder), "table-2")
-    summary = json.loads((folder / "summary.json").read_text())["graph"]["greedy"]
+def test_table_2_shows_the_summary_and_the_paper_beside_it(beside_the_paper: Path) -> None:
+    rows = table_rows((beside_the_paper / "report.html").read_text(encoding="utf-8"), "table-2")
+    summary = json.loads((beside_the_paper / "summary.json").read_text())["graph"]["greedy"]
     entries = [(summary["pta_d"], 2), (summary["pta_c"], 2), (summary["rmse"], 4)]
     expected = [f"{e['mean']:.{d}f} ± {1.96 * e['sem']:.{d}f}" for e, d in entries]
     assert rows["greedy"][:3] == expected
@@ -109,24 +130,24 @@ def test_table_2_shows_the_summary_and_the_paper_beside_it(
 
 
 def test_the_straight_walk_has_the_papers_levy_rows_and_a_note_says_so(
-    make_run: MakeRun, monkeypatch: pytest.MonkeyPatch
+    make_run: MakeRun, beside_the_paper: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(published, "comparable", lambda run: True)
-    for policy, said in (("wanderer", True), ("levy", True), ("greedy", False)):
-        page = written(make_run(policies=(policy,)))
-        assert ("never uses them" in page) is said
-    rows = table_rows(written(make_run(policies=("wanderer",))), "table-2")
+    assert "never uses them" in (beside_the_paper / "report.html").read_text(encoding="utf-8")
+    for policy, said in (("greedy", False), ("levy", True), ("wanderer", True)):
+        tables = paper_tables(load_logs(make_run(policies=(policy,))))
+        notes = " ".join(note for table in tables for note in table.notes)
+        assert ("never uses them" in notes) is said
+    rows = {row.head: list(row.cells) for row in tables[0].rows}
     straight = "Lévy walks, walked straight"
     assert rows[f"{straight}, paper (its own map)"][1] == "80.43 ± 5.98"
     code = f"{straight}, its public code (its own map), 1,300 episodes"
     assert rows[code] == ["82.02 ± 1.67", "79.08 ± 1.73", "0.0522", "0.0168"]
 
 
-def test_tables_3_and_4_show_means(make_run: MakeRun, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(published, "comparable", lambda run: True)
-    folder = make_run()
-    page = written(folder)
-    summary = json.loads((folder / "summary.json").read_text())["graph"]["levy"]
+def test_tables_3_and_4_show_means(beside_the_paper: Path) -> None:
+    page = (beside_the_paper / "report.html").read_text(encoding="utf-8")
+    summary = json.loads((beside_the_paper / "summary.json").read_text())["graph"]["levy"]
     means = [f"{summary[key]['mean']:.3f}" for key in ("nt50", "nt90", "throughput")]
     assert table_rows(page, "table-3")["levy"] == means
     assert table_rows(page, "table-4")["levy"] == [f"{summary['csr']['mean']:.3f}"]
@@ -134,20 +155,21 @@ def test_tables_3_and_4_show_means(make_run: MakeRun, monkeypatch: pytest.Monkey
 
 
 def test_another_scenario_is_not_set_beside_the_paper(make_run: MakeRun) -> None:
-    assert "its own map" not in written(make_run(name="open-bay"))
+    logs = load_logs(make_run(name="open-bay"))
+    heads = [row.head for table in paper_tables(logs) for row in table.rows]
+    captions = [picture.caption for picture in draw_figures(logs)]
+    assert "its own map" not in " ".join((*heads, *captions))
 
 
-def test_every_metric_is_in_the_full_table(make_run: MakeRun) -> None:
-    folder = make_run(policies=("greedy",))
-    page = written(folder)
+def test_every_metric_is_in_the_full_table(reported: Path, page: str) -> None:
     block = page.split('id="metrics"', 1)[1].split("</table>", 1)[0]
-    values = json.loads((folder / "summary.json").read_text())["graph"]["greedy"]
+    values = json.loads((reported / "summary.json").read_text())["graph"]
     rows = re.findall(r'<th scope="row">.*?</th>(.*?)</tr>', block)
     shown = [re.findall(r"<td[^>]*>(.*?)</td>", row) for row in rows]
     expected = []
-    for metric in chosen_metrics():
+    for metric, policy in itertools.product(chosen_metrics(), ("greedy", "levy")):
         key, digits = metric.key, metric.digits
-        entry = values[key]
+        entry = values[policy][key]
         if entry["n"] < 2:
             pytest.fail(f"{key} is meant to be defined twice here")
         low, high = (number(end, digits) for end in entry["ci95"])
@@ -157,10 +179,12 @@ def test_every_metric_is_in_the_full_table(make_run: MakeRun) -> None:
     assert shown == expected
 
 
-def test_the_same_logs_give_the_same_bytes(make_run: MakeRun) -> None:
-    folder = make_run()
-    first = write_report(folder).read_bytes()
-    images = {path.name: path.read_bytes() for path in (folder / "figures").iterdir()}
+def test_the_same_logs_give_the_same_bytes(reported: Path, tmp_path: Path) -> None:
+    first = (reported / "report.html").read_bytes()
+    images = {path.name: path.read_bytes() for path in (reported / "figures").iterdir()}
+    folder = Path(shutil.copytree(reported, tmp_path / "run"))
+    (folder / "report.html").unlink()
+    shutil.rmtree(folder / "figures")
     assert write_report(folder).read_bytes() == first
     assert {path.name: path.read_bytes() for path in (folder / "figures").iterdir()} == images
 
@@ -177,11 +201,13 @@ def test_a_hostile_name_is_escaped(make_run: MakeRun) -> None:
 
 def test_undefined_values_are_left_out_and_counted(make_run: MakeRun) -> None:
     folder = make_run(episodes=2)
-    page = written(folder)
-    assert "Defined at the end in 1 for levy of 2 episodes" in page
+    logs = load_logs(folder)
+    captions = " ".join(picture.caption for picture in draw_figures(logs))
+    assert "Defined at the end in 1 for levy of 2 episodes" in captions
     entry = json.loads((folder / "summary.json").read_text())["graph"]["levy"]["csr"]
     assert (entry["n"], entry["sem"]) == (1, None)
-    assert table_rows(page, "table-4")["levy"] == [f"{entry['mean']:.3f}"]
+    (row,) = [row for row in paper_tables(logs)[2].rows if row.head == "levy"]
+    assert row.cells == (f"{entry['mean']:.3f}",)
 
 
 @pytest.mark.parametrize(

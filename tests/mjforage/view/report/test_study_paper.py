@@ -1,6 +1,7 @@
 """A study's numbers beside the paper's: judged only where they are the same quantity."""
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 import pytest
@@ -30,8 +31,12 @@ WORDS = "paper: one draw for the team; ours: one per agent"
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> Make:
-    """Make a small study of the paper, with one draw for the team or one per agent."""
+    """Make a small study of the paper, with one draw for the team or one per agent.
 
+    A second call returns the same study, which nobody may change.
+    """
+
+    @cache
     def make(whole_team: bool, overrides: tuple[str, ...] = ()) -> StudyLogs:
         setup = Setup.of(load_scenario("published", overrides))
         varied = variants.paper(setup.scenario, ["greedy"], STEP, whole_team)
