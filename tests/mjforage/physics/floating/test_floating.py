@@ -23,7 +23,7 @@ def scattered(
     integrator: Integrator,
     closing_mps: float,
     monkeypatch: pytest.MonkeyPatch,
-    bodies: int = ITEMS,
+    bodies: int = ITEMS + simulation.SPARE,
 ) -> Simulation:
     """Items of all classes all over a basin and a little way onto its quays, and a hull."""
     scene = build_scene([FORAGER], navigable=water, pitch_m=4.0, items=bodies)
@@ -40,14 +40,17 @@ def scattered(
     return sim
 
 
-def blow(sim: Simulation, seconds: float, *, drive: bool) -> NDArray[np.float64]:
+def blow(
+    sim: Simulation, seconds: float, *, drive: bool
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Turning, gusty wind and a current; the hull drives about, or lies far away.
 
     Returns
     -------
-    (step, simulation, item, 4) places [m] and velocities [m/s] of the items on the way
+    (step, simulation, item, 4) places [m] and velocities [m/s] of the items on the way, and (step,)
+    how many of them had bodies
     """
-    rng, way = np.random.default_rng(2), []
+    rng, way, lent = np.random.default_rng(2), [], []
     if not drive:
         sim.place_vessels(np.array([900.0, 900.0, 0.0]))
     for k in range(round(seconds / 0.1)):
@@ -57,8 +60,9 @@ def blow(sim: Simulation, seconds: float, *, drive: bool) -> NDArray[np.float64]
             sim.item_water[:] = 0.1, -0.05
             sim.commands[:] = rng.uniform(-40.0, 90.0, 2) if drive else 0.0
         sim.step(1)
+        lent.append(sim._afloat.lent.sum())
         way.append(np.concatenate((sim.item_xy, sim.item_velocity), axis=-1))
-    return np.array(way)
+    return np.array(way), np.array(lent)
 
 
 @BOTH
@@ -68,8 +72,9 @@ def test_items_move_as_in_mujoco(
 ) -> None:
     """Freely, onto quays, along them, into corners, around the corners of a pier, out of land."""
     ours, mujocos = (scattered(water, integrator, v, monkeypatch) for v in (NEVER, ALWAYS))
-    way = blow(ours, 150.0, drive=False)
-    np.testing.assert_allclose(way, blow(mujocos, 150.0, drive=False), rtol=0, atol=1e-7)
+    (way, none), (expected, all_of_them) = (blow(s, 150.0, drive=False) for s in (ours, mujocos))
+    assert none.max() == 0 and all_of_them.min() == RUNS * ITEMS
+    np.testing.assert_allclose(way, expected, rtol=0, atol=1e-7)
     assert np.median(np.hypot(*np.moveaxis(way[-1] - way[0], -1, 0)[:2])) > 2.0
 
 
@@ -81,7 +86,10 @@ def test_items_go_over_to_mujoco_and_back_without_a_jump(
     lent = scattered(BASIN, integrator, simulation.CLOSING_MPS, monkeypatch, bodies=3)
     all_bodies = scattered(BASIN, integrator, ALWAYS, monkeypatch)
     unpushed = scattered(BASIN, integrator, NEVER, monkeypatch)
-    ways = [blow(sim, 60.0, drive=True) for sim in (lent, all_bodies, unpushed)]
+    ways, bodies = zip(
+        *(blow(sim, 60.0, drive=True) for sim in (lent, all_bodies, unpushed)), strict=True
+    )
+    assert bodies[0].min() < bodies[0].max() < bodies[1].min() == RUNS * ITEMS
     np.testing.assert_allclose(lent.vessel_pose, all_bodies.vessel_pose, rtol=0, atol=1e-6)
     np.testing.assert_allclose(ways[0], ways[1], rtol=0, atol=1e-6)
     pushed = np.abs(ways[0] - ways[2])[-1, ..., :2].max(axis=-1) > 0.05
