@@ -16,7 +16,7 @@ PARTS = {
     "stepping": ("simulation.py", "step"),
     "control": ("pilot.py", "command"),
     "weather": ("mujoco_dynamics.py", "_feel"),
-    "watching": ("watch.py", "watch"),
+    "watching": ("mujoco_dynamics.py", "_note"),
     "policy": ("greedy.py", "act"),
     "seeing": ("mission.py", "_see"),
     "logging": ("scoring.py", "see"),

@@ -194,6 +194,11 @@ class MujocoDynamics:
         simulation.step(self._substeps, None if len(ids) == len(active) else ids)
         self._motion = self._measured()
         self._tick[ids] += 1
+        self._note(active, before, target)
+
+    def _note(self, active: NDArray[np.bool_], before: Motion, target: NDArray[np.float64]) -> None:
+        """Take note of the tick that began with the hulls as `before`."""
+        simulation = self._simulation
         tick = Tick(
             before=before,
             after=self._motion,

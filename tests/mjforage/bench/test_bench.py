@@ -31,7 +31,7 @@ def test_bench_measures_every_promised_figure(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(bench, "LARGE_STEPS", 2)
     monkeypatch.setattr(bench, "PHYSICS_S", 10.0)
     monkeypatch.setattr(bench, "PHYSICS_BATCH", 1)
-    monkeypatch.setattr(bench, "MISSION", (2, 3))
+    monkeypatch.setattr(bench, "MISSION", (8, 12))
     monkeypatch.setattr(speeds, "ENVS", 2)
     monkeypatch.setattr(speeds, "STEPS", 3)
     monkeypatch.setattr(speeds, "ROUNDS", 1)
