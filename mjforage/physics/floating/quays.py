@@ -117,7 +117,9 @@ def beside_quays(
     off_x, off_y = x - i * pitch, y - j * pitch
     side_x, side_y = 1 if off_x > 0.0 else -1, 1 if off_y > 0.0 else -1
     gap_x, gap_y = 0.5 * pitch - abs(off_x), 0.5 * pitch - abs(off_y)
-    i, j = min(max(i + 1, 1), land.shape[0] - 2), min(max(j + 1, 1), land.shape[1] - 2)
+    i, j = i + 1, j + 1  # of the frame
+    if not (0 <= i < land.shape[0] and 0 <= j < land.shape[1]):
+        return ax, ay
     if land[i, j]:
         return _off_land(quays, i, j, off_x, off_y, vx, vy, ax, ay, mass_kg)
     by_x, by_y = land[i + side_x, j], land[i, j + side_y]
@@ -150,9 +152,11 @@ def _off_land(
     """Acceleration of an item whose middle is in land: out by the nearest side with water."""
     land, half, least, nx, ny = quays.land, 0.5 * quays.pitch_m, math.inf, 0, 0
     for side in (1, -1):
-        if not land[i + side, j] and half - side * off_x < least:
+        west_east = 0 <= i + side < land.shape[0] and not land[i + side, j]
+        if west_east and half - side * off_x < least:
             least, nx, ny = half - side * off_x, side, 0
-        if not land[i, j + side] and half - side * off_y < least:
+        south_north = 0 <= j + side < land.shape[1] and not land[i, j + side]
+        if south_north and half - side * off_y < least:
             least, nx, ny = half - side * off_y, 0, side
     if nx == 0 and ny == 0:
         return ax, ay

@@ -35,7 +35,9 @@ def scattered(
     cell = rng.integers(0, len(rows), (RUNS, ITEMS))
     at = np.stack((cols[cell], water.shape[0] - 1 - rows[cell]), axis=-1) * 4.0
     at[:, ::4] = 6.0, 6.0  # about a quarter of them before the bow
-    sim.place_items(at + rng.uniform(-2.05, 2.05, at.shape), rng.integers(0, 5, (RUNS, ITEMS)))
+    at += rng.uniform(-2.05, 2.05, at.shape)
+    at[:, 1], at[:, 2] = (-2.3, 9.0), (17.6, 12.3)  # in the west edge; in the pier, if there is one
+    sim.place_items(at, rng.integers(0, 5, (RUNS, ITEMS)))
     sim.place_vessels(np.array([4.0, 4.0, 0.5]))
     return sim
 
