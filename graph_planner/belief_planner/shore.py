@@ -22,7 +22,7 @@ STRIDE = 0.4  # longest stretch drifted at once, so that no quay is jumped over 
 class Shore(NamedTuple):
     """Where water ends, and what becomes of items there."""
 
-    framed: Int32Array  # (row + 2, column + 2) the same in a frame of land, see `Water`
+    framed: Int32Array  # (row + 2, column + 2) node of each cell in a frame of land, see `Water`
     rows: Int32Array  # (node,)
     cols: Int32Array  # (node,)
     room: Int32Array  # (node, axis, 2) free cells to the wall: up and down, left and right
