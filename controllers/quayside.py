@@ -1,8 +1,9 @@
 """Picking up an item beside a quay: along a line on which the mouth comes to it undisturbed.
 
-At a straight quay that is square on, for an oblique bow touches the quay before the mouth is there.
-Into a corner of two quays a full-beam mouth fits only along one of them, the item near the edge of
-the mouth. The hull backs off until it lies near its line, and comes in; stuck, it begins anew.
+At a straight quay a hull comes in as it bears, up to an angle: an oblique bow touches the quay with
+one corner first, so the item must lie the nearer to that corner the more oblique it comes. Into a
+corner of two quays a full-beam mouth fits only along one of them, the item near the edge of the
+mouth; the hull first backs off until it lies near its line. Stuck, it begins anew.
 """
 
 import math
@@ -19,12 +20,17 @@ from controllers.state import VesselState
 BESIDE_M = 0.6  # a quay nearer than that to an item is beside it
 APPROACH_MPS = 0.5  # towards an item, and backing off from it
 CONTACT_MPS = 0.8  # at which an item on the way enters the mouth
+CREEP_MPS = 0.15  # the least, whatever is left to turn
 EDGE_M = 0.05  # from the edge of the mouth to an item in a corner
+MOST_OBLIQUE_RAD = 1.1  # from square on
+INNER_M = 0.1  # over the sine of that angle: farthest from the corner that touches, to the item
+FIXED_M = 1.0  # so near before the bow the course in is kept
 LOOKAHEAD_M, MOST_TILT_RAD = 0.8, 0.6  # of the guidance along the line
 STAND_OFF_M, NEAR_M = 2.2, 0.6  # most and least that the bow backs off from the item
 ON_LINE_M, ON_EDGE_M = 0.4, 0.15  # so near is on the line: square on, and into a corner
 IN_M = 1.5  # of the bow before the item: a hull under way on its line comes in from here
 ALIGNED_RAD = 0.3  # so near is the heading along it
+OFF_LINE_M = 0.3  # from its line when the bow is at the item: missed
 PAST_M = 0.3  # by which the bow has missed the item
 STILL_MPS, STILL_RADPS, STUCK_S = 0.08, 0.1, 1.5  # so slow for so long is stuck
 
@@ -68,25 +74,63 @@ def note_quays(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> 
             s.quay_x = side
         if is_land(land, pitch, x, y + side * BESIDE_M):
             s.quay_y = side
-    if not is_quayed(s) or (s.quay_x == before_x and s.quay_y == before_y):
+    new = s.quay_x != before_x or s.quay_y != before_y
+    if not is_quayed(s):
         return
+    if not is_cornered(s):
+        aim_in(s, p, new)
+    elif new:
+        s.run, s.approach, s.still_s = course_in(s, p, land, pitch), OFF, 0.0
+
+
+@kernel
+def course_in(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> float:
+    """Course [rad] into a corner: along the quay with water behind, to back off into.
+
+    Of two such the one nearer ahead.
+    """
     east, north = 0.5 * math.pi * (1.0 - s.quay_x), 0.5 * math.pi * s.quay_y
-    by_east = s.quay_x != 0.0
-    if is_cornered(s):
-        room = p.length_m + STAND_OFF_M
-        east_shut = is_land(land, pitch, x - s.quay_x * room, y)
-        north_shut = is_land(land, pitch, x, y - s.quay_y * room)
-        nearer = abs(wrapped(east - s.yaw)) <= abs(wrapped(north - s.yaw))
-        by_east = nearer if east_shut == north_shut else north_shut
-    s.run = east if by_east else north
-    s.approach, s.still_s = OFF, 0.0
+    room = p.length_m + STAND_OFF_M
+    east_shut = is_land(land, pitch, s.item_x - s.quay_x * room, s.item_y)
+    north_shut = is_land(land, pitch, s.item_x, s.item_y - s.quay_y * room)
+    nearer = abs(wrapped(east - s.yaw)) <= abs(wrapped(north - s.yaw))
+    by_east = nearer if east_shut == north_shut else north_shut
+    return east if by_east else north
+
+
+@kernel
+def aim_in(s: VesselState, p: PackedHelm, new: bool) -> None:
+    """Course to a straight quay: as the item bears, at most `MOST_OBLIQUE_RAD` from square on."""
+    dx, dy = s.item_x - s.x, s.item_y - s.y
+    far = math.sqrt(dx * dx + dy * dy)
+    if new or s.approach == OFF or far > FIXED_M + 0.5 * p.length_m:
+        square = math.atan2(s.quay_y, s.quay_x)
+        off = wrapped(math.atan2(dy, dx) - square)
+        s.run = square + clipped(off, -MOST_OBLIQUE_RAD, MOST_OBLIQUE_RAD)
+    if new:
+        s.approach, s.still_s = COMING if has_room(s, p) else OFF, 0.0
+
+
+@kernel
+def has_room(s: VesselState, p: PackedHelm) -> bool:
+    """Whether the hull has room left to come to its line before the quay."""
+    past, across = line_to_item(s, p)
+    return bool(-past > NEAR_M + abs(across))
+
+
+@kernel
+def misses(s: VesselState, p: PackedHelm) -> bool:
+    """Whether a hull that comes in passes the item by."""
+    past, across = line_to_item(s, p)
+    return bool(past > PAST_M or (not is_cornered(s) and abs(across) > OFF_LINE_M - past))
 
 
 @kernel
 def line_to_item(s: VesselState, p: PackedHelm) -> tuple[float, float]:
     """Where the hull is on its line [m]: of the bow past the item, of midships to port of the line.
 
-    In a corner the item lies `EDGE_M` within the edge of the mouth of a hull on the line.
+    In a corner the item lies `EDGE_M` within the edge of the mouth of a hull on the line; at a
+    straight quay near that edge which comes to the quay first.
     """
     c, t = math.cos(s.run), math.sin(s.run)
     dx, dy = s.x - s.item_x, s.y - s.item_y
@@ -94,15 +138,19 @@ def line_to_item(s: VesselState, p: PackedHelm) -> tuple[float, float]:
     if is_cornered(s):
         to_port = c * s.quay_y if abs(c) > 0.5 else -t * s.quay_x
         across += math.copysign(0.5 * p.beam_m - EDGE_M, to_port)
+    else:
+        oblique = math.sin(wrapped(s.run - math.atan2(s.quay_y, s.quay_x)))
+        inner = INNER_M / max(abs(oblique), 1e-3)
+        across -= math.copysign(max(0.5 * p.beam_m - inner, 0.0), oblique)
     return c * dx + t * dy + 0.5 * p.length_m, across
 
 
 @kernel
 def comes_in(s: VesselState, p: PackedHelm) -> bool:
-    """Whether a hull under way has room left to come to its line before the quay."""
-    past, across = line_to_item(s, p)
-    ahead = abs(wrapped(s.run - s.yaw)) < 0.5 * math.pi
-    return bool(ahead and -past > NEAR_M + abs(across))
+    """Whether a hull under way steers for its line."""
+    if not is_cornered(s):
+        return True
+    return has_room(s, p) and abs(wrapped(s.run - s.yaw)) < 0.5 * math.pi
 
 
 @kernel
@@ -110,16 +158,24 @@ def come_in(s: VesselState, p: PackedHelm) -> tuple[float, float]:
     """Heading [rad] and speed [m/s] of a hull under way towards its line."""
     past, across = line_to_item(s, p)
     heading = s.run - math.atan(across / (2.0 * LOOKAHEAD_M))
-    off = wrapped(heading - s.yaw)
-    return heading, min(meeting_speed(p, -past), turning_limit(p, math.cos(off)))
+    return heading, speed_in(s, p, heading, past)
+
+
+@kernel
+def speed_in(s: VesselState, p: PackedHelm, heading: float, past: float) -> float:
+    """Speed [m/s] at which the hull has turned to its line when the bow is at the item."""
+    left = max(-past, 0.0)
+    turn = p.yaw_rate_radps * left / max(abs(wrapped(s.run - s.yaw)), 1e-3)
+    now = turning_limit(p, math.cos(wrapped(heading - s.yaw)))
+    return float(min(meeting_speed(p, left), max(turn, CREEP_MPS), now))
 
 
 @kernel
 def is_in(s: VesselState, p: PackedHelm) -> bool:
-    """Whether a hull under way is near the item and on its line."""
+    """Whether a hull under way is so near the item that the rest is done at the node."""
     past, across = line_to_item(s, p)
-    aligned = abs(wrapped(s.run - s.yaw)) < ALIGNED_RAD
-    return bool(aligned and -past < IN_M and abs(across) < ON_LINE_M)
+    aligned = abs(wrapped(s.run - s.yaw)) < ALIGNED_RAD and abs(across) < ON_LINE_M
+    return bool(-past < IN_M and (aligned or not is_cornered(s)))
 
 
 @kernel
@@ -129,14 +185,17 @@ def run_in(s: VesselState, p: PackedHelm, step_s: float) -> tuple[float, float]:
     still = math.sqrt(s.vx**2 + s.vy**2) < STILL_MPS and abs(s.rate) < STILL_RADPS
     s.still_s = s.still_s + step_s if still else 0.0
     if s.approach == OFF:
-        near = ON_EDGE_M if is_cornered(s) else ON_LINE_M
-        on_line = abs(across) < near and abs(wrapped(s.run - s.yaw)) < ALIGNED_RAD
-        if (on_line and past < -NEAR_M) or past < -STAND_OFF_M or s.still_s > 2.0 * STUCK_S:
+        aligned = abs(wrapped(s.run - s.yaw)) < ALIGNED_RAD
+        ready = aligned and (
+            abs(across) < ON_EDGE_M and past < -NEAR_M if is_cornered(s) else has_room(s, p)
+        )
+        if ready or past < -STAND_OFF_M or s.still_s > 2.0 * STUCK_S:
             s.approach, s.still_s = COMING, 0.0
-    elif s.still_s > STUCK_S or past > PAST_M:
+    elif s.still_s > STUCK_S or misses(s, p):
         s.approach, s.still_s = OFF, 0.0
     tilt = clipped(math.atan(across / LOOKAHEAD_M), -MOST_TILT_RAD, MOST_TILT_RAD)
     heading = s.run + tilt if s.approach == OFF else s.run - tilt
+    if s.approach == COMING:
+        return heading, speed_in(s, p, heading, past)
     off = abs(wrapped(heading - s.yaw))
-    speed = APPROACH_MPS * max(math.cos(1.5 * off), 0.0) if off < 1.0 else 0.0
-    return heading, -speed if s.approach == OFF else speed
+    return heading, -APPROACH_MPS * max(math.cos(1.5 * off), 0.0) if off < 1.0 else 0.0

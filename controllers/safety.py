@@ -18,6 +18,7 @@ TOUCH_QUAY_MPS, TOUCH_HULL_MPS = 0.25, 0.15  # of a bow that swings where it may
 SWING_S = 0.25  # for which another that turns is taken to turn on
 HULL_SHARE = 0.6  # of the brake that is counted on before other hulls, which move
 STEP_M = 0.25  # of looking ahead
+PICKING_M = 0.03  # kept free of quays by a hull that picks up beside one
 SLACK_M = 0.02  # by which a gap may shrink that is already too small
 SWING_M = 0.1  # margin of a hull that turns where it is
 PAST_QUAY_MPS, PAST_HULL_MPS = 0.25, 0.15  # along a hull nearer than the clearance, a quay half
@@ -77,6 +78,15 @@ def gap_to(
 
 
 @kernel
+def clearance(s: VesselState, p: PackedHelm, other: int) -> float:
+    """What is kept free of another or of the quays [m]: less where an item lies at one, near by."""
+    if other != QUAYS or math.isnan(s.item_x) or (s.quay_x == 0.0 and s.quay_y == 0.0):
+        return p.clearance_m
+    near = max(abs(s.item_x - s.x), abs(s.item_y - s.y)) < p.length_m + p.clearance_m
+    return min(PICKING_M, p.clearance_m) if near else p.clearance_m
+
+
+@kernel
 def free_way(
     state: FleetArray,
     helms: HelmArray,
@@ -92,7 +102,7 @@ def free_way(
 
     Where the gap is less than that already (`first` is the gap now), it may not shrink further.
     """
-    least = min(helms[i].clearance_m, first - SLACK_M)
+    least = min(clearance(state[i], helms[i], other), first - SLACK_M)
     gone, gap = 0.0, first
     while gone < reach:
         step = max(gap - least, STEP_M)
@@ -123,7 +133,7 @@ def limit_by(
     for side in (1.0, -1.0):
         free = free_way(state, helms, land, pitch, i, other, side, gap, reach)
         if free >= reach:
-            if gap > (0.5 if other == QUAYS else 1.0) * p.clearance_m:
+            if gap > (0.5 if other == QUAYS else 1.0) * clearance(s, p, other):
                 continue
             # So near, going along is safe only slowly; going away is free.
             away = gap_to(state, helms, land, pitch, i, other, side * STEP_M, reach)

@@ -17,7 +17,7 @@ from controllers.loops import (
     surge_windup,
 )
 from controllers.pickup import in_room, is_free, meet_item, meets_item, pick_up
-from controllers.quayside import COMING, come_in, comes_in, is_in, is_quayed
+from controllers.quayside import COMING, come_in, comes_in, is_cornered, is_in, is_quayed
 from controllers.state import HOLD, TRANSIT, VesselState
 
 AT_M = 0.3  # from its place: there
@@ -95,7 +95,9 @@ def change_mode(s: VesselState, p: PackedHelm) -> None:
         return
     if is_free(s) and is_quayed(s) and is_in(s, p):
         start_hold(s, p)
-        s.arrived, s.approach = 1.0, COMING
+        s.arrived = 1.0
+        if is_cornered(s):
+            s.approach = COMING
         return
     along, across = along_and_across(s.x, s.y, s.leg_x, s.leg_y, s.course)
     passed = along > s.leg_length - 0.1
