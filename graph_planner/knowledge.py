@@ -25,6 +25,8 @@ class Looks(NamedTuple):
     sighted: NDArray[np.int16]  # (episode, node) items that a look at the node shows
     energy_left: NDArray[np.float64]  # (episode, agent) [node]
     room_left: NDArray[np.int64]  # (episode, agent) items, `UNLIMITED` if any number
+    taken: NDArray[np.int64]  # (episode, agent) items taken aboard so far
+    pickup: NDArray[np.int8]  # (episode, agent) how picking up ended in the step, see `PICKUPS`
 
 
 class Knowledge(NamedTuple):
@@ -39,6 +41,8 @@ class Knowledge(NamedTuple):
     agent_seen: Int32Array  # (row, agent) step of that look
     energy_left: NDArray[np.float64]  # (row, agent) as of then [node]
     room_left: NDArray[np.int64]  # (row, agent) as of then, items
+    taken: NDArray[np.int64]  # (row, agent) by then, items
+    pickup: NDArray[np.int8]  # (row, agent) then, see `PICKUPS`
 
     @classmethod
     def of_starts(cls, looks: Looks, nodes: int, holders: int = 1) -> "Knowledge":
@@ -61,6 +65,8 @@ class Knowledge(NamedTuple):
             agent_seen=np.zeros((rows, looks.agent_node.shape[1]), np.int32),
             energy_left=np.repeat(looks.energy_left, holders, axis=0),
             room_left=np.repeat(looks.room_left, holders, axis=0),
+            taken=np.repeat(looks.taken, holders, axis=0),
+            pickup=np.repeat(looks.pickup, holders, axis=0),
         )
 
     def with_rows(self, rows: NDArray[np.int64], other: "Knowledge") -> "Knowledge":
@@ -87,12 +93,13 @@ def hear(
     knowledge : changed in the rows of active episodes
     """
     active, step, at, sighted = looks.active, looks.step, looks.agent_node, looks.sighted
-    energy, room = looks.energy_left, looks.room_left
+    energy, room, taken, pickup = looks.energy_left, looks.room_left, looks.taken, looks.pickup
     start, nodes = views.start, views.nodes
     belief, last_seen = knowledge.belief, knowledge.last_seen
     known, known_at, n_known = knowledge.known, knowledge.known_at, knowledge.n_known
     agent_node, agent_seen = knowledge.agent_node, knowledge.agent_seen
     energy_left, room_left = knowledge.energy_left, knowledge.room_left
+    taken_by_then, pickup_then = knowledge.taken, knowledge.pickup
     holders = heard.shape[0] // max(1, active.size)
     for row in range(heard.shape[0]):
         e = row // holders
@@ -105,6 +112,7 @@ def hear(
             radius, viewer = radius_number[agent], at[e, agent]
             agent_node[row, agent], agent_seen[row, agent] = viewer, step[e]
             energy_left[row, agent], room_left[row, agent] = energy[e, agent], room[e, agent]
+            taken_by_then[row, agent], pickup_then[row, agent] = taken[e, agent], pickup[e, agent]
             for i in range(start[radius, viewer], start[radius, viewer + 1]):
                 node = np.uint64(nodes[np.uint64(i)])  # unsigned: never counted from the end
                 last_seen[row, node] = now

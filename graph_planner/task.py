@@ -39,6 +39,12 @@ class TaskArrays(NamedTuple):
     horizon: int  # decisions
 
 
+IDLE, TAKEN, MISSED, UNREACHABLE = 0, 1, 2, 3
+PICKUPS = ("", "taken", "missed", "unreachable")
+"""How a period of picking up ended for an agent: nothing was sought, at least one item was taken,
+one was sought in vain, one was given up after two attempts."""
+
+
 @dataclass(frozen=True, eq=False)
 class Task:
     """The part of a scenario that decisions depend on.
@@ -49,6 +55,8 @@ class Task:
     horizon : decisions in an episode
     belief : what the belief planner assumes and how hard it searches
     walls : of `graph_planner.walls.WALLS`, what becomes of items that drift onto land
+    certain : whether a forager takes all that is in its node, before the rest drifts; else hulls
+        may miss items, take those that they pass, and do so while all drift
     """
 
     graph: NavigationGraph
@@ -57,6 +65,7 @@ class Task:
     horizon: int
     belief: BeliefSettings = field(default_factory=BeliefSettings)
     walls: str = "clip"
+    certain: bool = True
 
     @property
     def forgetting(self) -> float:
@@ -131,9 +140,13 @@ class Observation(NamedTuple):
     known: Int32Array  # (row, node) nodes with belief > 0, in no particular order
     n_known: Int32Array  # (row,) how many entries of `known` count
     agent_seen: Int32Array  # (row, agent) step of which `agent_node` tells; now is `step` - 1
+    taken: NDArray[np.int64]  # (row, agent) items it had taken aboard by then
+    pickup: NDArray[np.int8]  # (row, agent) how its picking up ended then, see `PICKUPS`
 
 
-_TYPES = ("?", "i4", "u8", "i4", "f8", "i8", "i2", "i2", "i4", "i4", "i4")  # of its fields
+_TYPES = (
+    *("?", "i4", "u8", "i4", "f8", "i8", "i2", "i2", "i4", "i4", "i4", "i8", "i1"),
+)  # of its fields
 
 
 def plain(observation: Observation) -> Observation:

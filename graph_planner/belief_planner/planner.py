@@ -20,7 +20,7 @@ from graph_planner.belief_planner.shore import shore_of
 from graph_planner.belief_planner.waiting import approach, regrets
 from graph_planner.geodesics import Int32Array
 from graph_planner.randomness import Stream, UInt64Array, stream_key
-from graph_planner.task import Observation, Task
+from graph_planner.task import UNREACHABLE, Observation, Task
 
 ROOM = 4  # tracks kept, in multiples of the number of items expected
 REAL, REAL_LATE = 0.1, 0.5  # worth of items given up, with many and with few tracks left
@@ -35,6 +35,7 @@ GHOST_SHARE = 0.02  # what seeing an outdated belief again is worth, per step un
 AHEAD = 6  # steps by which foragers' regret is judged
 CALM = 1.0  # worth of finding a hotspot by which they lose nothing yet
 IDLE, OLD = 0.05, 135.0  # without a belief: items in a node not seen for so many steps
+LATER, FAILED = 6, 0.2  # steps for which an item counts less where a hull gave up, and how much
 OLDEST = 30.0  # step at which those stop growing
 MOST_SEEN = 0.6  # share of the nodes after which the first hotspot should have shown
 PATIENCE = 12  # decisions of searching for the first hotspot without seeing a new node
@@ -89,6 +90,8 @@ class BeliefPlanner:
         self._nothing = np.zeros(len(graph))
         self._viewed, self._news = np.zeros(episodes, np.int64), np.zeros(episodes, np.int64)
         self._vain = np.zeros(episodes, np.bool_)
+        self._taken = np.zeros((episodes, self._foragers.group.agents.size), np.int64)
+        self._later = np.zeros((episodes, len(graph)), np.int64)  # step until which hulls fail
         self._had_room = np.ones((episodes, self._foragers.group.agents.size), np.bool_)
         self._preferences = np.zeros((episodes, len(task.fleet), 9))
 
@@ -106,7 +109,8 @@ class BeliefPlanner:
         settings, drift = self.settings, self.wind.mean[e]
         ways.number[0] = lost.number[0] = 0
         agents = self._foragers.group.agents
-        foragers_at = np.where(self._had_room[e], seen.agent_node[e][agents], np.int32(NOWHERE))
+        sweeping = self._had_room[e] & self._task.certain
+        foragers_at = np.where(sweeping, seen.agent_node[e][agents], np.int32(NOWHERE))
         self._had_room[e] = seen.room_left[e][agents] > 0
         if now > 0:
             tr.collect(self.tracks, shore, e, now, foragers_at, ways, lost)
@@ -114,7 +118,8 @@ class BeliefPlanner:
                 tr.carry(self.tracks, shore, e, drift[0], drift[1])
         wander = 2.0 * float(self.wind.deviation[e].max()) + 0.05
         edges, view = self._task.graph.neighbours, tr.View(now, belief, last_seen)
-        new = tr.reconcile(self.tracks, shore, edges, e, view, wander, self._scratch, ways, lost)
+        catch, memory = self._catch(seen, e, now), self._scratch
+        new = tr.reconcile(self.tracks, shore, edges, e, view, wander, catch, memory, ways, lost)
         if settings.wind:
             wd.settle(self.wind, shore, e, ways)
             wd.estimate(self.wind, self.tracks, shore, e)
@@ -124,6 +129,15 @@ class BeliefPlanner:
             st.remember(self.stragglers, e, now, last_seen, foragers_at)
             sighted = self._settle_losses(e, now, sighted)
         self._expect(seen, e, now, sighted)
+
+    def _catch(self, seen: Observation, e: int, now: int) -> tr.Catch:
+        """What foragers took in the step just made, and where one gave up."""
+        agents = self._foragers.group.agents
+        at, taken = seen.agent_node[e][agents], seen.taken[e][agents]
+        caught = taken - self._taken[e]
+        self._taken[e] = taken
+        self._later[e, at[seen.pickup[e][agents] == UNREACHABLE]] = now + LATER
+        return tr.Catch(at, np.zeros_like(caught) if self._task.certain else caught)
 
     def _settle_losses(self, e: int, now: int, sighted: Int32Array) -> Int32Array:
         """Take in what was lost and found; those of the new sightings that are really new."""
@@ -173,7 +187,7 @@ class BeliefPlanner:
     def _decide(self, seen: Observation, e: int) -> None:
         at, preferences = seen.agent_node[e], self._preferences[e]
         sighted = self.spots.number[e] > 0
-        self._list_items(e, sighted)
+        self._list_items(e, int(seen.step[e]) - 1, sighted)
         room, energy = seen.room_left[e], seen.energy_left[e]
         busy = self._foragers.send(at, self.wind.mean[e], room, energy, preferences) > 0
         if not busy:
@@ -216,11 +230,11 @@ class BeliefPlanner:
         mass = _summed(self._blocks[0].block, chance, 1)
         self._scouts.look(at, mass, preferences, [b.cover for b in self._blocks])
 
-    def _list_items(self, e: int, sighted: bool) -> None:
+    def _list_items(self, e: int, now: int, sighted: bool) -> None:
         """Tracks, and the nodes where most unseen items are expected, as things to collect."""
         items, n = self._foragers.items, int(self.tracks.number[e])
         items.row[:n], items.col[:n] = self.tracks.row[e, :n], self.tracks.col[e, :n]
-        items.weight[:n] = 1.0
+        items.weight[:n] = np.where(self._later[e, self.tracks.node[e, :n]] > now, FAILED, 1.0)
         if sighted and self.settings.hotspot:
             best = np.argsort(-self.expected[e], kind="stable")[:PROBABLE]
             best = best[self.expected[e, best] > LEAST]

@@ -79,18 +79,21 @@ def gather_stops(
     at: Int32Array,
     drift_row: float,
     drift_col: float,
+    lead: float,
     found: Stops,
 ) -> None:
     """Put items that will share a node into one stop; keep the `MOST` that are soonest per worth.
 
     Where an item is met depends on when: it is carried on for as long as the nearest forager needs
-    to its present node, less the last decision, because collecting comes before drifting.
+    to its present node, less `lead` of the last decision.
 
     Parameters
     ----------
     ways : one per kind of forager
     kind, at : (forager,) which of them, and its node
     drift_row, drift_col : [node/step]
+    lead : part of the decision by which items are taken before its end: all of it where collecting
+        comes before drifting
     found : filled
     """
     place = found.place
@@ -102,8 +105,8 @@ def gather_stops(
         wait = soonest(ways, kind, at, here)
         if wait >= FAR:
             continue
-        if wait > 1.0:
-            row, col, here = drifted(shore, row, col, drift_row, drift_col, wait - 1.0)
+        if wait > lead:
+            row, col, here = drifted(shore, row, col, drift_row, drift_col, wait - lead)
         if place[here] < 0:
             place[here] = n
             node[n], worth[n], delay[n] = here, 0.0, max(wait, 1.0)

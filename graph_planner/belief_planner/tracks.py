@@ -19,6 +19,7 @@ from graph_planner.walls import INSET
 FIRST_GATE = 1.3  # distance of a plain mistake: a node and a bit [node]
 IN_VIEW_GATE = 2.3  # between two places in view [node]
 HIDING = 1.5  # farthest that a track is pushed out of sight [node]
+CATCH_GATE = 2.0  # from a forager's node to a track that it may have taken [node]
 MOST_LACKING = 256  # new sightings taken in at once
 
 
@@ -60,6 +61,13 @@ class View(NamedTuple):
     now: int  # step
     belief: NDArray[np.int16]  # (node,) items, right where the node is in view
     last_seen: NDArray[np.int16]  # (node,) step, `now` where the node is in view
+
+
+class Catch(NamedTuple):
+    """What hulls took aboard in the step just made; nothing where collecting is certain."""
+
+    at: Int32Array  # (forager,) node in which each is now
+    left: NDArray[np.int64]  # (forager,) items not yet found among the tracks; counted down
 
 
 class Scratch(NamedTuple):
@@ -300,6 +308,17 @@ def _hide(tracks: Tracks, shore: Shore, neighbours: Int32Array, e: int, i: int, 
 
 
 @kernel
+def _caught(tracks: Tracks, shore: Shore, e: int, i: int, catch: Catch) -> bool:
+    """Whether a track that is not where it should be can be an item that a forager took."""
+    for f in range(catch.at.size):
+        away = _squared(shore, catch.at[f], tracks.row[e, i], tracks.col[e, i])
+        if catch.left[f] > 0 and away <= CATCH_GATE**2:
+            catch.left[f] -= 1
+            return True
+    return False
+
+
+@kernel
 def _begin(tracks: Tracks, shore: Shore, e: int, node: int, now: int, ways: Ended) -> bool:
     """Begin a track in a node in view; False if there is no room."""
     i = tracks.number[e]
@@ -322,6 +341,7 @@ def reconcile(
     e: int,
     view: View,
     wander: float,
+    catch: Catch,
     memory: Scratch,
     ways: Ended,
     lost: Lost,
@@ -333,6 +353,7 @@ def reconcile(
     neighbours : (node, 8) int32
     e : episode
     wander : how uncertain an unseen track gets [node/step]
+    catch : what foragers have taken
     ways, lost : displacements that ended and items given up, added to
 
     Returns
@@ -360,7 +381,11 @@ def reconcile(
             lacking[j] = lacking[lacks]
     # What is still loose is just out of sight, or was a mistake.
     for i in range(n - 1, -1, -1):
-        if loose[i] and not settled_now[i] and not _hide(tracks, shore, neighbours, e, i, view):
+        if not loose[i] or settled_now[i]:
+            continue
+        if _caught(tracks, shore, e, i, catch):
+            drop(tracks, shore, e, i, ways)
+        elif not _hide(tracks, shore, neighbours, e, i, view):
             _lose(tracks, e, i, lost)
             drop(tracks, shore, e, i, ways)
     new = 0

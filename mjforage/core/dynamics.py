@@ -31,6 +31,7 @@ class Transition(NamedTuple):
     collisions: Int32Array  # (episode, agent) touches of quays and hulls so far
     impact: NDArray[np.float64]  # (episode, agent) fastest approach to a touch in the period [m/s]
     work: NDArray[np.float64]  # (episode, agent) energy of the propellers so far [J]; 0 in graphs
+    pickup: NDArray[np.int8]  # (episode, agent) how picking up ended in the period, see `PICKUPS`
 
 
 def start_state(initial: InitialState, centres: NDArray[np.float64]) -> Transition:
@@ -56,6 +57,7 @@ def start_state(initial: InitialState, centres: NDArray[np.float64]) -> Transiti
         collisions=np.zeros(agents, np.int32),
         impact=np.zeros(agents),
         work=np.zeros(agents),
+        pickup=np.zeros(agents, np.int8),
     )
 
 
@@ -67,9 +69,11 @@ class Dynamics(Protocol):
     Attributes
     ----------
     detection : probability that an item in view is seen, drawn per item and step
+    certain : whether a forager takes all that is in its node, before the rest drifts
     """
 
     detection: float
+    certain: bool
 
     def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0.

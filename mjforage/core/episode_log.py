@@ -12,7 +12,7 @@ from mjforage.core.dynamics import Transition
 from mjforage.core.mission import Mission, Observer
 
 _STATE_TYPES = (
-    *("i4", "f8", "f8", "f8", "i1", "f8", "i4", "i2", "f8", "f8", "i4", "f8", "f8"),
+    *("i4", "f8", "f8", "f8", "i1", "f8", "i4", "i2", "f8", "f8", "i4", "f8", "f8", "i1"),
 )  # of the fields of `Transition`
 
 
@@ -29,6 +29,7 @@ class Tracks(NamedTuple):
     impact: NDArray[np.float32]
     work: NDArray[np.float32]
     outcome: NDArray[np.int8]
+    pickup: NDArray[np.int8]
     direction: NDArray[np.int8]
     target: NDArray[np.int32]
 
@@ -44,7 +45,7 @@ def _write_down(
 ) -> None:
     """Log the state of some episodes at their steps; their moves only if they have `moved`."""
     agent_node, agent_rc, yaw, speed, distance, energy = tracks[:6]
-    collisions, impact, work, outcome, direction, target = tracks[6:]
+    collisions, impact, work, outcome, pickup, direction, target = tracks[6:]
     for e in episodes:
         t = step[e]
         for a in range(agent_node.shape[2]):
@@ -59,6 +60,7 @@ def _write_down(
             impact[e, t, a] = state.impact[e, a]
             work[e, t, a] = state.work[e, a]
             outcome[e, t, a] = state.outcome[e, a]
+            pickup[e, t, a] = state.pickup[e, a]
             if moved:
                 direction[e, t, a] = moves.direction[e, a]
                 target[e, t, a] = moves.target[e, a]
@@ -76,6 +78,7 @@ class EpisodeLog(Observer):
     direction, target : (episode, T + 1, agent) the decision: 0-7 compass, 8 stay, and its node;
         -1 and the start at step 0
     outcome : (episode, T + 1, agent) int8, see `mjforage.core.dynamics`; step 0 is not meaningful
+    pickup : (episode, T + 1, agent) int8, see `graph_planner.task.PICKUPS`
     length : (episode,) decisions made
     t_discovered, discovered_by, t_collected, collected_by : (episode, item), -1 never and nobody
     n_items : (episode,); items beyond it are padding
@@ -117,6 +120,7 @@ class EpisodeLog(Observer):
         self.impact = np.zeros(shape, np.float32)
         self.work = np.zeros(shape, np.float32)
         self.outcome = np.zeros(shape, np.int8)
+        self.pickup = np.zeros(shape, np.int8)
         self.direction = np.full(shape, -1, np.int8)
         self.target = np.zeros(shape, np.int32)
         self.target[:, 0] = mission.state.agent_node

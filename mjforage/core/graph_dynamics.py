@@ -57,9 +57,10 @@ class GraphDynamics:
     Attributes
     ----------
     detection : probability that an item in view is seen; eyes are perfect here
+    certain : whether a forager takes all that is in its node; so it does
     """
 
-    detection = 1.0
+    detection, certain = 1.0, True
 
     def __init__(
         self, graph: NavigationGraph, fleet: Fleet, scenario: Scenario, film: Film | None = None

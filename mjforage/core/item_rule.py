@@ -14,6 +14,7 @@ from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import NavigationGraph, Water
 from graph_planner.randomness import Stream, UInt64Array, fill_bits, stream_key
 from graph_planner.rows import put_rows
+from graph_planner.task import IDLE, TAKEN
 from graph_planner.walls import WALLS, into_water, put_back
 from mjforage.core.dynamics import Transition
 from mjforage.core.initial_state import (
@@ -57,17 +58,19 @@ def collect(
 ) -> None:
     """Every forager removes what is in its node, in index order, while it has room."""
     agent_node, item_node, collected_by = state.agent_node, state.item_node, state.collected_by
+    pickup = state.pickup
     for e in range(active.size):
         if not active[e]:
             continue
         for agent in range(collects.size):
             if not collects[agent]:
                 continue
-            node, found = agent_node[e, agent], 0
+            node, found, pickup[e, agent] = agent_node[e, agent], 0, IDLE
             for k in range(item_node.shape[1]):  # without a branch: a vector loop
                 found += item_node[e, k] == node
             if found == 0:
                 continue
+            pickup[e, agent] = TAKEN if room_left[e, agent] > 0 else IDLE
             for k in range(item_node.shape[1]):
                 if item_node[e, k] == node and room_left[e, agent] > 0:
                     item_node[e, k] = -1

@@ -4,6 +4,7 @@ Decide -> move -> collect -> drift -> see -> tell -> log.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,17 @@ def _go_on(
     return going
 
 
+@kernel
+def _taken(collected_by: NDArray[np.int16], agents: int) -> NDArray[np.int64]:
+    """(episode, agent) items that each has collected."""
+    taken = np.zeros((collected_by.shape[0], agents), np.int64)
+    for e in range(collected_by.shape[0]):
+        for k in range(collected_by.shape[1]):
+            if collected_by[e, k] >= 0:
+                taken[e, collected_by[e, k]] += 1
+    return taken
+
+
 class Mission:
     """A batch of episodes of one scenario in one world; one episode is a batch of one.
 
@@ -51,6 +63,7 @@ class Mission:
     ledger : Ledger, the truth and its history
     knowledge : Knowledge, what the fleet knows together: one row per episode
     exchange : Exchange, what those who decide know
+    task : Task, what policies are told
     state : Transition, where everything is
     step : (episode,) int32 decisions made
     active : (episode,) bool, False once an episode is over
@@ -77,9 +90,10 @@ class Mission:
         _check_capabilities(setup, self.exchange)
         if dynamics is None:
             dynamics = GraphDynamics(setup.graph, setup.fleet, setup.scenario)
-        self.ledger = Ledger(setup.task, dynamics.detection)
+        self.task = setup.task if dynamics.certain else replace(setup.task, certain=False)
+        self.ledger = Ledger(self.task, dynamics.detection)
         self._dynamics = dynamics
-        self._views, self._radius_number = setup.task.views, setup.task.radius_number
+        self._views, self._radius_number = self.task.views, self.task.radius_number
         self._resolver = Resolver(setup.graph, setup.fleet, setup.task.rules, setup.corruption)
         self._endless = bool(np.isinf(setup.fleet.energy).all())
         self._holds = np.flatnonzero(setup.fleet.capacity < UNLIMITED)  # whose room has an end
@@ -115,7 +129,7 @@ class Mission:
         self._fill_stores()
         self.knowledge = Knowledge.of_starts(self._looks(), len(self.setup.graph))
         self._post_lookout()
-        self.exchange.reset(self.setup.task, self._see(), self.knowledge)
+        self.exchange.reset(self.task, self._see(), self.knowledge)
 
     def _looks(self) -> Looks:
         """What all agents see now and say of themselves."""
@@ -126,6 +140,8 @@ class Mission:
             sighted=self.ledger.entries.sighted,
             energy_left=self.energy_left,
             room_left=self.room_left,
+            taken=self.taken,
+            pickup=self.state.pickup,
         )
 
     def _see(self) -> Looks:
@@ -135,7 +151,7 @@ class Mission:
         return looks
 
     def _post_lookout(self) -> None:
-        about = self.setup.task, self._dynamics.detection, self.keys
+        about = self.task, self._dynamics.detection, self.keys
         self._lookout = Lookout(*about, self.ledger.entries, self.knowledge)
 
     def adopt(self, rows: NDArray[np.int64], other: "Mission") -> None:
@@ -172,10 +188,14 @@ class Mission:
         """
         if not self._holds.size:
             return self._full_room
-        room, taken_by = self._full_room.copy(), self.state.collected_by
-        for agent in self._holds:
-            room[:, agent] -= (taken_by == agent).sum(axis=1)
+        room = self._full_room.copy()
+        room[:, self._holds] -= self.taken[:, self._holds]
         return room
+
+    @property
+    def taken(self) -> NDArray[np.int64]:
+        """(episode, agent) items that each has taken aboard."""
+        return _taken(self.state.collected_by, self.state.agent_node.shape[1])
 
     def _fill_stores(self) -> None:
         """What every agent starts with, for as many episodes as there are."""
@@ -205,6 +225,8 @@ class Mission:
             known=knowledge.known,
             n_known=knowledge.n_known,
             agent_seen=knowledge.agent_seen,
+            taken=knowledge.taken,
+            pickup=knowledge.pickup,
         )
 
     @property
@@ -214,7 +236,7 @@ class Mission:
 
     def idleness(self, episodes: NDArray[np.int64]) -> NDArray[np.float64]:
         """(chosen, node) idleness in [0, 1] of some episodes (chosen,), as the fleet knows it."""
-        return idleness(self.knowledge.last_seen, self.step, episodes, self.setup.task.forgetting)
+        return idleness(self.knowledge.last_seen, self.step, episodes, self.task.forgetting)
 
     def times_seen(
         self, agents: NDArray[np.int64], episodes: NDArray[np.int64]
@@ -228,7 +250,7 @@ class Mission:
         episode.
         """
         holders = 1 if isinstance(policy, Bound) else self.exchange.holders
-        policy.reset(self.setup.task, np.repeat(self.keys, holders))
+        policy.reset(self.task, np.repeat(self.keys, holders))
 
     def ask(self, policy: Policy) -> NDArray[np.float64]:
         """The preferences (episode, agent, 9) of a policy, those of each agent by what it knows.

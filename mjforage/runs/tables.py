@@ -7,6 +7,7 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
+from graph_planner.task import PICKUPS
 from mjforage.core.dynamics import OUTCOMES
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
@@ -27,7 +28,7 @@ SCHEMAS: dict[str, dict[str, type[pl.DataType]]] = {
     | dict.fromkeys(("step", "agent", "node", "row", "col"), pl.Int32)
     | {"direction": pl.Int8, "target": pl.Int32}
     | dict.fromkeys(("x_m", "y_m", "yaw_rad", "speed_mps"), pl.Float32)
-    | {"outcome": pl.String, "distance_m": pl.Float32, "energy": pl.Float32}
+    | {"outcome": pl.String, "pickup": pl.String, "distance_m": pl.Float32, "energy": pl.Float32}
     | {"collisions": pl.Int32, "impact_mps": pl.Float32, "work_j": pl.Float32},
 }
 """Table -> column -> type, in order; in those of `METRIC_COLUMNS` metrics come after."""
@@ -101,6 +102,7 @@ def _agents(episodes: NDArray[np.int64], log: EpisodeLog, setup: Setup) -> Colum
         "yaw_rad": log.yaw[made],
         "speed_mps": log.speed[made] * (pitch_m / period_s),
         "outcome": names[np.where(step == 0, 0, log.outcome[made] + 1)],
+        "pickup": np.array(PICKUPS)[log.pickup[made]],
         "distance_m": log.distance[made] * pitch_m,
         "energy": log.energy[made],
         "collisions": log.collisions[made],

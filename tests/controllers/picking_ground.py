@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers import Chart, Pilot
-from mjforage.physics.dynamics.item_bodies import MOUTH_DEPTH_M, MOUTH_REACH_M
+from mjforage.physics.dynamics.picking import MOUTH_DEPTH_M, MOUTH_REACH_M
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessel_helm import helm_of

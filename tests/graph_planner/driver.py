@@ -48,6 +48,8 @@ def observation_of(
         known=listed,
         n_known=np.full(episodes, len(known or {}), np.int32),
         agent_seen=np.full(nodes.shape, step - 1, np.int32),
+        taken=np.zeros(nodes.shape, np.int64),
+        pickup=np.zeros(nodes.shape, np.int8),
     )
 
 

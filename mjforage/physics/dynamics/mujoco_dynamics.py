@@ -29,10 +29,9 @@ from mjforage.physics.dynamics.fleet_scene import (
 )
 from mjforage.physics.dynamics.item_bodies import (
     draw_classes,
-    nearest_items,
     read_items,
-    take_at_mouth,
 )
+from mjforage.physics.dynamics.picking import Attempts, Reach, begin_pickup, seek, take_at_mouth
 from mjforage.physics.dynamics.sensing import measured_poses
 from mjforage.physics.dynamics.watch import Harbour, Motion, Tick, Watched, judge, watch
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
@@ -70,7 +69,9 @@ class MujocoDynamics:
         self._vessels = fleet_vessels(fleet, self._choice)
         self._classes = item_choices(self._choice)
         self._bodies = self._choice.items == "bodies"
-        if self._choice.capture == "intake" and not self._bodies:
+        self._intake = self._choice.capture == "intake"
+        self.certain = not self._intake
+        if self._intake and not self._bodies:
             raise UserError(
                 "physics.capture = 'intake' with physics.items = 'graph': items without bodies "
                 "enter no mouth; set physics.capture=node or physics.items=bodies"
@@ -79,6 +80,7 @@ class MujocoDynamics:
         self._helms = [helm_of(vessel) for vessel in self._vessels]
         self._chart = Chart(graph.navigable, graph.pitch_m)
         self._size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in self._vessels])
+        self._reach = Reach(fleet.collects, self._size, graph.pitch_m)
         self._harbour = Harbour(
             pack_fleet(self._vessels), self._size, graph.water.framed, graph.pitch_m, CONTROL_S
         )
@@ -104,6 +106,7 @@ class MujocoDynamics:
         self._pilot = Pilot(self._helms, self._chart, episodes, CONTROL_S)
         self._watched = Watched.of(initial.agent_node.shape)
         self._watch = prepared(watch, self._harbour, self._watched)
+        self._attempts = Attempts.of(len(self._fleet), initial.item_node)
         pose = np.zeros((*initial.agent_node.shape, 3))
         pose[..., :2] = self._centres_xy[initial.agent_node]
         self._simulation.place_vessels(pose)
@@ -135,6 +138,7 @@ class MujocoDynamics:
         stay = moves.direction == STAY
         self._pilot.order(active, self._centres_xy[state.agent_node], target, stay)
         self._watched.begin(active)
+        begin_pickup(active, state)
         filmed = self._film is not None and bool(active[0])
         for tick in range(self._ticks):
             if tick % WEATHER_TICKS == 0:
@@ -143,7 +147,7 @@ class MujocoDynamics:
                 if filmed and tick:
                     self._shoot()
             self._steer(active, ids, target)
-            if self._bodies and self._choice.capture == "intake":
+            if self._intake:
                 self._take(active)
         self._settle(active, step, moves)
         if filmed:
@@ -165,19 +169,19 @@ class MujocoDynamics:
 
     def _seek(self, active: NDArray[np.bool_], target: NDArray[np.float64]) -> None:
         """Tell the pilots which item to pick up."""
-        if not self._bodies or self._choice.capture != "intake":
+        if not self._intake:
             return
-        simulation = self._simulation
         goal = np.empty_like(target)
-        nearest_items(
+        seek(
+            self._reach,
+            self._attempts,
             active,
-            self._fleet.collects,
             self._room_left,
             self._motion.pose,
-            simulation.item_xy,
+            self._simulation.item_xy,
             target,
-            self._graph.pitch_m,
-            self._state.item_node,
+            self._tick * CONTROL_S,
+            self._state,
             goal,
         )
         self._pilot.collect(goal)
@@ -217,9 +221,8 @@ class MujocoDynamics:
         """Capture rule `intake`, at every tick."""
         simulation, state = self._simulation, self._state
         taken = take_at_mouth(
+            self._reach,
             active,
-            self._fleet.collects,
-            self._size,
             self._motion.pose,
             simulation.item_xy,
             self._room_left,
@@ -253,7 +256,7 @@ class MujocoDynamics:
             return
         xy = self._simulation.item_xy
         read_items(active, xy, graph.water, graph.pitch_m, state)
-        if self._choice.capture == "node":
+        if not self._intake:
             collect(active, self._fleet.collects, self._room_left, state)
             self._remove()
 

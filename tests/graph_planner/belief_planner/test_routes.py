@@ -149,7 +149,7 @@ def test_stops_are_where_items_are_met_and_add_up_their_weights() -> None:
     at = SEA.node_of_cell[20:21, 0].copy()
     for row, col, weight in ((20.0, 10.0, 1.0), (20.1, 10.2, 0.5), (5.0, 1.0, 1.0)):
         float_item(items, row, col, weight)
-    gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.1, 0.0, found)
+    gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.1, 0.0, 1.0, found)
     cells = [(int(SEA.rows[v]), int(SEA.cols[v])) for v in found.node[: found.number[0]]]
     assert cells == [(21, 10), (6, 1)]  # the sooner per worth first
     assert found.weight[:2].tolist() == [1.5, 1.0]
@@ -162,7 +162,7 @@ def test_an_item_in_the_foragers_own_node_takes_a_decision_or_two() -> None:
     items, found = floating(2), stops(MOST, len(SEA))
     at = SEA.node_of_cell[20:21, 7].copy()
     float_item(items, 20.0, 7.0, 1.0)
-    gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.1, 0.0, found)
+    gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.1, 0.0, 1.0, found)
     assert decisions_between(found, WAYS, ONE_KIND, at, True)[0][0, 0] == 1.0
     assert decisions_between(found, WAYS, ONE_KIND, at, False)[0][0, 0] == 2.0
 
@@ -172,6 +172,6 @@ def test_of_too_many_items_the_soonest_per_worth_become_stops() -> None:
     at = SEA.node_of_cell[0:1, 0].copy()
     for node in range(len(SEA)):
         float_item(items, SEA.rows[node], SEA.cols[node], 1.0)
-    gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.0, 0.0, found)
+    gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.0, 0.0, 1.0, found)
     assert found.number[0] == MOST
     assert max(SEA.rows[found.node].max(), SEA.cols[found.node].max()) == 7

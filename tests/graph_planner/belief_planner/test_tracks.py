@@ -22,8 +22,12 @@ class Watch:
         now: int,
         counts: dict[tuple[int, int], int],
         hidden: set[tuple[int, int]] | None = None,
+        caught: dict[tuple[int, int], int] | None = None,
     ) -> int:
-        """See the whole sea but the hidden cells; the new tracks."""
+        """See the whole sea but the hidden cells; the new tracks.
+
+        `caught` are the items that foragers in some cells have taken.
+        """
         belief = np.zeros(len(SEA), np.int16)
         self.last_seen[:] = now
         for cell in hidden or set():
@@ -31,14 +35,23 @@ class Watch:
         for cell, count in counts.items():
             belief[SEA.node_of_cell[cell]] = count
         edges, wander, view = SEA.neighbours, 0.1, tr.View(now, belief, self.last_seen)
-        return tr.reconcile(
-            self.tracks, self.shore, edges, 0, view, wander, self.memory, self.ways, self.lost
-        )
+        at = np.array([SEA.node_of_cell[cell] for cell in caught or {}], np.int32)
+        self.catch = tr.Catch(at, np.array(list((caught or {}).values()), np.int64))
+        about = edges, 0, view, wander, self.catch
+        return tr.reconcile(self.tracks, self.shore, *about, self.memory, self.ways, self.lost)
 
     @property
     def cells(self) -> list[tuple[int, int]]:
         nodes = self.tracks.node[0, : self.tracks.number[0]]
         return sorted((int(SEA.rows[v]), int(SEA.cols[v])) for v in nodes)
+
+
+def test_what_a_hull_took_is_not_lost_and_what_it_missed_is_not_new() -> None:
+    watch = Watch()
+    watch.view(0, {(3, 3): 3, (9, 9): 1})
+    assert watch.view(1, {(3, 3): 1}, caught={(3, 4): 2}) == 0
+    assert watch.cells == [(3, 3)] and watch.catch.left.tolist() == [0]
+    assert watch.lost.node[: watch.lost.number[0]].tolist() == [SEA.node_of_cell[9, 9]]
 
 
 def test_what_is_seen_becomes_tracks_once() -> None:

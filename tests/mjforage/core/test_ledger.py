@@ -36,6 +36,8 @@ class Watched:
             sighted=ledger.entries.sighted,
             energy_left=np.full(nodes.shape, np.inf),
             room_left=np.zeros(nodes.shape, np.int64),
+            taken=np.zeros(nodes.shape, np.int64),
+            pickup=np.zeros(nodes.shape, np.int8),
         )
         self.knowledge = Knowledge.of_starts(looks, len(GRAPH))
         lookout = Lookout(TASK, detection, keys, ledger.entries, self.knowledge)
@@ -98,6 +100,8 @@ def test_a_look_of_both_teams_is_credited_to_the_scout_whatever_the_order_of_the
             sighted=ledger.entries.sighted,
             energy_left=np.full(at.shape, np.inf),
             room_left=np.zeros(at.shape, np.int64),
+            taken=np.zeros(at.shape, np.int64),
+            pickup=np.zeros(at.shape, np.int8),
         )
         knowledge = Knowledge.of_starts(looks, len(GRAPH))
         lookout = Lookout(task, 1.0, KEYS[:1], ledger.entries, knowledge)

@@ -4,12 +4,7 @@ from graph_planner.navigation import navigation_graph
 from graph_planner.randomness import episode_keys
 from mjforage.core.dynamics import Transition, start_state
 from mjforage.core.initial_state import InitialState
-from mjforage.physics.dynamics.item_bodies import (
-    draw_classes,
-    nearest_items,
-    read_items,
-    take_at_mouth,
-)
+from mjforage.physics.dynamics.item_bodies import draw_classes, read_items
 
 ON = np.ones(1, np.bool_)
 GRAPH = navigation_graph(np.array([[1, 1, 1], [1, 0, 1]], np.bool_), 4.0, False)
@@ -32,44 +27,6 @@ def test_positions_of_bodies_become_nodes_and_land_the_nearest_one() -> None:
     south_west, north = GRAPH.node_of_cell[1, 0], GRAPH.node_of_cell[0, 1]
     assert state.item_node.tolist() == [[south_west, south_west, north, -1]]
     assert state.item_rc[0, 0].tolist() == [1.0, 0.475]
-
-
-def test_the_mouth_is_the_beam_wide_at_the_bow_and_fills_up() -> None:
-    """A forager at the origin heads north: bow at y = 1, beam from x = -0.54 to 0.54."""
-    places = [(0.0, 1.1), (0.53, 0.95), (0.55, 1.0), (0.0, 1.2), (0.0, 0.6), (-0.5, 1.0)]
-    state = state_of([3] * 6)
-    xy = np.array([places])
-    pose = np.array([[[50.0, 50.0, 0.0], [0.0, 0.0, np.pi / 2]]])
-    size, collects = np.array([[0.7, 0.5], [1.0, 0.54]]), np.array([False, True])
-    room = np.array([[5, 2]])
-    taken = take_at_mouth(ON, collects, size, pose, xy, room, state)
-    assert taken == 2 and room.tolist() == [[5, 0]]
-    assert state.collected_by.tolist() == [[1, 1, -1, -1, -1, -1]]
-    assert state.item_node.tolist() == [[-1, -1, 3, 3, 3, 3]]
-    room[:] = 5
-    assert take_at_mouth(ON, collects, size, pose, xy, room, state) == 1
-    assert state.collected_by[0].tolist() == [1, 1, -1, -1, -1, 1]
-
-
-def test_a_scout_takes_nothing() -> None:
-    state = state_of([3])
-    pose = np.zeros((1, 2, 3))
-    arguments = (np.full((2, 2), 1.0), pose, np.array([[[1.0, 0.0]]]), np.full((1, 2), 9))
-    assert take_at_mouth(ON, np.zeros(2, np.bool_), *arguments, state) == 0
-
-
-def test_the_goal_is_the_nearest_item_within_the_target_node() -> None:
-    state = state_of([0, 0, -1, 0])
-    xy = np.array([[[1.9, -1.9], [-1.0, 0.0], [0.1, 0.0], [2.1, 0.0]]])
-    pose = np.array([[[1.0, 0.0, 0.0]] * 2])
-    target = np.zeros((1, 2, 2))
-    goal, room, collects = np.empty((1, 2, 2)), np.array([[1, 1]]), np.array([False, True])
-    nodes = state.item_node
-    nearest_items(ON, collects, room, pose, xy, target, 4.0, nodes, goal)
-    assert np.isnan(goal[0, 0]).all()
-    assert goal[0, 1].tolist() == [-1.0, 0.0]
-    nearest_items(ON, collects, np.array([[1, 0]]), pose, xy, target, 4.0, nodes, goal)
-    assert np.isnan(goal).all()
 
 
 def test_classes_are_drawn_evenly_and_do_not_depend_on_the_batch() -> None:

@@ -1,0 +1,112 @@
+import numpy as np
+
+from graph_planner.navigation import navigation_graph
+from graph_planner.task import IDLE, MISSED, TAKEN, UNREACHABLE
+from mjforage.core.dynamics import Transition, start_state
+from mjforage.core.initial_state import InitialState
+from mjforage.physics.dynamics.picking import (
+    ATTEMPTS,
+    LATER_S,
+    Attempts,
+    Reach,
+    begin_pickup,
+    seek,
+    take_at_mouth,
+)
+
+ON = np.ones(1, np.bool_)
+GRAPH = navigation_graph(np.array([[1, 1, 1], [1, 0, 1]], np.bool_), 4.0, False)
+REACH = Reach(np.array([False, True]), np.array([[0.7, 0.5], [1.0, 0.54]]), 4.0)
+CENTRES = np.stack((GRAPH.rows, GRAPH.cols), axis=1).astype(np.float64)
+
+
+def state_of(item_node: list[int]) -> Transition:
+    nodes = np.array([item_node], np.int32)
+    rc = np.where(nodes[..., None] >= 0, CENTRES[nodes], 0.0)
+    count = np.array([sum(n >= 0 for n in item_node)], np.int32)
+    world = InitialState(count, rc, nodes, np.zeros((1, 2)), np.array([[0, 2]], np.int32))
+    return start_state(world, CENTRES)
+
+
+def test_the_mouth_is_the_beam_wide_at_the_bow_and_fills_up() -> None:
+    """A forager at the origin heads north: bow at y = 1, beam from x = -0.54 to 0.54."""
+    places = [(0.0, 1.1), (0.53, 0.95), (0.55, 1.0), (0.0, 1.2), (0.0, 0.6), (-0.5, 1.0)]
+    state = state_of([3] * 6)
+    xy = np.array([places])
+    pose = np.array([[[50.0, 50.0, 0.0], [0.0, 0.0, np.pi / 2]]])
+    room = np.array([[5, 2]])
+    taken = take_at_mouth(REACH, ON, pose, xy, room, state)
+    assert taken == 2 and state.pickup.tolist() == [[IDLE, TAKEN]]
+    assert room.tolist() == [[5, 0]]
+    assert state.collected_by.tolist() == [[1, 1, -1, -1, -1, -1]]
+    assert state.item_node.tolist() == [[-1, -1, 3, 3, 3, 3]]
+    room[:] = 5
+    assert take_at_mouth(REACH, ON, pose, xy, room, state) == 1
+    assert state.collected_by[0].tolist() == [1, 1, -1, -1, -1, 1]
+
+
+def test_a_scout_takes_nothing() -> None:
+    state = state_of([3])
+    pose = np.zeros((1, 2, 3))
+    nobody = REACH._replace(collects=np.zeros(2, np.bool_))
+    arguments = pose, np.array([[[1.0, 0.0]]]), np.full((1, 2), 9)
+    assert take_at_mouth(nobody, ON, *arguments, state) == 0
+
+
+def test_the_goal_is_the_nearest_item_within_the_target_node() -> None:
+    state = state_of([0, 0, -1, 0])
+    xy = np.array([[[1.9, -1.9], [-1.0, 0.0], [0.1, 0.0], [2.1, 0.0]]])
+    pose = np.array([[[1.0, 0.0, 0.0]] * 2])
+    target = np.zeros((1, 2, 2))
+    goal, room = np.empty((1, 2, 2)), np.array([[1, 1]])
+    attempts, now = Attempts.of(2, state.item_node), np.zeros(1)
+    seek(REACH, attempts, ON, room, pose, xy, target, now, state, goal)
+    assert np.isnan(goal[0, 0]).all()
+    assert goal[0, 1].tolist() == [-1.0, 0.0]
+    assert state.pickup.tolist() == [[IDLE, MISSED]]
+    seek(REACH, attempts, ON, np.array([[1, 0]]), pose, xy, target, now, state, goal)
+    assert np.isnan(goal).all()
+
+
+class Seeking:
+    """A forager that heads east, its bow at the origin at first, and two items before it."""
+
+    def __init__(self) -> None:
+        self.state, self.now = state_of([0, 0]), 0.0
+        self.attempts = Attempts.of(2, self.state.item_node)
+        self.xy = np.array([[[0.2, 0.0], [0.3, 1.0]]])
+
+    def back_off_to(self, bow: float, seconds: float = 0.5) -> list[float]:
+        """Move the bow to so many metres; the item that is sought then."""
+        self.now += seconds
+        pose = np.array([[[9.0, 0.0, 0.0], [bow - 1.0, 0.0, 0.0]]])
+        goal, target, room = np.empty((1, 2, 2)), np.zeros((1, 2, 2)), np.ones((1, 2), np.int64)
+        now = np.array([self.now])
+        seek(REACH, self.attempts, ON, room, pose, self.xy, target, now, self.state, goal)
+        return [float(x) for x in goal[0, 1]]
+
+
+def test_after_two_failed_attempts_another_item_is_sought_and_the_reason_told() -> None:
+    first, second = [0.2, 0.0], [0.3, 1.0]
+    hull = Seeking()
+    assert hull.back_off_to(0.0) == first
+    assert hull.back_off_to(-1.2) == first  # one attempt has failed
+    assert hull.back_off_to(-1.5) == first  # being away longer is not another
+    assert hull.back_off_to(-0.2) == first
+    assert hull.state.pickup.tolist() == [[IDLE, MISSED]]
+    assert ATTEMPTS == 2 and hull.back_off_to(-1.2) == second
+    assert hull.state.pickup.tolist() == [[IDLE, UNREACHABLE]]
+    begin_pickup(ON, hull.state)
+    assert hull.back_off_to(-1.2) == second
+    assert hull.state.pickup.tolist() == [[IDLE, MISSED]]
+    assert hull.back_off_to(-1.2, LATER_S) == first  # later has come
+
+
+def test_an_item_taken_is_no_failed_attempt() -> None:
+    hull = Seeking()
+    for _ in range(3):
+        hull.back_off_to(0.0)
+        hull.state.item_node[0, 0] = -1
+        assert hull.back_off_to(-1.3) == [0.3, 1.0]
+        hull.state.item_node[0, 0] = 0
+    assert (hull.attempts.failed == 0).all() and (hull.attempts.later_s == 0.0).all()
