@@ -87,13 +87,16 @@ def note_quays(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> 
 def course_in(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> float:
     """Course [rad] into a corner: along the quay with water behind, to back off into.
 
-    Of two such the one nearer ahead.
+    Of two such the one nearer to how the hull heads and the item bears.
     """
     east, north = 0.5 * math.pi * (1.0 - s.quay_x), 0.5 * math.pi * s.quay_y
     room = p.length_m + STAND_OFF_M
     east_shut = is_land(land, pitch, s.item_x - s.quay_x * room, s.item_y)
     north_shut = is_land(land, pitch, s.item_x, s.item_y - s.quay_y * room)
-    nearer = abs(wrapped(east - s.yaw)) <= abs(wrapped(north - s.yaw))
+    bearing = math.atan2(s.item_y - s.y, s.item_x - s.x)
+    to_east = abs(wrapped(east - s.yaw)) + abs(wrapped(east - bearing))
+    to_north = abs(wrapped(north - s.yaw)) + abs(wrapped(north - bearing))
+    nearer = to_east <= to_north
     by_east = nearer if east_shut == north_shut else north_shut
     return east if by_east else north
 
@@ -147,18 +150,33 @@ def line_to_item(s: VesselState, p: PackedHelm) -> tuple[float, float]:
 
 @kernel
 def comes_in(s: VesselState, p: PackedHelm) -> bool:
-    """Whether a hull under way steers for its line."""
+    """Whether a hull under way steers for its line: into a corner only if its way is ahead."""
     if not is_cornered(s):
         return True
-    return has_room(s, p) and abs(wrapped(s.run - s.yaw)) < 0.5 * math.pi
+    past, _ = line_to_item(s, p)
+    ahead = abs(wrapped(s.run - s.yaw)) < 0.5 * math.pi
+    return bool((has_room(s, p) and ahead) or past < -STAND_OFF_M)
 
 
 @kernel
 def come_in(s: VesselState, p: PackedHelm) -> tuple[float, float]:
-    """Heading [rad] and speed [m/s] of a hull under way towards its line."""
+    """Heading [rad] and speed [m/s] of a hull under way towards its line, or where it begins."""
     past, across = line_to_item(s, p)
+    if is_cornered(s) and not has_room(s, p):
+        return go_before(s, p, past, across)
     heading = s.run - math.atan(across / (2.0 * LOOKAHEAD_M))
     return heading, speed_in(s, p, heading, past)
+
+
+@kernel
+def go_before(s: VesselState, p: PackedHelm, past: float, across: float) -> tuple[float, float]:
+    """Heading [rad] and speed [m/s] to where the line into a corner begins, to turn there."""
+    ahead = -STAND_OFF_M - past
+    far = math.sqrt(ahead * ahead + across * across)
+    heading = s.run + math.atan2(-across, ahead)
+    stop = stopping_speed(far, p.brake_mps2, p.lag_s + REACTION_S)
+    now = turning_limit(p, math.cos(wrapped(heading - s.yaw)))
+    return heading, float(min(p.cruise_ahead_mps, max(stop, CREEP_MPS), now))
 
 
 @kernel

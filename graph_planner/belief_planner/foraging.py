@@ -18,6 +18,7 @@ from graph_planner.belief_planner.stops import (
     gather_stops,
     stops,
 )
+from graph_planner.belief_planner.taking import Taking
 from graph_planner.belief_planner.ways import Ways
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.compiled import kernel
@@ -25,7 +26,6 @@ from graph_planner.fleet import UNLIMITED
 from graph_planner.geodesics import Int32Array
 from graph_planner.task import Task
 
-LEAD = 0.4  # of hulls: a move of one node takes some 6 of 10 s
 USUAL_STEP = 1.2  # length of a decision over the nodes it moves: between 1 and sqrt 2 [node]
 
 
@@ -61,7 +61,7 @@ class Effort(NamedTuple):
     beam: int  # states kept
     choices: int  # stops tried from a state
     depth: int  # stops in a route, over all foragers
-    lead: float  # part of a decision by which items are taken before its end
+    taking: Taking  # how long collecting takes
 
 
 class Scratch(NamedTuple):
@@ -96,7 +96,7 @@ def plan_routes(
     """
     kind, found, worth = able.kind, scratch.found, scratch.worth
     at = agent_node[able.agents]
-    gather_stops(items, shore, ways, kind, at, drift_rc[0], drift_rc[1], effort.lead, found)
+    gather_stops(items, shore, ways, kind, at, drift_rc[0], drift_rc[1], effort.taking, found)
     n = found.number[0]
     if n == 0 or at.size == 0:
         return 0
@@ -126,11 +126,11 @@ class Foraging:
         nodes, members = len(task.graph), max(1, self.group.agents.size)
         self._scratch, self._nothing = Scratch(stops(MOST, nodes), np.zeros(nodes)), np.zeros(nodes)
         self._node_per_decision = USUAL_STEP * task.fleet.moves[self.group.agents]
-        lead = 1.0 if task.certain else LEAD
+        taking = Taking.of(task.certain)
         self._effort = (
-            Effort(task.rules.stay, settings.joint, 6, 5, 8 * members, lead)
+            Effort(task.rules.stay, settings.joint, 6, 5, 8 * members, taking)
             if settings.fast
-            else Effort(task.rules.stay, settings.joint, 32, 10, 14 * members, lead)
+            else Effort(task.rules.stay, settings.joint, 32, 10, 14 * members, taking)
         )
 
     def send(

@@ -137,7 +137,7 @@ class BeliefPlanner:
         caught = taken - self._taken[e]
         self._taken[e] = taken
         self._later[e, at[seen.pickup[e][agents] == UNREACHABLE]] = now + LATER
-        return tr.Catch(at, np.zeros_like(caught) if self._task.certain else caught)
+        return tr.Catch(at[:0], caught[:0]) if self._task.certain else tr.Catch(at, caught)
 
     def _settle_losses(self, e: int, now: int, sighted: Int32Array) -> Int32Array:
         """Take in what was lost and found; those of the new sightings that are really new."""

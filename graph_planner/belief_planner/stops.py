@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.shore import Shore, drifted
+from graph_planner.belief_planner.taking import CORNER, Taking, dwell, quays_beside
 from graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
@@ -29,6 +30,7 @@ class Stops(NamedTuple):
     number: NDArray[np.int64]  # (1,)
     node: Int32Array  # (stop,)
     weight: NDArray[np.float64]  # (stop,) expected items
+    dwell: NDArray[np.float64]  # (stop,) decisions there beyond the one that ends in it
     place: Int32Array  # (node,) scratch: stop of a node, all -1 between calls
 
 
@@ -44,6 +46,7 @@ def stops(capacity: int, nodes: int) -> Stops:
     return Stops(
         np.zeros(1, np.int64),
         np.zeros(capacity, np.int32),
+        np.zeros(capacity),
         np.zeros(capacity),
         np.full(nodes, -1, np.int32),
     )
@@ -79,45 +82,47 @@ def gather_stops(
     at: Int32Array,
     drift_row: float,
     drift_col: float,
-    lead: float,
+    taking: Taking,
     found: Stops,
 ) -> None:
     """Put items that will share a node into one stop; keep the `MOST` that are soonest per worth.
 
     Where an item is met depends on when: it is carried on for as long as the nearest forager needs
-    to its present node, less `lead` of the last decision.
+    to its present node, less the part of the last decision by which it is taken before the end.
 
     Parameters
     ----------
     ways : one per kind of forager
     kind, at : (forager,) which of them, and its node
     drift_row, drift_col : [node/step]
-    lead : part of the decision by which items are taken before its end: all of it where collecting
-        comes before drifting
     found : filled
     """
     place = found.place
     node, worth = np.empty(items.number[0], np.int32), np.empty(items.number[0])
-    delay = np.empty(items.number[0])
+    delay, stay = np.empty(items.number[0]), np.zeros(items.number[0])
+    cornered = np.zeros(items.number[0], np.bool_)
     n = 0
     for i in range(items.number[0]):
         row, col, here = drifted(shore, items.row[i], items.col[i], 0.0, 0.0, 0.0)
         wait = soonest(ways, kind, at, here)
         if wait >= FAR:
             continue
-        if wait > lead:
-            row, col, here = drifted(shore, row, col, drift_row, drift_col, wait - lead)
+        if wait > taking.lead:
+            row, col, here = drifted(shore, row, col, drift_row, drift_col, wait - taking.lead)
         if place[here] < 0:
             place[here] = n
             node[n], worth[n], delay[n] = here, 0.0, max(wait, 1.0)
             n += 1
         worth[place[here]] += items.weight[i]
+        cornered[place[here]] |= quays_beside(shore, row, col, here) == CORNER
     for i in range(n):
         place[node[i]] = -1
-    order = np.argsort(delay[:n] / worth[:n], kind="mergesort")
+        stay[i] = dwell(taking, worth[i], cornered[i])
+    order = np.argsort((delay[:n] + stay[:n]) / worth[:n], kind="mergesort")
     n = min(n, found.node.size)
     for i in range(n):
         found.node[i], found.weight[i] = node[order[i]], worth[order[i]]
+        found.dwell[i] = stay[order[i]]
     found.number[0] = n
 
 
@@ -127,6 +132,7 @@ def decisions_between(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Decisions from every forager to every stop (forager, stop), and (kind, stop, stop) between.
 
+    Those from a stop to another begin with the stay there.
     Collecting needs a decision that ends in the node: where one already is, it takes one decision
     of staying, or two of going away and coming back.
     """
@@ -138,7 +144,7 @@ def decisions_between(
             mine = ways[k]
             row = mine.decisions[row_to(mine, found.node[j])]
             for i in range(n):
-                between[k, i, j] = _counted(row[found.node[i]], again)
+                between[k, i, j] = found.dwell[i] + _counted(row[found.node[i]], again)
             for f in range(at.size):
                 if kind[f] == k:
                     first[f, j] = _counted(row[at[f]], again)

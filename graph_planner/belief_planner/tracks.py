@@ -64,7 +64,10 @@ class View(NamedTuple):
 
 
 class Catch(NamedTuple):
-    """What hulls took aboard in the step just made; nothing where collecting is certain."""
+    """What hulls took aboard in the step just made; of nobody where collecting is certain.
+
+    What is not seen in their own nodes has not just gone out of sight.
+    """
 
     at: Int32Array  # (forager,) node in which each is now
     left: NDArray[np.int64]  # (forager,) items not yet found among the tracks; counted down
@@ -319,6 +322,15 @@ def _caught(tracks: Tracks, shore: Shore, e: int, i: int, catch: Catch) -> bool:
 
 
 @kernel
+def _has(nodes: Int32Array, node: int) -> bool:
+    """Whether a node is among others."""
+    for other in nodes:
+        if other == node:
+            return True
+    return False
+
+
+@kernel
 def _begin(tracks: Tracks, shore: Shore, e: int, node: int, now: int, ways: Ended) -> bool:
     """Begin a track in a node in view; False if there is no room."""
     i = tracks.number[e]
@@ -385,7 +397,7 @@ def reconcile(
             continue
         if _caught(tracks, shore, e, i, catch):
             drop(tracks, shore, e, i, ways)
-        elif not _hide(tracks, shore, neighbours, e, i, view):
+        elif _has(catch.at, tracks.node[e, i]) or not _hide(tracks, shore, neighbours, e, i, view):
             _lose(tracks, e, i, lost)
             drop(tracks, shore, e, i, ways)
     new = 0

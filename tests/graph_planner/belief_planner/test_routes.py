@@ -14,6 +14,7 @@ from graph_planner.belief_planner.stops import (
     gather_stops,
     stops,
 )
+from graph_planner.belief_planner.taking import Taking, quays_beside
 from graph_planner.belief_planner.ways import ways_of
 from graph_planner.navigation import navigation_graph
 
@@ -140,6 +141,7 @@ def test_sixty_four_stops_are_searched() -> None:
 
 
 SEA = navigation_graph(np.ones((40, 40), np.bool_), 1.0, False)
+AT_ONCE, HULLS = Taking.of(certain=True), Taking.of(certain=False)
 SHORE, WAYS = shore_of(SEA), (ways_of(SEA, 1, True, True),)
 
 
@@ -149,7 +151,7 @@ def test_stops_are_where_items_are_met_and_add_up_their_weights() -> None:
     at = SEA.node_of_cell[20:21, 0].copy()
     for row, col, weight in ((20.0, 10.0, 1.0), (20.1, 10.2, 0.5), (5.0, 1.0, 1.0)):
         float_item(items, row, col, weight)
-    gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.1, 0.0, 1.0, found)
+    gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.1, 0.0, AT_ONCE, found)
     cells = [(int(SEA.rows[v]), int(SEA.cols[v])) for v in found.node[: found.number[0]]]
     assert cells == [(21, 10), (6, 1)]  # the sooner per worth first
     assert found.weight[:2].tolist() == [1.5, 1.0]
@@ -162,7 +164,7 @@ def test_an_item_in_the_foragers_own_node_takes_a_decision_or_two() -> None:
     items, found = floating(2), stops(MOST, len(SEA))
     at = SEA.node_of_cell[20:21, 7].copy()
     float_item(items, 20.0, 7.0, 1.0)
-    gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.1, 0.0, 1.0, found)
+    gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.1, 0.0, AT_ONCE, found)
     assert decisions_between(found, WAYS, ONE_KIND, at, True)[0][0, 0] == 1.0
     assert decisions_between(found, WAYS, ONE_KIND, at, False)[0][0, 0] == 2.0
 
@@ -172,6 +174,27 @@ def test_of_too_many_items_the_soonest_per_worth_become_stops() -> None:
     at = SEA.node_of_cell[0:1, 0].copy()
     for node in range(len(SEA)):
         float_item(items, SEA.rows[node], SEA.cols[node], 1.0)
-    gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.0, 0.0, 1.0, found)
+    gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.0, 0.0, AT_ONCE, found)
     assert found.number[0] == MOST
     assert max(SEA.rows[found.node].max(), SEA.cols[found.node].max()) == 7
+
+
+def test_hulls_stay_longer_the_more_there_is_and_in_corners() -> None:
+    """Two items in open water, one in the corner of the sea: the ways from there take longer."""
+    at = SEA.node_of_cell[20:21, 20].copy()
+    for taking, longer in ((AT_ONCE, (0.0, 0.0)), (HULLS, (1.4, 1.7))):
+        items, found = floating(3), stops(MOST, len(SEA))
+        for row, col in ((20.0, 25.0), (20.1, 25.0), (39.45, 39.45)):
+            float_item(items, row, col, 1.0)
+        gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.0, 0.0, taking, found)
+        between = decisions_between(found, WAYS, ONE_KIND, at, True)[1][0]
+        assert between[0, 1] - 19.0 == pytest.approx(longer[0])
+        assert between[1, 0] - 19.0 == pytest.approx(longer[1])
+
+
+def test_quays_beside_an_item_are_counted() -> None:
+    corner, side = int(SEA.node_of_cell[39, 39]), int(SEA.node_of_cell[39, 20])
+    assert quays_beside(SHORE, 39.45, 39.45, corner) == 2
+    assert quays_beside(SHORE, 39.45, 39.0, corner) == 1
+    assert quays_beside(SHORE, 38.6, 38.6, corner) == 0
+    assert quays_beside(SHORE, 39.45, 20.45, side) == 1
