@@ -62,9 +62,7 @@ def _note_attempt(
 ) -> None:
     """Note how far the bow is from the item sought; two failed attempts end the search for it."""
     k = attempts.item[e, v]
-    if away_m < NEAR_M:
-        attempts.near[e, v] = True
-    elif attempts.near[e, v] and away_m > AWAY_M:
+    if attempts.near[e, v] and away_m > AWAY_M:
         attempts.near[e, v] = False
         attempts.failed[e, v, k] += 1
         if attempts.failed[e, v, k] >= ATTEMPTS:
@@ -107,9 +105,8 @@ def seek(
                 continue
             x, y, half = pose[e, v, 0], pose[e, v, 1], reach.size[v, 0]
             c, s = math.cos(pose[e, v, 2]), math.sin(pose[e, v, 2])
-            sought = attempts.item[e, v]
+            bow_x, bow_y, sought = x + half * c, y + half * s, attempts.item[e, v]
             if sought >= 0 and item_node[e, sought] >= 0:
-                bow_x, bow_y = x + half * c, y + half * s
                 away = math.hypot(xy[e, sought, 0] - bow_x, xy[e, sought, 1] - bow_y)
                 _note_attempt(attempts, e, v, away, now_s[e], pickup)
             least, best = np.inf, -1
@@ -124,6 +121,8 @@ def seek(
             if best != sought:
                 attempts.item[e, v], attempts.near[e, v] = best, False
             if best >= 0:
+                away = math.hypot(xy[e, best, 0] - bow_x, xy[e, best, 1] - bow_y)
+                attempts.near[e, v] |= away < NEAR_M
                 out[e, v, 0], out[e, v, 1] = xy[e, best, 0], xy[e, best, 1]
                 if pickup[e, v] == IDLE:
                     pickup[e, v] = MISSED
