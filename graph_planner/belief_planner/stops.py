@@ -88,7 +88,8 @@ def gather_stops(
     """Put items that will share a node into one stop; keep the `MOST` that are soonest per worth.
 
     Where an item is met depends on when: it is carried on for as long as the nearest forager needs
-    to its present node, less the part of the last decision by which it is taken before the end.
+    to its present node, less the last decision: in the graph collecting comes before drifting, and
+    hulls seek what is in the node while they are there.
 
     Parameters
     ----------
@@ -107,8 +108,8 @@ def gather_stops(
         wait = soonest(ways, kind, at, here)
         if wait >= FAR:
             continue
-        if wait > taking.lead:
-            row, col, here = drifted(shore, row, col, drift_row, drift_col, wait - taking.lead)
+        if wait > 1.0:
+            row, col, here = drifted(shore, row, col, drift_row, drift_col, wait - 1.0)
         if place[here] < 0:
             place[here] = n
             node[n], worth[n], delay[n] = here, 0.0, max(wait, 1.0)
