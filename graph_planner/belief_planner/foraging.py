@@ -18,7 +18,7 @@ from graph_planner.belief_planner.stops import (
     gather_stops,
     stops,
 )
-from graph_planner.belief_planner.taking import Taking, turning
+from graph_planner.belief_planner.taking import Taking
 from graph_planner.belief_planner.ways import Ways
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.compiled import kernel
@@ -78,7 +78,6 @@ def plan_routes(
     ways: tuple[Ways, ...],
     able: Able,
     agent_node: Int32Array,
-    way_rc: NDArray[np.float64],
     drift_rc: NDArray[np.float64],
     effort: Effort,
     scratch: Scratch,
@@ -89,7 +88,6 @@ def plan_routes(
     Parameters
     ----------
     agent_node : (agent,)
-    way_rc : (agent, 2) last move of each [node], 0 for none
     drift_rc : (2,) [node/step]
 
     Returns
@@ -103,12 +101,6 @@ def plan_routes(
     if n == 0 or at.size == 0:
         return 0
     first, between = decisions_between(found, ways, kind, at, effort.stay)
-    for f in range(at.size):
-        way = way_rc[able.agents[f]]
-        for j in range(n):
-            down = float(shore.rows[found.node[j]] - shore.rows[at[f]])
-            right = float(shore.cols[found.node[j]] - shore.cols[at[f]])
-            first[f, j] += turning(effort.taking, down, right, way[0], way[1])
     if effort.joint:
         legs = Legs(found.weight[:n], first, between, kind, able.room, able.lasts)
         target = search_routes(legs, effort.beam, effort.choices, effort.depth)
@@ -144,7 +136,6 @@ class Foraging:
     def send(
         self,
         agent_node: Int32Array,
-        way_rc: NDArray[np.float64],
         drift_rc: NDArray[np.float64],
         room_left: NDArray[np.int64],
         energy_left: NDArray[np.float64],
@@ -157,7 +148,6 @@ class Foraging:
         Parameters
         ----------
         agent_node : (agent,)
-        way_rc : (agent, 2) last move of each [node], 0 for none
         drift_rc : (2,) [node/step]
         room_left : (agent,) items; energy_left : (agent,) [node]
 
@@ -175,7 +165,6 @@ class Foraging:
             group.ways,
             able,
             agent_node,
-            way_rc,
             drift_rc,
             self._effort,
             self._scratch,

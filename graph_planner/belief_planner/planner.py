@@ -17,7 +17,6 @@ from graph_planner.belief_planner.move_preferences import towards
 from graph_planner.belief_planner.routes import NOWHERE
 from graph_planner.belief_planner.scouting import Scouting
 from graph_planner.belief_planner.shore import shore_of
-from graph_planner.belief_planner.taking import LastMoves
 from graph_planner.belief_planner.waiting import approach, regrets
 from graph_planner.geodesics import Int32Array
 from graph_planner.randomness import Stream, UInt64Array, stream_key
@@ -93,7 +92,6 @@ class BeliefPlanner:
         self._vain = np.zeros(episodes, np.bool_)
         self._taken = np.zeros((episodes, self._foragers.group.agents.size), np.int64)
         self._later = np.zeros((episodes, len(graph)), np.int64)  # step until which hulls fail
-        self._moves = LastMoves(self._shore, episodes, len(task.fleet))
         self._had_room = np.ones((episodes, self._foragers.group.agents.size), np.bool_)
         self._preferences = np.zeros((episodes, len(task.fleet), 9))
 
@@ -191,12 +189,7 @@ class BeliefPlanner:
         sighted = self.spots.number[e] > 0
         self._list_items(e, int(seen.step[e]) - 1, sighted)
         room, energy = seen.room_left[e], seen.energy_left[e]
-        busy = (
-            self._foragers.send(
-                at, self._moves.of(e, at), self.wind.mean[e], room, energy, preferences
-            )
-            > 0
-        )
+        busy = self._foragers.send(at, self.wind.mean[e], room, energy, preferences) > 0
         if not busy:
             self._wait(at, e, sighted, preferences)
         self._foragers.hold(at, room, energy, preferences)

@@ -324,10 +324,10 @@ def _caught(tracks: Tracks, shore: Shore, e: int, i: int, catch: Catch) -> bool:
 @kernel
 def _has(nodes: Int32Array, node: int) -> bool:
     """Whether a node is among others."""
+    found = False
     for other in nodes:
-        if other == node:
-            return True
-    return False
+        found |= other == node
+    return found
 
 
 @kernel

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from graph_planner.belief_planner.foraging import Foraging
 from graph_planner.belief_planner.scouting import Scouting
 from graph_planner.belief_planner.stops import floating
-from graph_planner.belief_planner.taking import LastMoves
 from graph_planner.policies.registry import register
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task, Truth
@@ -32,7 +31,6 @@ class OraclePolicy:
         self._foragers = Foraging(task, settings)
         self._scouts = Scouting(task, settings)
         self._nodes = len(task.graph)
-        self._moves = LastMoves(self._foragers.shore, keys.size, len(task.fleet))
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
 
     def reveal(self, truth: Truth) -> None:
@@ -54,8 +52,7 @@ class OraclePolicy:
             items.row[:n], items.col[:n] = truth.item_rc[e][present].T
             items.weight[:n] = 1.0
             room, energy = observation.room_left[e], observation.energy_left[e]
-            moves = self._moves.of(e, at)
-            self._foragers.send(at, moves, truth.drift_rc[e], room, energy, preferences)
+            self._foragers.send(at, truth.drift_rc[e], room, energy, preferences)
             self._foragers.hold(at, room, energy, preferences)
             age = np.minimum(30.0, observation.step[e] - 1.0 - observation.last_seen[e])
             wrong = (counts != observation.belief[e]) + 0.1 * (counts > 0)

@@ -180,7 +180,7 @@ class MujocoDynamics:
             self._motion.pose,
             self._simulation.item_xy,
             target,
-            self._tick * CONTROL_S,
+            self._tick * np.float64(CONTROL_S),
             self._state,
             goal,
         )
