@@ -46,7 +46,7 @@ def heading_step(name: str, speed: float, load: float = 0.0) -> FloatArray:
     """(tick,) heading [deg] of a hull told to turn by 90 degrees at a speed, after 5 s of that."""
     vessel = load_vessel(name)
     p, s = packed(helm_of(vessel)), blank()
-    s.most_ahead = s.most_astern = s.most_rate = 1e3
+    s.most_ahead = s.most_astern = s.most_port = s.most_starboard = 1e3
     simulation, headings = Simulation(build_scene([vessel])), []
     simulation.load[:] = load
     for tick in range(250):
