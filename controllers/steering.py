@@ -27,7 +27,7 @@ PAST_M = 0.75  # beside the target when passing it: there
 LEAVE_M = 1.5  # from its place: no longer there
 SAFE_SHARE = 0.3  # of half the thrust, to turn a hull that brakes for something
 SLOW_MPS = 0.15  # a hull slower than this is not braking
-ON_LINE_M = 0.4  # from the line between nodes: follow that line, else one of its own
+ON_LINE = 0.1  # of what is left of the line between nodes: so near, follow it, else one of its own
 
 
 @kernel
@@ -80,7 +80,7 @@ def start_decision(s: VesselState, p: PackedHelm, room: float) -> None:
     course = math.atan2(y - s.origin_y, x - s.origin_x)
     along, across = along_and_across(s.x, s.y, s.origin_x, s.origin_y, course)
     length = math.sqrt((x - s.origin_x) ** 2 + (y - s.origin_y) ** 2)
-    if abs(across) < ON_LINE_M and -2.0 * LEAVE_M < along < length:
+    if abs(across) < ON_LINE * (length - along) and along > -2.0 * LEAVE_M:
         lay_leg(s, p, s.origin_x, s.origin_y, x, y, False)
 
 
