@@ -12,14 +12,15 @@ from controllers.angles import clipped
 from controllers.chart import LandArray, headland, nearest_land
 from controllers.guidance import striking_speed
 from controllers.helm import PackedHelm
+from controllers.legs import REACTION_S
 from controllers.state import VesselState
 
 NEAR_M = 0.6  # a gap within which any turn can be braked
 TOUCH_QUAY_MPS, TOUCH_HULL_MPS = 0.18, 0.1  # of a touch; another hull may have as much
 HULL_SHARE = 0.6  # of the brake that is counted on before other hulls, which move
-REACTION_S = 0.1  # of a loop at 10 Hz, added to the thrusters' lag; twice where it matters
 INSET_M = 0.05  # of the points, so that one that touches is not yet inside
 BLUR_M = 0.02  # by which a gap may be smaller than it is measured
+LEFT = 0.5  # share that no drift takes from thrusters: a hull that is pressed must get clear
 HEADED = 0.2  # share of the speed ahead that must go towards a point to be limited for it
 
 
@@ -42,20 +43,21 @@ def heed(
     c, t = math.cos(s.yaw), math.sin(s.yaw)
     ahead, turning = nx * c + ny * t, ny * x - nx * y
     aside = max((ny * c - nx * t) * (c * s.vy - t * s.vx), 0.0)
-    reaction = p.lag_s + 2.0 * REACTION_S
+    reaction = p.lag_s + 2.0 * REACTION_S  # a tick more, for the gap is that of before
     if quay:
         most = striking_speed(gap, p.brake_mps2, reaction, TOUCH_QUAY_MPS)
     else:
         most = striking_speed(0.5 * gap, HULL_SHARE * p.brake_mps2, reaction, TOUCH_HULL_MPS)
+    most = max(most - aside, LEFT * most)
     going = max(ahead * (c * s.vx + t * s.vy), 0.0)
-    rate = max(most - aside - going, 0.0) / max(abs(turning), 1e-3)
+    rate = max(most - going, 0.0) / max(abs(turning), 1e-3)
     if turning > 0.0:
         s.most_port = min(s.most_port, rate)
     else:
         s.most_starboard = min(s.most_starboard, rate)
     if gap > p.clearance_m or abs(ahead) < HEADED:
         return
-    speed = max(most - aside - max(turning * s.rate, 0.0), 0.0) / abs(ahead)
+    speed = max(most - max(turning * s.rate, 0.0), 0.0) / abs(ahead)
     if ahead > 0.0:
         s.most_ahead = min(s.most_ahead, speed)
     else:

@@ -1,7 +1,7 @@
 """The long runs behind the quick tests: `python -m tests.controllers.proving_ground`.
 
-Straight legs, legs after a corner of 90 degrees, station keeping, walks in every weather with a histogram of contact speeds, and the
-time that a command takes.
+Straight legs, legs after a corner of 90 degrees, station keeping, how fast the forager can turn,
+walks in every weather with a histogram of contact speeds, and the time that a command takes.
 """
 
 import argparse
@@ -10,6 +10,9 @@ import time
 
 import numpy as np
 
+from mjforage.physics.scene import build_scene
+from mjforage.physics.simulation import Simulation
+from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.weather.settings import WeatherSettings
 from tests.controllers.plant import (
@@ -59,15 +62,32 @@ def tracking(name: str) -> None:
     vessel, yaws = load_vessel(name), np.radians(np.arange(-180.0, 180.0, 15.0))
     for label, weather in WEATHERS.items():
         leg = sail(vessel, np.zeros(20), (100.0, 0.0), 100.0, weather=weather)
-        around = sail(
-            vessel, np.zeros(20), (40.0, 0.0), 110.0, weather=weather, then=(40.0, 100.0)
-        )
+        around = sail(vessel, np.zeros(20), (40.0, 0.0), 110.0, weather=weather, then=(40.0, 100.0))
         kept = sail(vessel, yaws, (0.0, 0.0), 120.0, stay=True, weather=weather)
         rms = np.sqrt((kept.off((0.0, 0.0))[300:] ** 2).mean(axis=0))
         say(
             f"{name:8} {label:16} leg RMSE {leg_rmse(leg):.3f} m, "
             f"after a corner {corner_rmse(around, 40.0):.3f} m, keeping RMS {rms.max():.3f} m"
         )
+
+
+def turning(name: str) -> None:
+    """Half a turn from rest: equal thrusts ahead and astern, and all that the thrusters have."""
+    vessel = load_vessel(name)
+    low, high = vessel.thruster.command_range
+    helm = helm_of(vessel)
+    even = (helm.k_astern / helm.k_ahead) ** (1.0 / helm.exponent) * -low
+    for label, starboard in (("on the spot", min(even, high)), ("with all thrust", high)):
+        simulation = Simulation(build_scene([vessel]))
+        turned, before, ticks = 0.0, 0.0, 0
+        while turned < np.pi:
+            simulation.commands[0, 0] = low, starboard
+            simulation.step()
+            yaw = simulation.vessel_pose[0, 0, 2]
+            turned += (yaw - before + np.pi) % (2.0 * np.pi) - np.pi
+            before, ticks = yaw, ticks + 1
+        aside = np.hypot(*simulation.vessel_pose[0, 0, :2])
+        say(f"{name:8} 180 degrees {label}: {ticks * CONTROL_S:.1f} s, {aside:.1f} m off then")
 
 
 def tell(label: str, outcome: Outcome) -> None:
@@ -125,6 +145,7 @@ def main() -> None:
     speed(crowded=True)
     for name in ("scout", "forager"):
         tracking(name)
+        turning(name)
     walks(chosen.episodes, chosen.periods)
 
 
