@@ -20,7 +20,6 @@ TOUCH_QUAY_MPS, TOUCH_HULL_MPS = 0.18, 0.1  # of a touch; another hull may have 
 HULL_SHARE = 0.6  # of the brake that is counted on before other hulls, which move
 INSET_M = 0.05  # of the points, so that one that touches is not yet inside
 BLUR_M = 0.02  # by which a gap may be smaller than it is measured
-LEFT = 0.5  # share that no drift takes from thrusters: a hull that is pressed must get clear
 HEADED = 0.2  # share of the speed ahead that must go towards a point to be limited for it
 
 
@@ -48,16 +47,15 @@ def heed(
         most = striking_speed(gap, p.brake_mps2, reaction, TOUCH_QUAY_MPS)
     else:
         most = striking_speed(0.5 * gap, HULL_SHARE * p.brake_mps2, reaction, TOUCH_HULL_MPS)
-    most = max(most - aside, LEFT * most)
     going = max(ahead * (c * s.vx + t * s.vy), 0.0)
-    rate = max(most - going, 0.0) / max(abs(turning), 1e-3)
+    rate = max(most - aside - going, 0.0) / max(abs(turning), 1e-3)
     if turning > 0.0:
         s.most_port = min(s.most_port, rate)
     else:
         s.most_starboard = min(s.most_starboard, rate)
     if gap > p.clearance_m or abs(ahead) < HEADED:
         return
-    speed = max(most - max(turning * s.rate, 0.0), 0.0) / abs(ahead)
+    speed = max(most - aside - max(turning * s.rate, 0.0), 0.0) / abs(ahead)
     if ahead > 0.0:
         s.most_ahead = min(s.most_ahead, speed)
     else:
