@@ -41,13 +41,47 @@ class Chart:
 
 
 @kernel
+def is_cell_land(land: LandArray, i: int, j: int) -> bool:
+    """Whether cell (i, j), counted from the south-west, is land; all is around a map."""
+    inside = -1 <= i < land.shape[0] - 1 and -1 <= j < land.shape[1] - 1
+    return bool(not inside or land[i + 1, j + 1])
+
+
+@kernel
 def is_land(land: LandArray, pitch: float, x: float, y: float) -> bool:
     """Whether a point [m] lies on land; an empty map has none, and all is land around a map."""
     if land.size == 0:
         return False
-    i, j = math.floor(x / pitch + 0.5) + 1, math.floor(y / pitch + 0.5) + 1
-    inside = 0 <= i < land.shape[0] and 0 <= j < land.shape[1]
-    return bool(not inside or land[i, j])
+    return is_cell_land(land, math.floor(x / pitch + 0.5), math.floor(y / pitch + 0.5))
+
+
+@kernel
+def headland(land: LandArray, i: int, j: int) -> bool:
+    """Whether a quay juts out where cells (i, j) and (i + 1, j + 1) meet: one of four is land."""
+    if land.size == 0:
+        return False
+    count = int(is_cell_land(land, i, j)) + int(is_cell_land(land, i + 1, j))
+    return count + int(is_cell_land(land, i, j + 1)) + int(is_cell_land(land, i + 1, j + 1)) == 1
+
+
+@kernel
+def nearest_land(
+    land: LandArray, pitch: float, x: float, y: float, reach: float
+) -> tuple[float, float]:
+    """Way to the nearest land [m]: 0 on land, infinite if there is none within `reach`."""
+    best, best_x, best_y = math.inf, math.inf, math.inf
+    if land.size == 0:
+        return best_x, best_y
+    for i in range(math.floor((x - reach) / pitch + 0.5), math.floor((x + reach) / pitch + 1.5)):
+        for j in range(
+            math.floor((y - reach) / pitch + 0.5), math.floor((y + reach) / pitch + 1.5)
+        ):
+            if is_cell_land(land, i, j):
+                dx = min(max(x, (i - 0.5) * pitch), (i + 0.5) * pitch) - x
+                dy = min(max(y, (j - 0.5) * pitch), (j + 0.5) * pitch) - y
+                if dx * dx + dy * dy < best:
+                    best, best_x, best_y = dx * dx + dy * dy, dx, dy
+    return best_x, best_y
 
 
 @kernel

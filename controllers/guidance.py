@@ -74,3 +74,14 @@ def stopping_speed(distance: float, brake: float, reaction_s: float) -> float:
         return 0.0
     lost = brake * reaction_s
     return math.sqrt(lost * lost + 2.0 * brake * distance) - lost
+
+
+@kernel
+def striking_speed(distance: float, brake: float, reaction_s: float, touch: float) -> float:
+    """Speed [m/s] from which braking after a reaction time leaves at most `touch` at `distance`.
+
+    From v, what is left is v^2 - 2 a (d - v t_r), or all of it if d < v t_r.
+    """
+    lost = brake * reaction_s
+    room = max(distance, 0.0)
+    return max(math.sqrt(lost * lost + 2.0 * brake * room + touch * touch) - lost, touch)

@@ -36,6 +36,12 @@ def integrated(integral: float, rate: float, wanted: float, given: float, step_s
 
 
 @kernel
+def munk_moment(s: VesselState, p: PackedHelm) -> float:
+    """Moment [N m] against that of the water on a hull that moves ahead and aside."""
+    return float(p.munk_kg * s.sway * (math.cos(s.yaw) * s.vx + math.sin(s.yaw) * s.vy))
+
+
+@kernel
 def heading_moment(
     s: VesselState, p: PackedHelm, wanted: float, most_rate: float, step_s: float
 ) -> float:
@@ -55,8 +61,7 @@ def heading_moment(
     damping = 2.0 * p.heading_damping * w * (s.rate_ref - s.rate)
     spring = w * w * wrapped(s.heading_ref - s.yaw)
     free = p.inertia_yaw_kgm2 * (acceleration + damping + spring)
-    munk = p.munk_kg * s.sway * (math.cos(s.yaw) * s.vx + math.sin(s.yaw) * s.vy)
-    return float(yaw_drag(p, s.rate_ref) + free + munk + s.moment_integral)
+    return float(yaw_drag(p, s.rate_ref) + free + munk_moment(s, p) + s.moment_integral)
 
 
 @kernel

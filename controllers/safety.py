@@ -6,111 +6,31 @@ They limit every command, whatever guidance and traffic want.
 import math
 
 from controllers._compiled import kernel
-from controllers.boxes import box_gap, circle_radius
 from controllers.chart import LandArray, quay_gap
+from controllers.free_way import (
+    QUAYS,
+    SLACK_M,
+    STEP_M,
+    clear_path,
+    clearance,
+    free_way,
+    gap_to,
+    turn_to_come,
+)
 from controllers.guidance import stopping_distance, stopping_speed
 from controllers.helm import HelmArray, PackedHelm
+from controllers.legs import REACTION_S
 from controllers.state import HOLD, FleetArray, VesselState
+from controllers.touching import HULL_SHARE, NEAR_M, heed_hull, heed_land
 
-REACTION_S = 0.1  # of a loop at 10 Hz, added to the thrusters' lag
-GIVE_WAY_S = 1.0  # by how much longer the path ahead of a vessel with right of way is kept free
-TOUCH_QUAY_MPS, TOUCH_HULL_MPS = 0.25, 0.15  # of a bow that swings where it may touch
-SWING_S = 0.25  # for which another that turns is taken to turn on
-HULL_SHARE = 0.6  # of the brake that is counted on before other hulls, which move
-STEP_M = 0.25  # of looking ahead
-PICKING_M = 0.03  # kept free of quays by a hull that picks up beside one
-SLACK_M = 0.02  # by which a gap may shrink that is already too small
-SWING_M = 0.1  # margin of a hull that turns where it is
+AHEAD, TURNED = 0.0, 1.0  # hulls as they head now, and as they will when they turn no more
+LEAST_TURN_RAD = 0.05  # a turn that is looked at
 PAST_QUAY_MPS, PAST_HULL_MPS = 0.25, 0.15  # along a hull nearer than the clearance, a quay half
 LONGEST_PATH_M = 5.0  # of another, to stop
 STRONG_DRIFT_MPS = 0.2  # a drift from which a hull keeps off the quay to leeward
 LEE_M = 2.0  # a quay nearer than this to leeward of a place counts
 MOST_UP_M = 0.5  # how far it then lies up the drift
 UNLIMITED = 1e3  # a limit [m/s], [rad/s] that no hull reaches
-QUAYS = -1  # in place of another vessel
-
-
-@kernel
-def gap_to(
-    state: FleetArray,
-    helms: HelmArray,
-    land: LandArray,
-    pitch: float,
-    i: int,
-    other: int,
-    shift: float,
-    reach: float,
-) -> float:
-    """Gap of vessel `i`, moved by `shift` along its heading, to the quays or to another's path.
-
-    The path is what the other takes to stop, and more if it has right of way.
-
-    Parameters
-    ----------
-    state, helms : (vessel,) of one episode
-    other : a vessel, or `QUAYS`
-    reach : gaps beyond it count as it [m]
-    """
-    yaw = state[i].yaw
-    c, t = math.cos(yaw), math.sin(yaw)
-    x, y = state[i].x + shift * c, state[i].y + shift * t
-    half_length, half_beam = 0.5 * helms[i].length_m, 0.5 * helms[i].beam_m
-    if other == QUAYS:
-        return quay_gap(land, pitch, x, y, c, t, half_length, half_beam, reach)
-    dx, dy = state[other].x - x, state[other].y - y
-    cj, tj = math.cos(state[other].yaw), math.sin(state[other].yaw)
-    u = cj * state[other].vx + tj * state[other].vy
-    v = cj * state[other].vy - tj * state[other].vx
-    swing = (
-        SWING_S * abs(state[other].rate) * circle_radius(helms[other].length_m, helms[other].beam_m)
-    )
-    way = stopping_distance(abs(u), helms[other].brake_mps2, helms[other].lag_s + REACTION_S)
-    if state[other].rank < state[i].rank:
-        way += GIVE_WAY_S * abs(u)
-    ahead, aside = math.copysign(0.5 * way, u), 0.25 * v
-    dx += ahead * cj - aside * tj
-    dy += ahead * tj + aside * cj
-    long, wide = (
-        0.5 * (helms[other].length_m + way) + swing,
-        0.5 * helms[other].beam_m + abs(aside) + swing,
-    )
-    return min(box_gap(dx, dy, c, t, half_length, half_beam, cj, tj, long, wide), reach)
-
-
-@kernel
-def clearance(s: VesselState, p: PackedHelm, other: int) -> float:
-    """What is kept free of another or of the quays [m]: less where an item lies at one, near by."""
-    if other != QUAYS or math.isnan(s.item_x) or (s.quay_x == 0.0 and s.quay_y == 0.0):
-        return p.clearance_m
-    near = max(abs(s.item_x - s.x), abs(s.item_y - s.y)) < p.length_m + p.clearance_m
-    return min(PICKING_M, p.clearance_m) if near else p.clearance_m
-
-
-@kernel
-def free_way(
-    state: FleetArray,
-    helms: HelmArray,
-    land: LandArray,
-    pitch: float,
-    i: int,
-    other: int,
-    side: float,
-    first: float,
-    reach: float,
-) -> float:
-    """Distance [m] that vessel `i` can go ahead (`side` 1) or astern (-1) and keep its clearance.
-
-    Where the gap is less than that already (`first` is the gap now), it may not shrink further.
-    """
-    least = min(clearance(state[i], helms[i], other), first - SLACK_M)
-    gone, gap = 0.0, first
-    while gone < reach:
-        step = max(gap - least, STEP_M)
-        following = gap_to(state, helms, land, pitch, i, other, side * (gone + step), reach)
-        if following < least:
-            return float(gone + step * max(gap - least, 0.0) / (gap - following))
-        gone, gap = gone + step, following
-    return gone
 
 
 @kernel
@@ -121,30 +41,51 @@ def limit_by(
     pitch: float,
     i: int,
     other: int,
+    turned: float,
     reach: float,
 ) -> float:
     """Lower the fastest safe speeds of vessel `i` for the sake of the quays or another; the gap."""
     s, p = state[i], helms[i]
-    gap = gap_to(state, helms, land, pitch, i, other, 0.0, reach)
+    gap, way, share = clear_path(state, helms, land, pitch, i, other, turned, reach)
     if gap >= reach:
         return gap
     reaction = p.lag_s + REACTION_S
     brake = p.brake_mps2 if other == QUAYS else HULL_SHARE * p.brake_mps2
     for side in (1.0, -1.0):
-        free = free_way(state, helms, land, pitch, i, other, side, gap, reach)
+        free = free_way(state, helms, land, pitch, i, other, way, side, turned, gap, reach)
         if free >= reach:
             if gap > (0.5 if other == QUAYS else 1.0) * clearance(s, p, other):
                 continue
             # So near, going along is safe only slowly; going away is free.
-            away = gap_to(state, helms, land, pitch, i, other, side * STEP_M, reach)
+            away = gap_to(state, helms, land, pitch, i, other, way, side * STEP_M, turned, reach)
             past = PAST_QUAY_MPS if other == QUAYS else PAST_HULL_MPS
             most = UNLIMITED if away > gap + SLACK_M else past
         else:
-            most = stopping_speed(free, brake, reaction)
+            most = stopping_speed(share * free, brake, reaction)
         if side > 0.0:
             s.most_ahead = min(s.most_ahead, most)
         else:
             s.most_astern = min(s.most_astern, most)
+    return gap
+
+
+@kernel
+def limit_going(
+    state: FleetArray,
+    helms: HelmArray,
+    land: LandArray,
+    pitch: float,
+    i: int,
+    other: int,
+    reach: float,
+) -> float:
+    """`limit_by` as the hulls head now and, if they turn, as they will; the gap now."""
+    gap = limit_by(state, helms, land, pitch, i, other, AHEAD, reach)
+    turn = abs(turn_to_come(state[i], helms[i]))
+    if other != QUAYS:
+        turn += abs(turn_to_come(state[other], helms[other]))
+    if turn > LEAST_TURN_RAD:
+        limit_by(state, helms, land, pitch, i, other, TURNED, reach)
     return gap
 
 
@@ -168,18 +109,16 @@ def limit_speeds(
 ) -> None:
     """Set the fastest safe speeds of vessel `i`, ahead, astern and turning."""
     s, p = state[i], helms[i]
-    s.most_ahead = s.most_astern = s.most_rate = UNLIMITED
+    s.most_ahead = s.most_astern = s.most_port = s.most_starboard = UNLIMITED
     cruise = max(p.cruise_ahead_mps, p.cruise_astern_mps)
     reach = stopping_distance(cruise, p.brake_mps2, p.lag_s + REACTION_S) + p.clearance_m
-    swing = circle_radius(p.length_m, p.beam_m) - 0.5 * p.beam_m + SWING_M
-    radius = circle_radius(p.length_m, p.beam_m)
-    if limit_by(state, helms, land, pitch, i, QUAYS, reach) < swing:
-        s.most_rate = TOUCH_QUAY_MPS / radius
+    if limit_going(state, helms, land, pitch, i, QUAYS, reach) < NEAR_M:
+        heed_land(s, p, land, pitch)
     s.up = windward_room(s, p, land, pitch) if s.mode == HOLD else 0.0
     far = reach + LONGEST_PATH_M + 0.5 * p.length_m
     for j in range(state.shape[0]):
         dx, dy = abs(state[j].x - s.x), abs(state[j].y - s.y)
         if j == i or max(dx, dy) > far + 0.5 * helms[j].length_m:
             continue
-        if limit_by(state, helms, land, pitch, i, j, reach) < swing:
-            s.most_rate = TOUCH_HULL_MPS / radius
+        if limit_going(state, helms, land, pitch, i, j, reach) < NEAR_M:
+            heed_hull(s, p, state[j], helms[j])

@@ -49,10 +49,12 @@ class VesselState:
     # Force that keeping position has found [N].
     hold_fx: float
     hold_fy: float
-    # Fastest safe speed ahead and astern [m/s], and fastest safe turn [rad/s].
+    # Fastest safe speed ahead and astern [m/s], and fastest safe turn to port and starboard
+    # [rad/s].
     most_ahead: float
     most_astern: float
-    most_rate: float
+    most_port: float
+    most_starboard: float
     # Right of way: the lower goes first. Time of the decision to wait for.
     rank: float
     wait: float

@@ -4,7 +4,7 @@ import math
 
 from controllers._compiled import kernel
 from controllers.allocation import allocate, command_for, lagged, led_command
-from controllers.angles import clipped
+from controllers.angles import clipped, wrapped
 from controllers.guidance import along_and_across
 from controllers.helm import PackedHelm
 from controllers.holding import hold_force, hold_windup
@@ -12,9 +12,11 @@ from controllers.legs import REACTION_S, follow_leg, lay_leg
 from controllers.loops import (
     heading_moment,
     heading_windup,
+    munk_moment,
     surge_drag,
     surge_force,
     surge_windup,
+    yaw_drag,
 )
 from controllers.pickup import in_room, is_free, meet_item, meets_item, pick_up
 from controllers.quayside import COMING, come_in, comes_in, is_cornered, is_in, is_quayed
@@ -23,9 +25,9 @@ from controllers.state import HOLD, TRANSIT, VesselState
 AT_M = 0.3  # from its place: there
 PAST_M = 0.75  # beside the target when passing it: there
 LEAVE_M = 1.5  # from its place: no longer there
-SAFE_SHARE = 0.3  # of the moment that is left to a hull that brakes for something
+SAFE_SHARE = 0.3  # of half the thrust, to turn a hull that brakes for something
 SLOW_MPS = 0.15  # a hull slower than this is not braking
-ON_LINE_M = 0.4  # from the line between nodes: follow that line, else one of its own
+ON_LINE = 0.1  # of what is left of the line between nodes: so near, follow it, else one of its own
 
 
 @kernel
@@ -78,7 +80,7 @@ def start_decision(s: VesselState, p: PackedHelm, room: float) -> None:
     course = math.atan2(y - s.origin_y, x - s.origin_x)
     along, across = along_and_across(s.x, s.y, s.origin_x, s.origin_y, course)
     length = math.sqrt((x - s.origin_x) ** 2 + (y - s.origin_y) ** 2)
-    if abs(across) < ON_LINE_M and -2.0 * LEAVE_M < along < length:
+    if abs(across) < ON_LINE * (length - along) and along > -2.0 * LEAVE_M:
         lay_leg(s, p, s.origin_x, s.origin_y, x, y, False)
 
 
@@ -129,30 +131,59 @@ def too_fast(s: VesselState, speed: float) -> bool:
 
 
 @kernel
-def emergency_force(p: PackedHelm, speed: float, safe: float, force: float) -> float:
-    """The force [N] of the speed loop, or more: what brings a hull to its safe speed [m/s] at once.
+def safe_force(s: VesselState, p: PackedHelm, speed: float, force: float) -> float:
+    """The part of a surge force [N] that keeps to the safe speeds, or what brings the hull to them.
 
-    At once is after the thrusters' lag and a tick, or with the brake that safe speeds count on.
+    That is after the thrusters' lag and a tick, or with the brake that safe speeds count on.
     """
-    stop = clipped((safe - speed) / (p.lag_s + REACTION_S), -p.brake_mps2, p.brake_mps2)
-    needed = surge_drag(p, speed) + p.mass_surge_kg * stop
-    return float(min(force, needed) if speed > safe else max(force, needed))
+    reaction = p.lag_s + REACTION_S
+    more = max((s.most_ahead - speed) / reaction, -p.brake_mps2)
+    less = max((s.most_astern + speed) / reaction, -p.brake_mps2)
+    most = surge_drag(p, s.most_ahead) + p.mass_surge_kg * more
+    least = -surge_drag(p, s.most_astern) - p.mass_surge_kg * less
+    return clipped(force, min(least, most), most)
 
 
 @kernel
-def braking_moment(
-    s: VesselState, p: PackedHelm, surge: float, speed: float, moment: float
-) -> float:
+def safe_moment(s: VesselState, p: PackedHelm, moment: float) -> float:
+    """The part of a moment [N m] that keeps to the safe rates of turn, or what brings it there."""
+    stiff, munk = p.inertia_yaw_kgm2 / (p.lag_s + REACTION_S), munk_moment(s, p)
+    most = yaw_drag(p, s.most_port) + stiff * (s.most_port - s.rate) + munk
+    least = -yaw_drag(p, s.most_starboard) - stiff * (s.most_starboard + s.rate) + munk
+    return clipped(moment, least, most)
+
+
+@kernel
+def braking_moment(p: PackedHelm, share: float, surge: float, speed: float, moment: float) -> float:
     """The moment [N m], less where the hull brakes.
 
-    Yaw has priority in the allocation, and a hull that turns at full moment does not stop: turning
-    must leave half the thrust for braking, and most of it where the hull is too fast to be safe.
+    Yaw has priority in the allocation, and a hull that turns at full moment does not stop: `share`
+    1 leaves half the thrust for braking, 0 all.
     """
     if surge * speed >= 0.0 or abs(speed) < SLOW_MPS:
         return moment
-    share = SAFE_SHARE if too_fast(s, speed) else 1.0
     most = share * p.lever_m * (-p.thrust_low if speed > 0.0 else p.thrust_high)
     return clipped(moment, -most, most)
+
+
+@kernel
+def push(
+    s: VesselState, p: PackedHelm, heading: float, surge: float, step_s: float
+) -> tuple[float, float]:
+    """Thrusts of port and starboard [N] towards a heading [rad], with a surge force [N], safely."""
+    now = surge_speed(s)
+    limited = safe_force(s, p, now, surge)
+    to_port = wrapped(heading - s.heading_ref) > 0.0
+    most_rate = min(p.yaw_rate_radps, s.most_port if to_port else s.most_starboard)
+    moment = heading_moment(s, p, heading, most_rate, step_s)
+    fast = too_fast(s, now)
+    given = braking_moment(p, SAFE_SHARE if fast else 1.0, limited, now, moment)
+    given = safe_moment(s, p, given)
+    if fast:
+        given = braking_moment(p, 1.0, limited, now, given)
+    port, starboard = allocate(p, limited, given)
+    heading_windup(s, p, moment, (starboard - port) * p.lever_m, step_s)
+    return port, starboard
 
 
 @kernel
@@ -165,12 +196,8 @@ def drive(
     if too_fast(s, now):
         s.speed_ref = wanted  # braking for something does not wait for the reference
     surge = surge_force(s, p, now, wanted, step_s)
-    if too_fast(s, now):
-        surge = emergency_force(p, now, wanted, surge)
-    moment = heading_moment(s, p, heading, min(p.yaw_rate_radps, s.most_rate), step_s)
-    port, starboard = allocate(p, surge, braking_moment(s, p, surge, now, moment))
+    port, starboard = push(s, p, heading, surge, step_s)
     surge_windup(s, p, now, surge, port + starboard, step_s)
-    heading_windup(s, p, moment, (starboard - port) * p.lever_m, step_s)
     return commands(s, p, port, starboard, step_s)
 
 
@@ -178,14 +205,8 @@ def drive(
 def keep(s: VesselState, p: PackedHelm, x: float, y: float, step_s: float) -> tuple[float, float]:
     """Commands that keep the hull at (x, y)."""
     heading, surge, ahead = hold_force(s, p, x, y)
-    now, stiff = surge_speed(s), p.mass_surge_kg / (p.lag_s + REACTION_S)
-    most = surge_drag(p, s.most_ahead) + stiff * (s.most_ahead - now)
-    least = -surge_drag(p, s.most_astern) - stiff * (s.most_astern + now)
-    limited = clipped(surge, least, most)
-    moment = heading_moment(s, p, heading, min(p.yaw_rate_radps, s.most_rate), step_s)
-    port, starboard = allocate(p, limited, braking_moment(s, p, limited, now, moment))
+    port, starboard = push(s, p, heading, surge, step_s)
     hold_windup(s, p, ahead, surge, port + starboard, step_s)
-    heading_windup(s, p, moment, (starboard - port) * p.lever_m, step_s)
     return commands(s, p, port, starboard, step_s)
 
 

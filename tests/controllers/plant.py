@@ -20,6 +20,7 @@ FloatArray = NDArray[np.float64]
 CONTROL_S = 0.1
 CALM = WeatherSettings()
 CURRENT_MPS = 0.3
+CORNER_M = 2.0  # before a corner the next leg is ordered
 
 
 def blank() -> VesselState:
@@ -71,10 +72,12 @@ def sail(
     noise_m: float = 0.0,
     start: tuple[float, float] = (0.0, 0.0),
     load: float = 0.0,
+    then: tuple[float, float] | None = None,
 ) -> Track:
     """Start at rest at each heading [rad], get one order (or one to stay every 10 s), and go.
 
-    `load` items are aboard, of which controllers know nothing.
+    `load` items are aboard, of which controllers know nothing. `CORNER_M` before the target the
+    order is `then`, if there is one.
     """
     n = yaws.size
     simulation = Simulation(build_scene([vessel]), n)
@@ -87,11 +90,16 @@ def sail(
     active, order = np.ones(n, np.bool_), np.full((n, 1), stay)
     to = np.broadcast_to(np.array(target), (n, 1, 2)).copy()
     origin = to if stay else pose[..., :2].copy()
-    poses, velocities = [], []
+    poses, velocities, turned = [], [], np.zeros(n, np.bool_)
     for tick in range(round(seconds / CONTROL_S)):
         if tick == 0 or (stay and tick % 100 == 0):
             pilot.order(active, origin, to, order)
         t, where = tick * CONTROL_S, simulation.vessel_pose
+        if then is not None:
+            off = np.hypot(*np.moveaxis(where[:, 0, :2] - np.array(target), -1, 0))
+            turning = ~turned & (off < CORNER_M)
+            turned |= turning
+            pilot.order(turning, to, np.broadcast_to(np.array(then), to.shape), order)
         simulation.vessel_wind[:] = field.wind(t, where[..., :2])
         simulation.vessel_water[:] = field.current(t, where[..., :2])
         seen = where + noise_m * rng.normal(size=where.shape) * (1.0, 1.0, 0.12)

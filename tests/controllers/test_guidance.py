@@ -12,6 +12,7 @@ from controllers.guidance import (
     los_course,
     stopping_distance,
     stopping_speed,
+    striking_speed,
 )
 
 
@@ -56,3 +57,15 @@ def test_stopping_speed_is_the_inverse_of_the_distance(
 
 def test_no_room_is_no_speed() -> None:
     assert stopping_speed(-0.3, 1.0, 0.2) == 0.0
+
+
+@given(st.floats(0.0, 2.0), st.floats(0.5, 2.0), st.floats(0.1, 0.5), st.floats(0.0, 0.3))
+def test_striking_speed_leaves_what_a_touch_may_have(
+    distance: float, brake: float, reaction_s: float, touch: float
+) -> None:
+    """v^2 - 2 a (d - v t) = touch^2, or v = touch where the reaction alone takes the distance."""
+    speed = striking_speed(distance, brake, reaction_s, touch)
+    left = speed**2 - 2.0 * brake * (distance - speed * reaction_s)
+    assert speed >= touch
+    assert left == pytest.approx(touch**2, abs=1e-6) or speed == touch
+    assert striking_speed(-0.1, brake, reaction_s, touch) == touch

@@ -11,7 +11,7 @@ from controllers.loops import (
     surge_windup,
     turning_limit,
 )
-from controllers.steering import SAFE_SHARE, braking_moment
+from controllers.steering import braking_moment
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 from tests.controllers.plant import blank
@@ -72,13 +72,11 @@ def test_integrals_learn_a_steady_error_otherwise() -> None:
 
 
 def test_turning_leaves_thrust_for_braking() -> None:
-    s, most = blank(), P.lever_m * -P.thrust_low
-    s.most_ahead = s.most_astern = 2.0
-    assert braking_moment(s, P, -30.0, 1.0, 100.0) == pytest.approx(most)
-    assert braking_moment(s, P, -30.0, 1.0, -100.0) == pytest.approx(-most)
-    assert braking_moment(s, P, 30.0, 1.0, 100.0) == 100.0  # not braking
-    s.most_ahead = 0.5  # too fast to be safe
-    assert braking_moment(s, P, -30.0, 1.0, 100.0) == pytest.approx(SAFE_SHARE * most)
+    most = P.lever_m * -P.thrust_low
+    assert braking_moment(P, 1.0, -30.0, 1.0, 100.0) == pytest.approx(most)
+    assert braking_moment(P, 1.0, -30.0, 1.0, -100.0) == pytest.approx(-most)
+    assert braking_moment(P, 1.0, 30.0, 1.0, 100.0) == 100.0  # not braking
+    assert braking_moment(P, 0.3, -30.0, 1.0, 100.0) == pytest.approx(0.3 * most)
 
 
 def test_speed_while_turning() -> None:

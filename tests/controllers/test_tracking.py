@@ -14,6 +14,7 @@ from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.weather.settings import WeatherSettings
 from tests.controllers.plant import CALM, FloatArray, beam_gusts, blank, cross_current, sail
+from tests.controllers.proving_ground import corner_rmse
 
 LEG_M, SETTLED_M = 100.0, 20.0
 FULL = 75  # items: all of an episode
@@ -42,11 +43,26 @@ def test_straight_legs(name: str, load: float, weather: WeatherSettings, limit_m
     assert rmse(name, weather, load).max() <= limit_m
 
 
+@pytest.mark.parametrize("name", ["scout", "forager", "otter"])
+@pytest.mark.parametrize(
+    ("weather", "limit_m"), [(CALM, 0.03), (cross_current(), 0.17)], ids=["calm", "current"]
+)
+def test_after_a_corner_a_hull_comes_back_to_its_leg(
+    name: str, weather: WeatherSettings, limit_m: float
+) -> None:
+    """From 30 s after a corner of 90 degrees the leg is kept, though it was ordered 2 m off it."""
+    track = sail(
+        load_vessel(name), np.zeros(1), (40.0, 0.0), 90.0, weather=weather, then=(40.0, LEG_M)
+    )
+    assert track.pose[-1, 0, 1] > 80.0
+    assert corner_rmse(track, 40.0) <= limit_m
+
+
 def heading_step(name: str, speed: float, load: float = 0.0) -> FloatArray:
     """(tick,) heading [deg] of a hull told to turn by 90 degrees at a speed, after 5 s of that."""
     vessel = load_vessel(name)
     p, s = packed(helm_of(vessel)), blank()
-    s.most_ahead = s.most_astern = s.most_rate = 1e3
+    s.most_ahead = s.most_astern = s.most_port = s.most_starboard = 1e3
     simulation, headings = Simulation(build_scene([vessel])), []
     simulation.load[:] = load
     for tick in range(250):

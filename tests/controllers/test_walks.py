@@ -1,6 +1,6 @@
 """Crews of two scouts and two foragers on the comb port: arrivals, contacts and their speeds.
 
-The long runs are `python -m tests.controllers.proving_ground`.
+The long runs are `python -m tests.controllers.proving_ground` and `touching_ground`.
 """
 
 import numpy as np
@@ -8,6 +8,7 @@ import pytest
 
 from graph_planner.navigation import navigation_graph
 from mjforage.physics.vessels import load_vessel
+from tests.controllers.touching_ground import PLACES, walked
 from tests.controllers.walks import Outcome, Walk, comb_port, crew
 from tests.graph_planner.charts import grid
 
@@ -51,6 +52,14 @@ def test_two_meet_in_a_corridor_of_one_cell(name: str) -> None:
     outcome = walk.run(15, crowded=True)
     assert outcome.speeds.max(initial=0.0) <= HARD_MPS
     assert outcome.arrived.sum() > 0.5 * outcome.moves.sum()
+
+
+@pytest.mark.parametrize("name", ["four in a lane", "eight", "sixteen"])
+def test_crowds_where_it_is_hard_not_to_touch(name: str) -> None:
+    """Turning side by side, in contact, picking up at quays: they touch, and none fast."""
+    speeds = walked(PLACES[name], episodes=6, periods=12, seed=2).speeds
+    assert speeds.size > 20
+    assert speeds.max() < 0.27
 
 
 def test_walks_repeat_to_the_bit() -> None:

@@ -1,6 +1,5 @@
 """Walks of a crew from node to node, steered by the pilot on the real simulation."""
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -8,14 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers import Chart, Pilot
-from controllers._compiled import kernel
-from controllers.boxes import box_gap
-from controllers.chart import quay_gap
+from graph_planner.compiled import kernel
 from graph_planner.fleet import Fleet, Role
 from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
 from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
 from graph_planner.randomness import episode_keys
 from mjforage.core.maps import load_map
+from mjforage.physics.dynamics.touch import touches
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessel_helm import helm_of
@@ -29,7 +27,6 @@ Record = Callable[[int, Simulation, Pilot, FloatArray], None]
 
 CONTROL_S, PERIOD_S, PITCH_M = 0.1, 10.0, 4.0
 ARRIVAL_M = 1.0
-NEAR_M = 0.25  # gap below which an approach counts as the one before a contact
 STARTS = ((10, 7), (12, 7), (14, 7), (16, 7))
 
 CALM = WeatherSettings()
@@ -61,7 +58,7 @@ class Outcome:
     moves: NDArray[np.int64]  # (vessel,) decisions to move
     arrived: NDArray[np.int64]  # (vessel,) of those
     impacts: list[tuple[int, int, int, float]] = field(default_factory=list)
-    """Of each new contact: period, episode, vessel, normal speed before it [m/s]."""
+    """Of each period and vessel that touched: period, episode, vessel, fastest approach [m/s]."""
     late: list[tuple[int, int, int]] = field(default_factory=list)  # period, episode, vessel
 
     @property
@@ -71,53 +68,23 @@ class Outcome:
 
     @property
     def speeds(self) -> FloatArray:
-        """(contact,) normal speeds before contacts [m/s]."""
+        """(impact,) of these, the fastest approaches [m/s]."""
         return np.array([impact[3] for impact in self.impacts])
 
 
 @kernel
-def _gap(a: FloatArray, b: FloatArray, size_a: FloatArray, size_b: FloatArray) -> float:
-    """Gap of two hulls at poses x, y, yaw."""
-    return box_gap(
-        b[0] - a[0],
-        b[1] - a[1],
-        math.cos(a[2]),
-        math.sin(a[2]),
-        size_a[0],
-        size_a[1],
-        math.cos(b[2]),
-        math.sin(b[2]),
-        size_b[0],
-        size_b[1],
-    )
-
-
-@kernel
-def closing_speeds(
-    pose: FloatArray, velocity: FloatArray, size: FloatArray, land: NDArray[np.bool_], pitch: float
-) -> FloatArray:
-    """(episode, vessel) fastest normal approach [m/s] to anything nearer than `NEAR_M`."""
-    fastest, h = np.zeros(pose.shape[:2]), 0.01
-    soon = pose + h * velocity
+def _touches(
+    pose: FloatArray,
+    velocity: FloatArray,
+    size: FloatArray,
+    framed: NodeArray,
+    pitch_m: float,
+    touching: NDArray[np.bool_],
+    closing: FloatArray,
+) -> None:
+    """`touches` of every episode."""
     for e in range(pose.shape[0]):
-        for i in range(pose.shape[1]):
-            a, b, half = pose[e, i], soon[e, i], size[i]
-            now = quay_gap(
-                land, pitch, a[0], a[1], math.cos(a[2]), math.sin(a[2]), half[0], half[1], 1.0
-            )
-            then = quay_gap(
-                land, pitch, b[0], b[1], math.cos(b[2]), math.sin(b[2]), half[0], half[1], 1.0
-            )
-            if now < NEAR_M:
-                fastest[e, i] = max(fastest[e, i], (now - then) / h)
-            for j in range(pose.shape[1]):
-                if j == i or np.abs(pose[e, j, :2] - pose[e, i, :2]).max() > 5.0:
-                    continue
-                now = _gap(pose[e, i], pose[e, j], size[i], size[j])
-                then = _gap(soon[e, i], soon[e, j], size[i], size[j])
-                if now < NEAR_M:
-                    fastest[e, i] = max(fastest[e, i], (now - then) / h)
-    return fastest
+        touches(pose[e], velocity[e], size, framed, pitch_m, touching[e], closing[e])
 
 
 def crowding(
@@ -176,7 +143,7 @@ class Walk:
         self.goal = self.rng.integers(len(graph), size=episodes).astype(np.int32)
         yaw = self.rng.uniform(-np.pi, np.pi, (episodes, v, 1))
         self.simulation.place_vessels(np.concatenate((self.centres[self.node], yaw), axis=2))
-        self.touching = np.zeros((episodes, v), np.bool_)
+        self.touching, self.closing = np.zeros((episodes, v), np.bool_), np.zeros((episodes, v))
         self.ticks = 0
 
     def decide(self, period: int, crowded: bool) -> Moves:
@@ -200,10 +167,9 @@ class Walk:
         )
 
     def tick(self) -> FloatArray:
-        """One control step; (episode, vessel) normal speed of new contacts, NaN for none."""
-        simulation, v = self.simulation, self.node.shape[1]
+        """One control step; (episode, vessel) speed of its touches [m/s], NaN for none."""
+        simulation = self.simulation
         pose, velocity = simulation.vessel_pose, simulation.vessel_velocity
-        before = closing_speeds(pose, velocity, self.size, self.chart.land, self.graph.pitch_m)
         t = self.ticks * CONTROL_S
         simulation.vessel_wind[:] = self.field.wind(t, pose[..., :2])
         simulation.vessel_water[:] = self.field.current(t, pose[..., :2])
@@ -214,11 +180,16 @@ class Walk:
         simulation.commands[:] = self.pilot.command(active, pose, velocity)
         simulation.step(round(CONTROL_S / simulation.step_s))
         self.ticks += 1
-        force = simulation.engine.bind("qfrc_constraint")[:, : 3 * v]
-        touching = (force.reshape(self.episodes, v, 3) != 0.0).any(axis=2)
-        new = touching & ~self.touching
-        self.touching = touching
-        return np.where(new, before, np.nan)
+        _touches(
+            simulation.vessel_pose,
+            velocity,
+            self.size,
+            self.graph.water.framed,
+            self.graph.pitch_m,
+            self.touching,
+            self.closing,
+        )
+        return np.where(self.touching, self.closing, np.nan)
 
     def run(self, periods: int, *, crowded: bool = False, record: Record | None = None) -> Outcome:
         """Walk, and count what arrived in time and what touched."""
@@ -229,15 +200,15 @@ class Walk:
             target, stay = self.centres[moves.target], moves.direction == STAY
             active = np.ones(self.episodes, np.bool_)
             self.pilot.order(active, self.centres[self.node], target, stay)
-            arrived = np.zeros_like(stay)
+            arrived, fastest = np.zeros_like(stay), np.full(stay.shape, np.nan)
             for _ in range(round(PERIOD_S / CONTROL_S)):
                 if record is not None:
                     record(period, self.simulation, self.pilot, target)
-                speed = self.tick()
-                for e, i in np.argwhere(~np.isnan(speed)):
-                    outcome.impacts.append((period, int(e), int(i), float(speed[e, i])))
+                fastest = np.fmax(fastest, self.tick())
                 off = self.simulation.vessel_pose[..., :2] - target
                 arrived |= np.hypot(off[..., 0], off[..., 1]) < ARRIVAL_M
+            for e, i in np.argwhere(~np.isnan(fastest)):
+                outcome.impacts.append((period, int(e), int(i), float(fastest[e, i])))
             outcome.moves += (~stay).sum(axis=0)
             outcome.arrived += (~stay & arrived).sum(axis=0)
             late = np.argwhere(~stay & ~arrived)

@@ -1,0 +1,114 @@
+"""How fast a hull may turn and go where it may touch, by what each of its points closes at.
+
+Two boxes come nearest at a corner of one of them. A point p of the hull closes at n . (v + r x p)
+in the direction n of what is nearest to it: no faster than it can brake in the gap, but for the
+speed that a touch may have.
+"""
+
+import math
+
+from controllers._compiled import kernel
+from controllers.angles import clipped
+from controllers.chart import LandArray, headland, nearest_land
+from controllers.guidance import striking_speed
+from controllers.helm import PackedHelm
+from controllers.legs import REACTION_S
+from controllers.state import VesselState
+
+NEAR_M = 0.6  # a gap within which any turn can be braked
+TOUCH_QUAY_MPS, TOUCH_HULL_MPS = 0.18, 0.1  # of a touch; another hull may have as much
+HULL_SHARE = 0.6  # of the brake that is counted on before other hulls, which move
+INSET_M = 0.05  # of the points, so that one that touches is not yet inside
+BLUR_M = 0.02  # by which a gap may be smaller than it is measured
+HEADED = 0.2  # share of the speed ahead that must go towards a point to be limited for it
+
+
+@kernel
+def heed(
+    s: VesselState, p: PackedHelm, x: float, y: float, dx: float, dy: float, quay: bool
+) -> None:
+    """Limit a hull for the sake of one point of it.
+
+    Parameters
+    ----------
+    x, y : the point, from midships, world axes [m]
+    dx, dy : from there to what is nearest [m]
+    quay : whether that is a quay; another hull may use half of the gap
+    """
+    far = math.sqrt(dx * dx + dy * dy)
+    if not 0.0 < far < NEAR_M + INSET_M:
+        return
+    nx, ny, gap = dx / far, dy / far, far - INSET_M - BLUR_M
+    c, t = math.cos(s.yaw), math.sin(s.yaw)
+    ahead, turning = nx * c + ny * t, ny * x - nx * y
+    aside = max((ny * c - nx * t) * (c * s.vy - t * s.vx), 0.0)
+    reaction = p.lag_s + 2.0 * REACTION_S  # a tick more, for the gap is that of before
+    if quay:
+        most = striking_speed(gap, p.brake_mps2, reaction, TOUCH_QUAY_MPS)
+    else:
+        most = striking_speed(0.5 * gap, HULL_SHARE * p.brake_mps2, reaction, TOUCH_HULL_MPS)
+    going = max(ahead * (c * s.vx + t * s.vy), 0.0)
+    rate = max(most - aside - going, 0.0) / max(abs(turning), 1e-3)
+    if turning > 0.0:
+        s.most_port = min(s.most_port, rate)
+    else:
+        s.most_starboard = min(s.most_starboard, rate)
+    if gap > p.clearance_m or abs(ahead) < HEADED:
+        return
+    speed = max(most - aside - max(turning * s.rate, 0.0), 0.0) / abs(ahead)
+    if ahead > 0.0:
+        s.most_ahead = min(s.most_ahead, speed)
+    else:
+        s.most_astern = min(s.most_astern, speed)
+
+
+@kernel
+def corner_of(length: float, beam: float, c: float, t: float, k: int) -> tuple[float, float]:
+    """Corner `k` of 4 of a box at a heading of cosine `c`, sine `t`, from its middle [m]."""
+    along = 0.5 * length if k & 1 else -0.5 * length
+    aside = 0.5 * beam if k & 2 else -0.5 * beam
+    return c * along - t * aside, t * along + c * aside
+
+
+@kernel
+def nearest_of(
+    length: float, beam: float, c: float, t: float, x: float, y: float
+) -> tuple[float, float]:
+    """Point of such a box nearest to (x, y), both from its middle [m]."""
+    along = clipped(c * x + t * y, -0.5 * length, 0.5 * length)
+    aside = clipped(c * y - t * x, -0.5 * beam, 0.5 * beam)
+    return c * along - t * aside, t * along + c * aside
+
+
+@kernel
+def heed_land(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> None:
+    """Limit a hull for the sake of quays: its corners, and theirs that jut out."""
+    c, t = math.cos(s.yaw), math.sin(s.yaw)
+    long, wide = p.length_m - 2.0 * INSET_M, p.beam_m - 2.0 * INSET_M
+    for k in range(4):
+        x, y = corner_of(long, wide, c, t, k)
+        dx, dy = nearest_land(land, pitch, s.x + x, s.y + y, NEAR_M + INSET_M)
+        heed(s, p, x, y, dx, dy, True)
+    reach = 0.5 * p.length_m + NEAR_M
+    low_i, low_j = math.floor((s.x - reach) / pitch), math.floor((s.y - reach) / pitch)
+    for i in range(low_i, math.floor((s.x + reach) / pitch) + 1):
+        for j in range(low_j, math.floor((s.y + reach) / pitch) + 1):
+            if headland(land, i, j):
+                to_x, to_y = (i + 0.5) * pitch - s.x, (j + 0.5) * pitch - s.y
+                x, y = nearest_of(long, wide, c, t, to_x, to_y)
+                heed(s, p, x, y, to_x - x, to_y - y, True)
+
+
+@kernel
+def heed_hull(s: VesselState, p: PackedHelm, other: VesselState, helm: PackedHelm) -> None:
+    """Limit a hull for the sake of another: the corners of both."""
+    c, t, co, to = math.cos(s.yaw), math.sin(s.yaw), math.cos(other.yaw), math.sin(other.yaw)
+    long, wide = p.length_m - 2.0 * INSET_M, p.beam_m - 2.0 * INSET_M
+    dx, dy = other.x - s.x, other.y - s.y
+    for k in range(4):
+        x, y = corner_of(long, wide, c, t, k)
+        qx, qy = nearest_of(helm.length_m, helm.beam_m, co, to, x - dx, y - dy)
+        heed(s, p, x, y, dx + qx - x, dy + qy - y, False)
+        qx, qy = corner_of(helm.length_m, helm.beam_m, co, to, k)
+        x, y = nearest_of(long, wide, c, t, dx + qx, dy + qy)
+        heed(s, p, x, y, dx + qx - x, dy + qy - y, False)
