@@ -11,9 +11,10 @@ from graph_planner.navigation import NavigationGraph
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.core.errors import UserError
 from mjforage.core.initial_state import LEEWAY, item_noise
-from mjforage.physics.weather.circulation import Circulation, circulation, circulation_velocity
+from mjforage.physics.weather.flow import Flow, flow_of, has_open_border
 from mjforage.physics.weather.gauss_markov import gauss_markov_pair
 from mjforage.physics.weather.settings import WeatherSettings
+from mjforage.physics.weather.stream_element import stream_velocity
 
 FloatArray = NDArray[np.float64]
 
@@ -21,7 +22,7 @@ CROSSWIND_RATIO = 0.8  # gusts across the wind over those along it (IEC 61400-1,
 WANDER_TAU_S = 600.0  # correlation time of the wandering current; an estimate
 _EARLY = 1e-6  # periods; a time this little before a period's start counts as in it
 _DIRECTION = 1000  # step of a drawn direction in its stream, away from the other draws
-_STILL = Circulation(np.zeros((1, 1, 4)), 1.0, 0.0)
+_OPEN_SEA = Flow(np.empty((0, 0, 4, 3)), 1.0, 0.0)  # the free stream is everywhere
 
 
 @kernel
@@ -93,7 +94,7 @@ def _current(
     spacing_m: float,
     corner_m: float,
 ) -> FloatArray:
-    """Constant, wandering and circulating current, (episode, point, 2) [m/s]."""
+    """Streams and circulation at points, (episode, point, 2) [m/s]."""
     out = np.empty(xy.shape)
     for e in range(xy.shape[0]):
         u, v = mean[e, 0], mean[e, 1]
@@ -101,12 +102,12 @@ def _current(
             wander_u, wander_v = gauss_markov_pair(keys[e], t_s[e] / WANDER_TAU_S)
             u, v = u + wander * wander_u, v + wander * wander_v
         for p in range(xy.shape[1]):
-            turn_u = turn_v = 0.0
-            if peak != 0.0:
-                turn_u, turn_v = circulation_velocity(
-                    patches, spacing_m, corner_m, xy[e, p, 0], xy[e, p, 1]
+            if patches.size:
+                out[e, p, 0], out[e, p, 1] = stream_velocity(
+                    patches, spacing_m, corner_m, xy[e, p, 0], xy[e, p, 1], u, v, peak
                 )
-            out[e, p, 0], out[e, p, 1] = u + peak * turn_u, v + peak * turn_v
+            else:
+                out[e, p, 0], out[e, p, 1] = u, v
     return out
 
 
@@ -128,6 +129,38 @@ def _radians(toward_deg: float | None) -> float:
     return math.nan if toward_deg is None else math.radians(toward_deg)
 
 
+def flow_in(settings: WeatherSettings, graph: NavigationGraph | None) -> Flow:
+    """What streams and circulation are like on a map.
+
+    Parameters
+    ----------
+    graph : the map; None: the open sea
+
+    Raises
+    ------
+    UserError
+        If there shall be a circulation without a map, or a stream on a map without water at its
+        edge.
+    """
+    turning = settings.circulation_mps != 0.0
+    if graph is None:
+        if turning:
+            raise UserError(
+                f"weather: circulation_mps = {settings.circulation_mps:g} without a map; "
+                "give a map, or 0"
+            )
+        return _OPEN_SEA
+    for name in ("current_speed_mps", "current_wander_mps"):
+        speed = getattr(settings, name)
+        if speed and not has_open_border(graph):
+            raise UserError(
+                f"weather: {name} = {speed:g} on a map without water at its edge, where a current "
+                "would come in and go out; open the edge, or set weather.circulation_mps instead"
+            )
+    streaming = settings.current_speed_mps > 0.0 or settings.current_wander_mps > 0.0
+    return flow_of(graph, streaming, turning) if streaming or turning else _OPEN_SEA
+
+
 @dataclass(frozen=True, eq=False)
 class Field:
     """The weather of a batch of episodes; make one with `Field.create`.
@@ -139,7 +172,7 @@ class Field:
     ----------
     settings : what was asked for
     mean_wind_mps : (episode, 2) wind without gusts [m/s]
-    mean_current_mps : (episode, 2) constant part of the current [m/s]
+    mean_current_mps : (episode, 2) constant part of the free stream [m/s]
     """
 
     settings: WeatherSettings
@@ -148,7 +181,7 @@ class Field:
     _gust_keys: UInt64Array
     _current_keys: UInt64Array
     _noise_keys: UInt64Array
-    _circulation: Circulation
+    _flow: Flow
 
     @classmethod
     def create(
@@ -162,20 +195,14 @@ class Field:
         Parameters
         ----------
         keys : (episode,) episode keys
-        graph : the map, wanted for a circulation only
+        graph : the map; None: the open sea
 
         Raises
         ------
         UserError
-            If there shall be a circulation and there is no map.
+            As `flow_in`.
         """
         keys = np.ascontiguousarray(keys, np.uint64)
-        turning = settings.circulation_mps != 0.0
-        if turning and graph is None:
-            raise UserError(
-                f"weather: circulation_mps = {settings.circulation_mps:g} without a map; "
-                "give a map, or 0"
-            )
         toward, flow = _radians(settings.wind_toward_deg), _radians(settings.current_toward_deg)
         wind = _constant_vectors(keys, Stream.WEATHER, settings.wind_speed_mps, toward)
         drawn = _drawn_vectors(keys, settings.drawn_drift_mps) / LEEWAY
@@ -186,7 +213,7 @@ class Field:
             _stream_keys(keys, Stream.GUSTS),
             _stream_keys(keys, Stream.CURRENT),
             _stream_keys(keys, Stream.NOISE),
-            circulation(graph) if turning and graph is not None else _STILL,
+            flow_in(settings, graph),
         )
 
     def __len__(self) -> int:
@@ -235,7 +262,7 @@ class Field:
         )
 
     def current(self, t_s: ArrayLike, xy: NDArray[np.float64]) -> FloatArray:
-        """Velocity of the water over ground: constant, wandering and circulating parts.
+        """Velocity of the water over ground: streams and circulation, which no quay lets through.
 
         Parameters
         ----------
@@ -251,7 +278,7 @@ class Field:
         ValueError
             If a shape does not fit or a time is not finite.
         """
-        settings, turning = self.settings, self._circulation
+        settings, flow = self.settings, self._flow
         return _current(
             self._times(t_s),
             self._points(xy),
@@ -259,9 +286,9 @@ class Field:
             self._current_keys,
             settings.current_wander_mps,
             settings.circulation_mps,
-            turning.patches,
-            turning.spacing_m,
-            turning.corner_m,
+            flow.patches,
+            flow.spacing_m,
+            flow.corner_m,
         )
 
     def item_noise(self, t_s: ArrayLike, items: int) -> FloatArray:
