@@ -38,7 +38,7 @@ from mjforage.physics.dynamics.watch import Harbour, Motion, Tick, Watched, judg
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.vessel_helm import helm_of
-from mjforage.physics.weather import Field, WeatherSettings
+from mjforage.physics.weather import Field, WeatherSettings, flow_in
 
 CONTROL_S = 0.1  # controllers run at 10 Hz
 WEATHER_TICKS = 5  # wind and current are looked up every 0.5 s, a quarter of a gust's memory
@@ -56,7 +56,8 @@ class MujocoDynamics:
         ------
         UserError
             If a vessel or an item class is not known, a hull does not fit on the map, the
-            scenario's times do not fit together, or items without bodies shall enter a mouth.
+            scenario's times do not fit together, items without bodies shall enter a mouth, or there
+            shall be a current on a map without an open border.
         """
         self._graph, self._fleet, self._scenario, self._film = graph, fleet, scenario, film
         self._choice = scenario.physics
@@ -85,6 +86,7 @@ class MujocoDynamics:
         self._settings = WeatherSettings.of_scenario(
             scenario.weather, graph.pitch_m, scenario.period_s
         )
+        flow_in(self._settings, graph)
         centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._centres, self._centres_xy = centres, graph.metres(centres)
 

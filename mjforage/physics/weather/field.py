@@ -10,10 +10,11 @@ from graph_planner.compiled import kernel
 from graph_planner.navigation import NavigationGraph
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.core.errors import UserError
-from mjforage.core.initial_state import LEEWAY, item_noise
+from mjforage.core.initial_state import LEEWAY, item_noise, steady_vectors
 from mjforage.physics.weather.flow import Flow, flow_of, has_open_border
 from mjforage.physics.weather.gauss_markov import gauss_markov_pair
 from mjforage.physics.weather.settings import WeatherSettings
+from mjforage.physics.weather.shelter import NO_SHELTER, Shelter, lee, shelter_of
 from mjforage.physics.weather.stream_element import stream_velocity
 
 FloatArray = NDArray[np.float64]
@@ -21,7 +22,6 @@ FloatArray = NDArray[np.float64]
 CROSSWIND_RATIO = 0.8  # gusts across the wind over those along it (IEC 61400-1, annex B)
 WANDER_TAU_S = 600.0  # correlation time of the wandering current; an estimate
 _EARLY = 1e-6  # periods; a time this little before a period's start counts as in it
-_DIRECTION = 1000  # step of a drawn direction in its stream, away from the other draws
 _OPEN_SEA = Flow(np.empty((0, 0, 4, 3)), 1.0, 0.0)  # the free stream is everywhere
 
 
@@ -46,20 +46,6 @@ def _drawn_vectors(keys: UInt64Array, reach: float) -> FloatArray:
 
 
 @kernel
-def _constant_vectors(
-    keys: UInt64Array, stream: int, speed: float, toward_rad: float
-) -> FloatArray:
-    """Vectors of one speed; a direction that is NaN is drawn per episode."""
-    result = np.empty((keys.size, 2))
-    for e in range(keys.size):
-        angle = toward_rad
-        if math.isnan(angle):
-            angle = 2.0 * math.pi * uniform(stream_key(keys[e], stream), 0, _DIRECTION)
-        result[e, 0], result[e, 1] = speed * math.cos(angle), speed * math.sin(angle)
-    return result
-
-
-@kernel
 def _wind(
     t_s: FloatArray,
     xy: FloatArray,
@@ -67,8 +53,9 @@ def _wind(
     gust_keys: UInt64Array,
     intensity: float,
     tau_s: float,
+    shelter: Shelter,
 ) -> FloatArray:
-    """Mean wind and the gusts along and across it, (episode, point, 2) [m/s]."""
+    """Mean wind and the gusts along and across it, weaker in the lee, (episode, point, 2) [m/s]."""
     out = np.empty(xy.shape)
     for e in range(xy.shape[0]):
         u, v = mean[e, 0], mean[e, 1]
@@ -78,7 +65,10 @@ def _wind(
         along, aside = 1.0 + intensity * ahead, intensity * CROSSWIND_RATIO * beside
         wind_u, wind_v = along * u - aside * v, along * v + aside * u
         for p in range(xy.shape[1]):
-            out[e, p, 0], out[e, p, 1] = wind_u, wind_v
+            share = 1.0
+            if shelter.length_m > 0.0:
+                share = lee(shelter, xy[e, p, 0], xy[e, p, 1], u, v)
+            out[e, p, 0], out[e, p, 1] = share * wind_u, share * wind_v
     return out
 
 
@@ -182,6 +172,7 @@ class Field:
     _current_keys: UInt64Array
     _noise_keys: UInt64Array
     _flow: Flow
+    _shelter: Shelter
 
     @classmethod
     def create(
@@ -204,16 +195,17 @@ class Field:
         """
         keys = np.ascontiguousarray(keys, np.uint64)
         toward, flow = _radians(settings.wind_toward_deg), _radians(settings.current_toward_deg)
-        wind = _constant_vectors(keys, Stream.WEATHER, settings.wind_speed_mps, toward)
+        wind = steady_vectors(keys, Stream.WEATHER, settings.wind_speed_mps, toward)
         drawn = _drawn_vectors(keys, settings.drawn_drift_mps) / LEEWAY
         return cls(
             settings,
             wind + drawn,
-            _constant_vectors(keys, Stream.CURRENT, settings.current_speed_mps, flow),
+            steady_vectors(keys, Stream.CURRENT, settings.current_speed_mps, flow),
             _stream_keys(keys, Stream.GUSTS),
             _stream_keys(keys, Stream.CURRENT),
             _stream_keys(keys, Stream.NOISE),
             flow_in(settings, graph),
+            NO_SHELTER if graph is None else shelter_of(graph, settings.shelter_height_m),
         )
 
     def __len__(self) -> int:
@@ -235,7 +227,7 @@ class Field:
         """Wind over ground.
 
         Gusts are Ornstein-Uhlenbeck processes of `gust_tau_s` along and across the mean wind, the
-        same at every point.
+        same at every point. In the lee of land mean wind and gusts are weaker by one factor.
 
         Parameters
         ----------
@@ -259,6 +251,7 @@ class Field:
             self._gust_keys,
             settings.gust_intensity,
             settings.gust_tau_s,
+            self._shelter,
         )
 
     def current(self, t_s: ArrayLike, xy: NDArray[np.float64]) -> FloatArray:

@@ -11,9 +11,9 @@ Pedlosky, Geophysical Fluid Dynamics, chapter 5), and Brinkman's equation (1949)
 the vorticity obeys w = L^2 laplace(w), so that beyond the layer the streams are potential flow.
 It is solved for the stream function, as the least of drag less work of the force:
 
-- *streams*: a uniform force that moves open water at 1 m/s. At the border of the map water comes and
-  goes as pressure lets it (p = 0 but for the layer's stress): psi is free there. It is one number
-  along each piece of land, found with the rest, so that pressure is one number around an island.
+- *streams*: a uniform force that moves open water at 1 m/s. At the border of the map water comes
+  and goes as pressure lets it (p = 0 but for the layer's stress): psi is free there. It is one
+  number along each piece of land, found with the rest, so that pressure is single-valued.
 - *circulation*: a force of curl 1 between quays and rim, psi = dpsi/dn = 0 at both:
   -laplace(psi) + L^2 laplace(laplace(psi)) = 1.
 """
@@ -92,7 +92,7 @@ def _shore_unknowns(water: NDArray[np.bool_]) -> NDArray[np.int64]:
 
 
 def _still_unknowns(water: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """(y vertex, x vertex, 4) number of each unknown of the circulation, -1 at quays and the rim."""
+    """(y vertex, x vertex, 4) number of each unknown of the circulation, -1 at quays and rim."""
     framed = np.pad(water, 1)
     inner = framed[1:, 1:] & framed[:-1, 1:] & framed[1:, :-1] & framed[:-1, :-1]
     unknown = np.full((*inner.shape, 4), -1)

@@ -13,8 +13,8 @@ from graph_planner.compiled import kernel
 
 FloatArray = NDArray[np.float64]
 
-# Integrals of products of the Hermite basis on [0, 1] (value and slope at 0, then at 1), of their
-# first and second derivatives, of the basis itself and of its derivative: the beam element's tables.
+# Integrals of products of the Hermite basis on [0, 1] (value and slope at 0, then at 1), of its
+# first and second derivatives, of the basis and of its derivative: the beam element's tables.
 _VALUES: FloatArray = (
     np.array([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420
 )

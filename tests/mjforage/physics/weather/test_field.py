@@ -102,7 +102,7 @@ def test_a_drawn_direction_is_uniform_over_the_circle(part: str) -> None:
 def paper_world(episodes: int) -> tuple[InitialState, Field]:
     keys = episode_keys(3, np.arange(episodes))
     nobody = np.empty(0, np.int32)
-    world = create_initial_state(OPEN, Items(covariance_node2=4.0), Weather(), nobody, 1, keys)
+    world = create_initial_state(OPEN, Items(covariance_node2=4.0), Weather(), 0.4, nobody, 1, keys)
     return world, Field.create(WeatherSettings.of_scenario(Weather(), PITCH, PERIOD), keys)
 
 
@@ -114,6 +114,15 @@ def test_the_papers_drift_has_its_distribution_and_is_the_graphs() -> None:
     assert abs(correlation(drift[:, 0], drift[:, 1])) < 4 / math.sqrt(3000)
     graphs = np.stack((world.drift_rc[:, 1], -world.drift_rc[:, 0]), axis=-1) * PITCH / PERIOD
     np.testing.assert_allclose(drift, graphs, rtol=1e-14)
+
+
+def test_a_wind_of_the_scenario_drifts_items_alike_in_both_worlds() -> None:
+    keys, nobody = episode_keys(3, np.arange(50)), np.empty(0, np.int32)
+    breeze = Weather(wind_speed_mps=5.0)
+    world = create_initial_state(OPEN, Items(), breeze, PITCH / PERIOD, nobody, 1, keys)
+    weather = Field.create(WeatherSettings.of_scenario(breeze, PITCH, PERIOD), keys)
+    graphs = np.stack((world.drift_rc[:, 1], -world.drift_rc[:, 0]), axis=-1) * PITCH / PERIOD
+    np.testing.assert_allclose(0.03 * weather.mean_wind_mps, graphs, rtol=1e-13)
 
 
 def test_wind_and_noise_carry_items_as_the_graph_does() -> None:

@@ -15,7 +15,6 @@ from mjforage.physics.weather.flow import (
     _still_unknowns,
     _stream_functions,
     flow_of,
-    has_open_border,
 )
 from mjforage.physics.weather.stream_element import TURN, stream_velocity
 
@@ -48,11 +47,9 @@ def flow(graph: NavigationGraph) -> Flow:
     return flow_of(graph, True, True)
 
 
-def velocity(
-    graph: NavigationGraph, x: float, y: float, share: Share = CIRCULATION
-) -> tuple[float, float]:
+def velocity(graph: NavigationGraph, xy: Point, share: Share = CIRCULATION) -> tuple[float, float]:
     field = flow(graph)
-    return stream_velocity(field.patches, field.spacing_m, field.corner_m, x, y, *share)
+    return stream_velocity(field.patches, field.spacing_m, field.corner_m, *xy, *share)
 
 
 def flux(
@@ -67,7 +64,7 @@ def flux(
     for part in range(parts):
         for node, weight in zip(GAUSS, WEIGHTS, strict=True):
             s = (part + 0.5 + node) / parts
-            u, v = velocity(graph, x0 + s * (x1 - x0), y0 + s * (y1 - y0), share)
+            u, v = velocity(graph, (x0 + s * (x1 - x0), y0 + s * (y1 - y0)), share)
             through += weight * (u * (y1 - y0) - v * (x1 - x0)) / parts
             total += weight * float(np.hypot(u, v)) * length / parts
     return through, total
@@ -98,10 +95,10 @@ def test_quays_let_nothing_through_and_nothing_along(port: str, share: Share) ->
     graph = map_of(port)
     points = faces(graph, open_rim=share != CIRCULATION)
     assert len(points) > 150
-    speeds = [np.hypot(*velocity(graph, x, y, share)) for x, y in points.reshape(-1, 2)]
+    speeds = [np.hypot(*velocity(graph, (x, y), share)) for x, y in points.reshape(-1, 2)]
     assert max(speeds) < 1e-12
     land = graph.metres(np.argwhere(~graph.navigable).astype(np.float64))
-    assert max(np.hypot(*velocity(graph, x, y, share)) for x, y in land) < 1e-12
+    assert max(np.hypot(*velocity(graph, (x, y), share)) for x, y in land) < 1e-12
 
 
 @pytest.mark.parametrize("share", EVERY)
@@ -117,7 +114,7 @@ def test_every_node_keeps_its_water(port: str, share: Share) -> None:
         sides = [flux(graph, corners[i], corners[(i + 1) % 4], share) for i in range(4)]
         assert abs(sum(through for through, _ in sides)) < 1e-12
     if share == CIRCULATION:
-        assert min(np.hypot(*velocity(graph, x + 0.3, y + 0.2)) for x, y in centres) > 0.0
+        assert min(np.hypot(*velocity(graph, (x + 0.3, y + 0.2))) for x, y in centres) > 0.0
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -146,12 +143,12 @@ def test_the_peak_is_one_metre_per_second_counter_clockwise() -> None:
     rng = np.random.default_rng(0)
     node = rng.integers(len(graph), size=100_000)
     rc = np.stack((graph.rows[node], graph.cols[node]), -1) + rng.uniform(-0.5, 0.5, (100_000, 2))
-    speeds = [np.hypot(*velocity(graph, x, y)) for x, y in graph.metres(rc)]
+    speeds = [np.hypot(*velocity(graph, (x, y))) for x, y in graph.metres(rc)]
     assert 0.98 < max(speeds) < 1.001
     box = navigation_graph(np.ones((8, 8), np.bool_), PITCH, False)
     middle = 3.5 * PITCH
-    assert velocity(box, middle + 10, middle)[1] > 0.8
-    assert velocity(box, middle, middle + 10)[0] < -0.8
+    assert velocity(box, (middle + 10, middle))[1] > 0.8
+    assert velocity(box, (middle, middle + 10))[0] < -0.8
 
 
 @pytest.mark.parametrize(("rows", "tolerance"), [(1, 0.05), (2, 0.015), (8, 0.005)])
@@ -166,7 +163,7 @@ def test_a_long_channel_has_the_profile_of_friction_and_viscosity(
     y = np.linspace(-half, half, 101)
     exact = half * np.sinh(y / layer) / np.sinh(half / layer) - y
     middle = (graph.shape[1] - 1) * PITCH / 2
-    found = np.array([velocity(graph, middle, at + half - PITCH / 2) for at in y])
+    found = np.array([velocity(graph, (middle, at + half - PITCH / 2)) for at in y])
     assert np.abs(found[:, 1]).max() < 1e-3
     scale = (exact @ found[:, 0]) / (exact @ exact)
     error = np.abs(found[:, 0] / scale - exact).max()
@@ -190,15 +187,15 @@ def test_velocity_is_continuous_and_patches_meet() -> None:
     for step in range(-4, 5):
         edge = -PITCH / 2 + spacing * (round((x + PITCH / 2) / spacing) + step)
         for other in (y + 0.31, y - 0.77):
-            before, after = velocity(graph, edge - 1e-9, other), velocity(graph, edge + 1e-9, other)
+            before, after = (velocity(graph, (edge + side, other)) for side in (-1e-9, 1e-9))
             np.testing.assert_allclose(before, after, atol=1e-8)
 
 
 def test_positions_off_the_map_are_still_and_lost_ones_stay_lost() -> None:
     graph = harbour()
     for x, y in ((-1e6, 0.0), (0.0, 1e6), (np.inf, 3.0), (-2.0000001, 9.0)):
-        assert velocity(graph, x, y) == (0.0, 0.0)
-    assert np.isnan(velocity(graph, np.nan, 3.0)).all()
+        assert velocity(graph, (x, y)) == (0.0, 0.0)
+    assert np.isnan(velocity(graph, (np.nan, 3.0))).all()
 
 
 def test_the_integral_of_speed_sees_a_leak() -> None:
@@ -206,6 +203,7 @@ def test_the_integral_of_speed_sees_a_leak() -> None:
     graph = navigation_graph(np.ones((6, 15), np.bool_), PITCH, False)
     start, end = graph.metres(np.array([[5.5, 7.0], [2.5, 7.0]]))
     through, total = flux(graph, tuple(start), tuple(end))
-    numeric = quad(lambda y: velocity(graph, float(start[0]), y)[0], start[1], end[1], limit=200)[0]
+    x = float(start[0])
+    numeric = quad(lambda y: velocity(graph, (x, y))[0], start[1], end[1], limit=200)[0]
     assert through == pytest.approx(numeric, rel=1e-6)
     assert abs(through) > 0.9 * total > 1.0
