@@ -81,10 +81,12 @@ def _shore_unknowns(water: NDArray[np.bool_]) -> NDArray[np.int64]:
     unknown = np.full((*piece.shape, 4), -1)
     afloat = piece == 0
     unknown[afloat] = np.arange(4 * np.count_nonzero(afloat)).reshape(-1, 4)
-    largest = np.argmax(np.bincount(piece.ravel(), minlength=count + 1)[1:]) + 1 if count else 0
-    others = [n for n in range(1, count + 1) if n != largest]
-    for number, n in enumerate(others, 4 * np.count_nonzero(afloat)):
-        unknown[piece == n, 0] = number
+    number = 4 * int(np.count_nonzero(afloat))
+    largest = int(np.argmax(np.bincount(pieces.ravel())[1:])) + 1 if count else 0
+    for n in range(1, count + 1):
+        if n != largest:
+            unknown[piece == n, 0] = number
+            number += 1
     if not count:
         unknown[0, 0, 0] = -1
         unknown[unknown > 0] -= 1

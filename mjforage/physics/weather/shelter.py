@@ -78,4 +78,4 @@ def lee(shelter: Shelter, x: float, y: float, u: float, v: float) -> float:
     way = upwind_land_m(shelter, x, y, u, v)
     if way <= shelter.length_m:
         return 0.0
-    return 1.0 - (shelter.length_m / way) ** 1.5
+    return float(1.0 - (shelter.length_m / way) ** 1.5)

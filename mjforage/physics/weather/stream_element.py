@@ -27,9 +27,11 @@ _BENDS: FloatArray = np.array(
 _VALUE: FloatArray = np.array([6, 1, 6, -1]) / 12
 _SLOPE: FloatArray = np.array([-1.0, 0.0, 1.0, 0.0])
 
-EAST: FloatArray = np.kron(_SLOPE, _VALUE)  # (16,) integral of u: a uniform force to the east
-NORTH: FloatArray = -np.kron(_VALUE, _SLOPE)  # (16,) integral of v: one to the north
-TURN: FloatArray = np.kron(_VALUE, _VALUE)  # (16,) integral of psi: a force of uniform curl
+EAST = np.kron(_SLOPE, _VALUE).astype(
+    np.float64
+)  # (16,) integral of u, the work of a force to the east
+NORTH = -np.kron(_VALUE, _SLOPE).astype(np.float64)  # (16,) of v, to the north
+TURN = np.kron(_VALUE, _VALUE).astype(np.float64)  # (16,) of psi, of a force of uniform curl
 
 
 def element_matrix(layer: float) -> FloatArray:

@@ -39,16 +39,21 @@ def test_wind_recovers_behind_land(times: float) -> None:
     assert lee(shelter, x, y, 2.0, 0.0) == pytest.approx(expected, abs=1e-9)
 
 
-def test_there_is_a_lee_behind_land_only() -> None:
+@pytest.mark.parametrize(
+    ("row", "column", "u", "share"),
+    [
+        (4.0, 6.0, 5.0, 0.0),  # behind
+        (4.0, 0.0, 5.0, 1.0),  # before
+        (4.0, 0.0, -5.0, 0.0),  # and behind, in the opposite wind
+        (1.0, 6.0, 5.0, 1.0),  # beside
+        (4.0, 6.0, 0.0, 1.0),  # no wind
+        (math.nan, 6.0, 5.0, 1.0),
+    ],
+)
+def test_there_is_a_lee_behind_land_only(row: float, column: float, u: float, share: float) -> None:
     graph = wall()
-    shelter = shelter_of(graph, HEIGHT)
-    behind, before, beside = graph.metres(np.array([[4.0, 6.0], [4.0, 0.0], [1.0, 6.0]]))
-    assert lee(shelter, *behind, 5.0, 0.0) == 0.0
-    for xy in (before, beside):
-        assert lee(shelter, *xy, 5.0, 0.0) == 1.0
-    assert lee(shelter, *before, -5.0, 0.0) == 0.0
-    assert lee(shelter, *behind, 0.0, 0.0) == 1.0
-    assert lee(shelter, math.nan, 0.0, 5.0, 0.0) == 1.0
+    x, y = graph.metres(np.array([row, column]))
+    assert lee(shelter_of(graph, HEIGHT), x, y, u, 0.0) == share
 
 
 @pytest.mark.parametrize("seed", range(4))
