@@ -260,12 +260,12 @@ class MujocoDynamics:
             self._remove()
 
     def _shoot(self) -> None:
-        """A frame of the first episode."""
+        """A frame of the first episode, with the wind at its first hull."""
         assert self._film is not None
         simulation, state, items = self._simulation, self._state, self._state.item_node.shape[1]
         xy = simulation.item_xy[0, :items] if self._bodies else self._graph.metres(state.item_rc[0])
         now = self._tick * CONTROL_S
-        wind = self._field.wind(now, np.zeros((len(now), 1, 2)))[0, 0]
+        wind = self._field.wind(now, self._motion.pose[:, :1, :2])[0, 0]
         self._film.shoot(self._motion.pose[0], xy, state.item_node[0] >= 0, wind)
 
 

@@ -4,7 +4,8 @@ A value is a function of (seed, episode, time, place) and of nothing else: no ti
 of queries, no batch. `WeatherSettings` says what the weather is like, `Field` answers queries.
 """
 
-from mjforage.physics.weather.field import Field, flow_in
+from mjforage.physics.weather.field import Field
+from mjforage.physics.weather.flow import flow_in
 from mjforage.physics.weather.settings import WeatherSettings
 
 __all__ = ["Field", "WeatherSettings", "flow_in"]

@@ -9,9 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 from graph_planner.compiled import kernel
 from graph_planner.navigation import NavigationGraph
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
-from mjforage.core.errors import UserError
 from mjforage.core.initial_state import LEEWAY, item_noise, steady_vectors
-from mjforage.physics.weather.flow import Flow, flow_of, has_open_border
+from mjforage.physics.weather.flow import Flow, flow_in
 from mjforage.physics.weather.gauss_markov import gauss_markov_pair
 from mjforage.physics.weather.settings import WeatherSettings
 from mjforage.physics.weather.shelter import NO_SHELTER, Shelter, lee, shelter_of
@@ -22,7 +21,6 @@ FloatArray = NDArray[np.float64]
 CROSSWIND_RATIO = 0.8  # gusts across the wind over those along it (IEC 61400-1, annex B)
 WANDER_TAU_S = 600.0  # correlation time of the wandering current; an estimate
 _EARLY = 1e-6  # periods; a time this little before a period's start counts as in it
-_OPEN_SEA = Flow(np.empty((0, 0, 4, 3)), 1.0, 0.0)  # the free stream is everywhere
 
 
 @kernel
@@ -117,38 +115,6 @@ def _item_noise(
 
 def _radians(toward_deg: float | None) -> float:
     return math.nan if toward_deg is None else math.radians(toward_deg)
-
-
-def flow_in(settings: WeatherSettings, graph: NavigationGraph | None) -> Flow:
-    """What streams and circulation are like on a map.
-
-    Parameters
-    ----------
-    graph : the map; None: the open sea
-
-    Raises
-    ------
-    UserError
-        If there shall be a circulation without a map, or a stream on a map without water at its
-        edge.
-    """
-    turning = settings.circulation_mps != 0.0
-    if graph is None:
-        if turning:
-            raise UserError(
-                f"weather: circulation_mps = {settings.circulation_mps:g} without a map; "
-                "give a map, or 0"
-            )
-        return _OPEN_SEA
-    for name in ("current_speed_mps", "current_wander_mps"):
-        speed = getattr(settings, name)
-        if speed and not has_open_border(graph):
-            raise UserError(
-                f"weather: {name} = {speed:g} on a map without water at its edge, where a current "
-                "would come in and go out; open the edge, or set weather.circulation_mps instead"
-            )
-    streaming = settings.current_speed_mps > 0.0 or settings.current_wander_mps > 0.0
-    return flow_of(graph, streaming, turning) if streaming or turning else _OPEN_SEA
 
 
 @dataclass(frozen=True, eq=False)

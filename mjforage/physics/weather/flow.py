@@ -23,19 +23,22 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy import ndimage, sparse
-from scipy.sparse.linalg import splu
 
 from graph_planner.compiled import kernel
 from graph_planner.navigation import NavigationGraph
+from mjforage.core.errors import UserError
+from mjforage.physics.weather.settings import WeatherSettings
 from mjforage.physics.weather.stream_element import (
     EAST,
     NORTH,
     TURN,
     FloatArray,
-    element_matrix,
     stream_velocity,
+)
+from mjforage.physics.weather.stream_solver import (
+    shore_unknowns,
+    still_unknowns,
+    stream_functions,
 )
 
 FINEST = 3  # elements along a cell
@@ -63,81 +66,13 @@ class Flow:
     corner_m: float
 
 
+OPEN_SEA = Flow(np.empty((0, 0, 4, 3)), 1.0, 0.0)  # without a map: the free stream is everywhere
+
+
 def has_open_border(graph: NavigationGraph) -> bool:
     """Whether there is water at the edge of the map, where streams come in and go out."""
     water = graph.navigable
     return bool(water[[0, -1]].any() or water[:, [0, -1]].any())
-
-
-def _shore_unknowns(water: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """(y vertex, x vertex, 4) number of each unknown of the streams, -1 for those that are zero.
-
-    At land slopes are zero and psi is one number per piece, which is zero for the largest; without
-    land it is zero at one vertex.
-    """
-    pieces, count = ndimage.label(~water, np.ones((3, 3)))  # no water passes between corners
-    framed = np.pad(pieces, 1)
-    piece = np.max([framed[1:, 1:], framed[:-1, 1:], framed[1:, :-1], framed[:-1, :-1]], axis=0)
-    unknown = np.full((*piece.shape, 4), -1)
-    afloat = piece == 0
-    unknown[afloat] = np.arange(4 * np.count_nonzero(afloat)).reshape(-1, 4)
-    number = 4 * int(np.count_nonzero(afloat))
-    largest = int(np.argmax(np.bincount(pieces.ravel())[1:])) + 1 if count else 0
-    for n in range(1, count + 1):
-        if n != largest:
-            unknown[piece == n, 0] = number
-            number += 1
-    if not count:
-        unknown[0, 0, 0] = -1
-        unknown[unknown > 0] -= 1
-    return unknown
-
-
-def _still_unknowns(water: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """(y vertex, x vertex, 4) number of each unknown of the circulation, -1 at quays and rim."""
-    framed = np.pad(water, 1)
-    inner = framed[1:, 1:] & framed[:-1, 1:] & framed[1:, :-1] & framed[:-1, :-1]
-    unknown = np.full((*inner.shape, 4), -1)
-    unknown[inner] = np.arange(4 * np.count_nonzero(inner)).reshape(-1, 4)
-    return unknown
-
-
-def _stream_functions(
-    water: NDArray[np.bool_], unknown: NDArray[np.int64], layer: float, forces: FloatArray
-) -> FloatArray:
-    """Solve on a grid of elements of side 1.
-
-    Parameters
-    ----------
-    water : (y, x) bool elements
-    unknown : (y vertex, x vertex, 4) number of each unknown, -1 for zero
-    layer : L in sides
-    forces : (16, force) work of each on the unknowns of an element
-
-    Returns
-    -------
-    (y vertex, x vertex, 4, force) psi, dpsi/dx, dpsi/dy, d2psi/dxdy
-    """
-    count = int(unknown.max(initial=-1)) + 1
-    y, x = np.nonzero(water)
-    end, slope = np.divmod(np.arange(4), 2)  # of the 4 unknowns along one axis
-    places = unknown[
-        y[:, None, None] + end[:, None],
-        x[:, None, None] + end,
-        2 * slope[:, None] + slope,
-    ].reshape(-1, 16)
-    places = np.where(places < 0, count, places)  # those that are zero share one, to be dropped
-    pairs = (np.repeat(places, 16, axis=1).ravel(), np.tile(places, (1, 16)).ravel())
-    drag = np.tile(element_matrix(layer).ravel(), y.size)
-    whole = sparse.coo_array((drag, pairs), shape=(count + 1,) * 2)
-    work = np.zeros((count + 1, forces.shape[1]))
-    np.add.at(work, places.ravel(), np.tile(forces, (y.size, 1)))
-    solved = np.zeros_like(work)
-    if count:
-        matrix = whole.tocsc()[:count, :count]
-        factors = splu(matrix, "MMD_AT_PLUS_A", 0.0, options={"SymmetricMode": True})
-        solved[:count] = factors.solve(work[:count])
-    return solved[unknown]  # -1 is the last, which is zero
 
 
 @kernel
@@ -169,12 +104,44 @@ def flow_of(graph: NavigationGraph, streams: bool, circulation: bool) -> Flow:
     patches = np.zeros((water.shape[0] + 1, water.shape[1] + 1, 4, 3))
     if streams:
         forces = np.stack((EAST, NORTH), axis=1)
-        patches[..., :2] = _stream_functions(water, _shore_unknowns(water), layer, forces)
+        patches[..., :2] = stream_functions(water, shore_unknowns(water), layer, forces)
     if circulation:
-        unknown = _still_unknowns(water)
-        patches[..., 2:] = _stream_functions(water, unknown, layer, TURN[:, None])
+        unknown = still_unknowns(water)
+        patches[..., 2:] = stream_functions(water, unknown, layer, TURN[:, None])
     patches *= np.array([spacing_m, 1.0, 1.0, 1.0 / spacing_m])[:, None]
     if circulation:
         patches[..., 2] /= _peak_speed(patches, spacing_m)
     patches.setflags(write=False)
     return Flow(patches, spacing_m, -0.5 * graph.pitch_m)
+
+
+def flow_in(settings: WeatherSettings, graph: NavigationGraph | None) -> Flow:
+    """What streams and circulation are like on a map.
+
+    Parameters
+    ----------
+    graph : the map; None: the open sea
+
+    Raises
+    ------
+    UserError
+        If there shall be a circulation without a map, or a stream on a map without water at its
+        edge.
+    """
+    turning = settings.circulation_mps != 0.0
+    if graph is None:
+        if turning:
+            raise UserError(
+                f"weather: circulation_mps = {settings.circulation_mps:g} without a map; "
+                "give a map, or 0"
+            )
+        return OPEN_SEA
+    for name in ("current_speed_mps", "current_wander_mps"):
+        speed = getattr(settings, name)
+        if speed and not has_open_border(graph):
+            raise UserError(
+                f"weather: {name} = {speed:g} on a map without water at its edge, where a current "
+                "would come in and go out; open the edge, or set weather.circulation_mps instead"
+            )
+    streaming = settings.current_speed_mps > 0.0 or settings.current_wander_mps > 0.0
+    return flow_of(graph, streaming, turning) if streaming or turning else OPEN_SEA

@@ -65,7 +65,7 @@ def test_moves_of_200_seeds_arrive(
 ) -> None:
     """One and two nodes, straight and diagonal, in the wind that drifts the items: every one.
 
-    Stemming a current takes more than the usual 10 s, and one may press a hull against a quay.
+    Stemming a current takes more than the usual 10 s.
     """
     log, nearest = random_moves(sea, team, current_mps, period_s, 200)
     made = np.isfinite(nearest)

@@ -9,14 +9,9 @@ from scipy.integrate import quad
 
 from graph_planner.navigation import NavigationGraph, navigation_graph
 from mjforage.core.maps import load_map
-from mjforage.physics.weather.flow import (
-    LAYER,
-    Flow,
-    _still_unknowns,
-    _stream_functions,
-    flow_of,
-)
+from mjforage.physics.weather.flow import LAYER, Flow, flow_of
 from mjforage.physics.weather.stream_element import TURN, stream_velocity
+from mjforage.physics.weather.stream_solver import still_unknowns, stream_functions
 
 PITCH = 4.0
 PORTS = ("comb_port", "channels", "open_bay")
@@ -176,7 +171,7 @@ def test_without_friction_it_bends_like_a_clamped_plate() -> None:
     """
     layer = 1e5
     water = np.ones((12, 12), np.bool_)
-    psi = _stream_functions(water, _still_unknowns(water), layer, TURN[:, None])[..., 0, 0]
+    psi = stream_functions(water, still_unknowns(water), layer, TURN[:, None])[..., 0, 0]
     assert layer**2 * psi[6, 6] / 12**4 == pytest.approx(0.00126532, rel=1e-4)
     np.testing.assert_allclose(psi, psi.T, atol=1e-12 * psi.max())
 
