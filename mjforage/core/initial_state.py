@@ -5,6 +5,7 @@ their dynamics and in nothing else. Positions are (row, column) in node units; n
 integers.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,8 +20,10 @@ from mjforage.core.errors import UserError
 from mjforage.core.scenario import Items, Weather
 
 LEEWAY = 0.03  # of the wind, at which an item drifts by the paper's rule
+_DIRECTION = 1000  # step of a drawn direction in its stream, away from the other draws
 _HALF = np.uint64(32)
 _LOW = np.uint64(0xFFFFFFFF)
+FloatArray = NDArray[np.float64]
 _TO_SYMMETRIC = 2.0 / (1 << 32)
 
 
@@ -132,6 +135,32 @@ def _drifts(keys: UInt64Array, reach: float) -> NDArray[np.float64]:
     return drift
 
 
+@kernel
+def steady_vectors(keys: UInt64Array, stream: int, speed: float, toward_rad: float) -> FloatArray:
+    """Vectors (episode, 2) in (x, y) of one speed; a direction that is NaN is drawn per episode."""
+    result = np.empty((keys.size, 2))
+    for e in range(keys.size):
+        angle = toward_rad
+        if math.isnan(angle):
+            angle = 2.0 * math.pi * uniform(stream_key(keys[e], stream), 0, _DIRECTION)
+        result[e, 0], result[e, 1] = speed * math.cos(angle), speed * math.sin(angle)
+    return result
+
+
+def toward_of(from_deg: float | None) -> float:
+    """Direction of a wind from a compass bearing: counter-clockwise from east [rad]; NaN: drawn."""
+    return math.nan if from_deg is None else math.radians(270.0 - from_deg)
+
+
+def _constant_drift(keys: UInt64Array, weather: Weather, node_mps: float) -> FloatArray:
+    """(episode, 2) constant drift in (row, column) [node/step]: the wind's, or the paper's."""
+    if weather.wind_speed_mps is None:
+        return _drifts(keys, weather.drift_node_per_step)
+    toward = toward_of(weather.wind_from_deg)
+    wind = steady_vectors(keys, Stream.WEATHER, weather.wind_speed_mps, toward)
+    return LEEWAY / node_mps * np.stack((-wind[:, 1], wind[:, 0]), axis=1)
+
+
 def nodes_around(graph: NavigationGraph, nodes: Int32Array, count: int) -> Int32Array:
     """`count` nodes: the given ones, then those nearest to them by water (ties: lowest index).
 
@@ -191,6 +220,7 @@ def create_initial_state(
     graph: NavigationGraph,
     items: Items,
     weather: Weather,
+    node_mps: float,
     starts: Int32Array,
     n_agents: int,
     keys: UInt64Array,
@@ -200,6 +230,7 @@ def create_initial_state(
 
     Parameters
     ----------
+    node_mps : speed of a node per decision [m/s]
     starts : (start,) nodes to assign at random, or empty for a random cluster per episode
     keys : (episode,) episode keys
     walls : of `WALLS`, how items on land are put into the water
@@ -214,6 +245,6 @@ def create_initial_state(
         n_items=counts,
         item_rc=item_rc,
         item_node=item_node,
-        drift_rc=_drifts(keys, weather.drift_node_per_step),
+        drift_rc=_constant_drift(keys, weather, node_mps),
         agent_node=_place_agents(graph, starts, n_agents, keys),
     )

@@ -65,13 +65,23 @@ class Items:
 
 @dataclass(frozen=True)
 class Weather:
-    """The paper's drift in every world; gusts and currents in the physics world.
+    """Wind or the paper's drift in every world; gusts, lee and currents in the physics world.
 
-    The physics world makes the drift by a wind of drift / 0.03, which hulls feel too.
+    Wind and drift are one: the physics world makes the drift by a wind of drift / 0.03, which hulls
+    feel too, and in the graph world items drift at 0.03 of a wind that is given.
     """
 
+    wind_speed_mps: Annotated[Annotated[float, Within(0, 30, "m/s")] | None, Later()] = None
+    """Mean wind, in the place of the drift: `drift_node_per_step` then says nothing; absent: the
+    wind is the drift's."""
+    wind_from_deg: Annotated[Annotated[float, Within(0, 360, "deg")] | None, Later()] = None
+    """Where that wind comes from, clockwise from north (0 north, 90 east); absent: drawn per
+    episode, uniform over the circle."""
+    shelter_height_m: Annotated[float, Within(0, 30, "m"), Later()] = 0.0
+    """Height of what stands on all land, in whose lee the wind is weaker; 0: no lee."""
     drift_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.1
-    """Constant drift of an episode's items, uniform in +- this per axis."""
+    """Constant drift of an episode's items, uniform in +- this per axis; not with
+    `wind_speed_mps`."""
     noise_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.09
     """Independent drift per item and step, uniform in +- this per axis."""
     gust_intensity: Annotated[float, Within(0, 0.5)] = 0.0
@@ -79,11 +89,13 @@ class Weather:
     gust_tau_s: Annotated[float, Within(1e-2, 1e4, "s")] = 2.0
     """Correlation time of the gusts."""
     current_speed_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
-    """Speed of a constant current."""
+    """Speed of a constant current in open water. Quays let none of it through and weaken it beside
+    them; in a narrows it is faster, in a bay with one mouth it ends near the mouth. Needs water at
+    the map's edge, where it comes in and goes out."""
     current_toward_deg: Annotated[float, Within(-360, 360, "deg")] | None = None
     """Where it flows to, counter-clockwise from east; absent: drawn per episode."""
     current_wander_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
-    """Standard deviation per axis of a slow Gauss-Markov current."""
+    """Standard deviation per axis of a slow Gauss-Markov part of that current."""
     circulation_mps: Annotated[float, Within(-5, 5, "m/s")] = 0.0
     """Peak speed of a harbour circulation between the quays, positive counter-clockwise."""
 

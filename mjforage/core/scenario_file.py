@@ -149,6 +149,12 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
             f"{where}: rules.order = {shown(list(order))}; give every team once: "
             f"{', '.join(counts)}"
         )
+    origin, speed = scenario.weather.wind_from_deg, scenario.weather.wind_speed_mps
+    if origin is not None and speed is None:
+        raise UserError(
+            f"{where}: weather.wind_from_deg = {origin:g} without a wind; give "
+            "weather.wind_speed_mps too"
+        )
     choice = scenario.corruption
     if choice.team not in counts and (choice.team or choice.epsilon):
         teams = ", ".join(counts)

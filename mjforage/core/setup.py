@@ -129,6 +129,7 @@ class Setup:
             self.graph,
             scenario.items,
             scenario.weather,
+            scenario.map.pitch_m / scenario.period_s,
             self.start_nodes,
             len(self.fleet),
             keys,

@@ -27,8 +27,8 @@ def parts(scenario: Scenario) -> tuple[Variant, ...]:
     fast = replace(scenario, belief=replace(scenario.belief, fast=True))
     whole.append(Variant("fast", "fast", fast, ("belief",)))
     whole += _wary(COMPLETE, "expected world", scenario)[1:]
-    items, weather = scenario.items, scenario.weather
-    drift, variance = weather.drift_node_per_step, items.covariance_node2
+    items = scenario.items
+    variance = items.covariance_node2
     worlds = (
         ("3 hotspots", replace(scenario, items=replace(items, hotspots=3))),
         ("2 hotspots", replace(scenario, items=replace(items, hotspots=2))),
@@ -36,17 +36,23 @@ def parts(scenario: Scenario) -> tuple[Variant, ...]:
             f"spread {2 * variance**0.5:.3g}",
             replace(scenario, items=replace(items, covariance_node2=4 * variance)),
         ),
-        (f"drift up to {2 * drift:g}", _drifting(scenario, 2 * drift)),
-        (f"drift up to {drift / 2:g}", _drifting(scenario, drift / 2)),
+        _drifting(scenario, 2.0),
+        _drifting(scenario, 0.5),
     )
     for name, (title, world) in zip(WRONG, worlds, strict=True):
         whole += _wary(name, title, world)
     return tuple(whole)
 
 
-def _drifting(scenario: Scenario, drift: float) -> Scenario:
-    """The scenario with another range of the constant drift [node/step]."""
-    return replace(scenario, weather=replace(scenario.weather, drift_node_per_step=drift))
+def _drifting(scenario: Scenario, factor: float) -> tuple[str, Scenario]:
+    """The scenario with so many times the constant drift, or the wind that makes it; its title."""
+    wind, drift = scenario.weather.wind_speed_mps, scenario.weather.drift_node_per_step
+    if wind is not None:
+        wind = factor * wind
+        weather = replace(scenario.weather, wind_speed_mps=wind)
+        return f"wind of {wind:g} m/s", replace(scenario, weather=weather)
+    weather = replace(scenario.weather, drift_node_per_step=factor * drift)
+    return f"drift up to {factor * drift:g}", replace(scenario, weather=weather)
 
 
 def _wary(name: str, title: str, scenario: Scenario) -> list[Variant]:

@@ -37,7 +37,7 @@ from mjforage.physics.dynamics.watch import Harbour, Motion, Tick, Watched, judg
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.vessel_helm import helm_of
-from mjforage.physics.weather import Field, WeatherSettings
+from mjforage.physics.weather import Field, WeatherSettings, flow_in
 
 CONTROL_S = 0.1  # controllers run at 10 Hz
 WEATHER_TICKS = 5  # wind and current are looked up every 0.5 s, a quarter of a gust's memory
@@ -55,7 +55,8 @@ class MujocoDynamics:
         ------
         UserError
             If a vessel or an item class is not known, a hull does not fit on the map, the
-            scenario's times do not fit together, or items without bodies shall enter a mouth.
+            scenario's times do not fit together, items without bodies shall enter a mouth, or there
+            shall be a current on a map without an open border.
         """
         self._graph, self._fleet, self._scenario, self._film = graph, fleet, scenario, film
         self._choice = scenario.physics
@@ -87,6 +88,7 @@ class MujocoDynamics:
         self._settings = WeatherSettings.of_scenario(
             scenario.weather, graph.pitch_m, scenario.period_s
         )
+        flow_in(self._settings, graph)
         centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._centres, self._centres_xy = centres, graph.metres(centres)
 
@@ -261,12 +263,12 @@ class MujocoDynamics:
             self._remove()
 
     def _shoot(self) -> None:
-        """A frame of the first episode."""
+        """A frame of the first episode, with the wind at its first hull."""
         assert self._film is not None
         simulation, state, items = self._simulation, self._state, self._state.item_node.shape[1]
         xy = simulation.item_xy[0, :items] if self._bodies else self._graph.metres(state.item_rc[0])
         now = self._tick * CONTROL_S
-        wind = self._field.wind(now, np.zeros((len(now), 1, 2)))[0, 0]
+        wind = self._field.wind(now, self._motion.pose[:, :1, :2])[0, 0]
         self._film.shoot(self._motion.pose[0], xy, state.item_node[0] >= 0, wind)
 
 

@@ -9,19 +9,18 @@ from numpy.typing import ArrayLike, NDArray
 from graph_planner.compiled import kernel
 from graph_planner.navigation import NavigationGraph
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
-from mjforage.core.errors import UserError
-from mjforage.core.initial_state import LEEWAY, item_noise
-from mjforage.physics.weather.circulation import Circulation, circulation, circulation_velocity
+from mjforage.core.initial_state import LEEWAY, item_noise, steady_vectors
+from mjforage.physics.weather.flow import Flow, flow_in
 from mjforage.physics.weather.gauss_markov import gauss_markov_pair
 from mjforage.physics.weather.settings import WeatherSettings
+from mjforage.physics.weather.shelter import NO_SHELTER, Shelter, lee, shelter_of
+from mjforage.physics.weather.stream_element import stream_velocity
 
 FloatArray = NDArray[np.float64]
 
 CROSSWIND_RATIO = 0.8  # gusts across the wind over those along it (IEC 61400-1, annex B)
 WANDER_TAU_S = 600.0  # correlation time of the wandering current; an estimate
 _EARLY = 1e-6  # periods; a time this little before a period's start counts as in it
-_DIRECTION = 1000  # step of a drawn direction in its stream, away from the other draws
-_STILL = Circulation(np.zeros((1, 1, 4)), 1.0, 0.0)
 
 
 @kernel
@@ -45,20 +44,6 @@ def _drawn_vectors(keys: UInt64Array, reach: float) -> FloatArray:
 
 
 @kernel
-def _constant_vectors(
-    keys: UInt64Array, stream: int, speed: float, toward_rad: float
-) -> FloatArray:
-    """Vectors of one speed; a direction that is NaN is drawn per episode."""
-    result = np.empty((keys.size, 2))
-    for e in range(keys.size):
-        angle = toward_rad
-        if math.isnan(angle):
-            angle = 2.0 * math.pi * uniform(stream_key(keys[e], stream), 0, _DIRECTION)
-        result[e, 0], result[e, 1] = speed * math.cos(angle), speed * math.sin(angle)
-    return result
-
-
-@kernel
 def _wind(
     t_s: FloatArray,
     xy: FloatArray,
@@ -66,8 +51,9 @@ def _wind(
     gust_keys: UInt64Array,
     intensity: float,
     tau_s: float,
+    shelter: Shelter,
 ) -> FloatArray:
-    """Mean wind and the gusts along and across it, (episode, point, 2) [m/s]."""
+    """Mean wind and the gusts along and across it, weaker in the lee, (episode, point, 2) [m/s]."""
     out = np.empty(xy.shape)
     for e in range(xy.shape[0]):
         u, v = mean[e, 0], mean[e, 1]
@@ -77,7 +63,10 @@ def _wind(
         along, aside = 1.0 + intensity * ahead, intensity * CROSSWIND_RATIO * beside
         wind_u, wind_v = along * u - aside * v, along * v + aside * u
         for p in range(xy.shape[1]):
-            out[e, p, 0], out[e, p, 1] = wind_u, wind_v
+            share = 1.0
+            if shelter.length_m > 0.0:
+                share = lee(shelter, xy[e, p, 0], xy[e, p, 1], u, v)
+            out[e, p, 0], out[e, p, 1] = share * wind_u, share * wind_v
     return out
 
 
@@ -93,7 +82,7 @@ def _current(
     spacing_m: float,
     corner_m: float,
 ) -> FloatArray:
-    """Constant, wandering and circulating current, (episode, point, 2) [m/s]."""
+    """Streams and circulation at points, (episode, point, 2) [m/s]."""
     out = np.empty(xy.shape)
     for e in range(xy.shape[0]):
         u, v = mean[e, 0], mean[e, 1]
@@ -101,12 +90,12 @@ def _current(
             wander_u, wander_v = gauss_markov_pair(keys[e], t_s[e] / WANDER_TAU_S)
             u, v = u + wander * wander_u, v + wander * wander_v
         for p in range(xy.shape[1]):
-            turn_u = turn_v = 0.0
-            if peak != 0.0:
-                turn_u, turn_v = circulation_velocity(
-                    patches, spacing_m, corner_m, xy[e, p, 0], xy[e, p, 1]
+            if patches.size:
+                out[e, p, 0], out[e, p, 1] = stream_velocity(
+                    patches, spacing_m, corner_m, xy[e, p, 0], xy[e, p, 1], u, v, peak
                 )
-            out[e, p, 0], out[e, p, 1] = u + peak * turn_u, v + peak * turn_v
+            else:
+                out[e, p, 0], out[e, p, 1] = u, v
     return out
 
 
@@ -139,7 +128,7 @@ class Field:
     ----------
     settings : what was asked for
     mean_wind_mps : (episode, 2) wind without gusts [m/s]
-    mean_current_mps : (episode, 2) constant part of the current [m/s]
+    mean_current_mps : (episode, 2) constant part of the free stream [m/s]
     """
 
     settings: WeatherSettings
@@ -148,7 +137,8 @@ class Field:
     _gust_keys: UInt64Array
     _current_keys: UInt64Array
     _noise_keys: UInt64Array
-    _circulation: Circulation
+    _flow: Flow
+    _shelter: Shelter
 
     @classmethod
     def create(
@@ -162,31 +152,26 @@ class Field:
         Parameters
         ----------
         keys : (episode,) episode keys
-        graph : the map, wanted for a circulation only
+        graph : the map; None: the open sea
 
         Raises
         ------
         UserError
-            If there shall be a circulation and there is no map.
+            As `flow_in`.
         """
         keys = np.ascontiguousarray(keys, np.uint64)
-        turning = settings.circulation_mps != 0.0
-        if turning and graph is None:
-            raise UserError(
-                f"weather: circulation_mps = {settings.circulation_mps:g} without a map; "
-                "give a map, or 0"
-            )
         toward, flow = _radians(settings.wind_toward_deg), _radians(settings.current_toward_deg)
-        wind = _constant_vectors(keys, Stream.WEATHER, settings.wind_speed_mps, toward)
+        wind = steady_vectors(keys, Stream.WEATHER, settings.wind_speed_mps, toward)
         drawn = _drawn_vectors(keys, settings.drawn_drift_mps) / LEEWAY
         return cls(
             settings,
             wind + drawn,
-            _constant_vectors(keys, Stream.CURRENT, settings.current_speed_mps, flow),
+            steady_vectors(keys, Stream.CURRENT, settings.current_speed_mps, flow),
             _stream_keys(keys, Stream.GUSTS),
             _stream_keys(keys, Stream.CURRENT),
             _stream_keys(keys, Stream.NOISE),
-            circulation(graph) if turning and graph is not None else _STILL,
+            flow_in(settings, graph),
+            NO_SHELTER if graph is None else shelter_of(graph, settings.shelter_height_m),
         )
 
     def __len__(self) -> int:
@@ -208,7 +193,7 @@ class Field:
         """Wind over ground.
 
         Gusts are Ornstein-Uhlenbeck processes of `gust_tau_s` along and across the mean wind, the
-        same at every point.
+        same at every point. In the lee of land mean wind and gusts are weaker by one factor.
 
         Parameters
         ----------
@@ -232,10 +217,11 @@ class Field:
             self._gust_keys,
             settings.gust_intensity,
             settings.gust_tau_s,
+            self._shelter,
         )
 
     def current(self, t_s: ArrayLike, xy: NDArray[np.float64]) -> FloatArray:
-        """Velocity of the water over ground: constant, wandering and circulating parts.
+        """Velocity of the water over ground: streams and circulation, which no quay lets through.
 
         Parameters
         ----------
@@ -251,7 +237,7 @@ class Field:
         ValueError
             If a shape does not fit or a time is not finite.
         """
-        settings, turning = self.settings, self._circulation
+        settings, flow = self.settings, self._flow
         return _current(
             self._times(t_s),
             self._points(xy),
@@ -259,9 +245,9 @@ class Field:
             self._current_keys,
             settings.current_wander_mps,
             settings.circulation_mps,
-            turning.patches,
-            turning.spacing_m,
-            turning.corner_m,
+            flow.patches,
+            flow.spacing_m,
+            flow.corner_m,
         )
 
     def item_noise(self, t_s: ArrayLike, items: int) -> FloatArray:

@@ -1,9 +1,11 @@
 """What the weather is like: mean wind, gusts, currents, and the paper's drift."""
 
+import math
 from dataclasses import dataclass
 from typing import Annotated
 
 from graph_planner.fields import Within
+from mjforage.core.initial_state import toward_of
 from mjforage.core.scenario import Weather
 from mjforage.core.schema import check_fields
 
@@ -29,17 +31,19 @@ class WeatherSettings:
     """The paper's drift: per episode a constant vector, uniform in +- this on each axis, is drawn,
     and the wind that drives it, the vector over the leeway of those items, is added to the mean."""
 
+    shelter_height_m: Annotated[float, Within(0, 30, "m")] = 0.0
+    """Height of what stands on all land, in whose lee the wind is weaker; 0: no lee."""
     gust_intensity: Annotated[float, Within(0, 0.5)] = 0.0
     """Standard deviation of the gusts along the mean wind, over its speed; 0.1-0.2 is usual."""
     gust_tau_s: Annotated[float, Within(1e-2, 1e4, "s")] = 2.0
     """Correlation time of both gust components, which are the same everywhere at once."""
 
     current_speed_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
-    """Constant current, the same everywhere, quays included."""
+    """Constant current of open water: the free stream, of which quays make a flow around them."""
     current_toward_deg: Annotated[float, Within(-360, 360, "deg")] | None = 0.0
     """None: drawn per episode, uniform over the circle."""
     current_wander_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
-    """Standard deviation per axis of a slow Gauss-Markov current, the same everywhere."""
+    """Standard deviation per axis of a slow Gauss-Markov part of the free stream."""
     circulation_mps: Annotated[float, Within(-5, 5, "m/s")] = 0.0
     """Peak speed of a steady harbour circulation between the quays; positive counter-clockwise."""
 
@@ -55,6 +59,8 @@ class WeatherSettings:
     def of_scenario(cls, weather: Weather, pitch_m: float, period_s: float) -> "WeatherSettings":
         """A scenario's weather in metres: the paper's constant vector by wind, its noise by water.
 
+        A wind that the scenario gives takes the place of the vector.
+
         Parameters
         ----------
         weather : drift and noise [node/step], gusts and currents [SI]
@@ -66,9 +72,13 @@ class WeatherSettings:
         UserError
             If drift or noise come out faster than 5 m/s.
         """
-        mps = pitch_m / period_s
+        mps, speed = pitch_m / period_s, weather.wind_speed_mps
+        toward = math.degrees(toward_of(weather.wind_from_deg))
         return cls(
-            drawn_drift_mps=weather.drift_node_per_step * mps,
+            wind_speed_mps=speed or 0.0,
+            wind_toward_deg=None if math.isnan(toward) else toward,
+            drawn_drift_mps=0.0 if speed is not None else weather.drift_node_per_step * mps,
+            shelter_height_m=weather.shelter_height_m,
             item_noise_mps=weather.noise_node_per_step * mps,
             item_noise_period_s=period_s,
             gust_intensity=weather.gust_intensity,

@@ -17,6 +17,7 @@ from mjforage.core.item_rule import _nearest_of_four
 from mjforage.core.scenario import Items, Weather
 
 KEYS = episode_keys(0, np.arange(3000))
+NOBODY = np.empty(0, np.int32)
 OPEN = navigation_graph(np.ones((60, 60), np.bool_), 4.0, False)
 
 
@@ -27,7 +28,7 @@ def pushed(water: Water, row: float, col: float, walls: int = 0) -> tuple[float,
 
 def test_counts_hotspots_and_drift_have_their_distributions() -> None:
     starts = np.arange(4, dtype=np.int32)
-    world = create_initial_state(OPEN, Items(), Weather(), starts, 4, KEYS)
+    world = create_initial_state(OPEN, Items(), Weather(), 0.4, starts, 4, KEYS)
     assert abs(world.n_items.mean() - 75) < 1 and abs(world.n_items.std() - 10) < 0.6
     for axis in range(2):
         assert stats.kstest(world.drift_rc[:, axis], "uniform", (-0.1, 0.2)).pvalue > 0.01
@@ -44,9 +45,26 @@ def test_counts_hotspots_and_drift_have_their_distributions() -> None:
 
 def test_there_is_always_an_item() -> None:
     world = create_initial_state(
-        OPEN, Items(mean=0.0, std=0.5), Weather(), KEYS[:0].astype(np.int32), 1, KEYS
+        OPEN, Items(mean=0.0, std=0.5), Weather(), 0.4, KEYS[:0].astype(np.int32), 1, KEYS
     )
     assert world.n_items.min() == 1
+
+
+def test_a_wind_takes_the_place_of_the_drift() -> None:
+    """At 0.03 of it: 5 m/s from the west is 0.15 m/s to the east, .375 node of 4 m in 10 s."""
+    starts = np.arange(4, dtype=np.int32)
+    west = Weather(wind_speed_mps=5.0, wind_from_deg=270.0)
+    drift = create_initial_state(OPEN, Items(), west, 0.4, starts, 4, KEYS[:3]).drift_rc
+    np.testing.assert_allclose(drift, [[0.0, 0.375]] * 3, atol=1e-12)
+    north = Weather(wind_speed_mps=5.0, wind_from_deg=0.0)
+    drift = create_initial_state(OPEN, Items(), north, 0.4, starts, 4, KEYS[:3]).drift_rc
+    np.testing.assert_allclose(drift, [[0.375, 0.0]] * 3, atol=1e-12)
+    calm, any_way = Weather(wind_speed_mps=0.0), Weather(wind_speed_mps=5.0)
+    assert not create_initial_state(OPEN, Items(), calm, 0.4, starts, 4, KEYS).drift_rc.any()
+    drawn = create_initial_state(OPEN, Items(), any_way, 0.4, starts, 4, KEYS).drift_rc
+    np.testing.assert_allclose(np.hypot(*drawn.T), 0.375, rtol=1e-12)
+    angle = np.arctan2(drawn[:, 0], drawn[:, 1])
+    assert stats.kstest(angle, "uniform", (-np.pi, 2 * np.pi)).pvalue > 0.01
 
 
 @given(
@@ -121,10 +139,12 @@ def test_a_tie_goes_to_the_lowest_row_major_node() -> None:
 
 def test_starts_are_assigned_at_random_and_clusters_are_close_together() -> None:
     starts = np.array([0, 5, 100, 900], np.int32)
-    listed = create_initial_state(OPEN, Items(), Weather(), starts, 4, KEYS).agent_node
+    listed = create_initial_state(OPEN, Items(), Weather(), 0.4, starts, 4, KEYS).agent_node
     assert (np.sort(listed, axis=1) == starts).all()
     assert np.bincount(listed[:, 0], minlength=901)[starts].min() > 600
-    cluster = create_initial_state(OPEN, Items(), Weather(), starts[:0], 4, KEYS[:200]).agent_node
+    cluster = create_initial_state(
+        OPEN, Items(), Weather(), 0.4, starts[:0], 4, KEYS[:200]
+    ).agent_node
     rows, cols = OPEN.rows[cluster], OPEN.cols[cluster]
     assert (np.ptp(rows, axis=1) <= 2).all() and (np.ptp(cols, axis=1) <= 2).all()
     assert np.unique(rows[:, 0]).size > 40
@@ -138,8 +158,8 @@ def test_nodes_around_keeps_the_given_ones_first() -> None:
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_world_is_the_same_alone_and_in_company(seed: int) -> None:
     keys = episode_keys(seed, np.arange(40))
-    whole = create_initial_state(OPEN, Items(), Weather(), np.empty(0, np.int32), 3, keys)
-    alone = create_initial_state(OPEN, Items(), Weather(), np.empty(0, np.int32), 3, keys[17:18])
+    whole = create_initial_state(OPEN, Items(), Weather(), 0.4, NOBODY, 3, keys)
+    alone = create_initial_state(OPEN, Items(), Weather(), 0.4, NOBODY, 3, keys[17:18])
     k = int(alone.n_items[0])
     np.testing.assert_array_equal(alone.item_rc[0], whole.item_rc[17, :k])
     np.testing.assert_array_equal(alone.agent_node[0], whole.agent_node[17])
@@ -149,7 +169,7 @@ def test_several_hotspots_share_the_items_and_one_is_the_default() -> None:
     starts = np.arange(4, dtype=np.int32)
     one, two = (
         create_initial_state(
-            OPEN, Items(hotspots=n, covariance_node2=1.0), Weather(), starts, 4, KEYS[:50]
+            OPEN, Items(hotspots=n, covariance_node2=1.0), Weather(), 0.4, starts, 4, KEYS[:50]
         )
         for n in (1, 2)
     )

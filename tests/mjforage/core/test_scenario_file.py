@@ -1,6 +1,7 @@
 import json
 import math
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -61,11 +62,13 @@ def test_preset_loads_onto_its_map_and_is_described(name: str) -> None:
     assert len(Setup.of(scenario).fleet) == 4
 
 
-def test_presets_are_the_five_of_the_project() -> None:
+def test_presets_are_those_of_the_project() -> None:
     assert preset_names() == [
         "channels",
         "comb-port",
         "comb-port-weather",
+        "comb-port-wind-5",
+        "comb-port-wind-8",
         "open-bay",
         "published",
     ]
@@ -103,6 +106,21 @@ def test_canonical_json_comes_back_as_the_same_scenario(name: str) -> None:
     assert again == scenario
     assert list(again.team) == list(scenario.team)
     assert canonical_json(scenario_to_tree(again)) == text
+
+
+@pytest.mark.parametrize("speed", [5, 8])
+def test_windy_presets_are_the_weather_with_another_wind(speed: int) -> None:
+    calm, windy = load_scenario("comb-port-weather"), load_scenario(f"comb-port-wind-{speed}")
+    assert (windy.weather.wind_speed_mps, windy.weather.wind_from_deg) == (speed, None)
+    assert windy.belief.drift_node_per_step == pytest.approx(0.03 * speed * 2.5, abs=0.03)
+    same = replace(
+        windy,
+        name=calm.name,
+        description=calm.description,
+        weather=replace(windy.weather, wind_speed_mps=None),
+        belief=calm.belief,
+    )
+    assert same == calm
 
 
 def test_canonical_json_tells_the_order_of_teams(tmp_path: Path) -> None:
@@ -173,6 +191,11 @@ def test_a_team_may_be_empty(team: str) -> None:
         ("items.mean=-1", "items.mean = -1 is out of range"),
         ("items.std=nan", "items.std = nan is out of range"),
         ("weather.drift_node_per_step=inf", "weather.drift_node_per_step = inf is out of range"),
+        (
+            "weather.wind_from_deg=90",
+            "weather.wind_from_deg = 90 without a wind; give weather.wind_speed_mps too",
+        ),
+        ("weather.wind_speed_mps=-1", "weather.wind_speed_mps = -1 is out of range; give 0 to 30"),
         ("map.pitch_m=0", "map.pitch_m = 0 is out of range"),
         ("items.mean=1" + "0" * 400, "0000... is out of range; give 0 to 20000"),
         ("horizon=0x" + "f" * 9000, "horizon = a number of thousands of digits is out of range"),
@@ -237,7 +260,11 @@ def test_missing_keys_are_all_named(tmp_path: Path) -> None:
     ("reference", "words"),
     [
         ("comb-prot", "did you mean comb-port?"),
-        ("zzz", "choose channels, comb-port, comb-port-weather, open-bay, published"),
+        (
+            "zzz",
+            "choose channels, comb-port, comb-port-weather, comb-port-wind-5, "
+            "comb-port-wind-8, open-bay, published",
+        ),
         ("missing.toml", "neither a preset nor a TOML file"),
         ("a" * 5000 + ".toml", "cannot be opened"),
     ],

@@ -44,6 +44,10 @@ def field(settings: WeatherSettings, episodes: int, seed: int = 0) -> Field:
     return Field.create(settings, episode_keys(seed, np.arange(episodes)), HARBOUR)
 
 
+def at_sea(settings: WeatherSettings, episodes: int) -> Field:
+    return Field.create(settings, episode_keys(0, np.arange(episodes)))
+
+
 def correlation(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
     return float(stats.pearsonr(a, b).statistic)
 
@@ -80,7 +84,7 @@ def test_directions_are_where_air_and_water_flow_to() -> None:
     settings = WeatherSettings(
         wind_speed_mps=2.0, wind_toward_deg=90.0, current_speed_mps=0.3, current_toward_deg=-180.0
     )
-    calm, xy = field(settings, 2), points(2, 3)
+    calm, xy = at_sea(settings, 2), points(2, 3)
     np.testing.assert_allclose(calm.wind(1.0, xy), np.broadcast_to([0, 2.0], xy.shape), atol=1e-15)
     still = np.broadcast_to([-0.3, 0], xy.shape)
     np.testing.assert_allclose(calm.current(1.0, xy), still, atol=1e-15)
@@ -98,7 +102,7 @@ def test_a_drawn_direction_is_uniform_over_the_circle(part: str) -> None:
 def paper_world(episodes: int) -> tuple[InitialState, Field]:
     keys = episode_keys(3, np.arange(episodes))
     nobody = np.empty(0, np.int32)
-    world = create_initial_state(OPEN, Items(covariance_node2=4.0), Weather(), nobody, 1, keys)
+    world = create_initial_state(OPEN, Items(covariance_node2=4.0), Weather(), 0.4, nobody, 1, keys)
     return world, Field.create(WeatherSettings.of_scenario(Weather(), PITCH, PERIOD), keys)
 
 
@@ -110,6 +114,15 @@ def test_the_papers_drift_has_its_distribution_and_is_the_graphs() -> None:
     assert abs(correlation(drift[:, 0], drift[:, 1])) < 4 / math.sqrt(3000)
     graphs = np.stack((world.drift_rc[:, 1], -world.drift_rc[:, 0]), axis=-1) * PITCH / PERIOD
     np.testing.assert_allclose(drift, graphs, rtol=1e-14)
+
+
+def test_a_wind_of_the_scenario_drifts_items_alike_in_both_worlds() -> None:
+    keys, nobody = episode_keys(3, np.arange(50)), np.empty(0, np.int32)
+    breeze = Weather(wind_speed_mps=5.0)
+    world = create_initial_state(OPEN, Items(), breeze, PITCH / PERIOD, nobody, 1, keys)
+    weather = Field.create(WeatherSettings.of_scenario(breeze, PITCH, PERIOD), keys)
+    graphs = np.stack((world.drift_rc[:, 1], -world.drift_rc[:, 0]), axis=-1) * PITCH / PERIOD
+    np.testing.assert_allclose(0.03 * weather.mean_wind_mps, graphs, rtol=1e-13)
 
 
 def test_wind_and_noise_carry_items_as_the_graph_does() -> None:
@@ -166,7 +179,7 @@ def test_gusts_have_their_size_and_memory_at_every_time_step(step_s: float) -> N
 
 def test_a_wandering_current_has_its_size_and_memory() -> None:
     settings = WeatherSettings(current_speed_mps=0.2, current_wander_mps=0.05)
-    wandering, xy = field(settings, 10_000), np.zeros((10_000, 1, 2))
+    wandering, xy = at_sea(settings, 10_000), np.zeros((10_000, 1, 2))
     now, then = (wandering.current(t, xy)[:, 0] - [0.2, 0.0] for t in (50.0, 350.0))
     np.testing.assert_allclose(now.std(axis=0), 0.05, rtol=4 / math.sqrt(20_000))
     memory = math.exp(-0.5)
@@ -188,6 +201,27 @@ def test_circulation_has_its_peak_and_sense() -> None:
 def test_a_circulation_needs_a_map() -> None:
     with pytest.raises(UserError, match=r"circulation_mps = 0\.2 without a map; give a map, or 0"):
         Field.create(WeatherSettings(circulation_mps=0.2), episode_keys(0, np.arange(1)))
+
+
+@pytest.mark.parametrize("name", ["current_speed_mps", "current_wander_mps"])
+def test_a_stream_needs_an_open_border(name: str) -> None:
+    pond = navigation_graph(np.pad(np.ones((4, 5), np.bool_), 1), PITCH, False)
+    settings, keys = WeatherSettings(**{name: 0.3}), episode_keys(0, np.arange(1))
+    remedy = rf"{name} = 0\.3 on a map without water at its edge, .* open the edge, or set weather"
+    with pytest.raises(UserError, match=remedy):
+        Field.create(settings, keys, pond)
+    turning = Field.create(WeatherSettings(circulation_mps=0.3), keys, pond)
+    assert turning.current(0.0, np.array([[[8.0, 10.0]]])).any()
+
+
+def test_streams_are_the_free_stream_in_open_water_and_none_on_land() -> None:
+    settings = WeatherSettings(current_speed_mps=0.3, current_toward_deg=30.0)
+    bay = Field.create(settings, episode_keys(0, np.arange(1)), OPEN)
+    free = 0.3 * np.array([math.cos(math.pi / 6), 0.5])
+    inside = np.random.default_rng(3).uniform(-2, 237, (1, 20, 2))
+    np.testing.assert_allclose(bay.current(1.0, inside), np.tile(free, (1, 20, 1)), atol=1e-9)
+    land = HARBOUR.metres(np.argwhere(~HARBOUR.navigable).astype(np.float64))[None]
+    assert np.abs(field(settings, 1).current(1.0, land)).max() < 1e-12
 
 
 @pytest.mark.parametrize("shape", [(3, 4, 2), (2, 4, 3), (4, 2), (1, 4, 2)])

@@ -1,4 +1,6 @@
-"""The harbour circulation: no flow through quays, no divergence, and a closed form in a box."""
+"""Flow on a map: no flow through quays, no divergence, what comes in goes out, closed forms."""
+
+from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -7,32 +9,49 @@ from scipy.integrate import quad
 
 from graph_planner.navigation import NavigationGraph, navigation_graph
 from mjforage.core.maps import load_map
-from mjforage.physics.weather.circulation import (
-    LAYER,
-    _stream_function,
-    circulation,
-    circulation_velocity,
-)
+from mjforage.physics.weather.flow import LAYER, Flow, flow_of
+from mjforage.physics.weather.stream_element import TURN, stream_velocity
+from mjforage.physics.weather.stream_solver import still_unknowns, stream_functions
 
 PITCH = 4.0
+PORTS = ("comb_port", "channels", "open_bay")
 GAUSS = np.array([-1.0, 0.0, 1.0]) * np.sqrt(0.6) / 2  # exact for polynomials of degree 5
 WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18
+Point = tuple[float, float]  # x, y [m]
+Share = tuple[float, float, float]  # of the streams to the east and the north, of the circulation
+EAST, NORTH, CIRCULATION = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+EVERY = (EAST, NORTH, CIRCULATION)
+
+
+@lru_cache
+def map_of(port: str) -> NavigationGraph:
+    return navigation_graph(load_map(port).navigable, PITCH, False)
 
 
 def harbour() -> NavigationGraph:
-    return navigation_graph(load_map("comb_port").navigable, PITCH, False)
+    return map_of("comb_port")
 
 
-def velocity(graph: NavigationGraph, x: float, y: float) -> tuple[float, float]:
-    field = circulation(graph)
-    return circulation_velocity(field.patches, field.spacing_m, field.corner_m, x, y)
+@lru_cache
+def drawn(*rows: str) -> NavigationGraph:
+    """A map of characters, row 0 in the north: land is #."""
+    return navigation_graph(np.array([[c != "#" for c in row] for row in rows]), PITCH, False)
+
+
+def flow(graph: NavigationGraph) -> Flow:
+    return flow_of(graph, True, True)
+
+
+def velocity(graph: NavigationGraph, xy: Point, share: Share = CIRCULATION) -> tuple[float, float]:
+    field = flow(graph)
+    return stream_velocity(field.patches, field.spacing_m, field.corner_m, *xy, *share)
 
 
 def flux(
-    graph: NavigationGraph, start: tuple[float, float], end: tuple[float, float]
+    graph: NavigationGraph, start: Point, end: Point, share: Share = CIRCULATION
 ) -> tuple[float, float]:
     """Flow through a straight line to its right, and the integral of the speed along it."""
-    spacing = circulation(graph).spacing_m
+    spacing = flow(graph).spacing_m
     (x0, y0), (x1, y1) = start, end
     length = float(np.hypot(x1 - x0, y1 - y0))
     parts = max(1, round(length / spacing))
@@ -40,20 +59,20 @@ def flux(
     for part in range(parts):
         for node, weight in zip(GAUSS, WEIGHTS, strict=True):
             s = (part + 0.5 + node) / parts
-            u, v = velocity(graph, x0 + s * (x1 - x0), y0 + s * (y1 - y0))
+            u, v = velocity(graph, (x0 + s * (x1 - x0), y0 + s * (y1 - y0)), share)
             through += weight * (u * (y1 - y0) - v * (x1 - x0)) / parts
             total += weight * float(np.hypot(u, v)) * length / parts
     return through, total
 
 
-def faces(graph: NavigationGraph) -> NDArray[np.float64]:
-    """(face, along, 2) points on every face between water and land, rim included [m]."""
-    water = np.pad(graph.navigable, 1)
+def faces(graph: NavigationGraph, open_rim: bool) -> NDArray[np.float64]:
+    """(face, along, 2) points on every face between water and land, or rim if it is land [m]."""
+    water = np.pad(graph.navigable, 1, constant_values=open_rim)
     along = np.linspace(-0.5, 0.5, 33)
     points = []
     for offset in ((0, 1), (1, 0), (0, -1), (-1, 0)):
         beside = np.roll(water, (-offset[0], -offset[1]), (0, 1))
-        for row, col in np.argwhere(water & ~beside) - 1:
+        for row, col in np.argwhere((water & ~beside)[1:-1, 1:-1]):
             rc = np.stack(
                 [
                     row + offset[0] / 2 + along * abs(offset[1]),
@@ -65,32 +84,37 @@ def faces(graph: NavigationGraph) -> NDArray[np.float64]:
     return np.array(points)
 
 
-def test_quays_let_nothing_through_and_nothing_along() -> None:
-    graph = harbour()
-    points = faces(graph)
-    assert len(points) > 400
-    speeds = [np.hypot(*velocity(graph, x, y)) for x, y in points.reshape(-1, 2)]
+@pytest.mark.parametrize("share", EVERY)
+@pytest.mark.parametrize("port", PORTS)
+def test_quays_let_nothing_through_and_nothing_along(port: str, share: Share) -> None:
+    graph = map_of(port)
+    points = faces(graph, open_rim=share != CIRCULATION)
+    assert len(points) > 150
+    speeds = [np.hypot(*velocity(graph, (x, y), share)) for x, y in points.reshape(-1, 2)]
     assert max(speeds) < 1e-12
     land = graph.metres(np.argwhere(~graph.navigable).astype(np.float64))
-    assert max(np.hypot(*velocity(graph, x, y)) for x, y in land) == 0.0
+    assert max(np.hypot(*velocity(graph, (x, y), share)) for x, y in land) < 1e-12
 
 
-def test_every_node_of_the_harbour_moves_and_keeps_its_water() -> None:
+@pytest.mark.parametrize("share", EVERY)
+@pytest.mark.parametrize("port", PORTS)
+def test_every_node_keeps_its_water(port: str, share: Share) -> None:
     """Divergence: what flows into the square of a node flows out of it, to rounding."""
-    graph = harbour()
+    graph = map_of(port)
     centres = graph.metres(np.stack((graph.rows, graph.cols), axis=-1))
     half = PITCH / 2
     for x, y in centres[::7]:
         corners = [(x - half, y - half), (x + half, y - half), (x + half, y + half)]
         corners.append((x - half, y + half))
-        sides = [flux(graph, corners[i], corners[(i + 1) % 4]) for i in range(4)]
-        assert abs(sum(through for through, _ in sides)) < 1e-13
-    assert min(np.hypot(*velocity(graph, x + 0.3, y + 0.2)) for x, y in centres) > 0.0
+        sides = [flux(graph, corners[i], corners[(i + 1) % 4], share) for i in range(4)]
+        assert abs(sum(through for through, _ in sides)) < 1e-12
+    if share == CIRCULATION:
+        assert min(np.hypot(*velocity(graph, (x + 0.3, y + 0.2))) for x, y in centres) > 0.0
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_no_divergence_inside_a_patch(seed: int) -> None:
-    graph, spacing = harbour(), circulation(harbour()).spacing_m
+    graph, spacing = harbour(), flow(harbour()).spacing_m
     rng = np.random.default_rng(seed)
     node = rng.integers(len(graph))
     x, y = graph.metres(np.array([graph.rows[node], graph.cols[node]])) - PITCH / 2
@@ -114,12 +138,12 @@ def test_the_peak_is_one_metre_per_second_counter_clockwise() -> None:
     rng = np.random.default_rng(0)
     node = rng.integers(len(graph), size=100_000)
     rc = np.stack((graph.rows[node], graph.cols[node]), -1) + rng.uniform(-0.5, 0.5, (100_000, 2))
-    speeds = [np.hypot(*velocity(graph, x, y)) for x, y in graph.metres(rc)]
+    speeds = [np.hypot(*velocity(graph, (x, y))) for x, y in graph.metres(rc)]
     assert 0.98 < max(speeds) < 1.001
     box = navigation_graph(np.ones((8, 8), np.bool_), PITCH, False)
     middle = 3.5 * PITCH
-    assert velocity(box, middle + 10, middle)[1] > 0.8
-    assert velocity(box, middle, middle + 10)[0] < -0.8
+    assert velocity(box, (middle + 10, middle))[1] > 0.8
+    assert velocity(box, (middle, middle + 10))[0] < -0.8
 
 
 @pytest.mark.parametrize(("rows", "tolerance"), [(1, 0.05), (2, 0.015), (8, 0.005)])
@@ -134,7 +158,7 @@ def test_a_long_channel_has_the_profile_of_friction_and_viscosity(
     y = np.linspace(-half, half, 101)
     exact = half * np.sinh(y / layer) / np.sinh(half / layer) - y
     middle = (graph.shape[1] - 1) * PITCH / 2
-    found = np.array([velocity(graph, middle, at + half - PITCH / 2) for at in y])
+    found = np.array([velocity(graph, (middle, at + half - PITCH / 2)) for at in y])
     assert np.abs(found[:, 1]).max() < 1e-3
     scale = (exact @ found[:, 0]) / (exact @ exact)
     error = np.abs(found[:, 0] / scale - exact).max()
@@ -146,26 +170,27 @@ def test_without_friction_it_bends_like_a_clamped_plate() -> None:
     Theory of Plates and Shells, section 44; more digits by Taylor and Govindjee 2004).
     """
     layer = 1e5
-    psi = _stream_function(np.ones((12, 12), np.bool_), layer)[..., 0]
+    water = np.ones((12, 12), np.bool_)
+    psi = stream_functions(water, still_unknowns(water), layer, TURN[:, None])[..., 0, 0]
     assert layer**2 * psi[6, 6] / 12**4 == pytest.approx(0.00126532, rel=1e-4)
     np.testing.assert_allclose(psi, psi.T, atol=1e-12 * psi.max())
 
 
 def test_velocity_is_continuous_and_patches_meet() -> None:
-    graph, spacing = harbour(), circulation(harbour()).spacing_m
+    graph, spacing = harbour(), flow(harbour()).spacing_m
     x, y = graph.metres(np.array([graph.rows[600], graph.cols[600]]))
     for step in range(-4, 5):
         edge = -PITCH / 2 + spacing * (round((x + PITCH / 2) / spacing) + step)
         for other in (y + 0.31, y - 0.77):
-            before, after = velocity(graph, edge - 1e-9, other), velocity(graph, edge + 1e-9, other)
+            before, after = (velocity(graph, (edge + side, other)) for side in (-1e-9, 1e-9))
             np.testing.assert_allclose(before, after, atol=1e-8)
 
 
 def test_positions_off_the_map_are_still_and_lost_ones_stay_lost() -> None:
     graph = harbour()
     for x, y in ((-1e6, 0.0), (0.0, 1e6), (np.inf, 3.0), (-2.0000001, 9.0)):
-        assert velocity(graph, x, y) == (0.0, 0.0)
-    assert np.isnan(velocity(graph, np.nan, 3.0)).all()
+        assert velocity(graph, (x, y)) == (0.0, 0.0)
+    assert np.isnan(velocity(graph, (np.nan, 3.0))).all()
 
 
 def test_the_integral_of_speed_sees_a_leak() -> None:
@@ -173,6 +198,7 @@ def test_the_integral_of_speed_sees_a_leak() -> None:
     graph = navigation_graph(np.ones((6, 15), np.bool_), PITCH, False)
     start, end = graph.metres(np.array([[5.5, 7.0], [2.5, 7.0]]))
     through, total = flux(graph, tuple(start), tuple(end))
-    numeric = quad(lambda y: velocity(graph, float(start[0]), y)[0], start[1], end[1], limit=200)[0]
+    x = float(start[0])
+    numeric = quad(lambda y: velocity(graph, (x, y))[0], start[1], end[1], limit=200)[0]
     assert through == pytest.approx(numeric, rel=1e-6)
     assert abs(through) > 0.9 * total > 1.0
