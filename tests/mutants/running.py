@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tests.mutants.faults import ROOT, Mutant
+from tests.mutants.kernels import recompiled, stamped_by_file
 
 COPIED = ("mjforage", "controllers", "graph_planner", "metrics", "models", "tests")
 LEFT_OUT = shutil.ignore_patterns("__pycache__")
@@ -38,11 +39,13 @@ class Outcome:
 
 
 def copied(folder: Path) -> Path:
-    """Copy what checks need into a folder; times of files are kept."""
+    """Copy what checks need into a folder of a folder; times of files are kept."""
+    copy = folder / "copy"
     for name in COPIED:
-        shutil.copytree(ROOT / name, folder / name, ignore=LEFT_OUT)
-    shutil.copy2(ROOT / "pyproject.toml", folder)
-    return folder
+        shutil.copytree(ROOT / name, copy / name, ignore=LEFT_OUT)
+    shutil.copy2(ROOT / "pyproject.toml", copy)
+    stamped_by_file(copy)
+    return copy
 
 
 def run_check(mutant: Mutant, copy: Path) -> Outcome:
@@ -70,10 +73,11 @@ def run_check(mutant: Mutant, copy: Path) -> Outcome:
 def run_mutant(mutant: Mutant, copy: Path) -> Outcome:
     """Spoil the copy, run the check, and put the copy right again."""
     path = mutant.path(copy)
-    kept, times = path.read_text(encoding="utf-8"), path.stat()
-    path.write_text(kept.replace(mutant.old, mutant.new), encoding="utf-8")
-    try:
-        return run_check(mutant, copy)
-    finally:
-        path.write_text(kept, encoding="utf-8")
-        os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+    kept, time = path.read_text(encoding="utf-8"), path.stat().st_mtime_ns
+    with recompiled(path, copy, copy.parent / "compiled"):
+        path.write_text(kept.replace(mutant.old, mutant.new), encoding="utf-8")
+        try:
+            return run_check(mutant, copy)
+        finally:
+            path.write_text(kept, encoding="utf-8")
+            os.utime(path, ns=(time, time))

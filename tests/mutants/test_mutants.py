@@ -9,7 +9,8 @@ from mjforage.physics.validation.all_checks import __all__ as rooms
 from mjforage.physics.validation.known_checks import check_names
 from tests.mutants import running
 from tests.mutants.__main__ import main
-from tests.mutants.faults import ROOT, Mutant, mutants
+from tests.mutants.faults import PHYSICS, ROOT, Mutant, mutants
+from tests.mutants.kernels import importers, stamped_by_file
 
 ALL = mutants()
 BY_NAME = {mutant.name: mutant for mutant in ALL}
@@ -45,9 +46,25 @@ def test_there_are_forty_and_those_of_which_it_is_known_that_they_once_passed() 
     assert set(OF_THE_ISSUE) <= BY_NAME.keys()
 
 
+def test_what_imports_a_file_by_way_of_others_is_compiled_again() -> None:
+    names = {path.name for path in importers(ROOT / PHYSICS / "hydrodynamics/wind_load.py", ROOT)}
+    assert {"wind_load.py", "boat.py", "forces.py", "native.py", "simulation.py"} <= names
+    assert not {"thruster.py", "touch.py", "circulation.py", "quays.py"} & names
+
+
+def test_kernels_are_still_stamped_as_the_copy_expects(tmp_path: Path) -> None:
+    (tmp_path / "graph_planner").mkdir()
+    source = (ROOT / "graph_planner/compiled.py").read_text(encoding="utf-8")
+    (tmp_path / "graph_planner/compiled.py").write_text(source, encoding="utf-8")
+    stamped_by_file(tmp_path)
+    ast.parse((tmp_path / "graph_planner/compiled.py").read_text(encoding="utf-8"))
+    with pytest.raises(ValueError, match="has no line"):
+        stamped_by_file(tmp_path)
+
+
 def small(folder: Path, body: str) -> Mutant:
     """A mutant of a repository of one file and one test."""
-    (folder / "tests").mkdir()
+    (folder / "tests").mkdir(parents=True)
     (folder / "sum.py").write_text("TWO = 1 + 1\n", encoding="utf-8")
     (folder / "tests" / "test_sum.py").write_text(f"import sum\n{body}", encoding="utf-8")
     return Mutant("sum", "a wrong sum", "sum.py", "1 + 1", "1 - 1", "tests/test_sum.py::test_sum")
@@ -64,12 +81,13 @@ def small(folder: Path, body: str) -> Mutant:
 def test_a_mutant_is_caught_survives_or_breaks_and_leaves_no_trace(
     body: str, verdict: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    mutant = small(tmp_path, body)
+    copy = tmp_path / "copy"
+    mutant = small(copy, body)
     monkeypatch.setattr(Mutant, "path", lambda self, root: root / self.file)
-    before = (tmp_path / "sum.py").stat().st_mtime_ns
-    assert running.run_mutant(mutant, tmp_path).verdict == verdict
-    assert (tmp_path / "sum.py").read_text(encoding="utf-8") == "TWO = 1 + 1\n"
-    assert (tmp_path / "sum.py").stat().st_mtime_ns == before
+    before = (copy / "sum.py").stat().st_mtime_ns
+    assert running.run_mutant(mutant, copy).verdict == verdict
+    assert (copy / "sum.py").read_text(encoding="utf-8") == "TWO = 1 + 1\n"
+    assert (copy / "sum.py").stat().st_mtime_ns == before
 
 
 def test_a_name_that_is_none_is_refused(

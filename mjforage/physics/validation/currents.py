@@ -28,7 +28,7 @@ NOISE_MPS, PERIOD_S = 0.036, 10.0
 DRIFT_MPS, LEEWAY = 0.04, 0.03
 
 
-@check("circulation", "16a", "The circulation keeps to its harbour")
+@check("circulation", "15a", "The circulation keeps to its harbour")
 def circulation() -> Parts:
     """A circulation of 0.3 m/s in the default port and in a closed channel of 32 x 280 m.
 
@@ -90,7 +90,7 @@ def _profile() -> tuple[Float64Array, Float64Array, Float64Array]:
     return y, found, half * np.sinh(y / layer) / math.sinh(half / layer) - y
 
 
-@check("drawn-weather", "16b", "Wandering current, items' own water, drawn wind")
+@check("drawn-weather", "15b", "Wandering current, items' own water, drawn wind")
 def drawn_weather() -> Parts:
     """Over 4,000 episodes: a current that wanders by 0.1 m/s with a memory of 600 s.
 

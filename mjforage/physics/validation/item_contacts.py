@@ -22,7 +22,7 @@ STEP_M = 1e-3  # of the places that are tried
 REACH_M, DEPTH_M = 0.12, 0.3  # of the mouth, before and behind the bow
 
 
-@check("items", "17", "Items against quays and hulls")
+@check("items", "16", "Items against quays and hulls")
 def items() -> Parts:
     """A forager pushes one item before it, wind of 10 m/s blows others onto a quay, into a corner.
 
@@ -62,7 +62,7 @@ def _pushed(integrator: Integrator) -> tuple[Float64Array, Float64Array]:
     return np.array(bow), np.array(xy)
 
 
-@check("mouth", "18", "What a collector's mouth takes")
+@check("mouth", "17", "What a collector's mouth takes")
 def mouth() -> Parts:
     """A forager at an angle; items tried every millimetre along its middle line and its bow.
 

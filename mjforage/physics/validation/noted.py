@@ -52,7 +52,7 @@ def noted(
     return seen
 
 
-@check("touch-speed", "19", "How fast hulls touch")
+@check("touch-speed", "18", "How fast hulls touch")
 def touch_speed() -> Parts:
     """Foragers without drag run at quays and each other in MuJoCo, at speeds that are known.
 
@@ -87,7 +87,7 @@ def _touched(vessel: Vessel, pose: Float64Array, velocity: Float64Array) -> floa
     return float(noted(simulation, fleet, 3.0, until_touch=True).impact_mps.max())
 
 
-@check("energy-drawn", "20", "What hulls draw from their batteries")
+@check("energy-drawn", "19", "What hulls draw from their batteries")
 def energy_drawn() -> Parts:
     """Every hull, the forager with 100 items too: 20 s from rest at 0.6 of the largest thrust.
 
