@@ -1,7 +1,8 @@
 """Does every single fault of the physics fail its check? `python -m tests.mutants [NAME ...]`.
 
 Faults stand in the TOML files of this folder. Each is made in a copy of the repository in a
-temporary folder, where its check is run, once it has passed there on the physics as it is. It takes about half an hour on one core, most of it compiling. Exit code 1 if one survives.
+temporary folder, where its check is run, once it has passed there on the physics as it is. It takes
+about half an hour on one core, most of it compiling. Exit code 1 if one survives.
 """
 
 import argparse
