@@ -1,13 +1,15 @@
 """What has to be compiled again for a fault: the kernels of files that import the spoilt one.
 
 Kernels of the project are compiled again when any of its files changes. In the copy a kernel goes
-by its own file's time alone, and the files that import the spoilt file, be it by way of others, get
-a new one: whatever could have compiled the fault into itself is compiled anew, and nothing else.
+by the text of its own file alone, as numba has it, and the files that import the spoilt file, be it
+by way of others, get a new last line: whatever could have compiled the fault into itself is
+compiled anew, and nothing else.
 """
 
 import ast
 import os
 import shutil
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -65,21 +67,22 @@ def recompiled(file: Path, copy: Path, store: Path) -> Iterator[None]:
     ----------
     store : a folder of its own beside the copy, for what was compiled before
     """
-    files = importers(file, copy) if file.suffix == ".py" else set()
-    times = {path: path.stat().st_mtime_ns for path in files}
-    folders = {path.parent / "__pycache__" for path in files}
-    kept = {folder: store / str(number) for number, folder in enumerate(sorted(folders))}
-    for folder, place in kept.items():
+    files = importers(file, copy) - {file} if file.suffix == ".py" else set()
+    kept = {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in files}
+    folders = sorted({path.parent / "__pycache__" for path in (*files, file)})
+    stored = {folder: store / str(number) for number, folder in enumerate(folders)}
+    for folder, place in stored.items():
         if folder.is_dir():
             shutil.copytree(folder, place)
-    for path in files:
-        os.utime(path)
+    for path, (text, _) in kept.items():
+        path.write_bytes(text + f"# {time.time_ns()}\n".encode())
     try:
         yield
     finally:
-        for path, time in times.items():
-            os.utime(path, ns=(time, time))
-        for folder, place in kept.items():
+        for path, (text, when) in kept.items():
+            path.write_bytes(text)
+            os.utime(path, ns=(when, when))
+        for folder, place in stored.items():
             shutil.rmtree(folder, ignore_errors=True)
             if place.is_dir():
                 shutil.move(place, folder)
