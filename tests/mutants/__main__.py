@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 
 from tests.mutants.faults import Mutant, mutants
-from tests.mutants.running import Outcome, copied, run_check, run_mutant
+from tests.mutants.running import Outcome, copied, is_plain, run_check, run_mutant
 
 _PAGE = """<!-- Written by `python -m tests.mutants --out docs/mutants.md`. -->
 # Single faults of the physics, and what notices them
@@ -74,10 +74,10 @@ def main() -> None:
     rows: list[str] = []
     survived = 0
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
-        copy = copied(Path(folder))
+        copies = {plain: copied(Path(folder), plain) for plain in (False, True)}
         passed: set[str] = set()
         for mutant in chosen:
-            outcome = _run(mutant, copy, passed)
+            outcome = _run(mutant, copies[is_plain(mutant.check)], passed)
             survived += outcome.verdict != "caught"
             rows.append(_row(mutant, outcome))
             _say(f"{rows[-1]} {outcome.words}")

@@ -3,7 +3,8 @@
 Kernels of the project are compiled again when any of its files changes. In the copy a kernel goes
 by the text of its own file alone, as numba has it, and the files that import the spoilt file, be it
 by way of others, get a new last line: whatever could have compiled the fault into itself is
-compiled anew, and nothing else.
+compiled anew, and nothing else. Short checks take less time in a copy without the compiler, where
+kernels are the Python that they are written in.
 """
 
 import ast
@@ -31,6 +32,26 @@ def stamped_by_file(copy: Path) -> None:
     if text.count(STAMP) != 1:
         raise ValueError(f"{path.name} has no line {STAMP.strip()!r}; see tests/mutants/kernels.py")
     path.write_text(text.replace(STAMP, "    found = [str(source), len(files)]"), encoding="utf-8")
+
+
+COMPILING = "    dispatcher = cast(Any, numba).njit("
+COMPILERS = ("graph_planner/compiled.py", "controllers/_compiled.py")
+
+
+def interpreted(copy: Path) -> None:
+    """Let the copy's kernels be plain Python.
+
+    Raises
+    ------
+    ValueError
+        If a file does not say any more how kernels are compiled.
+    """
+    for name in COMPILERS:
+        text = (copy / name).read_text(encoding="utf-8")
+        if text.count(COMPILING) != 1:
+            raise ValueError(f"{name} has no line {COMPILING!r}; see tests/mutants/kernels.py")
+        plain = text.replace(COMPILING, f"    return function\n{COMPILING}")
+        (copy / name).write_text(plain, encoding="utf-8")
 
 
 def importers(file: Path, copy: Path) -> set[Path]:

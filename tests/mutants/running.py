@@ -7,11 +7,16 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.mutants.faults import ROOT, Mutant
-from tests.mutants.kernels import recompiled, stamped_by_file
+from tests.mutants.faults import PHYSICS, ROOT, Mutant
+from tests.mutants.kernels import interpreted, recompiled, stamped_by_file
 
 COPIED = ("mjforage", "controllers", "graph_planner", "metrics", "models", "tests")
 LEFT_OUT = shutil.ignore_patterns("__pycache__")
+PLAIN = frozenset(
+    {"wind-load", "mouth", "touch-speed", "energy-drawn", "straight", "added-mass", "ramming"}
+)
+"""Checks that take less time than the kernels take to compile, and so do the tests of `UNITS`."""
+UNITS = ("hydrodynamics", "dynamics")
 PASSED, FAILED = 0, 1  # exit codes of a check; anything else: it could not be run
 LONGEST_S = 900.0
 _VALIDATE = """
@@ -38,14 +43,19 @@ class Outcome:
         return {PASSED: "SURVIVED", FAILED: "caught"}.get(self.code, f"broke ({self.code})")
 
 
-def copied(folder: Path) -> Path:
-    """Copy what checks need into a folder of a folder; times of files are kept."""
-    copy = folder / "copy"
+def copied(folder: Path, plain: bool) -> Path:
+    """Copy what checks need into a folder of a folder, with the compiler or without."""
+    copy = folder / ("plain" if plain else "compiled")
     for name in COPIED:
         shutil.copytree(ROOT / name, copy / name, ignore=LEFT_OUT)
     shutil.copy2(ROOT / "pyproject.toml", copy)
-    stamped_by_file(copy)
+    (interpreted if plain else stamped_by_file)(copy)
     return copy
+
+
+def is_plain(check: str) -> bool:
+    """Whether a check is run without the compiler."""
+    return check in PLAIN or any(check.startswith(f"tests/{PHYSICS}/{room}/") for room in UNITS)
 
 
 def run_check(mutant: Mutant, copy: Path) -> Outcome:
@@ -74,7 +84,7 @@ def run_mutant(mutant: Mutant, copy: Path) -> Outcome:
     """Spoil the copy, run the check, and put the copy right again."""
     path = mutant.path(copy)
     kept, time = path.read_text(encoding="utf-8"), path.stat().st_mtime_ns
-    with recompiled(path, copy, copy.parent / "compiled"):
+    with recompiled(path, copy, copy.parent / "stored"):
         path.write_text(kept.replace(mutant.old, mutant.new), encoding="utf-8")
         try:
             return run_check(mutant, copy)

@@ -1,6 +1,7 @@
 """The list of mutants cannot rot: every text is in its file once, every check exists."""
 
 import ast
+import shutil
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ from mjforage.physics.validation.known_checks import check_names
 from tests.mutants import running
 from tests.mutants.__main__ import main
 from tests.mutants.faults import PHYSICS, ROOT, Mutant, mutants
-from tests.mutants.kernels import importers, stamped_by_file
+from tests.mutants.kernels import COMPILERS, COMPILING, importers, interpreted, stamped_by_file
 
 ALL = mutants()
 BY_NAME = {mutant.name: mutant for mutant in ALL}
@@ -60,6 +61,19 @@ def test_kernels_are_still_stamped_as_the_copy_expects(tmp_path: Path) -> None:
     ast.parse((tmp_path / "graph_planner/compiled.py").read_text(encoding="utf-8"))
     with pytest.raises(ValueError, match="has no line"):
         stamped_by_file(tmp_path)
+
+
+def test_a_copy_without_the_compiler_has_plain_kernels(tmp_path: Path) -> None:
+    for name in COMPILERS:
+        (tmp_path / name).parent.mkdir()
+        shutil.copy2(ROOT / name, tmp_path / name)
+    interpreted(tmp_path)
+    for name in COMPILERS:
+        text = (tmp_path / name).read_text(encoding="utf-8")
+        assert text.count(f"    return function\n{COMPILING}") == 1
+        (tmp_path / name).write_text("", encoding="utf-8")
+    with pytest.raises(ValueError, match="has no line"):
+        interpreted(tmp_path)
 
 
 def small(folder: Path, body: str) -> Mutant:
