@@ -12,9 +12,7 @@ from tests.mutants.kernels import interpreted, recompiled, stamped_by_file
 
 COPIED = ("mjforage", "controllers", "graph_planner", "metrics", "models", "tests")
 LEFT_OUT = shutil.ignore_patterns("__pycache__")
-PLAIN = frozenset(
-    {"wind-load", "mouth", "touch-speed", "energy-drawn", "straight", "added-mass", "ramming"}
-)
+PLAIN = frozenset({"wind-load", "mouth", "touch-speed", "energy-drawn", "added-mass", "ramming"})
 """Checks that take less time than the kernels take to compile, and so do the tests of `UNITS`."""
 UNITS = ("hydrodynamics", "dynamics")
 PASSED, FAILED = 0, 1  # exit codes of a check; anything else: it could not be run
