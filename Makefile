@@ -1,5 +1,6 @@
 # `make demo`: the paper's two baselines at graph level and in MuJoCo, with a report and a film.
 # `make test`: everything CI runs.
+# `make mutants`: whether every single fault of the physics is noticed; half an hour.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -10,7 +11,7 @@ LEARNING := tests/mjforage/learning tests/graph_planner/test_weights.py
 
 POLICIES := belief oracle greedy levy lawnmower wanderer pso random ddqn ddqn-reward
 
-.PHONY: demo test types kernels capabilities install clean
+.PHONY: demo test types kernels capabilities mutants install clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.installed: pyproject.toml constraints.txt
@@ -50,6 +51,9 @@ capabilities: $(VENV)/.installed-dev
 		echo "learning, ATEN_CPU_CAPABILITY=$$capability"; \
 		ATEN_CPU_CAPABILITY=$$capability $(BIN)/pytest -n 2 -rs -m every_capability $(LEARNING) || exit 1; \
 	done
+
+mutants: $(VENV)/.installed-dev
+	$(BIN)/python -m tests.mutants --out docs/mutants.md
 
 clean:
 	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -30,7 +30,7 @@ class Transition(NamedTuple):
     energy: NDArray[np.float64]  # (episode, agent) used so far, in the unit of `Role.energy`
     collisions: Int32Array  # (episode, agent) touches of quays and hulls so far
     impact: NDArray[np.float64]  # (episode, agent) fastest approach to a touch in the period [m/s]
-    work: NDArray[np.float64]  # (episode, agent) energy of the propellers so far [J]; 0 in graphs
+    work: NDArray[np.float64]  # (episode, agent) electrical energy drawn so far [J]; 0 in graphs
     pickup: NDArray[np.int8]  # (episode, agent) how picking up ended in the period, see `PICKUPS`
 
 

@@ -128,6 +128,18 @@ class Load:
 
 
 @dataclass(frozen=True)
+class Power:
+    """What the vessel draws from its battery: both thrusters, and all else that is on board."""
+
+    propeller_m: Annotated[float, positive("m", 10)]
+    """Diameter of each propeller."""
+    efficiency: Annotated[float, Quantity("1", 0.0, 1.0, above=True)]
+    """Least power for a thrust, by momentum theory, over the electrical power drawn for it."""
+    hotel_w: Annotated[float, Quantity("W", 0.0, 1e6)]
+    """Drawn by computers, sensors and radio, all the time."""
+
+
+@dataclass(frozen=True)
 class Control:
     """Tuning of the hull's controllers (see `controllers`)."""
 
@@ -171,14 +183,15 @@ class Control:
 
 NO_WINDAGE = Windage(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
 NO_LOAD = Load(0.0, 0.0)
+IDEAL_POWER = Power(0.2, 1.0, 0.0)
 
 
 @dataclass(frozen=True)
 class Vessel:
     """One parameter set.
 
-    Absent tables: no cross-flow drag, no wind load, no load, and a tuning that `physics.helm` works
-    out.
+    Absent tables: no cross-flow drag, no wind load, no load, the least power of propellers of
+    0.2 m, and a tuning that `physics.helm` works out.
     """
 
     name: Annotated[str, NotInFile()]
@@ -225,6 +238,7 @@ class Vessel:
     crossflow: CrossFlow | None = None
     windage: Windage = NO_WINDAGE
     load: Load = NO_LOAD
+    power: Power = IDEAL_POWER
     control: Control | None = None
 
 

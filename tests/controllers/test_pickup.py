@@ -98,7 +98,7 @@ def test_items_in_the_corner_of_a_basin_are_taken() -> None:
     """A full-beam mouth does not fit into a corner at 45 degrees, along the quay it does."""
     rng = np.random.default_rng(1)
     sides = rng.choice((-1.0, 1.0), (24, 1, 2))
-    items = CENTRE + sides * rng.uniform(REST_M - 0.1, REST_M, (24, 1, 2))
+    items = CENTRE + sides * REST_M
     corner = CENTRE + PITCH_M * sides
     taken, _ = pick(items, rng.uniform(-np.pi, np.pi, 24), 30.0, corner)
     assert np.isfinite(taken).all()

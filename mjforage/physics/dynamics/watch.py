@@ -16,11 +16,9 @@ from graph_planner.geodesics import Int32Array
 from mjforage.core.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.physics.dynamics.touch import touches
 from mjforage.physics.hydrodynamics.parameters import HullArray
-from mjforage.physics.hydrodynamics.thruster import thrust
+from mjforage.physics.hydrodynamics.power import drawn_power
 
 ARRIVAL_M, SLOW_MPS, BLOCKED_S = 1.0, 0.1, 2.0  # of the definitions above; estimates
-PROPELLER_DISC_M2 = math.pi / 4 * 0.2**2  # of one side, 0.2 m across: an estimate for both classes
-WATER_DENSITY_KGPM3 = 1025.0  # sea water; of the least energy of propellers
 FloatArray = NDArray[np.float64]
 
 
@@ -34,7 +32,7 @@ class Watched(NamedTuple):
     impact_mps: FloatArray
     touching: NDArray[np.bool_]  # at the last tick
     collisions: Int32Array  # so far in the episode
-    work_j: FloatArray  # so far in the episode
+    work_j: FloatArray  # electrical energy drawn so far in the episode
 
     @classmethod
     def of(cls, shape: tuple[int, int]) -> "Watched":
@@ -56,18 +54,6 @@ class Watched(NamedTuple):
         for entry in (self.arrived, self.hindered_s, self.blocked, self.travelled_m):
             entry[active] = 0
         self.impact_mps[active] = 0.0
-
-
-@inlined
-def propeller_power(force: float, inflow_mps: float) -> float:
-    """Least power [W] that makes a thrust T in an inflow u: T (u + sqrt(u^2 + 2 T / (rho A))) / 2.
-
-    Momentum theory of an actuator disc (Carlton, Marine Propellers and Propulsion, chapter 8).
-    Inflow against the thrust counts as none.
-    """
-    size, along = abs(force), max(0.0, inflow_mps if force > 0.0 else -inflow_mps)
-    wash = math.sqrt(along * along + 2.0 * size / (WATER_DENSITY_KGPM3 * PROPELLER_DISC_M2))
-    return 0.5 * size * (along + wash)
 
 
 class Motion(NamedTuple):
@@ -100,13 +86,12 @@ class Harbour(NamedTuple):
 
 @inlined
 def _note_work(tick: Tick, harbour: Harbour, e: int, v: int, work_j: FloatArray) -> None:
-    """Add the work of both propellers over the tick."""
+    """Add the electrical energy drawn over the tick."""
     vx, vy = tick.after.velocity[e, v, 0], tick.after.velocity[e, v, 1]
     c, s = math.cos(tick.after.pose[e, v, 2]), math.sin(tick.after.pose[e, v, 2])
     surge = c * (vx - tick.water[e, v, 0]) + s * (vy - tick.water[e, v, 1])
-    for side in range(2):
-        force = thrust(harbour.hulls[v], tick.lagged[e, v, side])
-        work_j[e, v] += harbour.tick_s * propeller_power(force, surge)
+    port, starboard = tick.lagged[e, v, 0], tick.lagged[e, v, 1]
+    work_j[e, v] += harbour.tick_s * drawn_power(harbour.hulls[v], port, starboard, surge)
 
 
 @inlined

@@ -1,5 +1,6 @@
 """A hull as a record for kernels: what its fields are, and `pack`, which fills it from a vessel."""
 
+import math
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
@@ -60,6 +61,10 @@ class HullParameters:
     # What one item aboard adds: mass [kg] and quadratic surge drag [N s2/m2].
     load_mass: float
     load_drag: float
+    # What is drawn: area of a propeller's disc [m2], share of its least power, power of all else.
+    disc: float
+    efficiency: float
+    hotel: float
 
 
 HULL = record_type(HullParameters.__annotations__)
@@ -86,6 +91,7 @@ def pack(vessel: Vessel) -> HullParameters:
         air * wind.area_front_m2, air * wind.area_side_m2,
         wind.cdt, wind.cdl_bow, wind.cdl_stern, wind.delta, wind.s_l_m,
         v.load.mass_per_item_kg, v.load.drag_per_item,
+        math.pi / 4 * v.power.propeller_m**2, v.power.efficiency, v.power.hotel_w,
     )
     # fmt: on
     record: HullParameters = np.array([entries], HULL)[0]

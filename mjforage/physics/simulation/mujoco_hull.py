@@ -7,7 +7,7 @@ import numpy as np
 
 from mjforage.core.errors import UserError
 from mjforage.physics.callback import calling
-from mjforage.physics.callback.model_layout import WATER, WIND
+from mjforage.physics.callback.model_layout import LOAD, WATER, WIND
 from mjforage.physics.hydrodynamics.conditions import Conditions, State, to_body
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation.instability import check_warnings
@@ -23,8 +23,12 @@ ROUNDING = 1e-6  # share by which a step may be longer: differences of times are
 class MujocoHull:
     """A `Hull` moved by MuJoCo's Runge-Kutta integrator and the force callback."""
 
-    def __init__(self, vessel: Vessel, conditions: Conditions) -> None:
+    def __init__(self, vessel: Vessel, conditions: Conditions, load: float = 0.0) -> None:
         """Put the hull at its start.
+
+        Parameters
+        ----------
+        load : items aboard
 
         Raises
         ------
@@ -41,6 +45,7 @@ class MujocoHull:
         self._data = data = mujoco.MjData(self._model)
         data.userdata[WIND : WIND + 2] = conditions.wind_mps
         data.userdata[WATER : WATER + 2] = conditions.current_mps
+        data.userdata[LOAD] = load
         x, y, yaw, u, v, r = conditions.start
         data.qpos[:] = x, y, yaw
         data.qvel[:] = *to_body((u, v), -yaw), r

@@ -2,10 +2,13 @@
 
 from mjforage.physics.validation import (
     contacts,
+    currents,
     drifting,
     gusts,
     inertia,
     invariance,
+    item_contacts,
+    noted,
     planar,
     repeats,
     rest,
@@ -13,15 +16,19 @@ from mjforage.physics.validation import (
     stopping,
     straight,
     turning,
+    winds,
     zigzag,
 )
 
 __all__ = [
     "contacts",
+    "currents",
     "drifting",
     "gusts",
     "inertia",
     "invariance",
+    "item_contacts",
+    "noted",
     "planar",
     "repeats",
     "rest",
@@ -29,5 +36,6 @@ __all__ = [
     "stopping",
     "straight",
     "turning",
+    "winds",
     "zigzag",
 ]

@@ -56,7 +56,7 @@ def _slips(integrator: Integrator) -> Float64Array:
     scene = build_scene(hulls, items=5)
     simulation = Simulation(scene, integrator=integrator, step_s=0.1)
     pose = np.zeros((len(hulls), 3))
-    pose[:, 1], pose[:, 2] = 300.0 * np.arange(len(hulls)), [0.5, 1.0, -2.0]
+    pose[:, 1], pose[:, 2] = 300.0 * np.arange(len(hulls)), [0.5, 3.0, 1.0, -2.0]
     simulation.place_vessels(pose)
     simulation.place_items(np.array([[1000.0, 300.0 * k] for k in range(5)]), np.arange(5))
     for flow in (simulation.vessel_water, simulation.vessel_wind):

@@ -6,12 +6,13 @@ import math
 import numpy as np
 
 from graph_planner.randomness import episode_keys
-from mjforage.physics.validation.finding import Float64Array, Line, Measure, Panel, near_share
+from mjforage.physics.validation.finding import Float64Array, Line, Measure, Panel, near, near_share
 from mjforage.physics.validation.known_checks import Parts, check
 from mjforage.physics.weather import Field, WeatherSettings
 
 MEAN_MPS, INTENSITY, TAU_S = 6.0, 0.15, 2.0
 SIGMA = INTENSITY * MEAN_MPS
+ACROSS = 0.8
 STEPS_S = (0.05, 0.2, 1.0)
 EPISODES, SAMPLES = 1500, 256
 _WINDOW = np.hanning(SAMPLES + 1)[:-1]
@@ -23,15 +24,23 @@ def gusts() -> Parts:
 
     Standard deviation, correlation time from neighbouring samples, and spectrum, over 1,500
     episodes, against variance s^2, autocorrelation exp(-lag / tau) and the periodogram that the
-    process has in closed form. Limits are four times the sampling error or more.
+    process has in closed form. Across the wind 0.8 of the deviation along it (IEC 61400-1, annex
+    B), and nothing in common with it. Limits are four times the sampling error or more.
     """
     measures: list[Measure] = []
     memory: list[Line] = []
     spectra: list[Line] = []
     for colour, step in enumerate(STEPS_S):
-        series = sampled(step)
+        series, across = sampled(step)
         label = f"every {step:g} s"
         measures += _measures(label, step, series)
+        shared = float((series * across).mean()) / (ACROSS * SIGMA**2)
+        measures += [
+            near_share(
+                f"{label}: across the wind", float(across.std()), ACROSS * SIGMA, 0.04, "m/s"
+            ),
+            near(f"{label}: correlation of along and across", shared, 0.0, 0.04),
+        ]
         memory.append(_autocorrelation(label, step, series, colour))
         spectra.append(_spectrum(label, step, periodogram(step, series), colour))
         form = _spectrum("closed form", step, expected_periodogram(step), 0)
@@ -44,13 +53,14 @@ def gusts() -> Parts:
     )
 
 
-def sampled(step_s: float) -> Float64Array:
-    """(episode, sample) gusts along the wind [m/s]."""
+def sampled(step_s: float) -> tuple[Float64Array, Float64Array]:
+    """(episode, sample) gusts along and across the wind [m/s]."""
     settings = WeatherSettings(wind_speed_mps=MEAN_MPS, gust_intensity=INTENSITY, gust_tau_s=TAU_S)
     field = Field.create(settings, episode_keys(7, np.arange(EPISODES)))
     here = np.zeros((EPISODES, 1, 2))
-    rows = [field.wind(30.0 + step_s * k, here)[:, 0, 0] - MEAN_MPS for k in range(SAMPLES)]
-    return np.stack(rows, axis=1)
+    rows = [field.wind(30.0 + step_s * k, here)[:, 0] for k in range(SAMPLES)]
+    along, across = np.moveaxis(np.stack(rows, axis=1), -1, 0)
+    return along - MEAN_MPS, across
 
 
 def _measures(label: str, step: float, series: Float64Array) -> list[Measure]:

@@ -1,6 +1,7 @@
 """Turning circles to both sides against their balance of forces, and one in a current."""
 
 import math
+from functools import partial
 
 import numpy as np
 from scipy.optimize import fsolve
@@ -11,10 +12,13 @@ from mjforage.physics.simulation.mujoco_hull import MujocoHull
 from mjforage.physics.validation import independent as otter
 from mjforage.physics.validation.finding import Float64Array, Line, Measure, Panel, near, near_share
 from mjforage.physics.validation.known_checks import Parts, check
+from mjforage.physics.validation.shared_runs import CASES, case_name, momentum_run
 from mjforage.physics.vessels import load_vessel
 
 CURRENT = (0.24, -0.1)  # [m/s], 0.26 together
 SHOWN = 1201  # rows of a minute
+STEADY_S = 90.0
+FIGURES = ("turning_speed", "turning_diameter", "drift_angle")
 SIDES = {"port": "turning-circle", "starboard": "turning-circle-starboard"}
 
 
@@ -53,7 +57,8 @@ def turning_circle() -> Parts:
 
     Steady speed, yaw rate, diameter and drift angle against a root of the three steady equations,
     which is independent of the code that moves the hull. In a current of 0.26 m/s the circle's
-    centre has to move with it.
+    centre has to move with it. Then every hull, the forager with 100 items too, for 90 s against
+    the momentum of hull and water.
     """
     vessel, (u, v, r) = load_vessel("otter"), steady_turn()
     runs = {side: run_test(vessel, test, simulate=MujocoHull) for side, test in SIDES.items()}
@@ -64,7 +69,26 @@ def turning_circle() -> Parts:
     measures.append(
         near_share("centre's drift in the current", drift, math.hypot(*CURRENT), 0.02, "m/s")
     )
+    for name, load in CASES:
+        measures += _against_momentum(name, load)
     return tuple(measures), _panels(runs | {"port, in current": carried}, r)
+
+
+def _against_momentum(name: str, load: float) -> list[Measure]:
+    hull, test = partial(MujocoHull, load=load), SIDES["port"]
+    ours = run_test(load_vessel(name), test, duration_s=STEADY_S, simulate=hull)
+    theirs = momentum_run(test, name, load, STEADY_S)
+    found, expected = key_figures(ours), key_figures(theirs)
+    return [
+        near_share(
+            f"{case_name(name, load)}: {figure.replace('_', ' ')}",
+            found[figure].value,
+            expected[figure].value,
+            2e-3,
+            expected[figure].unit,
+        )
+        for figure in FIGURES
+    ]
 
 
 def _measures(

@@ -27,7 +27,7 @@ NOTE = (
     "slower than 0.1 m/s for 2 s because of contact or giving way, or no legal move; late: "
     "neither. Stays: decisions to stay put; kept: within 1 m of the centre at some time of "
     "the decision. Speed: mean over the decisions with any way made. Touch: of a quay or "
-    "another hull. Energy: least energy of the propellers by momentum theory."
+    "another hull. Energy: drawn from the batteries by thrusters and all else on board."
 )
 
 

@@ -1,21 +1,17 @@
-import math
-
 import numpy as np
 import pytest
 
 from mjforage.core.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.physics.dynamics.watch import (
-    PROPELLER_DISC_M2,
-    WATER_DENSITY_KGPM3,
     Harbour,
     Motion,
     Tick,
     Watched,
     judge,
-    propeller_power,
     watch,
 )
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
+from mjforage.physics.hydrodynamics.power import drawn_power
 from mjforage.physics.vessels import load_vessel
 
 OTTER = load_vessel("otter")
@@ -97,20 +93,7 @@ def test_way_and_energy_add_up() -> None:
     seen = Watched.of((1, 1))
     noted(seen, 50, speed=1.5, lagged=60.0, water=0.5)
     assert seen.travelled_m[0, 0] == pytest.approx(7.5)
-    thrust = 0.01108 * 60.0**2
-    assert seen.work_j[0, 0] == pytest.approx(5.0 * 2 * propeller_power(thrust, 1.0))
+    assert seen.work_j[0, 0] == pytest.approx(5.0 * drawn_power(HARBOUR.hulls[0], 60.0, 60.0, 1.0))
     seen.begin(ON)
     assert seen.travelled_m[0, 0] == 0.0
     assert seen.work_j[0, 0] > 0.0
-
-
-def test_propeller_power_is_momentum_theory() -> None:
-    """Bollard pull: T^1.5 / sqrt(2 rho A); fast: T u; astern mirrored."""
-    disc = WATER_DENSITY_KGPM3 * PROPELLER_DISC_M2
-    assert propeller_power(40.0, 0.0) == pytest.approx(40.0**1.5 / math.sqrt(2 * disc))
-    assert propeller_power(1e-3, 3.0) == pytest.approx(3e-3, rel=1e-4)
-    assert propeller_power(-40.0, -1.0) == propeller_power(40.0, 1.0)
-    assert propeller_power(40.0, -1.0) == propeller_power(40.0, 0.0)
-    assert propeller_power(0.0, 2.0) == 0.0
-    slip, thrust = propeller_power(40.0, 1.0) / 40.0 - 1.0, 40.0
-    assert thrust == pytest.approx(2 * disc * (1.0 + slip) * slip)  # T = 2 rho A (u + a) a

@@ -14,9 +14,18 @@ import pytest
 from mjforage.physics import callback
 from mjforage.physics.callback import Route
 from mjforage.physics.callback.model_layout import HEADER, HULL_WIDTH, ITEM_AIR, N_VESSELS
+from mjforage.physics.dynamics.item_bodies import take_at_mouth
+from mjforage.physics.dynamics.watch import watch
 from mjforage.physics.hydrodynamics.parameters import HULL
 from mjforage.physics.simulation import InstabilityError, Integrator, mujoco_hull, simulation
-from mjforage.physics.validation import Finding, repeats, rest, run_checks
+from mjforage.physics.validation import (
+    Finding,
+    item_contacts,
+    noted,
+    repeats,
+    rest,
+    run_checks,
+)
 from mjforage.physics.validation.known_checks import check_names
 from mjforage.physics.weather import Field
 
@@ -80,6 +89,11 @@ def draughty(model: mujoco.MjModel) -> None:
     model.numeric_data[start::3] *= 1.25
 
 
+def ghostly(model: mujoco.MjModel) -> None:
+    """Nothing touches anything."""
+    model.geom_contype[:] = model.geom_conaffinity[:] = 0
+
+
 FAULTS: dict[str, Fault] = {
     "rest": pulled,
     "energy": scaled("linear_sway", -1.0),
@@ -92,12 +106,15 @@ FAULTS: dict[str, Fault] = {
     "heading": pulled,
     "current": moored,
     "leeway": draughty,
+    "wind-load": scaled("wind_delta", 1.2),
+    "drift": scaled("wind_side", 0.98),
     "step-halving": crude,
     "fast-reference": crude,
     "determinism": different,
     "endurance": scaled("linear_sway", -1e3),
     "quay-force": pulled,
-    "ramming": scaled("added_sway", 0.5),
+    "ramming": scaled("added_sway", 0.9),
+    "items": ghostly,
     "added-mass": scaled("added_sway", 0.9),
 }
 
@@ -129,6 +146,45 @@ def test_gusts_of_another_memory_are_noticed(hurry: float, monkeypatch: pytest.M
     assert of("gusts").status == "failed"
 
 
+@pytest.mark.parametrize(
+    ("name", "place", "what", "share"),
+    [
+        ("circulation", Field, "current", 0.95),
+        ("drawn-weather", Field, "item_noise", 0.95),
+        ("drawn-weather", Field, "current", 0.9),
+        ("drawn-weather", Field, "wind", 1.05),
+    ],
+)
+def test_weather_of_another_strength_is_noticed(
+    name: str, place: Any, what: str, share: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    true = getattr(place, what)
+    monkeypatch.setattr(place, what, lambda *arguments: share * true(*arguments))
+    assert of(name).status == "failed"
+
+
+def test_a_longer_mouth_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def longer(on: Any, collects: Any, size: Any, *rest: Any) -> int:
+        return take_at_mouth(on, collects, np.add(size, (0.01, 0.0)), *rest)
+
+    monkeypatch.setattr(item_contacts, "take_at_mouth", longer)
+    assert of("mouth").status == "failed"
+
+
+@pytest.mark.parametrize(
+    ("name", "entry"), [("touch-speed", "impact_mps"), ("energy-drawn", "work_j")]
+)
+def test_notes_that_are_off_are_noticed(
+    name: str, entry: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def off(harbour: Any, seen: Any, on: Any, tick: Any) -> None:
+        watch(harbour, seen, on, tick)
+        getattr(seen, entry)[:] *= 0.98
+
+    monkeypatch.setattr(noted, "watch", off)
+    assert of(name).status == "failed"
+
+
 @pytest.mark.parametrize("name", ["quay-force", "galilean", "added-mass"])
 def test_the_python_route_passes_too(name: str) -> None:
     callback.uninstall()
@@ -140,7 +196,8 @@ def test_the_python_route_passes_too(name: str) -> None:
 
 
 def test_no_check_is_without_its_fault() -> None:
-    assert set(check_names()) == set(FAULTS) | {"gusts", "roll-pitch-heave"}
+    others = {"gusts", "circulation", "drawn-weather", "mouth", "touch-speed", "energy-drawn"}
+    assert set(check_names()) == set(FAULTS) | others | {"roll-pitch-heave"}
 
 
 def test_an_unstable_simulation_fails_its_check(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,57 @@
+"""The independent hull against closed forms, and against figures that others have of it."""
+
+import math
+
+import numpy as np
+import pytest
+
+from mjforage.physics.hydrodynamics.conditions import Conditions
+from mjforage.physics.validation.momentum import MomentumHull, wind_load
+from mjforage.physics.validation.shared_runs import coasting
+from mjforage.physics.validation.turning import steady_turn
+from mjforage.physics.validation.winds import leeway
+from mjforage.physics.vessels import load_vessel
+
+
+@pytest.mark.parametrize(
+    ("name", "shares"), [("forager", (0.56, 1.3, 2.2)), ("scout", (0.47, 1.1, 1.8))]
+)
+def test_drift_is_that_of_an_integration_by_others(name: str, shares: tuple[float, ...]) -> None:
+    """Percent of winds of 2, 5 and 10 m/s; two digits."""
+    for wind, share in zip((2.0, 5.0, 10.0), shares, strict=True):
+        assert 100.0 * leeway(load_vessel(name), wind) == pytest.approx(share, rel=0.025)
+
+
+def test_beam_to_the_wind_it_drifts_at_its_leeway() -> None:
+    hull = MomentumHull(load_vessel("forager"), Conditions((0.2, 0.1), (0.2, 10.1), 0.0))
+    hull.step(0.0, 0.0, 60.0)
+    _, _, yaw, surge, sway, _ = hull.state()
+    assert yaw == pytest.approx(0.0, abs=1e-9)
+    assert surge == pytest.approx(0.2, abs=1e-3)
+    assert sway - 0.1 == pytest.approx(10.0 * leeway(load_vessel("forager"), 10.0), rel=1e-6)
+
+
+@pytest.mark.parametrize("load", [0.0, 100.0])
+def test_it_coasts_by_the_closed_form(load: float) -> None:
+    vessel = load_vessel("forager")
+    hull = MomentumHull(vessel, Conditions(velocity_mps=(1.5, 0.0)), load)
+    hull.step(0.0, 0.0, 3.0)
+    assert hull.state()[3] == pytest.approx(coasting(vessel, 1.5, np.array([3.0]), load)[0])
+
+
+def test_it_turns_at_the_balance_of_forces() -> None:
+    otter = load_vessel("otter")
+    hull, most = MomentumHull(otter, Conditions()), otter.thruster.command_range[1]
+    hull.step(math.sqrt(0.2) * most, math.sqrt(0.6) * most, 90.0)
+    assert hull.state()[3:] == pytest.approx(steady_turn(), rel=1e-4)
+
+
+@pytest.mark.parametrize("port", [1.0, -1.0])
+def test_wind_from_45_degrees_ahead_by_hand(port: float) -> None:
+    """Air that goes aft and to starboard comes from port ahead: the bow falls off to starboard."""
+    part, pressure = 5.0 / math.sqrt(2.0), 0.5 * 1.224 * 25.0
+    bent = 1.0 - 0.3 * (1.0 - 0.55 / 0.90)
+    x, y, n = wind_load(load_vessel("forager"), -part, port * part)
+    assert x == pytest.approx(-pressure * 0.45 * 0.55 / math.sqrt(2.0) / bent)
+    assert y == pytest.approx(port * pressure * 0.85 * 0.90 / math.sqrt(2.0) / bent)
+    assert n == pytest.approx(0.18 * math.pi / 4.0 * 2.0 * y)
