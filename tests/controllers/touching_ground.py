@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from controllers import Pilot
 from graph_planner.navigation import navigation_graph
-from mjforage.physics.dynamics.item_bodies import MOUTH_DEPTH_M, MOUTH_REACH_M
+from mjforage.physics.dynamics.picking import MOUTH_DEPTH_M, MOUTH_REACH_M
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.weather.settings import WeatherSettings

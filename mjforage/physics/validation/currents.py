@@ -18,7 +18,7 @@ from mjforage.physics.validation.finding import (
 )
 from mjforage.physics.validation.known_checks import Parts, check
 from mjforage.physics.weather import Field, WeatherSettings
-from mjforage.physics.weather.circulation import LAYER
+from mjforage.physics.weather.flow import LAYER
 
 PITCH_M, PEAK_MPS = 4.0, 0.3
 CHANNEL = (8, 70)  # nodes across and along

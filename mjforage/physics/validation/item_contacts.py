@@ -5,7 +5,7 @@ import numpy as np
 from graph_planner.navigation import navigation_graph
 from mjforage.core.dynamics import start_state
 from mjforage.core.initial_state import InitialState
-from mjforage.physics.dynamics.item_bodies import take_at_mouth
+from mjforage.physics.dynamics.picking import Reach, take_at_mouth
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.validation.finding import Float64Array, Line, Measure, Panel, near
@@ -111,10 +111,10 @@ def _taken(
     state = start_state(start, centres)
     c, s = np.cos(yaw), np.sin(yaw)
     xy = places @ np.array([[c, s], [-s, c]]) + (5.0, -3.0)
+    size = np.array([[0.5 * forager.length_m, 0.5 * forager.beam_m]])
     take_at_mouth(
+        Reach(np.array([collects]), size, PITCH_M),
         np.ones(1, np.bool_),
-        np.array([collects]),
-        np.array([[0.5 * forager.length_m, 0.5 * forager.beam_m]]),
         np.array([[[5.0, -3.0, yaw]]]),
         xy[None],
         np.array([[room]], np.int64),

@@ -14,7 +14,7 @@ import pytest
 from mjforage.physics import callback
 from mjforage.physics.callback import Route
 from mjforage.physics.callback.model_layout import HEADER, HULL_WIDTH, ITEM_AIR, N_VESSELS
-from mjforage.physics.dynamics.item_bodies import take_at_mouth
+from mjforage.physics.dynamics.picking import Reach, take_at_mouth
 from mjforage.physics.dynamics.watch import watch
 from mjforage.physics.hydrodynamics.parameters import HULL
 from mjforage.physics.simulation import InstabilityError, Integrator, mujoco_hull, simulation
@@ -164,8 +164,8 @@ def test_weather_of_another_strength_is_noticed(
 
 
 def test_a_longer_mouth_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    def longer(on: Any, collects: Any, size: Any, *rest: Any) -> int:
-        return take_at_mouth(on, collects, np.add(size, (0.01, 0.0)), *rest)
+    def longer(reach: Reach, *rest: Any) -> int:
+        return int(take_at_mouth(reach._replace(size=reach.size + (0.01, 0.0)), *rest))
 
     monkeypatch.setattr(item_contacts, "take_at_mouth", longer)
     assert of("mouth").status == "failed"
