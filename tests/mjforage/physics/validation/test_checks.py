@@ -165,7 +165,7 @@ def test_weather_of_another_strength_is_noticed(
 
 def test_a_longer_mouth_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     def longer(reach: Reach, *rest: Any) -> int:
-        return int(take_at_mouth(reach._replace(size=reach.size + (0.01, 0.0)), *rest))
+        return int(take_at_mouth(reach._replace(size=np.add(reach.size, (0.01, 0.0))), *rest))
 
     monkeypatch.setattr(item_contacts, "take_at_mouth", longer)
     assert of("mouth").status == "failed"
