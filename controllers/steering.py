@@ -25,6 +25,7 @@ PAST_M = 0.75  # beside the target when passing it: there
 LEAVE_M = 1.5  # from its place: no longer there
 SAFE_SHARE = 0.3  # of the moment that is left to a hull that brakes for something
 SLOW_MPS = 0.15  # a hull slower than this is not braking
+LOOK_RAD = 1.0  # by which the heading wanted is ahead of a hull that looks round
 ON_LINE_M = 0.4  # from the line between nodes: follow that line, else one of its own
 
 
@@ -178,6 +179,8 @@ def drive(
 def keep(s: VesselState, p: PackedHelm, x: float, y: float, step_s: float) -> tuple[float, float]:
     """Commands that keep the hull at (x, y)."""
     heading, surge, ahead = hold_force(s, p, x, y)
+    if s.looks != 0.0:
+        s.wanted, heading = s.yaw, s.yaw + LOOK_RAD
     now, stiff = surge_speed(s), p.mass_surge_kg / (p.lag_s + REACTION_S)
     most = surge_drag(p, s.most_ahead) + stiff * (s.most_ahead - now)
     least = -surge_drag(p, s.most_astern) - stiff * (s.most_astern + now)

@@ -118,6 +118,19 @@ class Sensors:
     """Standard deviation of the compass."""
     detection: Annotated[float, Within(0, 1)] = 1.0
     """Probability that an item in view is seen, drawn per item and decision."""
+    pickup_noise_m: Annotated[float, Within(0, 2, "m"), Later()] = 0.0
+    """Standard deviation per axis of the place of an item in a frame of a collector's camera."""
+    pickup_range_noise_per_m: Annotated[float, Within(0, 0.1, "1/m"), Later()] = 0.0
+    """Times the range squared: standard deviation along the line of sight, beyond that."""
+    pickup_view_deg: Annotated[float, Within(10, 360, "deg"), Later()] = 360.0
+    """Field of view of that camera about the bow."""
+    pickup_range_m: Annotated[float, Within(1, 1e4, "m"), Later()] | None = None
+    """Farthest item that it sees; absent: any."""
+    pickup_period_s: Annotated[float, Within(0.1, 10, "s"), Later()] = 0.1
+    """Time between two frames, a multiple of 0.1 s. With all keys of the camera at their defaults
+    a collector knows the true places of items at once."""
+    pickup_latency_s: Annotated[float, Within(0, 10, "s"), Later()] = 0.0
+    """Time until what is in a frame is known, a multiple of 0.1 s."""
 
 
 @dataclass(frozen=True)
