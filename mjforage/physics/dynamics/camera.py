@@ -16,14 +16,6 @@ from graph_planner.randomness import Stream, normal, stream_key
 from mjforage.core.scenario import Sensors
 
 FloatArray = NDArray[np.float64]
-CAMERA_KEYS = (
-    "pickup_noise_m",
-    "pickup_range_noise_per_m",
-    "pickup_view_deg",
-    "pickup_range_m",
-    "pickup_period_s",
-    "pickup_latency_s",
-)
 
 
 class Camera(NamedTuple):
@@ -39,12 +31,6 @@ class Camera(NamedTuple):
     latency: int  # control ticks from a frame to what was seen in it
 
 
-def sees_all(sensors: Sensors) -> bool:
-    """Whether nothing is said of a camera: true places of items are known at once, all round."""
-    perfect = Sensors()
-    return all(getattr(sensors, key) == getattr(perfect, key) for key in CAMERA_KEYS)
-
-
 def camera_of(sensors: Sensors, period: int, latency: int) -> Camera:
     """The camera of a scenario.
 
@@ -56,7 +42,7 @@ def camera_of(sensors: Sensors, period: int, latency: int) -> Camera:
         sensors.pickup_noise_m,
         sensors.pickup_range_noise_per_m,
         math.radians(0.5 * sensors.pickup_view_deg),
-        math.inf if sensors.pickup_range_m is None else sensors.pickup_range_m,
+        sensors.pickup_range_m,
         sensors.position_noise_m,
         math.radians(sensors.heading_noise_deg),
         period,

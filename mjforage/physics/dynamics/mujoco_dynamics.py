@@ -22,7 +22,7 @@ from mjforage.core.film import Film
 from mjforage.core.initial_state import InitialState, nearest_nodes
 from mjforage.core.item_rule import ItemRule, collect
 from mjforage.core.scenario import Scenario
-from mjforage.physics.dynamics.camera import camera_of, sees_all
+from mjforage.physics.dynamics.camera import camera_of
 from mjforage.physics.dynamics.fleet_scene import (
     fleet_scene,
     fleet_vessels,
@@ -96,7 +96,7 @@ class MujocoDynamics:
             _times(period, CONTROL_S, f"sensors.pickup_period_s = {period:g} s"),
             _times(latency, CONTROL_S, f"sensors.pickup_latency_s = {latency:g} s", 0),
         )
-        self._sees_all = not self._intake or sees_all(scenario.sensors)
+        self._has_camera = self._intake and scenario.sensors.pickup_noise_m > 0.0
         self._size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in self._vessels])
         self._reach = Reach(fleet.collects, self._size, graph.pitch_m)
         self._harbour = Harbour(
@@ -125,7 +125,7 @@ class MujocoDynamics:
         self._watched = Watched.of(initial.agent_node.shape)
         self._watch = prepared(watch, self._harbour, self._watched)
         self._attempts = Attempts.of(len(self._fleet), initial.item_node)
-        if not self._sees_all:
+        if self._has_camera:
             tracks = Tracks.of(self._camera, len(self._fleet), initial.item_node)
             self._tracks = tracks
             self._look_out = prepared(
@@ -195,7 +195,7 @@ class MujocoDynamics:
 
     def _look(self, active: NDArray[np.bool_], pose: NDArray[np.float64]) -> None:
         """Let the collectors' cameras look for items, from the measured poses."""
-        if self._sees_all:
+        if not self._has_camera:
             return
         now, xy, nodes = self._motion.pose, self._simulation.item_xy, self._state.item_node
         self._look_out(active, self._tick, CONTROL_S, now, pose, xy, nodes)
@@ -203,7 +203,7 @@ class MujocoDynamics:
     def _known(self) -> NDArray[np.float64]:
         """Where each vessel takes items to be (episode, vessel, item, 2) [m]."""
         xy, vessels = self._simulation.item_xy, len(self._fleet)
-        if self._sees_all:
+        if not self._has_camera:
             return np.broadcast_to(xy[:, None], (len(xy), vessels, *xy.shape[1:]))
         out = np.empty_like(self._tracks.xy)
         tracked(self._tracks, self._water, self._tick, CONTROL_S, out)

@@ -88,6 +88,26 @@ def test_integrators_have_steps_of_their_own(integrator: str, step_s: float) -> 
     assert dynamics._step_s == step_s
 
 
+@pytest.mark.parametrize("camera", [False, True])
+def test_collectors_know_where_items_are_or_what_their_cameras_saw(camera: bool) -> None:
+    """Nobody else sees anything; tracks are about as good as sightings."""
+    setup = setup_of("comb-port-weather", *SHORT, f"sensors.pickup_noise_m={0.1 * camera}")
+    mission = create_mission(setup, "physics")
+    mission.reset(3, np.arange(4))
+    mission.run(create_policy("greedy"))
+    dynamics = mission._dynamics
+    assert isinstance(dynamics, MujocoDynamics)
+    known, xy = dynamics._known(), dynamics._simulation.item_xy[:, None]
+    if not camera:
+        assert (known == xy).all()
+        return
+    collects = setup.fleet.collects
+    assert np.isnan(known[:, ~collects]).all()
+    off = np.hypot(*np.moveaxis(known - xy, -1, 0))[:, collects]
+    seen = np.isfinite(off) & (mission.state.item_node >= 0)[:, None]
+    assert seen.sum() > 5 and np.median(off[seen]) < 0.3
+
+
 def test_filming_changes_nothing_and_shows_where_hulls_were() -> None:
     setup, film = setup_of("comb-port", *SHORT), Film()
     filmed = scored(setup, [1], film=film)

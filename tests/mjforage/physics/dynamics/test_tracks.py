@@ -20,7 +20,8 @@ from mjforage.physics.dynamics.tracks import (
 STEP_S = 0.1
 OPEN = Water(np.zeros((0, 0), np.bool_), 4.0)
 BASIN = Water(Chart(np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], np.bool_), 4.0).land, 4.0)
-REAL = Sensors(0.1, 1.0, 0.95, pickup_noise_m=0.1, pickup_range_noise_per_m=0.0065)
+REAL = Sensors(0.1, 1.0, 0.95, pickup_noise_m=0.1)
+EXACT = Sensors(pickup_range_noise_per_m=0.0, pickup_range_m=1e4)
 COLLECTS = np.array([False, True])
 Way = Callable[[float], tuple[float, float]]
 
@@ -68,7 +69,7 @@ def drifting(t: float) -> tuple[float, float]:
 
 
 def test_what_is_seen_is_known_after_the_latency_and_then_once_a_period() -> None:
-    watch = Watch(lambda t: (3.0 + t, 0.0), Sensors(), (3, 4))
+    watch = Watch(lambda t: (3.0 + t, 0.0), EXACT, (3, 4))
     known = [bool(np.isfinite(watch.until(tick)).all()) for tick in range(6)]
     assert known == [False, False, False, False, True, True]
     last = []
