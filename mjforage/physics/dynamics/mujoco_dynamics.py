@@ -222,7 +222,7 @@ class MujocoDynamics:
             self._motion.pose,
             self._known(),
             sent,
-            self._tick * CONTROL_S,
+            np.asarray(self._tick * CONTROL_S, np.float64),
             self._state,
             goal,
         )

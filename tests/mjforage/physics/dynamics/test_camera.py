@@ -29,7 +29,8 @@ def sightings(sensors: Sensors, polar: list[tuple[float, float]], episode: int =
         sight_items(camera, key, tick, 1, HULLS, HULLS, xy, node, seen)
         found.append(seen[1] - HULLS[1, :2])
     c, s = np.cos(YAW), np.sin(YAW)
-    return np.array(found) @ np.array([[c, -s], [s, c]])
+    turned: np.ndarray = np.array(found) @ np.array([[c, -s], [s, c]])
+    return turned
 
 
 def test_an_exact_camera_sees_items_where_they_are() -> None:

@@ -90,7 +90,7 @@ def test_integrators_have_steps_of_their_own(integrator: str, step_s: float) -> 
 
 @pytest.mark.parametrize("camera", [False, True])
 def test_collectors_know_where_items_are_or_what_their_cameras_saw(camera: bool) -> None:
-    """Nobody else sees anything; tracks are about as good as sightings."""
+    """Scouts have no camera, and no camera sees all items."""
     setup = setup_of("comb-port-weather", *SHORT, f"sensors.pickup_noise_m={0.1 * camera}")
     mission = create_mission(setup, "physics")
     mission.reset(3, np.arange(4))
@@ -103,9 +103,8 @@ def test_collectors_know_where_items_are_or_what_their_cameras_saw(camera: bool)
         return
     collects = setup.fleet.collects
     assert np.isnan(known[:, ~collects]).all()
-    off = np.hypot(*np.moveaxis(known - xy, -1, 0))[:, collects]
-    seen = np.isfinite(off) & (mission.state.item_node >= 0)[:, None]
-    assert seen.sum() > 5 and np.median(off[seen]) < 0.3
+    seen = np.isfinite(known[:, collects, :, 0])
+    assert seen.any() and not seen.all()
 
 
 def test_filming_changes_nothing_and_shows_where_hulls_were() -> None:
