@@ -165,6 +165,15 @@ class Pilot:
         """
         self._fleets.state["item_x"], self._fleets.state["item_y"] = xy[..., 0], xy[..., 1]
 
+    def look_round(self, who: NDArray[np.bool_]) -> None:
+        """Say which vessels shall turn on the spot where they keep position.
+
+        Parameters
+        ----------
+        who : (episode, vessel)
+        """
+        self._fleets.state["looks"] = who
+
     def command(
         self, active: NDArray[np.bool_], pose: FloatArray, velocity: FloatArray
     ) -> FloatArray:

@@ -58,9 +58,10 @@ class VesselState:
     # Right of way: the lower goes first. Time of the decision to wait for.
     rank: float
     wait: float
-    # Item to pick up, NaN for none; where the decision began.
+    # Item to pick up, NaN for none; 1 to look round for one; where the decision began.
     item_x: float
     item_y: float
+    looks: float
     origin_x: float
     origin_y: float
     # Modelled sway through the water [m/s]; commands that the thrusters' lag has let through.

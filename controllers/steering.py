@@ -27,6 +27,7 @@ PAST_M = 0.75  # beside the target when passing it: there
 LEAVE_M = 1.5  # from its place: no longer there
 SAFE_SHARE = 0.3  # of half the thrust, to turn a hull that brakes for something
 SLOW_MPS = 0.15  # a hull slower than this is not braking
+LOOK_RAD = 1.0  # by which the heading wanted is ahead of a hull that looks round
 ON_LINE = 0.1  # of what is left of the line between nodes: so near, follow it, else one of its own
 
 
@@ -205,6 +206,8 @@ def drive(
 def keep(s: VesselState, p: PackedHelm, x: float, y: float, step_s: float) -> tuple[float, float]:
     """Commands that keep the hull at (x, y)."""
     heading, surge, ahead = hold_force(s, p, x, y)
+    if s.looks != 0.0:
+        s.wanted, heading = s.yaw, s.yaw + LOOK_RAD
     port, starboard = push(s, p, heading, surge, step_s)
     hold_windup(s, p, ahead, surge, port + starboard, step_s)
     return commands(s, p, port, starboard, step_s)

@@ -46,6 +46,8 @@ class Stream(IntEnum):
     """Whether an item in view is seen, keyed by item and step."""
     SENSORS = 10
     """Noise of measured positions and headings, keyed by vessel and control tick."""
+    CAMERA = 11
+    """Errors of items' places in a camera's frame, keyed by vessel, item and control tick."""
 
 
 @kernel

@@ -14,6 +14,7 @@ from graph_planner.fields import Later, Within, source
 from graph_planner.fleet import Role
 
 _Cell = Annotated[int, Within(-(2**63), 2**63 - 1)]  # of a grid; the map says which there are
+_OAK = source("Luxonis OAK-D W: depth error below 2, 4, 6 % up to 3.5, 6.5, 9 m; 127 deg")
 
 
 @dataclass(frozen=True)
@@ -130,6 +131,19 @@ class Sensors:
     """Standard deviation of the compass."""
     detection: Annotated[float, Within(0, 1)] = 1.0
     """Probability that an item in view is seen, drawn per item and decision."""
+    pickup_noise_m: Annotated[float, Within(0, 2, "m"), Later()] = 0.0
+    """Standard deviation per axis of where the middle of an item is in a frame of a collector's
+    camera; with 0 there is no camera, and collectors know where items are."""
+    pickup_range_noise_per_m: Annotated[float, Within(0, 0.1, "1/m"), _OAK, Later()] = 0.0065
+    """Times the range squared: standard deviation along the line of sight, beyond that."""
+    pickup_view_deg: Annotated[float, Within(10, 360, "deg"), _OAK, Later()] = 127.0
+    """Field of view of the camera about the bow."""
+    pickup_range_m: Annotated[float, Within(1, 1e4, "m"), _OAK, Later()] = 9.0
+    """Farthest item that it sees."""
+    pickup_period_s: Annotated[float, Within(0.1, 10, "s"), source("estimate"), Later()] = 0.2
+    """Time between two frames, a multiple of 0.1 s."""
+    pickup_latency_s: Annotated[float, Within(0, 10, "s"), source("estimate"), Later()] = 0.2
+    """Time until what is in a frame is known, a multiple of 0.1 s."""
 
 
 @dataclass(frozen=True)

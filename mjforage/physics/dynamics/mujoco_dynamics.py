@@ -22,6 +22,7 @@ from mjforage.core.film import Film
 from mjforage.core.initial_state import InitialState, nearest_nodes
 from mjforage.core.item_rule import ItemRule, collect
 from mjforage.core.scenario import Scenario
+from mjforage.physics.dynamics.camera import camera_of
 from mjforage.physics.dynamics.fleet_scene import (
     fleet_scene,
     fleet_vessels,
@@ -31,8 +32,17 @@ from mjforage.physics.dynamics.item_bodies import (
     draw_classes,
     read_items,
 )
-from mjforage.physics.dynamics.picking import Attempts, Reach, begin_pickup, seek, take_at_mouth
+from mjforage.physics.dynamics.picking import (
+    Attempts,
+    Goal,
+    Reach,
+    Sent,
+    begin_pickup,
+    seek,
+    take_at_mouth,
+)
 from mjforage.physics.dynamics.sensing import measured_poses
+from mjforage.physics.dynamics.tracks import Tracks, Water, look_out, tracked
 from mjforage.physics.dynamics.watch import Harbour, Motion, Tick, Watched, judge, watch
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.simulation import Integrator, Simulation
@@ -80,6 +90,14 @@ class MujocoDynamics:
         self._scene = fleet_scene(graph, self._vessels, tuple(fleet.names))
         self._helms = [helm_of(vessel) for vessel in self._vessels]
         self._chart = Chart(graph.navigable, graph.pitch_m)
+        self._water = Water(self._chart.land, graph.pitch_m)
+        period, latency = scenario.sensors.pickup_period_s, scenario.sensors.pickup_latency_s
+        self._camera = camera_of(
+            scenario.sensors,
+            _times(period, CONTROL_S, f"sensors.pickup_period_s = {period:g} s"),
+            _times(latency, CONTROL_S, f"sensors.pickup_latency_s = {latency:g} s", 0),
+        )
+        self._has_camera = self._intake and scenario.sensors.pickup_noise_m > 0.0
         self._size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in self._vessels])
         self._reach = Reach(fleet.collects, self._size, graph.pitch_m)
         self._harbour = Harbour(
@@ -109,6 +127,12 @@ class MujocoDynamics:
         self._watched = Watched.of(initial.agent_node.shape)
         self._watch = prepared(watch, self._harbour, self._watched)
         self._attempts = Attempts.of(len(self._fleet), initial.item_node)
+        if self._has_camera:
+            tracks = Tracks.of(self._camera, len(self._fleet), initial.item_node)
+            self._tracks = tracks
+            self._look_out = prepared(
+                look_out, self._camera, self._water, keys, self._fleet.collects, tracks
+            )
         pose = np.zeros((*initial.agent_node.shape, 3))
         pose[..., :2] = self._centres_xy[initial.agent_node]
         self._simulation.place_vessels(pose)
@@ -143,12 +167,14 @@ class MujocoDynamics:
         begin_pickup(active, state)
         filmed = self._film is not None and bool(active[0])
         for tick in range(self._ticks):
+            pose = measured_poses(self._scenario.sensors, self._keys, self._tick, self._motion.pose)
+            self._look(active, pose)
             if tick % WEATHER_TICKS == 0:
                 self._feel(active)
-                self._seek(active, target)
+                self._seek(active, Sent(moves.target, target))
                 if filmed and tick:
                     self._shoot()
-            self._steer(active, ids, target)
+            self._steer(active, ids, target, pose)
             if self._intake:
                 self._take(active)
         self._settle(active, step, moves)
@@ -169,33 +195,52 @@ class MujocoDynamics:
             noise = self._field.item_noise(now, items.shape[1])
             simulation.item_water[:] = self._field.current(now, items) + noise
 
-    def _seek(self, active: NDArray[np.bool_], target: NDArray[np.float64]) -> None:
+    def _look(self, active: NDArray[np.bool_], pose: NDArray[np.float64]) -> None:
+        """Let the collectors' cameras look for items, from the measured poses."""
+        if not self._has_camera:
+            return
+        now, xy, nodes = self._motion.pose, self._simulation.item_xy, self._state.item_node
+        self._look_out(active, self._tick, CONTROL_S, now, pose, xy, nodes)
+
+    def _known(self) -> NDArray[np.float64]:
+        """Where each vessel takes items to be (episode, vessel, item, 2) [m]."""
+        xy, vessels = self._simulation.item_xy, len(self._fleet)
+        if not self._has_camera:
+            return np.broadcast_to(xy[:, None], (len(xy), vessels, *xy.shape[1:]))
+        out = np.empty_like(self._tracks.xy)
+        tracked(self._tracks, self._water, self._tick, CONTROL_S, out)
+        return out
+
+    def _seek(self, active: NDArray[np.bool_], sent: Sent) -> None:
         """Tell the pilots which item to pick up."""
         if not self._intake:
             return
-        goal = np.empty_like(target)
+        goal = Goal(np.empty_like(sent.xy), np.empty(sent.node.shape, np.bool_))
         seek(
             self._reach,
             self._attempts,
             active,
             self._room_left,
             self._motion.pose,
-            self._simulation.item_xy,
-            target,
+            self._known(),
+            sent,
             self._tick * np.float64(CONTROL_S),
             self._state,
             goal,
         )
-        self._pilot.collect(goal)
+        self._pilot.collect(goal.xy)
+        self._pilot.look_round(goal.look)
 
     def _steer(
-        self, active: NDArray[np.bool_], ids: NDArray[np.intp], target: NDArray[np.float64]
+        self,
+        active: NDArray[np.bool_],
+        ids: NDArray[np.intp],
+        target: NDArray[np.float64],
+        pose: NDArray[np.float64],
     ) -> None:
-        """One control tick: measure, command, step, take note."""
-        simulation, sensors = self._simulation, self._scenario.sensors
-        before = self._motion
-        seen = measured_poses(sensors, self._keys, self._tick, before.pose)
-        commands = self._pilot.command(active, seen, before.velocity)
+        """One control tick from the measured poses: command, step, take note."""
+        simulation, before = self._simulation, self._motion
+        commands = self._pilot.command(active, pose, before.velocity)
         simulation.commands[:] = commands
         simulation.step(self._substeps, None if len(ids) == len(active) else ids)
         self._motion = self._measured()
@@ -272,8 +317,8 @@ class MujocoDynamics:
         self._film.shoot(self._motion.pose[0], xy, state.item_node[0] >= 0, wind)
 
 
-def _times(whole: float, part: float, name: str) -> int:
-    """How often a time [s] goes into another.
+def _times(whole: float, part: float, name: str, least: int = 1) -> int:
+    """How often a time [s] goes into another, at least so often.
 
     Raises
     ------
@@ -281,7 +326,7 @@ def _times(whole: float, part: float, name: str) -> int:
         If not a whole number of times.
     """
     count = round(whole / part)
-    if count < 1 or abs(count * part - whole) > 1e-9 * whole:
+    if count < least or abs(count * part - whole) > 1e-9 * whole:
         raise UserError(
             f"scenario: {name} does not fit; {whole:g} s has to be a whole number of times "
             f"{part:g} s"

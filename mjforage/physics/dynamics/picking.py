@@ -40,6 +40,20 @@ class Attempts(NamedTuple):
         )
 
 
+class Sent(NamedTuple):
+    """Where hulls are sent."""
+
+    node: NDArray[np.int32]  # (episode, vessel)
+    xy: FloatArray  # (episode, vessel, 2) its centre [m]
+
+
+class Goal(NamedTuple):
+    """What pilots are told."""
+
+    xy: FloatArray  # (episode, vessel, 2) item to pick up, NaN for none [m]
+    look: NDArray[np.bool_]  # (episode, vessel) whether to look round for one
+
+
 class Reach(NamedTuple):
     """Who collects and where from."""
 
@@ -79,23 +93,27 @@ def seek(
     room_left: NDArray[np.int64],
     pose: FloatArray,
     xy: FloatArray,
-    node_xy: FloatArray,
+    sent: Sent,
     now_s: FloatArray,
     state: Transition,
-    out: FloatArray,
+    goal: Goal,
 ) -> None:
-    """The nearest item to each forager within the square of its target node, NaN if none.
+    """The nearest item to each forager within the square of its target node.
+
+    A forager that has sought none in this period, though one lay in the node as the period began,
+    shall look round: the fleet told it of the node, but its own camera has not found the item.
 
     Parameters
     ----------
     room_left : (episode, vessel) items
-    pose : (episode, vessel, 3); xy : (episode, item, 2) [m]
-    node_xy : (episode, vessel, 2) centre of the target node [m]
+    pose : (episode, vessel, 3)
+    xy : (episode, vessel, item, 2) where each vessel takes items to be, NaN if it knows none [m]
     now_s : (episode,) [s]
     state : `pickup` is written
-    out : (episode, vessel, 2) written
+    goal : written
     """
-    out[:] = np.nan
+    out, look, node, node_xy = goal.xy, goal.look, sent.node, sent.xy
+    out[:], look[:] = np.nan, False
     item_node, pickup = state.item_node, state.pickup
     for e in range(active.size):
         if not active[e]:
@@ -107,23 +125,26 @@ def seek(
             c, s = math.cos(pose[e, v, 2]), math.sin(pose[e, v, 2])
             bow_x, bow_y, sought = x + half * c, y + half * s, attempts.item[e, v]
             if sought >= 0 and item_node[e, sought] >= 0:
-                away = math.hypot(xy[e, sought, 0] - bow_x, xy[e, sought, 1] - bow_y)
+                away = math.hypot(xy[e, v, sought, 0] - bow_x, xy[e, v, sought, 1] - bow_y)
                 _note_attempt(attempts, e, v, away, now_s[e], pickup)
-            least, best = np.inf, -1
+            least, best, unseen = np.inf, -1, False
             for k in range(item_node.shape[1]):
-                off_x, off_y = xy[e, k, 0] - node_xy[e, v, 0], xy[e, k, 1] - node_xy[e, v, 1]
-                inside = max(abs(off_x), abs(off_y)) <= 0.5 * reach.pitch_m
+                at_x, at_y = xy[e, v, k, 0], xy[e, v, k, 1]
+                off = max(abs(at_x - node_xy[e, v, 0]), abs(at_y - node_xy[e, v, 1]))
+                inside = off <= 0.5 * reach.pitch_m
+                unseen = unseen or (item_node[e, k] == node[e, v] and math.isnan(at_x))
                 if item_node[e, k] < 0 or not inside or now_s[e] < attempts.later_s[e, v, k]:
                     continue
-                away = math.hypot(xy[e, k, 0] - x, xy[e, k, 1] - y)
+                away = math.hypot(at_x - x, at_y - y)
                 if away < least:
                     least, best = away, k
             if best != sought:
                 attempts.item[e, v], attempts.near[e, v] = best, False
+            look[e, v] = best < 0 and unseen and pickup[e, v] == IDLE
             if best >= 0:
-                away = math.hypot(xy[e, best, 0] - bow_x, xy[e, best, 1] - bow_y)
-                attempts.near[e, v] |= away < NEAR_M
-                out[e, v, 0], out[e, v, 1] = xy[e, best, 0], xy[e, best, 1]
+                bow_off = math.hypot(xy[e, v, best, 0] - bow_x, xy[e, v, best, 1] - bow_y)
+                attempts.near[e, v] |= bow_off < NEAR_M
+                out[e, v, 0], out[e, v, 1] = xy[e, v, best, 0], xy[e, v, best, 1]
                 if pickup[e, v] == IDLE:
                     pickup[e, v] = MISSED
 

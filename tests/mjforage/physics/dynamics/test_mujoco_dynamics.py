@@ -88,6 +88,25 @@ def test_integrators_have_steps_of_their_own(integrator: str, step_s: float) -> 
     assert dynamics._step_s == step_s
 
 
+@pytest.mark.parametrize("camera", [False, True])
+def test_collectors_know_where_items_are_or_what_their_cameras_saw(camera: bool) -> None:
+    """Scouts have no camera, and no camera sees all items."""
+    setup = setup_of("comb-port-weather", *SHORT, f"sensors.pickup_noise_m={0.1 * camera}")
+    mission = create_mission(setup, "physics")
+    mission.reset(3, np.arange(4))
+    mission.run(create_policy("greedy"))
+    dynamics = mission._dynamics
+    assert isinstance(dynamics, MujocoDynamics)
+    known, xy = dynamics._known(), dynamics._simulation.item_xy[:, None]
+    if not camera:
+        assert (known == xy).all()
+        return
+    collects = setup.fleet.collects
+    assert np.isnan(known[:, ~collects]).all()
+    seen = np.isfinite(known[:, collects, :, 0])
+    assert seen.any() and not seen.all()
+
+
 def test_filming_changes_nothing_and_shows_where_hulls_were() -> None:
     setup, film = setup_of("comb-port", *SHORT), Film()
     filmed = scored(setup, [1], film=film)

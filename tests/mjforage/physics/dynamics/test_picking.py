@@ -8,7 +8,9 @@ from mjforage.physics.dynamics.picking import (
     ATTEMPTS,
     LATER_S,
     Attempts,
+    Goal,
     Reach,
+    Sent,
     begin_pickup,
     seek,
     take_at_mouth,
@@ -26,6 +28,14 @@ def state_of(item_node: list[int]) -> Transition:
     count = np.array([sum(n >= 0 for n in item_node)], np.int32)
     world = InitialState(count, rc, nodes, np.zeros((1, 2)), np.array([[0, 2]], np.int32))
     return start_state(world, CENTRES)
+
+
+def sent_to(node: int) -> Sent:
+    return Sent(np.full((1, 2), node, np.int32), np.zeros((1, 2, 2)))
+
+
+def nothing() -> Goal:
+    return Goal(np.empty((1, 2, 2)), np.empty((1, 2), np.bool_))
 
 
 def test_the_mouth_is_the_beam_wide_at_the_bow_and_fills_up() -> None:
@@ -55,17 +65,41 @@ def test_a_scout_takes_nothing() -> None:
 
 def test_the_goal_is_the_nearest_item_within_the_target_node() -> None:
     state = state_of([0, 0, -1, 0])
-    xy = np.array([[[1.9, -1.9], [-1.0, 0.0], [0.1, 0.0], [2.1, 0.0]]])
+    xy = np.array([[[[1.9, -1.9], [-1.0, 0.0], [0.1, 0.0], [2.1, 0.0]]] * 2])
     pose = np.array([[[1.0, 0.0, 0.0]] * 2])
-    target = np.zeros((1, 2, 2))
-    goal, room = np.empty((1, 2, 2)), np.array([[1, 1]])
+    sent, goal, room = sent_to(0), nothing(), np.array([[1, 1]])
     attempts, now = Attempts.of(2, state.item_node), np.zeros(1)
-    seek(REACH, attempts, ON, room, pose, xy, target, now, state, goal)
-    assert np.isnan(goal[0, 0]).all()
-    assert goal[0, 1].tolist() == [-1.0, 0.0]
+    seek(REACH, attempts, ON, room, pose, xy, sent, now, state, goal)
+    assert np.isnan(goal.xy[0, 0]).all()
+    assert goal.xy[0, 1].tolist() == [-1.0, 0.0]
     assert state.pickup.tolist() == [[IDLE, MISSED]]
-    seek(REACH, attempts, ON, np.array([[1, 0]]), pose, xy, target, now, state, goal)
-    assert np.isnan(goal).all()
+    seek(REACH, attempts, ON, np.array([[1, 0]]), pose, xy, sent, now, state, goal)
+    assert np.isnan(goal.xy).all() and not goal.look.any()
+
+
+def test_a_forager_looks_round_for_an_item_in_its_node_that_it_has_not_seen() -> None:
+    """The second of two lies in node 0; once one was sought, and elsewhere, there is no looking."""
+    state, xy, now = state_of([3, 0]), np.full((1, 2, 2, 2), np.nan), np.zeros(1)
+    pose, room, attempts = (
+        np.zeros((1, 2, 3)),
+        np.ones((1, 2), np.int64),
+        Attempts.of(2, state.item_node),
+    )
+
+    def looks(node: int) -> list[bool]:
+        goal = nothing()
+        seek(REACH, attempts, ON, room, pose, xy, sent_to(node), now, state, goal)
+        return [bool(look) for look in goal.look[0]]
+
+    assert looks(1) == [False, False] and looks(0) == [False, True]
+    xy[0, 1, 1] = 1.0
+    assert looks(0) == [False, False] and state.pickup.tolist() == [[IDLE, MISSED]]
+    xy[:] = np.nan
+    assert looks(0) == [False, False]
+    begin_pickup(ON, state)
+    assert looks(0) == [False, True]
+    state.item_node[0, 1] = -1
+    assert looks(0) == [False, False]
 
 
 class Seeking:
@@ -74,16 +108,16 @@ class Seeking:
     def __init__(self) -> None:
         self.state, self.now = state_of([0, 0]), 0.0
         self.attempts = Attempts.of(2, self.state.item_node)
-        self.xy = np.array([[[0.2, 0.0], [0.3, 1.0]]])
+        self.xy = np.array([[[[0.2, 0.0], [0.3, 1.0]]] * 2])
 
     def back_off_to(self, bow: float, seconds: float = 0.5) -> list[float]:
         """Move the bow to so many metres; the item that is sought then."""
         self.now += seconds
         pose = np.array([[[9.0, 0.0, 0.0], [bow - 1.0, 0.0, 0.0]]])
-        goal, target, room = np.empty((1, 2, 2)), np.zeros((1, 2, 2)), np.ones((1, 2), np.int64)
+        sent, goal, room = sent_to(0), nothing(), np.ones((1, 2), np.int64)
         now = np.array([self.now])
-        seek(REACH, self.attempts, ON, room, pose, self.xy, target, now, self.state, goal)
-        return [float(x) for x in goal[0, 1]]
+        seek(REACH, self.attempts, ON, room, pose, self.xy, sent, now, self.state, goal)
+        return [float(x) for x in goal.xy[0, 1]]
 
 
 def test_after_two_failed_attempts_another_item_is_sought_and_the_reason_told() -> None:

@@ -1,0 +1,100 @@
+"""The camera with which a hull sees items to pick up: its errors, its frames, its field of view.
+
+The error of an item's place has two parts: a normal one of the same size at any range, for where
+the middle of a floating item is, and along the line of sight one that grows with the square of the
+range, as a stereo pair's depth does for an error in disparity.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel
+from graph_planner.randomness import Stream, normal, stream_key
+from mjforage.core.scenario import Sensors
+
+FloatArray = NDArray[np.float64]
+
+
+class Camera(NamedTuple):
+    """What one sees, and the fixes by which its hull knows where it is."""
+
+    noise_m: float  # standard deviation per axis, at any range
+    depth_per_m: float  # times the range squared: of the range, beyond that [1/m]
+    half_view_rad: float  # about the bow
+    range_m: float
+    position_m: float  # standard deviation of the hull's own fix, per axis
+    heading_rad: float  # and of its compass
+    period: int  # control ticks from frame to frame
+    latency: int  # control ticks from a frame to what was seen in it
+
+
+def camera_of(sensors: Sensors, period: int, latency: int) -> Camera:
+    """The camera of a scenario.
+
+    Parameters
+    ----------
+    period, latency : [control ticks]
+    """
+    return Camera(
+        sensors.pickup_noise_m,
+        sensors.pickup_range_noise_per_m,
+        math.radians(0.5 * sensors.pickup_view_deg),
+        sensors.pickup_range_m,
+        sensors.position_noise_m,
+        math.radians(sensors.heading_noise_deg),
+        period,
+        latency,
+    )
+
+
+@kernel
+def variance(camera: Camera, far: float) -> float:
+    """Of a sighting at that range [m], mean of the two axes [m2], own fix and compass included."""
+    depth, turn = camera.depth_per_m * far * far, camera.heading_rad * far
+    return camera.noise_m**2 + camera.position_m**2 + 0.5 * (depth * depth + turn * turn)
+
+
+@kernel
+def sight_items(
+    camera: Camera,
+    key: np.uint64,
+    tick: int,
+    v: int,
+    true_pose: FloatArray,
+    pose: FloatArray,
+    xy: FloatArray,
+    item_node: NDArray[np.int32],
+    seen: FloatArray,
+) -> None:
+    """One frame of vessel `v`: places of the items in view, errors drawn from (vessel, item, tick).
+
+    Parameters
+    ----------
+    key : of the episode
+    true_pose, pose : (vessel, 3) as it is and as the hull measures it [m], [rad]
+    xy, item_node : (item, 2) [m], (item,) below 0 if not afloat
+    seen : (vessel, item, 2) written: where the hull takes them to be [m], NaN if not in view
+    """
+    stream, vessels = stream_key(key, Stream.CAMERA), true_pose.shape[0]
+    c, s = math.cos(pose[v, 2]), math.sin(pose[v, 2])
+    bow_x, bow_y = math.cos(true_pose[v, 2]), math.sin(true_pose[v, 2])
+    for k in range(item_node.size):
+        seen[v, k] = np.nan
+        dx, dy = xy[k, 0] - true_pose[v, 0], xy[k, 1] - true_pose[v, 1]
+        far = math.hypot(dx, dy)
+        if item_node[k] < 0 or far > camera.range_m:
+            continue
+        off = math.atan2(bow_x * dy - bow_y * dx, bow_x * dx + bow_y * dy)
+        if abs(off) > camera.half_view_rad:
+            continue
+        number = 2 * (k * vessels + v)
+        depth = math.hypot(camera.noise_m, camera.depth_per_m * far * far)
+        ahead = far + depth * normal(stream, number, tick)
+        aside = camera.noise_m * normal(stream, number + 1, tick)
+        along, across = math.cos(off), math.sin(off)
+        x, y = ahead * along - aside * across, ahead * across + aside * along
+        seen[v, k, 0] = pose[v, 0] + c * x - s * y
+        seen[v, k, 1] = pose[v, 1] + s * x + c * y

@@ -1,0 +1,184 @@
+"""Tracks of items: where a hull takes them to be between and after sightings.
+
+A Kalman filter of position and velocity per axis, the velocity a random walk (Bar-Shalom, Li and
+Kirubarajan, "Estimation with Applications to Tracking and Navigation", 2001, section 6.2); both
+axes share their variances. An item floats, so its track is kept off the land of the chart.
+"""
+
+import math
+from typing import NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel
+from graph_planner.randomness import UInt64Array
+from mjforage.physics.dynamics.camera import Camera, sight_items, variance
+from mjforage.physics.floating.quays import is_clear
+
+FloatArray = NDArray[np.float64]
+SPEED_MPS = 0.05  # standard deviation per axis of the velocity of an item seen for the first time
+JERK_M2PS3 = 3e-4  # variance that the velocity gains per second: drift changes every decision
+SURPRISE = 13.8  # square of an error over its variance of which chance exceeds .001: pushed
+FORGET_S = 20.0  # without a sighting
+RADIUS_M = 0.1  # of an item: no nearer to a quay
+
+
+class Water(NamedTuple):
+    """Where items can be."""
+
+    land: NDArray[np.bool_]  # (column + 2, row + 2) as `controllers.Chart.land`
+    pitch_m: float
+
+
+class Tracks(NamedTuple):
+    """Of every vessel in every episode, and what it saw in the last frames."""
+
+    xy: FloatArray  # (episode, vessel, item, 2) at `tick` [m]
+    velocity: FloatArray  # (episode, vessel, item, 2) [m/s]
+    spread: FloatArray  # (episode, vessel, item, 3) variance of place, covariance, of velocity
+    tick: NDArray[np.int64]  # (episode, vessel, item) of the last sighting, -1 none
+    frames: FloatArray  # (frame, episode, vessel, item, 2) on their way from the camera [m]
+
+    @classmethod
+    def of(cls, camera: Camera, vessels: int, items: NDArray[np.int32]) -> Self:
+        """None yet, of `items` (episode, item)."""
+        every = (items.shape[0], vessels, items.shape[1])
+        on_the_way = camera.latency // camera.period + 1
+        return cls(
+            np.zeros((*every, 2)),
+            np.zeros((*every, 2)),
+            np.zeros((*every, 3)),
+            np.full(every, -1),
+            np.full((on_the_way, *every, 2), np.nan),
+        )
+
+
+@kernel
+def afloat(water: Water, x: float, y: float) -> tuple[float, float]:
+    """The place nearest to (x, y) [m] at which an item lies in water; itself if none is near."""
+    land, pitch = water.land, water.pitch_m
+    if land.size == 0 or is_clear(land, pitch, RADIUS_M, x, y):
+        return x, y
+    column, row = math.floor(x / pitch + 0.5), math.floor(y / pitch + 0.5)
+    least, best_x, best_y = np.inf, x, y
+    for i in range(max(column - 1, 0), min(column + 2, land.shape[0] - 2)):
+        for j in range(max(row - 1, 0), min(row + 2, land.shape[1] - 2)):
+            if land[i + 1, j + 1]:
+                continue
+            half = 0.5 * pitch
+            west, east = half - RADIUS_M * land[i, j + 1], half - RADIUS_M * land[i + 2, j + 1]
+            south, north = half - RADIUS_M * land[i + 1, j], half - RADIUS_M * land[i + 1, j + 2]
+            near_x = min(max(x, i * pitch - west), i * pitch + east)
+            near_y = min(max(y, j * pitch - south), j * pitch + north)
+            off = math.hypot(near_x - x, near_y - y)
+            if off < least:
+                least, best_x, best_y = off, near_x, near_y
+    return best_x, best_y
+
+
+@kernel
+def note_sighting(
+    tracks: Tracks,
+    water: Water,
+    at: tuple[int, int, int],
+    tick: int,
+    elapsed_s: float,
+    x: float,
+    y: float,
+    var: float,
+) -> None:
+    """Take a sighting at (x, y) [m] into track `at`, `elapsed_s` after the one before."""
+    place, velocity, spread = tracks.xy[at], tracks.velocity[at], tracks.spread[at]
+    t, known = elapsed_s, tracks.tick[at] >= 0 and elapsed_s <= FORGET_S
+    tracks.tick[at] = tick
+    if known:
+        vv = spread[2] + JERK_M2PS3 * t
+        pv = spread[1] + spread[2] * t + JERK_M2PS3 * t * t / 2.0
+        pp = spread[0] + 2.0 * spread[1] * t + spread[2] * t * t + JERK_M2PS3 * t**3 / 3.0
+        off_x = x - (place[0] + t * velocity[0])
+        off_y = y - (place[1] + t * velocity[1])
+        whole = pp + var
+        if off_x * off_x + off_y * off_y <= SURPRISE * whole:
+            gain, speed_gain = pp / whole, pv / whole
+            x, y = x - (1.0 - gain) * off_x, y - (1.0 - gain) * off_y
+            velocity[0] += speed_gain * off_x
+            velocity[1] += speed_gain * off_y
+            spread[0], spread[1] = (1.0 - gain) * pp, (1.0 - gain) * pv
+            spread[2] = vv - speed_gain * pv
+            place[0], place[1] = afloat(water, x, y)
+            return
+    velocity[:] = 0.0
+    spread[0], spread[1], spread[2] = var, 0.0, SPEED_MPS**2
+    place[0], place[1] = afloat(water, x, y)
+
+
+@kernel
+def look_out(
+    camera: Camera,
+    water: Water,
+    keys: UInt64Array,
+    collects: NDArray[np.bool_],
+    tracks: Tracks,
+    active: NDArray[np.bool_],
+    tick: NDArray[np.int64],
+    step_s: float,
+    true_pose: FloatArray,
+    pose: FloatArray,
+    xy: FloatArray,
+    item_node: NDArray[np.int32],
+) -> None:
+    """One control tick: a frame is taken if it is time for one; one that has come is worked in.
+
+    Parameters
+    ----------
+    keys, active, tick : (episode,) ticks since the start
+    step_s : of a tick
+    true_pose, pose : (episode, vessel, 3) as they are and as measured [m], [rad]
+    xy, item_node : (episode, item, 2) [m], (episode, item) below 0 if not afloat
+    """
+    frames, latency, period = tracks.frames, camera.latency, camera.period
+    for e in range(active.size):
+        now, past = tick[e], tick[e] - latency
+        if not active[e]:
+            continue
+        for v in range(collects.size):
+            if not collects[v]:
+                continue
+            if now % period == 0:
+                seen = frames[now // period % frames.shape[0], e]
+                sight_items(
+                    camera, keys[e], now, v, true_pose[e], pose[e], xy[e], item_node[e], seen
+                )
+            if past < 0 or past % period != 0:
+                continue
+            came = frames[past // period % frames.shape[0], e, v]
+            for k in range(came.shape[0]):
+                if math.isnan(came[k, 0]):
+                    continue
+                x, y = came[k, 0], came[k, 1]
+                far = math.hypot(x - pose[e, v, 0], y - pose[e, v, 1])
+                elapsed = step_s * (past - tracks.tick[e, v, k])
+                note_sighting(tracks, water, (e, v, k), past, elapsed, x, y, variance(camera, far))
+
+
+@kernel
+def tracked(
+    tracks: Tracks, water: Water, tick: NDArray[np.int64], step_s: float, out: FloatArray
+) -> None:
+    """Where hulls take items to be now.
+
+    Parameters
+    ----------
+    out : (episode, vessel, item, 2) written [m]; NaN where there is no track
+    """
+    for e in range(out.shape[0]):
+        for v in range(out.shape[1]):
+            for k in range(out.shape[2]):
+                t = step_s * (tick[e] - tracks.tick[e, v, k])
+                out[e, v, k] = np.nan
+                if tracks.tick[e, v, k] < 0 or t > FORGET_S:
+                    continue
+                x = tracks.xy[e, v, k, 0] + t * tracks.velocity[e, v, k, 0]
+                y = tracks.xy[e, v, k, 1] + t * tracks.velocity[e, v, k, 1]
+                out[e, v, k, 0], out[e, v, k, 1] = afloat(water, x, y)

@@ -1,0 +1,141 @@
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from controllers import Chart
+from graph_planner.randomness import episode_keys
+from mjforage.core.scenario import Sensors
+from mjforage.physics.dynamics.camera import camera_of
+from mjforage.physics.dynamics.tracks import (
+    FORGET_S,
+    RADIUS_M,
+    Tracks,
+    Water,
+    afloat,
+    look_out,
+    tracked,
+)
+
+STEP_S = 0.1
+OPEN = Water(np.zeros((0, 0), np.bool_), 4.0)
+BASIN = Water(Chart(np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], np.bool_), 4.0).land, 4.0)
+REAL = Sensors(0.1, 1.0, 0.95, pickup_noise_m=0.1)
+EXACT = Sensors(pickup_range_noise_per_m=0.0, pickup_range_m=1e4)
+COLLECTS = np.array([False, True])
+Way = Callable[[float], tuple[float, float]]
+
+
+class Watch:
+    """Fleets of a scout and a collector at the origin, which head east; one item each."""
+
+    def __init__(
+        self,
+        way: Way,
+        sensors: Sensors = REAL,
+        ticks: tuple[int, int] = (2, 2),
+        water: Water = OPEN,
+        episodes: Iterable[int] = (0,),
+    ) -> None:
+        self.way, self.water, self.camera = way, water, camera_of(sensors, *ticks)
+        self.keys = episode_keys(0, np.array(list(episodes)))
+        self.node = np.zeros((self.keys.size, 1), np.int32)
+        self.tracks = Tracks.of(self.camera, 2, self.node)
+        self.tick = np.full(self.keys.size, -1)
+        self.pose = np.zeros((self.keys.size, 2, 3))
+
+    def at(self, tick: int) -> np.ndarray:
+        return np.tile(np.array(self.way(tick * STEP_S)), (self.keys.size, 1, 1))
+
+    def until(self, tick: int) -> np.ndarray:
+        """(episode, 2) where the collectors take it to be, just before they are told what to do."""
+        on = np.ones(self.keys.size, np.bool_)
+        while self.tick[0] < tick:
+            self.tick += 1
+            now = (on, self.tick, STEP_S, self.pose, self.pose, self.at(int(self.tick[0])))
+            look_out(self.camera, self.water, self.keys, COLLECTS, self.tracks, *now, self.node)
+        out = np.empty((self.keys.size, 2, 1, 2))
+        tracked(self.tracks, self.water, self.tick, STEP_S, out)
+        assert np.isnan(out[:, 0]).all()  # the scout
+        return out[:, 1, 0]
+
+
+def resting(t: float) -> tuple[float, float]:
+    return 3.0, 1.0
+
+
+def drifting(t: float) -> tuple[float, float]:
+    return 2.0 + 0.06 * t, 1.0 - 0.04 * t
+
+
+def test_what_is_seen_is_known_after_the_latency_and_then_once_a_period() -> None:
+    watch = Watch(lambda t: (3.0 + t, 0.0), EXACT, (3, 4))
+    known = [bool(np.isfinite(watch.until(tick)).all()) for tick in range(6)]
+    assert known == [False, False, False, False, True, True]
+    last = []
+    for tick in range(6, 15):
+        watch.until(tick)
+        last.append(int(watch.tracks.tick[0, 1, 0]))
+    assert last == [0, 3, 3, 3, 6, 6, 6, 9, 9]
+
+
+def test_the_error_falls_below_that_of_a_sighting_and_a_drift_is_learnt() -> None:
+    for way in (resting, drifting):
+        watch = Watch(way, episodes=range(300))
+        first = watch.until(2) - watch.at(2)[:, 0]
+        last = watch.until(100) - watch.at(100)[:, 0]
+        assert 0.09 < np.sqrt(np.mean(first**2)) < 0.13
+        assert np.sqrt(np.mean(last**2)) < 0.07
+        assert np.abs(last.mean(axis=0)).max() < 0.02
+
+
+def test_it_is_held_while_out_of_view_drifts_on_and_is_forgotten() -> None:
+    watch = Watch(drifting, replace(REAL, pickup_view_deg=120.0), episodes=range(300))
+    watch.until(100)
+    watch.pose[..., 2] = np.pi
+    last = watch.until(200) - watch.at(200)[:, 0]
+    assert np.sqrt(np.mean(last**2)) < 0.35
+    assert np.abs(last.mean(axis=0)).max() < 0.06  # 0.7 m without its drift
+    unseen = 100 + round(FORGET_S / STEP_S)
+    assert np.isfinite(watch.until(unseen)).all()
+    assert np.isnan(watch.until(unseen + 3)).all()
+    watch.pose[..., 2] = 0.0
+    back = watch.until(unseen + 8) - watch.at(unseen + 8)[:, 0]
+    assert np.sqrt(np.mean(back**2)) < 0.2
+
+
+def test_an_item_that_is_pushed_is_believed_at_once() -> None:
+    watch = Watch(lambda t: (3.0, 0.0) if t < 10.0 else (3.0, 1.0), episodes=range(100))
+    watch.until(100)
+    last = watch.until(104) - watch.at(104)[:, 0]
+    assert np.sqrt(np.mean(last**2)) < 0.2
+
+
+def test_no_episode_depends_on_its_batch_or_on_who_is_active() -> None:
+    whole = Watch(drifting, episodes=range(5)).until(30)
+    alone = Watch(drifting, episodes=[3]).until(30)
+    assert (whole[3] == alone[0]).all()
+
+
+def test_an_item_is_taken_to_be_in_the_water_off_the_quay() -> None:
+    """Nine cells around (4, 4), which is land as all is around them."""
+    least = 2.0 - RADIUS_M
+    for place, expected in {
+        (0.0, 0.5): (0.0, 0.5),
+        (4.0, 1.95): (4.0, least),
+        (4.0, 2.3): (4.0, least),
+        (-2.2, 1.0): (-least, 1.0),
+        (-2.2, -2.1): (-least, -least),
+        (2.0, 0.0): (2.0, 0.0),
+        (2.1, 3.0): (least, 3.0),
+    }.items():
+        np.testing.assert_allclose(afloat(BASIN, *place), expected, atol=1e-12)
+        assert afloat(OPEN, *place) == place
+    assert afloat(BASIN, 40.0, 0.0) == (40.0, 0.0)
+
+
+def test_one_beside_a_quay_is_found_there() -> None:
+    watch = Watch(lambda t: (4.0, 1.9), water=BASIN, episodes=range(300))
+    last = watch.until(60)
+    assert last[:, 1].max() <= 1.9 + 1e-12
+    assert np.sqrt(np.mean((last - [4.0, 1.9]) ** 2)) < 0.07
