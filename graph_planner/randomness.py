@@ -46,6 +46,8 @@ class Stream(IntEnum):
     """Whether an item in view is seen, keyed by item and step."""
     SENSORS = 10
     """Noise of measured positions and headings, keyed by vessel and control tick."""
+    CAPTURE = 11
+    """Whether an item is taken, where that is a matter of chance, keyed by item, agent and step."""
 
 
 @kernel

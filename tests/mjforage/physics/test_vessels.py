@@ -5,12 +5,12 @@ import pytest
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
 from mjforage.core.schema import rows
+from mjforage.core.vessel_files import vessel_names
 from mjforage.physics.vessels import (
     ForceThruster,
     Propeller,
     Vessel,
     load_vessel,
-    vessel_names,
 )
 
 GOOD = """
