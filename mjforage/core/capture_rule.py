@@ -12,27 +12,15 @@ from numpy.typing import NDArray
 
 from controllers.quayside import BESIDE_M
 from graph_planner.compiled import inlined, kernel
-from graph_planner.fleet import Fleet
 from graph_planner.geodesics import Int32Array
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from graph_planner.rows import put_rows
 from graph_planner.task import IDLE, MISSED, TAKEN
-from mjforage.core.capture import DECISIONS, FROM_DEG, FROM_M, QUAYS, Capture, load_capture
+from mjforage.core.capture import DECISIONS, FROM_DEG, FROM_M
+from mjforage.core.capture_chances import Chances
 from mjforage.core.dynamics import Transition
-from mjforage.core.errors import UserError
-from mjforage.core.scenario import Scenario
-from mjforage.core.vessel_files import hull_names
 
 FloatArray = NDArray[np.float64]
-_CELLS = len(QUAYS), len(FROM_M), len(FROM_DEG)
-
-
-class Chances(NamedTuple):
-    """How surely each agent takes an item."""
-
-    first: FloatArray  # (agent, quays, distance, bearing, decision) not taken before
-    follow: FloatArray  # (agent, quays) after another one in the same decision
-    pitch_m: float  # side of a node
 
 
 class Stays(NamedTuple):
@@ -53,45 +41,6 @@ class Stays(NamedTuple):
         """Those of a batch with episodes (row,) replaced by those of another one."""
         pairs = zip(self, other, strict=True)
         return type(self)(*(put_rows(mine, rows, theirs) for mine, theirs in pairs))
-
-
-def chances_of(fleet: Fleet, scenario: Scenario) -> Chances | None:
-    """How surely each agent takes an item, or None where all take everything.
-
-    Raises
-    ------
-    UserError
-        If a collecting vessel has no capture model, or one for another period.
-    """
-    if scenario.rules.capture == "certain":
-        return None
-    first, follow = np.zeros((len(fleet), *_CELLS, DECISIONS)), np.zeros((len(fleet), len(QUAYS)))
-    names = hull_names(fleet, scenario.physics)
-    for agent in fleet.collectors:
-        capture = load_capture(names[agent])
-        if capture.period_s != scenario.period_s:
-            raise UserError(
-                f"rules.capture = 'calibrated': vessel {names[agent]} was calibrated for decisions "
-                f"of {capture.period_s:g} s; set period_s={capture.period_s:g}"
-            )
-        first[agent], follow[agent] = chances_from(capture)
-    return Chances(first, follow, scenario.map.pitch_m)
-
-
-def chances_from(capture: Capture) -> tuple[FloatArray, FloatArray]:
-    """Chances of a hull, (quays, distance, bearing, decision) and (quays,), from counts.
-
-    By the rule of succession (Laplace 1814), (taken + 1) / (trials + 2): never quite 0 or 1.
-    """
-    first, follow = np.zeros((*_CELLS, DECISIONS)), np.zeros(len(QUAYS))
-    for cell in capture.cells:
-        place = QUAYS.index(cell.quays), FROM_M.index(cell.from_m), FROM_DEG.index(cell.from_deg)
-        taken = np.array(cell.taken)
-        left = cell.trials - np.cumsum(taken) + taken
-        first[place] = (taken + 1) / (left + 2)
-    for both in capture.follows:
-        follow[QUAYS.index(both.quays)] = (both.taken + 1) / (both.trials + 2)
-    return first, follow
 
 
 @kernel
@@ -149,6 +98,33 @@ def _chance(
     return float(chances.first[agent, quays, i, j, min(tries, DECISIONS - 1)])
 
 
+@inlined
+def _take(
+    chances: Chances,
+    stays: Stays,
+    framed: Int32Array,
+    key: np.uint64,
+    e: int,
+    a: int,
+    step: int,
+    room_left: NDArray[np.int64],
+    state: Transition,
+) -> int:
+    """One forager takes items of its node until it misses one; how its picking up ended."""
+    pose, ended = stays.begun[e, a], IDLE
+    while room_left[e, a] > 0:
+        k = _nearest(state, e, state.agent_node[e, a], pose)
+        if k < 0:
+            break
+        place, again = state.item_rc[e, k], ended == TAKEN
+        chance = _chance(chances, framed, a, again, pose, stays.tries[e, a], place)
+        if uniform(key, k * state.agent_node.shape[1] + a, step) >= chance:
+            return TAKEN if again else MISSED
+        state.item_node[e, k], state.collected_by[e, k], ended = -1, a, TAKEN
+        room_left[e, a] -= 1
+    return ended
+
+
 @kernel
 def collect_by_chance(
     chances: Chances,
@@ -162,31 +138,20 @@ def collect_by_chance(
     state: Transition,
 ) -> None:
     """Every forager tries for what is in its node, in index order, while it has room."""
-    agents, item_node, pickup = collects.size, state.item_node, state.pickup
     for e in range(active.size):
         if not active[e]:
             continue
         key = stream_key(keys[e], Stream.CAPTURE)
-        for a in range(agents):
+        for a in range(collects.size):
             if not collects[a]:
                 continue
-            node, tries, pickup[e, a] = state.agent_node[e, a], stays.tries[e, a], IDLE
-            if node != stays.node[e, a]:
-                tries = 0
-            if tries == 0:
+            if state.agent_node[e, a] != stays.node[e, a]:
+                stays.tries[e, a] = 0
+            if stays.tries[e, a] == 0:
                 stays.begun[e, a] = stays.last[e, a]
-            pose = stays.begun[e, a]
-            while room_left[e, a] > 0:
-                k = _nearest(state, e, node, pose)
-                if k < 0:
-                    break
-                again, place = pickup[e, a] == TAKEN, state.item_rc[e, k]
-                chance = _chance(chances, framed, a, again, pose, tries, place)
-                if uniform(key, k * agents + a, step[e]) >= chance:
-                    pickup[e, a] = TAKEN if again else MISSED
-                    break
-                item_node[e, k], state.collected_by[e, k], pickup[e, a] = -1, a, TAKEN
-                room_left[e, a] -= 1
-            stays.tries[e, a] = tries + 1 if pickup[e, a] == MISSED else 0
-            stays.node[e, a], stays.last[e, a, 2] = node, state.agent_yaw[e, a]
+            ended = _take(chances, stays, framed, key, e, a, step[e], room_left, state)
+            state.pickup[e, a] = ended
+            stays.tries[e, a] = stays.tries[e, a] + 1 if ended == MISSED else 0
+            stays.node[e, a] = state.agent_node[e, a]
             stays.last[e, a, :2] = state.agent_rc[e, a]
+            stays.last[e, a, 2] = state.agent_yaw[e, a]

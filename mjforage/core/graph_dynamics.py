@@ -15,7 +15,7 @@ from graph_planner.moves import Moves, move_length
 from graph_planner.navigation import OFFSETS, STAY, NavigationGraph
 from graph_planner.randomness import UInt64Array
 from graph_planner.rows import put_rows
-from mjforage.core.capture_rule import chances_of
+from mjforage.core.capture_chances import chances_of
 from mjforage.core.dynamics import ARRIVED, BLOCKED, Transition, start_state
 from mjforage.core.film import Film
 from mjforage.core.initial_state import LEEWAY, InitialState

@@ -16,7 +16,8 @@ from graph_planner.randomness import Stream, UInt64Array, fill_bits, stream_key
 from graph_planner.rows import put_rows
 from graph_planner.task import IDLE, TAKEN
 from graph_planner.walls import WALLS, into_water, put_back
-from mjforage.core.capture_rule import Chances, Stays, collect_by_chance
+from mjforage.core.capture_chances import Chances
+from mjforage.core.capture_rule import Stays, collect_by_chance
 from mjforage.core.dynamics import Transition
 from mjforage.core.initial_state import (
     InitialState,

@@ -16,7 +16,7 @@ from graph_planner.geodesics import Int32Array
 from graph_planner.moves import Moves
 from graph_planner.navigation import STAY, NavigationGraph
 from graph_planner.randomness import UInt64Array
-from mjforage.core.capture_rule import chances_of
+from mjforage.core.capture_chances import chances_of
 from mjforage.core.dynamics import Transition, start_state
 from mjforage.core.errors import UserError
 from mjforage.core.film import Film

@@ -7,13 +7,8 @@ from graph_planner.policies import create_policy
 from graph_planner.randomness import episode_keys
 from graph_planner.task import IDLE, MISSED, TAKEN
 from mjforage.core.capture import Capture, CaptureCell, CaptureFollow, load_capture
-from mjforage.core.capture_rule import (
-    Chances,
-    capture_cell,
-    chances_from,
-    chances_of,
-    quays_beside,
-)
+from mjforage.core.capture_chances import Chances, chances_from, chances_of
+from mjforage.core.capture_rule import capture_cell, quays_beside
 from mjforage.core.dynamics import Transition, start_state
 from mjforage.core.errors import UserError
 from mjforage.core.initial_state import InitialState
