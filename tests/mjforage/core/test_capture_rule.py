@@ -46,7 +46,7 @@ def test_cells_are_of_distance_and_bearing_to_either_side(
     ("row", "col", "quays"),
     [
         (1.0, 1.0, 0),
-        (0.45, 0.0, 1),
+        (0.45, -0.49, 1),
         (-0.34, 0.0, 0),  # 0.64 m off
         (-0.36, 0.0, 1),  # 0.56 m off
         (-0.49, -0.49, 2),
