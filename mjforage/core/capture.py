@@ -8,7 +8,7 @@ each cell counts what was taken in the first decision, the second and the third.
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 from graph_planner.fields import Above, Within
 from mjforage.core.errors import UserError
@@ -16,19 +16,20 @@ from mjforage.core.schema import check
 from mjforage.core.toml_files import read_toml
 from mjforage.core.vessel_files import capture_path
 
-QUAYS = ("open", "straight", "corner")
+Quays = Literal["open", "straight", "corner"]
+QUAYS: tuple[Quays, ...] = get_args(Quays)
 FROM_M, FROM_DEG = (0.0, 1.5, 3.0, 5.0), (0.0, 45.0, 90.0, 135.0)  # where cells begin
+BESIDE_M = 0.6  # a quay nearer than that to an item is beside it, as for the pilots
 DECISIONS = 3  # in which a hull tries for an item; a fourth is like the third
 _Count = Annotated[int, Within(0, 1_000_000, "items")]
 _Trials = Annotated[int, Within(1, 1_000_000, "items")]
-_Quays = Literal["open", "straight", "corner"]
 
 
 @dataclass(frozen=True)
 class CaptureCell:
     """What came of trials with one item."""
 
-    quays: _Quays
+    quays: Quays
     """Whether a quay, or two that meet, lie within 0.6 m of the item."""
     from_m: Annotated[float, Within(0, 1e3, "m")]
     """Least distance of the item from midships; the cell ends where the next one begins."""
@@ -44,7 +45,7 @@ class CaptureCell:
 class CaptureFollow:
     """What came of trials with two items in a node."""
 
-    quays: _Quays
+    quays: Quays
     """The quays beside each of them."""
     trials: _Trials
     """Trials in which at least one was taken in the first decision."""

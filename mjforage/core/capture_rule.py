@@ -10,13 +10,12 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.quayside import BESIDE_M
 from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from graph_planner.rows import put_rows
 from graph_planner.task import IDLE, MISSED, TAKEN
-from mjforage.core.capture import DECISIONS, FROM_DEG, FROM_M
+from mjforage.core.capture import BESIDE_M, DECISIONS, FROM_DEG, FROM_M
 from mjforage.core.capture_chances import Chances
 from mjforage.core.dynamics import Transition
 
@@ -39,8 +38,9 @@ class Stays(NamedTuple):
 
     def with_rows(self, rows: NDArray[np.int64], other: Self) -> Self:
         """Those of a batch with episodes (row,) replaced by those of another one."""
-        pairs = zip(self, other, strict=True)
-        return type(self)(*(put_rows(mine, rows, theirs) for mine, theirs in pairs))
+        return type(self)(
+            *(put_rows(getattr(self, name), rows, getattr(other, name)) for name in self._fields)
+        )
 
 
 @kernel

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.core.capture import QUAYS
+from mjforage.core.capture import QUAYS, Quays
 from mjforage.physics.calibration.ground import PITCH_M, SIDE, Trials
 from mjforage.physics.vessels import Vessel
 
@@ -16,7 +16,7 @@ FREE_M = 0.12  # around a hull at first; more than the radius of an item
 
 
 def draw(
-    rng: np.random.Generator, vessel: Vessel, quays: str, count: int, items: int = 1
+    rng: np.random.Generator, vessel: Vessel, quays: Quays, count: int, items: int = 1
 ) -> Trials:
     """Trials with a hull anywhere in a node or one beside it, and items in the node.
 
@@ -62,5 +62,5 @@ def _touches(vessel: Vessel, trials: Trials) -> NDArray[np.bool_]:
     ahead, aside = seen_from_hull(trials)
     along = np.abs(ahead) < 0.5 * vessel.length_m + FREE_M
     across = np.abs(aside) < 0.5 * vessel.beam_m + FREE_M
-    found: NDArray[np.bool_] = (along & across).any(axis=1)
+    found: NDArray[np.bool_] = np.any(along & across, axis=1)
     return found

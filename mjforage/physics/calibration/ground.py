@@ -94,7 +94,7 @@ def taken_in(vessel: str, trials: Trials, decisions: int, seed: int) -> NDArray[
             steps=(~stay).astype(np.int8),
             blocked=np.zeros_like(stay),
         )
-        left = (state.item_node >= 0).any(axis=1)
+        left: NDArray[np.bool_] = np.any(state.item_node >= 0, axis=1)
         state = dynamics.advance(left, np.full(count, decision + 1, np.int32), moves)
         found[(state.collected_by >= 0) & (found == decisions)] = decision
     return found

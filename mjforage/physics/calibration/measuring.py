@@ -14,6 +14,7 @@ from mjforage.core.capture import (
     Capture,
     CaptureCell,
     CaptureFollow,
+    Quays,
 )
 from mjforage.core.capture_rule import capture_cell
 from mjforage.core.errors import UserError
@@ -54,7 +55,7 @@ def calibrate(vessel: str, trials: int, seed: int) -> Capture:
     return Capture(PERIOD_S, tuple(cells), tuple(follows))
 
 
-def _in_every_cell(rng: np.random.Generator, hull: Vessel, quays: str, trials: int) -> Trials:
+def _in_every_cell(rng: np.random.Generator, hull: Vessel, quays: Quays, trials: int) -> Trials:
     """Trials with one item, in the order of `CELLS`."""
     kept: list[list[Trials]] = [[] for _ in CELLS]
     lacking = np.full(len(CELLS), trials)

@@ -1,12 +1,13 @@
 import numpy as np
 import pytest
 
+from controllers import quayside
 from graph_planner.fleet import Fleet, Role
 from graph_planner.navigation import navigation_graph
 from graph_planner.policies import create_policy
 from graph_planner.randomness import episode_keys
 from graph_planner.task import IDLE, MISSED, TAKEN
-from mjforage.core.capture import Capture, CaptureCell, CaptureFollow, load_capture
+from mjforage.core.capture import BESIDE_M, Capture, CaptureCell, CaptureFollow, load_capture
 from mjforage.core.capture_chances import Chances, chances_from, chances_of
 from mjforage.core.capture_rule import capture_cell, quays_beside
 from mjforage.core.dynamics import Transition, start_state
@@ -57,6 +58,10 @@ def test_cells_are_of_distance_and_bearing_to_either_side(
 )
 def test_quays_within_reach_are_counted(row: float, col: float, quays: int) -> None:
     assert quays_beside(GRAPH.water.framed, 4.0, row, col) == quays
+
+
+def test_a_quay_is_beside_an_item_as_the_pilots_have_it() -> None:
+    assert quayside.BESIDE_M == BESIDE_M
 
 
 def chances(first: float, follow: float = NEVER) -> Chances:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mjforage.core.capture import FROM_DEG, FROM_M, QUAYS, load_capture
+from mjforage.core.capture import FROM_DEG, FROM_M, QUAYS, Quays, load_capture
 from mjforage.core.capture_rule import capture_cell
 from mjforage.physics.calibration import taken_in
 from mjforage.physics.calibration.drawing import draw, seen_from_hull
@@ -13,7 +13,9 @@ FORAGER = load_vessel("forager")
 
 
 @pytest.mark.parametrize("quays", QUAYS)
-def test_hulls_begin_afloat_and_away_from_items_that_lie_where_they_are_said_to(quays: str) -> None:
+def test_hulls_begin_afloat_and_away_from_items_that_lie_where_they_are_said_to(
+    quays: Quays,
+) -> None:
     trials = draw(np.random.default_rng(0), FORAGER, quays, 2000, 2)
     assert 500 < len(trials.pose) <= 2000
     inside = np.abs(trials.items - trials.node[:, None])
@@ -26,7 +28,7 @@ def test_hulls_begin_afloat_and_away_from_items_that_lie_where_they_are_said_to(
 
 
 @pytest.mark.parametrize("quays", QUAYS)
-def test_fresh_trials_agree_with_the_shipped_model(quays: str) -> None:
+def test_fresh_trials_agree_with_the_shipped_model(quays: Quays) -> None:
     """Sums over all cells, within four standard deviations of both counts."""
     model = {(c.from_m, c.from_deg): c for c in load_capture("forager").cells if c.quays == quays}
     trials = draw(np.random.default_rng(99), FORAGER, quays, 250)
