@@ -48,6 +48,8 @@ class Stream(IntEnum):
     """Noise of measured positions and headings, keyed by vessel and control tick."""
     CAMERA = 11
     """Errors of items' places in a camera's frame, keyed by vessel, item and control tick."""
+    CAPTURE = 12
+    """Whether an item is taken, where that is a matter of chance, keyed by item, agent and step."""
 
 
 @kernel

@@ -1,9 +1,10 @@
 """Commands about single hulls."""
 
+import itertools
 from pathlib import Path
 from typing import Annotated
 
-from cyclopts import Parameter
+from cyclopts import Parameter, validators
 from rich.table import Table
 
 from mjforage.cli.console import app, output, print_list
@@ -78,9 +79,53 @@ def manoeuvre(
 
 
 @app.command
+def calibrate(
+    vessel: str,
+    /,
+    *,
+    trials: Annotated[int, Parameter(validator=validators.Number(gte=1, lte=10_000))] = 200,
+    seed: Annotated[int, Parameter(validator=validators.Number(gte=0))] = 0,
+    output_file: Annotated[Path | None, Parameter(name=("--output", "-o"))] = None,
+) -> None:
+    """Measure how surely a vessel picks up, for the rule `rules.capture = "calibrated"`.
+
+    Parameters
+    ----------
+    vessel
+        A vessel (see `mjforage vessels`) or path of a TOML file.
+    trials
+        Items in every cell: quays beside it, bearing off the bow, distance.
+    seed
+        Of places, headings and noise.
+    output_file
+        TOML file to write; by default NAME.capture.toml beside the vessel's own, where it is used.
+    """
+    from mjforage.core.capture import capture_text
+    from mjforage.core.vessel_files import capture_path
+    from mjforage.core.whole_files import write_bytes
+    from mjforage.physics.calibration import calibrate as measured
+
+    path = capture_path(vessel) if output_file is None else output_file
+    capture = measured(vessel, trials, seed)
+    command = f"mjforage calibrate {vessel} --trials {trials} --seed {seed}"
+    head = [
+        "#:schema ../schemas/capture.json",
+        f"# How surely it picks up, counted by `{command}`.",
+    ]
+    write_bytes(path, capture_text(capture, head).encode())
+    table = Table("quays", "m from", "degrees from", "taken by the end of decision 1, 2, 3")
+    for cell in capture.cells:
+        shares = itertools.accumulate(count / cell.trials for count in cell.taken)
+        words = ", ".join(f"{share:.2f}" for share in shares)
+        table.add_row(cell.quays, f"{cell.from_m:g}", f"{cell.from_deg:g}", words)
+    output.print(table)
+
+
+@app.command
 def vessels() -> None:
     """List the vessels that ship with the package."""
-    from mjforage.physics.vessels import load_vessel, vessel_names
+    from mjforage.core.vessel_files import vessel_names
+    from mjforage.physics.vessels import load_vessel
 
     hulls = [load_vessel(name) for name in vessel_names()]
     print_list((v.name, f"{v.length_m:g} x {v.beam_m:g} m, {v.mass_kg:g} kg") for v in hulls)

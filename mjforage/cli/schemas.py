@@ -13,6 +13,7 @@ _NOTE = "<!-- Written by `mjforage schemas --pages docs/reference`; edit the dat
 
 def schemas_of_files() -> Mapping[str, tuple[str, Any]]:
     """Name -> what file it is, and its schema."""
+    from mjforage.core.capture import Capture
     from mjforage.core.scenario import Scenario
     from mjforage.learning.training.checkpoint import TrainingInfo
     from mjforage.physics.scene import DebrisClass
@@ -24,6 +25,7 @@ def schemas_of_files() -> Mapping[str, tuple[str, Any]]:
     return {
         "scenario": ("a scenario file", Scenario),
         "vessel": ("a vessel file", Vessel),
+        "capture": ("a vessel's capture model", Capture),
         "debris": ("a file of debris classes", dict[str, DebrisClass]),
         "run": ("`run.json` of a run folder", RunInfo),
         "costs": ("`costs.json` of a run folder", Costs),

@@ -15,6 +15,7 @@ from graph_planner.moves import Moves, move_length
 from graph_planner.navigation import OFFSETS, STAY, NavigationGraph
 from graph_planner.randomness import UInt64Array
 from graph_planner.rows import put_rows
+from mjforage.core.capture_chances import chances_of
 from mjforage.core.dynamics import ARRIVED, BLOCKED, Transition, start_state
 from mjforage.core.film import Film
 from mjforage.core.initial_state import LEEWAY, InitialState
@@ -57,17 +58,26 @@ class GraphDynamics:
     Attributes
     ----------
     detection : probability that an item in view is seen; eyes are perfect here
-    certain : whether a forager takes all that is in its node; so it does
+    certain : whether a forager takes all that is in its node
     """
 
-    detection, certain = 1.0, True
+    detection = 1.0
 
     def __init__(
         self, graph: NavigationGraph, fleet: Fleet, scenario: Scenario, film: Film | None = None
     ) -> None:
+        """Prepare.
+
+        Raises
+        ------
+        UserError
+            If capture is calibrated and a vessel that collects is not.
+        """
         self._graph, self._film = graph, film
+        chances = chances_of(fleet, scenario)
+        self.certain = chances is None
         noise, walls = scenario.weather.noise_node_per_step, scenario.rules.walls
-        self._items = ItemRule(graph, fleet, noise, walls)
+        self._items = ItemRule(graph, fleet, noise, walls, chances)
         self._centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._yaw = np.arctan2(-OFFSETS[:, 0], OFFSETS[:, 1]).astype(np.float64)
         self._mps = graph.pitch_m / scenario.period_s

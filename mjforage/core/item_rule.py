@@ -16,6 +16,8 @@ from graph_planner.randomness import Stream, UInt64Array, fill_bits, stream_key
 from graph_planner.rows import put_rows
 from graph_planner.task import IDLE, TAKEN
 from graph_planner.walls import WALLS, into_water, put_back
+from mjforage.core.capture_chances import Chances
+from mjforage.core.capture_rule import Stays, collect_by_chance
 from mjforage.core.dynamics import Transition
 from mjforage.core.initial_state import (
     InitialState,
@@ -196,6 +198,25 @@ def _advance(
     _drift(around, item_rc, centre, state.item_node, scratch, active, step)
 
 
+@kernel
+def _advance_by_chance(
+    chances: Chances,
+    stays: Stays,
+    around: Surroundings,
+    state: Transition,
+    item_rc: NDArray[np.float64],
+    centre: NDArray[np.float32],
+    scratch: Scratch,
+    active: NDArray[np.bool_],
+    step: Int32Array,
+) -> None:
+    """The same where foragers miss items."""
+    framed, keys, room_left = around.water.framed, around.keys, around.room_left
+    collects = around.collects
+    collect_by_chance(chances, stays, framed, keys, active, step, collects, room_left, state)
+    _drift(around, item_rc, centre, state.item_node, scratch, active, step)
+
+
 class ItemRule:
     """Items of a batch of episodes, moved by the paper's rule.
 
@@ -204,16 +225,24 @@ class ItemRule:
     advance : one step once all have moved, from `active` and `step` (episode,): collect, then drift
     """
 
-    def __init__(self, graph: NavigationGraph, fleet: Fleet, noise: float, walls: str) -> None:
+    def __init__(
+        self,
+        graph: NavigationGraph,
+        fleet: Fleet,
+        noise: float,
+        walls: str,
+        chances: Chances | None = None,
+    ) -> None:
         """Prepare.
 
         Parameters
         ----------
         noise : half width of the drift's random part [node/step]
         walls : of `WALLS`, what becomes of items that drift onto land
+        chances : of agents to take an item, see `chances_of`; None: they take all in their node
         """
         self._graph, self._fleet, self._noise = graph, fleet, noise
-        self._walls = WALLS.index(walls)
+        self._chances, self._walls = chances, WALLS.index(walls)
 
     def reset(self, initial: InitialState, keys: UInt64Array, state: Transition) -> None:
         """Start a batch of episodes.
@@ -234,6 +263,7 @@ class ItemRule:
                 corners=self._graph.corners,
                 walls=self._walls,
             ),
+            Stays.of(state),
             state,
         )
 
@@ -242,8 +272,8 @@ class ItemRule:
         """(episode, agent) items that can still be taken aboard; live."""
         return self._around.room_left
 
-    def _begin(self, around: Surroundings, state: Transition) -> None:
-        self._around, water, items = around, around.water, state.item_node
+    def _begin(self, around: Surroundings, stays: Stays, state: Transition) -> None:
+        self._around, self._stays, water, items = around, stays, around.water, state.item_node
         centre = np.stack((water.rows[items], water.cols[items]), axis=-1)
         scratch = Scratch(
             draws=np.empty(items.shape[1], np.uint64),
@@ -252,14 +282,12 @@ class ItemRule:
             gone=np.empty(items.shape[1], np.int32),
         )
         by_episode = len(items), -1
-        self.advance = prepared(
-            _advance,
-            around,
-            state,
-            state.item_rc.reshape(by_episode),
-            centre.reshape(by_episode).astype(np.float32),
-            scratch,
-        )
+        places = state.item_rc.reshape(by_episode), centre.reshape(by_episode).astype(np.float32)
+        fixed = around, state, *places, scratch
+        if self._chances is None:
+            self.advance = prepared(_advance, *fixed)
+        else:
+            self.advance = prepared(_advance_by_chance, self._chances, stays, *fixed)
 
     def adopt(self, rows: NDArray[np.int64], other: "ItemRule", state: Transition) -> None:
         """Replace episodes (row,) of the batch by those of another one.
@@ -273,4 +301,5 @@ class ItemRule:
         mixed: dict[str, Any] = {
             name: put_rows(getattr(mine, name), rows, getattr(theirs, name)) for name in names
         }
-        self._begin(mine._replace(**mixed), state)
+        stays = self._stays.with_rows(rows, other._stays)
+        self._begin(mine._replace(**mixed), stays, state)

@@ -45,6 +45,9 @@ class Rules:
     """How an item on land is put back into the nearest node: each component of its offset cut to
     0.49 node; the offset scaled, its larger component to 0.49; so, and the smaller one with the
     sign of the lesser of both, as the paper's code has it."""
+    capture: Annotated[Literal["certain", "calibrated"], Later()] = "certain"
+    """Where items follow the rule: foragers take all in their node, or as surely as their hulls did
+    in trials (`mjforage calibrate`)."""
     order: Annotated[tuple[str, ...], Later()] = ()
     """All teams as they choose, in each the highest number first; empty: those that collect, then
     the others, each by name."""

@@ -5,7 +5,6 @@ x forward, y port, z up; coefficients are magnitudes, so the marine tables (x fo
 z down) keep their numbers, and only the side of a lever changes sign: port is +y here.
 """
 
-import difflib
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,10 +12,10 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator
 
-from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
 from mjforage.core.schema import NotInFile, check
 from mjforage.core.toml_files import read_toml
+from mjforage.core.vessel_files import vessel_path
 from mjforage.physics.quantities import Quantity, positive
 
 
@@ -240,33 +239,6 @@ class Vessel:
     load: Load = NO_LOAD
     power: Power = IDEAL_POWER
     control: Control | None = None
-
-
-def vessel_names() -> list[str]:
-    """Names of the vessels that ship with the package."""
-    return sorted(path.stem for path in (models_folder() / "vessels").glob("*.toml"))
-
-
-def vessel_path(name_or_path: str | Path) -> Path:
-    """File of a shipped vessel's name or of a path.
-
-    Raises
-    ------
-    UserError
-        If there is no such vessel or file.
-    """
-    names = vessel_names()
-    if str(name_or_path) in names:
-        return models_folder() / "vessels" / f"{name_or_path}.toml"
-    path = Path(name_or_path)
-    try:
-        if path.suffix == ".toml" and path.is_file():
-            return path
-    except (OSError, ValueError) as error:
-        raise UserError(f"vessel {name_or_path}: cannot be opened ({error})") from error
-    close = difflib.get_close_matches(str(name_or_path), names, n=1)
-    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names)}"
-    raise UserError(f"vessel {name_or_path}: neither a shipped vessel nor a TOML file; {hint}")
 
 
 def load_vessel(name_or_path: str | Path) -> Vessel:

@@ -69,9 +69,19 @@ def _without_bodies(scenario: Scenario) -> Scenario:
     return replace(calm, weather=weather, physics=replace(calm.physics, items="graph"))
 
 
+def _calibrated(scenario: Scenario) -> Scenario:
+    hulls = _without_bodies(scenario)
+    if scenario.physics.capture == "node":
+        return hulls
+    return replace(hulls, rules=replace(hulls.rules, capture="calibrated"))
+
+
 WORLDS = {
     "graph": WorldKind("moves succeed, items follow the paper's rule", GraphDynamics, _whole),
     "hulls": WorldKind("hulls, thrusters, control and mean wind", _physics, _without_bodies),
+    "calibrated": WorldKind(
+        "items are taken as surely as the hulls did in trials", _physics, _calibrated
+    ),
     "debris": WorldKind(
         "items as bodies in wind and water; current on items and hulls", _physics, _without_intake
     ),

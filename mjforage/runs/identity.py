@@ -20,9 +20,12 @@ from graph_planner.policies.registry import (
     policy_parts,
 )
 from mjforage.core.assets import models_folder
+from mjforage.core.capture import load_capture
 from mjforage.core.mission_metrics import Metric, chosen_metrics, description
 from mjforage.core.scenario_file import canonical_json, scenario_to_tree
 from mjforage.core.setup import Setup
+from mjforage.core.vessel_files import hull_names
+from mjforage.physics.worlds import WORLDS
 from mjforage.runs.resuming import UNCOMPARED
 from mjforage.runs.source_code import DIGITS, WHOLE, Code, decisive_code
 
@@ -105,13 +108,14 @@ def provenance() -> dict[str, str]:
 
 
 def hull_facts(setup: Setup, worlds: Sequence[str]) -> dict[str, Any]:
-    """Parameters of every vessel and class of debris that the run needs; none at graph level."""
+    """Parameters of every vessel and class of debris that the run needs; none at graph level.
+
+    Where items are taken by chance, the capture models too.
+    """
+    captures = _captures(setup, worlds)
     if set(worlds) <= {"graph"}:
-        return {}
-    from mjforage.physics.dynamics.fleet_scene import (  # MuJoCo where it is wanted
-        fleet_vessels,
-        hull_names,
-    )
+        return captures
+    from mjforage.physics.dynamics.fleet_scene import fleet_vessels  # MuJoCo where it is wanted
     from mjforage.physics.scene import load_debris
 
     choice = setup.scenario.physics
@@ -119,7 +123,18 @@ def hull_facts(setup: Setup, worlds: Sequence[str]) -> dict[str, Any]:
     return {
         "vessels": {name: asdict(vessel) for name, vessel in zip(names, vessels, strict=True)},
         "debris": [asdict(kind) for kind in load_debris() if kind.name in choice.item_classes],
+        **captures,
     }
+
+
+def _captures(setup: Setup, worlds: Sequence[str]) -> dict[str, Any]:
+    """Capture models of the vessels that collect, if the run uses them."""
+    adapted = [WORLDS[world].adapt(setup.scenario) for world in worlds]
+    if all(scenario.rules.capture == "certain" for scenario in adapted):
+        return {}
+    names = hull_names(setup.fleet, setup.scenario.physics)
+    collecting = {names[agent] for agent in setup.fleet.collectors}
+    return {"captures": {name: asdict(load_capture(name)) for name in sorted(collecting)}}
 
 
 def weight_hashes(policies: Sequence[str]) -> dict[str, str]:

@@ -7,7 +7,8 @@ from graph_planner.policies import create_policy
 from mjforage.core.film import Film
 from mjforage.core.mission import Mission, Observer
 from mjforage.core.setup import Setup
-from mjforage.physics.dynamics.fleet_scene import hull_names, item_choices
+from mjforage.core.vessel_files import hull_names
+from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.dynamics.item_bodies import draw_classes
 from mjforage.physics.worlds import create_mission
 from mjforage.runs.episode_replay import Replay

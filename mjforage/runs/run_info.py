@@ -70,12 +70,14 @@ class HullFacts:
 
 @dataclass(frozen=True)
 class Hulls:
-    """What the physics world was made of; empty at graph level."""
+    """What the worlds were made of beside the graph; empty for the paper's rules on it."""
 
     vessels: Mapping[str, HullFacts] = field(default_factory=dict)
     """Vessels by name, with all their parameters."""
     debris: tuple[Mapping[str, Any], ...] = ()
     """Classes of items, with all their parameters."""
+    captures: Mapping[str, Any] = field(default_factory=dict)
+    """Capture models by vessel, where items are taken by chance."""
 
 
 @dataclass(frozen=True)

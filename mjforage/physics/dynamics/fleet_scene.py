@@ -9,18 +9,11 @@ from graph_planner.fleet import Fleet
 from graph_planner.navigation import NavigationGraph
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Physics
+from mjforage.core.vessel_files import hull_names
 from mjforage.physics.scene import Scene, build_scene, load_debris
 from mjforage.physics.vessels import Vessel, load_vessel
 
 POOL = 8  # bodies for items near hulls, at first
-
-
-def hull_names(fleet: Fleet, choice: Physics) -> tuple[str, ...]:
-    """(agent,) name or file of every agent's vessel."""
-    return tuple(
-        choice.vessels.get(fleet.team_names[team], "forager" if collects else "scout")
-        for team, collects in zip(fleet.team, fleet.collects, strict=True)
-    )
 
 
 def fleet_vessels(fleet: Fleet, choice: Physics) -> tuple[Vessel, ...]:

@@ -16,6 +16,7 @@ from graph_planner.geodesics import Int32Array
 from graph_planner.moves import Moves
 from graph_planner.navigation import STAY, NavigationGraph
 from graph_planner.randomness import UInt64Array
+from mjforage.core.capture_chances import chances_of
 from mjforage.core.dynamics import Transition, start_state
 from mjforage.core.errors import UserError
 from mjforage.core.film import Film
@@ -64,9 +65,9 @@ class MujocoDynamics:
         Raises
         ------
         UserError
-            If a vessel or an item class is not known, a hull does not fit on the map, the
-            scenario's times do not fit together, items without bodies shall enter a mouth, or there
-            shall be a current on a map without an open border.
+            If a vessel or an item class is not known, a capture model is wanted and not there, a
+            hull does not fit on the map, the scenario's times do not fit together, items without
+            bodies shall enter a mouth, or there shall be a current on a map without an open border.
         """
         self._graph, self._fleet, self._scenario, self._film = graph, fleet, scenario, film
         self._choice = scenario.physics
@@ -81,7 +82,8 @@ class MujocoDynamics:
         self._classes = item_choices(self._choice)
         self._bodies = self._choice.items == "bodies"
         self._intake = self._choice.capture == "intake"
-        self.certain = not self._intake
+        self._chances = None if self._bodies else chances_of(fleet, scenario)
+        self.certain = not self._intake and self._chances is None
         if self._intake and not self._bodies:
             raise UserError(
                 "physics.capture = 'intake' with physics.items = 'graph': items without bodies "
@@ -135,8 +137,7 @@ class MujocoDynamics:
             )
         pose = np.zeros((*initial.agent_node.shape, 3))
         pose[..., :2] = self._centres_xy[initial.agent_node]
-        self._simulation.place_vessels(pose)
-        self._motion = self._measured()
+        self.place(pose)
         self._place_items(initial)
         self._tick = np.zeros(episodes, np.int64)
         if self._film is not None:
@@ -144,12 +145,17 @@ class MujocoDynamics:
             self._shoot()
         return self._state
 
+    def place(self, pose: NDArray[np.float64]) -> None:
+        """Put the hulls elsewhere, at rest; pose (episode, vessel, 3) [m], [rad]."""
+        self._simulation.place_vessels(pose)
+        self._motion = self._measured()
+
     def _place_items(self, initial: InitialState) -> None:
         self._room_left = np.tile(self._fleet.capacity, (len(initial.n_items), 1))
         self._rule: ItemRule | None = None
         if not self._bodies:
             noise, walls = self._scenario.weather.noise_node_per_step, self._scenario.rules.walls
-            self._rule = ItemRule(self._graph, self._fleet, noise, walls)
+            self._rule = ItemRule(self._graph, self._fleet, noise, walls, self._chances)
             self._rule.reset(initial, self._keys, self._state)
             self._room_left = self._rule.room_left
             return

@@ -62,7 +62,8 @@ def view_scenario(setup: Setup, seed: int, episode: int) -> None:
 
 def start_of(setup: Setup, seed: int, episode: int) -> tuple[Scene, Floats, Floats]:
     """Scene of a scenario, hulls (agent, 3) and items (item, 3) as `put` takes them."""
-    from mjforage.physics.dynamics.fleet_scene import hull_names, item_choices
+    from mjforage.core.vessel_files import hull_names
+    from mjforage.physics.dynamics.fleet_scene import item_choices
     from mjforage.physics.dynamics.item_bodies import draw_classes
 
     mission, choice = Mission(setup), setup.scenario.physics

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from graph_planner.references import file_label
 from mjforage.core.errors import UserError
-from mjforage.physics.vessels import load_vessel, vessel_names
+from mjforage.core.vessel_files import vessel_names
+from mjforage.physics.vessels import load_vessel
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.run_info import REMEDY
 from mjforage.view.page import style

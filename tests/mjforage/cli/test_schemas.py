@@ -12,12 +12,14 @@ import pytest
 from mjforage.cli.schemas import schema_text, schemas_of_files
 from mjforage.core.assets import models_folder
 from mjforage.core.schema import NAME, rows
+from mjforage.core.vessel_files import capture_path, vessel_names, vessel_path
 
 MODELS = models_folder()
 PAGES = MODELS.parent / "docs" / "reference"
 FILES = [
     *(("scenario", path) for path in sorted((MODELS / "scenarios").glob("*.toml"))),
-    *(("vessel", path) for path in sorted((MODELS / "vessels").glob("*.toml"))),
+    *(("vessel", vessel_path(name)) for name in vessel_names()),
+    ("capture", capture_path("forager")),
     ("debris", MODELS / "debris.toml"),
 ]
 
@@ -64,6 +66,8 @@ def test_our_files_follow_their_schema_and_tell_editors_of_it(name: str, path: P
         ("vessel", {"length_m": {"value": 0.0, "unit": "m", "source": "x"}}),
         ("vessel", {"thruster": {"kind": "sail"}}),
         ("debris", {"bottle": {"description": "x"}}),
+        ("capture", {"period_s": 0.0}),
+        ("capture", {"follows": [{"quays": "round", "trials": 2, "taken": 1}]}),
     ],
 )
 def test_a_schema_refuses_what_the_reader_refuses(name: str, change: dict[str, Any]) -> None:

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from mjforage.core.vessel_files import vessel_names
 from mjforage.physics.vessel_helm import default_control, helm_of
 from mjforage.physics.vessels import (
     CrossFlow,
@@ -13,7 +14,6 @@ from mjforage.physics.vessels import (
     Vessel,
     Windage,
     load_vessel,
-    vessel_names,
 )
 from tests.controllers.plant import beam_gusts, sail
 

@@ -252,7 +252,7 @@ def test_the_belief_planner_forages_better_than_greedy_with_hulls_too() -> None:
     assert fingerprint(scored(setup, [2], policy="belief"), 0) == fingerprint(several, 1)
 
 
-@pytest.mark.parametrize("world", ["hulls", "debris", "intake", "physics"])
+@pytest.mark.parametrize("world", ["hulls", "calibrated", "debris", "intake", "physics"])
 def test_what_was_collected_is_carried(world: str) -> None:
     mission = create_mission(setup_of("comb-port-weather", "horizon=25"), world)
     mission.reset(3, np.arange(4))

@@ -10,7 +10,7 @@ WEATHER = load_scenario("comb-port-weather")
 @pytest.mark.parametrize(
     ("overrides", "expected"),
     [
-        ((), ("graph", "hulls", "debris", "intake", "physics")),
+        ((), ("graph", "hulls", "calibrated", "debris", "intake", "physics")),
         (("physics.capture=node",), ("graph", "hulls", "debris", "physics")),
         (
             (
@@ -19,9 +19,13 @@ WEATHER = load_scenario("comb-port-weather")
                 "sensors.heading_noise_deg=0.0",
                 "sensors.detection=1.0",
             ),
-            ("graph", "hulls", "debris", "physics"),
+            ("graph", "hulls", "calibrated", "debris", "physics"),
         ),
-        (("sensors.detection=0.9",), ("graph", "hulls", "debris", "intake", "physics")),
+        (
+            ("sensors.detection=0.9",),
+            ("graph", "hulls", "calibrated", "debris", "intake", "physics"),
+        ),
+        (("rules.capture=calibrated",), ("graph", "hulls", "debris", "intake", "physics")),
     ],
 )
 def test_rungs_that_a_scenario_lacks_are_left_out(
@@ -35,9 +39,10 @@ def test_the_default_port_has_only_hulls_and_bodies() -> None:
 
 
 def pieces(scenario: Scenario) -> tuple[bool, ...]:
-    """Bodies, current, intake, gusts, noise."""
+    """Chance, bodies, current, intake, gusts, noise."""
     weather, physics, sensors = scenario.weather, scenario.physics, scenario.sensors
     return (
+        scenario.rules.capture == "calibrated",
         physics.items == "bodies",
         weather.circulation_mps > 0 and weather.current_wander_mps > 0,
         physics.capture == "intake",
@@ -49,10 +54,11 @@ def pieces(scenario: Scenario) -> tuple[bool, ...]:
 def test_each_world_adds_its_piece() -> None:
     table = {name: pieces(kind.adapt(WEATHER)) for name, kind in WORLDS.items() if name != "graph"}
     assert table == {
-        "hulls": (False, False, False, False, False),
-        "debris": (True, True, False, False, False),
-        "intake": (True, True, True, False, False),
-        "physics": (True, True, True, True, True),
+        "hulls": (False, False, False, False, False, False),
+        "calibrated": (True, False, False, False, False, False),
+        "debris": (False, True, True, False, False, False),
+        "intake": (False, True, True, True, False, False),
+        "physics": (False, True, True, True, True, True),
     }
 
 
