@@ -18,6 +18,8 @@ WEATHER = load_scenario("comb-port-weather")
                 "sensors.position_noise_m=0.0",
                 "sensors.heading_noise_deg=0.0",
                 "sensors.detection=1.0",
+                "sensors.pickup_noise_m=0.0",
+                "sensors.pickup_view_deg=127.0",
             ),
             ("graph", "hulls", "calibrated", "debris", "physics"),
         ),
