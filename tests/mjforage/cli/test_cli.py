@@ -180,7 +180,10 @@ def test_the_default_folder_has_the_name_of_the_scenario(
         (["evaluate", "--policy"], "--policy"),
         (["evaluate", "--policy", "gredy"], "policy gredy: unknown; did you mean greedy?"),
         (["evaluate", "--policy", "greedy", "--policy", "greedy"], "policy greedy: given twice"),
-        ([*EVALUATE, "--world", "moon"], "world moon: unknown; choose graph, hulls, calibrated, debris"),
+        (
+            [*EVALUATE, "--world", "moon"],
+            "world moon: unknown; choose graph, hulls, calibrated, debris",
+        ),
         ([*GREEDY, "--episodes", "0"], "episodes 0, seed 0: give at least 1"),
         ([*GREEDY, "--episodes", "many"], '--episodes: unable to convert "many" into int'),
         ([*EVALUATE, "--jobs", "0"], "jobs 0"),
