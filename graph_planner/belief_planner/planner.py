@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner import hotspots as hs
+from graph_planner.belief_planner import reconciling as rc
 from graph_planner.belief_planner import stragglers as st
 from graph_planner.belief_planner import tracks as tr
 from graph_planner.belief_planner import wind as wd
@@ -77,7 +78,7 @@ class BeliefPlanner:
         )
         self._cloud = cloud_of(graph, settings.spread_node)
         self._shore = shore_of(graph, task.walls)
-        self._ways, self._scratch = tr.ended(4 * capacity), tr.scratch(len(graph))
+        self._ways, self._scratch = tr.ended(4 * capacity), rc.scratch(len(graph))
         self._lost = tr.losses(capacity)
         self._foragers = Foraging(task, settings)
         # Without scouts, foragers look around when they know of nothing to collect.
@@ -117,9 +118,9 @@ class BeliefPlanner:
             if settings.advection:
                 tr.carry(self.tracks, shore, e, drift[0], drift[1])
         wander = 2.0 * float(self.wind.deviation[e].max()) + 0.05
-        edges, view = self._task.graph.neighbours, tr.View(now, belief, last_seen)
+        edges, view = self._task.graph.neighbours, rc.View(now, belief, last_seen)
         catch, memory = self._catch(seen, e, now), self._scratch
-        new = tr.reconcile(self.tracks, shore, edges, e, view, wander, catch, memory, ways, lost)
+        new = rc.reconcile(self.tracks, shore, edges, e, view, wander, catch, memory, ways, lost)
         if settings.wind:
             wd.settle(self.wind, shore, e, ways)
             wd.estimate(self.wind, self.tracks, shore, e)
@@ -130,14 +131,14 @@ class BeliefPlanner:
             sighted = self._settle_losses(e, now, sighted)
         self._expect(seen, e, now, sighted)
 
-    def _catch(self, seen: Observation, e: int, now: int) -> tr.Catch:
+    def _catch(self, seen: Observation, e: int, now: int) -> rc.Catch:
         """What foragers took in the step just made, and where one gave up."""
         agents = self._foragers.group.agents
         at, taken = seen.agent_node[e][agents], seen.taken[e][agents]
         caught = taken - self._taken[e]
         self._taken[e] = taken
         self._later[e, at[seen.pickup[e][agents] == UNREACHABLE]] = now + LATER
-        return tr.Catch(at[:0], caught[:0]) if self._task.certain else tr.Catch(at, caught)
+        return rc.Catch(at[:0], caught[:0]) if self._task.certain else rc.Catch(at, caught)
 
     def _settle_losses(self, e: int, now: int, sighted: Int32Array) -> Int32Array:
         """Take in what was lost and found; those of the new sightings that are really new."""

@@ -1,9 +1,6 @@
 """Tracks: every item that was seen, where it must be by now, and what its way says of the drift.
 
-Each decision the tracks are carried on and then reconciled with the counts now in view: confirmed
-where the counts agree, else moved to the nearest place that lacks one, within a gate that grows
-with the time unseen; what is left over is pushed out of sight or given up, and what is still
-lacking is a new track.
+Each decision the tracks are carried on, and then reconciled with what is in view (`reconciling`).
 """
 
 from typing import NamedTuple
@@ -15,12 +12,6 @@ from graph_planner.belief_planner.shore import Shore, drifted, held
 from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.walls import INSET
-
-FIRST_GATE = 1.3  # distance of a plain mistake: a node and a bit [node]
-IN_VIEW_GATE = 2.3  # between two places in view [node]
-HIDING = 1.5  # farthest that a track is pushed out of sight [node]
-CATCH_GATE = 2.0  # from a forager's node to a track that it may have taken [node]
-MOST_LACKING = 256  # new sightings taken in at once
 
 
 class Tracks(NamedTuple):
@@ -55,30 +46,6 @@ class Lost(NamedTuple):
     step: Int32Array  # (loss,) of the last sighting
 
 
-class View(NamedTuple):
-    """What is in view of the fleet."""
-
-    now: int  # step
-    belief: NDArray[np.int16]  # (node,) items, right where the node is in view
-    last_seen: NDArray[np.int16]  # (node,) step, `now` where the node is in view
-
-
-class Catch(NamedTuple):
-    """What hulls took aboard in the step just made; of nobody where collecting is certain.
-
-    What is not seen in their own nodes has not just gone out of sight.
-    """
-
-    at: Int32Array  # (forager,) node in which each is now
-    left: NDArray[np.int64]  # (forager,) items not yet found among the tracks; counted down
-
-
-class Scratch(NamedTuple):
-    """Memory between the parts of a reconciliation, all zero between calls."""
-
-    tracked: NDArray[np.int16]  # (node,) tracks counted in a node
-
-
 def tracks(episodes: int, capacity: int) -> Tracks:
     """Room for so many tracks in each episode."""
     both = (episodes, capacity)
@@ -105,11 +72,6 @@ def ended(capacity: int) -> Ended:
 def losses(capacity: int) -> Lost:
     """Room for so many losses."""
     return Lost(np.zeros(1, np.int64), np.zeros(capacity, np.int32), np.zeros(capacity, np.int32))
-
-
-def scratch(nodes: int) -> Scratch:
-    """Memory for a map of so many nodes."""
-    return Scratch(np.zeros(nodes, np.int16))
 
 
 @kernel
@@ -146,7 +108,7 @@ def drop(tracks: Tracks, shore: Shore, e: int, i: int, ways: Ended) -> None:
 
 
 @kernel
-def _lose(tracks: Tracks, e: int, i: int, lost: Lost) -> None:
+def lose(tracks: Tracks, e: int, i: int, lost: Lost) -> None:
     """List track i among those that were given up."""
     n = lost.number[0]
     if n < lost.node.size:
@@ -168,9 +130,7 @@ def _same_walls(shore: Shore, start: int, node: int, axis: int) -> bool:
 
 
 @kernel
-def _confirm(
-    tracks: Tracks, shore: Shore, e: int, i: int, node: int, now: int, ways: Ended
-) -> None:
+def confirm(tracks: Tracks, shore: Shore, e: int, i: int, node: int, now: int, ways: Ended) -> None:
     """Put track i into a node in which it is seen now."""
     row, col = float(shore.rows[node]), float(shore.cols[node])
     tracks.row[e, i] = min(max(tracks.row[e, i], row - INSET), row + INSET)
@@ -202,7 +162,7 @@ def collect(
         while i < tracks.number[e]:
             if tracks.node[e, i] == foragers_at[f]:
                 if tracks.seen[e, i] < now - 1:
-                    _lose(tracks, e, i, lost)
+                    lose(tracks, e, i, lost)
                 drop(tracks, shore, e, i, ways)
             else:
                 i += 1
@@ -219,119 +179,7 @@ def carry(tracks: Tracks, shore: Shore, e: int, drift_row: float, drift_col: flo
 
 
 @kernel
-def _squared(shore: Shore, node: int, row: float, col: float) -> float:
-    """Squared distance of a place to the centre of a node [node^2]."""
-    return float((shore.rows[node] - row) ** 2 + (shore.cols[node] - col) ** 2)
-
-
-@kernel
-def _loosen(
-    tracks: Tracks, shore: Shore, e: int, view: View, tracked: NDArray[np.int16]
-) -> NDArray[np.bool_]:
-    """Which tracks (track,) are too many in a node in view: those farthest from its middle."""
-    n, node = tracks.number[e], tracks.node[e]
-    loose = np.zeros(n, np.bool_)
-    for i in range(n):
-        tracked[node[i]] += view.last_seen[node[i]] == view.now
-    for i in range(n):
-        here = node[i]
-        while tracked[here] > view.belief[here] and view.last_seen[here] == view.now:
-            worst, far = -1, -1.0
-            for k in range(n):
-                if node[k] == here and not loose[k]:
-                    away = _squared(shore, here, tracks.row[e, k], tracks.col[e, k])
-                    if away > far:
-                        worst, far = k, away
-            loose[worst] = True
-            tracked[here] -= 1
-    return loose
-
-
-@kernel
-def _lacks(
-    tracks: Tracks, e: int, view: View, tracked: NDArray[np.int16]
-) -> tuple[Int32Array, int]:
-    """Nodes in view with too few tracks, once per item that lacks one, and how many they are.
-
-    Clears `tracked`.
-    """
-    lacking, number = np.empty(MOST_LACKING, np.int32), 0
-    for node in range(view.last_seen.size):
-        if view.last_seen[node] == view.now and view.belief[node] > tracked[node]:
-            for _ in range(view.belief[node] - tracked[node]):
-                if number < lacking.size:
-                    lacking[number] = node
-                    number += 1
-    for i in range(tracks.number[e]):
-        tracked[tracks.node[e, i]] = 0
-    return lacking, number
-
-
-@kernel
-def _nearest_lack(
-    tracks: Tracks,
-    shore: Shore,
-    e: int,
-    now: int,
-    wander: float,
-    free: NDArray[np.bool_],
-    loose: NDArray[np.bool_],
-    lacking: Int32Array,
-) -> tuple[int, int]:
-    """The free track and the lack (its number) that are nearest within the track's gate, or -1."""
-    best, best_track, best_lack = np.inf, -1, -1
-    for i in range(free.size):
-        if not free[i]:
-            continue
-        gate = FIRST_GATE + wander * (now - tracks.seen[e, i])
-        gate = max(gate, IN_VIEW_GATE) if loose[i] else gate
-        for j in range(lacking.size):
-            away = _squared(shore, lacking[j], tracks.row[e, i], tracks.col[e, i])
-            if away < best and away <= gate * gate:
-                best, best_track, best_lack = away, i, j
-    return best_track, best_lack
-
-
-@kernel
-def _hide(tracks: Tracks, shore: Shore, neighbours: Int32Array, e: int, i: int, view: View) -> bool:
-    """Push a track into the nearest node beside it that is out of sight; False if there is none."""
-    row, col, hidden, nearest = tracks.row[e, i], tracks.col[e, i], -1, HIDING**2
-    for direction in range(8):
-        other = neighbours[tracks.node[e, i], direction]
-        if other >= 0 and view.last_seen[other] != view.now:
-            away = _squared(shore, other, row, col)
-            if away < nearest:
-                hidden, nearest = other, away
-    if hidden >= 0:
-        r, c = float(shore.rows[hidden]), float(shore.cols[hidden])
-        tracks.row[e, i] = min(max(row, r - INSET), r + INSET)
-        tracks.col[e, i] = min(max(col, c - INSET), c + INSET)
-        tracks.node[e, i] = hidden
-    return hidden >= 0
-
-
-@kernel
-def _caught(tracks: Tracks, shore: Shore, e: int, i: int, catch: Catch) -> bool:
-    """Whether a track that is not where it should be can be an item that a forager took."""
-    for f in range(catch.at.size):
-        away = _squared(shore, catch.at[f], tracks.row[e, i], tracks.col[e, i])
-        if catch.left[f] > 0 and away <= CATCH_GATE**2:
-            catch.left[f] -= 1
-            return True
-    return False
-
-
-@kernel
-def _has(nodes: Int32Array, node: int) -> bool:
-    """Whether a node is among others."""
-    found = False
-    for other in nodes:
-        found |= other == node
-    return found
-
-
-@kernel
-def _begin(tracks: Tracks, shore: Shore, e: int, node: int, now: int, ways: Ended) -> bool:
+def begin(tracks: Tracks, shore: Shore, e: int, node: int, now: int, ways: Ended) -> bool:
     """Begin a track in a node in view; False if there is no room."""
     i = tracks.number[e]
     if i == tracks.row.shape[1]:
@@ -341,66 +189,5 @@ def _begin(tracks: Tracks, shore: Shore, e: int, node: int, now: int, ways: Ende
     tracks.seen_node[e, i] = node
     tracks.base[e, i], tracks.base_node[e, i] = now, node
     tracks.number[e] = i + 1
-    _confirm(tracks, shore, e, i, node, now, ways)
+    confirm(tracks, shore, e, i, node, now, ways)
     return True
-
-
-@kernel
-def reconcile(
-    tracks: Tracks,
-    shore: Shore,
-    neighbours: Int32Array,
-    e: int,
-    view: View,
-    wander: float,
-    catch: Catch,
-    memory: Scratch,
-    ways: Ended,
-    lost: Lost,
-) -> int:
-    """Make the tracks agree with the counts in view.
-
-    Parameters
-    ----------
-    neighbours : (node, 8) int32
-    e : episode
-    wander : how uncertain an unseen track gets [node/step]
-    catch : what foragers have taken
-    ways, lost : displacements that ended and items given up, added to
-
-    Returns
-    -------
-    New tracks; they are the last ones
-    """
-    n, now = tracks.number[e], view.now
-    loose = _loosen(tracks, shore, e, view, memory.tracked)
-    lacking, lacks = _lacks(tracks, e, view, memory.tracked)
-    settled_now = np.zeros(n, np.bool_)
-    for i in range(n):
-        if not loose[i] and view.last_seen[tracks.node[e, i]] == now:
-            _confirm(tracks, shore, e, i, tracks.node[e, i], now, ways)
-            settled_now[i] = True
-    # Loose tracks, then unseen ones, go to the nearest lack within their gates.
-    for unseen_too in range(2):
-        while lacks > 0:
-            free = ~settled_now if unseen_too else loose & ~settled_now
-            i, j = _nearest_lack(tracks, shore, e, now, wander, free, loose, lacking[:lacks])
-            if i < 0:
-                break
-            _confirm(tracks, shore, e, i, lacking[j], now, ways)
-            settled_now[i] = True
-            lacks -= 1
-            lacking[j] = lacking[lacks]
-    # What is still loose is just out of sight, or was a mistake.
-    for i in range(n - 1, -1, -1):
-        if not loose[i] or settled_now[i]:
-            continue
-        if _caught(tracks, shore, e, i, catch):
-            drop(tracks, shore, e, i, ways)
-        elif _has(catch.at, tracks.node[e, i]) or not _hide(tracks, shore, neighbours, e, i, view):
-            _lose(tracks, e, i, lost)
-            drop(tracks, shore, e, i, ways)
-    new = 0
-    while new < lacks and _begin(tracks, shore, e, lacking[new], now, ways):
-        new += 1
-    return new

@@ -1,6 +1,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.belief_planner import reconciling as rc
 from graph_planner.belief_planner import tracks as tr
 from graph_planner.belief_planner.shore import Shore, shore_of
 from graph_planner.navigation import navigation_graph
@@ -14,7 +15,7 @@ class Watch:
 
     def __init__(self, shore: Shore = SHORE) -> None:
         self.shore, self.tracks = shore, tr.tracks(1, 20)
-        self.ways, self.lost, self.memory = tr.ended(50), tr.losses(20), tr.scratch(len(SEA))
+        self.ways, self.lost, self.memory = tr.ended(50), tr.losses(20), rc.scratch(len(SEA))
         self.last_seen = np.full(len(SEA), -32768, np.int16)
 
     def view(
@@ -34,11 +35,11 @@ class Watch:
             self.last_seen[SEA.node_of_cell[cell]] = now - 1
         for cell, count in counts.items():
             belief[SEA.node_of_cell[cell]] = count
-        edges, wander, view = SEA.neighbours, 0.1, tr.View(now, belief, self.last_seen)
+        edges, wander, view = SEA.neighbours, 0.1, rc.View(now, belief, self.last_seen)
         at = np.array([SEA.node_of_cell[cell] for cell in caught or {}], np.int32)
-        self.catch = tr.Catch(at, np.array(list((caught or {}).values()), np.int64))
+        self.catch = rc.Catch(at, np.array(list((caught or {}).values()), np.int64))
         about = edges, 0, view, wander, self.catch
-        return tr.reconcile(self.tracks, self.shore, *about, self.memory, self.ways, self.lost)
+        return rc.reconcile(self.tracks, self.shore, *about, self.memory, self.ways, self.lost)
 
     @property
     def cells(self) -> list[tuple[int, int]]:
