@@ -8,6 +8,7 @@ from controllers.chart import LandArray, quay_gap
 from controllers.guidance import stopping_distance
 from controllers.helm import HelmArray, PackedHelm
 from controllers.legs import REACTION_S
+from controllers.quayside import is_quayed
 from controllers.state import FleetArray, VesselState
 
 QUAYS = -1  # in place of another vessel
@@ -114,7 +115,7 @@ def clear_path(
 @kernel
 def clearance(s: VesselState, p: PackedHelm, other: int) -> float:
     """What is kept free of another or of the quays [m]: less where an item lies at one, near by."""
-    if other != QUAYS or math.isnan(s.item_x) or (s.quay_x == 0.0 and s.quay_y == 0.0):
+    if other != QUAYS or not is_quayed(s):
         return p.clearance_m
     near = max(abs(s.item_x - s.x), abs(s.item_y - s.y)) < p.length_m + p.clearance_m
     return min(PICKING_M, p.clearance_m) if near else p.clearance_m

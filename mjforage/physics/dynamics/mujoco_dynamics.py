@@ -16,6 +16,7 @@ from graph_planner.geodesics import Int32Array
 from graph_planner.moves import Moves
 from graph_planner.navigation import STAY, NavigationGraph
 from graph_planner.randomness import UInt64Array
+from graph_planner.task import IDLE
 from mjforage.core.capture_chances import chances_of
 from mjforage.core.dynamics import Transition, start_state
 from mjforage.core.errors import UserError
@@ -38,7 +39,6 @@ from mjforage.physics.dynamics.picking import (
     Goal,
     Reach,
     Sent,
-    begin_pickup,
     seek,
     take_at_mouth,
 )
@@ -170,7 +170,7 @@ class MujocoDynamics:
         stay = moves.direction == STAY
         self._pilot.order(active, self._centres_xy[state.agent_node], target, stay)
         self._watched.begin(active)
-        begin_pickup(active, state)
+        state.pickup[active] = IDLE
         filmed = self._film is not None and bool(active[0])
         for tick in range(self._ticks):
             pose = measured_poses(self._scenario.sensors, self._keys, self._tick, self._motion.pose)

@@ -62,14 +62,6 @@ class Reach(NamedTuple):
     pitch_m: float  # side of a node
 
 
-@kernel
-def begin_pickup(active: NDArray[np.bool_], state: Transition) -> None:
-    """Start a period: nothing was sought yet."""
-    for e in range(active.size):
-        if active[e]:
-            state.pickup[e] = IDLE
-
-
 @inlined
 def _note_attempt(
     attempts: Attempts, e: int, v: int, away_m: float, now_s: float, pickup: NDArray[np.int8]

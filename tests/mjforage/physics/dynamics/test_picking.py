@@ -11,7 +11,6 @@ from mjforage.physics.dynamics.picking import (
     Goal,
     Reach,
     Sent,
-    begin_pickup,
     seek,
     take_at_mouth,
 )
@@ -96,7 +95,7 @@ def test_a_forager_looks_round_for_an_item_in_its_node_that_it_has_not_seen() ->
     assert looks(0) == [False, False] and state.pickup.tolist() == [[IDLE, MISSED]]
     xy[:] = np.nan
     assert looks(0) == [False, False]
-    begin_pickup(ON, state)
+    state.pickup[:] = IDLE  # the next period
     assert looks(0) == [False, True]
     state.item_node[0, 1] = -1
     assert looks(0) == [False, False]
@@ -130,7 +129,7 @@ def test_after_two_failed_attempts_another_item_is_sought_and_the_reason_told() 
     assert hull.state.pickup.tolist() == [[IDLE, MISSED]]
     assert ATTEMPTS == 2 and hull.back_off_to(-1.2) == second
     assert hull.state.pickup.tolist() == [[IDLE, UNREACHABLE]]
-    begin_pickup(ON, hull.state)
+    hull.state.pickup[:] = IDLE  # the next period
     assert hull.back_off_to(-1.2) == second
     assert hull.state.pickup.tolist() == [[IDLE, MISSED]]
     assert hull.back_off_to(-1.2, LATER_S) == first  # later has come
