@@ -3,14 +3,17 @@
 On the way to its node an item is taken in passing. At the node, one ahead of the bow is steered
 for, and one farther away than the bow reaches is turned to first. One beside the hull or behind it,
 within reach of the turning bow, would be pushed away: the hull first backs off from it, or draws
-ahead of it. Items beside quays: `quayside`.
+ahead of it. Items beside quays: `quayside`. A hull that has nothing left to do turns to the next
+item, and goes towards it as far as its node reaches: turning takes longer than the way.
 """
 
 import math
 
 from controllers._compiled import kernel
 from controllers.angles import wrapped
+from controllers.guidance import stopping_speed
 from controllers.helm import PackedHelm
+from controllers.legs import REACTION_S
 from controllers.loops import turning_limit
 from controllers.quayside import APPROACH_MPS, is_quayed, meeting_speed, run_in
 from controllers.state import VesselState
@@ -51,7 +54,7 @@ def meets_item(s: VesselState, p: PackedHelm) -> bool:
     dx, dy = s.item_x - s.x, s.item_y - s.y
     c, t = math.cos(s.yaw), math.sin(s.yaw)
     ahead, aside = c * dx + t * dy, abs(c * dy - t * dx)
-    reach = 0.5 * math.sqrt(p.length_m**2 + p.beam_m**2) + BERTH_M
+    reach = turning_reach(p)
     in_mouth = ahead > 0.4 * p.length_m and aside < 0.5 * p.beam_m
     return bool(in_mouth or dx * dx + dy * dy > reach * reach)
 
@@ -77,6 +80,41 @@ def meet_item(s: VesselState, p: PackedHelm) -> tuple[float, float]:
 
 
 @kernel
+def room_ahead(s: VesselState, room: float) -> float:
+    """How far midships can go ahead until it is `room` [m] from the target on either axis."""
+    c, t = math.cos(s.yaw), math.sin(s.yaw)
+    left_x = room - math.copysign(1.0, c) * (s.x - s.target_x)
+    left_y = room - math.copysign(1.0, t) * (s.y - s.target_y)
+    return min(left_x / max(abs(c), 1e-6), left_y / max(abs(t), 1e-6))
+
+
+@kernel
+def turning_reach(p: PackedHelm) -> float:
+    """Distance from midships [m] within which the turning bow would push an item away."""
+    return 0.5 * math.sqrt(p.length_m**2 + p.beam_m**2) + BERTH_M
+
+
+@kernel
+def get_ready(s: VesselState, p: PackedHelm, room: float) -> tuple[float, float]:
+    """Heading [rad] and speed [m/s] of a hull with nothing left to do: towards the next item.
+
+    One so near that the turning bow would push it away is left alone.
+
+    Parameters
+    ----------
+    room : as of `pick_up`
+    """
+    dx, dy = s.next_x - s.x, s.next_y - s.y
+    far, bearing = math.sqrt(dx * dx + dy * dy), math.atan2(dy, dx)
+    left = far - turning_reach(p)
+    if left < 0.0:
+        return s.yaw, 0.0
+    left = min(left, room_ahead(s, room))
+    speed = stopping_speed(left, p.brake_mps2, p.lag_s + REACTION_S)
+    return bearing, min(speed, turning_limit(p, math.cos(wrapped(bearing - s.yaw))))
+
+
+@kernel
 def pick_up(s: VesselState, p: PackedHelm, room: float, step_s: float) -> tuple[float, float]:
     """Heading [rad] and signed speed [m/s] that bring the mouth over the item.
 
@@ -90,12 +128,12 @@ def pick_up(s: VesselState, p: PackedHelm, room: float, step_s: float) -> tuple[
     c, t = math.cos(s.yaw), math.sin(s.yaw)
     ahead, aside = c * dx + t * dy, c * dy - t * dx
     far, bearing = math.sqrt(dx * dx + dy * dy), math.atan2(dy, dx)
-    reach = 0.5 * math.sqrt(p.length_m**2 + p.beam_m**2) + BERTH_M
+    reach, fast = turning_reach(p), meeting_speed(p, far - 0.5 * p.length_m)
     if ahead > 0.4 * p.length_m and abs(aside) < AIM * 0.5 * p.beam_m:
         s.backing = 0.0
         # Close to the bow the bearing swings, while holding the heading already takes it.
         near = ahead < 0.5 * p.length_m + BERTH_M
-        return s.yaw if near else bearing, APPROACH_MPS
+        return s.yaw if near else bearing, fast
     if far < reach:
         s.backing = 1.0 if ahead >= 0.0 else -1.0
     elif far > reach + AFRESH_M:
@@ -103,6 +141,5 @@ def pick_up(s: VesselState, p: PackedHelm, room: float, step_s: float) -> tuple[
     speed = -s.backing * APPROACH_MPS
     if s.backing != 0.0 and not leaves_room(s, speed, room):
         return s.yaw, speed
-    error = abs(wrapped(bearing - s.yaw))
-    closing = APPROACH_MPS * max(math.cos(2.0 * error), 0.0) if error < 0.5 * math.pi else 0.0
+    closing = min(fast, turning_limit(p, math.cos(wrapped(bearing - s.yaw))))
     return bearing, closing if far > reach else 0.0

@@ -165,6 +165,15 @@ class Pilot:
         """
         self._fleets.state["item_x"], self._fleets.state["item_y"] = xy[..., 0], xy[..., 1]
 
+    def expect(self, xy: FloatArray) -> None:
+        """Name the item that each vessel shall be ready for when it has nothing left to do.
+
+        Parameters
+        ----------
+        xy : (episode, vessel, 2) [m]; NaN for none
+        """
+        self._fleets.state["next_x"], self._fleets.state["next_y"] = xy[..., 0], xy[..., 1]
+
     def look_round(self, who: NDArray[np.bool_]) -> None:
         """Say which vessels shall turn on the spot where they keep position.
 

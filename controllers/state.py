@@ -58,9 +58,12 @@ class VesselState:
     # Right of way: the lower goes first. Time of the decision to wait for.
     rank: float
     wait: float
-    # Item to pick up, NaN for none; 1 to look round for one; where the decision began.
+    # Item to pick up and the one to be ready for after it, NaN for none; 1 to look round for one;
+    # where the decision began.
     item_x: float
     item_y: float
+    next_x: float
+    next_y: float
     looks: float
     origin_x: float
     origin_y: float
@@ -103,5 +106,6 @@ def idle_state() -> VesselState:
     """The state of a vessel that has no decision yet."""
     state: VesselState = np.zeros(1, STATE)[0]
     state.mode = IDLE
-    state.item_x = state.item_y = state.target_x = state.target_y = np.nan
+    state.item_x = state.item_y = state.next_x = state.next_y = np.nan
+    state.target_x = state.target_y = np.nan
     return state

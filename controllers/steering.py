@@ -18,7 +18,7 @@ from controllers.loops import (
     surge_windup,
     yaw_drag,
 )
-from controllers.pickup import in_room, is_free, meet_item, meets_item, pick_up
+from controllers.pickup import get_ready, in_room, is_free, meet_item, meets_item, pick_up
 from controllers.quayside import COMING, come_in, comes_in, is_cornered, is_in, is_quayed
 from controllers.state import HOLD, TRANSIT, VesselState
 
@@ -93,7 +93,8 @@ def change_mode(s: VesselState, p: PackedHelm) -> None:
     x, y = s.place_x, s.place_y
     far = distance_to(s, x, y)
     if s.mode == HOLD:
-        if far > LEAVE_M and (math.isnan(s.item_x) or s.arrived == 0.0):
+        idle = math.isnan(s.item_x) and math.isnan(s.next_x)
+        if far > LEAVE_M and (idle or s.arrived == 0.0):
             start_transit(s, p, x, y, False)
         return
     if is_free(s) and is_quayed(s) and is_in(s, p):
@@ -236,6 +237,10 @@ def steer(s: VesselState, p: PackedHelm, room: float, step_s: float) -> tuple[fl
         return drive(s, p, heading, speed, step_s)
     if math.isnan(s.item_x):
         s.approach = s.still_s = 0.0
+    if not math.isnan(s.next_x) and s.arrived != 0.0 and at_target and s.up == s.looks == 0.0:
+        heading, speed = get_ready(s, p, room)
+        s.wanted = s.yaw
+        return drive(s, p, heading, speed, step_s)
     if s.up > 0.0:
         shift = s.up / math.sqrt(s.drift_x**2 + s.drift_y**2)
         x, y = s.place_x - shift * s.drift_x, s.place_y - shift * s.drift_y

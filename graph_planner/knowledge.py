@@ -27,6 +27,7 @@ class Looks(NamedTuple):
     room_left: NDArray[np.int64]  # (episode, agent) items, `UNLIMITED` if any number
     taken: NDArray[np.int64]  # (episode, agent) items taken aboard so far
     pickup: NDArray[np.int8]  # (episode, agent) how picking up ended in the step, see `PICKUPS`
+    agent_yaw: NDArray[np.float64]  # (episode, agent) [rad], see `Observation`
 
 
 class Knowledge(NamedTuple):
@@ -43,6 +44,7 @@ class Knowledge(NamedTuple):
     room_left: NDArray[np.int64]  # (row, agent) as of then, items
     taken: NDArray[np.int64]  # (row, agent) by then, items
     pickup: NDArray[np.int8]  # (row, agent) then, see `PICKUPS`
+    agent_yaw: NDArray[np.float64]  # (row, agent) then [rad]
 
     @classmethod
     def of_starts(cls, looks: Looks, nodes: int, holders: int = 1) -> "Knowledge":
@@ -67,6 +69,7 @@ class Knowledge(NamedTuple):
             room_left=np.repeat(looks.room_left, holders, axis=0),
             taken=np.repeat(looks.taken, holders, axis=0),
             pickup=np.repeat(looks.pickup, holders, axis=0),
+            agent_yaw=np.repeat(looks.agent_yaw, holders, axis=0),
         )
 
     def with_rows(self, rows: NDArray[np.int64], other: "Knowledge") -> "Knowledge":
@@ -113,6 +116,7 @@ def hear(
             agent_node[row, agent], agent_seen[row, agent] = viewer, step[e]
             energy_left[row, agent], room_left[row, agent] = energy[e, agent], room[e, agent]
             taken_by_then[row, agent], pickup_then[row, agent] = taken[e, agent], pickup[e, agent]
+            knowledge.agent_yaw[row, agent] = looks.agent_yaw[e, agent]
             for i in range(start[radius, viewer], start[radius, viewer + 1]):
                 node = np.uint64(nodes[np.uint64(i)])  # unsigned: never counted from the end
                 last_seen[row, node] = now

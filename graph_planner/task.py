@@ -142,10 +142,11 @@ class Observation(NamedTuple):
     agent_seen: Int32Array  # (row, agent) step of which `agent_node` tells; now is `step` - 1
     taken: NDArray[np.int64]  # (row, agent) items it had taken aboard by then
     pickup: NDArray[np.int8]  # (row, agent) how its picking up ended then, see `PICKUPS`
+    agent_yaw: NDArray[np.float64]  # (row, agent) heading then [rad], 0 east; no matter in graphs
 
 
 _TYPES = (
-    *("?", "i4", "u8", "i4", "f8", "i8", "i2", "i2", "i4", "i4", "i4", "i8", "i1"),
+    *("?", "i4", "u8", "i4", "f8", "i8", "i2", "i2", "i4", "i4", "i4", "i8", "i1", "f8"),
 )  # of its fields
 
 

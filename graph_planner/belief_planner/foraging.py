@@ -13,6 +13,7 @@ from graph_planner.belief_planner.stops import (
     MOST,
     Floating,
     Stops,
+    add_turns,
     decisions_between,
     floating,
     gather_stops,
@@ -78,6 +79,7 @@ def plan_routes(
     ways: tuple[Ways, ...],
     able: Able,
     agent_node: Int32Array,
+    agent_yaw: NDArray[np.float64],
     drift_rc: NDArray[np.float64],
     effort: Effort,
     scratch: Scratch,
@@ -87,7 +89,7 @@ def plan_routes(
 
     Parameters
     ----------
-    agent_node : (agent,)
+    agent_node, agent_yaw : (agent,) where they are, and their heading [rad]
     drift_rc : (2,) [node/step]
 
     Returns
@@ -101,6 +103,7 @@ def plan_routes(
     if n == 0 or at.size == 0:
         return 0
     first, between = decisions_between(found, ways, kind, at, effort.stay)
+    add_turns(effort.taking, shore, found, at, agent_yaw[able.agents], first)
     if effort.joint:
         legs = Legs(found.weight[:n], first, between, kind, able.room, able.lasts)
         target = search_routes(legs, effort.beam, effort.choices, effort.depth)
@@ -136,6 +139,7 @@ class Foraging:
     def send(
         self,
         agent_node: Int32Array,
+        agent_yaw: NDArray[np.float64],
         drift_rc: NDArray[np.float64],
         room_left: NDArray[np.int64],
         energy_left: NDArray[np.float64],
@@ -147,7 +151,7 @@ class Foraging:
 
         Parameters
         ----------
-        agent_node : (agent,)
+        agent_node, agent_yaw : (agent,) where they are, and their heading [rad]
         drift_rc : (2,) [node/step]
         room_left : (agent,) items; energy_left : (agent,) [node]
 
@@ -165,6 +169,7 @@ class Foraging:
             group.ways,
             able,
             agent_node,
+            agent_yaw,
             drift_rc,
             self._effort,
             self._scratch,

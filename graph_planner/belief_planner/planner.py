@@ -186,11 +186,11 @@ class BeliefPlanner:
         st.expect_stragglers(particles, self._shore, e, total, real, expected)
 
     def _decide(self, seen: Observation, e: int) -> None:
-        at, preferences = seen.agent_node[e], self._preferences[e]
+        at, yaw, preferences = seen.agent_node[e], seen.agent_yaw[e], self._preferences[e]
         sighted = self.spots.number[e] > 0
         self._list_items(e, int(seen.step[e]) - 1, sighted)
         room, energy = seen.room_left[e], seen.energy_left[e]
-        busy = self._foragers.send(at, self.wind.mean[e], room, energy, preferences) > 0
+        busy = self._foragers.send(at, yaw, self.wind.mean[e], room, energy, preferences) > 0
         if not busy:
             self._wait(at, e, sighted, preferences)
         self._foragers.hold(at, room, energy, preferences)

@@ -1,12 +1,13 @@
 """From floating items to stops: nodes where a forager would meet them, with what they are worth."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.shore import Shore, drifted
-from graph_planner.belief_planner.taking import CORNER, Taking, dwell, quays_beside
+from graph_planner.belief_planner.taking import CORNER, Taking, dwell, quays_beside, turning
 from graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
@@ -158,3 +159,29 @@ def _counted(decisions: np.uint16, again: float) -> float:
     if decisions == UNREACHED:
         return FAR
     return float(decisions) if decisions > 0 else again
+
+
+@kernel
+def add_turns(
+    taking: Taking,
+    shore: Shore,
+    found: Stops,
+    at: Int32Array,
+    yaw: NDArray[np.float64],
+    first: NDArray[np.float64],
+) -> None:
+    """Add what foragers lose by turning to stops in the nodes next to them.
+
+    Parameters
+    ----------
+    at, yaw : (forager,) node and heading [rad], 0 = east, counter-clockwise
+    first : (forager, stop) decisions, added to
+    """
+    for f in range(at.size):
+        for j in range(first.shape[1]):
+            if first[f, j] > 1.0 or found.node[j] == at[f]:
+                continue
+            up = shore.rows[at[f]] - shore.rows[found.node[j]]
+            east = shore.cols[found.node[j]] - shore.cols[at[f]]
+            off = math.atan2(up, east) - yaw[f]
+            first[f, j] += turning(taking, math.atan2(math.sin(off), math.cos(off)))

@@ -52,7 +52,8 @@ class OraclePolicy:
             items.row[:n], items.col[:n] = truth.item_rc[e][present].T
             items.weight[:n] = 1.0
             room, energy = observation.room_left[e], observation.energy_left[e]
-            self._foragers.send(at, truth.drift_rc[e], room, energy, preferences)
+            yaw, drift = observation.agent_yaw[e], truth.drift_rc[e]
+            self._foragers.send(at, yaw, drift, room, energy, preferences)
             self._foragers.hold(at, room, energy, preferences)
             age = np.minimum(30.0, observation.step[e] - 1.0 - observation.last_seen[e])
             wrong = (counts != observation.belief[e]) + 0.1 * (counts > 0)

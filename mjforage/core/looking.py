@@ -13,7 +13,7 @@ from graph_planner.task import Task
 from graph_planner.visibility import NodeLists
 from mjforage.core.ledger import Entries, count, credit, sight
 
-_TYPES = ("?", "i4", "i4", "i2", "f8", "i8", "i8", "i1")  # of the fields of `Looks`
+_TYPES = ("?", "i4", "i4", "i2", "f8", "i8", "i8", "i1", "f8")  # of the fields of `Looks`
 
 
 class Eyes(NamedTuple):

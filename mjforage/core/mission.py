@@ -142,6 +142,7 @@ class Mission:
             room_left=self.room_left,
             taken=self.taken,
             pickup=self.state.pickup,
+            agent_yaw=self.state.agent_yaw,
         )
 
     def _see(self) -> Looks:
@@ -227,6 +228,7 @@ class Mission:
             agent_seen=knowledge.agent_seen,
             taken=knowledge.taken,
             pickup=knowledge.pickup,
+            agent_yaw=knowledge.agent_yaw,
         )
 
     @property

@@ -50,6 +50,7 @@ def observation_of(
         agent_seen=np.full(nodes.shape, step - 1, np.int32),
         taken=np.zeros(nodes.shape, np.int64),
         pickup=np.zeros(nodes.shape, np.int8),
+        agent_yaw=np.zeros(nodes.shape),
     )
 
 

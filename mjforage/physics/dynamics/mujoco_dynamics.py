@@ -177,7 +177,7 @@ class MujocoDynamics:
             self._look(active, pose)
             if tick % WEATHER_TICKS == 0:
                 self._feel(active)
-                self._seek(active, Sent(moves.target, target))
+                self._seek(active, Sent(target, stay))
                 if filmed and tick:
                     self._shoot()
             self._steer(active, ids, target, pose)
@@ -218,10 +218,10 @@ class MujocoDynamics:
         return out
 
     def _seek(self, active: NDArray[np.bool_], sent: Sent) -> None:
-        """Tell the pilots which item to pick up."""
+        """Tell the pilots which item to pick up, and for which to be ready after it."""
         if not self._intake:
             return
-        goal = Goal(np.empty_like(sent.xy), np.empty(sent.node.shape, np.bool_))
+        goal = Goal.of(*sent.stay.shape)
         seek(
             self._reach,
             self._attempts,
@@ -235,6 +235,7 @@ class MujocoDynamics:
             goal,
         )
         self._pilot.collect(goal.xy)
+        self._pilot.expect(goal.next)
         self._pilot.look_round(goal.look)
 
     def _steer(

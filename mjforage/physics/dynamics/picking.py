@@ -2,6 +2,9 @@
 
 An attempt at an item has failed when the bow was near it and is away from it again without having
 taken it. After `ATTEMPTS` of them the item is left for `LATER_S`; others are sought instead.
+
+Hulls turn slowly: half round takes a forager a whole period of 10 s. What is left of a period goes
+into turning to the next item, and its bow takes what it reaches beyond its node.
 """
 
 import math
@@ -19,6 +22,9 @@ MOUTH_REACH_M = 0.12  # an item of radius 0.1 m that touches the bow is in
 ATTEMPTS = 2  # that may fail before an item is left for later
 NEAR_M, AWAY_M = 0.6, 1.2  # from the middle of the bow: an attempt begins, and has failed
 LATER_S = 60.0  # until an item that was given up is sought again
+RADIUS_M = 0.1  # of an item
+STANDS = 0.42  # of a node's side: farthest that midships goes from its middle to take one beside it
+READY_M = 9.0  # farthest item that a hull gets ready for: a little more than two nodes of 4 m
 FloatArray = NDArray[np.float64]
 
 
@@ -43,15 +49,23 @@ class Attempts(NamedTuple):
 class Sent(NamedTuple):
     """Where hulls are sent."""
 
-    node: NDArray[np.int32]  # (episode, vessel)
-    xy: FloatArray  # (episode, vessel, 2) its centre [m]
+    node_xy: FloatArray  # (episode, vessel, 2) centre of the node [m]
+    stay: NDArray[np.bool_]  # (episode, vessel) whether it is the node where they are
 
 
 class Goal(NamedTuple):
     """What pilots are told."""
 
     xy: FloatArray  # (episode, vessel, 2) item to pick up, NaN for none [m]
-    look: NDArray[np.bool_]  # (episode, vessel) whether to look round for one
+    next: FloatArray  # (episode, vessel, 2) with none: the one to be ready for, NaN for none [m]
+    look: NDArray[np.bool_]  # (episode, vessel) with neither: whether to look round for one
+
+    @classmethod
+    def of(cls, episodes: int, vessels: int) -> Self:
+        """Nothing to do."""
+        pairs = (episodes, vessels)
+        xy, following = np.full((*pairs, 2), np.nan), np.full((*pairs, 2), np.nan)
+        return cls(xy, following, np.zeros(pairs, np.bool_))
 
 
 class Reach(NamedTuple):
@@ -63,18 +77,91 @@ class Reach(NamedTuple):
 
 
 @inlined
+def _within(reach: Reach, node_xy: FloatArray, x: float, y: float) -> bool:
+    """Whether a place lies within the square of a node."""
+    return bool(max(abs(x - node_xy[0]), abs(y - node_xy[1])) <= 0.5 * reach.pitch_m)
+
+
+@inlined
+def _within_reach(
+    reach: Reach, half: float, pose: FloatArray, node_xy: FloatArray, x: float, y: float
+) -> bool:
+    """Whether a hull can take an item beside its node with midships well within the node.
+
+    Across one side only: a corner of the node may be one of land.
+    """
+    if min(abs(x - node_xy[0]), abs(y - node_xy[1])) > 0.5 * reach.pitch_m:
+        return False
+    dx, dy = x - pose[0], y - pose[1]
+    short = (half + RADIUS_M) / max(math.hypot(dx, dy), half + RADIUS_M)
+    off_x, off_y = x - short * dx - node_xy[0], y - short * dy - node_xy[1]
+    return bool(max(abs(off_x), abs(off_y)) < STANDS * reach.pitch_m)
+
+
+@inlined
 def _note_attempt(
-    attempts: Attempts, e: int, v: int, away_m: float, now_s: float, pickup: NDArray[np.int8]
+    attempts: Attempts,
+    e: int,
+    v: int,
+    away_m: float,
+    now_s: float,
+    own: bool,
+    pickup: NDArray[np.int8],
 ) -> None:
-    """Note how far the bow is from the item sought; two failed attempts end the search for it."""
+    """Note how far the bow is from the item sought; two failed attempts end the search for it.
+
+    Parameters
+    ----------
+    own : whether it lies in the hull's own node: only then that is told
+    """
     k = attempts.item[e, v]
     if attempts.near[e, v] and away_m > AWAY_M:
         attempts.near[e, v] = False
         attempts.failed[e, v, k] += 1
         if attempts.failed[e, v, k] >= ATTEMPTS:
             attempts.failed[e, v, k], attempts.later_s[e, v, k] = 0, now_s + LATER_S
-            if pickup[e, v] != TAKEN:
+            if own and pickup[e, v] != TAKEN:
                 pickup[e, v] = UNREACHABLE
+
+
+@inlined
+def _choose(
+    reach: Reach,
+    half: float,
+    pose: FloatArray,
+    node_xy: FloatArray,
+    xy: FloatArray,
+    item_node: NDArray[np.int32],
+    later_s: FloatArray,
+    now_s: float,
+) -> tuple[int, int, int]:
+    """The nearest item in the hull's node, of those within reach beside it, and of all others.
+
+    Parameters
+    ----------
+    half : length of the hull [m]
+    pose : (3,); node_xy : (2,); xy : (item, 2); item_node, later_s : (item,)
+
+    Returns
+    -------
+    Their numbers, -1 for none
+    """
+    own, beside, other = -1, -1, -1
+    own_m = beside_m = other_m = np.inf
+    for k in range(item_node.size):
+        x, y = xy[k, 0], xy[k, 1]
+        if item_node[k] < 0 or math.isnan(x) or now_s < later_s[k]:
+            continue
+        away = math.hypot(x - pose[0], y - pose[1])
+        if _within(reach, node_xy, x, y):
+            if away < own_m:
+                own, own_m = k, away
+        elif _within_reach(reach, half, pose, node_xy, x, y):
+            if away < beside_m:
+                beside, beside_m = k, away
+        elif away < min(other_m, READY_M):
+            other, other_m = k, away
+    return own, beside, other
 
 
 @kernel
@@ -90,10 +177,11 @@ def seek(
     state: Transition,
     goal: Goal,
 ) -> None:
-    """The nearest item to each forager within the square of its target node.
+    """What each forager shall do: pick up, get ready, or look round.
 
-    A forager that has sought none in this period, though one lay in the node as the period began,
-    shall look round: the fleet told it of the node, but its own camera has not found the item.
+    It picks up the nearest item within the square of its target node, else the nearest beside it
+    that its bow reaches. With none it gets ready for the nearest other one. A forager that was told
+    to stay, and has seen no item at all in this period, looks round.
 
     Parameters
     ----------
@@ -101,11 +189,10 @@ def seek(
     pose : (episode, vessel, 3)
     xy : (episode, vessel, item, 2) where each vessel takes items to be, NaN if it knows none [m]
     now_s : (episode,) [s]
-    state : `pickup` is written
+    state : `pickup` is written: how picking up in the target node goes
     goal : written
     """
-    out, look, node, node_xy = goal.xy, goal.look, sent.node, sent.xy
-    out[:], look[:] = np.nan, False
+    goal.xy[:], goal.next[:], goal.look[:] = np.nan, np.nan, False
     item_node, pickup = state.item_node, state.pickup
     for e in range(active.size):
         if not active[e]:
@@ -113,32 +200,31 @@ def seek(
         for v in range(reach.collects.size):
             if not reach.collects[v] or room_left[e, v] <= 0:
                 continue
-            x, y, half = pose[e, v, 0], pose[e, v, 1], reach.size[v, 0]
-            c, s = math.cos(pose[e, v, 2]), math.sin(pose[e, v, 2])
-            bow_x, bow_y, sought = x + half * c, y + half * s, attempts.item[e, v]
+            half, places, node_xy = reach.size[v, 0], xy[e, v], sent.node_xy[e, v]
+            bow_x = pose[e, v, 0] + half * math.cos(pose[e, v, 2])
+            bow_y = pose[e, v, 1] + half * math.sin(pose[e, v, 2])
+            sought = attempts.item[e, v]
             if sought >= 0 and item_node[e, sought] >= 0:
-                away = math.hypot(xy[e, v, sought, 0] - bow_x, xy[e, v, sought, 1] - bow_y)
-                _note_attempt(attempts, e, v, away, now_s[e], pickup)
-            least, best, unseen = np.inf, -1, False
-            for k in range(item_node.shape[1]):
-                at_x, at_y = xy[e, v, k, 0], xy[e, v, k, 1]
-                off = max(abs(at_x - node_xy[e, v, 0]), abs(at_y - node_xy[e, v, 1]))
-                inside = off <= 0.5 * reach.pitch_m
-                unseen = unseen or (item_node[e, k] == node[e, v] and math.isnan(at_x))
-                if item_node[e, k] < 0 or not inside or now_s[e] < attempts.later_s[e, v, k]:
-                    continue
-                away = math.hypot(at_x - x, at_y - y)
-                if away < least:
-                    least, best = away, k
+                x, y = places[sought]
+                away, mine = math.hypot(x - bow_x, y - bow_y), _within(reach, node_xy, x, y)
+                _note_attempt(attempts, e, v, away, now_s[e], mine, pickup)
+            later_s = attempts.later_s[e, v]
+            own, beside, other = _choose(
+                reach, half, pose[e, v], node_xy, places, item_node[e], later_s, now_s[e]
+            )
+            best = own if own >= 0 else beside
             if best != sought:
                 attempts.item[e, v], attempts.near[e, v] = best, False
-            look[e, v] = best < 0 and unseen and pickup[e, v] == IDLE
             if best >= 0:
-                bow_off = math.hypot(xy[e, v, best, 0] - bow_x, xy[e, v, best, 1] - bow_y)
-                attempts.near[e, v] |= bow_off < NEAR_M
-                out[e, v, 0], out[e, v, 1] = xy[e, v, best, 0], xy[e, v, best, 1]
-                if pickup[e, v] == IDLE:
-                    pickup[e, v] = MISSED
+                x, y = places[best]
+                attempts.near[e, v] |= math.hypot(x - bow_x, y - bow_y) < NEAR_M
+                goal.xy[e, v, 0], goal.xy[e, v, 1] = x, y
+            elif other >= 0:
+                goal.next[e, v, 0], goal.next[e, v, 1] = places[other]
+            else:
+                goal.look[e, v] = sent.stay[e, v] and pickup[e, v] == IDLE
+            if own >= 0 and pickup[e, v] == IDLE:
+                pickup[e, v] = MISSED
 
 
 @kernel

@@ -38,6 +38,7 @@ class Watched:
             room_left=np.zeros(nodes.shape, np.int64),
             taken=np.zeros(nodes.shape, np.int64),
             pickup=np.zeros(nodes.shape, np.int8),
+            agent_yaw=np.zeros(nodes.shape),
         )
         self.knowledge = Knowledge.of_starts(looks, len(GRAPH))
         lookout = Lookout(TASK, detection, keys, ledger.entries, self.knowledge)
@@ -102,6 +103,7 @@ def test_a_look_of_both_teams_is_credited_to_the_scout_whatever_the_order_of_the
             room_left=np.zeros(at.shape, np.int64),
             taken=np.zeros(at.shape, np.int64),
             pickup=np.zeros(at.shape, np.int8),
+            agent_yaw=np.zeros(at.shape),
         )
         knowledge = Knowledge.of_starts(looks, len(GRAPH))
         lookout = Lookout(task, 1.0, KEYS[:1], ledger.entries, knowledge)
