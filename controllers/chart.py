@@ -65,6 +65,13 @@ def headland(land: LandArray, i: int, j: int) -> bool:
 
 
 @kernel
+def way_to_cell(pitch: float, x: float, y: float, i: int, j: int) -> tuple[float, float]:
+    """Way from a point to the nearest of cell (i, j) [m]."""
+    dx = min(max(x, (i - 0.5) * pitch), (i + 0.5) * pitch) - x
+    return dx, min(max(y, (j - 0.5) * pitch), (j + 0.5) * pitch) - y
+
+
+@kernel
 def nearest_land(
     land: LandArray, pitch: float, x: float, y: float, reach: float
 ) -> tuple[float, float]:
@@ -77,8 +84,7 @@ def nearest_land(
             math.floor((y - reach) / pitch + 0.5), math.floor((y + reach) / pitch + 1.5)
         ):
             if is_cell_land(land, i, j):
-                dx = min(max(x, (i - 0.5) * pitch), (i + 0.5) * pitch) - x
-                dy = min(max(y, (j - 0.5) * pitch), (j + 0.5) * pitch) - y
+                dx, dy = way_to_cell(pitch, x, y, i, j)
                 if dx * dx + dy * dy < best:
                     best, best_x, best_y = dx * dx + dy * dy, dx, dy
     return best_x, best_y

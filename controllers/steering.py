@@ -8,6 +8,7 @@ from controllers.angles import clipped, wrapped
 from controllers.guidance import along_and_across
 from controllers.helm import PackedHelm
 from controllers.holding import hold_force, hold_windup
+from controllers.lee import turn_off
 from controllers.legs import REACTION_S, follow_leg, lay_leg
 from controllers.loops import (
     heading_moment,
@@ -26,6 +27,7 @@ AT_M = 0.3  # from its place: there
 PAST_M = 0.75  # beside the target when passing it: there
 LEAVE_M = 1.5  # from its place: no longer there
 SAFE_SHARE = 0.3  # of half the thrust, to turn a hull that brakes for something
+OFF_SHARE = 1.5  # of the thrust of one side astern, to turn a hull off a lee shore
 SLOW_MPS = 0.15  # a hull slower than this is not braking
 LOOK_RAD = 1.0  # by which the heading wanted is ahead of a hull that looks round
 ON_LINE = 0.1  # of what is left of the line between nodes: so near, follow it, else one of its own
@@ -138,10 +140,11 @@ def safe_force(s: VesselState, p: PackedHelm, speed: float, force: float) -> flo
     That is after the thrusters' lag and a tick, or with the brake that safe speeds count on.
     """
     reaction = p.lag_s + REACTION_S
+    along = math.cos(s.yaw) * s.drift_x + math.sin(s.yaw) * s.drift_y
     more = max((s.most_ahead - speed) / reaction, -p.brake_mps2)
     less = max((s.most_astern + speed) / reaction, -p.brake_mps2)
-    most = surge_drag(p, s.most_ahead) + p.mass_surge_kg * more
-    least = -surge_drag(p, s.most_astern) - p.mass_surge_kg * less
+    most = surge_drag(p, s.most_ahead - along) + p.mass_surge_kg * more
+    least = -surge_drag(p, s.most_astern + along) - p.mass_surge_kg * less
     return clipped(force, min(least, most), most)
 
 
@@ -151,7 +154,7 @@ def safe_moment(s: VesselState, p: PackedHelm, moment: float) -> float:
     stiff, munk = p.inertia_yaw_kgm2 / (p.lag_s + REACTION_S), munk_moment(s, p)
     most = yaw_drag(p, s.most_port) + stiff * (s.most_port - s.rate) + munk
     least = -yaw_drag(p, s.most_starboard) - stiff * (s.most_starboard + s.rate) + munk
-    return clipped(moment, least, most)
+    return clipped(moment, least - s.load_starboard, most + s.load_port)
 
 
 @kernel
@@ -177,11 +180,15 @@ def push(
     to_port = wrapped(heading - s.heading_ref) > 0.0
     most_rate = min(p.yaw_rate_radps, s.most_port if to_port else s.most_starboard)
     moment = heading_moment(s, p, heading, most_rate, step_s)
+    moment += s.load_port if to_port else -s.load_starboard
     fast = too_fast(s, now)
     given = braking_moment(p, SAFE_SHARE if fast else 1.0, limited, now, moment)
     given = safe_moment(s, p, given)
     if fast:
         given = braking_moment(p, 1.0, limited, now, given)
+    if s.leans == 0.0 and (s.lee_x != 0.0 or s.lee_y != 0.0):
+        most = -OFF_SHARE * p.thrust_low * p.lever_m
+        given = clipped(given, -most, most)
     port, starboard = allocate(p, limited, given)
     heading_windup(s, p, moment, (starboard - port) * p.lever_m, step_s)
     return port, starboard
@@ -193,6 +200,7 @@ def drive(
 ) -> tuple[float, float]:
     """Commands towards a heading [rad] at a signed speed [m/s]."""
     now = surge_speed(s)
+    heading, speed = turn_off(s, p, heading, speed)
     wanted = clipped(speed, -s.most_astern, s.most_ahead)
     if too_fast(s, now):
         s.speed_ref = wanted  # braking for something does not wait for the reference
@@ -208,6 +216,7 @@ def keep(s: VesselState, p: PackedHelm, x: float, y: float, step_s: float) -> tu
     heading, surge, ahead = hold_force(s, p, x, y)
     if s.looks != 0.0:
         s.wanted, heading = s.yaw, s.yaw + LOOK_RAD
+    heading, _ = turn_off(s, p, heading, 0.0)
     port, starboard = push(s, p, heading, surge, step_s)
     hold_windup(s, p, ahead, surge, port + starboard, step_s)
     return commands(s, p, port, starboard, step_s)

@@ -20,7 +20,29 @@ TOUCH_QUAY_MPS, TOUCH_HULL_MPS = 0.18, 0.1  # of a touch; another hull may have 
 HULL_SHARE = 0.6  # of the brake that is counted on before other hulls, which move
 INSET_M = 0.05  # of the points, so that one that touches is not yet inside
 BLUR_M = 0.02  # by which a gap may be smaller than it is measured
+LEANING_M = 0.02  # a gap below which a hull leans on what is there
 HEADED = 0.2  # share of the speed ahead that must go towards a point to be limited for it
+
+
+@kernel
+def pressing(s: VesselState, p: PackedHelm) -> float:
+    """Force to port [N] with which the water that passes a hull aside takes it along."""
+    c, t = math.cos(s.yaw), math.sin(s.yaw)
+    flow = c * (s.drift_y - s.vy) - t * (s.drift_x - s.vx)
+    return float((p.linear_sway + p.quadratic_sway * abs(flow)) * flow)
+
+
+@kernel
+def lean(s: VesselState, p: PackedHelm, force: float, lever: float) -> None:
+    """Note that a hull leans with one of its points, pressed by a force [N], at a lever [m].
+
+    To turn off from there it must lift the rest of itself around that point.
+    """
+    s.leans = 1.0
+    if lever > 0.0:
+        s.load_port = max(s.load_port, force * lever)
+    else:
+        s.load_starboard = max(s.load_starboard, -force * lever)
 
 
 @kernel
@@ -41,14 +63,16 @@ def heed(
     nx, ny, gap = dx / far, dy / far, far - INSET_M - BLUR_M
     c, t = math.cos(s.yaw), math.sin(s.yaw)
     ahead, turning = nx * c + ny * t, ny * x - nx * y
+    if gap < LEANING_M - BLUR_M:
+        lean(s, p, (ny * c - nx * t) * pressing(s, p), turning)
     aside = max((ny * c - nx * t) * (c * s.vy - t * s.vx), 0.0)
     reaction = p.lag_s + 2.0 * REACTION_S  # a tick more, for the gap is that of before
     if quay:
         most = striking_speed(gap, p.brake_mps2, reaction, TOUCH_QUAY_MPS)
     else:
         most = striking_speed(0.5 * gap, HULL_SHARE * p.brake_mps2, reaction, TOUCH_HULL_MPS)
-    going = max(ahead * (c * s.vx + t * s.vy), 0.0)
-    rate = max(most - aside - going, 0.0) / max(abs(turning), 1e-3)
+    going = max(aside + ahead * (c * s.vx + t * s.vy), 0.0)
+    rate = max(most - going, 0.0) / max(abs(turning), 1e-3)
     if turning > 0.0:
         s.most_port = min(s.most_port, rate)
     else:

@@ -1,0 +1,132 @@
+"""Lee shores: quays that a drift carries a hull to, which can thrust ahead and astern, not aside.
+
+A hull keeps off by its speed along itself: in the direction n of a quay it closes at
+u (n . h) + n . (D - (D . h) h), of its speed u ahead over ground, its heading h and its drift D.
+That shall be no faster than the gap in a while, long enough to turn through broadside, where no
+thrust helps; limits may so be below 0.
+"""
+
+import math
+
+from controllers._compiled import kernel
+from controllers.angles import clipped, wrapped
+from controllers.chart import LandArray, is_cell_land, quay_gap, way_to_cell
+from controllers.helm import PackedHelm
+from controllers.state import VesselState
+
+LEAST_DRIFT_MPS = 0.1  # from which quays to leeward are heeded
+LEAST_CLOSING_MPS = 0.05  # of the drift, towards such a quay
+LEE_S = 4.0  # in which the gap may be used up
+OFF_M = 0.3  # of the gap that is kept
+HEADED = 0.3  # share of the speed ahead that must go towards a quay or from it, to help
+PIVOT = 0.7  # share towards it at which a hull that turned around its bow goes astern
+SLANTED_RAD = 0.5  # from square on, of a hull that makes room
+TURN_S = 1.6  # to begin a turn, and to be as far as `HEADED`
+OFF_MPS = 0.3  # at which room is made
+
+STRONG_DRIFT_MPS = 0.2  # a drift from which a hull keeps off the quay to leeward of its place
+LEE_M = 2.0  # a quay nearer than this to leeward of a place counts
+MOST_UP_M = 0.5  # how far it then lies up the drift
+
+
+@kernel
+def extent(p: PackedHelm, ahead: float) -> float:
+    """Half the width of a hull in a direction that has a share `ahead` along it [m]."""
+    across = math.sqrt(max(1.0 - ahead * ahead, 0.0))
+    return float(0.5 * (p.length_m * abs(ahead) + p.beam_m * across))
+
+
+@kernel
+def keep_off(s: VesselState, p: PackedHelm, dx: float, dy: float) -> float:
+    """Limit a hull for the sake of land at (dx, dy) from midships [m]; for how long it is off.
+
+    That is until its drift has brought it there [s].
+    """
+    far = math.sqrt(dx * dx + dy * dy)
+    nx, ny = dx / max(far, 1e-6), dy / max(far, 1e-6)
+    closing = nx * s.drift_x + ny * s.drift_y
+    if closing < LEAST_CLOSING_MPS:
+        return LEE_S
+    c, t = math.cos(s.yaw), math.sin(s.yaw)
+    ahead = nx * c + ny * t
+    gap = far - extent(p, ahead) - OFF_M
+    if abs(ahead) > (PIVOT if s.leans != 0.0 and ahead > 0.0 else HEADED):
+        aside = closing - ahead * (c * s.drift_x + t * s.drift_y)
+        most = (gap / LEE_S - aside) / abs(ahead)
+        if ahead > 0.0:
+            s.most_ahead = min(s.most_ahead, max(most, -p.cruise_astern_mps))
+        else:
+            s.most_astern = min(s.most_astern, max(most, -p.cruise_ahead_mps))
+    return gap / closing
+
+
+@kernel
+def heed_lee(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> None:
+    """Limit a hull for the sake of quays that its drift carries it to, and note the nearest."""
+    s.lee_x = s.lee_y = 0.0
+    drift = math.sqrt(s.drift_x**2 + s.drift_y**2)
+    if land.size == 0 or drift < LEAST_DRIFT_MPS:
+        return
+    reach = 0.5 * math.sqrt(p.length_m**2 + p.beam_m**2) + OFF_M + LEE_S * drift
+    low_j, high_j = math.floor((s.y - reach) / pitch + 0.5), math.floor((s.y + reach) / pitch + 1.5)
+    soonest = LEE_S
+    for i in range(math.floor((s.x - reach) / pitch + 0.5), math.floor((s.x + reach) / pitch + 1.5)):
+        for j in range(low_j, high_j):
+            if not is_cell_land(land, i, j):
+                continue
+            dx, dy = way_to_cell(pitch, s.x, s.y, i, j)
+            if dx != 0.0 and dy != 0.0:  # only a corner that juts out is nearer than its sides
+                before_i, before_j = i - (1 if dx > 0.0 else -1), j - (1 if dy > 0.0 else -1)
+                if is_cell_land(land, before_i, j) or is_cell_land(land, i, before_j):
+                    continue
+            off_s = keep_off(s, p, dx, dy)
+            if off_s < soonest:
+                soonest, s.lee_x, s.lee_y = off_s, dx, dy
+
+
+@kernel
+def turn_off(
+    s: VesselState, p: PackedHelm, heading: float, speed: float
+) -> tuple[float, float]:
+    """Heading [rad] and speed [m/s] wanted, or others that a quay to leeward asks for.
+
+    A hull that the drift has laid alongside turns its
+    stern off: going ahead around the bow, all of thrust, friction and Munk moment help. Before it
+    turns through broadside, a hull makes the room that it then drifts.
+    """
+    far = math.sqrt(s.lee_x**2 + s.lee_y**2)
+    if far == 0.0:
+        return heading, speed
+    c, t = math.cos(s.yaw), math.sin(s.yaw)
+    ahead, square = (c * s.lee_x + t * s.lee_y) / far, math.atan2(s.lee_y, s.lee_x)
+    if s.leans != 0.0 and -HEADED < ahead < PIVOT:
+        return square, speed
+    if abs(ahead) < HEADED or math.cos(heading - square) * ahead > HEADED * abs(ahead):
+        return heading, speed
+    closing = (s.lee_x * s.drift_x + s.lee_y * s.drift_y) / far
+    across = (c * s.lee_y - t * s.lee_x) / far
+    turning = math.copysign(1.0, -ahead) * across * s.rate / p.yaw_rate_radps
+    begun = clipped(2.0 * turning, 0.0, 1.0)
+    turn_s = 2.0 * HEADED / p.yaw_rate_radps + TURN_S * (1.0 - begun)
+    room = far - extent(p, HEADED) - turn_s * closing
+    aside = closing - ahead * (c * s.drift_x + t * s.drift_y)
+    made = -aside / ahead
+    if room < 0.0:
+        made -= OFF_MPS / ahead
+        square += 0.0 if ahead > 0.0 else math.pi
+        heading = square + clipped(wrapped(heading - square), -SLANTED_RAD, SLANTED_RAD)
+    return heading, made
+
+
+@kernel
+def windward_room(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> float:
+    """How far up the drift of its place the hull should lie [m], for there is a quay to leeward."""
+    drift = math.sqrt(s.drift_x**2 + s.drift_y**2)
+    if drift < STRONG_DRIFT_MPS:
+        return 0.0
+    c, t = s.drift_x / drift, s.drift_y / drift
+    wide = 0.5 * p.length_m
+    to_lee = quay_gap(land, pitch, s.place_x, s.place_y, c, t, wide, wide, LEE_M)
+    x, y = s.place_x - MOST_UP_M * c, s.place_y - MOST_UP_M * t
+    moved = quay_gap(land, pitch, x, y, c, t, wide, wide, LEE_M)
+    return MOST_UP_M if moved > to_lee + 0.5 * MOST_UP_M else 0.0
