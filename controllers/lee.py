@@ -10,15 +10,18 @@ import math
 
 from controllers._compiled import kernel
 from controllers.angles import clipped, wrapped
-from controllers.chart import LandArray, is_cell_land, quay_gap, way_to_cell
+from controllers.chart import LandArray, is_cell_land, is_nearer, quay_gap, way_to_cell
+from controllers.free_way import picks_at_quay
 from controllers.helm import PackedHelm
 from controllers.state import VesselState
+from controllers.touching import nearest_of
 
 LEAST_DRIFT_MPS = 0.1  # from which quays to leeward are heeded
 LEAST_CLOSING_MPS = 0.05  # of the drift, towards such a quay
 LEE_S = 4.0  # in which the gap may be used up
 OFF_M = 0.3  # of the gap that is kept
 HEADED = 0.3  # share of the speed ahead that must go towards a quay or from it, to help
+STEEP = 0.36  # such a share at which a hull that wants to stay at it does not pass broadside
 PIVOT = 0.7  # share towards it at which a hull that turned around its bow goes astern
 SLANTED_RAD = 0.5  # from square on, of a hull that makes room
 TURN_S = 1.6  # to begin a turn, and to be as far as `HEADED`
@@ -37,14 +40,18 @@ def extent(p: PackedHelm, ahead: float) -> float:
 
 
 @kernel
-def keep_off(s: VesselState, p: PackedHelm, dx: float, dy: float) -> float:
-    """Limit a hull for the sake of land at (dx, dy) from midships [m]; for how long it is off.
+def keep_off(
+    s: VesselState, p: PackedHelm, dx: float, dy: float, vx: float, vy: float
+) -> float:
+    """Limit a hull for the sake of what is at (dx, dy) from midships [m], moving at (vx, vy) [m/s].
 
-    That is until its drift has brought it there [s].
+    Returns
+    -------
+    time until its drift has brought it there [s], at most `LEE_S`
     """
     far = math.sqrt(dx * dx + dy * dy)
     nx, ny = dx / max(far, 1e-6), dy / max(far, 1e-6)
-    closing = nx * s.drift_x + ny * s.drift_y
+    closing = nx * (s.drift_x - vx) + ny * (s.drift_y - vy)
     if closing < LEAST_CLOSING_MPS:
         return LEE_S
     c, t = math.cos(s.yaw), math.sin(s.yaw)
@@ -62,26 +69,37 @@ def keep_off(s: VesselState, p: PackedHelm, dx: float, dy: float) -> float:
 
 @kernel
 def heed_lee(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> None:
-    """Limit a hull for the sake of quays that its drift carries it to, and note the nearest."""
-    s.lee_x = s.lee_y = 0.0
+    """Limit a hull for the sake of quays that its drift carries it to, and note the nearest.
+
+    The quay at which it picks up an item does not count.
+    """
     drift = math.sqrt(s.drift_x**2 + s.drift_y**2)
     if land.size == 0 or drift < LEAST_DRIFT_MPS:
         return
     reach = 0.5 * math.sqrt(p.length_m**2 + p.beam_m**2) + OFF_M + LEE_S * drift
     low_j, high_j = math.floor((s.y - reach) / pitch + 0.5), math.floor((s.y + reach) / pitch + 1.5)
-    soonest = LEE_S
+    soonest, picks = LEE_S, picks_at_quay(s, p)
     for i in range(math.floor((s.x - reach) / pitch + 0.5), math.floor((s.x + reach) / pitch + 1.5)):
         for j in range(low_j, high_j):
             if not is_cell_land(land, i, j):
                 continue
             dx, dy = way_to_cell(pitch, s.x, s.y, i, j)
-            if dx != 0.0 and dy != 0.0:  # only a corner that juts out is nearer than its sides
-                before_i, before_j = i - (1 if dx > 0.0 else -1), j - (1 if dy > 0.0 else -1)
-                if is_cell_land(land, before_i, j) or is_cell_land(land, i, before_j):
-                    continue
-            off_s = keep_off(s, p, dx, dy)
-            if off_s < soonest:
-                soonest, s.lee_x, s.lee_y = off_s, dx, dy
+            of_item = picks and (dx * s.quay_x > abs(dy) or dy * s.quay_y > abs(dx))
+            if is_nearer(land, i, j, dx, dy) and not of_item:
+                off_s = keep_off(s, p, dx, dy, 0.0, 0.0)
+                if off_s < soonest:
+                    soonest, s.lee_x, s.lee_y = off_s, dx, dy
+
+
+@kernel
+def heed_lee_hull(s: VesselState, p: PackedHelm, other: VesselState, helm: PackedHelm) -> None:
+    """Limit a hull for the sake of another that its drift carries it to."""
+    if s.drift_x**2 + s.drift_y**2 < LEAST_DRIFT_MPS**2:
+        return
+    co, to = math.cos(other.yaw), math.sin(other.yaw)
+    dx, dy = other.x - s.x, other.y - s.y
+    x, y = nearest_of(helm.length_m, helm.beam_m, co, to, -dx, -dy)
+    keep_off(s, p, dx + x, dy + y, other.vx, other.vy)
 
 
 @kernel
@@ -101,7 +119,7 @@ def turn_off(
     ahead, square = (c * s.lee_x + t * s.lee_y) / far, math.atan2(s.lee_y, s.lee_x)
     if s.leans != 0.0 and -HEADED < ahead < PIVOT:
         return square, speed
-    if abs(ahead) < HEADED or math.cos(heading - square) * ahead > HEADED * abs(ahead):
+    if abs(ahead) < HEADED or math.cos(heading - square) * ahead > STEEP * abs(ahead):
         return heading, speed
     closing = (s.lee_x * s.drift_x + s.lee_y * s.drift_y) / far
     across = (c * s.lee_y - t * s.lee_x) / far

@@ -13,12 +13,11 @@ from controllers.free_way import (
     clearance,
     free_way,
     gap_to,
-    picks_at_quay,
     turn_to_come,
 )
 from controllers.guidance import stopping_distance, stopping_speed
 from controllers.helm import HelmArray, PackedHelm
-from controllers.lee import heed_lee, windward_room
+from controllers.lee import heed_lee, heed_lee_hull, windward_room
 from controllers.legs import REACTION_S
 from controllers.state import HOLD, FleetArray, VesselState
 from controllers.touching import HULL_SHARE, NEAR_M, heed_hull, heed_land
@@ -105,8 +104,7 @@ def limit_speeds(
     reach = stopping_distance(cruise, p.brake_mps2, p.lag_s + REACTION_S) + p.clearance_m
     if limit_going(state, helms, land, pitch, i, QUAYS, reach) < NEAR_M:
         heed_land(s, p, land, pitch)
-    if not picks_at_quay(s, p):
-        heed_lee(s, p, land, pitch)
+    heed_lee(s, p, land, pitch)
     s.up = windward_room(s, p, land, pitch) if s.mode == HOLD else 0.0
     far = reach + LONGEST_PATH_M + 0.5 * p.length_m
     for j in range(state.shape[0]):
@@ -115,4 +113,5 @@ def limit_speeds(
             continue
         if limit_going(state, helms, land, pitch, i, j, reach) < NEAR_M:
             heed_hull(s, p, state[j], helms[j])
+        heed_lee_hull(s, p, state[j], helms[j])
     settle(s)

@@ -28,6 +28,7 @@ PAST_M = 0.75  # beside the target when passing it: there
 LEAVE_M = 1.5  # from its place: no longer there
 SAFE_SHARE = 0.3  # of half the thrust, to turn a hull that brakes for something
 OFF_SHARE = 1.5  # of the thrust of one side astern, to turn a hull off a lee shore
+FOLLOWS_MPS = 0.05  # above a limit, from which a hull brakes as fast as it falls
 SLOW_MPS = 0.15  # a hull slower than this is not braking
 LOOK_RAD = 1.0  # by which the heading wanted is ahead of a hull that looks round
 ON_LINE = 0.1  # of what is left of the line between nodes: so near, follow it, else one of its own
@@ -134,15 +135,28 @@ def too_fast(s: VesselState, speed: float) -> bool:
 
 
 @kernel
+def most_gain(p: PackedHelm, speed: float, most: float) -> float:
+    """Most acceleration [m/s2] of a hull at a speed that may be `most` [m/s].
+
+    Whoever is faster brakes, and as fast as the limit falls besides: where it is that from which a
+    hull can stop, v_max, by a v / (v_max + a t_r) of the brake a and the reaction time t_r.
+    """
+    reaction = p.lag_s + REACTION_S
+    gain = (most - speed) / reaction
+    if speed > max(most, 0.0):
+        falls = p.brake_mps2 * speed / (max(most, 0.0) + p.brake_mps2 * reaction)
+        gain -= min((speed - most) / FOLLOWS_MPS, 1.0) * falls
+    return max(gain, -p.brake_mps2)
+
+
+@kernel
 def safe_force(s: VesselState, p: PackedHelm, speed: float, force: float) -> float:
     """The part of a surge force [N] that keeps to the safe speeds, or what brings the hull to them.
 
     That is after the thrusters' lag and a tick, or with the brake that safe speeds count on.
     """
-    reaction = p.lag_s + REACTION_S
     along = math.cos(s.yaw) * s.drift_x + math.sin(s.yaw) * s.drift_y
-    more = max((s.most_ahead - speed) / reaction, -p.brake_mps2)
-    less = max((s.most_astern + speed) / reaction, -p.brake_mps2)
+    more, less = most_gain(p, speed, s.most_ahead), most_gain(p, -speed, s.most_astern)
     most = surge_drag(p, s.most_ahead - along) + p.mass_surge_kg * more
     least = -surge_drag(p, s.most_astern + along) - p.mass_surge_kg * less
     return clipped(force, min(least, most), most)
