@@ -17,7 +17,7 @@ from controllers.state import VesselState
 from controllers.touching import nearest_of
 
 LEAST_DRIFT_MPS = 0.1  # from which quays to leeward are heeded
-LEAST_CLOSING_MPS = 0.05  # of the drift, towards such a quay
+LEAST_CLOSING_MPS = 0.1  # of the drift, towards such a quay
 LEE_S = 4.0  # in which the gap may be used up
 OFF_M = 0.3  # of the gap that is kept
 HEADED = 0.3  # share of the speed ahead that must go towards a quay or from it, to help
@@ -26,10 +26,13 @@ PIVOT = 0.7  # share towards it at which a hull that turned around its bow goes 
 SLANTED_RAD = 0.5  # from square on, of a hull that makes room
 TURN_S = 1.6  # to begin a turn, and to be as far as `HEADED`
 OFF_MPS = 0.3  # at which room is made
+SLIP_MPS = 0.05  # by which a hull that is nearly broadside may close faster than it drifts
+SOON_S = 2.0  # before it is there, such a hull turns bow or stern off
 
 STRONG_DRIFT_MPS = 0.2  # a drift from which a hull keeps off the quay to leeward of its place
 LEE_M = 2.0  # a quay nearer than this to leeward of a place counts
 MOST_UP_M = 0.5  # how far it then lies up the drift
+UNLIMITED = 1e3  # a limit [m/s] that no hull reaches
 
 
 @kernel
@@ -47,24 +50,27 @@ def keep_off(
 
     Returns
     -------
-    time until its drift has brought it there [s], at most `LEE_S`
+    what is left of the gap after `LEE_S` of drifting [m], at most 0
     """
     far = math.sqrt(dx * dx + dy * dy)
     nx, ny = dx / max(far, 1e-6), dy / max(far, 1e-6)
     closing = nx * (s.drift_x - vx) + ny * (s.drift_y - vy)
     if closing < LEAST_CLOSING_MPS:
-        return LEE_S
+        return 0.0
     c, t = math.cos(s.yaw), math.sin(s.yaw)
     ahead = nx * c + ny * t
     gap = far - extent(p, ahead) - OFF_M
-    if abs(ahead) > (PIVOT if s.leans != 0.0 and ahead > 0.0 else HEADED):
-        aside = closing - ahead * (c * s.drift_x + t * s.drift_y)
-        most = (gap / LEE_S - aside) / abs(ahead)
-        if ahead > 0.0:
-            s.most_ahead = min(s.most_ahead, max(most, -p.cruise_astern_mps))
-        else:
-            s.most_astern = min(s.most_astern, max(most, -p.cruise_ahead_mps))
-    return gap / closing
+    aside = closing - ahead * (c * s.drift_x + t * s.drift_y)
+    most = (gap / LEE_S - aside) / max(abs(ahead), 1e-6)
+    if abs(ahead) < HEADED:
+        most = max(most, SLIP_MPS / max(abs(ahead), 1e-6))
+    if s.leans != 0.0 and 0.0 < ahead < PIVOT:
+        most = UNLIMITED
+    if ahead > 0.0:
+        s.most_ahead = min(s.most_ahead, max(most, -p.cruise_astern_mps))
+    else:
+        s.most_astern = min(s.most_astern, max(most, -p.cruise_ahead_mps))
+    return min(gap - LEE_S * closing, 0.0)
 
 
 @kernel
@@ -78,7 +84,7 @@ def heed_lee(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> No
         return
     reach = 0.5 * math.sqrt(p.length_m**2 + p.beam_m**2) + OFF_M + LEE_S * drift
     low_j, high_j = math.floor((s.y - reach) / pitch + 0.5), math.floor((s.y + reach) / pitch + 1.5)
-    soonest, picks = LEE_S, picks_at_quay(s, p)
+    least, picks = 0.0, picks_at_quay(s, p)
     for i in range(math.floor((s.x - reach) / pitch + 0.5), math.floor((s.x + reach) / pitch + 1.5)):
         for j in range(low_j, high_j):
             if not is_cell_land(land, i, j):
@@ -86,9 +92,9 @@ def heed_lee(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> No
             dx, dy = way_to_cell(pitch, s.x, s.y, i, j)
             of_item = picks and (dx * s.quay_x > abs(dy) or dy * s.quay_y > abs(dx))
             if is_nearer(land, i, j, dx, dy) and not of_item:
-                off_s = keep_off(s, p, dx, dy, 0.0, 0.0)
-                if off_s < soonest:
-                    soonest, s.lee_x, s.lee_y = off_s, dx, dy
+                left = keep_off(s, p, dx, dy, 0.0, 0.0)
+                if left < least:
+                    least, s.lee_x, s.lee_y = left, dx, dy
 
 
 @kernel
@@ -119,12 +125,17 @@ def turn_off(
     ahead, square = (c * s.lee_x + t * s.lee_y) / far, math.atan2(s.lee_y, s.lee_x)
     if s.leans != 0.0 and -HEADED < ahead < PIVOT:
         return square, speed
-    if abs(ahead) < HEADED or math.cos(heading - square) * ahead > STEEP * abs(ahead):
-        return heading, speed
-    closing = (s.lee_x * s.drift_x + s.lee_y * s.drift_y) / far
     across = (c * s.lee_y - t * s.lee_x) / far
     turning = math.copysign(1.0, -ahead) * across * s.rate / p.yaw_rate_radps
     begun = clipped(2.0 * turning, 0.0, 1.0)
+    if abs(ahead) < HEADED:
+        soon = (s.lee_x * s.vx + s.lee_y * s.vy) * SOON_S > far * (far - extent(p, HEADED))
+        if soon and begun < 1.0:
+            return square + (0.0 if ahead > 0.0 else math.pi), speed
+        return heading, speed
+    if math.cos(heading - square) * ahead > STEEP * abs(ahead):
+        return heading, speed
+    closing = (s.lee_x * s.drift_x + s.lee_y * s.drift_y) / far
     turn_s = 2.0 * HEADED / p.yaw_rate_radps + TURN_S * (1.0 - begun)
     room = far - extent(p, HEADED) - turn_s * closing
     aside = closing - ahead * (c * s.drift_x + t * s.drift_y)

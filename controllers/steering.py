@@ -28,7 +28,7 @@ PAST_M = 0.75  # beside the target when passing it: there
 LEAVE_M = 1.5  # from its place: no longer there
 SAFE_SHARE = 0.3  # of half the thrust, to turn a hull that brakes for something
 OFF_SHARE = 1.5  # of the thrust of one side astern, to turn a hull off a lee shore
-FOLLOWS_MPS = 0.05  # above a limit, from which a hull brakes as fast as it falls
+FOLLOWS_MPS, FOLLOWS_RADPS = 0.05, 0.05  # above limits: from there as fast as they fall
 SLOW_MPS = 0.15  # a hull slower than this is not braking
 LOOK_RAD = 1.0  # by which the heading wanted is ahead of a hull that looks round
 ON_LINE = 0.1  # of what is left of the line between nodes: so near, follow it, else one of its own
@@ -163,11 +163,24 @@ def safe_force(s: VesselState, p: PackedHelm, speed: float, force: float) -> flo
 
 
 @kernel
+def most_spin(p: PackedHelm, rate: float, most: float) -> float:
+    """Most acceleration [rad/s2] of a turn whose rate may be `most` [rad/s], as `most_gain`."""
+    reaction = p.lag_s + REACTION_S
+    gain = (most - rate) / reaction
+    if rate > most:
+        brake = p.yaw_acceleration_radps2
+        falls = brake * rate / (most + brake * reaction)
+        gain -= min((rate - most) / FOLLOWS_RADPS, 1.0) * falls
+    return float(gain)
+
+
+@kernel
 def safe_moment(s: VesselState, p: PackedHelm, moment: float) -> float:
     """The part of a moment [N m] that keeps to the safe rates of turn, or what brings it there."""
-    stiff, munk = p.inertia_yaw_kgm2 / (p.lag_s + REACTION_S), munk_moment(s, p)
-    most = yaw_drag(p, s.most_port) + stiff * (s.most_port - s.rate) + munk
-    least = -yaw_drag(p, s.most_starboard) - stiff * (s.most_starboard + s.rate) + munk
+    munk, inertia = munk_moment(s, p), p.inertia_yaw_kgm2
+    most = yaw_drag(p, s.most_port) + inertia * most_spin(p, s.rate, s.most_port) + munk
+    least = -yaw_drag(p, s.most_starboard) - inertia * most_spin(p, -s.rate, s.most_starboard)
+    least += munk
     return clipped(moment, least - s.load_starboard, most + s.load_port)
 
 
