@@ -77,7 +77,7 @@ def keep_off(
 def heed_lee(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> None:
     """Limit a hull for the sake of quays that its drift carries it to, and note the nearest.
 
-    The quay at which it picks up an item does not count.
+    The quay at which it picks up an item does not count while its bow is towards that.
     """
     drift = math.sqrt(s.drift_x**2 + s.drift_y**2)
     if land.size == 0 or drift < LEAST_DRIFT_MPS:
@@ -85,13 +85,15 @@ def heed_lee(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> No
     reach = 0.5 * math.sqrt(p.length_m**2 + p.beam_m**2) + OFF_M + LEE_S * drift
     low_j, high_j = math.floor((s.y - reach) / pitch + 0.5), math.floor((s.y + reach) / pitch + 1.5)
     least, picks = 0.0, picks_at_quay(s, p)
+    c, t = math.cos(s.yaw), math.sin(s.yaw)
     for i in range(math.floor((s.x - reach) / pitch + 0.5), math.floor((s.x + reach) / pitch + 1.5)):
         for j in range(low_j, high_j):
             if not is_cell_land(land, i, j):
                 continue
             dx, dy = way_to_cell(pitch, s.x, s.y, i, j)
             of_item = picks and (dx * s.quay_x > abs(dy) or dy * s.quay_y > abs(dx))
-            if is_nearer(land, i, j, dx, dy) and not of_item:
+            bow_on = c * dx + t * dy > HEADED * math.sqrt(dx * dx + dy * dy)
+            if is_nearer(land, i, j, dx, dy) and not (of_item and bow_on):
                 left = keep_off(s, p, dx, dy, 0.0, 0.0)
                 if left < least:
                     least, s.lee_x, s.lee_y = left, dx, dy
