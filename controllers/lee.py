@@ -43,9 +43,7 @@ def extent(p: PackedHelm, ahead: float) -> float:
 
 
 @kernel
-def keep_off(
-    s: VesselState, p: PackedHelm, dx: float, dy: float, vx: float, vy: float
-) -> float:
+def keep_off(s: VesselState, p: PackedHelm, dx: float, dy: float, vx: float, vy: float) -> float:
     """Limit a hull for the sake of what is at (dx, dy) from midships [m], moving at (vx, vy) [m/s].
 
     Returns
@@ -86,7 +84,9 @@ def heed_lee(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> No
     low_j, high_j = math.floor((s.y - reach) / pitch + 0.5), math.floor((s.y + reach) / pitch + 1.5)
     least, picks = 0.0, picks_at_quay(s, p)
     c, t = math.cos(s.yaw), math.sin(s.yaw)
-    for i in range(math.floor((s.x - reach) / pitch + 0.5), math.floor((s.x + reach) / pitch + 1.5)):
+    for i in range(
+        math.floor((s.x - reach) / pitch + 0.5), math.floor((s.x + reach) / pitch + 1.5)
+    ):
         for j in range(low_j, high_j):
             if not is_cell_land(land, i, j):
                 continue
@@ -111,42 +111,59 @@ def heed_lee_hull(s: VesselState, p: PackedHelm, other: VesselState, helm: Packe
 
 
 @kernel
-def turn_off(
-    s: VesselState, p: PackedHelm, heading: float, speed: float
+def make_room(
+    s: VesselState,
+    p: PackedHelm,
+    heading: float,
+    nx: float,
+    ny: float,
+    room: float,
+    begun: float,
 ) -> tuple[float, float]:
+    """Heading [rad] and speed [m/s] of a hull that wants to turn through broadside.
+
+    It stays where it is before a quay in the direction (nx, ny), or draws off from there.
+
+    Parameters
+    ----------
+    room : what it may drift until it is there again [m]
+    begun : share to which the turn is under way, 0 to 1
+    """
+    c, t = math.cos(s.yaw), math.sin(s.yaw)
+    ahead, closing = nx * c + ny * t, nx * s.drift_x + ny * s.drift_y
+    aside = closing - ahead * (c * s.drift_x + t * s.drift_y)
+    turn_s = 2.0 * HEADED / p.yaw_rate_radps + TURN_S * (1.0 - begun)
+    if room > turn_s * closing:
+        return heading, -aside / ahead
+    square = math.atan2(ny, nx) + (0.0 if ahead > 0.0 else math.pi)
+    off = clipped(wrapped(heading - square), -SLANTED_RAD, SLANTED_RAD)
+    return square + off, -(aside + OFF_MPS) / ahead
+
+
+@kernel
+def turn_off(s: VesselState, p: PackedHelm, heading: float, speed: float) -> tuple[float, float]:
     """Heading [rad] and speed [m/s] wanted, or others that a quay to leeward asks for.
 
-    A hull that the drift has laid alongside turns its
-    stern off: going ahead around the bow, all of thrust, friction and Munk moment help. Before it
-    turns through broadside, a hull makes the room that it then drifts.
+    A hull that lies alongside turns its stern off: pushing ahead with the bow for a pivot, all of
+    thrust, friction and Munk moment help. One that is nearly broadside, and soon there, turns bow
+    or stern off. Before it turns through broadside a hull makes room.
     """
     far = math.sqrt(s.lee_x**2 + s.lee_y**2)
     if far == 0.0:
         return heading, speed
-    c, t = math.cos(s.yaw), math.sin(s.yaw)
-    ahead, square = (c * s.lee_x + t * s.lee_y) / far, math.atan2(s.lee_y, s.lee_x)
+    nx, ny, c, t = s.lee_x / far, s.lee_y / far, math.cos(s.yaw), math.sin(s.yaw)
+    ahead, across, square = nx * c + ny * t, ny * c - nx * t, math.atan2(ny, nx)
     if s.leans != 0.0 and -HEADED < ahead < PIVOT:
         return square, speed
-    across = (c * s.lee_y - t * s.lee_x) / far
-    turning = math.copysign(1.0, -ahead) * across * s.rate / p.yaw_rate_radps
-    begun = clipped(2.0 * turning, 0.0, 1.0)
+    turning = -math.copysign(across, ahead * across) * s.rate / p.yaw_rate_radps
+    begun, room = clipped(2.0 * turning, 0.0, 1.0), far - extent(p, HEADED)
     if abs(ahead) < HEADED:
-        soon = (s.lee_x * s.vx + s.lee_y * s.vy) * SOON_S > far * (far - extent(p, HEADED))
-        if soon and begun < 1.0:
-            return square + (0.0 if ahead > 0.0 else math.pi), speed
-        return heading, speed
+        soon = SOON_S * (nx * s.vx + ny * s.vy) > room
+        off = square + (0.0 if ahead + math.cos(heading - square) > 0.0 else math.pi)
+        return (off if soon and begun < 1.0 else heading), speed
     if math.cos(heading - square) * ahead > STEEP * abs(ahead):
         return heading, speed
-    closing = (s.lee_x * s.drift_x + s.lee_y * s.drift_y) / far
-    turn_s = 2.0 * HEADED / p.yaw_rate_radps + TURN_S * (1.0 - begun)
-    room = far - extent(p, HEADED) - turn_s * closing
-    aside = closing - ahead * (c * s.drift_x + t * s.drift_y)
-    made = -aside / ahead
-    if room < 0.0:
-        made -= OFF_MPS / ahead
-        square += 0.0 if ahead > 0.0 else math.pi
-        heading = square + clipped(wrapped(heading - square), -SLANTED_RAD, SLANTED_RAD)
-    return heading, made
+    return make_room(s, p, heading, nx, ny, room, begun)
 
 
 @kernel

@@ -16,7 +16,7 @@ from controllers.free_way import (
     turn_to_come,
 )
 from controllers.guidance import stopping_distance, stopping_speed
-from controllers.helm import HelmArray, PackedHelm
+from controllers.helm import HelmArray
 from controllers.lee import heed_lee, heed_lee_hull, windward_room
 from controllers.legs import REACTION_S
 from controllers.state import HOLD, FleetArray, VesselState
