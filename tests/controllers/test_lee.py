@@ -20,6 +20,7 @@ from controllers.lee import (
     heed_lee_hull,
     turn_off,
 )
+from controllers.quayside import course_in
 from controllers.safety import settle
 from controllers.state import VesselState
 from graph_planner.navigation import navigation_graph
@@ -171,6 +172,17 @@ def test_the_quay_of_the_item_is_free_to_a_bow() -> None:
     s.item_x, s.item_y, s.quay_y = s.x, QUAY_Y + 0.1, -1.0
     heed_lee(s, P, BASIN, PITCH_M)
     assert s.most_ahead == FREE
+
+
+@pytest.mark.parametrize(("drift", "course"), [((0.0, 0.0), 0.0), ((0.05, -0.2), DOWN)])
+def test_into_a_corner_a_hull_comes_towards_the_quay_that_water_sets_onto(
+    drift: tuple[float, float], course: float
+) -> None:
+    """The south-eastern corner; without a drift as it heads and the item bears."""
+    s = hull(0.7, 0.0)
+    s.x, (s.drift_x, s.drift_y) = 18.0, drift
+    s.item_x, s.item_y, s.quay_x, s.quay_y = 25.8, QUAY_Y + 0.2, 1.0, -1.0
+    assert course_in(s, P, BASIN, PITCH_M) == pytest.approx(course)
 
 
 @pytest.mark.parametrize("drifts", [True, False])
