@@ -65,23 +65,23 @@ def headland(land: LandArray, i: int, j: int) -> bool:
 
 
 @kernel
-def nearest_land(
-    land: LandArray, pitch: float, x: float, y: float, reach: float
-) -> tuple[float, float]:
-    """Way to the nearest land [m]: 0 on land, infinite if there is none within `reach`."""
-    best, best_x, best_y = math.inf, math.inf, math.inf
-    if land.size == 0:
-        return best_x, best_y
-    for i in range(math.floor((x - reach) / pitch + 0.5), math.floor((x + reach) / pitch + 1.5)):
-        for j in range(
-            math.floor((y - reach) / pitch + 0.5), math.floor((y + reach) / pitch + 1.5)
-        ):
-            if is_cell_land(land, i, j):
-                dx = min(max(x, (i - 0.5) * pitch), (i + 0.5) * pitch) - x
-                dy = min(max(y, (j - 0.5) * pitch), (j + 0.5) * pitch) - y
-                if dx * dx + dy * dy < best:
-                    best, best_x, best_y = dx * dx + dy * dy, dx, dy
-    return best_x, best_y
+def way_to_cell(pitch: float, x: float, y: float, i: int, j: int) -> tuple[float, float]:
+    """Way from a point to the nearest of cell (i, j) [m]."""
+    dx = min(max(x, (i - 0.5) * pitch), (i + 0.5) * pitch) - x
+    return dx, min(max(y, (j - 0.5) * pitch), (j + 0.5) * pitch) - y
+
+
+@kernel
+def is_nearer(land: LandArray, i: int, j: int, dx: float, dy: float) -> bool:
+    """Whether a way (dx, dy) to land cell (i, j) is shorter than to its neighbours before it.
+
+    Of a straight quay that is one cell, of two quays in a corner one each; a corner that juts out
+    is nearer than its sides.
+    """
+    if dx == 0.0 or dy == 0.0:
+        return True
+    before_i, before_j = i - (1 if dx > 0.0 else -1), j - (1 if dy > 0.0 else -1)
+    return not (is_cell_land(land, before_i, j) or is_cell_land(land, i, before_j))
 
 
 @kernel

@@ -42,6 +42,10 @@ def learn_drift(s: VesselState, p: PackedHelm, step_s: float) -> None:
     """Move the modelled speeds through the water and the drift on by a step."""
     c, t = math.cos(s.yaw), math.sin(s.yaw)
     ahead, aside = c * s.vx + t * s.vy, c * s.vy - t * s.vx
+    if s.leans != 0.0:  # what it leans on holds it, by an unknown force
+        s.surge = ahead - c * s.drift_x - t * s.drift_y
+        s.sway = aside - c * s.drift_y + t * s.drift_x
+        return
     force = thrust_of(p, s.port) + thrust_of(p, s.starboard)
     s.surge = surge_after(p, s.surge, force, step_s)
     s.sway = sway_after(p, s.sway, s.surge, s.rate, step_s)

@@ -113,12 +113,18 @@ def clear_path(
 
 
 @kernel
+def picks_at_quay(s: VesselState, p: PackedHelm) -> bool:
+    """Whether an item to pick up lies beside a quay, near by."""
+    near = max(abs(s.item_x - s.x), abs(s.item_y - s.y)) < p.length_m + p.clearance_m
+    return bool(is_quayed(s) and near)
+
+
+@kernel
 def clearance(s: VesselState, p: PackedHelm, other: int) -> float:
     """What is kept free of another or of the quays [m]: less where an item lies at one, near by."""
-    if other != QUAYS or not is_quayed(s):
+    if other != QUAYS or not picks_at_quay(s, p):
         return p.clearance_m
-    near = max(abs(s.item_x - s.x), abs(s.item_y - s.y)) < p.length_m + p.clearance_m
-    return min(PICKING_M, p.clearance_m) if near else p.clearance_m
+    return min(PICKING_M, p.clearance_m)
 
 
 @kernel

@@ -85,6 +85,9 @@ def _command(
             state[e, v].clock += step_s
         if state[e, 0].mode != IDLE:
             _steer_fleet(fleets, e, step_s, commands)
+            continue
+        for v in range(helms.shape[0]):  # what it leans on is not to be taken for the water
+            limit_speeds(state[e], helms, fleets.land, fleets.pitch, v)
 
 
 class Pilot:

@@ -34,6 +34,8 @@ OFF_LINE_M = 0.3  # from its line when the bow is at the item: missed
 PAST_M = 0.3  # by which the bow has missed the item
 STILL_MPS, STILL_RADPS, STUCK_S = 0.08, 0.1, 1.5  # so slow for so long is stuck
 
+SET_MPS = 0.1  # a drift onto a quay from which a hull does not come in along it
+
 COMING, OFF = 0.0, 1.0  # ways of `VesselState.approach`
 
 
@@ -87,7 +89,8 @@ def note_quays(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> 
 def course_in(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> float:
     """Course [rad] into a corner: along the quay with water behind, to back off into.
 
-    Of two such the one nearer to how the hull heads and the item bears.
+    Of two such, towards the quay that a drift sets onto, for beside that it would be broadside;
+    without a drift the one nearer to how the hull heads and the item bears.
     """
     east, north = 0.5 * math.pi * (1.0 - s.quay_x), 0.5 * math.pi * s.quay_y
     room = p.length_m + STAND_OFF_M
@@ -96,8 +99,12 @@ def course_in(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> f
     bearing = math.atan2(s.item_y - s.y, s.item_x - s.x)
     to_east = abs(wrapped(east - s.yaw)) + abs(wrapped(east - bearing))
     to_north = abs(wrapped(north - s.yaw)) + abs(wrapped(north - bearing))
-    nearer = to_east <= to_north
-    by_east = nearer if east_shut == north_shut else north_shut
+    by_east = to_east <= to_north
+    set_east, set_north = s.drift_x * s.quay_x, s.drift_y * s.quay_y
+    if max(set_east, set_north) > SET_MPS:
+        by_east = set_east > set_north
+    if east_shut != north_shut:
+        by_east = north_shut
     return east if by_east else north
 
 

@@ -3,10 +3,8 @@
 They limit every command, whatever guidance and traffic want.
 """
 
-import math
-
 from controllers._compiled import kernel
-from controllers.chart import LandArray, quay_gap
+from controllers.chart import LandArray
 from controllers.free_way import (
     QUAYS,
     SLACK_M,
@@ -18,7 +16,8 @@ from controllers.free_way import (
     turn_to_come,
 )
 from controllers.guidance import stopping_distance, stopping_speed
-from controllers.helm import HelmArray, PackedHelm
+from controllers.helm import HelmArray
+from controllers.lee import heed_lee, heed_lee_hull, windward_room
 from controllers.legs import REACTION_S
 from controllers.state import HOLD, FleetArray, VesselState
 from controllers.touching import HULL_SHARE, NEAR_M, heed_hull, heed_land
@@ -27,9 +26,6 @@ AHEAD, TURNED = 0.0, 1.0  # hulls as they head now, and as they will when they t
 LEAST_TURN_RAD = 0.05  # a turn that is looked at
 PAST_QUAY_MPS, PAST_HULL_MPS = 0.25, 0.15  # along a hull nearer than the clearance, a quay half
 LONGEST_PATH_M = 5.0  # of another, to stop
-STRONG_DRIFT_MPS = 0.2  # a drift from which a hull keeps off the quay to leeward
-LEE_M = 2.0  # a quay nearer than this to leeward of a place counts
-MOST_UP_M = 0.5  # how far it then lies up the drift
 UNLIMITED = 1e3  # a limit [m/s], [rad/s] that no hull reaches
 
 
@@ -90,17 +86,10 @@ def limit_going(
 
 
 @kernel
-def windward_room(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> float:
-    """How far up the drift of its place the hull should lie [m], for there is a quay to leeward."""
-    drift = math.sqrt(s.drift_x**2 + s.drift_y**2)
-    if drift < STRONG_DRIFT_MPS:
-        return 0.0
-    c, t = s.drift_x / drift, s.drift_y / drift
-    wide = 0.5 * p.length_m
-    to_lee = quay_gap(land, pitch, s.place_x, s.place_y, c, t, wide, wide, LEE_M)
-    x, y = s.place_x - MOST_UP_M * c, s.place_y - MOST_UP_M * t
-    moved = quay_gap(land, pitch, x, y, c, t, wide, wide, LEE_M)
-    return MOST_UP_M if moved > to_lee + 0.5 * MOST_UP_M else 0.0
+def settle(s: VesselState) -> None:
+    """Let no limit ask for what the one the other way forbids."""
+    s.most_ahead = max(s.most_ahead, min(-s.most_astern, 0.0))
+    s.most_astern = max(s.most_astern, min(-s.most_ahead, 0.0))
 
 
 @kernel
@@ -109,11 +98,13 @@ def limit_speeds(
 ) -> None:
     """Set the fastest safe speeds of vessel `i`, ahead, astern and turning."""
     s, p = state[i], helms[i]
+    s.leans = s.load_port = s.load_starboard = s.lee_x = s.lee_y = 0.0
     s.most_ahead = s.most_astern = s.most_port = s.most_starboard = UNLIMITED
     cruise = max(p.cruise_ahead_mps, p.cruise_astern_mps)
     reach = stopping_distance(cruise, p.brake_mps2, p.lag_s + REACTION_S) + p.clearance_m
     if limit_going(state, helms, land, pitch, i, QUAYS, reach) < NEAR_M:
         heed_land(s, p, land, pitch)
+    heed_lee(s, p, land, pitch)
     s.up = windward_room(s, p, land, pitch) if s.mode == HOLD else 0.0
     far = reach + LONGEST_PATH_M + 0.5 * p.length_m
     for j in range(state.shape[0]):
@@ -122,3 +113,5 @@ def limit_speeds(
             continue
         if limit_going(state, helms, land, pitch, i, j, reach) < NEAR_M:
             heed_hull(s, p, state[j], helms[j])
+        heed_lee_hull(s, p, state[j], helms[j])
+    settle(s)

@@ -55,6 +55,14 @@ class VesselState:
     most_astern: float
     most_port: float
     most_starboard: float
+    # 1 where it leans on a quay or a hull; moments to port and starboard with which it turns off
+    # against the water [N m].
+    leans: float
+    load_port: float
+    load_starboard: float
+    # Way to the land that its drift carries it to first, 0 if none is near [m].
+    lee_x: float
+    lee_y: float
     # Right of way: the lower goes first. Time of the decision to wait for.
     rank: float
     wait: float

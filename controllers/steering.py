@@ -8,6 +8,7 @@ from controllers.angles import clipped, wrapped
 from controllers.guidance import along_and_across
 from controllers.helm import PackedHelm
 from controllers.holding import hold_force, hold_windup
+from controllers.lee import turn_off
 from controllers.legs import REACTION_S, follow_leg, lay_leg
 from controllers.loops import (
     heading_moment,
@@ -26,6 +27,8 @@ AT_M = 0.3  # from its place: there
 PAST_M = 0.75  # beside the target when passing it: there
 LEAVE_M = 1.5  # from its place: no longer there
 SAFE_SHARE = 0.3  # of half the thrust, to turn a hull that brakes for something
+OFF_SHARE = 1.5  # of the thrust of one side astern, to turn a hull off a lee shore
+FOLLOWS_MPS, FOLLOWS_RADPS = 0.05, 0.05  # above limits: from there as fast as they fall
 SLOW_MPS = 0.15  # a hull slower than this is not braking
 LOOK_RAD = 1.0  # by which the heading wanted is ahead of a hull that looks round
 ON_LINE = 0.1  # of what is left of the line between nodes: so near, follow it, else one of its own
@@ -133,26 +136,53 @@ def too_fast(s: VesselState, speed: float) -> bool:
 
 
 @kernel
+def most_gain(p: PackedHelm, speed: float, most: float) -> float:
+    """Most acceleration [m/s2] of a hull at a speed that may be `most` [m/s].
+
+    Whoever is faster brakes, and as fast as the limit falls besides: where it is that from which a
+    hull can stop, v_max, by a v / (v_max + a t_r) of the brake a and the reaction time t_r.
+    """
+    reaction = p.lag_s + REACTION_S
+    gain = (most - speed) / reaction
+    if speed > max(most, 0.0):
+        falls = p.brake_mps2 * speed / (max(most, 0.0) + p.brake_mps2 * reaction)
+        gain -= min((speed - most) / FOLLOWS_MPS, 1.0) * falls
+    return max(gain, -p.brake_mps2)
+
+
+@kernel
 def safe_force(s: VesselState, p: PackedHelm, speed: float, force: float) -> float:
     """The part of a surge force [N] that keeps to the safe speeds, or what brings the hull to them.
 
     That is after the thrusters' lag and a tick, or with the brake that safe speeds count on.
     """
-    reaction = p.lag_s + REACTION_S
-    more = max((s.most_ahead - speed) / reaction, -p.brake_mps2)
-    less = max((s.most_astern + speed) / reaction, -p.brake_mps2)
-    most = surge_drag(p, s.most_ahead) + p.mass_surge_kg * more
-    least = -surge_drag(p, s.most_astern) - p.mass_surge_kg * less
+    along = math.cos(s.yaw) * s.drift_x + math.sin(s.yaw) * s.drift_y
+    more, less = most_gain(p, speed, s.most_ahead), most_gain(p, -speed, s.most_astern)
+    most = surge_drag(p, s.most_ahead - along) + p.mass_surge_kg * more
+    least = -surge_drag(p, s.most_astern + along) - p.mass_surge_kg * less
     return clipped(force, min(least, most), most)
+
+
+@kernel
+def most_spin(p: PackedHelm, rate: float, most: float) -> float:
+    """Most acceleration [rad/s2] of a turn whose rate may be `most` [rad/s], as `most_gain`."""
+    reaction = p.lag_s + REACTION_S
+    gain = (most - rate) / reaction
+    if rate > most:
+        brake = p.yaw_acceleration_radps2
+        falls = brake * rate / (most + brake * reaction)
+        gain -= min((rate - most) / FOLLOWS_RADPS, 1.0) * falls
+    return float(gain)
 
 
 @kernel
 def safe_moment(s: VesselState, p: PackedHelm, moment: float) -> float:
     """The part of a moment [N m] that keeps to the safe rates of turn, or what brings it there."""
-    stiff, munk = p.inertia_yaw_kgm2 / (p.lag_s + REACTION_S), munk_moment(s, p)
-    most = yaw_drag(p, s.most_port) + stiff * (s.most_port - s.rate) + munk
-    least = -yaw_drag(p, s.most_starboard) - stiff * (s.most_starboard + s.rate) + munk
-    return clipped(moment, least, most)
+    munk, inertia = munk_moment(s, p), p.inertia_yaw_kgm2
+    most = yaw_drag(p, s.most_port) + inertia * most_spin(p, s.rate, s.most_port) + munk
+    least = -yaw_drag(p, s.most_starboard) - inertia * most_spin(p, -s.rate, s.most_starboard)
+    least += munk
+    return clipped(moment, least - s.load_starboard, most + s.load_port)
 
 
 @kernel
@@ -178,11 +208,15 @@ def push(
     to_port = wrapped(heading - s.heading_ref) > 0.0
     most_rate = min(p.yaw_rate_radps, s.most_port if to_port else s.most_starboard)
     moment = heading_moment(s, p, heading, most_rate, step_s)
+    moment += s.load_port if to_port else -s.load_starboard
     fast = too_fast(s, now)
     given = braking_moment(p, SAFE_SHARE if fast else 1.0, limited, now, moment)
     given = safe_moment(s, p, given)
     if fast:
         given = braking_moment(p, 1.0, limited, now, given)
+    if s.leans == 0.0 and (s.lee_x != 0.0 or s.lee_y != 0.0):
+        most = -OFF_SHARE * p.thrust_low * p.lever_m
+        given = clipped(given, -most, most)
     port, starboard = allocate(p, limited, given)
     heading_windup(s, p, moment, (starboard - port) * p.lever_m, step_s)
     return port, starboard
@@ -194,6 +228,7 @@ def drive(
 ) -> tuple[float, float]:
     """Commands towards a heading [rad] at a signed speed [m/s]."""
     now = surge_speed(s)
+    heading, speed = turn_off(s, p, heading, speed)
     wanted = clipped(speed, -s.most_astern, s.most_ahead)
     if too_fast(s, now):
         s.speed_ref = wanted  # braking for something does not wait for the reference
@@ -209,6 +244,7 @@ def keep(s: VesselState, p: PackedHelm, x: float, y: float, step_s: float) -> tu
     heading, surge, ahead = hold_force(s, p, x, y)
     if s.looks != 0.0:
         s.wanted, heading = s.yaw, s.yaw + LOOK_RAD
+    heading, _ = turn_off(s, p, heading, 0.0)
     port, starboard = push(s, p, heading, surge, step_s)
     hold_windup(s, p, ahead, surge, port + starboard, step_s)
     return commands(s, p, port, starboard, step_s)

@@ -9,7 +9,7 @@ import math
 
 from controllers._compiled import kernel
 from controllers.angles import clipped
-from controllers.chart import LandArray, headland, nearest_land
+from controllers.chart import LandArray, headland, is_cell_land, is_nearer, way_to_cell
 from controllers.guidance import striking_speed
 from controllers.helm import PackedHelm
 from controllers.legs import REACTION_S
@@ -17,10 +17,33 @@ from controllers.state import VesselState
 
 NEAR_M = 0.6  # a gap within which any turn can be braked
 TOUCH_QUAY_MPS, TOUCH_HULL_MPS = 0.18, 0.1  # of a touch; another hull may have as much
-HULL_SHARE = 0.6  # of the brake that is counted on before other hulls, which move
+QUAY_SHARE = 0.8  # of the brake that is counted on, for turning takes thrust too
+HULL_SHARE = 0.6  # of the same before other hulls, which move
 INSET_M = 0.05  # of the points, so that one that touches is not yet inside
 BLUR_M = 0.02  # by which a gap may be smaller than it is measured
+LEANING_M = 0.05  # a gap below which a hull leans on what is there
 HEADED = 0.2  # share of the speed ahead that must go towards a point to be limited for it
+
+
+@kernel
+def pressing(s: VesselState, p: PackedHelm) -> float:
+    """Force to port [N] with which the water that passes a hull aside takes it along."""
+    c, t = math.cos(s.yaw), math.sin(s.yaw)
+    flow = c * (s.drift_y - s.vy) - t * (s.drift_x - s.vx)
+    return float((p.linear_sway + p.quadratic_sway * abs(flow)) * flow)
+
+
+@kernel
+def lean(s: VesselState, p: PackedHelm, force: float, lever: float) -> None:
+    """Note that a hull leans with one of its points, pressed by a force [N], at a lever [m].
+
+    To turn off from there it must lift the rest of itself around that point.
+    """
+    s.leans = 1.0
+    if lever > 0.0:
+        s.load_port = max(s.load_port, force * lever)
+    else:
+        s.load_starboard = max(s.load_starboard, -force * lever)
 
 
 @kernel
@@ -41,14 +64,16 @@ def heed(
     nx, ny, gap = dx / far, dy / far, far - INSET_M - BLUR_M
     c, t = math.cos(s.yaw), math.sin(s.yaw)
     ahead, turning = nx * c + ny * t, ny * x - nx * y
+    if gap < LEANING_M - BLUR_M:
+        lean(s, p, (ny * c - nx * t) * pressing(s, p), turning)
     aside = max((ny * c - nx * t) * (c * s.vy - t * s.vx), 0.0)
     reaction = p.lag_s + 2.0 * REACTION_S  # a tick more, for the gap is that of before
     if quay:
-        most = striking_speed(gap, p.brake_mps2, reaction, TOUCH_QUAY_MPS)
+        most = striking_speed(gap, QUAY_SHARE * p.brake_mps2, reaction, TOUCH_QUAY_MPS)
     else:
         most = striking_speed(0.5 * gap, HULL_SHARE * p.brake_mps2, reaction, TOUCH_HULL_MPS)
-    going = max(ahead * (c * s.vx + t * s.vy), 0.0)
-    rate = max(most - aside - going, 0.0) / max(abs(turning), 1e-3)
+    going = max(aside + ahead * (c * s.vx + t * s.vy), 0.0)
+    rate = max(most - going, 0.0) / max(abs(turning), 1e-3)
     if turning > 0.0:
         s.most_port = min(s.most_port, rate)
     else:
@@ -81,14 +106,28 @@ def nearest_of(
 
 
 @kernel
+def heed_around(
+    s: VesselState, p: PackedHelm, land: LandArray, pitch: float, x: float, y: float
+) -> None:
+    """Limit a hull for the sake of the quays around one point of it, (x, y) from midships [m]."""
+    px, py, reach = s.x + x, s.y + y, NEAR_M + INSET_M
+    low_j, high_j = math.floor((py - reach) / pitch + 0.5), math.floor((py + reach) / pitch + 1.5)
+    for i in range(math.floor((px - reach) / pitch + 0.5), math.floor((px + reach) / pitch + 1.5)):
+        for j in range(low_j, high_j):
+            if is_cell_land(land, i, j):
+                dx, dy = way_to_cell(pitch, px, py, i, j)
+                if is_nearer(land, i, j, dx, dy):
+                    heed(s, p, x, y, dx, dy, True)
+
+
+@kernel
 def heed_land(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> None:
     """Limit a hull for the sake of quays: its corners, and theirs that jut out."""
     c, t = math.cos(s.yaw), math.sin(s.yaw)
     long, wide = p.length_m - 2.0 * INSET_M, p.beam_m - 2.0 * INSET_M
     for k in range(4):
         x, y = corner_of(long, wide, c, t, k)
-        dx, dy = nearest_land(land, pitch, s.x + x, s.y + y, NEAR_M + INSET_M)
-        heed(s, p, x, y, dx, dy, True)
+        heed_around(s, p, land, pitch, x, y)
     reach = 0.5 * p.length_m + NEAR_M
     low_i, low_j = math.floor((s.x - reach) / pitch), math.floor((s.y - reach) / pitch)
     for i in range(low_i, math.floor((s.x + reach) / pitch) + 1):

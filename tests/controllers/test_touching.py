@@ -5,18 +5,20 @@ import math
 import pytest
 
 from controllers import Chart
-from controllers.chart import LandArray, headland, nearest_land
+from controllers.chart import LandArray, headland, is_nearer, way_to_cell
+from controllers.estimate import learn_drift
 from controllers.guidance import striking_speed
 from controllers.helm import packed
 from controllers.legs import REACTION_S
 from controllers.loops import surge_drag, yaw_drag
 from controllers.state import VesselState
-from controllers.steering import safe_force, safe_moment
+from controllers.steering import most_gain, safe_force, safe_moment
 from controllers.touching import (
     BLUR_M,
     HULL_SHARE,
     INSET_M,
     NEAR_M,
+    QUAY_SHARE,
     TOUCH_HULL_MPS,
     TOUCH_QUAY_MPS,
     heed_hull,
@@ -47,7 +49,8 @@ def beside(gap: float) -> VesselState:
 
 
 def striking(gap: float) -> float:
-    return striking_speed(gap - BLUR_M, P.brake_mps2, REACTION, TOUCH_QUAY_MPS)
+    brake = QUAY_SHARE * P.brake_mps2
+    return striking_speed(gap - BLUR_M, brake, REACTION, TOUCH_QUAY_MPS)
 
 
 @pytest.mark.parametrize("gap", [0.0, 0.1, 0.3])
@@ -113,6 +116,44 @@ def test_a_force_that_has_wound_up_does_not_press_a_hull_on() -> None:
     assert safe_force(s, P, 1.0, 50.0) < -0.9 * P.mass_surge_kg * P.brake_mps2  # brakes
 
 
+def test_a_force_at_a_safe_speed_is_that_through_the_water() -> None:
+    """Water that comes from ahead takes thrust to stand still in."""
+    s = hull(0.0, 0.0)
+    s.most_ahead, s.drift_x = 0.0, -0.3
+    assert safe_force(s, P, 0.0, 240.0) == pytest.approx(surge_drag(P, 0.3))
+
+
+def test_a_hull_above_its_limit_brakes_as_fast_as_that_falls() -> None:
+    """Of a hull that stops at a constant brake a, dv/dt = -a v / (v + a t_r)."""
+    most, reaction = 0.4, P.lag_s + REACTION_S
+    falls = P.brake_mps2 * 0.46 / (most + P.brake_mps2 * reaction)
+    assert most_gain(P, 0.46, most) == pytest.approx(-0.06 / reaction - falls)
+    assert most_gain(P, most, most) == 0.0
+    assert most_gain(P, 2.0, most) == -P.brake_mps2
+
+
+def test_a_hull_that_leans_turns_off_against_the_water() -> None:
+    """Around the corner it leans on, with the water's load at half its length."""
+    s = beside(0.0)
+    s.drift_y, s.most_port = -0.3, 0.1
+    heed_land(s, P, BASIN, 4.0)
+    load = (P.linear_sway + P.quadratic_sway * 0.3) * 0.3 * LEVER
+    assert s.leans == 1.0
+    assert s.load_port == s.load_starboard == pytest.approx(load)
+    free = yaw_drag(P, 0.1) + P.inertia_yaw_kgm2 * 0.1 / (P.lag_s + REACTION_S)
+    s.most_port = 0.1
+    assert safe_moment(s, P, 500.0) == pytest.approx(free + load)
+
+
+def test_what_a_hull_leans_on_is_not_taken_for_the_water() -> None:
+    s = beside(0.0)
+    s.drift_y, s.leans = -0.3, 1.0
+    for _ in range(100):
+        learn_drift(s, P, 0.1)
+    assert (s.drift_x, s.drift_y) == (0.0, -0.3)
+    assert (s.surge, s.sway) == pytest.approx((0.0, 0.3))
+
+
 def test_a_moment_keeps_to_the_safe_turn_whatever_the_reference_wants() -> None:
     s = hull(0.0, 0.0)
     s.most_port, s.rate = 0.1, 0.1
@@ -127,12 +168,38 @@ def corner() -> LandArray:
     return Chart(grid("..", "#."), 4.0).land  # land around (0, 0), its corner at (2, 2)
 
 
-def test_the_way_to_the_nearest_land(corner: LandArray) -> None:
-    assert nearest_land(corner, 4.0, 1.0, 2.5, 1.0) == pytest.approx((0.0, -0.5))
-    assert nearest_land(corner, 4.0, 2.3, 2.4, 1.0) == pytest.approx((-0.3, -0.4))
-    assert nearest_land(corner, 4.0, 5.9, 4.0, 1.0) == pytest.approx((0.1, 0.0))  # the map's edge
-    assert nearest_land(corner, 4.0, 1.0, 1.0, 1.0) == (0.0, 0.0)
-    assert nearest_land(corner, 4.0, 3.9, 3.9, 1.0)[0] == math.inf
+def test_the_way_to_a_cell_of_land() -> None:
+    assert way_to_cell(4.0, 1.0, 2.5, 0, 0) == pytest.approx((0.0, -0.5))
+    assert way_to_cell(4.0, 2.3, 2.4, 0, 0) == pytest.approx((-0.3, -0.4))
+    assert way_to_cell(4.0, 5.9, 4.0, 2, 1) == pytest.approx((0.1, 0.0))
+    assert way_to_cell(4.0, 1.0, 1.0, 0, 0) == (0.0, 0.0)
+
+
+def test_of_a_straight_quay_one_cell_counts_and_a_corner_only_if_it_juts_out() -> None:
+    assert is_nearer(BASIN, 2, -1, 0.0, -0.5)
+    assert not is_nearer(BASIN, 3, -1, 1.0, -0.5)  # its neighbour is nearer
+    land = Chart(grid("...", "...", "#.."), 4.0).land
+    assert is_nearer(land, 0, 0, -0.3, -0.4)
+
+
+def test_in_a_corner_of_two_quays_both_limit_a_turn() -> None:
+    """The bow is nearer to the western quay, and its starboard corner turns to the northern one."""
+    s = hull(-2.0 + 0.5 * P.length_m + 0.05, 10.0 - 0.5 * P.beam_m - 0.1, math.pi)
+    heed_land(s, P, BASIN, 4.0)
+    assert s.most_starboard == pytest.approx(striking(0.1) / LEVER)
+
+
+def test_a_hull_that_draws_away_may_turn_as_if_it_did_not_drift() -> None:
+    """Its bow is off the quay: what it makes ahead takes its stern away from there."""
+    s = beside(0.5)
+    s.yaw, found = 0.3, []
+    for vx, vy in ((0.0, 0.0), (0.0, -0.2), (math.cos(0.3), math.sin(0.3) - 0.2)):
+        s.most_port, s.vx, s.vy = FREE, vx, vy
+        heed_land(s, P, BASIN, 4.0)
+        found.append(s.most_port)
+    still, drifting, drawing_away = found
+    assert drifting < 0.7 * still < FREE
+    assert drawing_away == still
 
 
 def test_where_land_juts_out(corner: LandArray) -> None:

@@ -25,9 +25,7 @@ def random_moves(
     """Random decisions of a hull alone on open water, and how near it came to its targets."""
     counts = (f"team.{name}.count={int(name == team)}" for name in TEAMS)
     current = f"weather.current_speed_mps={current_mps}"
-    start = "map.starts=[[24, 32]]"  # too far from the map's edge to be carried there
-    times = f"period_s={period_s}", f"horizon={PERIODS}"
-    overrides = (*counts, current, *times, "items.mean=5", start)
+    overrides = (*counts, current, f"period_s={period_s}", f"horizon={PERIODS}", "items.mean=5")
     setup = Setup.of(load_scenario("open-bay", overrides, sea))
     mission = create_mission(setup, "physics")
     mission.reset(5, np.arange(episodes))
