@@ -4,7 +4,7 @@ from numpy.typing import NDArray
 
 from controllers import Chart, Pilot
 from controllers.helm import packed
-from controllers.pickup import pick_up
+from controllers.pickup import get_ready, pick_up
 from controllers.quayside import is_quayed, line_to_item, note_quays
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
@@ -89,6 +89,41 @@ def test_an_item_in_the_next_node_is_taken_on_the_way() -> None:
     yaws = np.arctan2(dy, dx) + np.radians(rng.uniform(-85, 85, 40))
     taken, _ = pick(items, yaws, 10.0, np.full((40, 1, 2), CENTRE), origin)
     assert np.mean(taken < 10.0) > 0.95
+
+
+def ready(
+    items: NDArray[np.float64], yaws: NDArray[np.float64], seconds: float
+) -> NDArray[np.float64]:
+    """Poses (hull, 3) of hulls that keep to the basin's middle and expect an item (hull, 1, 2)."""
+    n = yaws.size
+    scene = build_scene([FORAGER], navigable=BASIN, pitch_m=PITCH_M)
+    simulation, pilot = Simulation(scene, n), Pilot([helm_of(FORAGER)], Chart(BASIN, PITCH_M), n)
+    active, to = np.ones(n, np.bool_), np.full((n, 1, 2), CENTRE)
+    simulation.place_vessels(np.concatenate((to, yaws[:, None, None]), axis=-1))
+    pilot.order(active, to, to, np.ones((n, 1), np.bool_))
+    pilot.expect(items)
+    for _ in range(round(10 * seconds)):
+        now, speed = simulation.vessel_pose, simulation.vessel_velocity
+        simulation.commands[:] = pilot.command(active, now, speed)
+        simulation.step()
+    return np.asarray(simulation.vessel_pose[:, 0])
+
+
+def test_a_hull_with_nothing_to_do_waits_at_the_rim_of_its_node_facing_the_next_item() -> None:
+    rng = np.random.default_rng(4)
+    angle, yaws = rng.uniform(-np.pi, np.pi, 40), rng.uniform(-np.pi, np.pi, 40)
+    items = CENTRE + 5.0 * np.column_stack((np.cos(angle), np.sin(angle)))[:, None]
+    x, y, yaw = ready(items, yaws, 16.0).T
+    off = np.arctan2(items[:, 0, 1] - y, items[:, 0, 0] - x) - yaw
+    assert np.abs((off + np.pi) % (2.0 * np.pi) - np.pi).max() < np.radians(10.0)
+    farthest = np.maximum(np.abs(x - CENTRE), np.abs(y - CENTRE))
+    assert farthest.min() > 1.0 and farthest.max() < 1.6
+
+
+def test_an_item_within_the_reach_of_the_turning_bow_is_not_turned_to() -> None:
+    s = blank()
+    s.yaw, s.next_x, s.next_y = 0.2, 0.3, 0.9
+    assert get_ready(s, packed(helm_of(FORAGER)), 1.3) == (0.2, 0.0)
 
 
 REST_M = 5.9  # from the basin's middle, of an item's middle that touches a quay: 6 m less 0.1

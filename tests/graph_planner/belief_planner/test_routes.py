@@ -8,6 +8,7 @@ from graph_planner.belief_planner.routes import NOWHERE, Legs, search_routes
 from graph_planner.belief_planner.shore import shore_of
 from graph_planner.belief_planner.stops import (
     MOST,
+    add_turns,
     decisions_between,
     float_item,
     floating,
@@ -180,16 +181,35 @@ def test_of_too_many_items_the_soonest_per_worth_become_stops() -> None:
 
 
 def test_hulls_stay_longer_the_more_there_is_and_in_corners() -> None:
-    """Two items in open water, one in the corner of the sea: the ways from there take longer."""
+    """Three items in open water, one in the corner of the sea: the ways from there take longer."""
     at = SEA.node_of_cell[20:21, 20].copy()
-    for taking, longer in ((AT_ONCE, (0.0, 0.0)), (HULLS, (1.4, 1.7))):
-        items, found = floating(3), stops(MOST, len(SEA))
-        for row, col in ((20.0, 25.0), (20.1, 25.0), (39.45, 39.45)):
+    for taking, longer in ((AT_ONCE, (0.0, 0.0)), (HULLS, (0.5, 1.0))):
+        items, found = floating(4), stops(MOST, len(SEA))
+        for row, col in ((20.0, 25.0), (20.1, 25.0), (20.2, 25.0), (39.45, 39.45)):
             float_item(items, row, col, 1.0)
         gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.0, 0.0, taking, found)
         between = decisions_between(found, WAYS, ONE_KIND, at, True)[1][0]
         assert between[0, 1] - 19.0 == pytest.approx(longer[0])
         assert between[1, 0] - 19.0 == pytest.approx(longer[1])
+
+
+def test_hulls_lose_time_turning_to_what_lies_behind_them_in_the_next_node() -> None:
+    """A forager at (20, 20) heads north-west: nothing is lost for the node to the west (45 degrees
+    off), all for that to the south-east, some for that to the east, none for nodes beyond.
+    """
+    at, yaw = SEA.node_of_cell[20:21, 20].copy(), np.array([0.75 * np.pi])
+    cells = [(20, 19), (21, 21), (20, 21), (23, 20), (20, 20)]
+    for taking, behind in ((AT_ONCE, 0.0), (HULLS, HULLS.behind)):
+        items, found = floating(5), stops(MOST, len(SEA))
+        for row, col in cells:
+            float_item(items, row, col, 1.0)
+        gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.0, 0.0, taking, found)
+        first, _ = decisions_between(found, WAYS, ONE_KIND, at, True)
+        turned = first.copy()
+        add_turns(taking, SHORE, found, at, yaw, turned)
+        lost = {int(node): turned[0, j] - first[0, j] for j, node in enumerate(found.node[:5])}
+        expected = np.array([0.0, 1.0, 0.625, 0.0, 0.0]) * behind  # 135 - 60 of 180 - 60 degrees
+        assert [lost[int(SEA.node_of_cell[cell])] for cell in cells] == pytest.approx(expected)
 
 
 def test_quays_beside_an_item_are_counted() -> None:

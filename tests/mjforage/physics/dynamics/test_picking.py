@@ -29,12 +29,8 @@ def state_of(item_node: list[int]) -> Transition:
     return start_state(world, CENTRES)
 
 
-def sent_to(node: int) -> Sent:
-    return Sent(np.full((1, 2), node, np.int32), np.zeros((1, 2, 2)))
-
-
-def nothing() -> Goal:
-    return Goal(np.empty((1, 2, 2)), np.empty((1, 2), np.bool_))
+def sent_to_the_origin(stay: bool = False) -> Sent:
+    return Sent(np.zeros((1, 2, 2)), np.full((1, 2), stay))
 
 
 def test_the_mouth_is_the_beam_wide_at_the_bow_and_fills_up() -> None:
@@ -63,42 +59,71 @@ def test_a_scout_takes_nothing() -> None:
 
 
 def test_the_goal_is_the_nearest_item_within_the_target_node() -> None:
+    """Even if one beside the node is nearer to the bow."""
     state = state_of([0, 0, -1, 0])
     xy = np.array([[[[1.9, -1.9], [-1.0, 0.0], [0.1, 0.0], [2.1, 0.0]]] * 2])
     pose = np.array([[[1.0, 0.0, 0.0]] * 2])
-    sent, goal, room = sent_to(0), nothing(), np.array([[1, 1]])
+    sent, goal, room = sent_to_the_origin(), Goal.of(1, 2), np.array([[1, 1]])
     attempts, now = Attempts.of(2, state.item_node), np.zeros(1)
     seek(REACH, attempts, ON, room, pose, xy, sent, now, state, goal)
     assert np.isnan(goal.xy[0, 0]).all()
     assert goal.xy[0, 1].tolist() == [-1.0, 0.0]
     assert state.pickup.tolist() == [[IDLE, MISSED]]
     seek(REACH, attempts, ON, np.array([[1, 0]]), pose, xy, sent, now, state, goal)
-    assert np.isnan(goal.xy).all() and not goal.look.any()
+    assert np.isnan(goal.xy).all() and np.isnan(goal.next).all() and not goal.look.any()
 
 
-def test_a_forager_looks_round_for_an_item_in_its_node_that_it_has_not_seen() -> None:
-    """The second of two lies in node 0; once one was sought, and elsewhere, there is no looking."""
-    state, xy, now = state_of([3, 0]), np.full((1, 2, 2, 2), np.nan), np.zeros(1)
-    pose, room, attempts = (
-        np.zeros((1, 2, 3)),
-        np.ones((1, 2), np.int64),
-        Attempts.of(2, state.item_node),
-    )
+def sought(x: float, y: float, stay: bool = False) -> tuple[list[float], list[float], bool, int]:
+    """What a forager in the middle of its node does about one item: pick up, be ready, look."""
+    state, goal = state_of([0]), Goal.of(1, 2)
+    attempts, now, room = Attempts.of(2, state.item_node), np.zeros(1), np.ones((1, 2), np.int64)
+    xy, pose = np.array([[[[x, y]]] * 2]), np.zeros((1, 2, 3))
+    sent = sent_to_the_origin(stay)
+    seek(REACH, attempts, ON, room, pose, xy, sent, now, state, goal)
+    pickup = int(state.pickup[0, 1])
+    return goal.xy[0, 1].tolist(), goal.next[0, 1].tolist(), bool(goal.look[0, 1]), pickup
 
-    def looks(node: int) -> list[bool]:
-        goal = nothing()
-        seek(REACH, attempts, ON, room, pose, xy, sent_to(node), now, state, goal)
+
+def test_an_item_beside_the_node_is_picked_up_if_midships_need_not_leave_it() -> None:
+    """Bow and item are 1.1 m long, midships may go 1.68 m from the middle: 2.78 m in all.
+
+    Across a corner of the node there may be land, and an item outside is no failure of the node.
+    """
+    assert sought(2.77, 0.0)[0] == [2.77, 0.0]
+    assert sought(0.0, -2.77)[0] == [0.0, -2.77]
+    assert sought(2.77, 0.0)[3] == IDLE and sought(1.9, 0.0)[3] == MISSED
+    for x, y in ((2.79, 0.0), (2.1, 2.1)):
+        wanted, following, _, pickup = sought(x, y)
+        assert np.isnan(wanted).all() and following == [x, y] and pickup == IDLE
+
+
+def test_with_nothing_to_pick_up_a_forager_is_ready_for_the_next_or_looks_round() -> None:
+    nowhere = float("nan")
+    assert sought(-5.0, 5.0)[1] == [-5.0, 5.0]
+    assert np.isnan(sought(-6.5, 6.5)[1]).all()  # more than 9 m away
+    assert not sought(-5.0, 5.0, stay=True)[2]
+    assert sought(nowhere, nowhere, stay=True)[2]
+    assert not sought(nowhere, nowhere)[2]  # on its way elsewhere
+
+
+def test_a_forager_that_stays_looks_round_until_it_has_seen_an_item() -> None:
+    """It knows only what its camera has shown it: once one was sought it looks no more."""
+    state, xy, now = state_of([0, 0]), np.full((1, 2, 2, 2), np.nan), np.zeros(1)
+    pose, room = np.zeros((1, 2, 3)), np.ones((1, 2), np.int64)
+    attempts, sent = Attempts.of(2, state.item_node), sent_to_the_origin(stay=True)
+
+    def looks() -> list[bool]:
+        goal = Goal.of(1, 2)
+        seek(REACH, attempts, ON, room, pose, xy, sent, now, state, goal)
         return [bool(look) for look in goal.look[0]]
 
-    assert looks(1) == [False, False] and looks(0) == [False, True]
+    assert looks() == [False, True]
     xy[0, 1, 1] = 1.0
-    assert looks(0) == [False, False] and state.pickup.tolist() == [[IDLE, MISSED]]
+    assert looks() == [False, False] and state.pickup.tolist() == [[IDLE, MISSED]]
     xy[:] = np.nan
-    assert looks(0) == [False, False]
+    assert looks() == [False, False]
     state.pickup[:] = IDLE  # the next period
-    assert looks(0) == [False, True]
-    state.item_node[0, 1] = -1
-    assert looks(0) == [False, False]
+    assert looks() == [False, True]
 
 
 class Seeking:
@@ -113,7 +138,7 @@ class Seeking:
         """Move the bow to so many metres; the item that is sought then."""
         self.now += seconds
         pose = np.array([[[9.0, 0.0, 0.0], [bow - 1.0, 0.0, 0.0]]])
-        sent, goal, room = sent_to(0), nothing(), np.ones((1, 2), np.int64)
+        sent, goal, room = sent_to_the_origin(), Goal.of(1, 2), np.ones((1, 2), np.int64)
         now = np.array([self.now])
         seek(REACH, self.attempts, ON, room, pose, self.xy, sent, now, self.state, goal)
         return [float(x) for x in goal.xy[0, 1]]
