@@ -45,6 +45,14 @@ PICKUPS = ("", "taken", "missed", "unreachable")
 one was sought in vain, one was given up after two attempts."""
 
 
+class Pickup(NamedTuple):
+    """What picking up takes hulls, in decisions beyond the one in which they arrive; means."""
+
+    first: NDArray[np.float64]  # (agent, quays, quarter) by quays beside the item, 0 to 2, and by
+    # its bearing off the bow as the hull sets out from the next node, in quarters of half a circle
+    more: NDArray[np.float64]  # (agent,) for every other item of the node
+
+
 @dataclass(frozen=True, eq=False)
 class Task:
     """The part of a scenario that decisions depend on.
@@ -55,8 +63,8 @@ class Task:
     horizon : decisions in an episode
     belief : what the belief planner assumes and how hard it searches
     walls : of `graph_planner.walls.WALLS`, what becomes of items that drift onto land
-    certain : whether a forager takes all that is in its node, before the rest drifts; else hulls
-        may miss items, take those that they pass, and do so while all drift
+    pickup : what picking up takes hulls, which may miss items, take those that they pass, and do so
+        while all drift; None where a forager takes all that is in its node, before the rest drifts
     """
 
     graph: NavigationGraph
@@ -65,7 +73,7 @@ class Task:
     horizon: int
     belief: BeliefSettings = field(default_factory=BeliefSettings)
     walls: str = "clip"
-    certain: bool = True
+    pickup: Pickup | None = None
 
     @property
     def forgetting(self) -> float:

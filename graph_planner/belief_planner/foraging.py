@@ -13,7 +13,7 @@ from graph_planner.belief_planner.stops import (
     MOST,
     Floating,
     Stops,
-    add_turns,
+    add_pickup,
     decisions_between,
     floating,
     gather_stops,
@@ -103,7 +103,8 @@ def plan_routes(
     if n == 0 or at.size == 0:
         return 0
     first, between = decisions_between(found, ways, kind, at, effort.stay)
-    add_turns(effort.taking, shore, found, at, agent_yaw[able.agents], first)
+    agents = able.agents
+    add_pickup(effort.taking, shore, found, agents, at, agent_yaw[agents], first, between)
     if effort.joint:
         legs = Legs(found.weight[:n], first, between, kind, able.room, able.lasts)
         target = search_routes(legs, effort.beam, effort.choices, effort.depth)
@@ -129,7 +130,7 @@ class Foraging:
         nodes, members = len(task.graph), max(1, self.group.agents.size)
         self._scratch, self._nothing = Scratch(stops(MOST, nodes), np.zeros(nodes)), np.zeros(nodes)
         self._node_per_decision = USUAL_STEP * task.fleet.moves[self.group.agents]
-        taking = Taking.of(task.certain)
+        taking = Taking.of(task)
         self._effort = (
             Effort(task.rules.stay, settings.joint, 6, 5, 8 * members, taking)
             if settings.fast

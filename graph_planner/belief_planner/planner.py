@@ -110,7 +110,7 @@ class BeliefPlanner:
         settings, drift = self.settings, self.wind.mean[e]
         ways.number[0] = lost.number[0] = 0
         agents = self._foragers.group.agents
-        sweeping = self._had_room[e] & self._task.certain
+        sweeping = self._had_room[e] & (self._task.pickup is None)
         foragers_at = np.where(sweeping, seen.agent_node[e][agents], np.int32(NOWHERE))
         self._had_room[e] = seen.room_left[e][agents] > 0
         if now > 0:
@@ -138,7 +138,8 @@ class BeliefPlanner:
         caught = taken - self._taken[e]
         self._taken[e] = taken
         self._later[e, at[seen.pickup[e][agents] == UNREACHABLE]] = now + LATER
-        return rc.Catch(at[:0], caught[:0]) if self._task.certain else rc.Catch(at, caught)
+        none = self._task.pickup is None
+        return rc.Catch(at[:0], caught[:0]) if none else rc.Catch(at, caught)
 
     def _settle_losses(self, e: int, now: int, sighted: Int32Array) -> Int32Array:
         """Take in what was lost and found; those of the new sightings that are really new."""

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.shore import Shore, drifted
-from graph_planner.belief_planner.taking import CORNER, Taking, dwell, quays_beside, turning
+from graph_planner.belief_planner.taking import Taking, dwell, quays_beside, turning
 from graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
@@ -31,7 +31,8 @@ class Stops(NamedTuple):
     number: NDArray[np.int64]  # (1,)
     node: Int32Array  # (stop,)
     weight: NDArray[np.float64]  # (stop,) expected items
-    dwell: NDArray[np.float64]  # (stop,) decisions there beyond the one that ends in it
+    dwell: NDArray[np.float64]  # (stop,) decisions there beyond the first item
+    quays: NDArray[np.int64]  # (stop,) most quays beside one of its items, 0 to 2
     place: Int32Array  # (node,) scratch: stop of a node, all -1 between calls
 
 
@@ -49,6 +50,7 @@ def stops(capacity: int, nodes: int) -> Stops:
         np.zeros(capacity, np.int32),
         np.zeros(capacity),
         np.zeros(capacity),
+        np.zeros(capacity, np.int64),
         np.full(nodes, -1, np.int32),
     )
 
@@ -102,7 +104,7 @@ def gather_stops(
     place = found.place
     node, worth = np.empty(items.number[0], np.int32), np.empty(items.number[0])
     delay, stay = np.empty(items.number[0]), np.zeros(items.number[0])
-    cornered = np.zeros(items.number[0], np.bool_)
+    quays = np.zeros(items.number[0], np.int64)
     n = 0
     for i in range(items.number[0]):
         row, col, here = drifted(shore, items.row[i], items.col[i], 0.0, 0.0, 0.0)
@@ -116,15 +118,16 @@ def gather_stops(
             node[n], worth[n], delay[n] = here, 0.0, max(wait, 1.0)
             n += 1
         worth[place[here]] += items.weight[i]
-        cornered[place[here]] |= quays_beside(shore, row, col, here) == CORNER
+        quays[place[here]] = max(quays[place[here]], quays_beside(shore, row, col, here))
     for i in range(n):
         place[node[i]] = -1
-        stay[i] = dwell(taking, worth[i], cornered[i])
+        stay[i] = dwell(taking, worth[i])
+        delay[i] += taking.usual[quays[i]]
     order = np.argsort((delay[:n] + stay[:n]) / worth[:n], kind="mergesort")
     n = min(n, found.node.size)
     for i in range(n):
         found.node[i], found.weight[i] = node[order[i]], worth[order[i]]
-        found.dwell[i] = stay[order[i]]
+        found.dwell[i], found.quays[i] = stay[order[i]], quays[order[i]]
     found.number[0] = n
 
 
@@ -162,26 +165,32 @@ def _counted(decisions: np.uint16, again: float) -> float:
 
 
 @kernel
-def add_turns(
+def add_pickup(
     taking: Taking,
     shore: Shore,
     found: Stops,
+    agents: NDArray[np.int64],
     at: Int32Array,
     yaw: NDArray[np.float64],
     first: NDArray[np.float64],
+    between: NDArray[np.float64],
 ) -> None:
-    """Add what foragers lose by turning to stops in the nodes next to them.
+    """Add what picking up the first item of every stop takes.
+
+    In the nodes next to a forager that depends on how it heads.
 
     Parameters
     ----------
-    at, yaw : (forager,) node and heading [rad], 0 = east, counter-clockwise
-    first : (forager, stop) decisions, added to
+    agents, at, yaw : (forager,) index in the fleet, node, heading [rad], 0 = east
+    first, between : as of `decisions_between`, added to
     """
-    for f in range(at.size):
-        for j in range(first.shape[1]):
+    for j in range(first.shape[1]):
+        quays = found.quays[j]
+        for f in range(at.size):
             if first[f, j] > 1.0 or found.node[j] == at[f]:
+                first[f, j] += taking.usual[quays]
                 continue
             up = shore.rows[at[f]] - shore.rows[found.node[j]]
             east = shore.cols[found.node[j]] - shore.cols[at[f]]
-            off = math.atan2(up, east) - yaw[f]
-            first[f, j] += turning(taking, math.atan2(math.sin(off), math.cos(off)))
+            first[f, j] += turning(taking, agents[f], quays, math.atan2(up, east) - yaw[f])
+        between[:, :, j] += taking.usual[quays]

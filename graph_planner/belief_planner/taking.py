@@ -1,37 +1,39 @@
 """How long foragers take to collect what is in a node: in the graph no time, with hulls some.
 
-A hull takes one item after the other, comes in slowly where quays are near, and into a corner of
-two only after a stand-off. It turns slowly: what lies behind it in the next node takes a decision
-more; on the way to one farther away there is time for that.
+A hull takes one item after the other, needs a stand-off for one in a corner of two quays, and turns
+slowly: what lies behind it in the next node takes a decision more. On the way to a node farther
+away there is time to turn. How long all that takes was measured of each hull (`task.Pickup`).
 """
 
 import math
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from graph_planner.belief_planner.shore import Shore
 from graph_planner.compiled import kernel
+from graph_planner.task import Task
 
 BESIDE = 0.15  # a quay nearer than that to an item is beside it [node]
-CORNER = 2  # quays beside an item in a corner
-FREE_RAD = math.radians(60.0)  # turned within what a decision leaves over
+QUARTER_RAD = 0.25 * math.pi  # of half a circle
 
 
 class Taking(NamedTuple):
     """Decisions that collecting takes beyond the one that ends in the node."""
 
-    each: float  # decisions for an item
-    corner: float  # and for a corner in which there is one
-    behind: float  # and for a first item right behind the bow, in a node next to the hull's
+    first: NDArray[np.float64]  # (agent, quays, quarter) see `task.Pickup`
+    usual: NDArray[np.float64]  # (quays,) mean over foragers and the quarters before the beam
+    more: float  # for every item but the first
 
     @classmethod
-    def of(cls, certain: bool) -> "Taking":
-        """In the graph, or with hulls.
-
-        Those of hulls are the best of a handful tried on missions of `belief` in
-        `comb-port-weather`: of decisions with one item in the next node, .97 take it if it bears up
-        to 60 degrees from the bow, .9 up to 100 and .3 beyond; .6 of those with one in a corner do.
-        """
-        return cls(0.0, 0.0, 0.0) if certain else cls(0.5, 1.5, 1.2)
+    def of(cls, task: Task) -> "Taking":
+        """That of the fleet; no time where a forager takes all at once."""
+        pickup, foragers = task.pickup, task.fleet.collectors
+        if pickup is None or foragers.size == 0:
+            return cls(np.zeros((len(task.fleet), 3, 4)), np.zeros(3), 0.0)
+        usual = pickup.first[foragers, :, :2].mean(axis=(0, 2))
+        return cls(pickup.first, usual, float(pickup.more[foragers].mean()))
 
 
 @kernel
@@ -46,13 +48,13 @@ def quays_beside(shore: Shore, row: float, col: float, node: int) -> int:
 
 
 @kernel
-def dwell(taking: Taking, weight: float, cornered: bool) -> float:
+def dwell(taking: Taking, weight: float) -> float:
     """Decisions that taking so many items takes beyond the first."""
-    return float(max(0.0, taking.each * weight + taking.corner * cornered - min(1.0, weight)))
+    return float(taking.more * max(0.0, weight - 1.0))
 
 
 @kernel
-def turning(taking: Taking, off: float) -> float:
-    """Decisions lost to turning to what lies `off` [rad] the bow: none up to `FREE_RAD`."""
-    share = (abs(off) - FREE_RAD) / (math.pi - FREE_RAD)
-    return taking.behind * max(share, 0.0)
+def turning(taking: Taking, agent: int, quays: int, off: float) -> float:
+    """Decisions lost over the first item, with so many quays beside it, `off` [rad] the bow."""
+    folded = abs(math.atan2(math.sin(off), math.cos(off)))
+    return float(taking.first[agent, quays, min(int(folded / QUARTER_RAD), 3)])

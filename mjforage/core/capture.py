@@ -88,6 +88,17 @@ def load_capture(vessel: str) -> Capture:
     return capture
 
 
+def usual_capture(vessel: str) -> Capture:
+    """How surely a vessel picks up or, if it was never calibrated, the shipped forager.
+
+    Raises
+    ------
+    UserError
+        If there is no such vessel, or if its file is not a valid one.
+    """
+    return load_capture(vessel if capture_path(vessel).exists() else "forager")
+
+
 def _fault(capture: Capture) -> str:
     """What no single range can say: each place once, and no more taken than tried; or nothing."""
     places = [(cell.quays, cell.from_m, cell.from_deg) for cell in capture.cells]

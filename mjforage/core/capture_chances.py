@@ -6,12 +6,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.fleet import Fleet
-from mjforage.core.capture import DECISIONS, FROM_DEG, FROM_M, QUAYS, Capture, load_capture
+from graph_planner.task import Pickup
+from mjforage.core.capture import (
+    DECISIONS,
+    FROM_DEG,
+    FROM_M,
+    QUAYS,
+    Capture,
+    load_capture,
+    usual_capture,
+)
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Scenario
 from mjforage.core.vessel_files import hull_names
 
 FloatArray = NDArray[np.float64]
+NEXT_M = 3.0, 5.0  # distances of cells in which items of the next node lie, of nodes of 4 m
 _CELLS = len(QUAYS), len(FROM_M), len(FROM_DEG)
 
 
@@ -44,6 +54,41 @@ def chances_of(fleet: Fleet, scenario: Scenario) -> Chances | None:
             )
         first[agent], follow[agent] = chances_from(capture)
     return Chances(first, follow, scenario.map.pitch_m)
+
+
+def pickup_of(fleet: Fleet, scenario: Scenario) -> Pickup:
+    """What picking up takes the hulls of a fleet, see `usual_capture`; 0 for who collects nothing.
+
+    Raises
+    ------
+    UserError
+        If a capture model is not a valid one.
+    """
+    first, more = np.zeros((len(fleet), len(QUAYS), len(FROM_DEG))), np.zeros(len(fleet))
+    names = hull_names(fleet, scenario.physics)
+    for agent in fleet.collectors:
+        capture = usual_capture(names[agent])
+        periods = capture.period_s / scenario.period_s
+        first[agent], more[agent] = delays_from(capture)
+        first[agent], more[agent] = periods * first[agent], periods * more[agent]
+    return Pickup(first, more)
+
+
+def delays_from(capture: Capture) -> tuple[FloatArray, float]:
+    """Decisions lost over a first item (quays, bearing), and over one more, see `Pickup`.
+
+    Mean over the distances of items in the next node, from `NEXT_M` on: a sum of chances that it
+    is still there after every decision, the last one's chance from there on.
+    """
+    chances, follow = chances_from(capture)
+    chances = chances[:, [FROM_M.index(far) for far in NEXT_M]]
+    left, lost = 1.0 - chances[..., 0], np.zeros(chances.shape[:-1])
+    for decision in range(1, DECISIONS):
+        lost += left
+        left = left * (1.0 - chances[..., decision])
+    lost += left / chances[..., -1]
+    tried = np.array([both.trials for both in capture.follows])
+    return lost.mean(axis=1), float(1.0 - follow @ tried / tried.sum())
 
 
 def chances_from(capture: Capture) -> tuple[FloatArray, FloatArray]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from graph_planner.geodesics import Int32Array
 from graph_planner.moves import Moves
 from graph_planner.randomness import UInt64Array
+from graph_planner.task import Pickup
 from mjforage.core.initial_state import InitialState
 
 ARRIVED, LATE, BLOCKED = 0, 1, 2
@@ -69,11 +70,12 @@ class Dynamics(Protocol):
     Attributes
     ----------
     detection : probability that an item in view is seen, drawn per item and step
-    certain : whether a forager takes all that is in its node, before the rest drifts
+    pickup : what picking up takes hulls; None if a forager takes all that is in its node, before
+        the rest drifts
     """
 
     detection: float
-    certain: bool
+    pickup: Pickup | None
 
     def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0.

@@ -15,7 +15,7 @@ from graph_planner.moves import Moves, move_length
 from graph_planner.navigation import OFFSETS, STAY, NavigationGraph
 from graph_planner.randomness import UInt64Array
 from graph_planner.rows import put_rows
-from mjforage.core.capture_chances import chances_of
+from mjforage.core.capture_chances import chances_of, pickup_of
 from mjforage.core.dynamics import ARRIVED, BLOCKED, Transition, start_state
 from mjforage.core.film import Film
 from mjforage.core.initial_state import LEEWAY, InitialState
@@ -58,7 +58,7 @@ class GraphDynamics:
     Attributes
     ----------
     detection : probability that an item in view is seen; eyes are perfect here
-    certain : whether a forager takes all that is in its node
+    pickup : what picking up takes hulls, None if a forager takes all that is in its node
     """
 
     detection = 1.0
@@ -75,7 +75,7 @@ class GraphDynamics:
         """
         self._graph, self._film = graph, film
         chances = chances_of(fleet, scenario)
-        self.certain = chances is None
+        self.pickup = None if chances is None else pickup_of(fleet, scenario)
         noise, walls = scenario.weather.noise_node_per_step, scenario.rules.walls
         self._items = ItemRule(graph, fleet, noise, walls, chances)
         self._centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)

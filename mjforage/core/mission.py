@@ -90,7 +90,8 @@ class Mission:
         _check_capabilities(setup, self.exchange)
         if dynamics is None:
             dynamics = GraphDynamics(setup.graph, setup.fleet, setup.scenario)
-        self.task = setup.task if dynamics.certain else replace(setup.task, certain=False)
+        pickup = dynamics.pickup
+        self.task = setup.task if pickup is None else replace(setup.task, pickup=pickup)
         self.ledger = Ledger(self.task, dynamics.detection)
         self._dynamics = dynamics
         self._views, self._radius_number = self.task.views, self.task.radius_number

@@ -20,7 +20,7 @@ from graph_planner.policies.registry import (
     policy_parts,
 )
 from mjforage.core.assets import models_folder
-from mjforage.core.capture import load_capture
+from mjforage.core.capture import load_capture, usual_capture
 from mjforage.core.mission_metrics import Metric, chosen_metrics, description
 from mjforage.core.scenario_file import canonical_json, scenario_to_tree
 from mjforage.core.setup import Setup
@@ -128,13 +128,18 @@ def hull_facts(setup: Setup, worlds: Sequence[str]) -> dict[str, Any]:
 
 
 def _captures(setup: Setup, worlds: Sequence[str]) -> dict[str, Any]:
-    """Capture models of the vessels that collect, if the run uses them."""
-    adapted = [WORLDS[world].adapt(setup.scenario) for world in worlds]
-    if all(scenario.rules.capture == "certain" for scenario in adapted):
+    """Capture models of the vessels that collect, if items or a planner go by them."""
+    adapted = {world: WORLDS[world].adapt(setup.scenario) for world in worlds}
+    by_chance = any(scenario.rules.capture == "calibrated" for scenario in adapted.values())
+    by_mouth = any(
+        adapted[world].physics.capture == "intake" for world in adapted.keys() - {"graph"}
+    )
+    if not by_chance and not by_mouth:
         return {}
+    model = load_capture if by_chance else usual_capture
     names = hull_names(setup.fleet, setup.scenario.physics)
     collecting = {names[agent] for agent in setup.fleet.collectors}
-    return {"captures": {name: asdict(load_capture(name)) for name in sorted(collecting)}}
+    return {"captures": {name: asdict(model(name)) for name in sorted(collecting)}}
 
 
 def weight_hashes(policies: Sequence[str]) -> dict[str, str]:

@@ -17,7 +17,7 @@ from graph_planner.moves import Moves
 from graph_planner.navigation import STAY, NavigationGraph
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import IDLE
-from mjforage.core.capture_chances import chances_of
+from mjforage.core.capture_chances import chances_of, pickup_of
 from mjforage.core.dynamics import Transition, start_state
 from mjforage.core.errors import UserError
 from mjforage.core.film import Film
@@ -83,7 +83,8 @@ class MujocoDynamics:
         self._bodies = self._choice.items == "bodies"
         self._intake = self._choice.capture == "intake"
         self._chances = None if self._bodies else chances_of(fleet, scenario)
-        self.certain = not self._intake and self._chances is None
+        certain = not self._intake and self._chances is None
+        self.pickup = None if certain else pickup_of(fleet, scenario)
         if self._intake and not self._bodies:
             raise UserError(
                 "physics.capture = 'intake' with physics.items = 'graph': items without bodies "

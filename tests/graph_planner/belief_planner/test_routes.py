@@ -8,7 +8,7 @@ from graph_planner.belief_planner.routes import NOWHERE, Legs, search_routes
 from graph_planner.belief_planner.shore import shore_of
 from graph_planner.belief_planner.stops import (
     MOST,
-    add_turns,
+    add_pickup,
     decisions_between,
     float_item,
     floating,
@@ -142,7 +142,8 @@ def test_sixty_four_stops_are_searched() -> None:
 
 
 SEA = navigation_graph(np.ones((40, 40), np.bool_), 1.0, False)
-AT_ONCE, HULLS = Taking.of(certain=True), Taking.of(certain=False)
+AT_ONCE = Taking(np.zeros((1, 3, 4)), np.zeros(3), 0.0)
+HULLS = Taking(0.1 * np.arange(12.0).reshape(1, 3, 4), np.array([0.0, 0.2, 1.5]), 0.5)
 SHORE, WAYS = shore_of(SEA), (ways_of(SEA, 1, True, True),)
 
 
@@ -180,36 +181,44 @@ def test_of_too_many_items_the_soonest_per_worth_become_stops() -> None:
     assert max(SEA.rows[found.node].max(), SEA.cols[found.node].max()) == 7
 
 
-def test_hulls_stay_longer_the_more_there_is_and_in_corners() -> None:
-    """Three items in open water, one in the corner of the sea: the ways from there take longer."""
+def test_hulls_stay_longer_the_more_there_is() -> None:
+    """Three items in open water, one in the corner of the sea: from the three it takes longer."""
     at = SEA.node_of_cell[20:21, 20].copy()
-    for taking, longer in ((AT_ONCE, (0.0, 0.0)), (HULLS, (0.5, 1.0))):
+    for taking, longer in ((AT_ONCE, 0.0), (HULLS, 1.0)):
         items, found = floating(4), stops(MOST, len(SEA))
         for row, col in ((20.0, 25.0), (20.1, 25.0), (20.2, 25.0), (39.45, 39.45)):
             float_item(items, row, col, 1.0)
         gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.0, 0.0, taking, found)
         between = decisions_between(found, WAYS, ONE_KIND, at, True)[1][0]
-        assert between[0, 1] - 19.0 == pytest.approx(longer[0])
-        assert between[1, 0] - 19.0 == pytest.approx(longer[1])
+        assert between[0, 1] - 19.0 == pytest.approx(longer)
+        assert between[1, 0] - 19.0 == 0.0
 
 
-def test_hulls_lose_time_turning_to_what_lies_behind_them_in_the_next_node() -> None:
-    """A forager at (20, 20) heads north-west: nothing is lost for the node to the west (45 degrees
-    off), all for that to the south-east, some for that to the east, none for nodes beyond.
+def test_hulls_lose_time_over_quays_and_turning_to_what_lies_behind_them_in_the_next_node() -> None:
+    """A forager at (20, 20) heads north-north-west; in open water the quarters cost 0 to 0.3.
+
+    The node to the west lies 67 degrees off, that to the south-east 157, to the east 113. Elsewhere
+    it is the usual time, in the corner of the sea 1.5 decisions more.
     """
-    at, yaw = SEA.node_of_cell[20:21, 20].copy(), np.array([0.75 * np.pi])
-    cells = [(20, 19), (21, 21), (20, 21), (23, 20), (20, 20)]
-    for taking, behind in ((AT_ONCE, 0.0), (HULLS, HULLS.behind)):
-        items, found = floating(5), stops(MOST, len(SEA))
-        for row, col in cells:
+    at, yaw = SEA.node_of_cell[20:21, 20].copy(), np.array([0.625 * np.pi])
+    agents, cells = np.zeros(1, np.int64), [(20, 19), (21, 21), (20, 21), (23, 20), (20, 20)]
+    places = [*cells, (39.45, 39.45)]
+    for taking, expected in (
+        (AT_ONCE, [0.0] * 6),
+        (HULLS, [0.1, 0.3, 0.2, 0.0, 0.0, 1.5]),
+    ):
+        items, found = floating(6), stops(MOST, len(SEA))
+        for row, col in places:
             float_item(items, row, col, 1.0)
         gather_stops(items, SHORE, WAYS, ONE_KIND, at, 0.0, 0.0, taking, found)
-        first, _ = decisions_between(found, WAYS, ONE_KIND, at, True)
-        turned = first.copy()
-        add_turns(taking, SHORE, found, at, yaw, turned)
-        lost = {int(node): turned[0, j] - first[0, j] for j, node in enumerate(found.node[:5])}
-        expected = np.array([0.0, 1.0, 0.625, 0.0, 0.0]) * behind  # 135 - 60 of 180 - 60 degrees
-        assert [lost[int(SEA.node_of_cell[cell])] for cell in cells] == pytest.approx(expected)
+        before = decisions_between(found, WAYS, ONE_KIND, at, True)
+        first, between = before[0].copy(), before[1].copy()
+        add_pickup(taking, SHORE, found, agents, at, yaw, first, between)
+        number = {int(node): j for j, node in enumerate(found.node[:6])}
+        order = [number[int(SEA.node_of_cell[cell])] for cell in (*cells, (39, 39))]
+        assert (first - before[0])[0, order] == pytest.approx(expected)
+        usual = [0.0] * 5 + [expected[-1]]
+        assert (between - before[1])[0, 0, order] == pytest.approx(usual)
 
 
 def test_quays_beside_an_item_are_counted() -> None:

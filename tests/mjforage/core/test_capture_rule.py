@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,8 +9,15 @@ from graph_planner.navigation import navigation_graph
 from graph_planner.policies import create_policy
 from graph_planner.randomness import episode_keys
 from graph_planner.task import IDLE, MISSED, TAKEN
-from mjforage.core.capture import BESIDE_M, Capture, CaptureCell, CaptureFollow, load_capture
-from mjforage.core.capture_chances import Chances, chances_from, chances_of
+from mjforage.core.capture import (
+    BESIDE_M,
+    QUAYS,
+    Capture,
+    CaptureCell,
+    CaptureFollow,
+    load_capture,
+)
+from mjforage.core.capture_chances import Chances, chances_from, chances_of, delays_from, pickup_of
 from mjforage.core.capture_rule import capture_cell, quays_beside
 from mjforage.core.dynamics import Transition, start_state
 from mjforage.core.errors import UserError
@@ -17,6 +26,7 @@ from mjforage.core.item_rule import ItemRule
 from mjforage.core.mission import Mission
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
+from mjforage.physics.worlds import create_mission
 from tests.graph_planner.charts import grid
 
 GRAPH = navigation_graph(grid("...", "...", "..."), 4.0, False)
@@ -164,6 +174,41 @@ def test_counts_become_chances_by_the_rule_of_succession() -> None:
     assert follow.tolist() == [0.0, 9 / 10, 0.0]
 
 
+def test_chances_become_decisions_lost_over_an_item_and_over_one_more() -> None:
+    """Items of the next node are taken by .5, then .75 and .8 of those left, and from the farther
+    distances by none, then .5 and .75.
+    """
+    trials = 1_000_000
+    cells = []
+    for cell in load_capture("forager").cells:
+        late = cell.from_m == 5.0
+        taken = (0, 500_000, 375_000) if late else (500_000, 375_000, 100_000)
+        cells.append(replace(cell, trials=trials, taken=taken))
+    follows = tuple(CaptureFollow(quays, trials, trials // 4) for quays in QUAYS)
+    capture = Capture(10.0, tuple(cells), follows)
+    first, more = delays_from(capture)
+    soon = 0.5 + 0.5 * 0.25 + 0.5 * 0.25 * 0.2 / 0.8
+    late_one = 1.0 + 0.5 + 0.5 * 0.25 / 0.75
+    assert first == pytest.approx(np.full((3, 4), 0.5 * (soon + late_one)), abs=1e-4)
+    assert more == pytest.approx(0.75, abs=1e-4)
+
+
+def test_planners_are_told_what_picking_up_takes_only_where_it_can_fail() -> None:
+    """By a hull's own trials, for periods of another length too; else by those of the forager."""
+    setup = Setup.of(load_scenario("comb-port-weather"))
+    first, more = delays_from(load_capture("forager"))
+    scout, forager = setup.fleet.discoverers[0], setup.fleet.collectors[0]
+    told = pickup_of(setup.fleet, setup.scenario)
+    assert (told.first[forager] == first).all() and told.more[forager] == more
+    assert not told.first[scout].any() and not told.more[scout]
+    halved = load_scenario("comb-port-weather", ["period_s=20.0"])
+    assert (pickup_of(setup.fleet, halved).first[forager] == 0.5 * first).all()
+    strange = load_scenario("comb-port-weather", ["physics.vessels.foragers=otter"])
+    assert (pickup_of(setup.fleet, strange).first[forager] == first).all()
+    for world, is_told in (("graph", False), ("debris", False), ("intake", True)):
+        assert (create_mission(setup, world).task.pickup is not None) == is_told
+
+
 def test_a_scenario_gives_its_collectors_the_chances_of_their_vessels() -> None:
     setup = Setup.of(load_scenario("comb-port", ["rules.capture=calibrated"]))
     table = chances_of(setup.fleet, setup.scenario)
@@ -173,7 +218,7 @@ def test_a_scenario_gives_its_collectors_the_chances_of_their_vessels() -> None:
         assert (table.first[agent] == (first if collects else 0.0)).all()
         assert (table.follow[agent] == (follow if collects else 0.0)).all()
     assert chances_of(setup.fleet, load_scenario("comb-port")) is None
-    assert not Mission(setup).task.certain
+    assert Mission(setup).task.pickup is not None
 
 
 @pytest.mark.parametrize(
