@@ -199,6 +199,22 @@ def braking_moment(p: PackedHelm, share: float, surge: float, speed: float, mome
 
 
 @kernel
+def turning_share(s: VesselState, p: PackedHelm, surge: float) -> float:
+    """Most difference of the thrusts [N] that a hull turns with, for a safe surge force [N].
+
+    Yaw has first share of the thrust, and full thrust both ways pushes ahead. Near a lee shore some
+    is kept, and in contact as much as the surge needs, but for what one side gives astern; with
+    both, turning off takes it all.
+    """
+    lee = s.lee_x != 0.0 or s.lee_y != 0.0
+    if lee and s.leans == 0.0:
+        return -OFF_SHARE * p.thrust_low
+    if s.leans != 0.0 and not lee:
+        return max(surge - 2.0 * p.thrust_low, -p.thrust_low)
+    return p.thrust_high - p.thrust_low
+
+
+@kernel
 def push(
     s: VesselState, p: PackedHelm, heading: float, surge: float, step_s: float
 ) -> tuple[float, float]:
@@ -214,9 +230,8 @@ def push(
     given = safe_moment(s, p, given)
     if fast:
         given = braking_moment(p, 1.0, limited, now, given)
-    if s.leans == 0.0 and (s.lee_x != 0.0 or s.lee_y != 0.0):
-        most = -OFF_SHARE * p.thrust_low * p.lever_m
-        given = clipped(given, -most, most)
+    most = turning_share(s, p, limited) * p.lever_m
+    given = clipped(given, -most, most)
     port, starboard = allocate(p, limited, given)
     heading_windup(s, p, moment, (starboard - port) * p.lever_m, step_s)
     return port, starboard

@@ -12,7 +12,7 @@ from controllers.helm import packed
 from controllers.legs import REACTION_S
 from controllers.loops import surge_drag, yaw_drag
 from controllers.state import VesselState
-from controllers.steering import most_gain, safe_force, safe_moment
+from controllers.steering import most_gain, push, safe_force, safe_moment, turning_share
 from controllers.touching import (
     BLUR_M,
     HULL_SHARE,
@@ -143,6 +143,18 @@ def test_a_hull_that_leans_turns_off_against_the_water() -> None:
     free = yaw_drag(P, 0.1) + P.inertia_yaw_kgm2 * 0.1 / (P.lag_s + REACTION_S)
     s.most_port = 0.1
     assert safe_moment(s, P, 500.0) == pytest.approx(free + load)
+
+
+def test_turning_in_contact_presses_a_hull_on_with_no_more_than_the_surge_wanted() -> None:
+    """Full thrust both ways would push it ahead by what it has more ahead than astern."""
+    s, surge = beside(0.0), 0.2 * P.thrust_low
+    s.leans, s.heading_ref = 1.0, 0.0
+    port, starboard = push(s, P, 2.0, surge, 0.1)
+    assert port + starboard == pytest.approx(surge)
+    assert starboard - port == pytest.approx(turning_share(s, P, surge))
+    assert turning_share(s, P, 2.0 * P.thrust_low) == -P.thrust_low  # it turns all the same
+    s.lee_y = -1.0  # held there by water: all thrust turns it off
+    assert turning_share(s, P, surge) == P.thrust_high - P.thrust_low
 
 
 def test_what_a_hull_leans_on_is_not_taken_for_the_water() -> None:
