@@ -10,9 +10,11 @@ import polars as pl
 import pytest
 
 from mjforage.core.errors import UserError
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
 from mjforage.core.whole_files import write_json
 from mjforage.runs.costs import Cost
-from mjforage.runs.identity import run_hash
+from mjforage.runs.identity import hull_facts, run_hash
 from mjforage.runs.resuming import set_aside
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import SCHEMAS, TABLES
@@ -345,3 +347,20 @@ def test_a_folder_is_written_by_one_process_at_a_time(tmp_path: Path) -> None:
         other.communicate("\n")
     with RunFolder(tmp_path).claimed():
         pass
+
+
+@pytest.mark.parametrize(
+    ("scenario", "worlds", "decides"),
+    [
+        (["rules.capture=calibrated"], ["graph"], True),  # items are taken by it
+        ([], ["graph", "intake"], True),  # `belief` plans by it
+        ([], ["graph"], False),
+        ([], ["debris"], False),
+        (["physics.capture=node"], ["physics"], False),
+    ],
+)
+def test_capture_models_are_part_of_a_run_that_goes_by_them(
+    scenario: list[str], worlds: list[str], decides: bool
+) -> None:
+    setup = Setup.of(load_scenario("comb-port-weather", scenario))
+    assert ("captures" in hull_facts(setup, worlds)) == decides
