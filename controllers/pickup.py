@@ -13,7 +13,7 @@ from controllers._compiled import kernel
 from controllers.angles import wrapped
 from controllers.guidance import stopping_speed
 from controllers.helm import PackedHelm
-from controllers.legs import REACTION_S
+from controllers.legs import FERRY_MPS, REACTION_S
 from controllers.loops import turning_limit
 from controllers.quayside import APPROACH_MPS, is_quayed, meeting_speed, run_in
 from controllers.state import VesselState
@@ -81,17 +81,28 @@ def meet_item(s: VesselState, p: PackedHelm) -> tuple[float, float]:
 
 @kernel
 def room_ahead(s: VesselState, room: float) -> float:
-    """How far midships can go ahead until it is `room` [m] from the target on either axis."""
-    c, t = math.cos(s.yaw), math.sin(s.yaw)
-    left_x = room - math.copysign(1.0, c) * (s.x - s.target_x)
-    left_y = room - math.copysign(1.0, t) * (s.y - s.target_y)
-    return min(left_x / max(abs(c), 1e-6), left_y / max(abs(t), 1e-6))
+    """How far midships can go ahead until it is `room` [m] from the target, 0 beyond that."""
+    dx, dy = s.x - s.target_x, s.y - s.target_y
+    along = math.cos(s.yaw) * dx + math.sin(s.yaw) * dy
+    return math.sqrt(max(along * along + room * room - dx * dx - dy * dy, 0.0)) - along
 
 
 @kernel
 def turning_reach(p: PackedHelm) -> float:
     """Distance from midships [m] within which the turning bow would push an item away."""
     return 0.5 * math.sqrt(p.length_m**2 + p.beam_m**2) + BERTH_M
+
+
+@kernel
+def can_be_ready(s: VesselState) -> bool:
+    """Whether a hull that has been at its target may turn to the next item.
+
+    Not in a drift: facing it, a hull that has no thrust aside would be carried off.
+    """
+    drift = math.sqrt(s.drift_x**2 + s.drift_y**2)
+    calm = drift < FERRY_MPS and s.up == 0.0 and s.looks == 0.0
+    at_target = s.arrived != 0.0 and s.place_x == s.target_x and s.place_y == s.target_y
+    return bool(calm and at_target and not math.isnan(s.next_x))
 
 
 @kernel
@@ -102,7 +113,7 @@ def get_ready(s: VesselState, p: PackedHelm, room: float) -> tuple[float, float]
 
     Parameters
     ----------
-    room : as of `pick_up`
+    room : distance from the target that midships should not exceed [m]
     """
     dx, dy = s.next_x - s.x, s.next_y - s.y
     far, bearing = math.sqrt(dx * dx + dy * dy), math.atan2(dy, dx)

@@ -19,7 +19,15 @@ from controllers.loops import (
     surge_windup,
     yaw_drag,
 )
-from controllers.pickup import get_ready, in_room, is_free, meet_item, meets_item, pick_up
+from controllers.pickup import (
+    can_be_ready,
+    get_ready,
+    in_room,
+    is_free,
+    meet_item,
+    meets_item,
+    pick_up,
+)
 from controllers.quayside import COMING, come_in, comes_in, is_cornered, is_in, is_quayed
 from controllers.state import HOLD, TRANSIT, VesselState
 
@@ -27,6 +35,7 @@ AT_M = 0.3  # from its place: there
 PAST_M = 0.75  # beside the target when passing it: there
 LEAVE_M = 1.5  # from its place: no longer there
 SAFE_SHARE = 0.3  # of half the thrust, to turn a hull that brakes for something
+LIFTED_RAD = 0.1  # off the heading wanted, from which all of the water's load is lifted
 OFF_SHARE = 1.5  # of the thrust of one side astern, to turn a hull off a lee shore
 FOLLOWS_MPS, FOLLOWS_RADPS = 0.05, 0.05  # above limits: from there as fast as they fall
 SLOW_MPS = 0.15  # a hull slower than this is not braking
@@ -96,8 +105,7 @@ def change_mode(s: VesselState, p: PackedHelm) -> None:
     x, y = s.place_x, s.place_y
     far = distance_to(s, x, y)
     if s.mode == HOLD:
-        idle = math.isnan(s.item_x) and math.isnan(s.next_x)
-        if far > LEAVE_M and (idle or s.arrived == 0.0):
+        if far > LEAVE_M and (math.isnan(s.item_x) or s.arrived == 0.0):
             start_transit(s, p, x, y, False)
         return
     if is_free(s) and is_quayed(s) and is_in(s, p):
@@ -199,8 +207,8 @@ def braking_moment(p: PackedHelm, share: float, surge: float, speed: float, mome
 
 
 @kernel
-def turning_share(s: VesselState, p: PackedHelm, surge: float) -> float:
-    """Most difference of the thrusts [N] that a hull turns with, for a safe surge force [N].
+def most_difference(s: VesselState, p: PackedHelm, surge: float) -> float:
+    """Most difference of the two thrusts [N] that a hull turns with, for a safe surge force [N].
 
     Yaw has first share of the thrust, and full thrust both ways pushes ahead. Near a lee shore some
     is kept, and in contact as much as the surge needs, but for what one side gives astern; with
@@ -210,7 +218,8 @@ def turning_share(s: VesselState, p: PackedHelm, surge: float) -> float:
     if lee and s.leans == 0.0:
         return -OFF_SHARE * p.thrust_low
     if s.leans != 0.0 and not lee:
-        return max(surge - 2.0 * p.thrust_low, -p.thrust_low)
+        left = min(surge - 2.0 * p.thrust_low, 2.0 * p.thrust_high - surge)
+        return max(left, -p.thrust_low)
     return p.thrust_high - p.thrust_low
 
 
@@ -224,13 +233,15 @@ def push(
     to_port = wrapped(heading - s.heading_ref) > 0.0
     most_rate = min(p.yaw_rate_radps, s.most_port if to_port else s.most_starboard)
     moment = heading_moment(s, p, heading, most_rate, step_s)
-    moment += s.load_port if to_port else -s.load_starboard
+    off = wrapped(heading - s.yaw)
+    moment += s.load_port * clipped(off / LIFTED_RAD, 0.0, 1.0)
+    moment -= s.load_starboard * clipped(-off / LIFTED_RAD, 0.0, 1.0)
     fast = too_fast(s, now)
     given = braking_moment(p, SAFE_SHARE if fast else 1.0, limited, now, moment)
     given = safe_moment(s, p, given)
     if fast:
         given = braking_moment(p, 1.0, limited, now, given)
-    most = turning_share(s, p, limited) * p.lever_m
+    most = most_difference(s, p, limited) * p.lever_m
     given = clipped(given, -most, most)
     port, starboard = allocate(p, limited, given)
     heading_windup(s, p, moment, (starboard - port) * p.lever_m, step_s)
@@ -288,7 +299,7 @@ def steer(s: VesselState, p: PackedHelm, room: float, step_s: float) -> tuple[fl
         return drive(s, p, heading, speed, step_s)
     if math.isnan(s.item_x):
         s.approach = s.still_s = 0.0
-    if not math.isnan(s.next_x) and s.arrived != 0.0 and at_target and s.up == s.looks == 0.0:
+    if can_be_ready(s):
         heading, speed = get_ready(s, p, room)
         s.wanted = s.yaw
         return drive(s, p, heading, speed, step_s)

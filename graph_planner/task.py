@@ -50,7 +50,9 @@ class Pickup(NamedTuple):
 
     first: NDArray[np.float64]  # (agent, quays, quarter) by quays beside the item, 0 to 2, and by
     # its bearing off the bow as the hull sets out from the next node, in quarters of half a circle
-    more: NDArray[np.float64]  # (agent,) for every other item of the node
+    more: NDArray[
+        np.float64
+    ]  # (agent,) for every other item of the node: one, if not taken at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +125,8 @@ def digest(task: Task) -> bytes:
     fleet, graph = task.fleet, task.graph
     arrays = (fleet.moves, fleet.radius, fleet.collects, fleet.capacity, fleet.energy, fleet.order)
     found = hashlib.sha256()
-    for array in (*arrays, graph.neighbours, graph.rows, graph.cols, *task.views):
+    pickup = () if task.pickup is None else task.pickup
+    for array in (*arrays, graph.neighbours, graph.rows, graph.cols, *task.views, *pickup):
         found.update(np.ascontiguousarray(array).data)
     return found.digest()
 
@@ -150,7 +153,7 @@ class Observation(NamedTuple):
     agent_seen: Int32Array  # (row, agent) step of which `agent_node` tells; now is `step` - 1
     taken: NDArray[np.int64]  # (row, agent) items it had taken aboard by then
     pickup: NDArray[np.int8]  # (row, agent) how its picking up ended then, see `PICKUPS`
-    agent_yaw: NDArray[np.float64]  # (row, agent) heading then [rad], 0 east; no matter in graphs
+    agent_yaw: NDArray[np.float64]  # (row, agent) heading then [rad], 0 east, counter-clockwise
 
 
 _TYPES = (

@@ -163,6 +163,7 @@ class Foraging:
         group, chosen = self.group, self.able(room_left, energy_left)
         agents = group.agents[chosen]
         lasts = np.maximum(1.0, energy_left[agents] / self._node_per_decision[chosen])
+        lasts += self._effort.taking.first.max()  # which takes no way
         able = Able(agents, group.kind[chosen], _items(room_left[agents]), lasts)
         return plan_routes(
             self.items,

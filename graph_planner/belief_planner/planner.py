@@ -138,8 +138,8 @@ class BeliefPlanner:
         caught = taken - self._taken[e]
         self._taken[e] = taken
         self._later[e, at[seen.pickup[e][agents] == UNREACHABLE]] = now + LATER
-        none = self._task.pickup is None
-        return rc.Catch(at[:0], caught[:0]) if none else rc.Catch(at, caught)
+        at_once = self._task.pickup is None
+        return rc.Catch(at[:0], caught[:0]) if at_once else rc.Catch(at, caught)
 
     def _settle_losses(self, e: int, now: int, sighted: Int32Array) -> Int32Array:
         """Take in what was lost and found; those of the new sightings that are really new."""

@@ -4,7 +4,7 @@ from numpy.typing import NDArray
 
 from controllers import Chart, Pilot
 from controllers.helm import packed
-from controllers.pickup import get_ready, pick_up
+from controllers.pickup import can_be_ready, get_ready, pick_up
 from controllers.quayside import is_quayed, line_to_item, note_quays
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
@@ -116,8 +116,19 @@ def test_a_hull_with_nothing_to_do_waits_at_the_rim_of_its_node_facing_the_next_
     x, y, yaw = ready(items, yaws, 16.0).T
     off = np.arctan2(items[:, 0, 1] - y, items[:, 0, 0] - x) - yaw
     assert np.abs((off + np.pi) % (2.0 * np.pi) - np.pi).max() < np.radians(10.0)
-    farthest = np.maximum(np.abs(x - CENTRE), np.abs(y - CENTRE))
-    assert farthest.min() > 1.0 and farthest.max() < 1.6
+    off_place = np.hypot(x - CENTRE, y - CENTRE)
+    assert off_place.min() > 1.0 and off_place.max() < 1.5
+
+
+def test_in_a_drift_a_hull_keeps_its_place_and_does_not_turn_to_the_next_item() -> None:
+    """It has no thrust aside: facing the item it would be carried out of its node."""
+    s = blank()
+    s.arrived, s.next_x, s.next_y = 1.0, 5.0, 0.0
+    assert can_be_ready(s)
+    for name, value in (("drift_y", 0.11), ("up", 0.5), ("looks", 1.0), ("arrived", 0.0)):
+        other = s.copy()
+        other[name] = value
+        assert not can_be_ready(other)
 
 
 def test_an_item_within_the_reach_of_the_turning_bow_is_not_turned_to() -> None:

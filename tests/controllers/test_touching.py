@@ -12,7 +12,7 @@ from controllers.helm import packed
 from controllers.legs import REACTION_S
 from controllers.loops import surge_drag, yaw_drag
 from controllers.state import VesselState
-from controllers.steering import most_gain, push, safe_force, safe_moment, turning_share
+from controllers.steering import most_difference, most_gain, push, safe_force, safe_moment
 from controllers.touching import (
     BLUR_M,
     HULL_SHARE,
@@ -151,10 +151,26 @@ def test_turning_in_contact_presses_a_hull_on_with_no_more_than_the_surge_wanted
     s.leans, s.heading_ref = 1.0, 0.0
     port, starboard = push(s, P, 2.0, surge, 0.1)
     assert port + starboard == pytest.approx(surge)
-    assert starboard - port == pytest.approx(turning_share(s, P, surge))
-    assert turning_share(s, P, 2.0 * P.thrust_low) == -P.thrust_low  # it turns all the same
+    assert starboard - port == pytest.approx(most_difference(s, P, surge))
+    assert most_difference(s, P, 2.0 * P.thrust_low) == -P.thrust_low  # it turns all the same
+    assert most_difference(s, P, 2.0 * P.thrust_high - 1.0) == -P.thrust_low
+    assert most_difference(s, P, P.thrust_high) == pytest.approx(P.thrust_high)
     s.lee_y = -1.0  # held there by water: all thrust turns it off
-    assert turning_share(s, P, surge) == P.thrust_high - P.thrust_low
+    assert most_difference(s, P, surge) == P.thrust_high - P.thrust_low
+
+
+def test_the_load_of_the_water_is_lifted_to_the_side_to_which_the_hull_shall_turn() -> None:
+    """Also where the reference is at the heading wanted already, and the hull held."""
+    turned = []
+    for side in (1.0, 0.0, -1.0):
+        s = beside(0.0)
+        s.leans, s.lee_y, s.load_port, s.load_starboard = 1.0, -1.0, 18.0, 18.0
+        s.most_port = s.most_starboard = 1e3
+        s.heading_ref = 0.2 * side
+        port, starboard = push(s, P, 0.2 * side, 0.0, 0.1)
+        turned.append((starboard - port) * P.lever_m)
+    spring = P.inertia_yaw_kgm2 * P.heading_bandwidth_radps**2 * 0.2
+    assert turned == pytest.approx([spring + 18.0, 0.0, -spring - 18.0], abs=1.0)
 
 
 def test_what_a_hull_leans_on_is_not_taken_for_the_water() -> None:

@@ -102,7 +102,8 @@ class MujocoDynamics:
         )
         self._has_camera = self._intake and scenario.sensors.pickup_noise_m > 0.0
         self._size = np.array([(0.5 * v.length_m, 0.5 * v.beam_m) for v in self._vessels])
-        self._reach = Reach(fleet.collects, self._size, graph.pitch_m)
+        narrow = self._has_camera and scenario.sensors.pickup_view_deg < 360.0
+        self._reach = Reach(fleet.collects, self._size, self._water, narrow)
         self._harbour = Harbour(
             pack_fleet(self._vessels), self._size, graph.water.framed, graph.pitch_m, CONTROL_S
         )

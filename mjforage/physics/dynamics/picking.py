@@ -13,16 +13,18 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.chart import is_land
 from graph_planner.compiled import inlined, kernel
 from graph_planner.task import IDLE, MISSED, TAKEN, UNREACHABLE
+from mjforage.core.capture import BESIDE_M
 from mjforage.core.dynamics import Transition
+from mjforage.physics.dynamics.tracks import RADIUS_M, Water
 
 MOUTH_DEPTH_M = 0.3  # how far behind the bow the mouth reaches, and the item's radius ahead of it
 MOUTH_REACH_M = 0.12  # an item of radius 0.1 m that touches the bow is in
 ATTEMPTS = 2  # that may fail before an item is left for later
 NEAR_M, AWAY_M = 0.6, 1.2  # from the middle of the bow: an attempt begins, and has failed
 LATER_S = 60.0  # until an item that was given up is sought again
-RADIUS_M = 0.1  # of an item
 STANDS = 0.42  # of a node's side: farthest that midships goes from its middle to take one beside it
 READY_M = 9.0  # farthest item that a hull gets ready for: a little more than two nodes of 4 m
 FloatArray = NDArray[np.float64]
@@ -73,13 +75,14 @@ class Reach(NamedTuple):
 
     collects: NDArray[np.bool_]  # (vessel,)
     size: FloatArray  # (vessel, 2) half length, half beam [m]
-    pitch_m: float  # side of a node
+    water: Water
+    narrow: bool  # whether they have cameras that do not see all round
 
 
 @inlined
 def _within(reach: Reach, node_xy: FloatArray, x: float, y: float) -> bool:
     """Whether a place lies within the square of a node."""
-    return bool(max(abs(x - node_xy[0]), abs(y - node_xy[1])) <= 0.5 * reach.pitch_m)
+    return bool(max(abs(x - node_xy[0]), abs(y - node_xy[1])) <= 0.5 * reach.water.pitch_m)
 
 
 @inlined
@@ -88,14 +91,19 @@ def _within_reach(
 ) -> bool:
     """Whether a hull can take an item beside its node with midships well within the node.
 
-    Across one side only: a corner of the node may be one of land.
+    Across one side only: a corner of the node may be one of land. Not at a quay: there a hull does
+    not come in as the item bears.
     """
-    if min(abs(x - node_xy[0]), abs(y - node_xy[1])) > 0.5 * reach.pitch_m:
+    land, pitch = reach.water.land, reach.water.pitch_m
+    if min(abs(x - node_xy[0]), abs(y - node_xy[1])) > 0.5 * pitch:
         return False
+    for side in (-BESIDE_M, BESIDE_M):
+        if is_land(land, pitch, x + side, y) or is_land(land, pitch, x, y + side):
+            return False
     dx, dy = x - pose[0], y - pose[1]
     short = (half + RADIUS_M) / max(math.hypot(dx, dy), half + RADIUS_M)
     off_x, off_y = x - short * dx - node_xy[0], y - short * dy - node_xy[1]
-    return bool(max(abs(off_x), abs(off_y)) < STANDS * reach.pitch_m)
+    return bool(max(abs(off_x), abs(off_y)) < STANDS * pitch)
 
 
 @inlined
@@ -134,7 +142,7 @@ def _choose(
     item_node: NDArray[np.int32],
     later_s: FloatArray,
     now_s: float,
-) -> tuple[int, int, int]:
+) -> tuple[int, int, int, bool]:
     """The nearest item in the hull's node, of those within reach beside it, and of all others.
 
     Parameters
@@ -144,13 +152,17 @@ def _choose(
 
     Returns
     -------
-    Their numbers, -1 for none
+    Their numbers, -1 for none, and whether it knows of any, even of one to be left for later
     """
     own, beside, other = -1, -1, -1
     own_m = beside_m = other_m = np.inf
+    knows = False
     for k in range(item_node.size):
         x, y = xy[k, 0], xy[k, 1]
-        if item_node[k] < 0 or math.isnan(x) or now_s < later_s[k]:
+        if item_node[k] < 0 or math.isnan(x):
+            continue
+        knows = True
+        if now_s < later_s[k]:
             continue
         away = math.hypot(x - pose[0], y - pose[1])
         if _within(reach, node_xy, x, y):
@@ -161,7 +173,7 @@ def _choose(
                 beside, beside_m = k, away
         elif away < min(other_m, READY_M):
             other, other_m = k, away
-    return own, beside, other
+    return own, beside, other, knows
 
 
 @kernel
@@ -181,7 +193,7 @@ def seek(
 
     It picks up the nearest item within the square of its target node, else the nearest beside it
     that its bow reaches. With none it gets ready for the nearest other one. A forager that was told
-    to stay, and has seen no item at all in this period, looks round.
+    to stay and knows of no item at all looks round, if its camera does not do that by itself.
 
     Parameters
     ----------
@@ -209,7 +221,7 @@ def seek(
                 away, mine = math.hypot(x - bow_x, y - bow_y), _within(reach, node_xy, x, y)
                 _note_attempt(attempts, e, v, away, now_s[e], mine, pickup)
             later_s = attempts.later_s[e, v]
-            own, beside, other = _choose(
+            own, beside, other, knows = _choose(
                 reach, half, pose[e, v], node_xy, places, item_node[e], later_s, now_s[e]
             )
             best = own if own >= 0 else beside
@@ -221,7 +233,7 @@ def seek(
                 goal.xy[e, v, 0], goal.xy[e, v, 1] = x, y
             elif other >= 0:
                 goal.next[e, v, 0], goal.next[e, v, 1] = places[other]
-            else:
+            elif reach.narrow and not knows:
                 goal.look[e, v] = sent.stay[e, v] and pickup[e, v] == IDLE
             if own >= 0 and pickup[e, v] == IDLE:
                 pickup[e, v] = MISSED

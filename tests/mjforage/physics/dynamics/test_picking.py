@@ -14,10 +14,12 @@ from mjforage.physics.dynamics.picking import (
     seek,
     take_at_mouth,
 )
+from mjforage.physics.dynamics.tracks import Water
 
 ON = np.ones(1, np.bool_)
 GRAPH = navigation_graph(np.array([[1, 1, 1], [1, 0, 1]], np.bool_), 4.0, False)
-REACH = Reach(np.array([False, True]), np.array([[0.7, 0.5], [1.0, 0.54]]), 4.0)
+OPEN = Water(np.zeros((0, 0), np.bool_), 4.0)
+REACH = Reach(np.array([False, True]), np.array([[0.7, 0.5], [1.0, 0.54]]), OPEN, narrow=True)
 CENTRES = np.stack((GRAPH.rows, GRAPH.cols), axis=1).astype(np.float64)
 
 
@@ -73,13 +75,21 @@ def test_the_goal_is_the_nearest_item_within_the_target_node() -> None:
     assert np.isnan(goal.xy).all() and np.isnan(goal.next).all() and not goal.look.any()
 
 
-def sought(x: float, y: float, stay: bool = False) -> tuple[list[float], list[float], bool, int]:
-    """What a forager in the middle of its node does about one item: pick up, be ready, look."""
+def sought(
+    x: float,
+    y: float,
+    stay: bool = False,
+    reach: Reach = REACH,
+    at: tuple[float, float] = (0.0, 0.0),
+    later_s: float = 0.0,
+) -> tuple[list[float], list[float], bool, int]:
+    """What a forager does about one item, in its node or not: pick up, be ready, look."""
     state, goal = state_of([0]), Goal.of(1, 2)
     attempts, now, room = Attempts.of(2, state.item_node), np.zeros(1), np.ones((1, 2), np.int64)
-    xy, pose = np.array([[[[x, y]]] * 2]), np.zeros((1, 2, 3))
+    attempts.later_s[:] = later_s
+    xy, pose = np.array([[[[x, y]]] * 2]), np.array([[[*at, 0.0]] * 2])
     sent = sent_to_the_origin(stay)
-    seek(REACH, attempts, ON, room, pose, xy, sent, now, state, goal)
+    seek(reach, attempts, ON, room, pose, xy, sent, now, state, goal)
     pickup = int(state.pickup[0, 1])
     return goal.xy[0, 1].tolist(), goal.next[0, 1].tolist(), bool(goal.look[0, 1]), pickup
 
@@ -92,6 +102,11 @@ def test_an_item_beside_the_node_is_picked_up_if_midships_need_not_leave_it() ->
     assert sought(2.77, 0.0)[0] == [2.77, 0.0]
     assert sought(0.0, -2.77)[0] == [0.0, -2.77]
     assert sought(2.77, 0.0)[3] == IDLE and sought(1.9, 0.0)[3] == MISSED
+    assert sought(2.7, 0.0, at=(2.7, -1.2))[0] != [2.7, 0.0]  # from where it is, it would leave
+    quay = Water(np.zeros((5, 5), np.bool_), 4.0)
+    quay.land[2, 2] = True  # whose sides are 2 m from (4, 4)
+    assert sought(2.5, 1.3, reach=REACH._replace(water=quay))[0] == [2.5, 1.3]
+    assert np.isnan(sought(2.5, 1.5, reach=REACH._replace(water=quay))[0]).all()
     for x, y in ((2.79, 0.0), (2.1, 2.1)):
         wanted, following, _, pickup = sought(x, y)
         assert np.isnan(wanted).all() and following == [x, y] and pickup == IDLE
@@ -104,6 +119,9 @@ def test_with_nothing_to_pick_up_a_forager_is_ready_for_the_next_or_looks_round(
     assert not sought(-5.0, 5.0, stay=True)[2]
     assert sought(nowhere, nowhere, stay=True)[2]
     assert not sought(nowhere, nowhere)[2]  # on its way elsewhere
+    assert not sought(nowhere, nowhere, stay=True, reach=REACH._replace(narrow=False))[2]
+    assert not sought(-6.5, 6.5, stay=True)[2]  # it knows of one, and of one given up
+    assert not sought(1.0, 0.0, stay=True, later_s=9.0)[2]
 
 
 def test_a_forager_that_stays_looks_round_until_it_has_seen_an_item() -> None:
