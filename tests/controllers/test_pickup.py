@@ -122,13 +122,18 @@ def test_a_hull_with_nothing_to_do_waits_at_the_rim_of_its_node_facing_the_next_
 
 def test_in_a_drift_a_hull_keeps_its_place_and_does_not_turn_to_the_next_item() -> None:
     """It has no thrust aside: facing the item it would be carried out of its node."""
-    s = blank()
-    s.arrived, s.next_x, s.next_y = 1.0, 5.0, 0.0
-    assert can_be_ready(s)
-    for name, value in (("drift_y", 0.11), ("up", 0.5), ("looks", 1.0), ("arrived", 0.0)):
-        other = s.copy()
-        other[name] = value
-        assert not can_be_ready(other)
+    for name, value, ready in (
+        ("drift_y", 0.09, True),
+        ("drift_y", 0.11, False),
+        ("up", 0.5, False),
+        ("looks", 1.0, False),
+        ("arrived", 0.0, False),
+        ("place_x", 1.0, False),
+    ):
+        s = blank()
+        s.arrived, s.next_x, s.next_y = 1.0, 5.0, 0.0
+        setattr(s, name, value)
+        assert can_be_ready(s) == ready
 
 
 def test_an_item_within_the_reach_of_the_turning_bow_is_not_turned_to() -> None:

@@ -114,6 +114,34 @@ def closing_speed(
 
 
 @kernel
+def _open_side(
+    framed: Int32Array, r: int, c: int, nx: float, ny: float, own: bool
+) -> tuple[float, float, bool]:
+    """The normal of a hull's touch of a land cell, at seams that of the quay that cells make up.
+
+    A side between two cells is none of the quay, and their corners are none unless they jut out:
+    the open side beside them counts, if there is one; else nothing, for a neighbour is touched too.
+
+    Parameters
+    ----------
+    framed, r, c : the cell
+    nx, ny, own : as of `contact`
+
+    Returns
+    -------
+    The same three; a normal of 0 where the cell has no open side there
+    """
+    east, north = (1 if nx > 0.0 else -1), (1 if ny > 0.0 else -1)
+    by_x = abs(nx) > 1e-9 and framed[r, c + east] >= 0
+    by_y = abs(ny) > 1e-9 and framed[r - north, c] >= 0
+    if own and by_x and by_y:
+        return nx, ny, own
+    if by_x:
+        return float(east), 0.0, False
+    return 0.0, float(north) if by_y else 0.0, False
+
+
+@kernel
 def _touch_quays(
     pose: FloatArray,
     velocity: FloatArray,
@@ -138,8 +166,10 @@ def _touch_quays(
             hit, nx, ny, own = contact(pose, cell, size, half)
             if hit:
                 touching = True
-                speed = closing_speed(pose, cell, velocity, still, size, half, nx, ny, own)
-                closing = max(closing, speed)
+                nx, ny, own = _open_side(framed, r, c, nx, ny, own)
+                if nx != 0.0 or ny != 0.0:
+                    speed = closing_speed(pose, cell, velocity, still, size, half, nx, ny, own)
+                    closing = max(closing, speed)
     return touching, closing
 
 

@@ -6,6 +6,7 @@ from graph_planner.navigation import navigation_graph
 from mjforage.core.dynamics import start_state
 from mjforage.core.initial_state import InitialState
 from mjforage.physics.dynamics.picking import Reach, take_at_mouth
+from mjforage.physics.dynamics.tracks import Water
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.validation.finding import Float64Array, Line, Measure, Panel, near
@@ -113,7 +114,7 @@ def _taken(
     xy = places @ np.array([[c, s], [-s, c]]) + (5.0, -3.0)
     size = np.array([[0.5 * forager.length_m, 0.5 * forager.beam_m]])
     take_at_mouth(
-        Reach(np.array([collects]), size, PITCH_M),
+        Reach(np.array([collects]), size, Water(np.zeros((0, 0), np.bool_), PITCH_M), False),
         np.ones(1, np.bool_),
         np.array([[[5.0, -3.0, yaw]]]),
         xy[None],

@@ -101,7 +101,7 @@ def undisturbed(folder: Path, episodes: int, world: str = "graph") -> Path:
 
 
 @needs_proc
-@pytest.mark.parametrize(("world", "episodes"), [("graph", 250), ("physics", 40)])
+@pytest.mark.parametrize(("world", "episodes"), [("graph", 250), ("physics", 80)])
 def test_a_killed_run_resumes_to_the_same_bytes(
     start: Start, tmp_path: Path, world: str, episodes: int
 ) -> None:

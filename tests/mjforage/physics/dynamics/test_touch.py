@@ -94,6 +94,23 @@ def test_two_hulls_share_their_closing_speed() -> None:
     assert fastest == pytest.approx([0.5, 0.5, 0.0])
 
 
+@pytest.mark.parametrize("along", [-0.02, 0.0, 0.02])
+def test_at_a_seam_between_cells_a_straight_quay_is_one(along: float) -> None:
+    """The starboard bow slides along a quay at x = 2, over the seam at y = 2 [m].
+
+    Against a corner of either cell it would close at 0.33 m/s, as fast as the bow's side turns.
+    """
+    yaw, velocity = 215.8, (-0.116, -0.089, 0.34)
+    c, s = math.cos(math.radians(yaw)), math.sin(math.radians(yaw))
+    corner = (c * HULL[0] + s * HULL[1], s * HULL[0] - c * HULL[1])
+    hull = pose(1.999 - corner[0], 2.0 + along - corner[1], yaw)
+    touching, closing = found([hull], [velocity], ["01", "01"])
+    assert touching == [True]
+    assert closing == pytest.approx([0.116 + 0.34 * corner[1]], abs=0.01)
+    if along == 0.0:  # where the quay ends, the corner is one
+        assert found([hull], [velocity], ["11", "01"])[1][0] > 0.3
+
+
 def test_no_point_of_a_touch_lies_outside_the_hull() -> None:
     """Turning at 1 rad/s on the spot beside a quay of two cells, nearly parallel to it, no point
     of a hull is faster than its corner, 1 m along the quay; the cells' own corners are 4 m off.
