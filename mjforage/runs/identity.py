@@ -110,7 +110,7 @@ def provenance() -> dict[str, str]:
 def hull_facts(setup: Setup, worlds: Sequence[str]) -> dict[str, Any]:
     """Parameters of every vessel and class of debris that the run needs; none at graph level.
 
-    Where items are taken by chance, the capture models too.
+    Where items can be missed, the capture models too.
     """
     captures = _captures(setup, worlds)
     if set(worlds) <= {"graph"}:

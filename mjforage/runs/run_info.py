@@ -77,7 +77,7 @@ class Hulls:
     debris: tuple[Mapping[str, Any], ...] = ()
     """Classes of items, with all their parameters."""
     captures: Mapping[str, Any] = field(default_factory=dict)
-    """Capture models by vessel, where items are taken by chance."""
+    """Capture models by vessel, where items can be missed; the forager's for one never calibrated."""
 
 
 @dataclass(frozen=True)
