@@ -210,9 +210,9 @@ def braking_moment(p: PackedHelm, share: float, surge: float, speed: float, mome
 def most_difference(s: VesselState, p: PackedHelm, surge: float) -> float:
     """Most difference of the two thrusts [N] that a hull turns with, for a safe surge force [N].
 
-    Yaw has first share of the thrust, and full thrust both ways pushes ahead. So some is kept near a
-    lee shore, and in contact as much as the surge needs, but for what one side gives astern. A hull
-    that leans on a lee shore turns off with all that it has.
+    Yaw has first share of the thrust, and full thrust both ways pushes ahead. So some is kept near
+    a lee shore, and in contact as much as the surge needs, but for what one side gives astern. A
+    hull that leans on a lee shore turns off with all that it has.
     """
     lee = s.lee_x != 0.0 or s.lee_y != 0.0
     if lee and s.leans == 0.0:

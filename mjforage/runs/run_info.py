@@ -77,7 +77,7 @@ class Hulls:
     debris: tuple[Mapping[str, Any], ...] = ()
     """Classes of items, with all their parameters."""
     captures: Mapping[str, Any] = field(default_factory=dict)
-    """Capture models by vessel, where items can be missed; the forager's for one never calibrated."""
+    """Capture models by vessel, where items can be missed; without its own the forager's."""
 
 
 @dataclass(frozen=True)
