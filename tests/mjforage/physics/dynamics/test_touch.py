@@ -111,15 +111,18 @@ def test_at_a_seam_between_cells_a_straight_quay_is_one(along: float) -> None:
         assert found([hull], [velocity], ["11", "01"])[1][0] > 0.3
 
 
-def test_no_point_of_a_touch_lies_outside_the_hull() -> None:
-    """Turning at 1 rad/s on the spot beside a quay of two cells, nearly parallel to it, no point
-    of a hull is faster than its corner, 1 m along the quay; the cells' own corners are 4 m off.
+@pytest.mark.parametrize(("rows", "middle"), [(["10", "10"], 2.0), (["111", "101", "111"], 4.0)])
+def test_no_point_of_a_touch_lies_outside_the_hull(rows: list[str], middle: float) -> None:
+    """Turning at 1 rad/s on the spot beside a quay, nearly parallel to it, no point of a hull is
+    faster than its corner, 1 m along the quay; a cell's own corners are up to 4 m off.
+
+    The quay is of two cells, or one cell alone, whose corners jut out.
     """
     rng = np.random.default_rng(0)
     fastest, hits = 0.0, 0
     for _ in range(2000):
-        at = pose(1.505, rng.uniform(-1.0, 5.0), 90 + rng.normal(0.0, 0.4))
-        hit, closing = found([at], [(0.0, 0.0, 1.0)], ["10", "10"])
+        at = pose(1.505, middle + rng.uniform(-3.0, 3.0), 90 + rng.normal(0.0, 0.4))
+        hit, closing = found([at], [(0.0, 0.0, 1.0)], rows)
         fastest, hits = max(fastest, *closing), hits + hit[0]
     assert hits > 1000
     assert 0.9 < fastest < 1.05
