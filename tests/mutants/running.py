@@ -59,7 +59,18 @@ def is_plain(check: str) -> bool:
 def run_check(mutant: Mutant, copy: Path) -> Outcome:
     """Run a mutant's check on the copy as it is."""
     if mutant.is_test:
-        flags = ("-x", "-p", "no:xdist", "-p", "no:cacheprovider", "--no-header", "--tb=line")
+        # Without the compiler numpy warns of the overflow that hashes are made of.
+        quiet = ("-W", "ignore:overflow:RuntimeWarning")
+        flags = (
+            "-x",
+            "-p",
+            "no:xdist",
+            "-p",
+            "no:cacheprovider",
+            "--no-header",
+            "--tb=line",
+            *quiet,
+        )
         words = [sys.executable, "-m", "pytest", *flags, mutant.check]
     else:
         words = [sys.executable, "-c", _VALIDATE, mutant.check]
