@@ -32,7 +32,7 @@ SOON_S = 2.0  # before it is there, such a hull turns bow or stern off
 STRONG_DRIFT_MPS = 0.2  # a drift from which a hull keeps off the quay to leeward of its place
 LEE_M = 2.0  # a quay nearer than this to leeward of a place counts
 MOST_UP_M = 0.5  # how far it then lies up the drift
-UNLIMITED = 1e3  # a limit [m/s] that no hull reaches
+UNLIMITED = 1e3  # a limit [m/s], [rad/s] that no hull reaches
 
 
 @kernel

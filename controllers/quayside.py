@@ -63,8 +63,7 @@ def meeting_speed(p: PackedHelm, left: float) -> float:
 def note_quays(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> None:
     """Find the quays beside the item, and if they are others than before, the course to come in on.
 
-    In a corner that is the one with water behind, to back off into, and of two such the one nearer
-    ahead.
+    In a corner: `course_in`.
     """
     before_x, before_y = s.quay_x, s.quay_y
     s.quay_x = s.quay_y = 0.0

@@ -17,7 +17,7 @@ from controllers.free_way import (
 )
 from controllers.guidance import stopping_distance, stopping_speed
 from controllers.helm import HelmArray
-from controllers.lee import heed_lee, heed_lee_hull, windward_room
+from controllers.lee import UNLIMITED, heed_lee, heed_lee_hull, windward_room
 from controllers.legs import REACTION_S
 from controllers.state import HOLD, FleetArray, VesselState
 from controllers.touching import HULL_SHARE, NEAR_M, heed_hull, heed_land
@@ -26,7 +26,6 @@ AHEAD, TURNED = 0.0, 1.0  # hulls as they head now, and as they will when they t
 LEAST_TURN_RAD = 0.05  # a turn that is looked at
 PAST_QUAY_MPS, PAST_HULL_MPS = 0.25, 0.15  # along a hull nearer than the clearance, a quay half
 LONGEST_PATH_M = 5.0  # of another, to stop
-UNLIMITED = 1e3  # a limit [m/s], [rad/s] that no hull reaches
 
 
 @kernel

@@ -184,6 +184,8 @@ def add_pickup(
     agents, at, yaw : (forager,) index in the fleet, node, heading [rad], 0 = east
     first, between : as of `decisions_between`, added to
     """
+    if taking.more == 0.0 and not taking.first.any():
+        return  # as in the graph
     for j in range(first.shape[1]):
         quays = found.quays[j]
         for f in range(at.size):

@@ -142,8 +142,9 @@ def test_sixty_four_stops_are_searched() -> None:
 
 
 SEA = navigation_graph(np.ones((40, 40), np.bool_), 1.0, False)
-AT_ONCE = Taking(np.zeros((1, 3, 4)), np.zeros(3), 0.0)
-HULLS = Taking(0.1 * np.arange(12.0).reshape(1, 3, 4), np.array([0.0, 0.2, 1.5]), 0.5)
+AT_ONCE = Taking(np.zeros((2, 3, 4)), np.zeros(3), 0.0)
+FORAGER = 0.1 * np.arange(12.0).reshape(3, 4)  # after a scout, which takes nothing
+HULLS = Taking(np.stack((np.full((3, 4), 9.0), FORAGER)), np.array([0.0, 0.2, 1.5]), 0.5)
 SHORE, WAYS = shore_of(SEA), (ways_of(SEA, 1, True, True),)
 
 
@@ -201,7 +202,7 @@ def test_hulls_lose_time_over_quays_and_turning_to_what_lies_behind_them_in_the_
     it is the usual time, in the corner of the sea 1.5 decisions more.
     """
     at, yaw = SEA.node_of_cell[20:21, 20].copy(), np.array([0.625 * np.pi])
-    agents, cells = np.zeros(1, np.int64), [(20, 19), (21, 21), (20, 21), (23, 20), (20, 20)]
+    agents, cells = np.ones(1, np.int64), [(20, 19), (21, 21), (20, 21), (23, 20), (20, 20)]
     places = [*cells, (39.45, 39.45)]
     for taking, expected in (
         (AT_ONCE, [0.0] * 6),
