@@ -21,7 +21,7 @@ from controllers.lee import (
     turn_off,
 )
 from controllers.quayside import course_in
-from controllers.safety import settle
+from controllers.safety import limit_speeds, settle
 from controllers.state import VesselState
 from graph_planner.navigation import navigation_graph
 from mjforage.physics.vessel_helm import helm_of
@@ -191,6 +191,9 @@ def test_another_hull_is_kept_off_unless_it_drifts_alike(drifts: bool) -> None:
     other.vy = -SET_MPS if drifts else 0.0
     heed_lee_hull(s, P, other, P)
     assert s.most_ahead == (FREE if drifts else pytest.approx((0.1 - OFF_M) / LEE_S))
+    fleet, helms, sea = np.array([s, other]), np.array([P, P]), np.zeros((0, 0), np.bool_)
+    limit_speeds(fleet, helms, sea, PITCH_M, 0)
+    assert (fleet["most_ahead"][0] < 0.0) == (not drifts)
 
 
 def test_alongside_a_hull_turns_its_stern_off() -> None:

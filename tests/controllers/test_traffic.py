@@ -10,9 +10,10 @@ from controllers.chart import Chart
 from controllers.conflicts import NONE, Traffic, conflict, runs_aground
 from controllers.detours import straight_on
 from controllers.helm import HELM, PackedHelm, packed
+from controllers.lee import UNLIMITED
 from controllers.legs import REACTION_S
 from controllers.prediction import SAMPLE_S, SAMPLES, predict
-from controllers.safety import UNLIMITED, limit_speeds
+from controllers.safety import limit_speeds
 from controllers.state import STATE, VesselState
 from controllers.steering import start_decision
 from controllers.traffic import plan_fleet, rank_fleet
