@@ -107,6 +107,26 @@ def test_collectors_know_where_items_are_or_what_their_cameras_saw(camera: bool)
     assert seen.any() and not seen.all()
 
 
+def test_pilots_are_told_one_item_to_pick_up_or_one_to_be_ready_for() -> None:
+    """The latter lies outside the node that the forager is sent to, within 9 m."""
+    setup = setup_of("comb-port-weather", "horizon=45", "sensors.pickup_noise_m=0.0")
+    mission, policy, ready = create_mission(setup, "physics"), create_policy("greedy"), 0
+    mission.reset(3, np.arange(4))
+    mission.prepare(policy)
+    dynamics, foragers = mission._dynamics, setup.fleet.collectors
+    assert isinstance(dynamics, MujocoDynamics)
+    for _ in range(45):
+        mission.advance(mission.ask(policy))
+        state = dynamics._pilot._fleets.state
+        expects, seeks = np.isfinite(state["next_x"]), np.isfinite(state["item_x"])
+        assert not (expects & seeks).any() and not expects[:, ~setup.fleet.collects].any()
+        off_x, off_y = state["next_x"] - state["target_x"], state["next_y"] - state["target_y"]
+        assert (np.maximum(abs(off_x), abs(off_y))[expects] > 0.5 * setup.graph.pitch_m).all()
+        assert (np.hypot(off_x, off_y)[expects] < 9.0 + setup.graph.pitch_m).all()
+        ready += int(expects[:, foragers].sum())
+    assert ready > 0
+
+
 def test_filming_changes_nothing_and_shows_where_hulls_were() -> None:
     setup, film = setup_of("comb-port", *SHORT), Film()
     filmed = scored(setup, [1], film=film)
