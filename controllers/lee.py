@@ -146,7 +146,9 @@ def turn_off(s: VesselState, p: PackedHelm, heading: float, speed: float) -> tup
 
     A hull that lies alongside turns its stern off: pushing ahead with the bow for a pivot, all of
     thrust, friction and Munk moment help. One that is nearly broadside, and soon there, turns bow
-    or stern off. Before it turns through broadside a hull makes room.
+    or stern off, the way that it leans and turns already: one that comes broadside strikes with one
+    end and then, half as fast again, with the other. Before it turns through broadside a hull makes
+    room.
     """
     far = math.sqrt(s.lee_x**2 + s.lee_y**2)
     if far == 0.0:
@@ -159,7 +161,8 @@ def turn_off(s: VesselState, p: PackedHelm, heading: float, speed: float) -> tup
     begun, room = clipped(2.0 * turning, 0.0, 1.0), far - extent(p, HEADED)
     if abs(ahead) < HEADED:
         soon = SOON_S * (nx * s.vx + ny * s.vy) > room
-        off = square + (0.0 if ahead + math.cos(heading - square) > 0.0 else math.pi)
+        side = ahead / HEADED + across * s.rate / p.yaw_rate_radps + math.cos(heading - square)
+        off = square + (0.0 if side > 0.0 else math.pi)
         return (off if soon and begun < 1.0 else heading), speed
     if math.cos(heading - square) * ahead > STEEP * abs(ahead):
         return heading, speed

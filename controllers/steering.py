@@ -82,7 +82,8 @@ def start_decision(s: VesselState, p: PackedHelm, room: float) -> None:
     s.place_x, s.place_y, s.clock, s.wait = x, y, 0.0, 0.0
     s.stuck = s.promoted = 0.0
     stay = s.origin_x == x and s.origin_y == y
-    if stay and not math.isnan(s.item_x) and in_room(s, room):
+    sought = not (math.isnan(s.item_x) and math.isnan(s.next_x))
+    if stay and sought and in_room(s, room):
         s.arrived = 1.0  # it may be off its place for picking up
         start_hold(s, p)
         return

@@ -229,6 +229,16 @@ def test_broadside_and_soon_there_it_turns_by_the_shorter_way() -> None:
     assert abs(math.sin(s.yaw)) < HEADED
 
 
+@pytest.mark.parametrize("rate", [-0.2, 0.2])
+def test_broadside_and_soon_there_it_goes_on_as_it_turns_whatever_it_wants(rate: float) -> None:
+    for heading in (-0.3, 0.3):
+        s = hull(1.2, 0.05 * math.copysign(1.0, rate))
+        s.vy, s.rate = -SET_MPS, rate
+        heed_lee(s, P, BASIN, PITCH_M)
+        off, _ = turn_off(s, P, heading, 0.0)
+        assert math.sin(off) == pytest.approx(math.copysign(1.0, rate))
+
+
 def test_away_from_lee_shores_nothing_is_changed() -> None:
     s = hull(8.0, 0.0)
     heed_lee(s, P, BASIN, PITCH_M)

@@ -92,28 +92,36 @@ def test_an_item_in_the_next_node_is_taken_on_the_way() -> None:
 
 
 def ready(
-    items: NDArray[np.float64], yaws: NDArray[np.float64], seconds: float
+    items: NDArray[np.float64], yaws: NDArray[np.float64], *seconds: float
 ) -> NDArray[np.float64]:
-    """Poses (hull, 3) of hulls that keep to the basin's middle and expect an item (hull, 1, 2)."""
+    """Poses (hull, 3) of hulls that keep to the basin's middle and expect an item (hull, 1, 2).
+
+    They are told to stay once for each of the times [s].
+    """
     n = yaws.size
     scene = build_scene([FORAGER], navigable=BASIN, pitch_m=PITCH_M)
     simulation, pilot = Simulation(scene, n), Pilot([helm_of(FORAGER)], Chart(BASIN, PITCH_M), n)
     active, to = np.ones(n, np.bool_), np.full((n, 1, 2), CENTRE)
     simulation.place_vessels(np.concatenate((to, yaws[:, None, None]), axis=-1))
-    pilot.order(active, to, to, np.ones((n, 1), np.bool_))
     pilot.expect(items)
-    for _ in range(round(10 * seconds)):
-        now, speed = simulation.vessel_pose, simulation.vessel_velocity
-        simulation.commands[:] = pilot.command(active, now, speed)
-        simulation.step()
+    for stay in seconds:
+        pilot.order(active, to, to, np.ones((n, 1), np.bool_))
+        for _ in range(round(10 * stay)):
+            now, speed = simulation.vessel_pose, simulation.vessel_velocity
+            simulation.commands[:] = pilot.command(active, now, speed)
+            simulation.step()
     return np.asarray(simulation.vessel_pose[:, 0])
 
 
-def test_a_hull_with_nothing_to_do_waits_at_the_rim_of_its_node_facing_the_next_item() -> None:
+@pytest.mark.parametrize("seconds", [(16.0,), (16.0, 4.0)])
+def test_a_hull_with_nothing_to_do_waits_at_the_rim_of_its_node_facing_the_next_item(
+    seconds: tuple[float, ...],
+) -> None:
+    """Also if it is told again to stay: it does not go back to the middle first."""
     rng = np.random.default_rng(4)
     angle, yaws = rng.uniform(-np.pi, np.pi, 40), rng.uniform(-np.pi, np.pi, 40)
     items = CENTRE + 5.0 * np.column_stack((np.cos(angle), np.sin(angle)))[:, None]
-    x, y, yaw = ready(items, yaws, 16.0).T
+    x, y, yaw = ready(items, yaws, *seconds).T
     off = np.arctan2(items[:, 0, 1] - y, items[:, 0, 0] - x) - yaw
     assert np.abs((off + np.pi) % (2.0 * np.pi) - np.pi).max() < np.radians(10.0)
     off_place = np.hypot(x - CENTRE, y - CENTRE)
