@@ -75,7 +75,7 @@ def keep_off(s: VesselState, p: PackedHelm, dx: float, dy: float, vx: float, vy:
 def heed_lee(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> None:
     """Limit a hull for the sake of quays that its drift carries it to, and note the nearest.
 
-    The quay at which it picks up an item does not count while its bow is towards that.
+    The quay at which it picks up an item sets no limits while its bow is towards that.
     """
     drift = math.sqrt(s.drift_x**2 + s.drift_y**2)
     if land.size == 0 or drift < LEAST_DRIFT_MPS:
@@ -93,10 +93,14 @@ def heed_lee(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> No
             dx, dy = way_to_cell(pitch, s.x, s.y, i, j)
             of_item = picks and (dx * s.quay_x > abs(dy) or dy * s.quay_y > abs(dx))
             bow_on = c * dx + t * dy > HEADED * math.sqrt(dx * dx + dy * dy)
-            if is_nearer(land, i, j, dx, dy) and not (of_item and bow_on):
-                left = keep_off(s, p, dx, dy, 0.0, 0.0)
-                if left < least:
-                    least, s.lee_x, s.lee_y = left, dx, dy
+            if not is_nearer(land, i, j, dx, dy):
+                continue
+            most_ahead, most_astern = s.most_ahead, s.most_astern
+            left = keep_off(s, p, dx, dy, 0.0, 0.0)
+            if of_item and bow_on:
+                s.most_ahead, s.most_astern = most_ahead, most_astern
+            if left < least:
+                least, s.lee_x, s.lee_y = left, dx, dy
 
 
 @kernel

@@ -35,6 +35,7 @@ PAST_M = 0.3  # by which the bow has missed the item
 STILL_MPS, STILL_RADPS, STUCK_S = 0.08, 0.1, 1.5  # so slow for so long is stuck
 
 SET_MPS = 0.1  # a drift onto a quay from which a hull does not come in along it
+CLEARLY = 1.5  # times the drift onto the other quay, from which a course is changed for that
 
 COMING, OFF = 0.0, 1.0  # ways of `VesselState.approach`
 
@@ -80,8 +81,19 @@ def note_quays(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> 
         return
     if not is_cornered(s):
         aim_in(s, p, new)
-    elif new:
-        s.run, s.approach, s.still_s = course_in(s, p, land, pitch), OFF, 0.0
+    elif new or sets_beside(s):
+        course = course_in(s, p, land, pitch)
+        if new or course != s.run:
+            s.run, s.approach, s.still_s = course, OFF, 0.0
+
+
+@kernel
+def sets_beside(s: VesselState) -> bool:
+    """Whether a drift sets a hull that comes into a corner onto the quay beside its course."""
+    set_east, set_north = s.drift_x * s.quay_x, s.drift_y * s.quay_y
+    by_east = abs(math.cos(s.run)) > 0.5
+    beside, before = (set_north, set_east) if by_east else (set_east, set_north)
+    return bool(beside > SET_MPS and beside > CLEARLY * before)
 
 
 @kernel

@@ -20,7 +20,7 @@ from controllers.lee import (
     heed_lee_hull,
     turn_off,
 )
-from controllers.quayside import course_in
+from controllers.quayside import course_in, note_quays, sets_beside
 from controllers.safety import limit_speeds, settle
 from controllers.state import VesselState
 from graph_planner.navigation import navigation_graph
@@ -171,7 +171,22 @@ def test_the_quay_of_the_item_is_free_to_a_bow() -> None:
     s = hull(0.5 * P.length_m + 0.1, DOWN)
     s.item_x, s.item_y, s.quay_y = s.x, QUAY_Y + 0.1, -1.0
     heed_lee(s, P, BASIN, PITCH_M)
-    assert s.most_ahead == FREE
+    assert s.most_ahead == s.most_astern == FREE
+    assert turn_off(s, P, DOWN + 0.5, 0.5) == (DOWN + 0.5, 0.5)
+    assert turn_off(s, P, 0.2, 0.5)[1] < 0.0, "but not to come broadside before it"
+
+
+def test_a_course_along_the_quay_that_water_sets_onto_is_changed() -> None:
+    s = hull(0.7, 0.0)
+    s.x, s.drift_x, s.drift_y = 18.0, 0.05, 0.0
+    s.item_x, s.item_y = 25.8, QUAY_Y + 0.2
+    for set_mps, course in ((0.0, 0.0), (-0.09, 0.0), (-0.2, DOWN), (0.0, DOWN)):
+        s.drift_y = set_mps
+        note_quays(s, P, BASIN, PITCH_M)
+        assert s.run == pytest.approx(course)
+    assert not sets_beside(s)
+    s.run, s.drift_x, s.drift_y = 0.0, 0.15, -0.2
+    assert not sets_beside(s), "both quays are to leeward, neither clearly more"
 
 
 @pytest.mark.parametrize(("drift", "course"), [((0.0, 0.0), 0.0), ((0.05, -0.2), DOWN)])
