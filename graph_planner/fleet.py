@@ -32,7 +32,9 @@ class Role:
     carries: Annotated[bool, Later()] = False
     """Whether it takes over what others have aboard."""
     relays: Annotated[bool, Later()] = False
-    """Whether it passes on what it hears."""
+    """Whether it passes on what it hears, also where `link.relay` is off."""
+    antenna_m: Annotated[float, Within(0.01, 200, "m"), Later()] = 1.0
+    """Height of its antenna above the water, for `link.model = "two-ray"`."""
 
 
 def choosing_order(teams: Mapping[str, Role]) -> tuple[str, ...]:
@@ -70,6 +72,7 @@ class Fleet:
     energy: NDArray[np.float64]
     carries: NDArray[np.bool_]
     relays: NDArray[np.bool_]
+    antenna_m: NDArray[np.float64]
     order: NDArray[np.int64]
 
     @classmethod
@@ -98,6 +101,7 @@ class Fleet:
             energy=np.repeat(np.asarray([r.energy or np.inf for r in roles], np.float64), counts),
             carries=np.repeat(np.asarray([r.carries for r in roles], np.bool_), counts),
             relays=np.repeat(np.asarray([r.relays for r in roles], np.bool_), counts),
+            antenna_m=np.repeat(np.asarray([r.antenna_m for r in roles], np.float64), counts),
             order=np.concatenate([np.empty(0, np.int64), *in_order]),
         )
 

@@ -29,6 +29,13 @@ class Looks(NamedTuple):
     pickup: NDArray[np.int8]  # (episode, agent) how picking up ended in the step, see `PICKUPS`
     agent_yaw: NDArray[np.float64]  # (episode, agent) [rad], see `Observation`
 
+    def plain(self) -> "Looks":
+        """The same with arrays of the types above, one item beside the other, for kernels."""
+        return Looks(*map(np.ascontiguousarray, self, _TYPES))
+
+
+_TYPES = ("?", "i4", "i4", "i2", "f8", "i8", "i8", "i1", "f8")  # of its fields
+
 
 class Knowledge(NamedTuple):
     """What holders know. Row `episode * holders + holder` of every array."""

@@ -50,6 +50,12 @@ class Stream(IntEnum):
     """Errors of items' places in a camera's frame, keyed by vessel, item and control tick."""
     CAPTURE = 12
     """Whether an item is taken, where that is a matter of chance, keyed by item, agent and step."""
+    SHADOWING = 13
+    """Shadowing of a link, the same both ways, keyed by pair of agents and step."""
+    LOSS = 14
+    """Whether a directed link loses what it carries, keyed by sender, receiver and step."""
+    PACKETS = 15
+    """Whether noise garbles a look, keyed by sender, receiver and look, and by the step sent."""
 
 
 @kernel

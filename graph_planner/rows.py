@@ -1,11 +1,12 @@
 """Putting some episodes of one batch into another."""
 
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 T = TypeVar("T", bound=np.generic)
+Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
 
 
 def put_rows(
@@ -26,3 +27,11 @@ def put_rows(
     result = into.copy()
     result[rows] = values
     return result
+
+
+def put_all(into: Arrays, rows: NDArray[np.int64], values: Arrays) -> Arrays:
+    """`put_rows` for every array of a named tuple."""
+    kind: Any = type(into)
+    both = zip(into, values, strict=True)
+    mixed: Arrays = kind(*(put_rows(mine, rows, theirs) for mine, theirs in both))
+    return mixed

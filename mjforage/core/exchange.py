@@ -1,7 +1,7 @@
 """Exchanges: which holders of knowledge hear of which agents' looks; a communication model is one.
 
 After every step an exchange is told all looks, and brings what each holder knows up to date by
-those that it hears. `Ideal` is the only one so far: everybody hears everything at once.
+those that it hears. `Ideal`: everybody hears everything at once; `mjforage.core.link`: over a link.
 """
 
 from collections.abc import Set
@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.knowledge import Knowledge, Looks
-from graph_planner.task import Task
+from graph_planner.randomness import UInt64Array
+from graph_planner.task import Late, Task, nothing_late
 
 
 class Exchange(Protocol):
@@ -33,12 +34,18 @@ class Exchange(Protocol):
         """Capabilities of roles for which it has rules, of `relays` and `carries`."""
         ...
 
-    def reset(self, task: Task, looks: Looks, pooled: Knowledge) -> None:
+    @property
+    def late(self) -> Late:
+        """Looks heard in this step that are older, (episode x holder) rows."""
+        ...
+
+    def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes with the looks of step 0.
 
         Parameters
         ----------
         pooled : what one who hears all looks at once knows, one row per episode; live
+        keys : (episode,) of the episodes, for what is drawn
         """
         ...
 
@@ -57,8 +64,9 @@ class Ideal:
     uses: Set[str] = frozenset()
     holders = 1
 
-    def reset(self, task: Task, looks: Looks, pooled: Knowledge) -> None:
+    def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes."""
+        self.late = nothing_late(looks.step.size)
         self.holder_of = np.zeros(len(task.fleet), np.int64)
         self.knowledge = pooled
 

@@ -13,8 +13,6 @@ from graph_planner.task import Task
 from graph_planner.visibility import NodeLists
 from mjforage.core.ledger import Entries, count, credit, sight
 
-_TYPES = ("?", "i4", "i4", "i2", "f8", "i8", "i8", "i1", "f8")  # of the fields of `Looks`
-
 
 class Eyes(NamedTuple):
     """How a fleet sees, and in which episodes."""
@@ -90,7 +88,7 @@ class Lookout:
         taken_by : (episode, item) agent that removed it, -1 nobody
         """
         self._look(
-            Looks(*map(np.ascontiguousarray, looks, _TYPES)),
+            looks.plain(),
             np.ascontiguousarray(item_node, np.int32),
             np.ascontiguousarray(taken_by, np.int16),
         )

@@ -17,12 +17,13 @@ from graph_planner.moves import Moves, Resolver, check_preferences
 from graph_planner.policies import Bound, Policy
 from graph_planner.randomness import UInt64Array, episode_keys
 from graph_planner.rows import put_rows
-from graph_planner.task import Observation, Truth
+from graph_planner.task import Late, Observation, Truth, nothing_late
 from mjforage.core.dynamics import Dynamics, Transition
 from mjforage.core.errors import UserError
-from mjforage.core.exchange import Exchange, Ideal
+from mjforage.core.exchange import Exchange
 from mjforage.core.graph_dynamics import GraphDynamics
 from mjforage.core.ledger import Ledger
+from mjforage.core.link import exchange_of
 from mjforage.core.looking import Lookout
 from mjforage.core.setup import Setup
 
@@ -78,7 +79,7 @@ class Mission:
         Parameters
         ----------
         dynamics : the world it runs in (`mjforage.physics.worlds`); absent: the paper's graph
-        exchange : how looks reach those who decide; absent: everybody hears everything at once
+        exchange : how looks reach those who decide; absent: over the scenario's link
 
         Raises
         ------
@@ -86,7 +87,9 @@ class Mission:
             If a role has a capability that no rule of the mission uses.
         """
         self.setup = setup
-        self.exchange: Exchange = Ideal() if exchange is None else exchange
+        if exchange is None:
+            exchange = exchange_of(setup.scenario.link, len(setup.fleet))
+        self.exchange: Exchange = exchange
         _check_capabilities(setup, self.exchange)
         if dynamics is None:
             dynamics = GraphDynamics(setup.graph, setup.fleet, setup.scenario)
@@ -130,7 +133,7 @@ class Mission:
         self._fill_stores()
         self.knowledge = Knowledge.of_starts(self._looks(), len(self.setup.graph))
         self._post_lookout()
-        self.exchange.reset(self.task, self._see(), self.knowledge)
+        self.exchange.reset(self.task, self._see(), self.knowledge, self.keys)
 
     def _looks(self) -> Looks:
         """What all agents see now and say of themselves."""
@@ -208,9 +211,9 @@ class Mission:
     @property
     def observation(self) -> Observation:
         """What the fleet knows together before the next decision: one row per episode."""
-        return self._observed(self.knowledge, 1)
+        return self._observed(self.knowledge, nothing_late(self.keys.size), 1)
 
-    def _observed(self, knowledge: Knowledge, holders: int) -> Observation:
+    def _observed(self, knowledge: Knowledge, late: Late, holders: int) -> Observation:
         """Knowledge as a policy sees it, the episodes' arrays once for each holder."""
         active, step, keys = self.active, self.step + _ONE, self.keys
         if holders > 1:
@@ -230,6 +233,10 @@ class Mission:
             taken=knowledge.taken,
             pickup=knowledge.pickup,
             agent_yaw=knowledge.agent_yaw,
+            late_step=late.step,
+            late_agent=late.agent,
+            late_node=late.node,
+            late_shown=late.shown,
         )
 
     @property
@@ -271,7 +278,8 @@ class Mission:
             reveal(self.truth)
             return check_preferences(policy.act(self.observation), self.state.agent_node.shape, who)
         holders, holder_of = self.exchange.holders, self.exchange.holder_of
-        answer = policy.act(self._observed(self.exchange.knowledge, holders))
+        exchange = self.exchange
+        answer = policy.act(self._observed(exchange.knowledge, exchange.late, holders))
         check_preferences(answer, (self.keys.size * holders, holder_of.size), who)
         if holders == 1:
             return answer

@@ -155,6 +155,12 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
             f"{where}: weather.wind_from_deg = {origin:g} without a wind; give "
             "weather.wind_speed_mps too"
         )
+    least = scenario.link.loss / (1.0 - scenario.link.loss)
+    if 1.0 < scenario.link.burst < least:
+        raise UserError(
+            f"{where}: link.burst = {scenario.link.burst:g} is too short to lose "
+            f"{scenario.link.loss:.1%}; give at least {least:.4g}, or 1 for independent losses"
+        )
     choice = scenario.corruption
     if choice.team not in counts and (choice.team or choice.epsilon):
         teams = ", ".join(counts)

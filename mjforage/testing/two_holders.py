@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.knowledge import Knowledge, Looks, hear
-from graph_planner.task import Task
+from graph_planner.randomness import UInt64Array
+from graph_planner.task import Task, nothing_late
 
 HOLDERS = 2
 
@@ -18,9 +19,10 @@ class TwoHolders:
     uses: Set[str] = frozenset()
     holders = HOLDERS
 
-    def reset(self, task: Task, looks: Looks, pooled: Knowledge) -> None:
+    def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes with the looks of step 0."""
         self._task = task
+        self.late = nothing_late(looks.step.size * HOLDERS)
         self.holder_of = np.arange(len(task.fleet), dtype=np.int64) % HOLDERS
         self.knowledge = Knowledge.of_starts(looks, len(task.graph), HOLDERS)
         self.tell(looks, pooled)

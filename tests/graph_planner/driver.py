@@ -8,7 +8,7 @@ from graph_planner.moves import MoveRules
 from graph_planner.navigation import NavigationGraph
 from graph_planner.policies import Bound, create_policy
 from graph_planner.randomness import episode_keys
-from graph_planner.task import NEVER, Observation, Task, Truth
+from graph_planner.task import NEVER, Observation, Task, Truth, nothing_late
 
 FREE = MoveRules(stay=True, shorten=True)
 
@@ -51,6 +51,7 @@ def observation_of(
         taken=np.zeros(nodes.shape, np.int64),
         pickup=np.zeros(nodes.shape, np.int8),
         agent_yaw=np.zeros(nodes.shape),
+        **{f"late_{name}": part for name, part in nothing_late(episodes)._asdict().items()},
     )
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from graph_planner.knowledge import Knowledge, Looks, hear
 from graph_planner.policies import Policy, create_policy, policy_names
 from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task
+from graph_planner.task import Observation, Task, nothing_late
 from mjforage.core.errors import UserError
 from mjforage.core.exchange import Exchange
 from mjforage.core.initial_state import InitialState
@@ -38,8 +38,9 @@ class Groups:
         self._hears = np.array(hears, np.bool_)
         self.holders = len(self._hears)
 
-    def reset(self, task: Task, looks: Looks, pooled: Knowledge) -> None:
+    def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
         self._task = task
+        self.late = nothing_late(looks.step.size * self.holders)
         self.knowledge = Knowledge.of_starts(looks, len(task.graph), self.holders)
         self.tell(looks, pooled)
 

@@ -1,0 +1,135 @@
+"""Which agents can hear each other in a decision, and which of their links lose what they carry."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel
+from graph_planner.fleet import Fleet
+from graph_planner.geodesics import Int32Array
+from graph_planner.navigation import NavigationGraph
+from graph_planner.randomness import Stream, normal, stream_key, uniform
+from mjforage.core.link.propagation import (
+    gilbert_elliott,
+    log_distance_loss_db,
+    two_ray_loss_db,
+    walls_between,
+)
+from mjforage.core.scenario import Link
+
+MODELS = ("none", "disk", "log-distance", "two-ray")
+_NONE, _DISK, _LOG_DISTANCE = range(3)
+
+
+class Air(NamedTuple):
+    """A link's model and the water that it bridges."""
+
+    model: int  # place in `MODELS`
+    range_m: float
+    wall_db: float
+    margin_db: float  # power of a transmitter over the noise
+    frequency_hz: float
+    exponent: float
+    l0_db: float
+    shadowing_db: float
+    loss: float  # share of bad decisions
+    turns_bad: float  # chance per decision of a good link
+    turns_good: float  # and of a bad one
+    antenna_m: NDArray[np.float64]  # (agent,)
+    node_of_cell: Int32Array  # (row, column), -1 on land
+    rows: Int32Array  # (node,)
+    cols: Int32Array  # (node,)
+    pitch_m: float
+
+    @classmethod
+    def of(cls, link: Link, graph: NavigationGraph, fleet: Fleet) -> "Air":
+        """Of a scenario's link, which must not be ideal."""
+        turns_bad, turns_good = gilbert_elliott(link.loss, link.burst)
+        return cls(
+            MODELS.index(link.model),
+            link.range_m,
+            link.wall_db,
+            link.tx_dbm - link.floor_dbm,
+            link.frequency_hz,
+            link.exponent,
+            link.l0_db,
+            link.shadowing_db,
+            link.loss,
+            turns_bad,
+            turns_good,
+            fleet.antenna_m,
+            graph.node_of_cell,
+            graph.rows,
+            graph.cols,
+            graph.pitch_m,
+        )
+
+
+class Contacts(NamedTuple):
+    """Links of a batch in the decision just made."""
+
+    snr_db: NDArray[np.float64]  # (episode, sender, receiver) signal to noise; below 0: no contact
+    bad: NDArray[np.bool_]  # (episode, sender, receiver) whether all that is sent is lost
+
+    @classmethod
+    def of(cls, episodes: int, agents: int) -> "Contacts":
+        """Nobody hears anybody yet."""
+        each = (episodes, agents, agents)
+        return cls(np.full(each, -np.inf), np.zeros(each, np.bool_))
+
+
+@kernel
+def _snr_db(air: Air, key: np.uint64, step: int, at: Int32Array, i: int, j: int) -> float:
+    """Signal to noise between agents i and j [dB]; without a radio infinite, or minus infinite."""
+    row, col, to_row, to_col = air.rows[at[i]], air.cols[at[i]], air.rows[at[j]], air.cols[at[j]]
+    if air.model == _NONE:
+        return -np.inf
+    d_m = air.pitch_m * math.sqrt(float((to_row - row) ** 2 + (to_col - col) ** 2))
+    walls = 0
+    if air.wall_db > 0.0:
+        walls = walls_between(air.node_of_cell, row, col, to_row, to_col)
+    if air.model == _DISK:
+        return np.inf if d_m <= air.range_m and walls == 0 else -np.inf
+    if air.model == _LOG_DISTANCE:
+        loss = log_distance_loss_db(d_m, air.exponent, air.l0_db)
+    else:
+        loss = two_ray_loss_db(d_m, air.antenna_m[i], air.antenna_m[j], air.frequency_hz)
+    shadow = 0.0
+    if air.shadowing_db > 0.0:
+        shadow = air.shadowing_db * normal(stream_key(key, Stream.SHADOWING), i * at.size + j, step)
+    return float(air.margin_db - loss - walls * air.wall_db + shadow)
+
+
+@kernel
+def connect(
+    air: Air, key: np.uint64, step: int, e: int, at: Int32Array, contacts: Contacts
+) -> None:
+    """Work out the links of an episode at the end of a decision.
+
+    Every directed link goes on being good or bad in every decision, whether in reach or not.
+
+    Parameters
+    ----------
+    key : of the episode
+    at : (agent,) true nodes
+    contacts : changed
+    """
+    draws, agents = stream_key(key, Stream.LOSS), at.size
+    for i in range(agents):
+        for j in range(i):
+            snr = _snr_db(air, key, step, at, j, i)
+            contacts.snr_db[e, i, j] = contacts.snr_db[e, j, i] = snr
+    if air.loss == 0.0:
+        return
+    for i in range(agents):
+        for j in range(agents):
+            draw = uniform(draws, i * agents + j, step)
+            if step == 0:
+                bad = draw < air.loss
+            elif contacts.bad[e, i, j]:
+                bad = draw >= air.turns_good
+            else:
+                bad = draw < air.turns_bad
+            contacts.bad[e, i, j] = bad

@@ -1,0 +1,163 @@
+"""The exchange over a link: every agent holds what it has seen and heard itself."""
+
+from collections.abc import Set
+from typing import NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel, prepared
+from graph_planner.knowledge import Knowledge, Looks
+from graph_planner.look_log import LookLog, log_looks, take_in
+from graph_planner.randomness import UInt64Array
+from graph_planner.rows import put_all, put_rows
+from graph_planner.task import Late, Task
+from graph_planner.visibility import NodeLists
+from mjforage.core.exchange import Exchange, Ideal
+from mjforage.core.link.contacts import Air, Contacts, connect
+from mjforage.core.link.gossip import Mail, Terms, Traffic, mail, pass_on, traffic
+from mjforage.core.scenario import Link
+
+
+class Net(NamedTuple):
+    """A batch of exchanges."""
+
+    air: Air
+    terms: Terms
+    keys: UInt64Array  # (episode,)
+    views: NodeLists
+    radius_number: NDArray[np.int64]  # (agent,)
+    log: LookLog
+    contacts: Contacts
+    mail: Mail
+    traffic: Traffic
+    settled: NDArray[np.int64]  # (episode,) all looks up to this step have arrived everywhere
+    late: NDArray[np.int32]  # (row, look) step x agents + agent of those heard late in this step
+    n_late: NDArray[np.int64]  # (row,)
+
+
+@kernel
+def _take_in(net: Net, e: int, now: int, knowledge: Knowledge) -> None:
+    """Let every holder of an episode hear what arrives now, and list what is late of it."""
+    heard_at, agents = net.mail.heard_at, net.radius_number.size
+    for h in range(agents):
+        row = e * agents + h
+        net.n_late[row] = 0
+        for s in range(net.settled[e] + 1, now + 1):
+            for a in range(agents):
+                if heard_at[e, h, a, s] != now:
+                    continue
+                take_in(net.log, e, s, a, net.views, net.radius_number, knowledge, row)
+                if s < now:
+                    net.late[row, net.n_late[row]] = s * agents + a
+                    net.n_late[row] += 1
+    while net.settled[e] < net.mail.complete[e]:
+        if net.mail.heard_at[e, :, :, net.settled[e] + 1].max() > now:
+            break
+        net.settled[e] += 1
+
+
+@kernel
+def _tell(net: Net, knowledge: Knowledge, looks: Looks) -> None:
+    """Take in the looks of a step: log, connect, pass on, hear."""
+    for e in range(looks.active.size):
+        if not looks.active[e]:
+            continue
+        now = looks.step[e]
+        log_looks(looks, e, net.views, net.radius_number, net.log)
+        for a in range(net.radius_number.size):
+            net.mail.heard_at[e, a, a, now] = now
+        connect(net.air, net.keys[e], now, e, looks.agent_node[e], net.contacts)
+        pass_on(net.terms, net.keys[e], e, now, net.log, net.contacts, net.mail, net.traffic)
+        _take_in(net, e, now, knowledge)
+
+
+class Radio:
+    """One holder per agent, who knows the looks that it made or heard, and nothing else.
+
+    Where everybody starts is known to all.
+    """
+
+    uses: Set[str] = frozenset({"relays"})
+
+    def __init__(self, link: Link, agents: int) -> None:
+        """Prepare.
+
+        Parameters
+        ----------
+        link : not ideal
+        agents : in the fleet
+        """
+        self._link, self.holders = link, agents
+        self.holder_of = np.arange(agents, dtype=np.int64)
+
+    def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
+        """Start a batch of episodes with the looks of step 0."""
+        link, fleet, episodes = self._link, task.fleet, looks.step.size
+        agents, rows = self.holders, episodes * self.holders
+        terms = Terms(link.latency, link.bytes, link.cells, fleet.relays | link.relay)
+        self.knowledge = Knowledge.of_starts(looks, len(task.graph), agents)
+        self.net = Net(
+            Air.of(link, task.graph, fleet),
+            terms,
+            keys,
+            task.views,
+            task.radius_number,
+            LookLog.of(task, episodes),
+            Contacts.of(episodes, agents),
+            mail(episodes, agents, task.horizon),
+            traffic(episodes),
+            np.full(episodes, -1, np.int64),
+            np.zeros((rows, agents * (task.horizon + 1)), np.int32),
+            np.zeros(rows, np.int64),
+        )
+        self._tell = prepared(_tell, self.net, self.knowledge)
+        self.tell(looks, pooled)
+
+    def tell(self, looks: Looks, pooled: Knowledge) -> None:
+        """Take in the looks of a step; what inactive episodes know does not change."""
+        self._tell(looks.plain())
+
+    @property
+    def late(self) -> Late:
+        """The looks that holders heard in this step and that are older, in order of their steps."""
+        net, agents = self.net, self.holders
+        most = int(net.n_late.max(initial=0))
+        listed = np.arange(most) < net.n_late[:, None]
+        code = np.where(listed, net.late[:, :most], 0)
+        episode, step, agent = (
+            np.arange(len(code))[:, None] // agents,
+            code // agents,
+            code % agents,
+        )
+        return Late(
+            np.where(listed, step, -1).astype(np.int32),
+            agent.astype(np.int32),
+            net.log.node[episode, step, agent],
+            net.log.shown[episode, step, agent],
+        )
+
+    def adopt(self, rows: NDArray[np.int64], other: Self, pooled: Knowledge) -> None:
+        """Replace episodes (row,) of the batch by those of another."""
+        mine, theirs = self.net, other.net
+        own = (rows[:, None] * self.holders + np.arange(self.holders)).reshape(-1)
+        self.knowledge = self.knowledge.with_rows(own, other.knowledge)
+
+        heard_at = put_rows(mine.mail.heard_at, rows, theirs.mail.heard_at)
+        complete = put_rows(mine.mail.complete, rows, theirs.mail.complete)
+        self.net = mine._replace(
+            keys=put_rows(mine.keys, rows, theirs.keys),
+            log=put_all(mine.log, rows, theirs.log),
+            contacts=put_all(mine.contacts, rows, theirs.contacts),
+            mail=mine.mail._replace(heard_at=heard_at, complete=complete),
+            traffic=put_all(mine.traffic, rows, theirs.traffic),
+            settled=put_rows(mine.settled, rows, theirs.settled),
+            late=put_rows(mine.late, own, theirs.late),
+            n_late=put_rows(mine.n_late, own, theirs.n_late),
+        )
+        self._tell = prepared(_tell, self.net, self.knowledge)
+
+
+def exchange_of(link: Link, agents: int) -> Exchange:
+    """The exchange over a scenario's link."""
+    return Ideal() if link.model == "ideal" else Radio(link, agents)
