@@ -1,11 +1,13 @@
 """The belief planner for a batch: what each part finds out, and who asks it."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner import hotspots as hs
+from graph_planner.belief_planner import late as lt
 from graph_planner.belief_planner import reconciling as rc
 from graph_planner.belief_planner import stragglers as st
 from graph_planner.belief_planner import tracks as tr
@@ -80,6 +82,7 @@ class BeliefPlanner:
         self._shore = shore_of(graph, task.walls)
         self._ways, self._scratch = tr.ended(4 * capacity), rc.scratch(len(graph))
         self._lost = tr.losses(capacity)
+        self._glance = lt.glance(len(graph))
         self._foragers = Foraging(task, settings)
         # Without scouts, foragers look around when they know of nothing to collect.
         self._lone = task.fleet.discoverers.size == 0
@@ -110,7 +113,8 @@ class BeliefPlanner:
         settings, drift = self.settings, self.wind.mean[e]
         ways.number[0] = lost.number[0] = 0
         agents = self._foragers.group.agents
-        sweeping = self._had_room[e] & (self._task.pickup is None)
+        fresh = seen.agent_seen[e][agents] == now
+        sweeping = self._had_room[e] & (self._task.pickup is None) & fresh
         foragers_at = np.where(sweeping, seen.agent_node[e][agents], np.int32(NOWHERE))
         self._had_room[e] = seen.room_left[e][agents] > 0
         if now > 0:
@@ -119,6 +123,7 @@ class BeliefPlanner:
                 tr.carry(self.tracks, shore, e, drift[0], drift[1])
         wander = 2.0 * float(self.wind.deviation[e].max()) + 0.05
         edges, view = self._task.graph.neighbours, rc.View(now, belief, last_seen)
+        found = self._take_late(seen, e, now, wander)
         catch, memory = self._catch(seen, e, now), self._scratch
         new = rc.reconcile(self.tracks, shore, edges, e, view, wander, catch, memory, ways, lost)
         if settings.wind:
@@ -126,10 +131,65 @@ class BeliefPlanner:
             wd.estimate(self.wind, self.tracks, shore, e)
         n = int(self.tracks.number[e])
         sighted = self.tracks.node[e, n - new : n].copy()
+        st.remember(self.stragglers, e, now, last_seen, foragers_at)
         if settings.particles:
-            st.remember(self.stragglers, e, now, last_seen, foragers_at)
             sighted = self._settle_losses(e, now, sighted)
+        for late in found:
+            hs.sight(self.spots, self._cloud, shore, e, late.step, late.node, drift[0], drift[1])
         self._expect(seen, e, now, sighted)
+
+    def _take_late(
+        self, seen: Observation, e: int, now: int, wander: float
+    ) -> Sequence[lt.Sighted]:
+        """Take in looks of earlier steps heard just now, the oldest first; what they show first."""
+        steps = seen.late_step[e]
+        steps = steps[steps >= 0]
+        if not steps.size:
+            return ()
+        found = []
+        for step in np.unique(steps).tolist():
+            looks = np.flatnonzero(steps == step)
+            at, who = seen.late_node[e, looks], seen.late_agent[e, looks]
+            views, radius = self._task.views, self._task.radius_number[who]
+            lt.show(step, at, seen.late_shown[e, looks], radius, views, self._glance)
+            found.append(self._take_step(e, step, now, self._collecting(e, at, who), wander))
+        if self.settings.particles:
+            st.retest(self.stragglers, self._shore, self._keys[e], e, int(steps[0]), now - 1)
+        return found
+
+    def _collecting(self, e: int, at: Int32Array, who: Int32Array) -> Int32Array:
+        """(forager,) nodes of those whose looks (look,) these are and that take all there is."""
+        agents = self._foragers.group.agents
+        nodes = np.full(agents.size, NOWHERE, np.int32)
+        if self._task.pickup is None:
+            for f, agent in enumerate(agents):
+                mine = at[who == agent]
+                nodes[f] = mine[0] if mine.size and self._had_room[e, f] else NOWHERE
+        return nodes
+
+    def _take_step(
+        self, e: int, step: int, now: int, foragers_at: Int32Array, wander: float
+    ) -> lt.Sighted:
+        """Take in what the glance shows of a step."""
+        tracks, shore, ways, lost = self.tracks, self._shore, self._ways, self._lost
+        seen, past, particles = self._glance.last_seen, now - step, self.stragglers
+        drift = self.wind.mean[e] * self.settings.advection
+        hs.look(self.spots, e, step, self._currents.nodes(step), seen)
+        st.remember(particles, e, step, seen, foragers_at)
+        lt.work_back(tracks, shore, e, step, past, drift)
+        lt.collect(tracks, shore, e, step, foragers_at, drift, ways, lost)
+        edges, view = self._task.graph.neighbours, rc.View(step, self._glance.belief, seen)
+        nobody, memory = rc.Catch(foragers_at[:0], self._taken[e, :0]), self._scratch
+        new = rc.reconcile(tracks, shore, edges, e, view, wander, nobody, memory, ways, lost)
+        new = lt.doubt(tracks, particles, shore, e, new, step, now, drift, ways, lost)
+        last = slice(int(tracks.number[e]) - new, int(tracks.number[e]))
+        nodes = tracks.node[e, last].copy()
+        lt.carry_on(tracks, shore, e, step, past, drift)
+        after = tracks.node[e, last]
+        if self.settings.particles:
+            known = [st.find(particles, shore, e, node) for node in after]
+            nodes = nodes[~np.array(known, np.bool_)]
+        return lt.Sighted(step, nodes)
 
     def _catch(self, seen: Observation, e: int, now: int) -> rc.Catch:
         """What foragers took in the step just made, and where one gave up."""

@@ -2,7 +2,8 @@
 
 They are confirmed where the counts agree, else moved to the nearest place that lacks one, within a
 gate that grows with the time unseen; what is left over was taken by a hull, is pushed out of sight
-or given up, and what is still lacking is a new track.
+or given up, and what is still lacking is a new track. Of a late look, tracks that were seen since
+account for counts too, but are neither moved nor given up.
 """
 
 from typing import NamedTuple
@@ -72,12 +73,15 @@ def _loosen(
         while tracked[here] > view.belief[here] and view.last_seen[here] == view.now:
             worst, far = -1, -1.0
             for k in range(n):
-                if node[k] == here and not loose[k]:
+                if node[k] == here and not loose[k] and not tracks.firm[e, k]:
                     away = _squared(shore, here, tracks.row[e, k], tracks.col[e, k])
                     if away > far:
                         worst, far = k, away
-            loose[worst] = True
             tracked[here] -= 1
+            if worst < 0:
+                tracked[here] = view.belief[here]
+                break
+            loose[worst] = True
     return loose
 
 
@@ -117,7 +121,7 @@ def _nearest_lack(
     for i in range(free.size):
         if not free[i]:
             continue
-        gate = FIRST_GATE + wander * (now - tracks.seen[e, i])
+        gate = FIRST_GATE + wander * abs(now - tracks.seen[e, i])
         gate = max(gate, IN_VIEW_GATE) if loose[i] else gate
         for j in range(lacking.size):
             away = _squared(shore, lacking[j], tracks.row[e, i], tracks.col[e, i])
@@ -197,7 +201,8 @@ def reconcile(
     settled_now = np.zeros(n, np.bool_)
     for i in range(n):
         if not loose[i] and view.last_seen[tracks.node[e, i]] == now:
-            confirm(tracks, shore, e, i, tracks.node[e, i], now, ways)
+            if not tracks.firm[e, i]:
+                confirm(tracks, shore, e, i, tracks.node[e, i], now, ways)
             settled_now[i] = True
     # Loose tracks, then unseen ones, go to the nearest lack within their gates.
     for unseen_too in range(2):
@@ -206,7 +211,8 @@ def reconcile(
             i, j = _nearest_lack(tracks, shore, e, now, wander, free, loose, lacking[:lacks])
             if i < 0:
                 break
-            confirm(tracks, shore, e, i, lacking[j], now, ways)
+            if not tracks.firm[e, i]:
+                confirm(tracks, shore, e, i, lacking[j], now, ways)
             settled_now[i] = True
             lacks -= 1
             lacking[j] = lacking[lacks]

@@ -43,6 +43,8 @@ class Stragglers(NamedTuple):
     row: NDArray[np.float64]  # (episode, particle) [node]
     col: NDArray[np.float64]
     drift: NDArray[np.float64]  # (episode, particle, 2) [node/step]
+    begun: NDArray[np.float64]  # (episode, particle, 2) row and column where it began [node]
+    since: NDArray[np.int64]  # (episode, particle) and the step
     lost: NDArray[np.int64]  # (episode, loss) particles it began with, 0 free
     noise: float  # largest own drift per axis [node/step]
 
@@ -61,6 +63,8 @@ def stragglers(episodes: int, nodes: int, horizon: int, foragers: int, noise: fl
         row=np.zeros(both),
         col=np.zeros(both),
         drift=np.zeros((*both, 2)),
+        begun=np.zeros((*both, 2)),
+        since=np.zeros(both, np.int64),
         lost=np.zeros((episodes, LOSSES), np.int64),
         noise=noise,
     )
@@ -74,16 +78,18 @@ def remember(
     last_seen: NDArray[np.int16],
     foragers_at: Int32Array,
 ) -> None:
-    """Keep the view and the foragers' nodes (forager,) of step `now`."""
+    """Keep the view and the foragers' nodes (forager,), negative where not known, of step `now`."""
     words = stragglers.views[e, now]
     for node in range(last_seen.size):
         if last_seen[node] == now:
             words[node >> 6] |= np.uint64(1) << np.uint64(node & 63)
-    stragglers.foragers[e, now] = foragers_at
+    for f in range(foragers_at.size):
+        if foragers_at[f] >= 0:
+            stragglers.foragers[e, now, f] = foragers_at[f]
 
 
 @inlined
-def _met(views: NDArray[np.uint64], step: int, node: int) -> bool:
+def was_in_view(views: NDArray[np.uint64], step: int, node: int) -> bool:
     """Whether a view of the episode, at a step, held a node."""
     return bool((views[step, node >> 6] >> np.uint64(node & 63)) & np.uint64(1) != 0)
 
@@ -117,7 +123,7 @@ def _survives(
         node = own_node(framed, row, col)
         if node < 0:
             row, col, node = settled(shore, row, col)
-        alive = not _met(views, step, node)
+        alive = not was_in_view(views, step, node)
         if not alive:
             break
     stragglers.row[e, i], stragglers.col[e, i] = row, col
@@ -134,6 +140,8 @@ def _remove(stragglers: Stragglers, e: int, i: int) -> None:
     stragglers.row[e, i] = stragglers.row[e, last]
     stragglers.col[e, i] = stragglers.col[e, last]
     stragglers.drift[e, i] = stragglers.drift[e, last]
+    stragglers.begun[e, i] = stragglers.begun[e, last]
+    stragglers.since[e, i] = stragglers.since[e, last]
 
 
 @kernel
@@ -145,6 +153,42 @@ def advance(stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, now: i
             i += 1
         else:
             _remove(stragglers, e, i)
+
+
+@kernel
+def retest(
+    stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, first: int, now: int
+) -> None:
+    """Run the particles again, up to step `now`, through views that late looks have added to.
+
+    Their drift and noise are those of before.
+
+    Parameters
+    ----------
+    first : step of the first such view
+    """
+    i = 0
+    while i < stragglers.number[e]:
+        since, row, col = stragglers.since[e, i], stragglers.row[e, i], stragglers.col[e, i]
+        if since >= first and since > 0:
+            i += 1
+            continue
+        stragglers.row[e, i] = stragglers.begun[e, i, 0]
+        stragglers.col[e, i] = stragglers.begun[e, i, 1]
+        alive = since > 0 or not _began_in_view(stragglers, shore, e, i)
+        if alive and _survives(stragglers, shore, key, e, i, since + 1, now):
+            stragglers.row[e, i], stragglers.col[e, i] = row, col
+            i += 1
+        else:
+            _remove(stragglers, e, i)
+
+
+@kernel
+def _began_in_view(stragglers: Stragglers, shore: Shore, e: int, i: int) -> bool:
+    """Whether a particle that was never seen began in a node in view at step 0."""
+    row, col = stragglers.begun[e, i, 0], stragglers.begun[e, i, 1]
+    _, _, node = settled(shore, row, col)
+    return bool(stragglers.source[e, i] == NEVER_SEEN and was_in_view(stragglers.views[e], 0, node))
 
 
 @kernel
@@ -169,6 +213,7 @@ def _run(
         return False
     row, col, _ = settled(shore, row, col)
     stragglers.row[e, i], stragglers.col[e, i] = row, col
+    stragglers.begun[e, i, 0], stragglers.begun[e, i, 1], stragglers.since[e, i] = row, col, since
     stragglers.label[e, i], stragglers.source[e, i] = label, source
     for axis in range(2):
         draw = normal(key, _DRAWS // 2 * label + 4 + axis, 0)
@@ -278,7 +323,7 @@ def try_more(
         row = shore.rows[hotspot] + spread * normal(key, first // 2 + 2, 0)
         col = shore.cols[hotspot] + spread * normal(key, first // 2 + 3, 0)
         _, _, node = settled(shore, row, col)
-        if not _met(stragglers.views[e], 0, node):
+        if not was_in_view(stragglers.views[e], 0, node):
             kept += _run(stragglers, wind, shore, key, e, NEVER_SEEN, row, col, 0, now)
 
 

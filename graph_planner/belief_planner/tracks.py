@@ -26,6 +26,9 @@ class Tracks(NamedTuple):
     seen_node: Int32Array  # (episode, track) node of the last sighting
     base: Int32Array  # (episode, track, 2) per axis: step from which its way counts
     base_node: Int32Array  # (episode, track, 2) and its node then
+    firm: NDArray[np.bool_]  # (episode, track) seen since the step of a late look: it stays
+    now_row: NDArray[np.float64]  # (episode, track) where it is now, worked back for a late look
+    now_col: NDArray[np.float64]
 
 
 class Ended(NamedTuple):
@@ -55,6 +58,9 @@ def tracks(episodes: int, capacity: int) -> Tracks:
         np.zeros(both),
         *(np.zeros(both, np.int32) for _ in range(4)),
         *(np.zeros((*both, 2), np.int32) for _ in range(2)),
+        np.zeros(both, np.bool_),
+        np.zeros(both),
+        np.zeros(both),
     )
 
 
@@ -96,6 +102,9 @@ def _copy(tracks: Tracks, e: int, source: int, goal: int) -> None:
     for axis in range(2):
         tracks.base[e, goal, axis] = tracks.base[e, source, axis]
         tracks.base_node[e, goal, axis] = tracks.base_node[e, source, axis]
+    tracks.firm[e, goal] = tracks.firm[e, source]
+    tracks.now_row[e, goal] = tracks.now_row[e, source]
+    tracks.now_col[e, goal] = tracks.now_col[e, source]
 
 
 @kernel
@@ -186,7 +195,7 @@ def begin(tracks: Tracks, shore: Shore, e: int, node: int, now: int, ways: Ended
         return False
     tracks.row[e, i], tracks.col[e, i] = float(shore.rows[node]), float(shore.cols[node])
     tracks.born[e, i], tracks.seen[e, i] = now, now
-    tracks.seen_node[e, i] = node
+    tracks.seen_node[e, i], tracks.firm[e, i] = node, False
     tracks.base[e, i], tracks.base_node[e, i] = now, node
     tracks.number[e] = i + 1
     confirm(tracks, shore, e, i, node, now, ways)

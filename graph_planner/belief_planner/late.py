@@ -1,0 +1,178 @@
+"""Late news: looks that are heard after the step in which they were made.
+
+Each is taken in at its own step, the oldest first (out-of-sequence measurements; Y. Bar-Shalom,
+IEEE Transactions on Aerospace and Electronic Systems 38, 2002). Tracks are worked back to that step
+by the drift, made to agree with what the look shows, and carried on again; those that were seen
+since account for what it shows, and stay.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_planner.shore import Shore, drifted, settled
+from graph_planner.belief_planner.stragglers import Stragglers, was_in_view
+from graph_planner.belief_planner.tracks import Ended, Lost, Tracks, drop, lose
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import Int32Array
+from graph_planner.task import NEVER
+from graph_planner.visibility import NodeLists
+
+
+class Glance(NamedTuple):
+    """What the late looks of one step show together."""
+
+    belief: NDArray[np.int16]  # (node,) items, right where the node was in view
+    last_seen: NDArray[np.int16]  # (node,) step where the node was in view, else `NEVER`
+
+
+def glance(nodes: int) -> Glance:
+    """Memory for a map of so many nodes."""
+    return Glance(np.zeros(nodes, np.int16), np.full(nodes, NEVER, np.int16))
+
+
+@kernel
+def show(
+    step: int,
+    nodes: Int32Array,
+    shown: NDArray[np.int16],
+    radius: NDArray[np.int64],
+    views: NodeLists,
+    glance: Glance,
+) -> None:
+    """Fill a glance with looks of one step.
+
+    Parameters
+    ----------
+    nodes : (look,) where each was made
+    shown : (look, place) items in the nodes in view, in the order of their list
+    radius : (look,) which list of `views`
+    """
+    glance.last_seen[:] = NEVER
+    for k in range(nodes.size):
+        first = views.start[radius[k], nodes[k]]
+        for i in range(first, views.start[radius[k], nodes[k] + 1]):
+            node, items = views.nodes[i], shown[k, i - first]
+            known = glance.last_seen[node] == step
+            glance.belief[node] = max(items, glance.belief[node]) if known else items
+            glance.last_seen[node] = step
+
+
+@kernel
+def work_back(
+    tracks: Tracks, shore: Shore, e: int, step: int, steps: int, drift: NDArray[np.float64]
+) -> None:
+    """Bring all tracks back to a step that is `steps` ago, by the drift (2,) [node/step]."""
+    for i in range(tracks.number[e]):
+        row, col = tracks.row[e, i], tracks.col[e, i]
+        tracks.now_row[e, i], tracks.now_col[e, i] = row, col
+        tracks.firm[e, i] = tracks.seen[e, i] >= step
+        tracks.row[e, i], tracks.col[e, i], tracks.node[e, i] = drifted(
+            shore, row, col, -drift[0], -drift[1], float(steps)
+        )
+
+
+@kernel
+def collect(
+    tracks: Tracks,
+    shore: Shore,
+    e: int,
+    step: int,
+    foragers_at: Int32Array,
+    drift: NDArray[np.float64],
+    ways: Ended,
+    lost: Lost,
+) -> None:
+    """End worked back tracks that foragers had come to in a step, before the rest drifted."""
+    for f in range(foragers_at.size):
+        i = 0
+        while i < tracks.number[e]:
+            _, _, before = drifted(
+                shore, tracks.row[e, i], tracks.col[e, i], -drift[0], -drift[1], 1.0
+            )
+            if before == foragers_at[f] and not tracks.firm[e, i]:
+                if tracks.seen[e, i] < step - 1:
+                    lose(tracks, e, i, lost)
+                drop(tracks, shore, e, i, ways)
+            else:
+                i += 1
+
+
+@kernel
+def _is_out(
+    stragglers: Stragglers,
+    shore: Shore,
+    e: int,
+    row: float,
+    col: float,
+    drift: NDArray[np.float64],
+    step: int,
+    now: int,
+) -> bool:
+    """Whether an item at a place [node] at a step would have been seen or taken before now."""
+    row, col, node = settled(shore, row, col)
+    for s in range(step + 1, now):
+        for f in range(stragglers.foragers.shape[2]):
+            if stragglers.foragers[e, s, f] == node:
+                return True
+        row, col, node = drifted(shore, row, col, drift[0], drift[1], 1.0)
+        if was_in_view(stragglers.views[e], s, node):
+            return True
+    return False
+
+
+@kernel
+def doubt(
+    tracks: Tracks,
+    stragglers: Stragglers,
+    shore: Shore,
+    e: int,
+    new: int,
+    step: int,
+    now: int,
+    drift: NDArray[np.float64],
+    ways: Ended,
+    lost: Lost,
+) -> int:
+    """End those of the last `new` tracks that would have been seen or taken since; how many stay.
+
+    They are items that were known already, or are gone; they count as lost.
+    """
+    kept = new
+    for i in range(tracks.number[e] - 1, tracks.number[e] - 1 - new, -1):
+        if _is_out(stragglers, shore, e, tracks.row[e, i], tracks.col[e, i], drift, step, now):
+            lose(tracks, e, i, lost)
+            drop(tracks, shore, e, i, ways)
+            kept -= 1
+    return kept
+
+
+@kernel
+def carry_on(
+    tracks: Tracks, shore: Shore, e: int, step: int, steps: int, drift: NDArray[np.float64]
+) -> None:
+    """Bring worked back tracks to now: those that the look moved by the drift, others as before."""
+    for i in range(tracks.number[e]):
+        row, col = tracks.row[e, i], tracks.col[e, i]
+        touched = tracks.seen[e, i] == step and not tracks.firm[e, i]
+        if not touched:
+            now_row, now_col = tracks.now_row[e, i], tracks.now_col[e, i]
+            back_row, back_col, _ = drifted(
+                shore, now_row, now_col, -drift[0], -drift[1], float(steps)
+            )
+            touched = row != back_row or col != back_col
+            if not touched:
+                row, col = now_row, now_col
+        left = float(steps) if touched else 0.0
+        tracks.row[e, i], tracks.col[e, i], tracks.node[e, i] = drifted(
+            shore, row, col, drift[0], drift[1], left
+        )
+        tracks.firm[e, i] = False
+
+
+class Sighted(NamedTuple):
+    """Items that late looks have shown for the first time."""
+
+    step: int
+    node: Int32Array  # (item,) where they were then
