@@ -168,7 +168,7 @@ class Link:
     """Radius of the disk."""
     wall_db: Annotated[float, Within(0, 1000, "dB")] = 0.0
     """What every land cell on the straight line takes; a disk ends there if above 0."""
-    tx_dbm: Annotated[float, Within(-60, 100, "dBm"), _RF] = 27.0
+    tx_dbm: Annotated[float, Within(-200, 100, "dBm"), _RF] = 27.0
     """Power of a transmitter."""
     floor_dbm: Annotated[float, Within(-200, 0, "dBm"), _RF] = -90.0
     """Power of the noise, and the least power at which there is a contact."""
