@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from typing import Annotated
 
-from graph_planner.fields import Within
+from graph_planner.fields import Later, Within
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,13 @@ class BeliefSettings:
     """Whether scouts plan ahead, else each takes the move that shows most at once."""
     refresh: bool = True
     """Whether scouts look at known items and outdated beliefs again."""
+    link_node: Annotated[Annotated[float, Within(0, 1e6, "node")] | None, Later()] = None
+    """How far apart agents are taken to hear each other, 0: never; absent: as far as `[link]`
+    lets them where no quay is between."""
+    report: Annotated[bool, Later()] = True
+    """Whether scouts come back with news to foragers out of reach."""
+    alone: Annotated[bool, Later()] = True
+    """Whether foragers that hear of nobody look for items by themselves."""
 
     def widened(self) -> "BeliefSettings":
         """The assumptions in force: with `robust`, wide ones around those given."""

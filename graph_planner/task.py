@@ -67,6 +67,7 @@ class Task:
     walls : of `graph_planner.walls.WALLS`, what becomes of items that drift onto land
     pickup : what picking up takes hulls, which may miss items, take those that they pass, and do so
         while all drift; None where a forager takes all that is in its node, before the rest drifts
+    reach_node : how far apart agents hear each other where nothing is between; 0: never
     """
 
     graph: NavigationGraph
@@ -76,6 +77,7 @@ class Task:
     belief: BeliefSettings = field(default_factory=BeliefSettings)
     walls: str = "clip"
     pickup: Pickup | None = None
+    reach_node: float = np.inf
 
     @property
     def forgetting(self) -> float:
@@ -177,6 +179,7 @@ class Observation(NamedTuple):
     late_agent: Int32Array
     late_node: Int32Array
     late_shown: NDArray[np.int16]
+    holder: Int32Array  # (row,) the agent that acts by this row, -1 if all do or several
 
     @property
     def late(self) -> Late:
@@ -186,7 +189,7 @@ class Observation(NamedTuple):
 
 _TYPES = (
     *("?", "i4", "u8", "i4", "f8", "i8", "i2", "i2", "i4", "i4", "i4", "i8", "i1", "f8"),
-    *("i4", "i4", "i4", "i2"),
+    *("i4", "i4", "i4", "i2", "i4"),
 )  # of its fields
 
 

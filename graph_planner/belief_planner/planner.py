@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +14,17 @@ from graph_planner.belief_planner import stragglers as st
 from graph_planner.belief_planner import tracks as tr
 from graph_planner.belief_planner import wind as wd
 from graph_planner.belief_planner.cloud import cloud_of
-from graph_planner.belief_planner.covers import hotspot_cover, landmarks_of
+from graph_planner.belief_planner.covers import BlockCover, hotspot_cover, landmarks_of
 from graph_planner.belief_planner.currents import currents_of
 from graph_planner.belief_planner.foraging import Foraging
+from graph_planner.belief_planner.group import Group
 from graph_planner.belief_planner.move_preferences import towards
 from graph_planner.belief_planner.routes import NOWHERE
 from graph_planner.belief_planner.scouting import Scouting
 from graph_planner.belief_planner.shore import shore_of
+from graph_planner.belief_planner.touch import NOBODY, Touch
 from graph_planner.belief_planner.waiting import approach, regrets
+from graph_planner.belief_settings import BeliefSettings
 from graph_planner.geodesics import Int32Array
 from graph_planner.randomness import Stream, UInt64Array, stream_key
 from graph_planner.task import UNREACHABLE, Observation, Task
@@ -55,6 +59,20 @@ def _unseen(seen: Observation, e: int) -> NDArray[np.float64]:
     return IDLE * np.minimum(1.0, age / OLD)
 
 
+class Lookers(NamedTuple):
+    """Agents that look around, and what each would notice of hotspots."""
+
+    scouting: Scouting
+    blocks: list[BlockCover]
+    group: Group
+
+    @classmethod
+    def of(cls, task: Task, settings: BeliefSettings, agents: NDArray[np.int64]) -> "Lookers":
+        """Of some agents of a task."""
+        blocks = [hotspot_cover(task, int(a), settings) for a in agents]
+        return cls(Scouting(task, settings, agents), blocks, Group.of(task, agents))
+
+
 class BeliefPlanner:
     """Knowledge and plans of a batch of episodes."""
 
@@ -87,9 +105,10 @@ class BeliefPlanner:
         # Without scouts, foragers look around when they know of nothing to collect.
         self._lone = task.fleet.discoverers.size == 0
         lookers = task.fleet.collectors if self._lone else task.fleet.discoverers
-        self._scouts = Scouting(task, settings, lookers)
+        self._scouts = Lookers.of(task, settings, lookers)
+        self._alone: Lookers | None = None  # foragers that look for themselves, once one does
+        self._touch = Touch(task, settings, episodes)
         self._landmarks, self._belongs = landmarks_of(graph)
-        self._blocks = [hotspot_cover(task, int(a), settings) for a in self._scouts.agents]
         self.expected = np.zeros((episodes, len(graph)))
         self._nothing = np.zeros(len(graph))
         self._viewed, self._news = np.zeros(episodes, np.int64), np.zeros(episodes, np.int64)
@@ -102,6 +121,7 @@ class BeliefPlanner:
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9)."""
         for e in np.flatnonzero(observation.active).tolist():
+            self._touch.note(observation, e)
             self._learn(observation, e)
             self._decide(observation, e)
         return self._preferences
@@ -255,14 +275,58 @@ class BeliefPlanner:
         if not busy:
             self._wait(at, e, sighted, preferences)
         self._foragers.hold(at, room, energy, preferences)
-        if self._lone and busy:
-            return
+        if not (self._lone and busy):
+            self._look(seen, e, sighted, self._scouts, preferences)
+        self._keep_in_touch(seen, e, busy, sighted, preferences)
+
+    def _look(
+        self,
+        seen: Observation,
+        e: int,
+        sighted: bool,
+        lookers: "Lookers",
+        preferences: NDArray[np.float64],
+        part: NDArray[np.float64] | float = 1.0,
+    ) -> None:
+        """Let those who look go where most is worth seeing; `part` (node,) weighs the nodes."""
+        at, scouting = seen.agent_node[e], lookers.scouting
         if sighted or not self.settings.hotspot:
-            self._scouts.look(at, self._worth_seeing(seen, e), preferences)
+            scouting.look(at, self._worth_seeing(seen, e) * part, preferences)
         elif self._in_vain(seen, e):
-            self._scouts.look(at, _unseen(seen, e), preferences)
+            scouting.look(at, _unseen(seen, e) * part, preferences)
         else:
-            self._search(at, self.spots.chance[e, 0], preferences)
+            self._search(at, self.spots.chance[e, 0] * part, lookers, preferences)
+
+    def _keep_in_touch(
+        self,
+        seen: Observation,
+        e: int,
+        busy: bool,
+        sighted: bool,
+        preferences: NDArray[np.float64],
+    ) -> None:
+        """Overwrite the preferences (agent, 9) of one who brings news, waits for it or does not."""
+        touch, agent = self._touch, int(seen.holder[e])
+        if agent == NOBODY or touch.always:
+            return
+        born = self.tracks.born[e, : self.tracks.number[e]]
+        here, goal = int(seen.agent_node[e, agent]), NOBODY
+        scouts = self._scouts.group
+        mine = np.flatnonzero(scouts.agents == agent)
+        if mine.size:
+            ways = scouts.ways[scouts.kind[mine[0]]]
+            goal = touch.tells(seen, e, born, ways)
+        elif not busy:
+            goal = touch.waits(seen, e)
+            if goal != NOBODY and touch.looks_alone(seen, e):
+                if self._alone is None:
+                    self._alone = Lookers.of(self._task, self.settings, self._task.fleet.collectors)
+                self._look(seen, e, sighted, self._alone, preferences, touch.part(seen, e))
+                return
+            group = self._foragers.group
+            ways = group.ways[group.kind[np.flatnonzero(group.agents == agent)[0]]]
+        if goal != NOBODY:
+            towards(ways, here, goal, self._nothing, preferences[agent])
 
     def _in_vain(self, seen: Observation, e: int) -> bool:
         """Whether the search for the first hotspot shows no new nodes, or few are left to show.
@@ -279,18 +343,22 @@ class BeliefPlanner:
         return bool(self._vain[e])
 
     def _search(
-        self, at: Int32Array, chance: NDArray[np.float64], preferences: NDArray[np.float64]
+        self,
+        at: Int32Array,
+        chance: NDArray[np.float64],
+        lookers: "Lookers",
+        preferences: NDArray[np.float64],
     ) -> None:
-        """Let the scouts look for the first hotspot, most of all where not knowing costs most."""
-        if not self._blocks:
+        """Let some look for the first hotspot, most of all where not knowing costs most."""
+        if not lookers.blocks:
             return
         group = self._foragers.group
         if group.agents.size and self.settings.preposition:
             mass = _summed(self._belongs, chance, self._landmarks.size)
             regret = regrets(group.ways, self._landmarks, mass, group.kind, at[group.agents], AHEAD)
             chance = chance * (CALM + regret)[self._belongs]
-        mass = _summed(self._blocks[0].block, chance, 1)
-        self._scouts.look(at, mass, preferences, [b.cover for b in self._blocks])
+        mass = _summed(lookers.blocks[0].block, chance, 1)
+        lookers.scouting.look(at, mass, preferences, [b.cover for b in lookers.blocks])
 
     def _list_items(self, e: int, now: int, sighted: bool) -> None:
         """Tracks, and the nodes where most unseen items are expected, as things to collect."""

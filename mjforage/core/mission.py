@@ -134,6 +134,15 @@ class Mission:
         self.knowledge = Knowledge.of_starts(self._looks(), len(self.setup.graph))
         self._post_lookout()
         self.exchange.reset(self.task, self._see(), self.knowledge, self.keys)
+        self._acting = np.tile(self._agent_of_holder(), keys.size)
+
+    def _agent_of_holder(self) -> Int32Array:
+        """(holder,) the agent that acts by what a holder knows, -1 if several do."""
+        holder_of = self.exchange.holder_of
+        alone = np.bincount(holder_of, minlength=self.exchange.holders) == 1
+        agent = np.zeros(self.exchange.holders, np.int32)
+        agent[holder_of] = np.arange(holder_of.size)
+        return np.where(alone, agent, np.int32(-1)).astype(np.int32)
 
     def _looks(self) -> Looks:
         """What all agents see now and say of themselves."""
@@ -237,6 +246,7 @@ class Mission:
             late_agent=late.agent,
             late_node=late.node,
             late_shown=late.shown,
+            holder=self._acting if holders > 1 else np.full(len(active), -1, np.int32),
         )
 
     @property

@@ -12,6 +12,7 @@ from graph_planner.navigation import NavigationGraph, navigation_graph
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Task
 from mjforage.core.initial_state import InitialState, create_initial_state, nodes_around
+from mjforage.core.link.reach import reach_m
 from mjforage.core.maps import GridMap, check_starts, load_map, load_starts, reachable_share
 from mjforage.core.scenario import Scenario
 from mjforage.core.sizes import check_memory, map_bytes, mission_bytes
@@ -107,7 +108,8 @@ class Setup:
         scenario, rules = self.scenario, self.scenario.rules
         moves = MoveRules(rules.stay, rules.shorten)
         about = scenario.horizon, scenario.belief, rules.walls
-        return Task(self.graph, self.fleet, moves, *about)
+        reach = reach_m(scenario.link, self.fleet.antenna_m) / scenario.map.pitch_m
+        return Task(self.graph, self.fleet, moves, *about, reach_node=reach)
 
     @cached_property
     def start_nodes(self) -> Int32Array:

@@ -52,6 +52,7 @@ def observation_of(
         pickup=np.zeros(nodes.shape, np.int8),
         agent_yaw=np.zeros(nodes.shape),
         **{f"late_{name}": part for name, part in nothing_late(episodes)._asdict().items()},
+        holder=np.full(episodes, -1, np.int32),
     )
 
 

@@ -1,0 +1,134 @@
+"""Keeping in touch over a link with an end: who brings news to whom, and who waits where.
+
+An agent that plans by what it has heard itself knows when it last heard of the others, and takes it
+that they heard of it then. Scouts with news of items come back to foragers that have nothing left
+to do, as far as they know; those wait where they were last heard of, and look for themselves once
+nobody has come for long.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
+from graph_planner.belief_settings import BeliefSettings
+from graph_planner.geodesics import Int32Array
+from graph_planner.navigation import NavigationGraph
+from graph_planner.task import Observation, Task
+
+NOBODY = -1
+SLACK = 3  # decisions without news from somebody in touch: latency and losses
+PATIENCE = 40  # decisions after which a forager no longer waits for news
+PER_DECISION = 0.7  # items that a forager takes in a decision, of those it knows of
+NEAR = 1  # decisions from where somebody was last heard of: it should be heard there
+ELSEWHERE = 0.25  # what a node in another's part is worth, to one that looks alone
+
+
+@lru_cache(maxsize=16)
+def parts_of(graph: NavigationGraph, start: int, number: int) -> NDArray[np.int64]:
+    """(node,) which of so many parts of a map each node is in: nearest to one of nodes far apart.
+
+    The first of those is the farthest from `start`, each other one from all before.
+    """
+    away = graph.distances_from(np.array([start], np.int32)).copy()
+    part = np.zeros(len(graph), np.int64)
+    nearest = np.full(len(graph), np.inf)
+    for k in range(number):
+        far = int(np.argmax(np.where(np.isfinite(away), away, -1.0)))
+        distance = graph.distances_from(np.array([far], np.int32))
+        part[distance < nearest] = k
+        nearest = np.minimum(nearest, distance)
+        away = np.minimum(away, distance)
+    return part
+
+
+class Touch:
+    """What every row of a batch takes the others to have heard.
+
+    Attributes
+    ----------
+    reach : distance at which agents are taken to hear each other [node]
+    """
+
+    def __init__(self, task: Task, settings: BeliefSettings, rows: int) -> None:
+        self.reach = task.reach_node if settings.link_node is None else settings.link_node
+        self._collectors, self._discoverers = task.fleet.collectors, task.fleet.discoverers
+        self._report, self._alone = settings.report, settings.alone
+        self._graph = task.graph
+        agents = len(task.fleet)
+        self._home = np.full(rows, NOBODY, np.int64)  # where an agent was when last in touch
+        self._start = np.full(rows, NOBODY, np.int64)
+        self._missed = np.full((rows, agents), NOBODY, np.int64)  # last news of who was not found
+
+    @property
+    def always(self) -> bool:
+        """Whether agents are taken to hear each other everywhere."""
+        return bool(np.isinf(self.reach))
+
+    def note(self, seen: Observation, e: int) -> None:
+        """Take note of who has been heard of."""
+        holder, now = int(seen.holder[e]), int(seen.step[e]) - 1
+        if holder == NOBODY or self.always:
+            return
+        here = int(seen.agent_node[e, holder])
+        if self._start[e] == NOBODY:
+            self._start[e] = self._home[e] = here
+        others = self._discoverers if holder in self._collectors else self._collectors
+        if others.size and now - int(seen.agent_seen[e][others].max()) <= SLACK:
+            self._home[e] = here
+
+    def waits(self, seen: Observation, e: int) -> int:
+        """Where a forager without items waits for news; `NOBODY` if it need not."""
+        holder, now = int(seen.holder[e]), int(seen.step[e]) - 1
+        if holder == NOBODY or self.always or holder not in self._collectors:
+            return NOBODY
+        scouts = self._discoverers
+        if not scouts.size or now - int(seen.agent_seen[e][scouts].max()) <= SLACK:
+            return NOBODY
+        return int(self._home[e])
+
+    def looks_alone(self, seen: Observation, e: int) -> bool:
+        """Whether a forager that waits for news looks for items by itself."""
+        now, scouts = int(seen.step[e]) - 1, self._discoverers
+        patience = PATIENCE if self.reach > 0.0 else 0
+        waited = now - int(seen.agent_seen[e][scouts].max())
+        return bool(self._alone and waited >= patience)
+
+    def part(self, seen: Observation, e: int) -> NDArray[np.float64]:
+        """(node,) what looking at each node is worth to a forager that looks alone."""
+        number = self._collectors.size
+        mine = int(np.flatnonzero(self._collectors == seen.holder[e])[0])
+        part = parts_of(self._graph, 0, number)
+        return np.where(part == mine, 1.0, ELSEWHERE)
+
+    def tells(self, seen: Observation, e: int, born: Int32Array, ways: Ways) -> int:
+        """Node to which a scout brings news; `NOBODY` if it need not.
+
+        Parameters
+        ----------
+        born : (track,) steps in which the items that it knows of were first seen
+        ways : of the scout
+        """
+        holder, now = int(seen.holder[e]), int(seen.step[e]) - 1
+        if holder == NOBODY or self.always or not self._report or holder in self._collectors:
+            return NOBODY
+        if self.reach <= 0.0 or not born.size:
+            return NOBODY
+        here, target, least = int(seen.agent_node[e, holder]), NOBODY, np.inf
+        for other in self._collectors.tolist():
+            told = int(seen.agent_seen[e, other])
+            news = int((born > told).sum())
+            if now - told <= SLACK or not news or self._missed[e, other] == told:
+                continue
+            node = int(seen.agent_node[e, other])
+            way = ways.decisions[row_to(ways, node)][here]
+            if way == UNREACHED:
+                continue
+            if way <= NEAR:
+                self._missed[e, other] = told
+                continue
+            busy = (born.size - news) / PER_DECISION - (now - told)
+            if busy <= way < least:
+                target, least = node, float(way)
+        return target
