@@ -106,7 +106,7 @@ class BeliefPlanner:
         self._lone = task.fleet.discoverers.size == 0
         lookers = task.fleet.collectors if self._lone else task.fleet.discoverers
         self._scouts = Lookers.of(task, settings, lookers)
-        self._alone: Lookers | None = None  # foragers that look for themselves, once one does
+        self._alone: dict[int, Lookers] = {}  # foragers that have looked for themselves
         self._touch = Touch(task, settings, episodes)
         self._landmarks, self._belongs = landmarks_of(graph)
         self.expected = np.zeros((episodes, len(graph)))
@@ -319,9 +319,11 @@ class BeliefPlanner:
         elif not busy:
             goal = touch.waits(seen, e)
             if goal != NOBODY and touch.looks_alone(seen, e):
-                if self._alone is None:
-                    self._alone = Lookers.of(self._task, self.settings, self._task.fleet.collectors)
-                self._look(seen, e, sighted, self._alone, preferences, touch.part(seen, e))
+                if agent not in self._alone:
+                    itself = np.array([agent], np.int64)
+                    self._alone[agent] = Lookers.of(self._task, self.settings, itself)
+                part = touch.part(seen, e)
+                self._look(seen, e, sighted, self._alone[agent], preferences, part)
                 return
             group = self._foragers.group
             ways = group.ways[group.kind[np.flatnonzero(group.agents == agent)[0]]]

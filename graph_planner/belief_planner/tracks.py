@@ -53,14 +53,18 @@ def tracks(episodes: int, capacity: int) -> Tracks:
     """Room for so many tracks in each episode."""
     both = (episodes, capacity)
     return Tracks(
-        np.zeros(episodes, np.int64),
-        np.zeros(both),
-        np.zeros(both),
-        *(np.zeros(both, np.int32) for _ in range(4)),
-        *(np.zeros((*both, 2), np.int32) for _ in range(2)),
-        np.zeros(both, np.bool_),
-        np.zeros(both),
-        np.zeros(both),
+        number=np.zeros(episodes, np.int64),
+        row=np.zeros(both),
+        col=np.zeros(both),
+        node=np.zeros(both, np.int32),
+        born=np.zeros(both, np.int32),
+        seen=np.zeros(both, np.int32),
+        seen_node=np.zeros(both, np.int32),
+        base=np.zeros((*both, 2), np.int32),
+        base_node=np.zeros((*both, 2), np.int32),
+        firm=np.zeros(both, np.bool_),
+        now_row=np.zeros(both),
+        now_col=np.zeros(both),
     )
 
 
