@@ -322,8 +322,13 @@ class BeliefPlanner:
                 if agent not in self._alone:
                     itself = np.array([agent], np.int64)
                     self._alone[agent] = Lookers.of(self._task, self.settings, itself)
-                part = touch.part(seen, e)
-                self._look(seen, e, sighted, self._alone[agent], preferences, part)
+                lookers = self._alone[agent]
+                chance = self.spots.chance[e, 0] * touch.part(seen, e)
+                cover, block = lookers.blocks[0]
+                mass = _summed(block, chance, cover.landmark.size)
+                here = seen.agent_node[e, agent]
+                touch.passed(e, cover, here, mass)
+                lookers.scouting.look(seen.agent_node[e], mass, preferences, [cover])
                 return
             group = self._foragers.group
             ways = group.ways[group.kind[np.flatnonzero(group.agents == agent)[0]]]

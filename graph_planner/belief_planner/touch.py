@@ -11,6 +11,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.belief_planner.covers import NOTICED
+from graph_planner.belief_planner.sweeps import Cover
 from graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.geodesics import Int32Array
@@ -59,6 +61,7 @@ class Touch:
         agents = len(task.fleet)
         self._home = np.full(rows, NOBODY, np.int64)  # where an agent was when last in touch
         self._start = np.full(rows, NOBODY, np.int64)
+        self._left: NDArray[np.float64] | None = None  # (row, cell) not noticed by one alone
         self._missed = np.full((rows, agents), NOBODY, np.int64)  # last news of who was not found
 
     @property
@@ -101,6 +104,13 @@ class Touch:
         mine = int(np.flatnonzero(self._collectors == seen.holder[e])[0])
         part = parts_of(self._graph, 0, number)
         return np.where(part == mine, 1.0, ELSEWHERE)
+
+    def passed(self, e: int, cover: Cover, here: int, mass: NDArray[np.float64]) -> None:
+        """Lessen the mass (cell,) of what it would have noticed on its way here."""
+        if self._left is None:
+            self._left = np.ones((self._home.size, mass.size))
+        self._left[e, cover.cells[cover.start[here] : cover.start[here + 1]]] *= 1.0 - NOTICED
+        mass *= self._left[e]
 
     def tells(self, seen: Observation, e: int, born: Int32Array, ways: Ways) -> int:
         """Node to which a scout brings news; `NOBODY` if it need not.
