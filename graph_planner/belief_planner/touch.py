@@ -23,7 +23,7 @@ NOBODY = -1
 SLACK = 3  # decisions without news from somebody in touch: latency and losses
 PATIENCE = 40  # decisions after which a forager no longer waits for news
 PER_DECISION = 0.7  # items that a forager takes in a decision, of those it knows of
-NEAR = 1  # decisions from where somebody was last heard of: it should be heard there
+NEAR = 2.0  # of a decision's way, to where somebody was last heard of: it should be heard there
 ELSEWHERE = 0.25  # what a node in another's part is worth, to one that looks alone
 
 
@@ -57,7 +57,7 @@ class Touch:
         self.reach = task.reach_node if settings.link_node is None else settings.link_node
         self._collectors, self._discoverers = task.fleet.collectors, task.fleet.discoverers
         self._report, self._alone = settings.report, settings.alone
-        self._graph = task.graph
+        self._graph, self._moves = task.graph, task.fleet.moves
         agents = len(task.fleet)
         self._home = np.full(rows, NOBODY, np.int64)  # where an agent was when last in touch
         self._start = np.full(rows, NOBODY, np.int64)
@@ -132,13 +132,26 @@ class Touch:
             if now - told <= SLACK or not news or self._missed[e, other] == told:
                 continue
             node = int(seen.agent_node[e, other])
-            way = ways.decisions[row_to(ways, node)][here]
-            if way == UNREACHED:
-                continue
-            if way <= NEAR:
+            if self._is_near(here, node, int(self._moves[holder])):
                 self._missed[e, other] = told
                 continue
+            node, way = self._reached(ways, here, node)
             busy = (born.size - news) / PER_DECISION - (now - told)
             if busy <= way < least:
-                target, least = node, float(way)
+                target, least = node, way
         return target
+
+    def _reached(self, ways: Ways, here: int, node: int) -> tuple[int, float]:
+        """A node, or one beside it if moves of several nodes never end there, and the decisions."""
+        for goal in (node, *self._graph.neighbours[node].tolist()):
+            if goal >= 0 and (way := ways.decisions[row_to(ways, goal)][here]) != UNREACHED:
+                return goal, float(way)
+        return node, np.inf
+
+    def _is_near(self, here: int, node: int, moves: int) -> bool:
+        """Whether it is not far to a node, nor around a corner."""
+        rows, cols = self._graph.rows, self._graph.cols
+        if max(abs(rows[node] - rows[here]), abs(cols[node] - cols[here])) > moves:
+            return False
+        away = self._graph.distances_from(np.array([node], np.int32))
+        return bool(away[here] <= NEAR * moves)

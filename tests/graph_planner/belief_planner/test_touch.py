@@ -1,0 +1,102 @@
+"""Keeping in touch: who brings news, who waits where, and who looks alone."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from graph_planner.belief_planner.touch import NOBODY, PATIENCE, SLACK, Touch, parts_of
+from graph_planner.belief_planner.ways import ways_of
+from graph_planner.belief_settings import BeliefSettings
+from graph_planner.fleet import Role
+from graph_planner.navigation import navigation_graph
+from graph_planner.task import Observation
+from tests.graph_planner.driver import observation_of, task_of
+
+SEA = navigation_graph(np.ones((30, 30), np.bool_), 1.0, False)
+TASK = replace(
+    task_of(SEA, scouts=Role(1, 2, 4.0, False), foragers=Role(2, 1, 1.0, True)), reach_node=5.0
+)
+SCOUT, FORAGER, OTHER = range(3)
+WAYS = ways_of(SEA, 2, TASK.rules.stay, TASK.rules.shorten)
+NEWS = np.array([5, 18], np.int32)  # steps in which two items were first seen
+
+
+def seen_by(holder: int, heard: dict[int, int], step: int = 21) -> Observation:
+    """An observation of one holder: the scout in a corner, the foragers in two others."""
+    observation = observation_of(TASK, [(0, 0), (0, 20), (20, 0)], step=step)
+    observation.holder[:] = holder
+    for agent, when in heard.items():
+        observation.agent_seen[0, agent] = when
+    return observation
+
+
+def touch_of(**settings: Any) -> Touch:
+    return Touch(TASK, replace(BeliefSettings(), **settings), 1)
+
+
+def is_at(node: int, row: int, col: int) -> bool:
+    """Whether a node is a cell or one beside it: some scouts cannot end a move in every cell."""
+    return max(abs(int(SEA.rows[node]) - row), abs(int(SEA.cols[node]) - col)) <= 1
+
+
+def test_news_is_brought_to_the_nearest_who_lacks_it_and_is_idle() -> None:
+    late = 20 - SLACK - 1
+    told = seen_by(SCOUT, {FORAGER: late, OTHER: late})
+    assert is_at(touch_of().tells(told, 0, NEWS, WAYS), 0, 20)
+    both = seen_by(SCOUT, {FORAGER: 20, OTHER: late})
+    assert is_at(touch_of().tells(both, 0, NEWS, WAYS), 20, 0), "the first is in touch"
+    assert touch_of().tells(told, 0, NEWS[:1], WAYS) == NOBODY, "old news"
+    assert touch_of(report=False).tells(told, 0, NEWS, WAYS) == NOBODY
+    assert touch_of(link_node=0.0).tells(told, 0, NEWS, WAYS) == NOBODY, "nobody would hear it"
+    assert touch_of(link_node=np.inf).always
+    many = np.concatenate((np.zeros(40, np.int32), [18])).astype(np.int32)
+    assert touch_of().tells(told, 0, many, WAYS) == NOBODY, "they have enough to do"
+
+
+def test_who_is_not_found_where_it_was_is_not_waited_for() -> None:
+    touch, late = touch_of(), 20 - SLACK - 2
+    told = seen_by(SCOUT, {FORAGER: late, OTHER: 20})
+    told.agent_node[0, SCOUT] = SEA.node_of_cell[0, 19]
+    assert touch.tells(told, 0, NEWS, WAYS) == NOBODY
+    told.agent_node[0, SCOUT] = SEA.node_of_cell[9, 9]
+    assert touch.tells(told, 0, NEWS, WAYS) == NOBODY, "as long as nothing newer is heard"
+    told.agent_seen[0, FORAGER] = late + 1
+    assert is_at(touch.tells(told, 0, NEWS, WAYS), 0, 20)
+
+
+def test_a_forager_waits_where_it_was_last_in_touch_and_then_looks_alone() -> None:
+    touch = touch_of()
+    touch.note(seen_by(FORAGER, {SCOUT: 20}), 0)
+    away = seen_by(FORAGER, {SCOUT: 20}, step=21 + SLACK + 1)
+    away.agent_node[0, FORAGER] = SEA.node_of_cell[9, 9]
+    touch.note(away, 0)
+    assert touch.waits(away, 0) == SEA.node_of_cell[0, 20]
+    assert not touch.looks_alone(away, 0)
+    assert touch_of(link_node=0.0).looks_alone(away, 0), "at once where nobody is ever heard"
+    long = seen_by(FORAGER, {SCOUT: 20}, step=21 + PATIENCE)
+    assert touch.looks_alone(long, 0) and not touch_of(alone=False).looks_alone(long, 0)
+    assert touch.waits(seen_by(FORAGER, {SCOUT: 20}), 0) == NOBODY, "in touch"
+    assert touch.waits(seen_by(NOBODY, {}), 0) == NOBODY, "all know all"
+
+
+@pytest.mark.parametrize("number", [1, 2, 5])
+def test_parts_share_the_map(number: int) -> None:
+    part = parts_of(SEA, 0, number)
+    sizes = np.bincount(part, minlength=number)
+    assert sizes.size == number and sizes.min() > len(SEA) / (3 * number)
+
+
+def test_who_looks_alone_does_not_look_again_where_it_would_have_noticed() -> None:
+    from graph_planner.belief_planner.covers import NOTICED, hotspot_cover
+
+    cover, _ = hotspot_cover(TASK, FORAGER, BeliefSettings())
+    touch, here = touch_of(), int(SEA.node_of_cell[10, 10])
+    cells = cover.cells[cover.start[here] : cover.start[here + 1]]
+    assert cells.size
+    for passes in (1, 2):
+        mass = np.ones(cover.landmark.size)
+        touch.passed(0, cover, here, mass)
+        assert mass[cells] == pytest.approx((1.0 - NOTICED) ** passes)
+        assert (np.delete(mass, cells) == 1.0).all()
