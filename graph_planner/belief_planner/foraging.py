@@ -185,6 +185,12 @@ class Foraging:
         agents = self.group.agents
         return (room_left[agents] > 0) & (energy_left[agents] >= 1.0)
 
+    def is_able(
+        self, agent: int, room_left: NDArray[np.int64], energy_left: NDArray[np.float64]
+    ) -> bool:
+        """Whether one forager can still collect."""
+        return bool((self.able(room_left, energy_left) & (self.group.agents == agent)).any())
+
     def hold(
         self,
         agent_node: Int32Array,

@@ -31,3 +31,7 @@ class Group:
         kind = np.searchsorted(lengths, task.fleet.moves[agents]).astype(np.int64)
         stay, shorten = task.rules.stay, task.rules.shorten
         return cls(agents, kind, tuple(ways_of(task.graph, m, stay, shorten) for m in lengths))
+
+    def ways_of(self, agent: int) -> Ways:
+        """The ways of one of the agents."""
+        return self.ways[int(self.kind[np.flatnonzero(self.agents == agent)[0]])]

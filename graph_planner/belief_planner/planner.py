@@ -270,70 +270,58 @@ class BeliefPlanner:
         at, yaw, preferences = seen.agent_node[e], seen.agent_yaw[e], self._preferences[e]
         sighted = self.spots.number[e] > 0
         self._list_items(e, int(seen.step[e]) - 1, sighted)
-        room, energy = seen.room_left[e], seen.energy_left[e]
-        busy = self._foragers.send(at, yaw, self.wind.mean[e], room, energy, preferences) > 0
-        if not busy:
-            self._wait(at, e, sighted, preferences)
-        self._foragers.hold(at, room, energy, preferences)
-        if not (self._lone and busy):
-            self._look(seen, e, sighted, self._scouts, preferences)
-        self._keep_in_touch(seen, e, busy, sighted, preferences)
+        room, energy, busy = seen.room_left[e], seen.energy_left[e], False
+        holder = int(seen.holder[e])  # whose move alone counts, unless it is nobody's
+        if holder == NOBODY or self._task.fleet.collects[holder]:
+            drift = self.wind.mean[e]
+            busy = self._foragers.send(at, yaw, drift, room, energy, preferences) > 0
+            if not busy:
+                self._wait(at, e, sighted, preferences)
+            self._foragers.hold(at, room, energy, preferences)
+        looks = holder == NOBODY or self._lone or not self._task.fleet.collects[holder]
+        if looks and not (self._lone and busy):
+            self._look(seen, e, sighted, preferences)
+        if holder != NOBODY and not self._touch.always:
+            self._keep_in_touch(seen, e, busy)
 
     def _look(
-        self,
-        seen: Observation,
-        e: int,
-        sighted: bool,
-        lookers: "Lookers",
-        preferences: NDArray[np.float64],
-        part: NDArray[np.float64] | float = 1.0,
+        self, seen: Observation, e: int, sighted: bool, preferences: NDArray[np.float64]
     ) -> None:
-        """Let those who look go where most is worth seeing; `part` (node,) weighs the nodes."""
-        at, scouting = seen.agent_node[e], lookers.scouting
+        """Let the scouts go where most is worth seeing."""
+        at, scouting = seen.agent_node[e], self._scouts.scouting
         if sighted or not self.settings.hotspot:
-            scouting.look(at, self._worth_seeing(seen, e) * part, preferences)
+            scouting.look(at, self._worth_seeing(seen, e), preferences)
         elif self._in_vain(seen, e):
-            scouting.look(at, _unseen(seen, e) * part, preferences)
+            scouting.look(at, _unseen(seen, e), preferences)
         else:
-            self._search(at, self.spots.chance[e, 0] * part, lookers, preferences)
+            self._search(at, self.spots.chance[e, 0], preferences)
 
-    def _keep_in_touch(
-        self,
-        seen: Observation,
-        e: int,
-        busy: bool,
-        sighted: bool,
-        preferences: NDArray[np.float64],
-    ) -> None:
-        """Overwrite the preferences (agent, 9) of one who brings news, waits for it or does not."""
-        touch, agent = self._touch, int(seen.holder[e])
-        if agent == NOBODY or touch.always:
-            return
-        born = self.tracks.born[e, : self.tracks.number[e]]
-        here, goal = int(seen.agent_node[e, agent]), NOBODY
-        scouts = self._scouts.group
-        mine = np.flatnonzero(scouts.agents == agent)
-        if mine.size:
-            ways = scouts.ways[scouts.kind[mine[0]]]
-            goal = touch.tells(seen, e, born, ways)
-        elif not busy:
-            goal = touch.waits(seen, e)
+    def _keep_in_touch(self, seen: Observation, e: int, busy: bool) -> None:
+        """Send one who acts by itself to where it brings news, or waits for it, or looks alone."""
+        agent, touch, foragers = int(seen.holder[e]), self._touch, self._foragers
+        group, goal = self._scouts.group, NOBODY
+        if not self._task.fleet.collects[agent]:
+            ways = group.ways_of(agent)
+            goal = touch.tells(seen, e, self.tracks.born[e, : self.tracks.number[e]], ways)
+        elif not busy and foragers.is_able(agent, seen.room_left[e], seen.energy_left[e]):
+            ways, goal = foragers.group.ways_of(agent), touch.waits(seen, e)
             if goal != NOBODY and touch.looks_alone(seen, e):
-                if agent not in self._alone:
-                    itself = np.array([agent], np.int64)
-                    self._alone[agent] = Lookers.of(self._task, self.settings, itself)
-                lookers = self._alone[agent]
-                chance = self.spots.chance[e, 0] * touch.part(seen, e)
-                cover, block = lookers.blocks[0]
-                mass = _summed(block, chance, cover.landmark.size)
-                here = seen.agent_node[e, agent]
-                touch.passed(e, cover, here, mass)
-                lookers.scouting.look(seen.agent_node[e], mass, preferences, [cover])
+                self._look_alone(seen, e, agent)
                 return
-            group = self._foragers.group
-            ways = group.ways[group.kind[np.flatnonzero(group.agents == agent)[0]]]
         if goal != NOBODY:
-            towards(ways, here, goal, self._nothing, preferences[agent])
+            here, preferences = seen.agent_node[e, agent], self._preferences[e, agent]
+            towards(ways, here, goal, self._nothing, preferences)
+
+    def _look_alone(self, seen: Observation, e: int, agent: int) -> None:
+        """Let a forager search for the hotspot by itself."""
+        if agent not in self._alone:
+            itself = np.array([agent], np.int64)
+            self._alone[agent] = Lookers.of(self._task, self.settings, itself)
+        (cover, block), scouting = self._alone[agent].blocks[0], self._alone[agent].scouting
+        chance = self.spots.chance[e, 0] * self._touch.part(seen, e)
+        mass = _summed(block, chance, cover.landmark.size)
+        self._touch.passed(e, cover, int(seen.agent_node[e, agent]), mass)
+        scouting.look(seen.agent_node[e], mass, self._preferences[e], [cover])
 
     def _in_vain(self, seen: Observation, e: int) -> bool:
         """Whether the search for the first hotspot shows no new nodes, or few are left to show.
@@ -353,10 +341,10 @@ class BeliefPlanner:
         self,
         at: Int32Array,
         chance: NDArray[np.float64],
-        lookers: "Lookers",
         preferences: NDArray[np.float64],
     ) -> None:
-        """Let some look for the first hotspot, most of all where not knowing costs most."""
+        """Let the scouts look for the first hotspot, most of all where not knowing costs most."""
+        lookers = self._scouts
         if not lookers.blocks:
             return
         group = self._foragers.group
