@@ -222,6 +222,12 @@ class Mission:
         """What the fleet knows together before the next decision: one row per episode."""
         return self._observed(self.knowledge, nothing_late(self.keys.size), 1)
 
+    @property
+    def held(self) -> Observation:
+        """What those who decide know before the next decision: (episode x holder) rows."""
+        exchange = self.exchange
+        return self._observed(exchange.knowledge, exchange.late, exchange.holders)
+
     def _observed(self, knowledge: Knowledge, late: Late, holders: int) -> Observation:
         """Knowledge as a policy sees it, the episodes' arrays once for each holder."""
         active, step, keys = self.active, self.step + _ONE, self.keys
@@ -288,8 +294,7 @@ class Mission:
             reveal(self.truth)
             return check_preferences(policy.act(self.observation), self.state.agent_node.shape, who)
         holders, holder_of = self.exchange.holders, self.exchange.holder_of
-        exchange = self.exchange
-        answer = policy.act(self._observed(exchange.knowledge, exchange.late, holders))
+        answer = policy.act(self.held)
         check_preferences(answer, (self.keys.size * holders, holder_of.size), who)
         if holders == 1:
             return answer

@@ -16,6 +16,8 @@ _BELIEF = 40  # bytes per node and episode: knowledge, ledger, and a policy's ow
 _LOGGED = 200  # bytes per agent, step and episode: log and table of agents
 _COURSES = 200  # bytes per step and episode: courses of metrics and table of steps
 _ITEM = 100  # bytes per item and episode
+_LOOK = 40  # bytes of a look, and two for every node in its view
+_HEARD = 6  # bytes per look and holder: when it was heard
 _FRAME = 12  # bytes per cell and step of the one episode that a run records
 
 
@@ -73,6 +75,10 @@ def mission_bytes(
     agents = sum(role.count for role in scenario.team.values())
     items = scenario.items.mean + 3.0 * scenario.items.std
     each = nodes * _BELIEF + items * _ITEM + steps * (_COURSES + agents * _LOGGED)
+    if scenario.link.model != "ideal":
+        each += agents * nodes * _BELIEF + agents * steps * (_LOOK + agents * _HEARD)
+        roles = [role for role in scenario.team.values() if role.count]
+        each += agents * steps * 2 * max(min(4.0 * role.radius**2 + 1, nodes) for role in roles)
     frames = steps * shape[0] * shape[1] * _FRAME if recorded else 0
     return episodes * each + frames
 

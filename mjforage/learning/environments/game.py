@@ -62,7 +62,7 @@ class Game:
         if self._spare is None or not self.started or envs.size == self.num_envs:
             assert envs.size == self.num_envs, "all sub-environments are started at first"
             self.mission.start(keys)
-            self._encoder.reset(self.num_envs)
+            self._encoder.reset(self.num_envs * self.mission.exchange.holders)
             self.n_items = self.mission.initial.n_items.copy()
             self.started = True
             return
@@ -127,8 +127,19 @@ class Game:
         return legal.astype(np.int8)
 
     def see(self, envs: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
-        """Levels (env, agent, ...) of the observation; live, only `envs` are of this moment."""
-        return self._encoder.see(self.mission.observation, envs)
+        """Levels (env, agent, ...) of the observation; live, only `envs` are of this moment.
+
+        Every agent sees what it knows: over a link, what it has seen and heard itself.
+        """
+        exchange, held = self.mission.exchange, self.mission.held
+        if exchange.holders == 1:
+            return self._encoder.see(held, envs)
+        rows = (envs[:, None] * exchange.holders + np.arange(exchange.holders)).reshape(-1)
+        batch, agents = (self.num_envs, exchange.holders), np.arange(self.agents)
+        return {
+            name: level.reshape(*batch, *level.shape[1:])[:, exchange.holder_of, agents]
+            for name, level in self._encoder.see(held, rows).items()
+        }
 
     def facts(self, env: int = 0) -> dict[str, float]:
         """Shares of a sub-environment's items discovered and removed so far [%], and its step."""
