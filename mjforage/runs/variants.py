@@ -13,6 +13,8 @@ from mjforage.runs.study import Variant
 COMPLETE = "complete"  # the scenario as it is, in every kind of study
 BASELINES = ("greedy", "oracle")  # what the belief planner is held against
 PARTS = tuple(part.name for part in fields(BeliefSettings) if part.default is True)
+IN_TOUCH = ("report", "alone")
+"""Those of them that do something over a link only."""
 WRONG = ("hotspots", "two-hotspots", "spread", "drift", "calm")
 """Worlds that the belief planner does not expect, by name."""
 
@@ -21,6 +23,8 @@ def parts(scenario: Scenario) -> tuple[Variant, ...]:
     """The belief planner whole, with each part switched off, and in worlds it does not expect."""
     whole = [Variant(COMPLETE, "whole planner", scenario, ("belief", *BASELINES))]
     for part in PARTS:
+        if part in IN_TOUCH and scenario.link.model == "ideal":
+            continue
         settings = replace(scenario.belief, **{part: False})
         lesser = replace(scenario, belief=settings)
         whole.append(Variant(f"no-{part}", f"without {part}", lesser, ("belief",)))

@@ -23,14 +23,22 @@ def named(found: tuple[Variant, ...]) -> dict[str, Variant]:
     return names
 
 
-def test_every_part_of_the_planner_is_switched_off_alone(scenario: Scenario) -> None:
+@pytest.mark.parametrize("link", ["ideal", "disk"])
+def test_every_part_of_the_planner_is_switched_off_alone(link: str) -> None:
+    """Those that keep in touch over a link only."""
+    scenario = load_scenario("published", [f"link.model={link}"])
     found = named(variants.parts(scenario))
     whole = found[variants.COMPLETE]
     assert whole.scenario == scenario
     assert set(whole.policies) == {"belief", "greedy", "oracle"}
     switches = [f.name for f in fields(BeliefSettings) if f.default is True]
-    assert len(switches) == 8
+    assert len(switches) == 10
+    over_links = [name for name in switches if name in variants.IN_TOUCH]
+    assert over_links == ["report", "alone"]
     for name in switches:
+        if link == "ideal" and name in over_links:
+            assert f"no-{name}" not in found
+            continue
         settings = replace(scenario.belief, **{name: False})
         assert found[f"no-{name}"].scenario == replace(scenario, belief=settings)
         assert found[f"no-{name}"].policies == ("belief",)
