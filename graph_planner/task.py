@@ -133,12 +133,6 @@ def digest(task: Task) -> bytes:
     return found.digest()
 
 
-def nothing_late(rows: int) -> "Late":
-    """What is heard late over an ideal link: no looks."""
-    none = np.zeros((rows, 0), np.int32)
-    return Late(none, none, none, np.zeros((rows, 0, 0), np.int16))
-
-
 class Late(NamedTuple):
     """Looks that a holder has heard just now, and that are older: news that is late.
 
@@ -146,10 +140,28 @@ class Late(NamedTuple):
     with time takes them in at their own step. In order of their steps.
     """
 
-    step: Int32Array  # (row, look) of the look, -1 for padding
-    agent: Int32Array  # (row, look) whose it is
-    node: Int32Array  # (row, look) where that was
+    looks: Int32Array  # (row, look, 3) step, -1 for padding; agent whose it is; node where it was
     shown: NDArray[np.int16]  # (row, look, place) items in the nodes in view, as `Task.views` lists
+
+    @property
+    def step(self) -> Int32Array:
+        """(row, look) of the look, -1 for padding."""
+        return self.looks[..., 0]
+
+    @property
+    def agent(self) -> Int32Array:
+        """(row, look) whose it is."""
+        return self.looks[..., 1]
+
+    @property
+    def node(self) -> Int32Array:
+        """(row, look) where its agent was."""
+        return self.looks[..., 2]
+
+
+def nothing_late(rows: int) -> Late:
+    """What is heard late over an ideal link: no looks."""
+    return Late(np.zeros((rows, 0, 3), np.int32), np.zeros((rows, 0, 0), np.int16))
 
 
 class Observation(NamedTuple):
@@ -175,21 +187,19 @@ class Observation(NamedTuple):
     taken: NDArray[np.int64]  # (row, agent) items it had taken aboard by then
     pickup: NDArray[np.int8]  # (row, agent) how its picking up ended then, see `PICKUPS`
     agent_yaw: NDArray[np.float64]  # (row, agent) heading then [rad], 0 east, counter-clockwise
-    late_step: Int32Array  # (row, look) see `Late`, of which these are the four arrays
-    late_agent: Int32Array
-    late_node: Int32Array
-    late_shown: NDArray[np.int16]
+    late_looks: Int32Array  # (row, look, 3) see `Late`, of which these are the arrays
+    late_shown: NDArray[np.int16]  # (row, look, place)
     holder: Int32Array  # (row,) the agent that acts by this row, -1 if all do or several
 
     @property
     def late(self) -> Late:
         """Looks heard just now that are older."""
-        return Late(self.late_step, self.late_agent, self.late_node, self.late_shown)
+        return Late(self.late_looks, self.late_shown)
 
 
 _TYPES = (
     *("?", "i4", "u8", "i4", "f8", "i8", "i2", "i2", "i4", "i4", "i4", "i8", "i1", "f8"),
-    *("i4", "i4", "i4", "i2", "i4"),
+    *("i4", "i2", "i4"),
 )  # of its fields
 
 

@@ -162,14 +162,15 @@ class BeliefPlanner:
         self, seen: Observation, e: int, now: int, wander: float
     ) -> Sequence[lt.Sighted]:
         """Take in looks of earlier steps heard just now, the oldest first; what they show first."""
-        steps = seen.late_step[e]
-        steps = steps[steps >= 0]
+        late = seen.late_looks[e]
+        late = late[late[:, 0] >= 0]
+        steps = late[:, 0]
         if not steps.size:
             return ()
         found = []
         for step in np.unique(steps).tolist():
             looks = np.flatnonzero(steps == step)
-            at, who = seen.late_node[e, looks], seen.late_agent[e, looks]
+            who, at = late[looks, 1], late[looks, 2]
             views, radius = self._task.views, self._task.radius_number[who]
             lt.show(step, at, seen.late_shown[e, looks], radius, views, self._glance)
             found.append(self._take_step(e, step, now, self._collecting(e, at, who), wander))

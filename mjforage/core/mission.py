@@ -135,6 +135,8 @@ class Mission:
         self._post_lookout()
         self.exchange.reset(self.task, self._see(), self.knowledge, self.keys)
         self._acting = np.tile(self._agent_of_holder(), keys.size)
+        self._nobody = np.full(keys.size, -1, np.int32)
+        self._nothing_late = nothing_late(keys.size)
 
     def _agent_of_holder(self) -> Int32Array:
         """(holder,) the agent that acts by what a holder knows, -1 if several do."""
@@ -220,7 +222,7 @@ class Mission:
     @property
     def observation(self) -> Observation:
         """What the fleet knows together before the next decision: one row per episode."""
-        return self._observed(self.knowledge, nothing_late(self.keys.size), 1)
+        return self._observed(self.knowledge, self._nothing_late, 1)
 
     @property
     def held(self) -> Observation:
@@ -248,11 +250,9 @@ class Mission:
             taken=knowledge.taken,
             pickup=knowledge.pickup,
             agent_yaw=knowledge.agent_yaw,
-            late_step=late.step,
-            late_agent=late.agent,
-            late_node=late.node,
+            late_looks=late.looks,
             late_shown=late.shown,
-            holder=self._acting if holders > 1 else np.full(len(active), -1, np.int32),
+            holder=self._acting if holders > 1 else self._nobody,
         )
 
     @property

@@ -130,12 +130,9 @@ class Radio:
             code // agents,
             code % agents,
         )
-        return Late(
-            np.where(listed, step, -1).astype(np.int32),
-            agent.astype(np.int32),
-            net.log.node[episode, step, agent],
-            net.log.shown[episode, step, agent],
-        )
+        node = net.log.node[episode, step, agent]
+        looks = np.stack((np.where(listed, step, -1), agent, node), axis=-1)
+        return Late(looks.astype(np.int32), net.log.shown[episode, step, agent])
 
     def adopt(self, rows: NDArray[np.int64], other: Self, pooled: Knowledge) -> None:
         """Replace episodes (row,) of the batch by those of another."""
