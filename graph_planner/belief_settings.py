@@ -48,8 +48,8 @@ class BeliefSettings:
     refresh: bool = True
     """Whether scouts look at known items and outdated beliefs again."""
     link_node: Annotated[Annotated[float, Within(0, 1e6, "node")] | None, Later()] = None
-    """How far apart agents are taken to hear each other, 0: never; absent: as far as `[link]`
-    lets them where no quay is between."""
+    """How far apart agents are taken to be in contact, 0: nobody is ever heard; absent: as far as
+    `[link]` has it where no quay is between."""
     report: Annotated[bool, Later()] = True
     """Whether scouts come back with news to foragers out of reach."""
     alone: Annotated[bool, Later()] = True

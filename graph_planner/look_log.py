@@ -1,4 +1,4 @@
-"""Every look of a batch, kept until the last holder has heard of it.
+"""Every look of a batch, kept for the whole episode.
 
 A look is what an agent sees at the end of a step from its node: how many items in each node of its
 view, empty ones included, and what it says of itself. Knowledge is the fold of the looks that were

@@ -67,7 +67,8 @@ class Task:
     walls : of `graph_planner.walls.WALLS`, what becomes of items that drift onto land
     pickup : what picking up takes hulls, which may miss items, take those that they pass, and do so
         while all drift; None where a forager takes all that is in its node, before the rest drifts
-    reach_node : how far apart agents hear each other where nothing is between; 0: never
+    reach_node : how far apart agents are in contact where nothing is between; 0: never heard
+    latency : decisions until what was sent is heard
     """
 
     graph: NavigationGraph
@@ -78,6 +79,7 @@ class Task:
     walls: str = "clip"
     pickup: Pickup | None = None
     reach_node: float = np.inf
+    latency: int = 0
 
     @property
     def forgetting(self) -> float:
@@ -140,7 +142,7 @@ class Late(NamedTuple):
     with time takes them in at their own step. In order of their steps.
     """
 
-    looks: Int32Array  # (row, look, 3) step, -1 for padding; agent whose it is; node where it was
+    looks: Int32Array  # (row, look, 3) step; agent whose it is; node where it was; padded with -1
     shown: NDArray[np.int16]  # (row, look, place) items in the nodes in view, as `Task.views` lists
 
     @property

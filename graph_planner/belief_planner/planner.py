@@ -175,7 +175,7 @@ class BeliefPlanner:
             lt.show(step, at, seen.late_shown[e, looks], radius, views, self._glance)
             found.append(self._take_step(e, step, now, self._collecting(e, at, who), wander))
         if self.settings.particles:
-            st.retest(self.stragglers, self._shore, self._keys[e], e, int(steps[0]), now - 1)
+            st.retest(self.stragglers, self._shore, self._keys[e], e, int(steps[-1]), now - 1)
         return found
 
     def _collecting(self, e: int, at: Int32Array, who: Int32Array) -> Int32Array:
@@ -218,7 +218,8 @@ class BeliefPlanner:
         at, taken = seen.agent_node[e][agents], seen.taken[e][agents]
         caught = taken - self._taken[e]
         self._taken[e] = taken
-        self._later[e, at[seen.pickup[e][agents] == UNREACHABLE]] = now + LATER
+        fresh = seen.agent_seen[e][agents] == now
+        self._later[e, at[fresh & (seen.pickup[e][agents] == UNREACHABLE)]] = now + LATER
         at_once = self._task.pickup is None
         return rc.Catch(at[:0], caught[:0]) if at_once else rc.Catch(at, caught)
 

@@ -157,7 +157,7 @@ def advance(stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, now: i
 
 @kernel
 def retest(
-    stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, first: int, now: int
+    stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, last: int, now: int
 ) -> None:
     """Run the particles again, up to step `now`, through views that late looks have added to.
 
@@ -165,12 +165,12 @@ def retest(
 
     Parameters
     ----------
-    first : step of the first such view
+    last : step of the last such view; particles that began there or later are none of it
     """
     i = 0
     while i < stragglers.number[e]:
         since, row, col = stragglers.since[e, i], stragglers.row[e, i], stragglers.col[e, i]
-        if since >= first and since > 0:
+        if since >= last and since > 0:
             i += 1
             continue
         stragglers.row[e, i] = stragglers.begun[e, i, 0]

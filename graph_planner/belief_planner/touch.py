@@ -20,7 +20,7 @@ from graph_planner.navigation import NavigationGraph
 from graph_planner.task import Observation, Task
 
 NOBODY = -1
-SLACK = 3  # decisions without news from somebody in touch: latency and losses
+SLACK = 3  # decisions beyond the latency without news from somebody in touch
 PATIENCE = 40  # decisions after which a forager no longer waits for news
 PER_DECISION = 0.7  # items that a forager takes in a decision, of those it knows of
 NEAR = 2.0  # of a decision's way, to where somebody was last heard of: it should be heard there
@@ -55,7 +55,10 @@ class Touch:
 
     def __init__(self, task: Task, settings: BeliefSettings, rows: int) -> None:
         self.reach = task.reach_node if settings.link_node is None else settings.link_node
-        self._collectors, self._discoverers = task.fleet.collectors, task.fleet.discoverers
+        fleet = task.fleet
+        self._collectors = fleet.collectors
+        self._scouts = np.flatnonzero(~fleet.collects & ~fleet.relays & (fleet.radius > 0.0))
+        self._slack = SLACK + task.latency
         self._report, self._alone = settings.report, settings.alone
         self._graph, self._moves = task.graph, task.fleet.moves
         agents = len(task.fleet)
@@ -77,8 +80,8 @@ class Touch:
         here = int(seen.agent_node[e, holder])
         if self._start[e] == NOBODY:
             self._start[e] = self._home[e] = here
-        others = self._discoverers if holder in self._collectors else self._collectors
-        if others.size and now - int(seen.agent_seen[e][others].max()) <= SLACK:
+        others = self._scouts if holder in self._collectors else self._collectors
+        if others.size and now - int(seen.agent_seen[e][others].max()) <= self._slack:
             self._home[e] = here
 
     def waits(self, seen: Observation, e: int) -> int:
@@ -86,14 +89,14 @@ class Touch:
         holder, now = int(seen.holder[e]), int(seen.step[e]) - 1
         if holder == NOBODY or self.always or holder not in self._collectors:
             return NOBODY
-        scouts = self._discoverers
-        if not scouts.size or now - int(seen.agent_seen[e][scouts].max()) <= SLACK:
+        scouts = self._scouts
+        if not scouts.size or now - int(seen.agent_seen[e][scouts].max()) <= self._slack:
             return NOBODY
         return int(self._home[e])
 
     def looks_alone(self, seen: Observation, e: int) -> bool:
         """Whether a forager that waits for news looks for items by itself."""
-        now, scouts = int(seen.step[e]) - 1, self._discoverers
+        now, scouts = int(seen.step[e]) - 1, self._scouts
         patience = PATIENCE if self.reach > 0.0 else 0
         waited = now - int(seen.agent_seen[e][scouts].max())
         return bool(self._alone and waited >= patience)
@@ -129,7 +132,7 @@ class Touch:
         for other in self._collectors.tolist():
             told = int(seen.agent_seen[e, other])
             news = int((born > told).sum())
-            if now - told <= SLACK or not news or self._missed[e, other] == told:
+            if now - told <= self._slack or not news or self._missed[e, other] == told:
                 continue
             node = int(seen.agent_node[e, other])
             if self._is_near(here, node, int(self._moves[holder])):

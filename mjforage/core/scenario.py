@@ -183,7 +183,8 @@ class Link:
     loss: Annotated[float, Within(0, 0.999)] = 0.0
     """Share of the decisions in which a directed link loses all that it carries."""
     burst: Annotated[float, Within(1, 1e6, "decisions")] = 1.0
-    """Mean length of such a time (Gilbert and Elliott); 1: decisions are independent."""
+    """Mean length of such a time (Gilbert and Elliott); 1: decisions are independent, which makes
+    it 1 / (1 - loss)."""
     latency: Annotated[int, Within(0, 30000, "decisions")] = 0
     """Time until what was sent is heard."""
     bytes: Annotated[int, Within(0, 1_000_000_000, "B")] = 0

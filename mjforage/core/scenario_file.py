@@ -17,7 +17,7 @@ from graph_planner.references import assigned
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
 from mjforage.core.map_files import is_shipped_map
-from mjforage.core.scenario import Scenario
+from mjforage.core.scenario import Link, Scenario
 from mjforage.core.schema import check, shown
 from mjforage.core.toml_files import read_toml
 
@@ -154,6 +154,13 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
         raise UserError(
             f"{where}: weather.wind_from_deg = {origin:g} without a wind; give "
             "weather.wind_speed_mps too"
+        )
+    unused = [f.name for f in dataclasses.fields(Link)]
+    unused = [k for k in unused[1:] if getattr(scenario.link, k) != getattr(Link(), k)]
+    if scenario.link.model == "ideal" and unused:
+        value = shown(getattr(scenario.link, unused[0]))
+        raise UserError(
+            f"{where}: link.{unused[0]} = {value} without a link; give link.model, for example disk"
         )
     least = scenario.link.loss / (1.0 - scenario.link.loss)
     if 1.0 < scenario.link.burst < least:

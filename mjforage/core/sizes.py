@@ -17,7 +17,7 @@ _LOGGED = 200  # bytes per agent, step and episode: log and table of agents
 _COURSES = 200  # bytes per step and episode: courses of metrics and table of steps
 _ITEM = 100  # bytes per item and episode
 _LOOK = 40  # bytes of a look, and two for every node in its view
-_HEARD = 6  # bytes per look and holder: when it was heard
+_HEARD = 14  # bytes per look and holder: when it was heard, what arrives
 _FRAME = 12  # bytes per cell and step of the one episode that a run records
 
 

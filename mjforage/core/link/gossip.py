@@ -1,6 +1,7 @@
 """Passing looks on: to all in contact, the newest first, one hop per decision.
 
-Those in contact know which looks the others lack (they exchange digests). What was sent is charged
+Those in contact know which looks the others lack (they exchange digests, which take no budget and
+are never lost or late: an idealisation). What was sent is charged
 to the sender's budget whether it is lost or not. Looks in flight are not sent again.
 """
 
@@ -42,9 +43,9 @@ class Traffic(NamedTuple):
     """What went over the links so far, per episode (episode,)."""
 
     contacts: NDArray[np.int64]  # pairs in contact, summed over decisions
-    sent: NDArray[np.int64]  # looks, once for each receiver that lacks them
+    sent: NDArray[np.int64]  # looks, once for each sender and receiver that lacks them
     lost: NDArray[np.int64]  # of those
-    dropped: NDArray[np.int64]  # looks that a budget did not suffice for
+    dropped: NDArray[np.int64]  # looks that a budget did not suffice for, in every decision anew
     bytes: NDArray[np.int64]
 
 

@@ -62,6 +62,7 @@ def _tell(net: Net, knowledge: Knowledge, looks: Looks) -> None:
     """Take in the looks of a step: log, connect, pass on, hear."""
     for e in range(looks.active.size):
         if not looks.active[e]:
+            net.n_late[e * net.radius_number.size : (e + 1) * net.radius_number.size] = 0
             continue
         now = looks.step[e]
         log_looks(looks, e, net.views, net.radius_number, net.log)
@@ -131,8 +132,11 @@ class Radio:
             code % agents,
         )
         node = net.log.node[episode, step, agent]
-        looks = np.stack((np.where(listed, step, -1), agent, node), axis=-1)
-        return Late(looks.astype(np.int32), net.log.shown[episode, step, agent])
+        looks = np.stack((step, agent, node), axis=-1).astype(np.int32)
+        looks[~listed] = -1
+        shown = net.log.shown[episode, step, agent]
+        shown[~listed] = 0
+        return Late(looks, shown)
 
     def adopt(self, rows: NDArray[np.int64], other: Self, pooled: Knowledge) -> None:
         """Replace episodes (row,) of the batch by those of another."""

@@ -153,6 +153,19 @@ def test_particles_are_run_again_through_what_is_heard_late() -> None:
     assert WIDE is not SEA
 
 
+def test_a_lost_item_is_looked_for_in_the_later_of_two_late_views() -> None:
+    """One begun between two views that are heard together is held against the second."""
+    node = int(WIDE.node_of_cell[20, 20])
+    for since, left in ((6, False), (8, True)):
+        search = Search()
+        st.lose(search.particles, search.wind, WIDE_SHORE, KEY, 0, node, since, 10)
+        search.view(3, (0, 0))
+        search.view(8, (20, 20))
+        assert search.particles.number[0] > 0
+        st.retest(search.particles, WIDE_SHORE, KEY, 0, 8, 10)
+        assert bool(search.particles.number[0] > 0) == left
+
+
 def test_looks_of_one_step_are_shown_together() -> None:
     views = SEA.views((1.0,))
     nodes = np.array([SEA.node_of_cell[5, 5], SEA.node_of_cell[5, 6]], np.int32)

@@ -100,3 +100,23 @@ def test_who_looks_alone_does_not_look_again_where_it_would_have_noticed() -> No
         touch.passed(0, cover, here, mass)
         assert mass[cells] == pytest.approx((1.0 - NOTICED) ** passes)
         assert (np.delete(mass, cells) == 1.0).all()
+
+
+def test_a_relay_beside_a_forager_brings_no_news() -> None:
+    scouts, foragers = Role(1, 2, 4.0, False), Role(1, 1, 1.0, True)
+    relays = Role(1, 1, 0.0, False, relays=True)
+    team = task_of(SEA, scouts=scouts, foragers=foragers, relays=relays)
+    task = replace(team, reach_node=5.0)
+    observation = observation_of(task, [(0, 0), (0, 20), (0, 21)], step=21)
+    observation.holder[:] = 1
+    observation.agent_seen[0, 0] = 3
+    touch = Touch(task, BeliefSettings(), 1)
+    touch.note(observation, 0)
+    assert touch.waits(observation, 0) == SEA.node_of_cell[0, 20]
+
+
+def test_with_a_latency_news_is_older() -> None:
+    late = Touch(replace(TASK, latency=5), BeliefSettings(), 1)
+    told = seen_by(SCOUT, {FORAGER: 20 - SLACK - 4, OTHER: 20 - SLACK - 5})
+    assert late.tells(told, 0, NEWS, WAYS) == NOBODY
+    assert touch_of().tells(told, 0, NEWS, WAYS) != NOBODY

@@ -6,10 +6,13 @@ from numpy.typing import NDArray
 
 from graph_planner.knowledge import Knowledge
 from graph_planner.look_log import take_in
-from graph_planner.policies import policy_names
+from graph_planner.policies import create_policy, policy_names
+from graph_planner.randomness import UInt64Array
+from graph_planner.task import Observation, Task
 from mjforage.core.errors import UserError
 from mjforage.core.exchange import Ideal
 from mjforage.core.link import Radio
+from mjforage.core.link.propagation import two_ray_loss_db
 from mjforage.core.mission import Mission
 from mjforage.core.scenario_file import load_scenario
 from tests.mjforage.core.link.nets import DISK, advanced, played, setup_of, started
@@ -184,11 +187,13 @@ def test_an_episode_is_the_same_alone_and_in_any_batch(policy: str) -> None:
         np.testing.assert_array_equal(shared[:1], values)
 
 
-def test_episodes_are_adopted_with_their_mail() -> None:
+@pytest.mark.parametrize("ahead", [6, 12])
+def test_episodes_are_adopted_with_their_mail(ahead: int) -> None:
+    """Whether they have made more steps than the others of the batch or not."""
     setup = setup_of(DISK, "link.range_m=40", "link.loss=0.5", "link.burst=3", "link.latency=2")
     (into, mine), (source, theirs) = started(setup, 3), started(setup, 1, seed=8)
-    for mission in (into, source):
-        advanced(mission, "greedy", 6)
+    advanced(into, "greedy", 6)
+    advanced(source, "greedy", ahead)
     into.adopt(np.array([1]), source)
     for mission in (into, source):
         advanced(mission, "greedy", 8)
@@ -220,8 +225,78 @@ def test_only_relays_pass_on_where_the_others_do_not() -> None:
 
 def test_bursts_too_short_for_the_loss_are_refused() -> None:
     with pytest.raises(UserError, match=r"link\.burst = 1\.2 .*give at least 1\.5, or 1 for"):
-        load_scenario("comb-port", ["link.loss=0.6", "link.burst=1.2"])
+        load_scenario("comb-port", [DISK, "link.loss=0.6", "link.burst=1.2"])
     with pytest.raises(UserError, match=r"link\.range_m = -1"):
         load_scenario("comb-port", ["link.range_m=-1"])
     with pytest.raises(UserError, match=r"link\.model"):
         load_scenario("comb-port", ["link.model=wire"])
+
+
+def test_every_agent_acts_by_its_own_row_and_late_padding_says_nothing() -> None:
+    """Each wants to go another way in the row of each holder; only its own counts."""
+    mission, radio = started(setup_of(DISK, "link.range_m=9", "link.latency=1"), 6)
+
+    class OwnWay:
+        def reset(self, task: Task, keys: UInt64Array) -> None:
+            pass
+
+        def act(self, observation: Observation) -> NDArray[np.float64]:
+            shape = (*observation.agent_node.shape, 9)
+            answer = np.zeros(shape)
+            answer[np.arange(shape[0]), :, observation.holder] = 1.0
+            return answer
+
+    advanced(mission, "random", 8)
+    policy = OwnWay()
+    mission.prepare(policy)
+    answer = mission.ask(policy)
+    assert (answer.argmax(axis=-1) == np.arange(4)).all()
+    late = radio.late
+    padded = late.step < 0
+    assert padded.any() and not padded.all()
+    assert (late.looks[padded] == -1).all() and (late.shown[padded] == 0).all()
+
+
+def test_what_was_not_heard_changes_nothing_that_a_holder_is_shown() -> None:
+    """Non-interference: the same looks, heard over two links of different losses, show the same."""
+    mission, radio = started(setup_of(DISK, "link.range_m=30", "link.loss=0.4"), 6)
+    advanced(mission, "greedy", 30)
+    net, nodes = radio.net, len(mission.setup.graph)
+    for row in range(24):
+        e, h = divmod(row, 4)
+        seen = np.full(nodes, -(2**15), np.int64)
+        for a, s in np.argwhere(net.mail.heard_at[e, h] >= 0).tolist():
+            view = net.views.of(int(net.log.node[e, s, a]), int(net.radius_number[a]))
+            seen[view] = np.maximum(seen[view], s)
+        np.testing.assert_array_equal(radio.knowledge.last_seen[row], seen)
+
+
+def test_the_belief_planner_loses_nothing_by_a_latency() -> None:
+    mission = Mission(setup_of("horizon=150", DISK, "link.latency=1"))
+    mission.reset(7, np.arange(3))
+    mission.run(create_policy("belief"))
+    assert mission.taken.sum() > 0.97 * mission.initial.n_items.sum(), "it was 30 % once"
+
+
+def test_masts_and_pairs_count_in_missions() -> None:
+    """Two rays by both antennas; shadowing drawn for each pair by itself; walls one by one."""
+    low, high = "team.foragers.antenna_m=0.5", "team.scouts.antenna_m=8"
+    mission, radio = started(setup_of("link.model=two-ray", low, high), 1)
+    at, snr = mission.state.agent_node[0], radio.net.contacts.snr_db[0]
+    rows = mission.setup.graph.rows[at]
+    for i, j, heights in ((0, 1, (8.0, 8.0)), (2, 3, (0.5, 0.5)), (0, 2, (8.0, 0.5))):
+        loss = two_ray_loss_db(4.0 * abs(int(rows[i]) - int(rows[j])), *heights, 2.4e9)
+        assert snr[i, j] == pytest.approx(117.0 - loss)
+    shadows = ("link.model=log-distance", "link.shadowing_db=6", "link.wall_db=3")
+    mission, radio = started(setup_of(*shadows), 40)
+    plain, bare = started(setup_of("link.model=log-distance", "link.wall_db=3"), 40)
+    first, second = np.triu_indices(4, 1)
+    both = (one.net.contacts.snr_db[:, first, second] for one in (radio, bare))
+    drawn = next(both) - next(both)
+    assert np.abs(np.corrcoef(drawn.T) - np.eye(6)).max() < 0.55
+    assert drawn.std() == pytest.approx(6.0, rel=0.15) and plain.step[0] == 0
+
+
+def test_keys_of_a_link_that_is_none_are_refused() -> None:
+    with pytest.raises(UserError, match=r"link\.latency = 3 without a link; give link\.model"):
+        load_scenario("comb-port", ["link.latency=3"])
