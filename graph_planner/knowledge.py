@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.rows import put_rows
 from graph_planner.task import NEVER
@@ -86,6 +86,36 @@ class Knowledge(NamedTuple):
         )
 
 
+@inlined
+def believe(
+    belief: NDArray[np.int16],
+    known: Int32Array,
+    known_at: Int32Array,
+    n_known: Int32Array,
+    row: int,
+    node: np.uint64,
+    items: int,
+) -> None:
+    """Set what a holder believes of a node, and keep its list of those with items.
+
+    Parameters
+    ----------
+    belief, known, known_at, n_known : of a `Knowledge`; changed in this row
+    """
+    before = belief[row, node]
+    if before != items:
+        belief[row, node] = items
+        if before == 0:
+            known[row, n_known[row]] = node
+            known_at[row, node] = n_known[row]
+            n_known[row] += 1
+        elif items == 0:
+            n_known[row] -= 1
+            last_known = known[row, n_known[row]]
+            known[row, known_at[row, node]] = last_known
+            known_at[row, last_known] = known_at[row, node]
+
+
 @kernel
 def hear(
     looks: Looks,
@@ -127,19 +157,7 @@ def hear(
             for i in range(start[radius, viewer], start[radius, viewer + 1]):
                 node = np.uint64(nodes[np.uint64(i)])  # unsigned: never counted from the end
                 last_seen[row, node] = now
-                believed, there = belief[row, node], sighted[e, node]
-                if believed == there:
-                    continue
-                belief[row, node] = there
-                if believed == 0:
-                    known[row, n_known[row]] = node
-                    known_at[row, node] = n_known[row]
-                    n_known[row] += 1
-                elif there == 0:
-                    n_known[row] -= 1
-                    last_known = known[row, n_known[row]]
-                    known[row, known_at[row, node]] = last_known
-                    known_at[row, last_known] = known_at[row, node]
+                believe(belief, known, known_at, n_known, row, node, sighted[e, node])
 
 
 @kernel

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
+from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
-from graph_planner.knowledge import Knowledge, Looks
+from graph_planner.knowledge import Knowledge, Looks, believe
 from graph_planner.task import Task
 from graph_planner.visibility import NodeLists
 
@@ -71,24 +71,6 @@ def log_looks(
         log.pickup[e, s, a], log.agent_yaw[e, s, a] = looks.pickup[e, a], looks.agent_yaw[e, a]
 
 
-@inlined
-def _believe(knowledge: Knowledge, row: int, node: int, items: int) -> None:
-    """Set what a holder believes of a node, and keep its list of those with items."""
-    belief, known = knowledge.belief, knowledge.known
-    known_at, n_known = knowledge.known_at, knowledge.n_known
-    before = belief[row, node]
-    belief[row, node] = items
-    if before == 0 and items > 0:
-        known[row, n_known[row]] = node
-        known_at[row, node] = n_known[row]
-        n_known[row] += 1
-    elif before > 0 and items == 0:
-        n_known[row] -= 1
-        last_known = known[row, n_known[row]]
-        known[row, known_at[row, node]] = last_known
-        known_at[row, last_known] = known_at[row, node]
-
-
 @kernel
 def take_in(
     log: LookLog,
@@ -108,13 +90,13 @@ def take_in(
     """
     viewer, radius = log.node[e, s, a], radius_number[a]
     first, last_seen = views.start[radius, viewer], knowledge.last_seen
+    belief, known = knowledge.belief, knowledge.known
+    known_at, n_known = knowledge.known_at, knowledge.n_known
     for i in range(first, views.start[radius, viewer + 1]):
-        node, items = views.nodes[i], log.shown[e, s, a, i - first]
-        if s > last_seen[row, node] or (
-            s == last_seen[row, node] and items > knowledge.belief[row, node]
-        ):
+        node, items = np.uint64(views.nodes[i]), log.shown[e, s, a, i - first]
+        if s > last_seen[row, node] or (s == last_seen[row, node] and items > belief[row, node]):
             last_seen[row, node] = s
-            _believe(knowledge, row, node, items)
+            believe(belief, known, known_at, n_known, row, node, items)
     if s >= knowledge.agent_seen[row, a]:
         knowledge.agent_node[row, a], knowledge.agent_seen[row, a] = viewer, s
         knowledge.energy_left[row, a] = log.energy_left[e, s, a]

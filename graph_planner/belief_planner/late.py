@@ -27,6 +27,13 @@ class Glance(NamedTuple):
     last_seen: NDArray[np.int16]  # (node,) step where the node was in view, else `NEVER`
 
 
+class Sighted(NamedTuple):
+    """Items that late looks have shown for the first time."""
+
+    step: int
+    node: Int32Array  # (item,) where they were then
+
+
 def glance(nodes: int) -> Glance:
     """Memory for a map of so many nodes."""
     return Glance(np.zeros(nodes, np.int16), np.full(nodes, NEVER, np.int16))
@@ -169,10 +176,3 @@ def carry_on(
             shore, row, col, drift[0], drift[1], left
         )
         tracks.firm[e, i] = False
-
-
-class Sighted(NamedTuple):
-    """Items that late looks have shown for the first time."""
-
-    step: int
-    node: Int32Array  # (item,) where they were then

@@ -48,6 +48,8 @@ def parts_of(graph: NavigationGraph, start: int, number: int) -> NDArray[np.int6
 class Touch:
     """What every row of a batch takes the others to have heard.
 
+    `waits`, `looks_alone` and `tells` are for rows by which one agent acts, if not `always`.
+
     Attributes
     ----------
     reach : distance at which agents are taken to hear each other [node]
@@ -63,7 +65,6 @@ class Touch:
         self._graph, self._moves = task.graph, task.fleet.moves
         agents = len(task.fleet)
         self._home = np.full(rows, NOBODY, np.int64)  # where an agent was when last in touch
-        self._start = np.full(rows, NOBODY, np.int64)
         self._left: NDArray[np.float64] | None = None  # (row, cell) not noticed by one alone
         self._missed = np.full((rows, agents), NOBODY, np.int64)  # last news of who was not found
 
@@ -74,32 +75,29 @@ class Touch:
 
     def note(self, seen: Observation, e: int) -> None:
         """Take note of who has been heard of."""
-        holder, now = int(seen.holder[e]), int(seen.step[e]) - 1
+        holder = int(seen.holder[e])
         if holder == NOBODY or self.always:
             return
         here = int(seen.agent_node[e, holder])
-        if self._start[e] == NOBODY:
-            self._start[e] = self._home[e] = here
         others = self._scouts if holder in self._collectors else self._collectors
-        if others.size and now - int(seen.agent_seen[e][others].max()) <= self._slack:
+        if self._home[e] == NOBODY or self._silence(seen, e, others) <= self._slack:
             self._home[e] = here
+
+    def _silence(self, seen: Observation, e: int, others: NDArray[np.int64]) -> float:
+        """Decisions since any of some agents was last heard of, inf if there are none."""
+        heard: NDArray[np.int32] = seen.agent_seen[e][others]
+        return float(seen.step[e] - 1 - heard.max()) if heard.size else np.inf
 
     def waits(self, seen: Observation, e: int) -> int:
         """Where a forager without items waits for news; `NOBODY` if it need not."""
-        holder, now = int(seen.holder[e]), int(seen.step[e]) - 1
-        if holder == NOBODY or self.always or holder not in self._collectors:
-            return NOBODY
-        scouts = self._scouts
-        if not scouts.size or now - int(seen.agent_seen[e][scouts].max()) <= self._slack:
-            return NOBODY
-        return int(self._home[e])
+        silence = self._silence(seen, e, self._scouts)
+        in_touch = silence <= self._slack or np.isinf(silence)
+        return NOBODY if in_touch else int(self._home[e])
 
     def looks_alone(self, seen: Observation, e: int) -> bool:
         """Whether a forager that waits for news looks for items by itself."""
-        now, scouts = int(seen.step[e]) - 1, self._scouts
         patience = PATIENCE if self.reach > 0.0 else 0
-        waited = now - int(seen.agent_seen[e][scouts].max())
-        return bool(self._alone and waited >= patience)
+        return self._alone and self._silence(seen, e, self._scouts) >= patience
 
     def part(self, seen: Observation, e: int) -> NDArray[np.float64]:
         """(node,) what looking at each node is worth to a forager that looks alone."""
@@ -124,9 +122,7 @@ class Touch:
         ways : of the scout
         """
         holder, now = int(seen.holder[e]), int(seen.step[e]) - 1
-        if holder == NOBODY or self.always or not self._report or holder in self._collectors:
-            return NOBODY
-        if self.reach <= 0.0 or not born.size:
+        if not self._report or self.reach <= 0.0 or not born.size:
             return NOBODY
         here, target, least = int(seen.agent_node[e, holder]), NOBODY, np.inf
         for other in self._collectors.tolist():

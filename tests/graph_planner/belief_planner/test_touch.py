@@ -78,7 +78,6 @@ def test_a_forager_waits_where_it_was_last_in_touch_and_then_looks_alone() -> No
     long = seen_by(FORAGER, {SCOUT: 20}, step=21 + PATIENCE)
     assert touch.looks_alone(long, 0) and not touch_of(alone=False).looks_alone(long, 0)
     assert touch.waits(seen_by(FORAGER, {SCOUT: 20}), 0) == NOBODY, "in touch"
-    assert touch.waits(seen_by(NOBODY, {}), 0) == NOBODY, "all know all"
 
 
 @pytest.mark.parametrize("number", [1, 2, 5])
