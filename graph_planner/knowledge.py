@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
+from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.rows import put_rows
 from graph_planner.task import NEVER
@@ -86,7 +86,7 @@ class Knowledge(NamedTuple):
         )
 
 
-@inlined
+@kernel
 def believe(
     belief: NDArray[np.int16],
     known: Int32Array,
@@ -103,17 +103,16 @@ def believe(
     belief, known, known_at, n_known : of a `Knowledge`; changed in this row
     """
     before = belief[row, node]
-    if before != items:
-        belief[row, node] = items
-        if before == 0:
-            known[row, n_known[row]] = node
-            known_at[row, node] = n_known[row]
-            n_known[row] += 1
-        elif items == 0:
-            n_known[row] -= 1
-            last_known = known[row, n_known[row]]
-            known[row, known_at[row, node]] = last_known
-            known_at[row, last_known] = known_at[row, node]
+    belief[row, node] = items
+    if before == 0 and items > 0:
+        known[row, n_known[row]] = node
+        known_at[row, node] = n_known[row]
+        n_known[row] += 1
+    elif before > 0 and items == 0:
+        n_known[row] -= 1
+        last_known = known[row, n_known[row]]
+        known[row, known_at[row, node]] = last_known
+        known_at[row, last_known] = known_at[row, node]
 
 
 @kernel
@@ -157,7 +156,8 @@ def hear(
             for i in range(start[radius, viewer], start[radius, viewer + 1]):
                 node = np.uint64(nodes[np.uint64(i)])  # unsigned: never counted from the end
                 last_seen[row, node] = now
-                believe(belief, known, known_at, n_known, row, node, sighted[e, node])
+                if belief[row, node] != sighted[e, node]:  # seldom: calls count references
+                    believe(belief, known, known_at, n_known, row, node, sighted[e, node])
 
 
 @kernel
