@@ -68,9 +68,9 @@ def test_a_late_or_blocked_move_does_not_confuse_it() -> None:
             policy.reset(task, observation.keys)
         forager = policy.act(observation)[0, 1]
         assert int(forager.argmax()) in (NE, E, SE), step
-    tracks = policy.planner.tracks
+    tracks = policy.planner.beliefs.tracks
     assert tracks.number[0] == 6 and (tracks.born[0, :6] == 0).all()
-    assert policy.planner.wind.mean[0] == pytest.approx([0.0, 0.1], abs=0.03)
+    assert policy.planner.beliefs.wind.mean[0] == pytest.approx([0.0, 0.1], abs=0.03)
 
 
 class Watch:
@@ -96,11 +96,11 @@ class Watch:
 
     @property
     def particles(self) -> int:
-        return int(self.policy.planner.stragglers.number[0])
+        return int(self.policy.planner.beliefs.stragglers.number[0])
 
     @property
     def sightings(self) -> int:
-        return int(self.policy.planner.spots.number[0])
+        return int(self.policy.planner.beliefs.spots.number[0])
 
 
 def lost_item() -> Watch:
@@ -116,7 +116,7 @@ def lost_item() -> Watch:
 
 def test_a_lost_item_that_is_found_again_is_no_new_sighting() -> None:
     watch = lost_item()
-    lost = watch.policy.planner.stragglers.lost[0]
+    lost = watch.policy.planner.beliefs.stragglers.lost[0]
     assert watch.particles > 0 and lost[0] > 0
     watch.look(41, 1)
     watch.look(42, 3, (15, 18))
@@ -127,7 +127,7 @@ def test_a_lost_item_that_is_found_again_is_no_new_sighting() -> None:
 
 def test_what_was_lost_drifts_on_and_is_not_where_nobody_meets_it() -> None:
     watch = lost_item()
-    particles = watch.policy.planner.stragglers
+    particles = watch.policy.planner.beliefs.stragglers
     before = particles.row[0, : watch.particles].copy()
     watch.look(41, -1)
     assert not np.array_equal(particles.row[0, : watch.particles], before)
@@ -153,7 +153,7 @@ def test_a_scout_goes_back_to_what_was_known_long_ago(ghost: bool) -> None:
         if step == 1:
             policy.reset(task, observation.keys)
         scout = policy.act(observation)[0, 0]
-    assert (policy.planner.tracks.number[0] == 1) == ghost
+    assert (policy.planner.beliefs.tracks.number[0] == 1) == ghost
     assert int(scout.argmax()) in (SW, W, NW)
 
 
@@ -253,7 +253,7 @@ def test_items_in_the_node_of_a_full_forager_are_still_there() -> None:
         if step == 1:
             policy.reset(task, observation.keys)
         policy.act(observation)
-    tracks = policy.planner.tracks
+    tracks = policy.planner.beliefs.tracks
     assert tracks.number[0] == 2 and (tracks.born[0, :2] <= 1).all()
 
 
