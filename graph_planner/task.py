@@ -67,7 +67,7 @@ class Task:
     walls : of `graph_planner.walls.WALLS`, what becomes of items that drift onto land
     pickup : what picking up takes hulls, which may miss items, take those that they pass, and do so
         while all drift; None where a forager takes all that is in its node, before the rest drifts
-    reach_node : how far apart agents are in contact where nothing is between; 0: never heard
+    reach_node : how far apart agents hear each other where nothing is between; 0: never
     latency : decisions until what was sent is heard
     """
 

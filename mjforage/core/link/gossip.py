@@ -36,6 +36,7 @@ class Mail(NamedTuple):
 
     heard_at: NDArray[np.int16]  # (episode, holder, agent, step) step of arrival, or `NOT_HEARD`
     complete: NDArray[np.int64]  # (episode,) all looks up to this step are heard or in flight
+    flying: NDArray[np.int64]  # (episode,) looks sent that have not arrived
     arriving: NDArray[np.int64]  # memory: flat places in `heard_at` of an episode
 
 
@@ -55,6 +56,7 @@ def mail(episodes: int, agents: int, horizon: int) -> Mail:
     return Mail(
         np.full((episodes, agents, agents, horizon + 1), NOT_HEARD, np.int16),
         np.full(episodes, -1, np.int64),
+        np.zeros(episodes, np.int64),
         np.empty(size, np.int64),
     )
 
@@ -128,6 +130,8 @@ def _send(
     number: int,
 ) -> int:
     """Let agent i pass on what others lack, the newest first, ties by agent."""
+    if contacts.snr_db[e, i].max() < 0.0:
+        return number
     bytes_left = terms.bytes if terms.bytes > 0 else np.iinfo(np.int64).max
     cells_left = terms.cells if terms.cells > 0 else np.iinfo(np.int64).max
     for s in range(now, mail.complete[e], -1):
@@ -176,6 +180,7 @@ def pass_on(
             traffic.contacts[e] += contacts.snr_db[e, i, j] >= 0.0
     for i in range(agents):
         number = _send(terms, key, e, now, i, log, contacts, mail, traffic, number)
+    mail.flying[e] += number
     heard_at = mail.heard_at[e].reshape(-1)
     for k in range(number):
         heard_at[mail.arriving[k]] = min(now + terms.latency, LAST)

@@ -39,18 +39,23 @@ class Net(NamedTuple):
 @kernel
 def _take_in(net: Net, e: int, now: int, knowledge: Knowledge) -> None:
     """Let every holder of an episode hear what arrives now, and list what is late of it."""
-    heard_at, agents = net.mail.heard_at, net.radius_number.size
+    heard_at, agents, arrived = net.mail.heard_at, net.radius_number.size, 0
     for h in range(agents):
         row = e * agents + h
         net.n_late[row] = 0
+        if net.mail.flying[e] == 0:
+            take_in(net.log, e, now, h, net.views, net.radius_number, knowledge, row)
+            continue
         for s in range(net.settled[e] + 1, now + 1):
             for a in range(agents):
                 if heard_at[e, h, a, s] != now:
                     continue
                 take_in(net.log, e, s, a, net.views, net.radius_number, knowledge, row)
+                arrived += a != h
                 if s < now:
                     net.late[row, net.n_late[row]] = s * agents + a
                     net.n_late[row] += 1
+    net.mail.flying[e] -= arrived
     while net.settled[e] < net.mail.complete[e]:
         if net.mail.heard_at[e, :, :, net.settled[e] + 1].max() > now:
             break
@@ -146,11 +151,12 @@ class Radio:
 
         heard_at = put_rows(mine.mail.heard_at, rows, theirs.mail.heard_at)
         complete = put_rows(mine.mail.complete, rows, theirs.mail.complete)
+        flying = put_rows(mine.mail.flying, rows, theirs.mail.flying)
         self.net = mine._replace(
             keys=put_rows(mine.keys, rows, theirs.keys),
             log=put_all(mine.log, rows, theirs.log),
             contacts=put_all(mine.contacts, rows, theirs.contacts),
-            mail=mine.mail._replace(heard_at=heard_at, complete=complete),
+            mail=mine.mail._replace(heard_at=heard_at, complete=complete, flying=flying),
             traffic=put_all(mine.traffic, rows, theirs.traffic),
             settled=put_rows(mine.settled, rows, theirs.settled),
             late=put_rows(mine.late, own, theirs.late),

@@ -3,14 +3,18 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.core.link.propagation import log_distance_loss_db, two_ray_loss_db
+from mjforage.core.link.gossip import LOOK_BYTES
+from mjforage.core.link.propagation import log_distance_loss_db, packet_error, two_ray_loss_db
 from mjforage.core.scenario import Link
 
+EVEN = 0.5  # chance at which a look counts as garbled
 _FARTHEST_M, _SOUNDINGS = 1e6, 2000
 
 
 def reach_m(link: Link, antenna_m: NDArray[np.float64]) -> float:
-    """Farthest distance at which there is a contact on the mean [m]; inf over an ideal link.
+    """Farthest distance at which the least look gets through half the time [m]; inf if ideal.
+
+    By the mean power: shadowing is left out.
 
     Parameters
     ----------
@@ -27,5 +31,5 @@ def reach_m(link: Link, antenna_m: NDArray[np.float64]) -> float:
             loss = log_distance_loss_db(d, link.exponent, link.l0_db)
         else:
             loss = two_ray_loss_db(d, float(low), float(high), link.frequency_hz)
-        farthest = d if loss <= margin else farthest
+        farthest = d if packet_error(margin - loss, LOOK_BYTES) < EVEN else farthest
     return farthest

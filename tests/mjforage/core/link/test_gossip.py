@@ -1,0 +1,125 @@
+"""Passing looks on, by hand: three agents, of whom each has made a look in every step."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from graph_planner.look_log import LookLog
+from mjforage.core.link.contacts import Contacts
+from mjforage.core.link.gossip import LAST, NOT_HEARD, Terms, mail, pass_on, traffic
+from mjforage.core.link.reach import reach_m
+from mjforage.core.scenario import Link
+
+AGENTS, HORIZON = 3, 8
+KEY = np.uint64(5)
+EMPTY, TWO = 6, 12  # bytes of a look with nothing in it, and with two occupied nodes
+
+
+class Talk:
+    """A talk of three, of whom only the pairs named are in contact."""
+
+    def __init__(self, *pairs: tuple[int, int], snr_db: float = np.inf, **terms: Any) -> None:
+        self.contacts = Contacts.of(1, AGENTS)
+        for i, j in pairs:
+            self.contacts.snr_db[0, i, j] = self.contacts.snr_db[0, j, i] = snr_db
+        given: dict[str, Any] = {
+            "latency": 0,
+            "bytes": 0,
+            "cells": 0,
+            "passes_on": np.ones(AGENTS, np.bool_),
+        }
+        self.terms = Terms(**(given | terms))
+        self.mail, self.traffic = mail(1, AGENTS, HORIZON), traffic(1)
+        each = (1, HORIZON + 1, AGENTS)
+        kinds: dict[str, Any] = {name: np.zeros(each) for name in LookLog._fields}
+        self.log = LookLog(**kinds | {"occupied": np.zeros(each, np.int32)})
+
+    def step(self, now: int) -> None:
+        for a in range(AGENTS):
+            self.mail.heard_at[0, a, a, now] = now
+        about = self.log, self.contacts, self.mail, self.traffic
+        pass_on(self.terms, KEY, 0, now, *about)
+
+    def heard(self, holder: int, agent: int, step: int) -> int:
+        return int(self.mail.heard_at[0, holder, agent, step])
+
+
+def test_the_newest_goes_first_where_not_all_can_go() -> None:
+    """One empty look a decision: what was made before the contact waits behind what is new."""
+    talk = Talk(bytes=EMPTY)
+    talk.step(0)
+    talk.contacts.snr_db[0, 0, 1] = talk.contacts.snr_db[0, 1, 0] = np.inf
+    talk.step(1)
+    assert (talk.heard(1, 0, 1), talk.heard(1, 0, 0)) == (1, NOT_HEARD)
+    assert talk.traffic.dropped[0] == 2 and talk.traffic.bytes[0] == 2 * EMPTY
+
+
+def test_a_look_takes_six_bytes_and_three_for_each_occupied_node() -> None:
+    for most, comes in ((TWO, True), (TWO - 1, False)):
+        talk = Talk((0, 1), bytes=most)
+        talk.log.occupied[0, 0, 0] = 2
+        talk.step(0)
+        assert (talk.heard(1, 0, 0) == 0) == comes
+    talk = Talk((0, 1), cells=2)
+    talk.log.occupied[0, 0] = 2
+    talk.step(0)
+    assert talk.heard(1, 0, 0) == NOT_HEARD and talk.traffic.dropped[0] == 2
+
+
+def test_nothing_is_spent_on_what_nobody_in_contact_lacks() -> None:
+    """Agent 2 hears of nothing, so everything stays to be passed on; 0 and 1 have it all."""
+    talk = Talk((0, 1), bytes=EMPTY)
+    for now in range(5):
+        talk.step(now)
+        assert talk.heard(1, 0, now) == talk.heard(0, 1, now) == now
+    assert talk.traffic.bytes[0] == 5 * 2 * EMPTY and talk.traffic.dropped[0] == 0
+    assert talk.traffic.sent[0] == 10 and talk.traffic.lost[0] == 0
+    assert talk.traffic.contacts[0] == 5
+
+
+def test_what_is_under_way_is_neither_sent_again_nor_passed_on() -> None:
+    """0 to 1 to 2 with a latency of two: at 2 two hops and twice the latency later."""
+    talk = Talk((0, 1), (1, 2), latency=2)
+    for now in range(5):
+        talk.step(now)
+        assert talk.heard(1, 0, 0) == 2
+        assert talk.heard(2, 0, 0) == (4 if now >= 2 else NOT_HEARD)
+    links = 4
+    assert talk.traffic.sent[0] == 5 * links + 2 * 3, "each once, and passed on from step 2"
+    assert talk.mail.flying[0] == talk.traffic.sent[0]
+
+
+def test_what_arrives_after_the_end_arrives_never() -> None:
+    talk = Talk((0, 1), latency=30000)
+    talk.step(0)
+    assert talk.heard(1, 0, 0) == 30000
+    talk = Talk((0, 1), latency=40000)
+    talk.step(0)
+    assert talk.heard(1, 0, 0) == LAST
+
+
+@pytest.mark.parametrize(("snr_db", "share"), [(0.0, 0.98), (4.0, 0.45), (9.0, 0.0016)])
+def test_noise_garbles_its_share_of_packets(snr_db: float, share: float) -> None:
+    """Empty looks of 48 bits over QPSK, drawn for each sender, receiver, look and decision."""
+    lost = sent = 0
+    for seed in range(150):
+        talk = Talk((0, 1), (1, 2), (0, 2), snr_db=snr_db)
+        for a in range(AGENTS):
+            talk.mail.heard_at[0, a, a, 0] = 0
+        about = talk.log, talk.contacts, talk.mail, talk.traffic
+        pass_on(talk.terms, np.uint64(seed), 0, 0, *about)
+        sent, lost = sent + int(talk.traffic.sent[0]), lost + int(talk.traffic.lost[0])
+    assert sent == 150 * 6
+    assert lost / sent == pytest.approx(share, abs=0.05)
+
+
+def test_a_radio_reaches_as_far_as_looks_get_through() -> None:
+    """Not as far as its power equals the noise: 1.2 km by default, where hardly any does."""
+    masts = np.ones(2)
+    far = reach_m(Link(model="log-distance"), masts)
+    assert far == pytest.approx(10.0 ** ((117.0 - 40.0 - 3.73) / 25.0), rel=0.01)
+    assert reach_m(Link(model="disk", range_m=64.0), masts) == 64.0
+    assert reach_m(Link(), masts) == np.inf and reach_m(Link(model="none"), masts) == 0.0
+    low = reach_m(Link(model="two-ray"), 0.5 * masts)
+    assert low < reach_m(Link(model="two-ray"), masts), "masts help"
