@@ -124,7 +124,7 @@ class Beliefs:
             lt.show(step, at, seen.late_shown[e, looks], radius, views, self._glance)
             found.append(self._take_step(e, step, now, self._collecting(e, at, who), wander))
         if self._settings.particles:
-            st.retest(self.stragglers, self._shore, self._keys[e], e, int(steps[-1]), now - 1)
+            st.retest(self.stragglers, self._shore, self._keys[e], e, now - 1)
         return found
 
     def _collecting(self, e: int, at: Int32Array, who: Int32Array) -> Int32Array:

@@ -156,28 +156,18 @@ def advance(stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, now: i
 
 
 @kernel
-def retest(
-    stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, last: int, now: int
-) -> None:
+def retest(stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, now: int) -> None:
     """Run the particles again, up to step `now`, through views that late looks have added to.
 
-    Their drift and noise are those of before.
-
-    Parameters
-    ----------
-    last : step of the last such view; particles that began there or later are none of it
+    Their drift and noise are those of before, so those that live are where they were.
     """
     i = 0
     while i < stragglers.number[e]:
-        since, row, col = stragglers.since[e, i], stragglers.row[e, i], stragglers.col[e, i]
-        if since >= last and since > 0:
-            i += 1
-            continue
+        since = stragglers.since[e, i]
         stragglers.row[e, i] = stragglers.begun[e, i, 0]
         stragglers.col[e, i] = stragglers.begun[e, i, 1]
-        alive = since > 0 or not _began_in_view(stragglers, shore, e, i)
-        if alive and _survives(stragglers, shore, key, e, i, since + 1, now):
-            stragglers.row[e, i], stragglers.col[e, i] = row, col
+        met = _began_in_view(stragglers, shore, e, i)
+        if not met and _survives(stragglers, shore, key, e, i, since + 1, now):
             i += 1
         else:
             _remove(stragglers, e, i)

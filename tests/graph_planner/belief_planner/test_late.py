@@ -102,6 +102,16 @@ def test_what_was_seen_since_accounts_for_a_count_and_stays() -> None:
     assert past.places == before and past.tracks.seen[0, 0] == 8
     assert past.hear(5, {}, [(3, c) for c in range(10, 15)]) == 0, "and it is not given up"
     assert past.places == before
+    assert past.hear(8, {}, [(3, c) for c in range(10, 18)]) == 0, "nor by another of that step"
+    assert past.places == before
+
+
+def test_what_the_look_pushes_out_of_sight_drifts_on_from_there() -> None:
+    past = Past()
+    past.track(3.0, 15.0, 1)
+    past.hear(5, {}, [(3, 12)])
+    ((row, col),) = past.places
+    assert (row, col) != (3.0, 15.0) and abs(row - 3.0) + abs(col - 15.0) < 1.1
 
 
 def test_what_was_not_there_is_given_up_or_out_of_sight() -> None:
@@ -128,11 +138,12 @@ def test_what_would_have_been_seen_or_taken_since_is_no_new_item(taken: bool) ->
 
 def test_what_a_forager_came_to_was_taken_unless_it_was_seen_since() -> None:
     at = np.array([SEA.node_of_cell[3, 12]], np.int32)
-    for seen, left in ((1, 0), (7, 1)):
+    for seen, left, lost in ((1, 0, 1), (4, 0, 0), (7, 1, 0)):
         past = Past()
         past.track(3.0, 15.0, seen)  # at column 12 when the forager came, in step 5
         past.hear(5, {}, [(10, 3)], at)
         assert len(past.places) == left
+        assert past.lost.number[0] == lost, "lost if it had not been seen just before"
 
 
 def test_particles_are_run_again_through_what_is_heard_late() -> None:
@@ -144,13 +155,21 @@ def test_particles_are_run_again_through_what_is_heard_late() -> None:
         search.draw(10, tries=150)
     many = int(late.particles.number[0])
     late.view(6, *patch)
-    st.retest(late.particles, WIDE_SHORE, KEY, 0, 6, 10)
+    st.retest(late.particles, WIDE_SHORE, KEY, 0, 10)
     n = int(on_time.particles.number[0])
     assert int(late.particles.number[0]) == n < many
     for name in ("row", "col", "label"):
         one, two = (np.sort(getattr(s.particles, name)[0, :n]) for s in (on_time, late))
         np.testing.assert_array_equal(one, two)
-    assert WIDE is not SEA
+
+
+def test_particles_that_began_in_a_late_view_of_the_start_are_gone() -> None:
+    search, west = Search(), [(r, c) for r in range(40) for c in range(20)]
+    search.draw(3, tries=150)
+    assert search.expected[:, :20].sum() > 0.0
+    search.view(0, *west)
+    st.retest(search.particles, WIDE_SHORE, KEY, 0, 3)
+    assert search.expected[:, :20].sum() == 0.0 < search.expected.sum()
 
 
 def test_a_lost_item_is_looked_for_in_the_later_of_two_late_views() -> None:
@@ -162,7 +181,7 @@ def test_a_lost_item_is_looked_for_in_the_later_of_two_late_views() -> None:
         search.view(3, (0, 0))
         search.view(8, (20, 20))
         assert search.particles.number[0] > 0
-        st.retest(search.particles, WIDE_SHORE, KEY, 0, 8, 10)
+        st.retest(search.particles, WIDE_SHORE, KEY, 0, 10)
         assert bool(search.particles.number[0] > 0) == left
 
 

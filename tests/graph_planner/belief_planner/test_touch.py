@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graph_planner.belief_planner.touch import NOBODY, PATIENCE, SLACK, Touch, parts_of
+from graph_planner.belief_planner.touch import ELSEWHERE, NOBODY, PATIENCE, SLACK, Touch, parts_of
 from graph_planner.belief_planner.ways import ways_of
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.fleet import Role
@@ -85,6 +85,32 @@ def test_parts_share_the_map(number: int) -> None:
     part = parts_of(SEA, 0, number)
     sizes = np.bincount(part, minlength=number)
     assert sizes.size == number and sizes.min() > len(SEA) / (3 * number)
+
+
+def test_each_who_looks_alone_has_a_part_of_its_own() -> None:
+    mine, other = (touch_of().part(seen_by(who, {}), 0) for who in (FORAGER, OTHER))
+    assert ((mine == 1.0) != (other == 1.0)).all()
+    assert set(mine) == {ELSEWHERE, 1.0}
+
+
+def test_who_was_told_much_long_ago_has_done_with_it() -> None:
+    """40 items keep a forager busy for 57 decisions; the scout is 10 to 14 away."""
+    born = np.concatenate((np.zeros(40, np.int32), [40])).astype(np.int32)
+    for step, goes in ((50, False), (75, True)):
+        told = seen_by(SCOUT, {FORAGER: 10, OTHER: step - 1}, step)
+        assert (touch_of().tells(told, 0, born, WAYS) != NOBODY) == goes
+
+
+def test_beside_is_not_near_with_a_quay_between() -> None:
+    cells = np.ones((30, 30), np.bool_)
+    cells[:25, 10] = False
+    graph = navigation_graph(cells, 1.0, False)
+    team = task_of(graph, scouts=Role(1, 2, 4.0, False), foragers=Role(1, 1, 1.0, True))
+    told = observation_of(replace(team, reach_node=5.0), [(0, 9), (0, 11)], step=21)
+    told.holder[:], told.agent_seen[0, 1] = 0, 10
+    ways = ways_of(graph, 2, team.rules.stay, team.rules.shorten)
+    touch = Touch(replace(team, reach_node=5.0), BeliefSettings(), 1)
+    assert touch.tells(told, 0, NEWS, ways) != NOBODY, "it has to go round"
 
 
 def test_who_looks_alone_does_not_look_again_where_it_would_have_noticed() -> None:

@@ -300,3 +300,19 @@ def test_masts_and_pairs_count_in_missions() -> None:
 def test_keys_of_a_link_that_is_none_are_refused() -> None:
     with pytest.raises(UserError, match=r"link\.latency = 3 without a link; give link\.model"):
         load_scenario("comb-port", ["link.latency=3"])
+
+
+def test_of_two_looks_of_a_step_the_larger_count_of_a_node_is_believed() -> None:
+    """Whichever is heard first, where agents do not see alike."""
+    mission, radio = started(setup_of("link.model=none"), 1)
+    net, other = radio.net, int(mission.state.agent_node[0, 0])
+    net.log.node[0, 1, :2] = other
+    view = net.views.of(other, int(net.radius_number[0])).tolist()
+    net.log.shown[0, 1, :2, view.index(other)] = (1, 3)
+    net.log.energy_left[0, 1, 0] = 7.0
+    for order in ((0, 1), (1, 0)):
+        knowledge = Knowledge.of_starts(mission._looks(), len(mission.setup.graph), 1)
+        for a in order:
+            take_in(net.log, 0, 1, a, net.views, net.radius_number, knowledge, 0)
+        assert knowledge.belief[0, other] == 3
+        assert knowledge.energy_left[0, 0] == 7.0
