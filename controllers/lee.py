@@ -43,8 +43,14 @@ def extent(p: PackedHelm, ahead: float) -> float:
 
 
 @kernel
-def keep_off(s: VesselState, p: PackedHelm, dx: float, dy: float, vx: float, vy: float) -> float:
+def keep_off(
+    s: VesselState, p: PackedHelm, dx: float, dy: float, vx: float, vy: float, free: bool
+) -> float:
     """Limit a hull for the sake of what is at (dx, dy) from midships [m], moving at (vx, vy) [m/s].
+
+    Parameters
+    ----------
+    free : whether it may come there: it is not limited
 
     Returns
     -------
@@ -62,7 +68,7 @@ def keep_off(s: VesselState, p: PackedHelm, dx: float, dy: float, vx: float, vy:
     most = (gap / LEE_S - aside) / max(abs(ahead), 1e-6)
     if abs(ahead) < HEADED:
         most = max(most, SLIP_MPS / max(abs(ahead), 1e-6))
-    if s.leans != 0.0 and 0.0 < ahead < PIVOT:
+    if free or (s.leans != 0.0 and 0.0 < ahead < PIVOT):
         most = UNLIMITED
     if ahead > 0.0:
         s.most_ahead = min(s.most_ahead, max(most, -p.cruise_astern_mps))
@@ -93,14 +99,10 @@ def heed_lee(s: VesselState, p: PackedHelm, land: LandArray, pitch: float) -> No
             dx, dy = way_to_cell(pitch, s.x, s.y, i, j)
             of_item = picks and (dx * s.quay_x > abs(dy) or dy * s.quay_y > abs(dx))
             bow_on = c * dx + t * dy > HEADED * math.sqrt(dx * dx + dy * dy)
-            if not is_nearer(land, i, j, dx, dy):
-                continue
-            most_ahead, most_astern = s.most_ahead, s.most_astern
-            left = keep_off(s, p, dx, dy, 0.0, 0.0)
-            if of_item and bow_on:
-                s.most_ahead, s.most_astern = most_ahead, most_astern
-            if left < least:
-                least, s.lee_x, s.lee_y = left, dx, dy
+            if is_nearer(land, i, j, dx, dy):
+                left = keep_off(s, p, dx, dy, 0.0, 0.0, of_item and bow_on)
+                if left < least:
+                    least, s.lee_x, s.lee_y = left, dx, dy
 
 
 @kernel
@@ -111,7 +113,7 @@ def heed_lee_hull(s: VesselState, p: PackedHelm, other: VesselState, helm: Packe
     co, to = math.cos(other.yaw), math.sin(other.yaw)
     dx, dy = other.x - s.x, other.y - s.y
     x, y = nearest_of(helm.length_m, helm.beam_m, co, to, -dx, -dy)
-    keep_off(s, p, dx + x, dy + y, other.vx, other.vy)
+    keep_off(s, p, dx + x, dy + y, other.vx, other.vy, False)
 
 
 @kernel
