@@ -22,7 +22,9 @@ class Looks(NamedTuple):
     active: NDArray[np.bool_]  # (episode,) whose step it was; nobody looks in the others
     step: Int32Array  # (episode,)
     agent_node: Int32Array  # (episode, agent) from where each looks
-    sighted: NDArray[np.int16]  # (episode, node) items that a look at the node shows
+    sighted: NDArray[np.int16]  # (episode, node) items, all of which a perfect look shows
+    shown: NDArray[np.int16]  # (episode, agent, place) items that a look shows in the nodes of its
+    # list, negative where it does not look; no places where looks are perfect
     energy_left: NDArray[np.float64]  # (episode, agent) [node]
     room_left: NDArray[np.int64]  # (episode, agent) items, `UNLIMITED` if any number
     taken: NDArray[np.int64]  # (episode, agent) items taken aboard so far
@@ -34,7 +36,7 @@ class Looks(NamedTuple):
         return Looks(*map(np.ascontiguousarray, self, _TYPES))
 
 
-_TYPES = ("?", "i4", "i4", "i2", "f8", "i8", "i8", "i1", "f8")  # of its fields
+_TYPES = ("?", "i4", "i4", "i2", "i2", "f8", "i8", "i8", "i1", "f8")  # of its fields
 
 
 class Knowledge(NamedTuple):
@@ -116,6 +118,38 @@ def believe(
 
 
 @kernel
+def take_shown(
+    knowledge: Knowledge,
+    row: int,
+    step: int,
+    nodes: Int32Array,
+    first: int,
+    shown: NDArray[np.int16],
+) -> None:
+    """Let a holder know what a look has shown; of looks of one step, the larger count.
+
+    Parameters
+    ----------
+    knowledge, row : changed in this row
+    step : of the look
+    nodes, first : its list of nodes begins at `nodes[first]`
+    shown : (place,) items in them, negative where it did not look
+    """
+    belief, last_seen, known = knowledge.belief, knowledge.last_seen, knowledge.known
+    known_at, n_known = knowledge.known_at, knowledge.n_known
+    for i in range(shown.size):
+        items = shown[i]
+        if items < 0:
+            continue
+        node = np.uint64(nodes[first + i])
+        before = last_seen[row, node]
+        if step > before or (step == before and items > belief[row, node]):
+            last_seen[row, node] = step
+            if items != belief[row, node]:
+                believe(belief, known, known_at, n_known, row, node, items)
+
+
+@kernel
 def hear(
     looks: Looks,
     heard: NDArray[np.bool_],
@@ -137,6 +171,7 @@ def hear(
     belief, last_seen = knowledge.belief, knowledge.last_seen
     known, known_at, n_known = knowledge.known, knowledge.known_at, knowledge.n_known
     agent_node, agent_seen = knowledge.agent_node, knowledge.agent_seen
+    perfect = looks.shown.shape[2] == 0
     energy_left, room_left = knowledge.energy_left, knowledge.room_left
     taken_by_then, pickup_then = knowledge.taken, knowledge.pickup
     holders = heard.shape[0] // max(1, active.size)
@@ -153,7 +188,12 @@ def hear(
             energy_left[row, agent], room_left[row, agent] = energy[e, agent], room[e, agent]
             taken_by_then[row, agent], pickup_then[row, agent] = taken[e, agent], pickup[e, agent]
             knowledge.agent_yaw[row, agent] = looks.agent_yaw[e, agent]
-            for i in range(start[radius, viewer], start[radius, viewer + 1]):
+            first, end = start[radius, viewer], start[radius, viewer + 1]
+            if not perfect:
+                shown = looks.shown[e, agent, : end - first]
+                take_shown(knowledge, row, step[e], nodes, first, shown)
+                continue
+            for i in range(first, end):
                 node = np.uint64(nodes[np.uint64(i)])  # unsigned: never counted from the end
                 last_seen[row, node] = now
                 if belief[row, node] != sighted[e, node]:  # seldom: calls count references
@@ -190,6 +230,7 @@ def times_seen(
     agents: NDArray[np.int64],
     views: NodeLists,
     radius_number: NDArray[np.int64],
+    shown: NDArray[np.int16],
 ) -> NDArray[np.uint8]:
     """(episode, node) by how many of some agents (chosen,) each node is in view.
 
@@ -197,12 +238,14 @@ def times_seen(
     ----------
     agent_node : (episode, agent) where all agents are
     views, radius_number : what an agent sees from a node, see `Task`
+    shown : (episode, agent, place) negative where an agent does not look; see `Looks`
     """
-    start, nodes = views.start, views.nodes
+    start, nodes, perfect = views.start, views.nodes, shown.shape[2] == 0
     out = np.zeros((agent_node.shape[0], start.shape[1] - 1), np.uint8)
     for e in range(agent_node.shape[0]):
         for agent in agents:
             radius, viewer = radius_number[agent], agent_node[e, agent]
-            for i in range(start[radius, viewer], start[radius, viewer + 1]):
-                out[e, nodes[i]] += 1
+            first = start[radius, viewer]
+            for i in range(first, start[radius, viewer + 1]):
+                out[e, nodes[i]] += perfect or shown[e, agent, i - first] >= 0
     return out

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
-from graph_planner.knowledge import Knowledge, Looks, believe
+from graph_planner.knowledge import Knowledge, Looks, take_shown
 from graph_planner.task import Task
 from graph_planner.visibility import NodeLists
 
@@ -22,7 +22,8 @@ class LookLog(NamedTuple):
     """Looks of a batch by episode, step and agent."""
 
     node: Int32Array  # (episode, step, agent) from where
-    shown: NDArray[np.int16]  # (episode, step, agent, place) items, in the order of its node list
+    shown: NDArray[np.int16]  # (episode, step, agent, place) items, in the order of its node list;
+    # negative where it did not look
     occupied: Int32Array  # (episode, step, agent) nodes with items among those
     energy_left: NDArray[np.float64]  # (episode, step, agent) [node]
     room_left: NDArray[np.int64]  # (episode, step, agent) items
@@ -57,12 +58,15 @@ def log_looks(
     looks: Looks, e: int, views: NodeLists, radius_number: NDArray[np.int64], log: LookLog
 ) -> None:
     """Keep the looks of this step of an episode."""
-    s = looks.step[e]
+    s, perfect = looks.step[e], looks.shown.shape[2] == 0
     for a in range(radius_number.size):
         viewer, radius = looks.agent_node[e, a], radius_number[a]
         first, full = views.start[radius, viewer], 0
         for i in range(first, views.start[radius, viewer + 1]):
-            items = looks.sighted[e, views.nodes[i]]
+            if perfect:
+                items = looks.sighted[e, views.nodes[i]]
+            else:
+                items = looks.shown[e, a, i - first]
             log.shown[e, s, a, i - first] = items
             full += items > 0
         log.node[e, s, a], log.occupied[e, s, a] = viewer, full
@@ -89,14 +93,8 @@ def take_in(
     knowledge, row : changed in this row
     """
     viewer, radius = log.node[e, s, a], radius_number[a]
-    first, last_seen = views.start[radius, viewer], knowledge.last_seen
-    belief, known = knowledge.belief, knowledge.known
-    known_at, n_known = knowledge.known_at, knowledge.n_known
-    for i in range(first, views.start[radius, viewer + 1]):
-        node, items = np.uint64(views.nodes[i]), log.shown[e, s, a, i - first]
-        if s > last_seen[row, node] or (s == last_seen[row, node] and items > belief[row, node]):
-            last_seen[row, node] = s
-            believe(belief, known, known_at, n_known, row, node, items)
+    first, end = views.start[radius, viewer], views.start[radius, viewer + 1]
+    take_shown(knowledge, row, s, views.nodes, first, log.shown[e, s, a, : end - first])
     if s >= knowledge.agent_seen[row, a]:
         knowledge.agent_node[row, a], knowledge.agent_seen[row, a] = viewer, s
         knowledge.energy_left[row, a] = log.energy_left[e, s, a]

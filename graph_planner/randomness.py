@@ -56,6 +56,12 @@ class Stream(IntEnum):
     """Whether a directed link loses what it carries, keyed by sender, receiver and step."""
     PACKETS = 15
     """Whether noise garbles a look, keyed by sender, receiver and look, and by the step sent."""
+    PERSISTENCE = 16
+    """How hard each item is to detect in all steps, keyed by item."""
+    GHOSTS = 17
+    """Items that are seen and are none, keyed by node and epoch."""
+    MERGING = 18
+    """Whether an item beside another is overlooked, keyed by item and step."""
 
 
 @kernel

@@ -143,7 +143,10 @@ class Late(NamedTuple):
     """
 
     looks: Int32Array  # (row, look, 3) step; agent whose it is; node where it was; padded with -1
-    shown: NDArray[np.int16]  # (row, look, place) items in the nodes in view, as `Task.views` lists
+    shown: NDArray[
+        np.int16
+    ]  # (row, look, place) items in the nodes in view, as `Task.views` lists,
+    # negative where it did not look
 
     @property
     def step(self) -> Int32Array:

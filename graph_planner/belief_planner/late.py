@@ -61,6 +61,8 @@ def show(
         first = views.start[radius[k], nodes[k]]
         for i in range(first, views.start[radius[k], nodes[k] + 1]):
             node, items = views.nodes[i], shown[k, i - first]
+            if items < 0:
+                continue
             known = glance.last_seen[node] == step
             glance.belief[node] = max(items, glance.belief[node]) if known else items
             glance.last_seen[node] = step

@@ -69,12 +69,10 @@ class Dynamics(Protocol):
 
     Attributes
     ----------
-    detection : probability that an item in view is seen, drawn per item and step
     pickup : what picking up takes hulls; None if a forager takes all that is in its node, before
         the rest drifts
     """
 
-    detection: float
     pickup: Pickup | None
 
     def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:

@@ -57,11 +57,8 @@ class GraphDynamics:
 
     Attributes
     ----------
-    detection : probability that an item in view is seen; eyes are perfect here
     pickup : what picking up takes hulls, None if a forager takes all that is in its node
     """
-
-    detection = 1.0
 
     def __init__(
         self, graph: NavigationGraph, fleet: Fleet, scenario: Scenario, film: Film | None = None

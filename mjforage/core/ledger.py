@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.knowledge import Knowledge, Looks
-from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from graph_planner.rows import put_rows
 from graph_planner.task import Task
 from graph_planner.visibility import NodeLists
@@ -26,8 +25,6 @@ class Entries(NamedTuple):
     places: NDArray[np.int64]  # (episode,) see `item_places`
     truth: NDArray[np.int16]  # (episode, node) items
     counted_node: Int32Array  # (episode, item) node in which `truth` counts it, -1 not at all
-    sighted: NDArray[np.int16]  # (episode, node) items that a look shows now; or `truth`
-    sighted_node: Int32Array  # (episode, item) the same for `counted_node`
     t_discovered: NDArray[np.int16]  # (episode, item) [step]
     discovered_by: NDArray[np.int16]  # (episode, item) agent
     t_collected: NDArray[np.int16]  # (episode, item) [step]
@@ -71,37 +68,6 @@ def count(
 
 
 @kernel
-def sight(
-    active: NDArray[np.bool_],
-    step: Int32Array,
-    keys: UInt64Array,
-    detection: float,
-    entries: Entries,
-) -> None:
-    """Draw which items are seen if looked at in this step.
-
-    Parameters
-    ----------
-    detection : probability that an item in view is seen, drawn per item and step
-    """
-    places, counted_node, sighted = entries.places, entries.counted_node, entries.sighted
-    sighted_node = entries.sighted_node
-    for e in range(active.size):
-        if not active[e]:
-            continue
-        key = stream_key(keys[e], Stream.DETECTION)
-        for k in range(places[e]):
-            before, after = sighted_node[e, k], counted_node[e, k]
-            if after >= 0 and uniform(key, k, step[e]) >= detection:
-                after = np.int32(-1)
-            sighted_node[e, k] = after
-            if before >= 0:
-                sighted[e, before] -= 1
-            if after >= 0:
-                sighted[e, after] += 1
-
-
-@kernel
 def credit(
     looks: Looks,
     knowledge: Knowledge,
@@ -112,7 +78,7 @@ def credit(
     found: Int32Array,
     entries: Entries,
 ) -> None:
-    """Credit each item's first sighting to the first agent in order that sees it.
+    """Credit each item's first sighting to the first agent in order that has it in view.
 
     Parameters
     ----------
@@ -122,7 +88,7 @@ def credit(
     """
     active, step, agent_node = looks.active, looks.step, looks.agent_node
     known, n_known, last_seen = knowledge.known, knowledge.n_known, knowledge.last_seen
-    start, nodes, sighted_node = views.start, views.nodes, entries.sighted_node
+    start, nodes, counted_node = views.start, views.nodes, entries.counted_node
     places = entries.places
     t_discovered, discovered_by = entries.t_discovered, entries.discovered_by
     for e in range(active.size):
@@ -137,7 +103,7 @@ def credit(
             continue
         n_found = 0
         for k in range(places[e]):  # without a branch: which items are new is a coin toss
-            item = sighted_node[e, k]
+            item = counted_node[e, k]
             found[n_found] = k
             n_found += in_view[np.uint64(max(item, 0))] & (item >= 0) & (t_discovered[e, k] < 0)
         for j in range(n_found):
@@ -146,7 +112,7 @@ def credit(
             for agent in credit_order:
                 radius, viewer = radius_number[agent], agent_node[e, agent]
                 for i in range(start[radius, viewer], start[radius, viewer + 1]):
-                    if nodes[i] == sighted_node[e, k_found] and discovered_by[e, k_found] < 0:
+                    if nodes[i] == counted_node[e, k_found] and discovered_by[e, k_found] < 0:
                         discovered_by[e, k_found] = agent
         for i in range(n_known[e]):
             in_view[np.uint64(known[e, i])] = False
@@ -155,14 +121,7 @@ def credit(
 class Ledger:
     """The ledger of a batch of episodes; see `Entries` for the arrays, `Lookout` for their life."""
 
-    def __init__(self, task: Task, detection: float = 1.0) -> None:
-        """Prepare.
-
-        Parameters
-        ----------
-        detection : probability that an item in view is seen, drawn per item and step
-        """
-        self._detection = detection
+    def __init__(self, task: Task) -> None:
         self._nodes = len(task.graph)
 
     def reset(self, item_node: Int32Array) -> None:
@@ -173,14 +132,10 @@ class Ledger:
         item_node : (episode, item) at step 0, -1 for padding
         """
         items, nodes = item_node.shape, (item_node.shape[0], self._nodes)
-        truth, counted_node = np.zeros(nodes, np.int16), np.full(items, -1, np.int32)
-        certain = self._detection >= 1.0
         self.entries = Entries(
             places=item_places(item_node),
-            truth=truth,
-            counted_node=counted_node,
-            sighted=truth if certain else truth.copy(),
-            sighted_node=counted_node if certain else counted_node.copy(),
+            truth=np.zeros(nodes, np.int16),
+            counted_node=np.full(items, -1, np.int32),
             t_discovered=np.full(items, -1, np.int16),
             discovered_by=np.full(items, -1, np.int16),
             t_collected=np.full(items, -1, np.int16),
@@ -189,12 +144,9 @@ class Ledger:
 
     def adopt(self, rows: NDArray[np.int64], other: "Ledger") -> None:
         """Replace episodes (row,) of the batch by those of another ledger."""
-        filled = {"truth", "sighted"}  # with 0; the others with nobody, nowhere and never
         mine, theirs = self.entries, other.entries
-        mixed: dict[str, Any] = {
-            name: put_rows(getattr(mine, name), rows, getattr(theirs, name), (name in filled) - 1)
+        mixed: dict[str, Any] = {  # `truth` is filled with 0, others with nobody, nowhere and never
+            name: put_rows(getattr(mine, name), rows, getattr(theirs, name), (name == "truth") - 1)
             for name in mine._fields
         }
-        if mine.sighted is mine.truth:  # everything is seen: they stay one array
-            mixed |= {"sighted": mixed["truth"], "sighted_node": mixed["counted_node"]}
         self.entries = Entries(**mixed)

@@ -8,19 +8,21 @@ from numpy.typing import NDArray
 from graph_planner.compiled import kernel, prepared
 from graph_planner.geodesics import Int32Array
 from graph_planner.knowledge import Knowledge, Looks, hear
+from graph_planner.map_filter import MapFilter, correct, glimpse, round_off
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Task
 from graph_planner.visibility import NodeLists
-from mjforage.core.ledger import Entries, count, credit, sight
+from mjforage.core.ledger import Entries, count, credit
+from mjforage.core.scenario import Sensors
+from mjforage.core.sensing import Sensing, is_perfect, sense, sensing
 
 
 class Eyes(NamedTuple):
-    """How a fleet sees, and in which episodes."""
+    """How a fleet looks, and in which episodes."""
 
     views: NodeLists
     radius_number: NDArray[np.int64]  # (agent,) which list of `views`
     credit_order: NDArray[np.int64]  # (agent,) see `Fleet.credit_order`
-    detection: float  # probability that an item in view is seen
     keys: UInt64Array  # (episode,)
     all_heard: NDArray[np.bool_]  # (episode, agent) True
     in_view: NDArray[np.bool_]  # (node,) memory of `credit`
@@ -39,12 +41,33 @@ def _look(
     """Discretise, look, credit."""
     active, step = looks.active, looks.step
     views, radius_number, credit_order = eyes.views, eyes.radius_number, eyes.credit_order
-    detection, keys, all_heard = eyes.detection, eyes.keys, eyes.all_heard
     count(active, step, item_node, taken_by, entries)
-    if detection < 1.0:
-        sight(active, step, keys, detection, entries)
-    hear(looks, all_heard, views, radius_number, knowledge)
+    hear(looks, eyes.all_heard, views, radius_number, knowledge)
     credit(looks, knowledge, credit_order, views, radius_number, eyes.in_view, eyes.found, entries)
+
+
+@kernel
+def _look_imperfectly(
+    eyes: Eyes,
+    sensing: Sensing,
+    filtered: MapFilter,
+    entries: Entries,
+    knowledge: Knowledge,
+    looks: Looks,
+    item_node: Int32Array,
+    taken_by: NDArray[np.int16],
+) -> None:
+    """The same where looks miss and invent items: credited is who detects, not who looks."""
+    views, radius_number = eyes.views, eyes.radius_number
+    count(looks.active, looks.step, item_node, taken_by, entries)
+    sense(sensing, eyes.keys, looks, eyes.credit_order, views, radius_number, entries)
+    hear(looks, eyes.all_heard, views, radius_number, knowledge)
+    for e in range(filtered.density.shape[0]):
+        if looks.active[e]:
+            for agent in range(radius_number.size):
+                glimpse(filtered, agent, looks.agent_node[e, agent], looks.shown[e, agent])
+            correct(filtered, e)
+            round_off(filtered, e, knowledge)
 
 
 class Lookout:
@@ -53,37 +76,43 @@ class Lookout:
     def __init__(
         self,
         task: Task,
-        detection: float,
+        sensors: Sensors,
         keys: UInt64Array,
         entries: Entries,
         knowledge: Knowledge,
+        filtered: MapFilter,
     ) -> None:
         """Prepare.
 
         Parameters
         ----------
-        detection : probability that an item in view is seen, drawn per item and step
         keys : (episode,) episode keys
         entries, knowledge : of the ledger and of the fleet together, changed by every look
+        filtered : what the fleet makes of counts, the same
         """
+        items = entries.t_discovered.shape[1]
         eyes = Eyes(
             task.views,
             task.radius_number,
             task.fleet.credit_order,
-            detection,
             keys,
             np.ones((keys.size, len(task.fleet)), np.bool_),
             np.zeros(len(task.graph), np.bool_),
-            np.empty(entries.t_discovered.shape[1], np.int32),
+            np.empty(items, np.int32),
         )
-        self._look = prepared(_look, eyes, entries, knowledge)
+        if is_perfect(sensors):
+            self._look = prepared(_look, eyes, entries, knowledge)
+        else:
+            sees = sensing(sensors, task, keys, items)
+            self._look = prepared(_look_imperfectly, eyes, sees, filtered, entries, knowledge)
 
     def look(self, looks: Looks, item_node: Int32Array, taken_by: NDArray[np.int16]) -> None:
         """Take in the end of a step.
 
         Parameters
         ----------
-        looks : of the step; episodes that are not active do not change
+        looks : of the step; what they show is filled in where they are not perfect; episodes that
+            are not active do not change
         item_node : (episode, item) node of each item, -1 once removed
         taken_by : (episode, item) agent that removed it, -1 nobody
         """

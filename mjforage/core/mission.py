@@ -25,6 +25,7 @@ from mjforage.core.graph_dynamics import GraphDynamics
 from mjforage.core.ledger import Ledger
 from mjforage.core.link import exchange_of
 from mjforage.core.looking import Lookout
+from mjforage.core.sensing import is_perfect, map_filter, no_shown
 from mjforage.core.setup import Setup
 
 _ONE = np.ones(1, np.int32)
@@ -88,14 +89,14 @@ class Mission:
         """
         self.setup = setup
         if exchange is None:
-            exchange = exchange_of(setup.scenario.link, len(setup.fleet))
+            exchange = exchange_of(setup.scenario, len(setup.fleet))
         self.exchange: Exchange = exchange
         _check_capabilities(setup, self.exchange)
         if dynamics is None:
             dynamics = GraphDynamics(setup.graph, setup.fleet, setup.scenario)
         pickup = dynamics.pickup
         self.task = setup.task if pickup is None else replace(setup.task, pickup=pickup)
-        self.ledger = Ledger(self.task, dynamics.detection)
+        self.ledger = Ledger(self.task)
         self._dynamics = dynamics
         self._views, self._radius_number = self.task.views, self.task.radius_number
         self._resolver = Resolver(setup.graph, setup.fleet, setup.task.rules, setup.corruption)
@@ -131,6 +132,9 @@ class Mission:
         self.moves: Moves | None = None
         self.ledger.reset(self.state.item_node)
         self._fill_stores()
+        sensors = self.setup.scenario.sensors
+        self._shown = no_shown(self.task, keys.size, is_perfect(sensors))
+        self._filtered = map_filter(self.setup.scenario, self.task, keys.size)
         self.knowledge = Knowledge.of_starts(self._looks(), len(self.setup.graph))
         self._post_lookout()
         self.exchange.reset(self.task, self._see(), self.knowledge, self.keys)
@@ -152,7 +156,8 @@ class Mission:
             active=self.active,
             step=self.step,
             agent_node=self.state.agent_node,
-            sighted=self.ledger.entries.sighted,
+            sighted=self.ledger.entries.truth,
+            shown=self._shown,
             energy_left=self.energy_left,
             room_left=self.room_left,
             taken=self.taken,
@@ -167,8 +172,8 @@ class Mission:
         return looks
 
     def _post_lookout(self) -> None:
-        about = self.task, self._dynamics.detection, self.keys
-        self._lookout = Lookout(*about, self.ledger.entries, self.knowledge)
+        about = self.task, self.setup.scenario.sensors, self.keys
+        self._lookout = Lookout(*about, self.ledger.entries, self.knowledge, self._filtered)
 
     def adopt(self, rows: NDArray[np.int64], other: "Mission") -> None:
         """Replace episodes (row,) of the batch by another mission's; in the graph world only.
@@ -183,6 +188,8 @@ class Mission:
         self.ledger.adopt(rows, other.ledger)
         self.knowledge = self.knowledge.with_rows(rows, other.knowledge)
         self.exchange.adopt(rows, other.exchange, self.knowledge)
+        self._shown = put_rows(self._shown, rows, other._shown)
+        self._filtered = self._filtered.with_rows(rows, other._filtered)
         for name in ("keys", "step", "active"):
             setattr(self, name, put_rows(getattr(self, name), rows, getattr(other, name)))
         self._post_lookout()
@@ -269,7 +276,8 @@ class Mission:
     ) -> NDArray[np.uint8]:
         """(chosen, node) by how many of `agents` each node is in view, in some episodes."""
         at = self.state.agent_node[episodes]
-        return times_seen(at, agents, self._views, self._radius_number)
+        about = self._views, self._radius_number, self._shown[episodes]
+        return times_seen(at, agents, *about)
 
     def prepare(self, policy: Policy) -> None:
         """Get a policy ready for the batch: it decides once for each holder, a bound for each

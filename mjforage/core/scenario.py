@@ -124,16 +124,45 @@ class Physics:
     """Time step of the integrator, by default 0.1 s of `fast` and 0.02 s of `reference`."""
 
 
+_Chance = Annotated[float, Within(0, 1)]
+_Distance = Annotated[float, Within(0, 1e4, "node")]
+
+
 @dataclass(frozen=True)
 class Sensors:
-    """What measurements lack in the physics world; nothing by default."""
+    """What looks miss and invent, in every world, and what measurements lack with hulls; nothing by
+    default.
+
+    An item in view is detected with a chance p that falls with its distance: all agents that are as
+    far detect it or miss it together, in every decision anew.
+    """
 
     position_noise_m: Annotated[float, Within(0, 2, "m")] = 0.0
     """Standard deviation of a position fix per axis."""
     heading_noise_deg: Annotated[float, Within(0, 20, "deg")] = 0.0
     """Standard deviation of the compass."""
-    detection: Annotated[float, Within(0, 1)] = 1.0
-    """Probability that an item in view is seen, drawn per item and decision."""
+    detection: _Chance = 1.0
+    """p of an item in view, at distance 0 if it falls with the distance."""
+    half_range_node: Annotated[_Distance, Later()] = 0.0
+    """Distance at which p is half: detection / (1 + exp((d - half_range_node) / slope_node)); 0: it
+    does not fall."""
+    slope_node: Annotated[float, Within(1e-3, 1e4, "node"), Later()] = 1.0
+    """How gradually it falls."""
+    detection_table: Annotated[tuple[tuple[_Distance, _Chance], ...], Later()] = ()
+    """(distance, p), linear between and constant beyond, in the place of the three keys above."""
+    persistence: Annotated[float, Within(0, 0.99), Later()] = 0.0
+    """Correlation of detecting an item in two steps: some items are hard to see all along. Their p
+    are of a beta distribution with that mean, drawn once per item."""
+    false_rate: Annotated[_Chance, Later()] = 0.0
+    """Chance per node and epoch that an item is seen that is none; not where a collector is."""
+    false_hold: Annotated[int, Within(1, 30000, "decisions"), Later()] = 1
+    """Length of such an epoch."""
+    merge: Annotated[_Chance, Later()] = 0.0
+    """Chance to overlook an item, in a node in which another is detected."""
+    fov_deg: Annotated[float, Within(0, 360, "deg"), Later()] = 360.0
+    """Field of view about the heading; an agent's own node is always seen."""
+    map: Annotated[Literal["last", "filtered"], Later()] = "last"
+    """What is believed of a node: the items of the last look, or what all looks make probable."""
     pickup_noise_m: Annotated[float, Within(0, 2, "m"), Later()] = 0.0
     """Standard deviation per axis of where the middle of an item is in a frame of a collector's
     camera; with 0 there is no camera, and collectors know where items are."""

@@ -6,6 +6,7 @@ names the file, the key, the value and what was expected.
 
 import dataclasses
 import difflib
+import itertools
 import json
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
@@ -167,6 +168,18 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
         raise UserError(
             f"{where}: link.burst = {scenario.link.burst:g} is too short to lose "
             f"{scenario.link.loss:.1%}; give at least {least:.4g}, or 1 for independent losses"
+        )
+    table = scenario.sensors.detection_table
+    for (near, more), (far, less) in itertools.pairwise(table):
+        if far <= near or less > more:
+            raise UserError(
+                f"{where}: sensors.detection_table: [{far:g}, {less:g}] after [{near:g}, {more:g}];"
+                " give growing distances with chances that do not grow"
+            )
+    if table and scenario.sensors.half_range_node:
+        raise UserError(
+            f"{where}: sensors.half_range_node = {scenario.sensors.half_range_node:g} beside a "
+            "detection_table; give one of them"
         )
     choice = scenario.corruption
     if choice.team not in counts and (choice.team or choice.epsilon):

@@ -14,7 +14,7 @@ from mjforage.core.dynamics import Dynamics
 from mjforage.core.film import Film
 from mjforage.core.graph_dynamics import GraphDynamics
 from mjforage.core.mission import Mission
-from mjforage.core.scenario import Scenario, Sensors
+from mjforage.core.scenario import Scenario
 from mjforage.core.setup import Setup
 
 Factory = Callable[[NavigationGraph, Fleet, Scenario, Film | None], Dynamics]
@@ -51,9 +51,11 @@ def _whole(scenario: Scenario) -> Scenario:
 
 
 def _without_noise(scenario: Scenario) -> Scenario:
-    return replace(
-        scenario, weather=replace(scenario.weather, gust_intensity=0.0), sensors=Sensors()
+    exact = replace(
+        scenario.sensors, position_noise_m=0.0, heading_noise_deg=0.0, pickup_noise_m=0.0
     )
+    calm = replace(scenario.weather, gust_intensity=0.0)
+    return replace(scenario, weather=calm, sensors=exact)
 
 
 def _without_intake(scenario: Scenario) -> Scenario:
@@ -86,7 +88,7 @@ WORLDS = {
         "items as bodies in wind and water; current on items and hulls", _physics, _without_intake
     ),
     "intake": WorldKind("items enter the collector's mouth", _physics, _without_noise),
-    "physics": WorldKind("gusts and sensor noise", _physics, _whole),
+    "physics": WorldKind("gusts, noise of position, heading and camera", _physics, _whole),
 }
 """Name -> world, from the graph upwards."""
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from graph_planner.compiled import kernel, prepared
 from graph_planner.knowledge import Knowledge, Looks
 from graph_planner.look_log import LookLog, log_looks, take_in
+from graph_planner.map_filter import MapFilter, correct, glimpse, round_off
 from graph_planner.randomness import UInt64Array
 from graph_planner.rows import put_all, put_rows
 from graph_planner.task import Late, Task
@@ -16,7 +17,8 @@ from graph_planner.visibility import NodeLists
 from mjforage.core.exchange import Exchange, Ideal
 from mjforage.core.link.contacts import Air, Contacts, connect
 from mjforage.core.link.gossip import Mail, Terms, Traffic, mail, pass_on, traffic
-from mjforage.core.scenario import Link
+from mjforage.core.scenario import Scenario
+from mjforage.core.sensing import map_filter
 
 
 class Net(NamedTuple):
@@ -34,6 +36,24 @@ class Net(NamedTuple):
     settled: NDArray[np.int64]  # (episode,) all looks up to this step have arrived everywhere
     late: NDArray[np.int32]  # (row, look) step x agents + agent of those heard late in this step
     n_late: NDArray[np.int64]  # (row,)
+    filtered: MapFilter
+
+
+@kernel
+def _weigh(net: Net, e: int, h: int, now: int, knowledge: Knowledge) -> None:
+    """Bring a holder's filtered map up to date; from the first look on if some were late."""
+    row, agents = e * net.radius_number.size + h, net.radius_number.size
+    filtered, log, heard_at = net.filtered, net.log, net.mail.heard_at
+    first = now
+    if net.n_late[row]:
+        filtered.density[row] = filtered.prior
+        first = 0
+    for s in range(first, now + 1):
+        for a in range(agents):
+            if 0 <= heard_at[e, h, a, s] <= now:
+                glimpse(filtered, a, log.node[e, s, a], log.shown[e, s, a])
+        correct(filtered, row)
+    round_off(filtered, row, knowledge)
 
 
 @kernel
@@ -45,8 +65,7 @@ def _take_in(net: Net, e: int, now: int, knowledge: Knowledge) -> None:
         net.n_late[row] = 0
         if net.mail.flying[e] == 0:
             take_in(net.log, e, now, h, net.views, net.radius_number, knowledge, row)
-            continue
-        for s in range(net.settled[e] + 1, now + 1):
+        for s in range(net.settled[e] + 1 if net.mail.flying[e] else now + 1, now + 1):
             for a in range(agents):
                 if heard_at[e, h, a, s] != now:
                     continue
@@ -55,6 +74,8 @@ def _take_in(net: Net, e: int, now: int, knowledge: Knowledge) -> None:
                 if s < now:
                     net.late[row, net.n_late[row]] = s * agents + a
                     net.n_late[row] += 1
+        if net.filtered.density.shape[0]:
+            _weigh(net, e, h, now, knowledge)
     net.mail.flying[e] -= arrived
     while net.settled[e] < net.mail.complete[e]:
         if net.mail.heard_at[e, :, :, net.settled[e] + 1].max() > now:
@@ -86,20 +107,20 @@ class Radio:
 
     uses: Set[str] = frozenset({"relays"})
 
-    def __init__(self, link: Link, agents: int) -> None:
+    def __init__(self, scenario: Scenario, agents: int) -> None:
         """Prepare.
 
         Parameters
         ----------
-        link : not ideal
+        scenario : whose link is not ideal
         agents : in the fleet
         """
-        self._link, self.holders = link, agents
+        self._scenario, self.holders = scenario, agents
         self.holder_of = np.arange(agents, dtype=np.int64)
 
     def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes with the looks of step 0."""
-        link, fleet, episodes = self._link, task.fleet, looks.step.size
+        link, fleet, episodes = self._scenario.link, task.fleet, looks.step.size
         agents, rows = self.holders, episodes * self.holders
         terms = Terms(link.latency, link.bytes, link.cells, fleet.relays | link.relay)
         self.knowledge = Knowledge.of_starts(looks, len(task.graph), agents)
@@ -116,6 +137,7 @@ class Radio:
             np.full(episodes, -1, np.int64),
             np.zeros((rows, agents * (task.horizon + 1)), np.int32),
             np.zeros(rows, np.int64),
+            map_filter(self._scenario, task, rows),
         )
         self._tell = prepared(_tell, self.net, self.knowledge)
         self.tell(looks, pooled)
@@ -161,10 +183,11 @@ class Radio:
             settled=put_rows(mine.settled, rows, theirs.settled),
             late=put_rows(mine.late, own, theirs.late),
             n_late=put_rows(mine.n_late, own, theirs.n_late),
+            filtered=mine.filtered.with_rows(own, theirs.filtered),
         )
         self._tell = prepared(_tell, self.net, self.knowledge)
 
 
-def exchange_of(link: Link, agents: int) -> Exchange:
+def exchange_of(scenario: Scenario, agents: int) -> Exchange:
     """The exchange over a scenario's link."""
-    return Ideal() if link.model == "ideal" else Radio(link, agents)
+    return Ideal() if scenario.link.model == "ideal" else Radio(scenario, agents)

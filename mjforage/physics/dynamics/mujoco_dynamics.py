@@ -71,7 +71,6 @@ class MujocoDynamics:
         """
         self._graph, self._fleet, self._scenario, self._film = graph, fleet, scenario, film
         self._choice = scenario.physics
-        self.detection = scenario.sensors.detection
         weather_s, self._integrator = WEATHER_TICKS * CONTROL_S, Integrator(self._choice.integrator)
         self._step_s = step_s = self._choice.step_s or self._integrator.step_s
         self._ticks = WEATHER_TICKS * _times(

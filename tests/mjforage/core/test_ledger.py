@@ -1,51 +1,19 @@
-"""The ledger under a detection probability: what is in view is seen or not, by item and step."""
+"""The ledger and looks that may miss items: what is in view is seen or not, by item and step."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.fleet import Fleet, Role
-from graph_planner.knowledge import Knowledge, Looks
-from graph_planner.moves import MoveRules
-from graph_planner.navigation import navigation_graph
-from graph_planner.randomness import episode_keys
-from graph_planner.task import Task
-from mjforage.core.ledger import Ledger
-from mjforage.core.looking import Lookout
+from graph_planner.fleet import Role
+from mjforage.core.scenario import Sensors
+from tests.mjforage.core.watching import Watched, task_of
 
-GRAPH = navigation_graph(np.ones((1, 3), np.bool_), 1.0, True)
-SCOUT = Fleet.of({"scouts": Role(count=1, moves=1, radius=1.0, collects=False)})
-TASK = Task(GRAPH, SCOUT, MoveRules(True, True), 100)
+TASK = task_of((1, 3), scouts=Role(count=1, moves=1, radius=1.0, collects=False))
 EPISODES = 400
-KEYS = episode_keys(0, np.arange(EPISODES))
-AGENT = np.ones((EPISODES, 1), np.int32)  # in the middle: all three nodes are in view
-ITEMS = np.tile(np.array([0, 0, 2], np.int32), (EPISODES, 1))
+ITEMS = [0, 0, 2]  # and the agent in the middle: all three nodes are in view
 
 
-class Watched:
-    """A scout that stays where it is, what it knows, and the ledger of what it watches."""
-
-    def __init__(self, detection: float, steps: int, rows: slice = slice(None)) -> None:
-        keys, nodes = KEYS[rows], AGENT[rows]
-        ledger, everyone = Ledger(TASK, detection), np.ones(keys.size, np.bool_)
-        ledger.reset(ITEMS[rows])
-        self.entries = ledger.entries
-        looks = Looks(
-            active=everyone,
-            step=np.zeros(keys.size, np.int32),
-            agent_node=nodes,
-            sighted=ledger.entries.sighted,
-            energy_left=np.full(nodes.shape, np.inf),
-            room_left=np.zeros(nodes.shape, np.int64),
-            taken=np.zeros(nodes.shape, np.int64),
-            pickup=np.zeros(nodes.shape, np.int8),
-            agent_yaw=np.zeros(nodes.shape),
-        )
-        self.knowledge = Knowledge.of_starts(looks, len(GRAPH))
-        lookout = Lookout(TASK, detection, keys, ledger.entries, self.knowledge)
-        nobody = np.full(ITEMS[rows].shape, -1, np.int16)
-        for step in range(steps + 1):
-            looks = looks._replace(step=np.full(keys.size, step, np.int32))
-            lookout.look(looks, ITEMS[rows], nobody)
+def watched(detection: float, steps: int) -> Watched:
+    return Watched(TASK, Sensors(detection=detection), [1], ITEMS, steps, EPISODES)
 
 
 def share(values: NDArray[np.bool_]) -> float:
@@ -53,8 +21,8 @@ def share(values: NDArray[np.bool_]) -> float:
 
 
 def test_certain_detection_sees_all_and_none_sees_nothing() -> None:
-    assert (Watched(1.0, 0).knowledge.belief == [2, 0, 1]).all()
-    blind = Watched(0.0, 3)
+    assert (watched(1.0, 0).knowledge.belief == [2, 0, 1]).all()
+    blind = watched(0.0, 3)
     assert (blind.knowledge.belief == 0).all()
     assert (blind.entries.t_discovered == -1).all()
     assert (blind.entries.truth == [2, 0, 1]).all(), "the truth stays what it is"
@@ -63,7 +31,7 @@ def test_certain_detection_sees_all_and_none_sees_nothing() -> None:
 
 def test_each_item_is_seen_with_its_probability_at_every_step_anew() -> None:
     """Counts in a node are binomial; first discovery is geometric."""
-    p, now, later = 0.3, Watched(0.3, 0).knowledge.belief, Watched(0.3, 5)
+    p, now, later = 0.3, watched(0.3, 0).knowledge.belief, watched(0.3, 5)
     tolerance = 4 * 0.5 / np.sqrt(EPISODES)
     for count, expected in ((0, 0.7**2), (1, 2 * 0.3 * 0.7), (2, 0.3**2)):
         assert abs(share(now[:, 0] == count) - expected) < tolerance
@@ -74,38 +42,24 @@ def test_each_item_is_seen_with_its_probability_at_every_step_anew() -> None:
 
 
 def test_only_what_was_seen_is_credited() -> None:
-    watched = Watched(0.5, 0)
-    first = watched.entries.t_discovered == 0
-    assert (watched.entries.discovered_by[first] == 0).all()
-    assert (watched.entries.discovered_by[~first] == -1).all()
+    once = watched(0.5, 0)
+    first = once.entries.t_discovered == 0
+    assert (once.entries.discovered_by[first] == 0).all()
+    assert (once.entries.discovered_by[~first] == -1).all()
     in_node = first[:, :2].sum(axis=1)
-    assert (watched.knowledge.belief[:, 0] == in_node).all()
+    assert (once.knowledge.belief[:, 0] == in_node).all()
 
 
 def test_draws_do_not_depend_on_the_batch() -> None:
-    whole = Watched(0.5, 0).knowledge.belief
-    assert (Watched(0.5, 0, slice(5, 7)).knowledge.belief == whole[5:7]).all()
+    whole = watched(0.5, 0).knowledge.belief
+    some = Watched(TASK, Sensors(detection=0.5), [1], ITEMS, 0, np.arange(5, 7))
+    assert (some.knowledge.belief == whole[5:7]).all()
 
 
 def test_a_look_of_both_teams_is_credited_to_the_scout_whatever_the_order_of_the_file() -> None:
     forager, scout = Role(1, 1, 1.0, True), Role(1, 1, 1.0, False)
     for roles in ({"foragers": forager, "scouts": scout}, {"scouts": scout, "foragers": forager}):
-        fleet = Fleet.of(roles)
-        task = Task(GRAPH, fleet, MoveRules(True, True), 100)
-        at, ledger = np.ones((1, 2), np.int32), Ledger(task)
-        ledger.reset(ITEMS[:1])
-        looks = Looks(
-            active=np.ones(1, np.bool_),
-            step=np.zeros(1, np.int32),
-            agent_node=at,
-            sighted=ledger.entries.sighted,
-            energy_left=np.full(at.shape, np.inf),
-            room_left=np.zeros(at.shape, np.int64),
-            taken=np.zeros(at.shape, np.int64),
-            pickup=np.zeros(at.shape, np.int8),
-            agent_yaw=np.zeros(at.shape),
-        )
-        knowledge = Knowledge.of_starts(looks, len(GRAPH))
-        lookout = Lookout(task, 1.0, KEYS[:1], ledger.entries, knowledge)
-        lookout.look(looks, ITEMS[:1], np.full((1, 3), -1, np.int16))
-        assert (ledger.entries.discovered_by[0] == fleet.discoverers[0]).all()
+        task = task_of((1, 3), **roles)
+        for sensors in (Sensors(), Sensors(false_rate=1e-9)):
+            by = Watched(task, sensors, [1, 1], ITEMS, 0, 1).entries.discovered_by
+            assert (by[0] == task.fleet.discoverers[0]).all()
