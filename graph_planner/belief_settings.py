@@ -31,6 +31,14 @@ class BeliefSettings:
     """The largest constant drift expected per axis."""
     noise_node_per_step: Annotated[float, Within(0, 10, "node/step")] = 0.09
     """Independent drift per item, uniform in +- this per axis."""
+    detection: Annotated[Annotated[float, Within(0.01, 1)], Later()] = 1.0
+    """Chance to detect an item in view, as `sensors.detection`."""
+    half_range_node: Annotated[Annotated[float, Within(0, 1e4, "node")], Later()] = 0.0
+    """Distance at which that is half, as `sensors.half_range_node`; 0: it does not fall."""
+    slope_node: Annotated[Annotated[float, Within(1e-3, 1e4, "node")], Later()] = 1.0
+    """How gradually it falls."""
+    false_rate: Annotated[Annotated[float, Within(0, 1)], Later()] = 0.0
+    """Items per node and decision that are seen and are none."""
     advection: bool = True
     """Whether known items are carried on by the estimated drift, else they stay where seen."""
     wind: bool = True

@@ -60,3 +60,36 @@ def corrected(density: float, chance: float, false_rate: float, seen: int) -> fl
     clutter = chance * density + false_rate
     real = chance * density / clutter if clutter > 0.0 else 1.0
     return (1.0 - chance) * density + seen * real
+
+
+@inlined
+def real_if_missed(real: float, chance: float) -> float:
+    """Chance that an item is there that a look has not shown, from the chance before.
+
+    r (1 - p) / (1 - r p) (Musicki, Evans and Stankovic, IEEE Transactions on Automatic Control 39,
+    1994).
+
+    Parameters
+    ----------
+    real : r
+    chance : p, to detect it
+    """
+    return real * (1.0 - chance) / max(1e-12, 1.0 - real * chance)
+
+
+@inlined
+def real_if_seen(real: float, chance: float, false_rate: float) -> float:
+    """The same of one that a look has shown: r p / (r p + (1 - r) f)."""
+    shows = real * chance
+    return shows / (shows + (1.0 - real) * false_rate) if shows > 0.0 else 0.0
+
+
+@inlined
+def real_if_new(density: float, chance: float, false_rate: float) -> float:
+    """Chance that a new sighting is an item: p D / (p D + f), 1 if nothing is invented.
+
+    Parameters
+    ----------
+    density : D, unseen items expected there
+    """
+    return chance * density / (chance * density + false_rate) if false_rate > 0.0 else 1.0

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from graph_planner.belief_planner import hotspots as hs
 from graph_planner.belief_planner import late as lt
+from graph_planner.belief_planner import misses as ms
 from graph_planner.belief_planner import reconciling as rc
 from graph_planner.belief_planner import stragglers as st
 from graph_planner.belief_planner import tracks as tr
@@ -31,6 +32,7 @@ FEW = 15  # with so few tracks left, stragglers are simulated one by one
 LATE = 8.0  # and no more than so many unseen items expected otherwise
 HOPELESS = 1e-3  # unseen items expected in all, below which the belief is given up
 IDLE, OLD = 0.05, 135.0  # without a belief: items in a node not seen for so many steps
+LEAST_EXPECTED = 0.1  # of the mean unseen items per node: so many may be anywhere
 LATER = 6  # steps for which an item counts less where a hull gave up
 
 
@@ -62,7 +64,9 @@ class Beliefs:
         hypotheses = len(self._currents.drift)
         self.spots = hs.hotspots(rows, len(graph), hypotheses, capacity, settings)
         foragers, noise = self._foragers.size, settings.noise_node_per_step
-        self.stragglers = st.stragglers(rows, len(graph), task.horizon, foragers, noise)
+        self._misses = ms.misses(rows, len(graph), task.horizon, ms.assumed_chances(task, settings))
+        about = len(graph), task.horizon, foragers, noise, self._misses
+        self.stragglers = st.stragglers(rows, *about)
         self._cloud = cloud_of(graph, settings.spread_node)
         self._shore = shore_of(graph, task.walls)
         self._ways, self._scratch = tr.ended(4 * capacity), rc.scratch(len(graph))
@@ -91,14 +95,17 @@ class Beliefs:
         wander = 2.0 * float(self.wind.deviation[e].max()) + 0.05
         edges, view = self._task.graph.neighbours, rc.View(now, belief, last_seen)
         found = self._take_late(seen, e, now, wander)
-        catch, memory = self._catch(seen, e, now), self._scratch
-        new = rc.reconcile(self.tracks, shore, edges, e, view, wander, catch, memory, ways, lost)
+        looked = np.flatnonzero(seen.agent_seen[e] == now)
+        self._remember(e, now, last_seen, seen.agent_node[e][looked], looked, foragers_at)
+        about = wander, self._catch(seen, e, now), self._doubts(e), self._scratch
+        new = rc.reconcile(self.tracks, shore, edges, e, view, *about, ways, lost)
         if settings.wind:
             wd.settle(self.wind, shore, e, ways)
             wd.estimate(self.wind, self.tracks, shore, e)
         n = int(self.tracks.number[e])
         sighted = self.tracks.node[e, n - new : n].copy()
-        st.remember(self.stragglers, e, now, last_seen, foragers_at)
+        if settings.false_rate > 0.0:
+            self._retract(e)
         if settings.particles:
             sighted = self._settle_losses(e, now, sighted)
         for late in found:
@@ -106,6 +113,34 @@ class Beliefs:
                 continue
             hs.sight(self.spots, self._cloud, shore, e, late.step, late.node, drift[0], drift[1])
         self._expect(seen, e, now, sighted)
+
+    def _remember(
+        self,
+        e: int,
+        step: int,
+        last_seen: NDArray[np.int16],
+        at: Int32Array,
+        who: NDArray[np.int64],
+        foragers_at: Int32Array,
+    ) -> None:
+        """Keep a view of a step: of agents (look,) at their nodes (look,)."""
+        task = self._task
+        water = task.graph.rows, task.graph.cols
+        looking = ms.Looking(at, task.radius_number[who], task.views, *water)
+        ms.look_at(self._misses, e, step, last_seen, looking)
+        st.remember(self.stragglers, e, step, last_seen, foragers_at)
+
+    def _doubts(self, e: int) -> rc.Doubts:
+        """What a view may have missed or invented."""
+        least = LEAST_EXPECTED * self._settings.items / self.expected.shape[1]
+        return rc.Doubts(self._misses, self._settings.false_rate, self.expected[e], least)
+
+    def _retract(self, e: int) -> None:
+        """Take back the first sightings of tracks that were given up: they were of nothing."""
+        lost = self._lost
+        for i in range(lost.number[0]):
+            about = lost.born_node[i], int(lost.born[i])
+            hs.retract(self.spots, self._cloud, self._shore, e, *about)
 
     def _take_late(
         self, seen: Observation, e: int, now: int, wander: float
@@ -119,15 +154,15 @@ class Beliefs:
         found = []
         for step in np.unique(steps).tolist():
             looks = np.flatnonzero(steps == step)
-            who, at = late[looks, 1], late[looks, 2]
+            who, at = late[looks, 1].astype(np.int64), late[looks, 2]
             views, radius = self._task.views, self._task.radius_number[who]
             lt.show(step, at, seen.late_shown[e, looks], radius, views, self._glance)
-            found.append(self._take_step(e, step, now, self._collecting(e, at, who), wander))
+            found.append(self._take_step(e, step, now, at, who, wander))
         if self._settings.particles:
             st.retest(self.stragglers, self._shore, self._keys[e], e, now - 1)
         return found
 
-    def _collecting(self, e: int, at: Int32Array, who: Int32Array) -> Int32Array:
+    def _collecting(self, e: int, at: Int32Array, who: NDArray[np.int64]) -> Int32Array:
         """(forager,) nodes of those whose looks (look,) these are and that take all there is."""
         agents = self._foragers
         nodes = np.full(agents.size, NOWHERE, np.int32)
@@ -138,19 +173,21 @@ class Beliefs:
         return nodes
 
     def _take_step(
-        self, e: int, step: int, now: int, foragers_at: Int32Array, wander: float
+        self, e: int, step: int, now: int, at: Int32Array, who: NDArray[np.int64], wander: float
     ) -> lt.Sighted:
-        """Take in what the glance shows of a step."""
+        """Take in what the glance shows of a step, of agents (look,) at their nodes (look,)."""
+        foragers_at = self._collecting(e, at, who)
         tracks, shore, ways, lost = self.tracks, self._shore, self._ways, self._lost
         seen, past, particles = self._glance.last_seen, now - step, self.stragglers
         drift = self.wind.mean[e] * self._settings.advection
-        hs.look(self.spots, e, step, self._currents.nodes(step), seen)
-        st.remember(particles, e, step, seen, foragers_at)
+        self._remember(e, step, seen, at, who, foragers_at)
+        hs.look(self.spots, e, self._currents.nodes(step), self._misses.factor)
         lt.work_back(tracks, shore, e, step, past, drift)
         lt.collect(tracks, shore, e, step, foragers_at, drift, ways, lost)
         edges, view = self._task.graph.neighbours, rc.View(step, self._glance.belief, seen)
-        nobody, memory = rc.Catch(foragers_at[:0], self._taken[e, :0]), self._scratch
-        new = rc.reconcile(tracks, shore, edges, e, view, wander, nobody, memory, ways, lost)
+        nobody = rc.Catch(foragers_at[:0], self._taken[e, :0])
+        about = wander, nobody, self._doubts(e), self._scratch
+        new = rc.reconcile(tracks, shore, edges, e, view, *about, ways, lost)
         new = lt.doubt(tracks, particles, shore, e, new, step, now, drift, ways, lost)
         last = slice(int(tracks.number[e]) - new, int(tracks.number[e]))
         nodes = tracks.node[e, last].copy()
@@ -188,7 +225,7 @@ class Beliefs:
         spots, wind, last_seen = self.spots, self.wind, seen.last_seen[e]
         nodes, expected = self._currents.nodes(now), self.expected[e]
         hs.weigh(self._currents.axis, wind.grid, wind.chance[e], spots.share[e])
-        hs.look(spots, e, now, nodes, last_seen)
+        hs.look(spots, e, nodes, self._misses.factor)
         if sighted.size:
             drift = wind.mean[e]
             hs.sight(spots, self._cloud, self._shore, e, now, sighted, drift[0], drift[1])
@@ -198,7 +235,8 @@ class Beliefs:
         hs.expect(spots, self._cloud, e, nodes, expected)
         if self._settings.particles and spots.number[e]:
             self._expect_stragglers(e, now)
-        expected[last_seen == now] = 0.0
+        if ms.is_certain(self._misses):
+            expected[last_seen == now] = 0.0
         if self.tracks.number[e] == 0 and spots.number[e] and expected.sum() < 1.0:
             # The episode goes on, so there is something left: if not where it should be, then
             # where nobody has looked for long.

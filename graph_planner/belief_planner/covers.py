@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.cloud import Cloud, cloud_of
+from graph_planner.belief_planner.misses import assumed_chances
 from graph_planner.belief_planner.sweeps import Cover
 from graph_planner.belief_planner.ways import UInt16Array, Ways, search_back, ways_of
 from graph_planner.belief_settings import BeliefSettings
@@ -94,20 +95,26 @@ class BlockCover(NamedTuple):
 
 @kernel
 def _shown(
-    lists: NodeLists, radius: int, cloud: Cloud, node: int, share: NDArray[np.float64]
+    lists: NodeLists,
+    radius: int,
+    cloud: Cloud,
+    detection: NDArray[np.float64],
+    node: int,
+    share: NDArray[np.float64],
 ) -> None:
-    """Fill share (hotspot,) with the part of each hotspot's items that lies in view of a node."""
+    """Fill share (hotspot,) with the part of each hotspot's items that a look from a node shows."""
     nodes, cells, cell_start, shares = lists.nodes, cloud.cells, cloud.cell_start, cloud.shares
     rows, cols, reach, width = cloud.rows, cloud.cols, cloud.reach, cloud.node.shape[1]
     share[:] = 0.0
     for i in range(lists.start[radius, node], lists.start[radius, node + 1]):
         x = nodes[i]
+        chance = detection[(rows[x] - rows[node]) ** 2 + (cols[x] - cols[node]) ** 2]
         for k in range(cell_start[x], cell_start[x + 1]):
             row, col = cells[k] // width - reach, cells[k] % width - reach
             for c in range(share.size):
                 down, right = row - rows[c] + reach, col - cols[c] + reach
                 if 0 <= down <= 2 * reach and 0 <= right <= 2 * reach:
-                    share[c] += shares[down] * shares[right]
+                    share[c] += chance * (shares[down] * shares[right])
 
 
 @kernel
@@ -117,6 +124,7 @@ def _noticed(
     cloud: Cloud,
     block: Int32Array,
     size: NDArray[np.int64],
+    detection: NDArray[np.float64],
     least: float,
 ) -> NDArray[np.bool_]:
     """(node, block) whether half the hotspots of a block show at least a share `least` there.
@@ -124,12 +132,13 @@ def _noticed(
     Parameters
     ----------
     block, size : (node,) the block of each hotspot, and (block,) its nodes
+    detection : (square,) chance to detect an item, by squared distance
     """
     n = block.size
     share, noticed = np.empty(n), np.zeros(size.size, np.int64)
     found = np.empty((n, size.size), np.bool_)
     for v in range(n):
-        _shown(lists, radius, cloud, v, share)
+        _shown(lists, radius, cloud, detection, v, share)
         noticed[:] = 0
         for c in range(n):
             noticed[block[c]] += share[c] >= least
@@ -147,6 +156,7 @@ def _block_cover(
     stay: bool,
     shorten: bool,
     spread: float,
+    detection: tuple[float, ...],
     least: float,
 ) -> BlockCover:
     if len(graph) > TABLE_LIMIT:  # plain sight, one block per node
@@ -157,7 +167,7 @@ def _block_cover(
     found, block = np.unique(names, return_inverse=True)
     block, size = block.astype(np.int32), np.bincount(block).astype(np.int64)
     lists, cloud = graph.views(radii), cloud_of(graph, spread)
-    noticed = _noticed(lists, radius, cloud, block, size, least)
+    noticed = _noticed(lists, radius, cloud, block, size, np.array(detection), least)
     start = np.concatenate(([0], np.cumsum(noticed.sum(axis=1))))
     cells = np.nonzero(noticed)[1].astype(np.int32)
     marks, belongs = landmarks_of(graph)
@@ -184,5 +194,6 @@ def hotspot_cover(task: Task, agent: int, settings: BeliefSettings) -> BlockCove
         task.rules.stay,
         task.rules.shorten,
         settings.spread_node,
+        tuple(assumed_chances(task, settings).tolist()),
         least,
     )

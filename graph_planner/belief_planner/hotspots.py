@@ -2,13 +2,13 @@
 
 Each of a given number of hotspots has a position (uniform over the nodes) and a number of items
 (gamma distributed). Under every hypothesis of the drift it is known which start nodes have been in
-view at some step; U(c) is the share of a hotspot c that has not. With n items seen at starts s_i
-the posterior is, by Poisson thinning,
+view at some step, and how likely an item there was missed; U(c) is the share of a hotspot c that no
+view showed. With n items seen at starts s_i the posterior is, by Poisson thinning,
 
     log p(c) = sum_i log P0[c, s_i] - (a + n) log(b + 1 - U(c)) + constant,
 
 and the hotspot has (a + n) / (b + 1 - U(c)) items in all, of which P0[c, x] start in x. What was
-never in view of that is carried on by the drift. Sightings too far from every hotspot refute the
+never seen of that is carried on by the drift. Sightings too far from every hotspot refute the
 assumed number of them (`believed`).
 """
 
@@ -38,7 +38,7 @@ class Hotspots(NamedTuple):
     assumed: int  # hotspots
     shape: float  # a of the number of items
     rate: float  # b for each of those assumed
-    unseen: NDArray[np.uint8]  # (episode, hypothesis, node) starts never in view
+    unseen: NDArray[np.float32]  # (episode, hypothesis, node) chance that no view showed a start
     share: NDArray[np.float64]  # (episode, hypothesis) weight of each drift
     log_starts: NDArray[np.float64]  # (episode, hotspot, node) sum of log P0 over its sightings
     chance: NDArray[np.float64]  # (episode, hotspot, node) posterior
@@ -60,7 +60,7 @@ def hotspots(
         assumed=settings.hotspots,
         shape=shape,
         rate=shape * settings.hotspots / settings.items,
-        unseen=np.ones((episodes, hypotheses, nodes), np.uint8),
+        unseen=np.ones((episodes, hypotheses, nodes), np.float32),
         share=np.full((episodes, hypotheses), 1.0 / hypotheses),
         log_starts=np.zeros((episodes, n, nodes)),
         chance=np.full((episodes, n, nodes), 1.0 / nodes),
@@ -95,18 +95,19 @@ def weigh(
 
 
 @kernel
-def look(
-    spots: Hotspots, e: int, now: int, nodes: Int32Array, last_seen: NDArray[np.int16]
-) -> None:
-    """Note which starts are in view at step `now`; `nodes` (hypothesis, node) is where they are."""
+def look(spots: Hotspots, e: int, nodes: Int32Array, factor: NDArray[np.float32]) -> None:
+    """Take in a view of a step.
+
+    Parameters
+    ----------
+    nodes : (hypothesis, node) where an item of each start is in that step
+    factor : (node,) chance that the view did not show an item there
+    """
     unseen, share = spots.unseen, spots.share
-    hidden = np.empty(last_seen.size, np.uint8)
-    for v in range(last_seen.size):
-        hidden[v] = last_seen[v] != now
     for w in range(nodes.shape[0]):
         if share[e, w] > NEGLIGIBLE:
-            for x in range(last_seen.size):
-                unseen[e, w, x] &= hidden[nodes[w, x]]
+            for x in range(factor.size):
+                unseen[e, w, x] *= factor[nodes[w, x]]
 
 
 @kernel
@@ -157,6 +158,17 @@ def _normalise(log_weight: NDArray[np.float64], chance: NDArray[np.float64]) -> 
 
 
 @kernel
+def _refit(spots: Hotspots, cloud: Cloud, shore: Shore, e: int, first: int) -> None:
+    """Credit the sightings from number `first` on; from 0 on, all anew."""
+    if first == 0:
+        spots.log_starts[e] = 0.0
+        spots.sighted[e] = 0
+    chances = np.empty(spots.chance.shape[2])
+    for i in range(first, spots.number[e]):
+        _add_start(spots, cloud, shore, e, i, chances)
+
+
+@kernel
 def sight(
     spots: Hotspots,
     cloud: Cloud,
@@ -183,17 +195,26 @@ def sight(
     first = known
     if off * longest > STALE or known == 0:
         spots.used[e, 0], spots.used[e, 1] = drift_row, drift_col
-        spots.log_starts[e] = 0.0
-        spots.sighted[e] = 0
         first = 0
-    chances = np.empty(spots.chance.shape[2])
-    for i in range(first, spots.number[e]):
-        _add_start(spots, cloud, shore, e, i, chances)
+    _refit(spots, cloud, shore, e, first)
 
 
 @kernel
-def _never_in_view(share: NDArray[np.float64], unseen: NDArray[np.uint8]) -> NDArray[np.float64]:
-    """(node,) chance that an item which started there was never in view, over all drifts."""
+def retract(spots: Hotspots, cloud: Cloud, shore: Shore, e: int, node: int, step: int) -> None:
+    """Take back a sighting in a node at a step, which was of nothing."""
+    last = spots.number[e] - 1
+    for i in range(last + 1):
+        if spots.node[e, i] == node and spots.step[e, i] == step:
+            spots.node[e, i], spots.step[e, i] = spots.node[e, last], spots.step[e, last]
+            spots.number[e] = last
+            spots.chance[e] = 1.0 / spots.chance.shape[2]
+            _refit(spots, cloud, shore, e, 0)
+            break
+
+
+@kernel
+def _never_shown(share: NDArray[np.float64], unseen: NDArray[np.float32]) -> NDArray[np.float64]:
+    """(node,) chance that no view showed an item which started there, over all drifts."""
     mean = np.zeros(unseen.shape[1])
     for w in range(share.size):
         if share[w] > NEGLIGIBLE:
@@ -212,7 +233,7 @@ def _locate(
     Parameters
     ----------
     rate : b of the number of items
-    mean : (node,) chance that an item which started there was never in view
+    mean : (node,) chance that no view showed an item which started there
 
     Returns
     -------
@@ -241,19 +262,19 @@ def _locate(
 @kernel
 def _carry(
     share: NDArray[np.float64],
-    unseen: NDArray[np.uint8],
+    unseen: NDArray[np.float32],
     starts: NDArray[np.float64],
     nodes: Int32Array,
     expected: NDArray[np.float64],
 ) -> None:
-    """Fill expected (node,): where the items of starts (node,) are now that were never in view."""
+    """Fill expected (node,): where the items of starts (node,) are now that no view showed."""
     expected[:] = 0.0
     for w in range(share.size):
         if share[w] > NEGLIGIBLE:
             weight = share[w]
             for x in range(starts.size):
                 if unseen[w, x]:
-                    expected[nodes[w, x]] += weight * starts[x]
+                    expected[nodes[w, x]] += weight * unseen[w, x] * starts[x]
 
 
 @kernel
@@ -268,7 +289,7 @@ def expect(
     """
     share, unseen, many = spots.share[e], spots.unseen[e], believed(spots, e)
     rate = spots.rate * many / spots.assumed
-    mean, starts = _never_in_view(share, unseen), np.zeros(expected.size)
+    mean, starts = _never_shown(share, unseen), np.zeros(expected.size)
     spots.total[e] = 0.0
     for h in range(many):
         items, box = _locate(spots, cloud, e, h, rate, mean)

@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.belief_planner.misses import missed
 from graph_planner.belief_planner.shore import Shore, drifted, settled
 from graph_planner.belief_planner.stragglers import Stragglers, was_in_view
-from graph_planner.belief_planner.tracks import Ended, Lost, Tracks, drop, lose
+from graph_planner.belief_planner.tracks import ENDED, Ended, Lost, Tracks, drop, lose
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.task import NEVER
@@ -121,12 +122,15 @@ def _is_out(
 ) -> bool:
     """Whether an item at a place [node] at a step would have been seen or taken before now."""
     row, col, node = settled(shore, row, col)
+    unseen = 1.0
     for s in range(step + 1, now):
         for f in range(stragglers.foragers.shape[2]):
             if stragglers.foragers[e, s, f] == node:
                 return True
         row, col, node = drifted(shore, row, col, drift[0], drift[1], 1.0)
         if was_in_view(stragglers.views[e], s, node):
+            unseen *= missed(stragglers.misses, e, s, node)
+        if unseen < ENDED:
             return True
     return False
 

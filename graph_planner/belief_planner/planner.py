@@ -177,7 +177,7 @@ class BeliefPlanner:
         n = int(tracks.number[e])
         items.row[:n], items.col[:n] = tracks.row[e, :n], tracks.col[e, :n]
         failed = beliefs.later[e, tracks.node[e, :n]] > now
-        items.weight[:n] = np.where(failed, FAILED, 1.0)
+        items.weight[:n] = np.where(failed, FAILED, 1.0) * tracks.real[e, :n]
         if sighted and self.settings.hotspot:
             best = np.argsort(-expected, kind="stable")[:PROBABLE]
             best = best[expected[best] > LEAST]

@@ -1,9 +1,9 @@
 """Making tracks agree with the counts now in view.
 
 They are confirmed where the counts agree, else moved to the nearest place that lacks one, within a
-gate that grows with the time unseen; what is left over was taken by a hull, is pushed out of sight
-or given up, and what is still lacking is a new track. Of a late look, tracks that were seen since
-account for counts too, but are neither moved nor given up.
+gate that grows with the time unseen; what is left over was taken by a hull, is overlooked, is
+pushed out of sight or given up, and what is still lacking is a new track. Of a late look, tracks
+that were seen since account for counts too, but are neither moved nor given up.
 """
 
 from typing import NamedTuple
@@ -11,9 +11,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.belief_planner.misses import Misses, missed, misses
 from graph_planner.belief_planner.shore import Shore
-from graph_planner.belief_planner.tracks import Ended, Lost, Tracks, begin, confirm, drop, lose
+from graph_planner.belief_planner.tracks import (
+    CERTAIN,
+    ENDED,
+    Ended,
+    Lost,
+    Tracks,
+    begin,
+    confirm,
+    drop,
+    lose,
+)
 from graph_planner.compiled import kernel
+from graph_planner.detection import real_if_missed, real_if_new, real_if_seen
 from graph_planner.geodesics import Int32Array
 from graph_planner.walls import INSET
 
@@ -30,6 +42,20 @@ class View(NamedTuple):
     now: int  # step
     belief: NDArray[np.int16]  # (node,) items, right where the node is in view
     last_seen: NDArray[np.int16]  # (node,) step, `now` where the node is in view
+
+
+class Doubts(NamedTuple):
+    """What a view may have missed or invented; see `misses`."""
+
+    misses: Misses
+    false_rate: float  # items per node and step that are seen and are none
+    expected: NDArray[np.float64]  # (node,) unseen items before the view
+    least: float  # of them that may be anywhere
+
+
+def no_doubts(nodes: int) -> Doubts:
+    """Views show all that is in view, and nothing else."""
+    return Doubts(misses(1, nodes, 0, np.ones(1)), 0.0, np.zeros(nodes), 0.0)
 
 
 class Catch(NamedTuple):
@@ -160,6 +186,43 @@ def _caught(tracks: Tracks, shore: Shore, e: int, i: int, catch: Catch) -> bool:
 
 
 @kernel
+def _seen(tracks: Tracks, e: int, i: int, node: int, now: int, doubts: Doubts) -> None:
+    """Be more certain of a track that is confirmed."""
+    if doubts.false_rate > 0.0:
+        chance = 1.0 - missed(doubts.misses, e, now, node)
+        tracks.real[e, i] = real_if_seen(tracks.real[e, i], chance, doubts.false_rate)
+    else:
+        tracks.real[e, i] = 1.0
+
+
+@kernel
+def _is_overlooked(tracks: Tracks, e: int, i: int, now: int, doubts: Doubts) -> bool:
+    """Be less certain of a track that is not shown; whether it may still be there."""
+    chance = 1.0 - missed(doubts.misses, e, now, tracks.node[e, i])
+    real = real_if_missed(min(CERTAIN, tracks.real[e, i]), chance)
+    if real >= ENDED:
+        tracks.real[e, i] = real
+    return real >= ENDED
+
+
+@kernel
+def _is_real(
+    tracks: Tracks, neighbours: Int32Array, e: int, i: int, now: int, doubts: Doubts
+) -> bool:
+    """Weigh a new track against what was expected around it; whether it is worth keeping."""
+    if doubts.false_rate == 0.0:
+        return True
+    node, expected = tracks.node[e, i], doubts.expected
+    density = max(doubts.least, expected[node])
+    for direction in range(8):
+        if neighbours[node, direction] >= 0:
+            density = max(density, expected[neighbours[node, direction]])
+    chance = 1.0 - missed(doubts.misses, e, now, node)
+    tracks.real[e, i] = real_if_new(density, chance, doubts.false_rate)
+    return bool(tracks.real[e, i] >= ENDED)
+
+
+@kernel
 def _has(nodes: Int32Array, node: int) -> bool:
     """Whether a node is among others."""
     found = False
@@ -177,6 +240,7 @@ def reconcile(
     view: View,
     wander: float,
     catch: Catch,
+    doubts: Doubts,
     memory: Scratch,
     ways: Ended,
     lost: Lost,
@@ -189,6 +253,7 @@ def reconcile(
     e : episode
     wander : how uncertain an unseen track gets [node/step]
     catch : what foragers have taken
+    doubts : what the view may have missed or invented
     ways, lost : displacements that ended and items given up, added to
 
     Returns
@@ -203,6 +268,7 @@ def reconcile(
         if not loose[i] and view.last_seen[tracks.node[e, i]] == now:
             if not tracks.firm[e, i]:
                 confirm(tracks, shore, e, i, tracks.node[e, i], now, ways)
+                _seen(tracks, e, i, tracks.node[e, i], now, doubts)
             settled_now[i] = True
     # Loose tracks, then unseen ones, go to the nearest lack within their gates.
     for unseen_too in range(2):
@@ -213,19 +279,27 @@ def reconcile(
                 break
             if not tracks.firm[e, i]:
                 confirm(tracks, shore, e, i, lacking[j], now, ways)
+                _seen(tracks, e, i, lacking[j], now, doubts)
             settled_now[i] = True
             lacks -= 1
             lacking[j] = lacking[lacks]
-    # What is still loose is just out of sight, or was a mistake.
+    # What is still loose was taken, is overlooked, is just out of sight, or was a mistake.
     for i in range(n - 1, -1, -1):
         if not loose[i] or settled_now[i]:
             continue
         if _caught(tracks, shore, e, i, catch):
             drop(tracks, shore, e, i, ways)
+        elif _is_overlooked(tracks, e, i, now, doubts):
+            continue
         elif _has(catch.at, tracks.node[e, i]) or not _hide(tracks, shore, neighbours, e, i, view):
             lose(tracks, e, i, lost)
             drop(tracks, shore, e, i, ways)
     new = 0
-    while new < lacks and begin(tracks, shore, e, lacking[new], now, ways):
+    for j in range(lacks):
+        if not begin(tracks, shore, e, lacking[j], now, ways):
+            break
         new += 1
+        if not _is_real(tracks, neighbours, e, tracks.number[e] - 1, now, doubts):
+            drop(tracks, shore, e, tracks.number[e] - 1, ways)
+            new -= 1
     return new

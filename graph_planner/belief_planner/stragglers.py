@@ -3,7 +3,7 @@
 A particle is an item that may exist: either one that was never seen, drawn from the belief about
 the hotspots, or one that was seen and lost, drawn from where it was last. It drifts near the
 estimate with noise of its own, is run through all the views of the episode since, and is thrown
-away if one of them would have shown it or a forager would have collected it. Those left over are
+away if one of them shows it or a forager would have collected it. Those left over are
 where unseen items can be. Each of the first kind stands for (items in all) / (particles tried).
 """
 
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.hotspots import Hotspots, believed
+from graph_planner.belief_planner.misses import Misses, missed, misses
 from graph_planner.belief_planner.shore import Shore, settled
 from graph_planner.belief_planner.wind import Wind
 from graph_planner.compiled import inlined, kernel
@@ -47,10 +48,24 @@ class Stragglers(NamedTuple):
     since: NDArray[np.int64]  # (episode, particle) and the step
     lost: NDArray[np.int64]  # (episode, loss) particles it began with, 0 free
     noise: float  # largest own drift per axis [node/step]
+    misses: Misses  # of those views
 
 
-def stragglers(episodes: int, nodes: int, horizon: int, foragers: int, noise: float) -> Stragglers:
-    """Nothing lost and no particles yet."""
+def stragglers(
+    episodes: int,
+    nodes: int,
+    horizon: int,
+    foragers: int,
+    noise: float,
+    may_miss: Misses | None = None,
+) -> Stragglers:
+    """Nothing lost and no particles yet.
+
+    Parameters
+    ----------
+    noise : largest own drift of an item per axis [node/step]
+    may_miss : what views may miss; absent: nothing
+    """
     both = (episodes, UNSEEN + LOSSES * TRIES_LOST // 4)
     return Stragglers(
         np.zeros((episodes, horizon + 1, nodes // 64 + 1), np.uint64),
@@ -67,6 +82,7 @@ def stragglers(episodes: int, nodes: int, horizon: int, foragers: int, noise: fl
         since=np.zeros(both, np.int64),
         lost=np.zeros((episodes, LOSSES), np.int64),
         noise=noise,
+        misses=may_miss or misses(episodes, nodes, horizon, np.ones(1)),
     )
 
 
@@ -92,6 +108,14 @@ def remember(
 def was_in_view(views: NDArray[np.uint64], step: int, node: int) -> bool:
     """Whether a view of the episode, at a step, held a node."""
     return bool((views[step, node >> 6] >> np.uint64(node & 63)) & np.uint64(1) != 0)
+
+
+@kernel
+def _is_missed(misses: Misses, key: np.uint64, e: int, label: int, step: int, node: int) -> bool:
+    """Whether a view misses a particle in it; `label` is that of its first draw."""
+    if misses.near.shape[1] == 0:
+        return False
+    return bool(uniform(key, label + 1, step) < missed(misses, e, step, node))
 
 
 @kernel
@@ -123,7 +147,9 @@ def _survives(
         node = own_node(framed, row, col)
         if node < 0:
             row, col, node = settled(shore, row, col)
-        alive = not was_in_view(views, step, node)
+        alive = not was_in_view(views, step, node) or _is_missed(
+            stragglers.misses, key, e, label, step, node
+        )
         if not alive:
             break
     stragglers.row[e, i], stragglers.col[e, i] = row, col
@@ -166,7 +192,7 @@ def retest(stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, now: in
         since = stragglers.since[e, i]
         stragglers.row[e, i] = stragglers.begun[e, i, 0]
         stragglers.col[e, i] = stragglers.begun[e, i, 1]
-        met = _began_in_view(stragglers, shore, e, i)
+        met = _began_in_view(stragglers, shore, key, e, i)
         if not met and _survives(stragglers, shore, key, e, i, since + 1, now):
             i += 1
         else:
@@ -174,11 +200,14 @@ def retest(stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, now: in
 
 
 @kernel
-def _began_in_view(stragglers: Stragglers, shore: Shore, e: int, i: int) -> bool:
-    """Whether a particle that was never seen began in a node in view at step 0."""
+def _began_in_view(stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, i: int) -> bool:
+    """Whether a particle that was never seen began where a view of step 0 shows it."""
     row, col = stragglers.begun[e, i, 0], stragglers.begun[e, i, 1]
     _, _, node = settled(shore, row, col)
-    return bool(stragglers.source[e, i] == NEVER_SEEN and was_in_view(stragglers.views[e], 0, node))
+    if stragglers.source[e, i] != NEVER_SEEN or not was_in_view(stragglers.views[e], 0, node):
+        return False
+    label = _DRAWS * stragglers.label[e, i]
+    return not _is_missed(stragglers.misses, key, e, label, 0, node)
 
 
 @kernel
@@ -313,7 +342,8 @@ def try_more(
         row = shore.rows[hotspot] + spread * normal(key, first // 2 + 2, 0)
         col = shore.cols[hotspot] + spread * normal(key, first // 2 + 3, 0)
         _, _, node = settled(shore, row, col)
-        if not was_in_view(stragglers.views[e], 0, node):
+        seen = was_in_view(stragglers.views[e], 0, node)
+        if not seen or _is_missed(stragglers.misses, key, e, first, 0, node):
             kept += _run(stragglers, wind, shore, key, e, NEVER_SEEN, row, col, 0, now)
 
 

@@ -13,6 +13,9 @@ from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.walls import INSET
 
+ENDED = 0.1  # a track is given up below this chance that its item is there
+CERTAIN = 0.9  # and no track is more certain than so, once it is missed: it may be next door
+
 
 class Tracks(NamedTuple):
     """Tracks of a batch; those of an episode are its first `number`."""
@@ -29,6 +32,8 @@ class Tracks(NamedTuple):
     firm: NDArray[np.bool_]  # (episode, track) seen since the step of a late look: it stays
     now_row: NDArray[np.float64]  # (episode, track) where it is now, worked back for a late look
     now_col: NDArray[np.float64]
+    real: NDArray[np.float64]  # (episode, track) chance that the item is there
+    born_node: Int32Array  # (episode, track) node of the first sighting
 
 
 class Ended(NamedTuple):
@@ -47,6 +52,8 @@ class Lost(NamedTuple):
     number: NDArray[np.int64]  # (1,)
     node: Int32Array  # (loss,) of the last sighting
     step: Int32Array  # (loss,) of the last sighting
+    born_node: Int32Array  # (loss,) of the first sighting
+    born: Int32Array  # (loss,) step of the first sighting
 
 
 def tracks(episodes: int, capacity: int) -> Tracks:
@@ -65,6 +72,8 @@ def tracks(episodes: int, capacity: int) -> Tracks:
         firm=np.zeros(both, np.bool_),
         now_row=np.zeros(both),
         now_col=np.zeros(both),
+        real=np.ones(both),
+        born_node=np.zeros(both, np.int32),
     )
 
 
@@ -81,7 +90,8 @@ def ended(capacity: int) -> Ended:
 
 def losses(capacity: int) -> Lost:
     """Room for so many losses."""
-    return Lost(np.zeros(1, np.int64), np.zeros(capacity, np.int32), np.zeros(capacity, np.int32))
+    each = (np.zeros(capacity, np.int32) for _ in range(4))
+    return Lost(np.zeros(1, np.int64), *each)
 
 
 @kernel
@@ -109,6 +119,8 @@ def _copy(tracks: Tracks, e: int, source: int, goal: int) -> None:
     tracks.firm[e, goal] = tracks.firm[e, source]
     tracks.now_row[e, goal] = tracks.now_row[e, source]
     tracks.now_col[e, goal] = tracks.now_col[e, source]
+    tracks.real[e, goal] = tracks.real[e, source]
+    tracks.born_node[e, goal] = tracks.born_node[e, source]
 
 
 @kernel
@@ -126,6 +138,7 @@ def lose(tracks: Tracks, e: int, i: int, lost: Lost) -> None:
     n = lost.number[0]
     if n < lost.node.size:
         lost.node[n], lost.step[n] = tracks.seen_node[e, i], tracks.seen[e, i]
+        lost.born_node[n], lost.born[n] = tracks.born_node[e, i], tracks.born[e, i]
         lost.number[0] = n + 1
 
 
@@ -200,6 +213,7 @@ def begin(tracks: Tracks, shore: Shore, e: int, node: int, now: int, ways: Ended
     tracks.row[e, i], tracks.col[e, i] = float(shore.rows[node]), float(shore.cols[node])
     tracks.born[e, i], tracks.seen[e, i] = now, now
     tracks.seen_node[e, i], tracks.firm[e, i] = node, False
+    tracks.real[e, i], tracks.born_node[e, i] = 1.0, node
     tracks.base[e, i], tracks.base_node[e, i] = now, node
     tracks.number[e] = i + 1
     confirm(tracks, shore, e, i, node, now, ways)

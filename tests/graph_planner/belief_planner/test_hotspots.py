@@ -68,7 +68,7 @@ class Belief:
 
     def look(self, now: int, seen: NDArray[np.bool_]) -> None:
         last_seen = np.where(seen.ravel(), now, -32768).astype(np.int16)
-        hs.look(self.spots, 0, now, STILL, last_seen)
+        hs.look(self.spots, 0, STILL, (last_seen != now).astype(np.float32))
 
     def sight(
         self,
@@ -234,7 +234,7 @@ def test_starts_that_drifted_into_view_are_seen_only_under_that_drift() -> None:
     spots = hs.hotspots(1, len(SEA), 25, 10, BeliefSettings())
     last_seen = np.full(len(SEA), -32768, np.int16)
     last_seen[SEA.node_of_cell[14, 18]] = 50
-    hs.look(spots, 0, 50, currents.nodes(50), last_seen)
+    hs.look(spots, 0, currents.nodes(50), (last_seen != 50).astype(np.float32))
     gone = np.argwhere(spots.unseen[0] == 0)
     assert len(gone) == 25
     for w, x in gone:

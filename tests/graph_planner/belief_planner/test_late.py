@@ -54,7 +54,8 @@ class Past:
         lt.work_back(tracks, SHORE, 0, step, past, EAST)
         lt.collect(tracks, SHORE, 0, step, foragers_at, EAST, ways, lost)
         view, nobody = rc.View(step, belief, seen), rc.Catch(NOBODY[:0], np.zeros(0, np.int64))
-        about = SEA.neighbours, 0, view, 0.1, nobody, self.memory, ways, lost
+        doubts = rc.no_doubts(len(SEA))
+        about = SEA.neighbours, 0, view, 0.1, nobody, doubts, self.memory, ways, lost
         new = rc.reconcile(tracks, SHORE, *about)
         about_now = 0, new, step, self.now, EAST, ways, lost
         new = lt.doubt(tracks, self.particles, SHORE, *about_now)

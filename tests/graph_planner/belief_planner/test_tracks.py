@@ -18,6 +18,8 @@ class Watch:
         self.ways, self.lost, self.memory = tr.ended(50), tr.losses(20), rc.scratch(len(SEA))
         self.last_seen = np.full(len(SEA), -32768, np.int16)
 
+    doubts = rc.no_doubts(len(SEA))
+
     def view(
         self,
         now: int,
@@ -39,7 +41,8 @@ class Watch:
         at = np.array([SEA.node_of_cell[cell] for cell in caught or {}], np.int32)
         self.catch = rc.Catch(at, np.array(list((caught or {}).values()), np.int64))
         about = edges, 0, view, wander, self.catch
-        return rc.reconcile(self.tracks, self.shore, *about, self.memory, self.ways, self.lost)
+        memory = self.doubts, self.memory, self.ways, self.lost
+        return rc.reconcile(self.tracks, self.shore, *about, *memory)
 
     @property
     def cells(self) -> list[tuple[int, int]]:

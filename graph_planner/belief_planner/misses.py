@@ -1,0 +1,97 @@
+"""What views may have missed: how likely an item that was in view was not shown.
+
+All who look at a node in a step detect an item there or miss it together, so the nearest of them
+counts. What is kept of every view is therefore the distance of the nearest who looked.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_settings import BeliefSettings
+from graph_planner.compiled import inlined, kernel
+from graph_planner.detection import chances_by_square, squares_in_view
+from graph_planner.geodesics import Int32Array
+from graph_planner.task import Task
+from graph_planner.visibility import NodeLists
+
+_FARTHEST = 65534  # squared distance that is kept
+
+
+class Misses(NamedTuple):
+    """Memory of a batch; without steps where nothing in view is ever missed."""
+
+    near: NDArray[np.uint16]  # (row, step, node) one more than the squared distance, 0 out of view
+    chance: NDArray[np.float64]  # (square,) to detect an item, by squared distance
+    factor: NDArray[np.float32]  # (node,) memory: by which a view multiplies what is unseen there
+
+
+class Looking(NamedTuple):
+    """Who looked in a step, from where."""
+
+    at: Int32Array  # (look,) nodes
+    radius: NDArray[np.int64]  # (look,) which list of `views`
+    views: NodeLists
+    rows: Int32Array  # (node,)
+    cols: Int32Array
+
+
+def misses(rows: int, nodes: int, horizon: int, chance: NDArray[np.float64]) -> Misses:
+    """No views yet, for chances by squared distance as `chances_by_square` gives them."""
+    steps = 0 if chance.min(initial=1.0) >= 1.0 else horizon + 1
+    near = np.zeros((rows, steps, nodes if steps else 0), np.uint16)
+    return Misses(near, chance, np.ones(nodes, np.float32))
+
+
+def assumed_chances(task: Task, settings: BeliefSettings) -> NDArray[np.float64]:
+    """(square,) the chances that a planner assumes."""
+    about = settings.detection, settings.half_range_node, settings.slope_node
+    return chances_by_square(squares_in_view(task), *about)
+
+
+@inlined
+def is_certain(misses: Misses) -> bool:
+    """Whether nothing in view is ever missed."""
+    return bool(misses.near.shape[1] == 0)
+
+
+@kernel
+def missed(misses: Misses, e: int, step: int, node: int) -> float:
+    """Chance that an item in a node that was in view in a step was not shown."""
+    if misses.near.shape[1] == 0:
+        return 0.0
+    near = misses.near[e, step, node]
+    return 1.0 - misses.chance[near - 1] if near > 0 else 1.0
+
+
+@kernel
+def look_at(
+    misses: Misses, e: int, step: int, last_seen: NDArray[np.int16], looking: Looking
+) -> None:
+    """Take in a view, and fill `factor`: what is new in it counts.
+
+    Parameters
+    ----------
+    last_seen : (node,) `step` where the node was in view
+    """
+    factor, near = misses.factor, misses.near
+    if near.shape[1] == 0:
+        for node in range(factor.size):
+            factor[node] = last_seen[node] != step
+        return
+    factor[:] = 1.0
+    rows, cols, start = looking.rows, looking.cols, looking.views.start
+    for k in range(looking.at.size):
+        viewer, radius = looking.at[k], looking.radius[k]
+        for i in range(start[radius, viewer], start[radius, viewer + 1]):
+            node = looking.views.nodes[i]
+            down, right = rows[node] - rows[viewer], cols[node] - cols[viewer]
+            mark = min(down * down + right * right, _FARTHEST) + 1
+            before = near[e, step, node]
+            if last_seen[node] != step or (before > 0 and before <= mark):
+                continue
+            unseen = missed(misses, e, step, node)
+            near[e, step, node] = mark
+            if unseen > 0.0:
+                factor[node] *= missed(misses, e, step, node) / unseen
