@@ -20,6 +20,8 @@ Definition"; statistics over episodes come beside them.
 | Gini index of contributions | `gini`, `team_gini`, `team_gini_series` | Intra-team metrics, Gini |
 | Coverage Overlap | `coverage_overlap` | Intra-team metrics, CO |
 | Marginal Contribution | `marginal_contribution`, `paired_contribution` | Intra-team metrics, MC |
+| forecasts: Brier score and skill | `brier`, `brier_skill`, `base_rate` | |
+| forecasts: their calibration | `reliability`, `resolution`, `calibration_error` | |
 | mean, standard error, IQM | `mean`, `sem`, `half_width_95`, `iqm`, `count` | tables (1.96 SEM) |
 | bootstrap interval, summary | `bootstrap`, `summarise` | |
 | two policies compared | `paired_difference`, `paired_p`, `probability_of_improvement` | |
@@ -28,6 +30,15 @@ Definition"; statistics over episodes come beside them.
 Bad arguments raise ValueError. Undefined values are NaN and are left out of the statistics.
 """
 
+from metrics.calibration import (
+    BINS,
+    base_rate,
+    brier,
+    brier_skill,
+    calibration_error,
+    reliability,
+    resolution,
+)
 from metrics.comparison import (
     Improvement,
     holm,
@@ -63,6 +74,7 @@ from metrics.statistics import count, half_width_95, iqm, mean, sem
 from metrics.summary import Summary, summarise
 
 __all__ = [
+    "BINS",
     "NEVER",
     "NOBODY",
     "BreakTest",
@@ -73,9 +85,13 @@ __all__ = [
     "SensitivityIntervals",
     "Summary",
     "TwoSegments",
+    "base_rate",
     "bootstrap",
     "bootstrap_sensitivity",
     "break_test",
+    "brier",
+    "brier_skill",
+    "calibration_error",
     "contributions",
     "count",
     "counts_by_step",
@@ -102,6 +118,8 @@ __all__ = [
     "probability_of_improvement",
     "pta",
     "pta_series",
+    "reliability",
+    "resolution",
     "sem",
     "sensitivity_slope",
     "summarise",

@@ -142,6 +142,17 @@ class Beliefs:
             about = lost.born_node[i], int(lost.born[i])
             hs.retract(self.spots, self._cloud, self._shore, e, *about)
 
+    def forecast(self) -> NDArray[np.float64]:
+        """(row, node) items expected: unseen ones, and known ones where they should be.
+
+        A track counts as -ln(1 - r), so that there is an item with its chance r.
+        """
+        items, tracks = self.expected.copy(), self.tracks
+        for e, n in enumerate(tracks.number.tolist()):
+            surely = -np.log1p(-np.minimum(tr.CERTAIN_PLACE, tracks.real[e, :n]))
+            np.add.at(items[e], tracks.node[e, :n], surely)
+        return items
+
     def _take_late(
         self, seen: Observation, e: int, now: int, wander: float
     ) -> Sequence[lt.Sighted]:

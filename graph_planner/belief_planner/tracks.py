@@ -15,6 +15,7 @@ from graph_planner.walls import INSET
 
 ENDED = 0.1  # a track is given up below this chance that its item is there
 CERTAIN = 0.9  # and no track is more certain than so, once it is missed: it may be next door
+CERTAIN_PLACE = 0.95  # chance of a track that was just seen to be in its node still
 
 
 class Tracks(NamedTuple):

@@ -24,3 +24,7 @@ class BeliefPolicy:
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9)."""
         return self.planner.act(observation)
+
+    def forecast(self) -> NDArray[np.float64]:
+        """(row, node) items expected, known and unseen ones, as of the last answer."""
+        return self.planner.beliefs.forecast()

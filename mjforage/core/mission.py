@@ -21,6 +21,7 @@ from graph_planner.task import Late, Observation, Truth, nothing_late
 from mjforage.core.dynamics import Dynamics, Transition
 from mjforage.core.errors import UserError
 from mjforage.core.exchange import Exchange
+from mjforage.core.forecasts import Forecasts
 from mjforage.core.graph_dynamics import GraphDynamics
 from mjforage.core.ledger import Ledger
 from mjforage.core.link import exchange_of
@@ -70,6 +71,7 @@ class Mission:
     step : (episode,) int32 decisions made
     active : (episode,) bool, False once an episode is over
     moves : Moves of the last decision; None before the first
+    forecasts : what a policy that forecasts foretold, held against the truth
     """
 
     def __init__(
@@ -141,6 +143,7 @@ class Mission:
         self._acting = np.tile(self._agent_of_holder(), keys.size)
         self._nobody = np.full(keys.size, -1, np.int32)
         self._nothing_late = nothing_late(keys.size)
+        self.forecasts = Forecasts(keys.size)
 
     def _agent_of_holder(self) -> Int32Array:
         """(holder,) the agent that acts by what a holder knows, -1 if several do."""
@@ -189,6 +192,7 @@ class Mission:
         self.knowledge = self.knowledge.with_rows(rows, other.knowledge)
         self.exchange.adopt(rows, other.exchange, self.knowledge)
         self._shown = put_rows(self._shown, rows, other._shown)
+        self.forecasts.sums = put_rows(self.forecasts.sums, rows, other.forecasts.sums)
         self._filtered = self._filtered.with_rows(rows, other._filtered)
         for name in ("keys", "step", "active"):
             setattr(self, name, put_rows(getattr(self, name), rows, getattr(other, name)))
@@ -303,6 +307,9 @@ class Mission:
             return check_preferences(policy.act(self.observation), self.state.agent_node.shape, who)
         holders, holder_of = self.exchange.holders, self.exchange.holder_of
         answer = policy.act(self.held)
+        forecast = getattr(policy, "forecast", None)
+        if forecast is not None:
+            self.forecasts.take(forecast(), self.ledger.entries.truth, self.active)
         check_preferences(answer, (self.keys.size * holders, holder_of.size), who)
         if holders == 1:
             return answer
