@@ -1,0 +1,196 @@
+"""What views may have missed or invented, by hand."""
+
+import numpy as np
+import pytest
+
+from graph_planner.belief_planner import hotspots as hs
+from graph_planner.belief_planner import misses as ms
+from graph_planner.belief_planner import reconciling as rc
+from graph_planner.belief_planner import stragglers as st
+from graph_planner.belief_planner import tracks as tr
+from graph_planner.belief_planner import wind as wd
+from graph_planner.belief_planner.cloud import cloud_of
+from graph_planner.belief_planner.shore import shore_of
+from graph_planner.belief_settings import BeliefSettings
+from graph_planner.detection import real_if_missed, real_if_new, real_if_seen
+from graph_planner.navigation import navigation_graph
+
+SEA = navigation_graph(np.ones((20, 20), np.bool_), 1.0, False)
+SHORE, KEY, NODES = shore_of(SEA), np.uint64(5), 400
+RADII = (2.0, 4.0)
+VIEWS = SEA.views(RADII)
+CHANCE = np.array([0.8, 0.6, 0.5, 0.5, 0.4, *[0.1] * 12])  # by squared distance
+HERE, BESIDE, THERE = 210, 211, 213  # on one row
+
+
+def looking(at: list[int], radius: list[int]) -> ms.Looking:
+    """Looks from nodes (look,) with radius numbers (look,)."""
+    nodes, numbers = np.array(at, np.int32), np.array(radius, np.int64)
+    return ms.Looking(nodes, numbers, VIEWS, SEA.rows, SEA.cols)
+
+
+def seen_by(at: list[int], radius: list[int], step: int) -> np.ndarray:
+    """(node,) `step` where one of these looks reaches."""
+    last_seen = np.full(NODES, -1, np.int16)
+    for node, number in zip(at, radius, strict=True):
+        last_seen[VIEWS.of(node, number)] = step
+    return last_seen
+
+
+def look(misses: ms.Misses, at: list[int], radius: list[int], step: int = 3) -> None:
+    ms.look_at(misses, 0, step, seen_by(at, radius, step), looking(at, radius))
+
+
+def test_the_nearest_who_looks_decides_what_is_missed() -> None:
+    misses = ms.misses(1, NODES, 10, CHANCE)
+    look(misses, [THERE, HERE], [1, 0])
+    assert ms.missed(misses, 0, 3, HERE) == pytest.approx(0.2), "its own node"
+    assert ms.missed(misses, 0, 3, HERE + 1) == pytest.approx(0.4), (
+        "one from the one, two the other"
+    )
+    assert ms.missed(misses, 0, 3, THERE + 4) == pytest.approx(0.9)
+    assert ms.missed(misses, 0, 3, HERE - 3) == 1.0, "out of view"
+    assert ms.missed(misses, 0, 4, HERE) == 1.0, "another step"
+    assert misses.factor[[HERE, HERE + 1, HERE - 3]] == pytest.approx([0.2, 0.4, 1.0])
+
+
+def test_a_view_that_is_heard_of_later_counts_by_what_it_adds() -> None:
+    """Missed in .5 by the first, in .2 by both: the second multiplies by .2 / .5."""
+    misses = ms.misses(1, NODES, 10, CHANCE)
+    look(misses, [HERE - 20 + 1], [0])
+    assert misses.factor[HERE] == pytest.approx(0.5)
+    look(misses, [HERE], [0])
+    assert misses.factor[HERE] == pytest.approx(0.4)
+    look(misses, [HERE + 2], [1])
+    assert misses.factor[HERE] == 1.0, "a look from farther off adds nothing"
+    assert ms.missed(misses, 0, 3, HERE) == pytest.approx(0.2)
+
+
+def test_without_misses_a_view_leaves_nothing_unseen() -> None:
+    misses = ms.misses(1, NODES, 10, np.ones(17))
+    look(misses, [HERE], [0])
+    assert ms.is_certain(misses) and misses.near.size == 0
+    assert (misses.factor == (seen_by([HERE], [0], 3) != 3)).all()
+    assert not ms.is_certain(ms.misses(1, NODES, 10, CHANCE))
+
+
+def test_chances_that_an_item_is_there() -> None:
+    assert real_if_missed(0.9, 0.7) == pytest.approx(0.27 / 0.37) == pytest.approx(0.7297, abs=1e-4)
+    assert real_if_missed(0.9, 1.0) == pytest.approx(0.0)
+    assert real_if_seen(0.5, 0.8, 0.1) == pytest.approx(0.4 / 0.45)
+    assert real_if_seen(0.5, 0.8, 0.0) == 1.0
+    assert real_if_new(0.5, 0.8, 0.1) == pytest.approx(0.4 / 0.5)
+    assert real_if_new(0.0, 0.8, 0.0) == 1.0
+
+
+class Watch:
+    """Tracks of one episode, and one scout at `HERE` that misses and may invent items."""
+
+    def __init__(self, chance: float, false_rate: float = 0.0, expected: float = 0.0) -> None:
+        self.tracks, self.ways, self.lost = tr.tracks(1, 20), tr.ended(90), tr.losses(20)
+        self.misses = ms.misses(1, NODES, 40, np.full(17, chance))
+        self.memory, self.step = rc.scratch(NODES), 0
+        everywhere = np.full(NODES, expected)
+        self.doubts = rc.Doubts(self.misses, false_rate, everywhere, 0.0)
+
+    def view(self, **counts: int) -> int:
+        """See `here`, `beside` and the rest; new tracks."""
+        belief, nobody = (
+            np.zeros(NODES, np.int16),
+            rc.Catch(np.zeros(0, np.int32), np.zeros(0, np.int64)),
+        )
+        belief[HERE], belief[BESIDE] = counts.get("here", 0), counts.get("beside", 0)
+        look(self.misses, [HERE], [1], self.step)
+        view = rc.View(self.step, belief, seen_by([HERE], [1], self.step))
+        about = SEA.neighbours, 0, view, 0.05, nobody, self.doubts, self.memory
+        self.lost.number[0] = 0
+        new = rc.reconcile(self.tracks, SHORE, *about, self.ways, self.lost)
+        self.step += 1
+        return new
+
+    @property
+    def real(self) -> list[float]:
+        return [float(real) for real in self.tracks.real[0, : self.tracks.number[0]]]
+
+
+def test_a_track_that_is_not_shown_stays_until_it_is_unlikely() -> None:
+    """At p = .5: .9 -> .818 -> .692 -> .529 -> .36 -> .22 -> .123, and then it is given up."""
+    watch, real = Watch(0.5), 0.9
+    assert watch.view(here=1) == 1 and watch.real == [1.0]
+    for expected in (0.8182, 0.6923, 0.5294, 0.36, 0.2195, 0.1233):
+        assert watch.view() == 0
+        real = real_if_missed(real, 0.5)
+        assert watch.real == pytest.approx([expected], abs=1e-4) == [pytest.approx(real)]
+        assert watch.lost.number[0] == 0
+    watch.view()
+    assert watch.real == [] and watch.lost.number[0] == 1
+
+
+def test_a_track_that_is_shown_again_is_certain() -> None:
+    watch = Watch(0.5)
+    watch.view(here=1)
+    watch.view()
+    assert watch.view(here=1) == 0 and watch.real == [1.0]
+
+
+def test_where_nothing_is_missed_a_track_that_is_not_shown_is_lost_at_once() -> None:
+    watch = Watch(1.0)
+    watch.view(here=1)
+    watch.view()
+    assert watch.real == [] and watch.lost.number[0] == 1
+    assert watch.lost.born_node[0] == HERE and watch.lost.born[0] == 0
+
+
+def test_a_sighting_where_nothing_was_expected_is_taken_for_a_ghost() -> None:
+    assert Watch(0.8, 0.01, expected=1e-6).view(here=1) == 0
+    doubtful = Watch(0.8, 0.01, expected=0.0125)
+    assert doubtful.view(here=1) == 1
+    assert doubtful.real == pytest.approx([0.5])
+    doubtful.view(here=1)
+    assert doubtful.real == pytest.approx([0.4 / 0.405]), "seen twice it is hardly one"
+
+
+def test_a_particle_survives_a_view_with_the_chance_to_be_missed() -> None:
+    survived = []
+    for chance in (0.7, 1.0):
+        misses = ms.misses(1, NODES, 10, np.full(17, chance))
+        particles = st.stragglers(1, NODES, 10, 0, 0.0, misses)
+        spots, wind = hs.hotspots(1, NODES, 1, 10, BeliefSettings()), wd.wind(1, BeliefSettings())
+        wind.mean[0], wind.deviation[0] = 0.0, 0.0
+        spots.chance[0, 0], spots.sighted[0, 0] = 0.0, 1
+        spots.chance[0, 0, HERE] = 1.0
+        for step in range(3):
+            view = np.full(NODES, step, np.int16)
+            misses.near[0, step:, :] = 1 if chance < 1.0 else 0
+            st.remember(particles, 0, step, view, np.zeros(0, np.int32))
+        for _ in range(20):
+            st.try_more(particles, spots, wind, SHORE, KEY, 0, 2, 2.0, 200)
+        survived.append(int(particles.number[0]) / int(particles.tried[0]))
+    assert survived[1] == 0.0
+    share = 0.3**3  # at steps 0, 1 and 2
+    tried = 4000
+    assert abs(survived[0] - share) < 4 * np.sqrt(share / tried)
+
+
+def test_a_hotspot_is_less_likely_where_views_showed_nothing_but_not_refuted() -> None:
+    spots, still = hs.hotspots(1, NODES, 1, 10, BeliefSettings()), np.arange(NODES, dtype=np.int32)
+    factor = np.where(np.arange(NODES) == HERE, 0.3, 1.0).astype(np.float32)
+    for _ in range(2):
+        hs.look(spots, 0, still[None], factor)
+    assert spots.unseen[0, 0, HERE] == pytest.approx(0.09) and spots.unseen[0, 0, BESIDE] == 1.0
+
+
+def test_a_sighting_that_was_of_nothing_is_taken_back() -> None:
+    settings, cloud = BeliefSettings(), cloud_of(SEA, 3.0)
+    once, twice = (hs.hotspots(1, NODES, 1, 10, settings) for _ in range(2))
+    true, ghost = np.array([HERE], np.int32), np.array([15], np.int32)
+    hs.sight(once, cloud, SHORE, 0, 0, true, 0.0, 0.0)
+    hs.sight(twice, cloud, SHORE, 0, 0, ghost, 0.0, 0.0)
+    hs.sight(twice, cloud, SHORE, 0, 0, true, 0.0, 0.0)
+    assert twice.number[0] == 2
+    hs.retract(twice, cloud, SHORE, 0, 15, 7)
+    assert twice.number[0] == 2, "another step"
+    hs.retract(twice, cloud, SHORE, 0, 15, 0)
+    assert twice.number[0] == 1 and twice.node[0, 0] == HERE
+    np.testing.assert_allclose(twice.log_starts[0, 0], once.log_starts[0, 0])
+    np.testing.assert_allclose(twice.chance[0, 0], once.chance[0, 0])
