@@ -66,6 +66,7 @@ def test_presets_are_those_of_the_project() -> None:
     assert preset_names() == [
         "channels",
         "comb-port",
+        "comb-port-radio",
         "comb-port-weather",
         "comb-port-wind-5",
         "comb-port-wind-8",
@@ -262,7 +263,7 @@ def test_missing_keys_are_all_named(tmp_path: Path) -> None:
         ("comb-prot", "did you mean comb-port?"),
         (
             "zzz",
-            "choose channels, comb-port, comb-port-weather, comb-port-wind-5, "
+            "choose channels, comb-port, comb-port-radio, comb-port-weather, comb-port-wind-5, "
             "comb-port-wind-8, open-bay, published",
         ),
         ("missing.toml", "neither a preset nor a TOML file"),
