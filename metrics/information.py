@@ -16,6 +16,7 @@ from metrics.comparison import paired_difference
 from metrics.model_error import model_error
 from metrics.resampling import Interval
 
+_PART = 4096  # steps of 16 bits whose sum fits 32
 
 def age_of_information(
     last_seen: NDArray[np.integer], now: NDArray[np.integer], horizon: int
@@ -26,7 +27,7 @@ def age_of_information(
     ----------
     last_seen : (..., node) l, the step of the newest observation of each node; T or more before
         now if there is none
-    now : (...) t [step]
+    now : (...) t [step], below 32,768 as the others are
     horizon : T [step], the age of a node never seen
 
     Returns
@@ -45,6 +46,8 @@ def age_of_information(
         raise ValueError(f"now has shape {at.shape} but last_seen {seen.shape}: (..., node)")
     ages = np.empty(at.shape)
     maps = seen.reshape(-1, seen.shape[-1])
+    if seen.dtype.itemsize > 2:
+        maps = np.maximum(maps, np.iinfo(np.int16).min)  # or earlier: never
     _ages(maps, np.ascontiguousarray(at).reshape(-1), whole_steps(horizon), ages.reshape(-1))
     return ages
 
@@ -56,13 +59,19 @@ def _ages(
     horizon: int,
     ages: FloatArray,  # (map,) out
 ) -> None:
-    """Mean age of each map, added up in whole numbers: several at once, in any order."""
+    """Mean age of each map.
+
+    The steps are added up in 32 bits, of which processors add most at once, by parts that fit.
+    """
     nodes = last_seen.shape[1]
     for m in range(ages.size):
-        time, total = np.int64(now[m]), np.int64(0)
-        for n in range(nodes):
-            total += min(time - last_seen[m, n], horizon)
-        ages[m] = total / nodes
+        oldest, total = np.int32(now[m] - horizon), np.int64(0)
+        for first in range(0, nodes, _PART):
+            part, among = last_seen[m, first : first + _PART], np.int32(0)
+            for n in range(part.size):
+                among = np.int32(among + max(np.int32(part[n]), oldest))
+            total += among
+        ages[m] = (np.int64(nodes) * now[m] - total) / nodes
 
 
 def position_age(agent_seen: ArrayLike, now: ArrayLike) -> FloatArray:

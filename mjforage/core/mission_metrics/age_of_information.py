@@ -20,12 +20,13 @@ class AgeOfInformation(Metric):
 
     def at(self, moment: Moment) -> FloatArray:
         """(open,) mean over the holders, now [step]."""
-        exchange, step = moment.mission.exchange, moment.mission.step[moment.episodes]
-        last_seen, holders = exchange.knowledge.last_seen, exchange.holders
-        rows = last_seen.reshape(moment.mission.step.size, holders, -1)[moment.episodes]
-        now = np.repeat(step[:, None], holders, axis=1)
-        ages = metrics.age_of_information(rows, now, moment.mission.task.horizon)
-        return np.asarray(ages.mean(axis=1))
+        mission, holders = moment.mission, moment.mission.exchange.holders
+        now = mission.step if holders == 1 else np.repeat(mission.step, holders)
+        last_seen = mission.exchange.knowledge.last_seen  # of all: copies of some take longer
+        ages = metrics.age_of_information(last_seen, now, mission.task.horizon)
+        if holders > 1:
+            ages = ages.reshape(-1, holders).mean(axis=1)
+        return ages[moment.episodes]
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [step]."""
