@@ -18,6 +18,7 @@ from metrics.resampling import Interval
 
 _PART = 4096  # steps of 16 bits whose sum fits 32
 
+
 def age_of_information(
     last_seen: NDArray[np.integer], now: NDArray[np.integer], horizon: int
 ) -> FloatArray:

@@ -113,9 +113,9 @@ def test_cost_of_information_is_a_slope_per_metre() -> None:
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: age_of_information(np.zeros((2, 0), int), np.zeros(2), 5), "no node"),
-        (lambda: age_of_information(np.zeros((2, 3), int), np.zeros(3), 5), "now has shape"),
-        (lambda: age_of_information(np.zeros((2, 3), int), np.zeros(2), 0), "horizon 0"),
+        (lambda: age_of_information(np.zeros((2, 0), int), np.zeros(2, int), 5), "no node"),
+        (lambda: age_of_information(np.zeros((2, 3), int), np.zeros(3, int), 5), "now has shape"),
+        (lambda: age_of_information(np.zeros((2, 3), int), np.zeros(2, int), 0), "horizon 0"),
         (lambda: position_age(np.zeros((2, 3)), 5), r"agent_seen has shape \(2, 3\)"),
         (lambda: contact_share(np.zeros(3)), "linked has shape"),
         (lambda: handover([5.0], [4.0], 20), "before it is discovered"),

@@ -47,4 +47,4 @@ class PeakAge(Metric):
         """(episode,) [step]."""
         course = batch.course(AgeOfInformation)
         since = np.arange(course.shape[1]) >= course.argmin(axis=1)[:, None]
-        return np.where(since, course, 0.0).max(axis=1)
+        return np.asarray(np.where(since, course, 0.0).max(axis=1))

@@ -10,17 +10,16 @@ from mjforage.core.exchange import LinkLog
 from mjforage.core.mission_metrics.known import metric
 from mjforage.core.mission_metrics.metric import Batch, FloatArray, Metric
 
-NOBODY = np.iinfo(np.int64).max  # step at which nobody hears
+NOBODY = int(np.iinfo(np.int64).max)  # step at which nobody hears
 
 
 @kernel
 def _heard_by(heard_at: NDArray[np.int16], listeners: NDArray[np.int64], a: int, s: int) -> int:
     """Step at which the first of some agents hears a look; of one episode."""
-    first = np.int64(NOBODY)
+    first = NOBODY
     for h in listeners:
-        at = np.int64(heard_at[h, a, s])
-        if 0 <= at < first:
-            first = at
+        if 0 <= heard_at[h, a, s] < first:
+            first = int(heard_at[h, a, s])
     return first
 
 
@@ -43,7 +42,7 @@ def first_heard(
     t_discovered: NDArray[np.int16],
     length: Int32Array,
 ) -> NDArray[np.int64]:
-    """When listeners first hear a look, made since an item's discovery, that shows items where it is.
+    """When listeners first hear a look, made since an item's discovery, of items where it is.
 
     Parameters
     ----------
@@ -61,7 +60,7 @@ def first_heard(
         for k in range(t_discovered.shape[1]):
             if t_discovered[e, k] < 0:
                 continue
-            best = np.int64(length[e] + 1)
+            best = int(length[e]) + 1
             for s in range(t_discovered[e, k], length[e] + 1):
                 if s >= best:  # nothing is heard before it is seen
                     break

@@ -14,7 +14,8 @@ from mjforage.view.report.published import LABEL, STRAIGHT, STRAIGHT_NOTE, Publi
 from mjforage.view.report.run_logs import RunLogs, Series, Summaries, Summary, parse_summary
 
 HEADLINE = ("pta_d", "pta_c", "rmse", "nt90", "csr", "gini_foragers", "length")
-TERMINAL = ("pta_d", "pta_c", "rmse", "nt50", "nt90", "throughput", "csr", "handover", "length")
+TERMINAL = ("pta_d", "pta_c", "rmse", "nt50", "nt90", "throughput", "csr", "length")
+LINKED = (*TERMINAL[:5], "csr", "handover", "length")  # where it is defined; no more would fit
 NORMAL_95 = 1.96
 NOTHING = "–"
 
@@ -229,8 +230,12 @@ def terminal_table(summary: Mapping[str, Any], bounds: Collection[str] = ()) -> 
     """
     parsed = parse_summary(summary)
     series = [(world, policy) for world in parsed for policy in style.ordered(parsed[world])]
-    shown = [key for key in TERMINAL if any(entry_of(parsed, s, key).n for s in series)]
-    metrics = [describe(key) for key in shown]
+
+    def defined(key: str) -> bool:
+        return any(entry_of(parsed, one, key).n for one in series)
+
+    keys = LINKED if defined("handover") else TERMINAL
+    metrics = [describe(key) for key in keys if defined(key)]
     table = RichTable(
         title="mean ± 1.96 SEM",
         title_justify="left",

@@ -147,9 +147,18 @@ def link_of(at: Any, shown: Any, heard: dict[int, int]) -> LinkLog:
         "occupied": np.array([shown], np.int32),
     }
     views = NodeLists(np.arange(4)[None], np.arange(3, dtype=np.int32))
-    counts: Any = [np.zeros(1, np.int64)] * 4
-    radii = np.zeros(2, np.int64)
-    return LinkLog(np.zeros((1, 2, 2), bool), *counts, heard_at, LookLog(**each), views, radii)
+    none = np.zeros(1, np.int64)
+    return LinkLog(
+        contact=np.zeros((1, 2, 2), np.bool_),
+        delivered=none,
+        lost=none,
+        dropped=none,
+        bytes=none,
+        heard_at=heard_at,
+        looks=LookLog(**each),
+        views=views,
+        radius_number=np.zeros(2, np.int64),
+    )
 
 
 SCOUT_STAYS = [[0, 2]] * STEPS  # and the forager, far off
@@ -176,7 +185,7 @@ def test_first_hearing_of_an_item(heard: dict[int, int], found: int, expected: i
 
 
 def test_a_look_counts_only_if_it_shows_items_where_the_item_is() -> None:
-    """The scout leaves at step 3; the item is seen at 1, missed at 2, and met by the forager at 4."""
+    """The scout leaves at step 3; the item is seen at 1, missed at 2, met by the forager at 4."""
     at = [[0, 2], [0, 2], [0, 2], [1, 2], [1, 0], [1, 0]]
     shown = [[0, 0], [1, 0], [0, 0], [1, 0], [0, 1], [0, 1]]
     item_node, found = np.zeros((1, STEPS, 2), np.int32), np.array([[1, -1]], np.int16)
