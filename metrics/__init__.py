@@ -22,6 +22,10 @@ Definition"; statistics over episodes come beside them.
 | Marginal Contribution | `marginal_contribution`, `paired_contribution` | Intra-team metrics, MC |
 | forecasts: Brier score and skill | `brier`, `brier_skill`, `base_rate` | |
 | forecasts: their calibration | `reliability`, `resolution`, `calibration_error` | |
+| age of information, of positions | `age_of_information`, `position_age` | |
+| maps of several holders | `disagreement`, `holders_error` | |
+| who is linked, how soon news is there | `contact_share`, `handover` | |
+| Cost of information | `cost_of_information` | |
 | mean, standard error, IQM | `mean`, `sem`, `half_width_95`, `iqm`, `count` | tables (1.96 SEM) |
 | bootstrap interval, summary | `bootstrap`, `summarise` | |
 | two policies compared | `paired_difference`, `paired_p`, `probability_of_improvement` | |
@@ -47,6 +51,15 @@ from metrics.comparison import (
     probability_of_improvement,
 )
 from metrics.events import NEVER, NOBODY, EventTable, counts_by_step
+from metrics.information import (
+    age_of_information,
+    contact_share,
+    cost_of_information,
+    disagreement,
+    handover,
+    holders_error,
+    position_age,
+)
 from metrics.inter_team import csr, csr_series, dsl, itl, itl_level, mean_dsl
 from metrics.intra_team import (
     contributions,
@@ -85,6 +98,7 @@ __all__ = [
     "SensitivityIntervals",
     "Summary",
     "TwoSegments",
+    "age_of_information",
     "base_rate",
     "bootstrap",
     "bootstrap_sensitivity",
@@ -92,15 +106,20 @@ __all__ = [
     "brier",
     "brier_skill",
     "calibration_error",
+    "contact_share",
     "contributions",
+    "cost_of_information",
     "count",
     "counts_by_step",
     "coverage_overlap",
     "csr",
     "csr_series",
+    "disagreement",
     "dsl",
     "gini",
     "half_width_95",
+    "handover",
+    "holders_error",
     "holm",
     "iqm",
     "irr",
@@ -115,6 +134,7 @@ __all__ = [
     "paired_contribution",
     "paired_difference",
     "paired_p",
+    "position_age",
     "probability_of_improvement",
     "pta",
     "pta_series",

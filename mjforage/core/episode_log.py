@@ -83,6 +83,8 @@ class EpisodeLog(Observer):
     t_discovered, discovered_by, t_collected, collected_by : (episode, item), -1 never and nobody
     n_items : (episode,); items beyond it are padding
     item_start : (episode, item, 2) initial position (row, column) [node]
+    link : what went over the links, None without; of a batch that is over
+    item_node : (episode, T + 1, item) where each was, -1 nowhere; empty without a link
     seen : (open,) rows that the last `see` has written: those not over before it
     """
 
@@ -124,6 +126,9 @@ class EpisodeLog(Observer):
         self.direction = np.full(shape, -1, np.int8)
         self.target = np.zeros(shape, np.int32)
         self.target[:, 0] = mission.state.agent_node
+        self._linked = mission.exchange.link_log is not None
+        items = self.item_start.shape[1] if self._linked else 0
+        self.item_node = np.full((episodes, steps, items), -1, np.int32)
         tracks = Tracks(*(getattr(self, name) for name in Tracks._fields))
         self._write_down = prepared(_write_down, tracks)
         at_rest = np.zeros((episodes, agents), np.int8)
@@ -139,9 +144,12 @@ class EpisodeLog(Observer):
             self._no_moves if moves is None else moves,
             moves is not None,
         )
+        if self._linked:
+            where = mission.ledger.entries.counted_node[episodes]
+            self.item_node[episodes, mission.step[episodes]] = where
 
     def _finish(self, mission: Mission) -> None:
-        entries = mission.ledger.entries
+        entries, self.link = mission.ledger.entries, mission.exchange.link_log
         self.t_discovered, self.discovered_by = entries.t_discovered, entries.discovered_by
         self.t_collected, self.collected_by = entries.t_collected, entries.collected_by
 

@@ -5,14 +5,33 @@ those that it hears. `Ideal`: everybody hears everything at once; `mjforage.core
 """
 
 from collections.abc import Set
-from typing import Protocol, Self
+from typing import NamedTuple, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.knowledge import Knowledge, Looks
+from graph_planner.look_log import LookLog
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Late, Task, nothing_late
+from graph_planner.visibility import NodeLists
+
+
+class LinkLog(NamedTuple):
+    """What went over the links of a batch so far, for metrics. Live views.
+
+    Looks that are not heard (yet) have a step below 0 or after the end.
+    """
+
+    contact: NDArray[np.bool_]  # (episode, sender, receiver) who is in reach of whom now
+    delivered: NDArray[np.int64]  # (episode,) looks that have arrived
+    lost: NDArray[np.int64]  # (episode,) looks sent in vain
+    dropped: NDArray[np.int64]  # (episode,) looks that a budget did not suffice for
+    bytes: NDArray[np.int64]  # (episode,) sent
+    heard_at: NDArray[np.int16]  # (episode, listener, agent, step) when each agent hears each look
+    looks: LookLog
+    views: NodeLists  # whose lists the looks' places follow
+    radius_number: NDArray[np.int64]  # (agent,) which of those lists
 
 
 class Exchange(Protocol):
@@ -39,6 +58,11 @@ class Exchange(Protocol):
         """Looks heard in this step that are older, (episode x holder) rows."""
         ...
 
+    @property
+    def link_log(self) -> LinkLog | None:
+        """What went over its links; None if it has none, or keeps no account."""
+        ...
+
     def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes with the looks of step 0.
 
@@ -63,6 +87,7 @@ class Ideal:
 
     uses: Set[str] = frozenset()
     holders = 1
+    link_log = None
 
     def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes."""

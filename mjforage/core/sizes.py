@@ -18,6 +18,7 @@ _COURSES = 200  # bytes per step and episode: courses of metrics and table of st
 _ITEM = 100  # bytes per item and episode
 _LOOK = 40  # bytes of a look, and two for every node in its view
 _HEARD = 14  # bytes per look and holder: when it was heard, what arrives
+_PLACE = 4  # bytes per item and step: where it was
 _FRAME = 12  # bytes per cell and step of the one episode that a run records
 
 
@@ -77,6 +78,7 @@ def mission_bytes(
     each = nodes * _BELIEF + items * _ITEM + steps * (_COURSES + agents * _LOGGED)
     if scenario.link.model != "ideal":
         each += agents * nodes * _BELIEF + agents * steps * (_LOOK + agents * _HEARD)
+        each += items * steps * _PLACE
         roles = [role for role in scenario.team.values() if role.count]
         each += agents * steps * 2 * max(min(4.0 * role.radius**2 + 1, nodes) for role in roles)
     frames = steps * shape[0] * shape[1] * _FRAME if recorded else 0

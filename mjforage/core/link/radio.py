@@ -14,7 +14,7 @@ from graph_planner.randomness import UInt64Array
 from graph_planner.rows import put_all, put_rows
 from graph_planner.task import Late, Task
 from graph_planner.visibility import NodeLists
-from mjforage.core.exchange import Exchange, Ideal
+from mjforage.core.exchange import Exchange, Ideal, LinkLog
 from mjforage.core.link.contacts import Air, Contacts, connect
 from mjforage.core.link.gossip import Mail, Terms, Traffic, mail, pass_on, traffic
 from mjforage.core.scenario import Scenario
@@ -164,6 +164,22 @@ class Radio:
         shown = net.log.shown[episode, step, agent]
         shown[~listed] = 0
         return Late(looks, shown)
+
+    @property
+    def link_log(self) -> LinkLog:
+        """What went over the links so far."""
+        net, traffic = self.net, self.net.traffic
+        return LinkLog(
+            contact=net.contacts.snr_db >= 0.0,
+            delivered=traffic.sent - traffic.lost - net.mail.flying,
+            lost=traffic.lost,
+            dropped=traffic.dropped,
+            bytes=traffic.bytes,
+            heard_at=net.mail.heard_at,
+            looks=net.log,
+            views=net.views,
+            radius_number=net.radius_number,
+        )
 
     def adopt(self, rows: NDArray[np.int64], other: Self, pooled: Knowledge) -> None:
         """Replace episodes (row,) of the batch by those of another."""

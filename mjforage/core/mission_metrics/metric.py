@@ -126,6 +126,11 @@ class Metric:
         raise NotImplementedError
 
     @classmethod
+    def is_defined(cls, mission: Mission) -> bool:
+        """Whether a live course means anything in a mission; where not, it is not taken: NaN."""
+        return True
+
+    @classmethod
     def is_live(cls) -> bool:
         """Whether its course is taken while episodes run."""
         return cls.at is not Metric.at

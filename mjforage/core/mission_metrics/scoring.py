@@ -53,19 +53,24 @@ class Scorer(Observer):
         self.metrics = chosen_metrics() if metrics is None else tuple(metrics)
         self._setup = mission.setup
         self._courses = course_metrics(self.metrics)
-        self._live = {key: one() for key, one in self._courses.items() if one.is_live()}
+        self._live: dict[str, Metric] = {}
         self._taken: dict[str, FloatArray] = {}
 
     def see(self, mission: Mission) -> None:
         """Log the state and take the courses that are live."""
+        if not self._taken:
+            self._start(mission)
         self.log.see(mission)
         moment = Moment(mission, self.log.seen)
         at = (moment.episodes, mission.step[moment.episodes])
-        shape = (mission.step.size, self._setup.scenario.horizon + 1)
         for key, one in self._live.items():
-            if key not in self._taken:
-                self._taken[key] = np.full(shape, np.nan)
             self._taken[key][at] = one.at(moment)
+
+    def _start(self, mission: Mission) -> None:
+        shape = (mission.step.size, self._setup.scenario.horizon + 1)
+        live = {key: one for key, one in self._courses.items() if one.is_live()}
+        self._taken = {key: np.full(shape, np.nan) for key in live}
+        self._live = {key: one() for key, one in live.items() if one.is_defined(mission)}
 
     def scores(self) -> Scores:
         """The metrics of the finished batch.

@@ -46,6 +46,7 @@ class Arrangement:
     title: str
     courses: tuple[str, ...]  # columns of steps.parquet
     words: str  # definitions
+    optional: bool = False  # whether courses without a number are left out, and with all the figure
 
 
 ARRANGED = (
@@ -88,6 +89,23 @@ ARRANGED = (
         "Coverage overlap within the teams",
         ("co_scouts", "co_foragers"),
         "CO: nodes that at least two of the team see, of those that at least one sees.",
+    ),
+    Arrangement(
+        "ages",
+        "How old what agents know is",
+        ("aoi", "position_age"),
+        "AoI: mean over the navigable nodes of the steps since a look that the holder has heard "
+        "saw them, T if none; PA: steps since the newest position that an agent has heard of a "
+        "team-mate.",
+        optional=True,
+    ),
+    Arrangement(
+        "holders",
+        "How unlike the agents' maps are",
+        ("disagreement", "rmse_holders", "contact"),
+        "Disagreement: RMSE between the maps of two holders, mean over the pairs; RMSE_holders: "
+        "RMSE of a holder's own map; Contact: pairs of agents in reach of each other.",
+        optional=True,
     ),
 )
 """What the report shows together; a metric that is in none of them has a figure of its own."""
@@ -239,13 +257,19 @@ def time_figure(
     return Picture(name, title, " ".join((*words, definition)), figure)
 
 
+def _has_numbers(logs: RunLogs, key: str) -> bool:
+    """Whether a course is defined anywhere."""
+    return key in logs.steps.columns and logs.steps[key].count() > 0
+
+
 def time_figures(logs: RunLogs) -> list[Picture]:
     """Every figure over time, in the order of the report: ours, then one per other course."""
-    courses = logs.courses
-    figures = [
-        time_figure(logs, one.name, one.title, [courses[key] for key in one.courses], one.words)
-        for one in ARRANGED
-    ]
+    courses, figures = logs.courses, []
+    for one in ARRANGED:
+        shown = [key for key in one.courses if not one.optional or _has_numbers(logs, key)]
+        if shown:
+            about = one.name, one.title, [courses[key] for key in shown], one.words
+            figures.append(time_figure(logs, *about))
     arranged = {key for one in ARRANGED for key in one.courses}
     for key, curve in courses.items():
         if key not in arranged and key in logs.steps.columns:

@@ -46,7 +46,7 @@ def comparison_table(logs: RunLogs) -> Table | None:
 
     What is bold is so after Holm's correction over the whole table.
     """
-    compared = [one for one in logs.metrics.values() if one.compared and logs.has(one.key)]
+    compared = [one for one in logs.metrics.values() if one.compared and logs.defined(one.key)]
     pairs = [
         _pair(logs, world, first, second, metric)
         for world in logs.run.worlds

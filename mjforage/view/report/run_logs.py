@@ -89,6 +89,13 @@ class RunLogs:
         """Whether the run was made with a metric."""
         return key in self.episodes.columns
 
+    def defined(self, key: str) -> bool:
+        """Whether a metric is defined in some episode of the run."""
+        return any(
+            key in self.summary[world][policy] and self.summary[world][policy][key].n > 0
+            for world, policy in self.series
+        )
+
     @cached_property
     def courses(self) -> dict[str, Description]:
         """Metrics that have a course, by its column of `steps.parquet`; unknown columns last."""

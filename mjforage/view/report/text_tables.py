@@ -15,6 +15,7 @@ from mjforage.view.report.run_logs import RunLogs, Series, Summaries, Summary, p
 
 HEADLINE = ("pta_d", "pta_c", "rmse", "nt90", "csr", "gini_foragers", "length")
 TERMINAL = ("pta_d", "pta_c", "rmse", "nt50", "nt90", "throughput", "csr", "length")
+LINKED = (*TERMINAL[:5], "csr", "handover", "length")  # where it is defined; no more would fit
 NORMAL_95 = 1.96
 NOTHING = "–"
 
@@ -172,10 +173,16 @@ def paper_tables(logs: RunLogs) -> list[Table]:
 
 
 def full_table(logs: RunLogs) -> Table:
-    """Every metric: mean, 1.96 SEM, bootstrap 95 % interval, IQM and n; dashes without it."""
+    """Every metric: mean, 1.96 SEM, bootstrap 95 % interval, IQM and n; dashes without it.
+
+    Those of a link, and others that no episode of the run defines, are only named.
+    """
     looks = style.looks(logs.policies)
-    rows = []
+    rows, nowhere = [], []
     for metric in logs.metrics.values():
+        if logs.has(metric.key) and not logs.defined(metric.key):
+            nowhere.append(metric.label)
+            continue
         unit = f" [{metric.unit}]" if metric.unit else ""
         for series in _by_policy(logs):
             entry = entry_of(logs.summary, series, metric.key)
@@ -189,6 +196,7 @@ def full_table(logs: RunLogs) -> Table:
     notes = (
         "Interval: bootstrap of the mean over episodes. IQM: mean of the middle half. n: episodes "
         "where the metric is defined; the others are left out.",
+        *([f"Undefined in every episode: {', '.join(nowhere)}."] if nowhere else []),
     )
     return Table("metrics", "All metrics", columns, tuple(rows), notes)
 
@@ -221,7 +229,13 @@ def terminal_table(summary: Mapping[str, Any], bounds: Collection[str] = ()) -> 
         If an entry lacks a key or holds something that is not a number.
     """
     parsed = parse_summary(summary)
-    metrics = [describe(key) for key in TERMINAL]
+    series = [(world, policy) for world in parsed for policy in style.ordered(parsed[world])]
+
+    def defined(key: str) -> bool:
+        return any(entry_of(parsed, one, key).n for one in series)
+
+    keys = LINKED if defined("handover") else TERMINAL
+    metrics = [describe(key) for key in keys if defined(key)]
     table = RichTable(
         title="mean ± 1.96 SEM",
         title_justify="left",
@@ -234,13 +248,12 @@ def terminal_table(summary: Mapping[str, Any], bounds: Collection[str] = ()) -> 
         # Longer units would not fit 80 columns; the report has them.
         unit = f"\n[{metric.unit}]" if 0 < len(metric.unit) <= len("steps") else "\n"
         table.add_column(Text(metric.plain + unit), justify="right", no_wrap=True)
-    series = [(world, policy) for world in parsed for policy in style.ordered(parsed[world])]
     for world, policy in series:
         cells = [
             plus_minus(entry_of(parsed, (world, policy), m.key), m.digits).replace(" ± ", "\n± ")
             for m in metrics
         ]
         name = row_name((world, policy), list(parsed), bounds).replace(" (bound)", "\n(bound)")
-        shown = Text(name, style=style.policy_colour(policy))
-        table.add_row(shown, *(Text(cell) for cell in cells))
+        head = Text(name, style=style.policy_colour(policy))
+        table.add_row(head, *(Text(cell) for cell in cells))
     return table

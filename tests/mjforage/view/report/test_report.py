@@ -1,5 +1,6 @@
 import itertools
 import json
+import math
 import re
 import shutil
 from collections.abc import Callable
@@ -32,8 +33,15 @@ FIGURES = (
     "csr",
     "gini",
     "overlap",
+    "ages",
+    "holders",
     "dsl",
     "itl",
+    "metric-handover",
+)
+OF_LINKS = (
+    *("position_age", "disagreement", "rmse_holders", "contact"),
+    *("delivered", "lost", "dropped", "bytes_sent", "handover"),
 )
 SECTIONS = (
     "run",
@@ -305,6 +313,27 @@ def test_missing_folder_and_blocked_target(make_run: MakeRun, tmp_path: Path) ->
         write_report(folder)
 
 
+def test_metrics_of_a_link_are_left_out_where_there_is_none(make_run: MakeRun) -> None:
+    """As evaluate writes them then: no number anywhere."""
+    folder = make_run()
+    for name in ("episodes", "steps"):
+        path = folder / f"{name}.parquet"
+        frame = pl.read_parquet(path)
+        undefined = [key for key in OF_LINKS if key in frame.columns]
+        nan = [pl.lit(math.nan).cast(frame.schema[key]).alias(key) for key in undefined]
+        frame.with_columns(nan).write_parquet(path)
+    summary = json.loads((folder / "summary.json").read_text())
+    nothing = {"mean": None, "sem": None, "ci95": [None, None], "iqm": None, "n": 0}
+    for entries in summary["graph"].values():
+        entries |= dict.fromkeys(OF_LINKS, nothing)
+    (folder / "summary.json").write_text(json.dumps(summary))
+    page = written(folder)
+    figures = set(re.findall(r'<figure id="figure-([a-z-]+)"', page))
+    assert figures == set(FIGURES) - {"holders", "metric-handover"}, "maps still have an age"
+    assert "Handover" not in page.split('id="paired"', 1)[1].split("</table>", 1)[0]
+    assert "Undefined in every episode: " in page and ">PA<" not in page
+
+
 def test_terminal_table(make_run: MakeRun) -> None:
     folder = make_run(foragers=0)
     summary = json.loads((folder / "summary.json").read_text())
@@ -313,6 +342,6 @@ def test_terminal_table(make_run: MakeRun) -> None:
         console.print(terminal_table(summary))
     shown = console.export_text()
     assert f"{summary['graph']['greedy']['pta_d']['mean']:.2f}" in shown
-    assert "–" in shown
+    assert "CSR" not in shown, "columns without a number are left out"
     assert "greedy" in shown
     assert "…" not in shown

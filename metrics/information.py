@@ -1,0 +1,229 @@
+"""How old, how unlike and how dear information is that travels between agents.
+
+A holder is whoever knows a set of observations: an agent, or a group that shares one mind. Ages
+are those of Kaul, Yates and Gruteser 2012, "Real-time status: How often should one update?",
+INFOCOM: the time since what is known of a thing was true of it.
+"""
+
+from math import isfinite
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from metrics._checks import BoolArray, FloatArray, ratio, same_shape, whole_steps
+from metrics._compiled import kernel
+from metrics.comparison import paired_difference
+from metrics.model_error import model_error
+from metrics.resampling import Interval
+
+_PART = 4096  # steps of 16 bits whose sum fits 32
+
+
+def age_of_information(
+    last_seen: NDArray[np.integer], now: NDArray[np.integer], horizon: int
+) -> FloatArray:
+    """AoI(t) of a map: mean over the nodes of min(t - l(v), T).
+
+    Parameters
+    ----------
+    last_seen : (..., node) l, the step of the newest observation of each node; T or more before
+        now if there is none
+    now : (...) t [step], below 32,768 as the others are
+    horizon : T [step], the age of a node never seen
+
+    Returns
+    -------
+    (...) [step], the same bits whatever the leading axes
+
+    Raises
+    ------
+    ValueError
+        there is no node, the shapes do not fit, or the horizon is below 1.
+    """
+    seen, at = np.ascontiguousarray(last_seen), np.asarray(now)
+    if seen.shape[-1] == 0:
+        raise ValueError("last_seen: the map has no node; at least one is needed")
+    if at.shape != seen.shape[:-1]:
+        raise ValueError(f"now has shape {at.shape} but last_seen {seen.shape}: (..., node)")
+    ages = np.empty(at.shape)
+    maps = seen.reshape(-1, seen.shape[-1])
+    if seen.dtype.itemsize > 2:
+        maps = np.maximum(maps, np.iinfo(np.int16).min)  # or earlier: never
+    _ages(maps, np.ascontiguousarray(at).reshape(-1), whole_steps(horizon), ages.reshape(-1))
+    return ages
+
+
+@kernel
+def _ages(
+    last_seen: NDArray[np.integer],  # (map, node)
+    now: NDArray[np.integer],  # (map,)
+    horizon: int,
+    ages: FloatArray,  # (map,) out
+) -> None:
+    """Mean age of each map.
+
+    The steps are added up in 32 bits, of which processors add most at once, by parts that fit.
+    """
+    nodes = last_seen.shape[1]
+    for m in range(ages.size):
+        oldest, total = np.int32(now[m] - horizon), np.int64(0)
+        for first in range(0, nodes, _PART):
+            part, among = last_seen[m, first : first + _PART], np.int32(0)
+            for n in range(part.size):
+                among = np.int32(among + max(np.int32(part[n]), oldest))
+            total += among
+        ages[m] = (np.int64(nodes) * now[m] - total) / nodes
+
+
+def position_age(agent_seen: ArrayLike, now: ArrayLike) -> FloatArray:
+    """Mean over agents h and their team-mates a of t - seen_h(a).
+
+    Parameters
+    ----------
+    agent_seen : (..., agent, agent) seen_h(a), the step of the newest position of a that h has
+        heard of; what each knows of itself does not count
+    now : (...) t [step]
+
+    Returns
+    -------
+    (...) [step]; NaN with fewer than two agents
+
+    Raises
+    ------
+    ValueError
+        `agent_seen` is not square.
+    """
+    seen = np.asarray(agent_seen, np.float64)
+    pairs = _pairs("agent_seen", seen.shape)
+    ages = np.asarray(now, np.float64)[..., None, None] - seen
+    own = np.trace(ages, axis1=-2, axis2=-1)
+    return ratio(ages.sum(axis=(-2, -1)) - own, pairs)
+
+
+def contact_share(linked: ArrayLike) -> FloatArray:
+    """Pairs of agents (sender, receiver) that are linked, of all A (A - 1).
+
+    Parameters
+    ----------
+    linked : (..., sender, receiver) True where one can hear the other; oneself does not count
+
+    Returns
+    -------
+    (...) in [0, 1]; NaN with fewer than two agents
+
+    Raises
+    ------
+    ValueError
+        `linked` is not square.
+    """
+    links = np.asarray(linked, np.bool_)
+    pairs = _pairs("linked", links.shape)
+    own = np.trace(links, axis1=-2, axis2=-1, dtype=np.int64)
+    return ratio(links.sum(axis=(-2, -1)) - own, pairs)
+
+
+def _pairs(name: str, shape: tuple[int, ...]) -> int:
+    """A (A - 1) of a matrix (..., agent, agent)."""
+    if len(shape) < 2 or shape[-1] != shape[-2]:
+        raise ValueError(f"{name} has shape {shape}; (..., agent, agent) is needed")
+    return shape[-1] * (shape[-1] - 1)
+
+
+def disagreement(maps: NDArray[np.number], navigable: BoolArray) -> FloatArray:
+    """Mean over the pairs of holders of the RMSE between their maps, smoothed as `model_error`.
+
+    Parameters
+    ----------
+    maps : (..., holder, node) items that each believes in each node
+    navigable : (row, column) True where there is a node
+
+    Returns
+    -------
+    (...) [item]; NaN with fewer than two holders
+
+    Raises
+    ------
+    ValueError
+        as `model_error`.
+    """
+    one, other = np.triu_indices(maps.shape[-2], 1)
+    apart, _ = model_error(maps[..., one, :], maps[..., other, :], navigable)
+    return ratio(apart.sum(axis=-1), one.size)
+
+
+def holders_error(
+    truth: NDArray[np.number], maps: NDArray[np.number], navigable: BoolArray
+) -> FloatArray:
+    """Mean over the holders of the RMSE of their maps, as `model_error`.
+
+    Parameters
+    ----------
+    truth : (..., node) items
+    maps : (..., holder, node) items that each believes in each node
+    navigable : (row, column) True where there is a node
+
+    Returns
+    -------
+    (...) [item]; NaN without a holder
+
+    Raises
+    ------
+    ValueError
+        as `model_error`.
+    """
+    errors, _ = model_error(np.broadcast_to(truth[..., None, :], maps.shape), maps, navigable)
+    return ratio(errors.sum(axis=-1), maps.shape[-2])
+
+
+def handover(discovered_at: ArrayLike, heard_at: ArrayLike, horizon: int) -> FloatArray:
+    """Mean over the items discovered of the time until one who serves them knows, over T.
+
+    Parameters
+    ----------
+    discovered_at : (..., item) [step], NaN = never
+    heard_at : (..., item) [step] when the first of those who serve items knew; NaN = never, which
+        counts as T
+    horizon : T [step]
+
+    Returns
+    -------
+    (...) in [0, 1]; NaN where nothing was discovered
+
+    Raises
+    ------
+    ValueError
+        the shapes differ, an item is heard of before it is discovered, or the horizon is below 1.
+    """
+    found, heard = np.asarray(discovered_at, np.float64), np.asarray(heard_at, np.float64)
+    same_shape("discovered_at", found, "heard_at", heard)
+    last = float(whole_steps(horizon))
+    if (heard < found).any():
+        raise ValueError("heard_at: an item is heard of before it is discovered")
+    waited = np.where(np.isnan(heard), last, np.minimum(heard, last)) - found
+    known = ~np.isnan(found)
+    return ratio(np.where(known, waited, 0.0).sum(axis=-1), known.sum(axis=-1) * last)
+
+
+def cost_of_information(
+    near: ArrayLike, far: ArrayLike, near_m: float, far_m: float, seed: int
+) -> Interval:
+    """C_R = (NT90(R2) - NT90(R1)) / (R2 - R1) [1/m]: what a metre of range is worth.
+
+    Negative where hearing farther makes the fleet faster.
+
+    Parameters
+    ----------
+    near, far : (..., episode) a metric, such as NT90, of the same episodes at ranges R1 and R2;
+        NaN = undefined, a pair needs both
+    near_m, far_m : R1 < R2 [m]
+    seed : of the paired bootstrap, see `paired_difference`
+
+    Raises
+    ------
+    ValueError
+        the ranges are not finite or do not ascend, or as `paired_difference`.
+    """
+    if not (isfinite(near_m) and isfinite(far_m) and near_m < far_m):
+        raise ValueError(f"ranges {near_m} and {far_m} m: two finite ones that ascend are needed")
+    gap, metres = paired_difference(far, near, seed), far_m - near_m
+    return Interval(gap.value / metres, gap.low / metres, gap.high / metres, gap.n)

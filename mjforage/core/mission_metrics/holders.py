@@ -1,0 +1,84 @@
+"""How unlike agents are in what they know; undefined where all share one mind."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+import metrics
+from mjforage.core.mission import Mission
+from mjforage.core.mission_metrics.known import metric
+from mjforage.core.mission_metrics.metric import Batch, FloatArray, Metric, Moment
+
+
+def _maps(moment: Moment) -> NDArray[np.int16]:
+    """(open, holder, node) items that each holder believes in each node."""
+    belief, holders = moment.mission.exchange.knowledge.belief, moment.mission.exchange.holders
+    return belief.reshape(-1, holders, belief.shape[1])[moment.episodes]
+
+
+class OfHolders(Metric):
+    """What is defined where holders are several: time mean of a course."""
+
+    better, compared, top = -1, False, 0.0
+
+    @classmethod
+    def is_defined(cls, mission: Mission) -> bool:
+        """Whether there are several."""
+        return mission.exchange.holders > 1
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,)."""
+        return np.asarray(batch.course(type(self)).mean(axis=1))
+
+
+@metric
+class PositionAge(OfHolders):
+    """Steps since the newest position that an agent has heard of a team-mate, mean over both, time
+    mean.
+
+    `docs/communication.md`. What it knows of itself does not count.
+    """
+
+    key, label, unit, digits = "position_age", "PA", "steps", 2
+
+    def at(self, moment: Moment) -> FloatArray:
+        """(open,) now [step]."""
+        exchange, step = moment.mission.exchange, moment.mission.step[moment.episodes]
+        seen = exchange.knowledge.agent_seen
+        each = seen.reshape(-1, exchange.holders, seen.shape[1])[moment.episodes]
+        return metrics.position_age(each[:, exchange.holder_of], step)
+
+
+@metric
+class Disagreement(OfHolders):
+    """RMSE between the maps of two holders, both smoothed as for RMSE; mean over the pairs, time
+    mean.
+
+    `docs/communication.md`.
+    """
+
+    key, label, unit, digits = "disagreement", "Disagreement", "items/node", 4
+
+    def at(self, moment: Moment) -> FloatArray:
+        """(open,) now."""
+        return metrics.disagreement(moment.once(_maps), moment.mission.setup.grid.navigable)
+
+
+@metric
+class ErrorOfHolders(OfHolders):
+    """RMSE of the map by which an agent acts, mean over the holders; RMSE itself is that of all
+    looks, which nobody has heard together.
+
+    At the end, as RMSE is.
+    """
+
+    key, label, unit, digits = "rmse_holders", "RMSE_holders", "items/node", 4
+
+    def at(self, moment: Moment) -> FloatArray:
+        """(open,) now."""
+        mission = moment.mission
+        truth, navigable = mission.ledger.entries.truth, mission.setup.grid.navigable
+        return metrics.holders_error(truth[moment.episodes], moment.once(_maps), navigable)
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,)."""
+        return Metric.value(self, batch)
