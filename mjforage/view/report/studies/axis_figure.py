@@ -146,8 +146,9 @@ def _scale(row: Sequence[Axes], metric: Description) -> None:
     drawn = np.concatenate([np.ravel(line.get_ydata()) for axes in row for line in axes.lines])
     drawn = drawn.astype(np.float64)[np.isfinite(drawn.astype(np.float64))]
     low, high = (drawn.min(), drawn.max()) if drawn.size else (0.0, 1.0)
-    margin = MARGIN * max(high - low, 10.0**-metric.digits)
-    row[0].set_ylim(low - margin, high + margin)
+    margin = MARGIN * max(high - low, 0.1 * abs(high))
+    row[0].set_ylim(low - margin, high + (margin or 1.0))
+    row[0].ticklabel_format(axis="y", useOffset=False)
     unit = f"  [{metric.unit}]" if metric.unit else ""
     row[0].set_ylabel(mathtext(metric.label) + unit)
 

@@ -68,8 +68,8 @@ def _range_cost(logs: StudyLogs) -> Section:
     for world in logs.worlds:
         costs = Costs(logs, RANGE, world)
         if costs.steps:
-            tables.append(cost_table(logs, RANGE, world, costs))
-            drawn.append(cost_picture(logs, RANGE, world, costs))
+            tables.append(cost_table(logs, world, costs))
+            drawn.append(cost_picture(logs, world, costs))
     return Section("range-cost", "Cost of information", "", tables, drawn)
 
 

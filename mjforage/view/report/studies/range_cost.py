@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite
+from typing import Any
 
 from matplotlib.axes import Axes
 
@@ -15,7 +16,7 @@ from mjforage.view.page.picture import WIDTH_IN, Panel, Picture, canvas, house_s
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report.differences import FEWEST, SEED, Estimate, family_note, set_apart
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
-from mjforage.view.report.text_tables import policy_name
+from mjforage.view.report.text_tables import NOTHING, policy_name
 
 KEY = "nt90"
 KILOMETRE = 1000.0  # [m]: costs are per kilometre of range
@@ -59,6 +60,19 @@ class Costs:
         apart = set_apart(list(self.of.values()))
         self.apart = dict(zip(self.of, apart, strict=True))
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The steps' names, each once."""
+        return tuple(dict.fromkeys(step.name for step in self.steps))
+
+    @property
+    def lines(self) -> dict[str, dict[str, Step]]:
+        """Line of the axis -> its steps by name; lines without any left out."""
+        found: dict[str, dict[str, Step]] = {}
+        for step in self.steps:
+            found.setdefault(step.line, {})[step.name] = step
+        return found
+
     def _cost(self, policy: str, step: Step) -> Estimate:
         near, far = (
             self._logs.values(Player(one.variant, self._world, policy), KEY)
@@ -69,23 +83,16 @@ class Costs:
         return Estimate(found, float(paired_p(far, near)), DIGITS)
 
 
-def cost_table(logs: StudyLogs, axis: Axis, world: str, costs: Costs) -> Table:
+def cost_table(logs: StudyLogs, world: str, costs: Costs) -> Table:
     """C_R by policy, from range to range."""
     rows = []
-    for line in axis.lines:
-        along = [step for step in costs.steps if step.line == line]
+    for line, along in costs.lines.items():
         for policy in costs.policies:
-            best = (i for i, step in enumerate(along) if costs.apart[policy, step])
-            rows.append(
-                Row(
-                    policy_name(policy, logs.bounds),
-                    tuple(costs.of[policy, step].cell for step in along),
-                    style.policy_colour(policy),
-                    best=frozenset(best),
-                    group=line,
-                )
-            )
-    names = tuple(dict.fromkeys(step.name for step in costs.steps))
+            found = {name: (policy, step) for name, step in along.items()}
+            cells = (costs.of[found[n]].cell if n in found else NOTHING for n in costs.names)
+            best = (i for i, n in enumerate(costs.names) if n in found and costs.apart[found[n]])
+            head, colour = policy_name(policy, logs.bounds), style.policy_colour(policy)
+            rows.append(Row(head, tuple(cells), colour, best=frozenset(best), group=line))
     notes = (
         "C_R = (NT90(R2) − NT90(R1)) / (R2 − R1), per kilometre of range; range 0 is no link. "
         "Negative: hearing farther makes the fleet faster. In parentheses the bootstrap 95 % "
@@ -93,36 +100,38 @@ def cost_table(logs: StudyLogs, axis: Axis, world: str, costs: Costs) -> Table:
         f"{family_note(list(costs.of.values()))}.",
     )
     title = f"Cost of information{logs.suffix(world)}"
-    units = ("1/km",) * len(names)
-    return Table(f"range-cost-{world}", title, names, tuple(rows), notes, units)
+    units = ("1/km",) * len(costs.names)
+    return Table(f"range-cost-{world}", title, costs.names, tuple(rows), notes, units)
 
 
 def _draw(axes: Axes, costs: Costs, line: str) -> None:
-    along = [step for step in costs.steps if step.line == line]
     looks = style.looks(costs.policies)
     axes.axhline(0.0, color=style.MUTED, linewidth=1.0)
     for number, (policy, look) in enumerate(looks.items()):
         shift = DODGE * (number - (len(looks) - 1) / 2)
-        for place, step in enumerate(along):
-            found, at = costs.of[policy, step], place + shift
+        for step in costs.lines[line].values():
+            found, at = costs.of[policy, step], costs.names.index(step.name) + shift
             fill = look.colour if costs.apart[policy, step] else "white"
             axes.plot([at, at], [found.low, found.high], color=look.colour, linewidth=1.6)
-            dot = {"markerfacecolor": fill, "markersize": 6.0, "markeredgewidth": 1.3}
-            axes.plot(at, found.value, look.marker, color=look.colour, **dot)  # type: ignore[arg-type]
-    names = [f"{step.near.value:g}–{step.far.value:g}" for step in along]
-    axes.set_xticks(range(len(along)), names)
-    axes.set_xlim(-0.5, len(along) - 0.5)
+            dot: dict[str, Any] = {
+                "markerfacecolor": fill,
+                "markersize": 6.0,
+                "markeredgewidth": 1.3,
+            }
+            axes.plot(at, found.value, look.marker, color=look.colour, **dot)
+    axes.set_xticks(range(len(costs.names)), [name.removesuffix(" m") for name in costs.names])
+    axes.set_xlim(-0.5, len(costs.names) - 0.5)
     axes.grid(visible=False, axis="x")
     axes.set_title(line)
     axes.set_ylabel("$C_R$  [1/km]")
 
 
-def cost_picture(logs: StudyLogs, axis: Axis, world: str, costs: Costs) -> Picture:
+def cost_picture(logs: StudyLogs, world: str, costs: Costs) -> Picture:
     """C_R over the range, a panel for each line of the axis."""
     with house_style():
-        figure = canvas(WIDTH_IN, 1.1 + 2.3 * len(axis.lines))
-        grid = figure.subplots(len(axis.lines), 1, sharex=True, sharey=True, squeeze=False)
-        for axes, line in zip(grid[:, 0], axis.lines, strict=True):
+        figure = canvas(WIDTH_IN, 1.1 + 2.3 * len(costs.lines))
+        grid = figure.subplots(len(costs.lines), 1, sharex=True, sharey=True, squeeze=False)
+        for axes, line in zip(grid[:, 0], costs.lines, strict=True):
             _draw(axes, costs, line)
         grid[-1, 0].set_xlabel("from range to range  [m]")
         Panel(costs.policies, (world,)).legend(figure)

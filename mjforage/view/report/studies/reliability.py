@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import cycle
 
 import numpy as np
 from matplotlib.ticker import PercentFormatter
@@ -27,13 +28,13 @@ def reliability_picture(name: str, title: str, caption: str, kinds: Mapping[str,
 
     Parameters
     ----------
-    kinds : what the legend calls them -> their bins; at most as many as there are shades
+    kinds : what the legend calls them -> their bins; after the fifth, colours come again
     """
     with house_style():
         figure = canvas(WIDTH_IN, 6.6)
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3.4, 1.0))
         above.axline((0.0, 0.0), slope=1.0, color=style.MUTED, linestyle="--", linewidth=1.0)
-        looks = zip(SHADES, style.MARKERS, kinds.items(), strict=False)
+        looks = zip(cycle(SHADES), cycle(style.MARKERS), kinds.items(), strict=False)
         for colour, marker, (label, bins) in looks:
             held = bins.count > 0
             x, y, count = bins.forecast[held], bins.observed[held], bins.count[held]
