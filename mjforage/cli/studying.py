@@ -24,6 +24,7 @@ app.command(study)
 Names = Annotated[tuple[str, ...], Parameter(negative="")]
 Policies = Annotated[tuple[str, ...], Parameter(name="--policy", negative="")]
 PAPER = ("ddqn", "greedy", "levy", "wanderer")
+INFORMED = ("greedy", "belief", "ddqn")
 
 
 @dataclass(frozen=True)
@@ -184,6 +185,56 @@ def paper(
         return variants.paper(base, players, draws.step, draws.whole_team)
 
     _play("paper", scenario, policy, varied, choice, by, again, **asdict(draws))
+
+
+@study.command
+def communication(
+    scenario: str = "comb-port",
+    /,
+    *,
+    policy: Policies = INFORMED,
+    choice: With = DEFAULT,
+    by: By = THIS_PROCESS,
+    again: GoingOn = SAME_ONLY,
+) -> None:
+    """What range, quays, latency, losses and budgets of a link take, and what a relay is worth.
+
+    Parameters
+    ----------
+    scenario
+        Name of a preset (see `mjforage scenarios`) or path of a TOML file.
+    policy
+        A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
+        NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
+    """
+    from mjforage.runs.communication import communication as varied
+
+    _play("communication", scenario, policy, varied, choice, by, again)
+
+
+@study.command
+def sensing(
+    scenario: str = "comb-port",
+    /,
+    *,
+    policy: Policies = INFORMED,
+    choice: With = DEFAULT,
+    by: By = THIS_PROCESS,
+    again: GoingOn = SAME_ONLY,
+) -> None:
+    """What misses and false alarms take, and what wrong assumptions about them cost the planner.
+
+    Parameters
+    ----------
+    scenario
+        Name of a preset (see `mjforage scenarios`) or path of a TOML file.
+    policy
+        A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
+        NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
+    """
+    from mjforage.runs.sensing import sensing as varied
+
+    _play("sensing", scenario, policy, varied, choice, by, again)
 
 
 def _play(

@@ -39,7 +39,14 @@ class _Recorder(Observer):
         self.in_view.append(grid(by_scouts + np.uint8(2) * by_foragers).astype(np.uint8))
 
 
-def record(setup: Setup, world: str, policy: str, seed: int, episode: int) -> Replay:
+def record(
+    setup: Setup,
+    world: str,
+    policy: str,
+    seed: int,
+    episode: int,
+    observers: tuple[Observer, ...] = (),
+) -> Replay:
     """Play one episode and keep all of it.
 
     Parameters
@@ -47,6 +54,7 @@ def record(setup: Setup, world: str, policy: str, seed: int, episode: int) -> Re
     setup : scenario and map
     world, policy : names
     seed, episode : which episode
+    observers : who sees every step of it besides
 
     Raises
     ------
@@ -56,7 +64,7 @@ def record(setup: Setup, world: str, policy: str, seed: int, episode: int) -> Re
     film, recorder = Film(), _Recorder()
     mission = create_mission(setup, world, film)
     mission.reset(seed, np.array([episode], np.int64))
-    mission.run(create_policy(policy), (recorder,))
+    mission.run(create_policy(policy), (recorder, *observers))
     choice = setup.scenario.physics
     classes = draw_classes(mission.keys, mission.initial.item_node, item_choices(choice))
     return Replay(

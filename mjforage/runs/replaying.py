@@ -10,6 +10,7 @@ from graph_planner.navigation import navigation_graph
 from graph_planner.policies.registry import adopt_policy, check_policies, policy_label
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap, check_starts
+from mjforage.core.mission import Observer
 from mjforage.core.scenario_file import scenario_from_tree
 from mjforage.core.setup import Setup
 from mjforage.runs.episode_replay import Replay
@@ -18,7 +19,13 @@ from mjforage.runs.run_info import again, load_run
 from mjforage.runs.storage import RunFolder
 
 
-def replay_of_run(folder: Path, world: str | None, policy: str | None, episode: int) -> Replay:
+def replay_of_run(
+    folder: Path,
+    world: str | None,
+    policy: str | None,
+    episode: int,
+    observers: tuple[Observer, ...] = (),
+) -> Replay:
     """Simulate one logged episode again.
 
     Parameters
@@ -26,6 +33,7 @@ def replay_of_run(folder: Path, world: str | None, policy: str | None, episode: 
     folder : complete run folder
     world, policy : names; None for the run's first
     episode : number
+    observers : who sees every step of it besides
 
     Raises
     ------
@@ -48,7 +56,7 @@ def replay_of_run(folder: Path, world: str | None, policy: str | None, episode: 
         scenario_from_tree(dict(run.scenario), where), GridMap(run.map.name, run.map.cells)
     )
     check_starts(setup.start_cells, run.map.cells, where, run.map.name)
-    replay = record(setup, world, policy, run.seed, episode)
+    replay = record(setup, world, policy, run.seed, episode, observers)
     _check(replay, RunFolder(folder))
     return replay
 

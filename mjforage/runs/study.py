@@ -43,7 +43,7 @@ class Study:
 
     Attributes
     ----------
-    kind : names its report: parts, ablation, corruption or paper
+    kind : names its report: parts, ablation, corruption, paper, communication or sensing
     setup : scenario and map that the variants vary; all share the map
     variants : in the order in which they are computed
     worlds, episodes, seed : the same for all variants, so that episodes can be paired
@@ -102,7 +102,7 @@ class StudyInfo:
     started: str
     """When it was given, ISO 8601."""
     kind: str
-    """Which study: parts, ablation, corruption or paper."""
+    """Which study: parts, ablation, corruption, paper, communication or sensing."""
     scenario: Mapping[str, Any]
     """The whole scenario, defaults included."""
     variants: Mapping[str, VariantInfo]

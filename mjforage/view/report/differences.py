@@ -48,7 +48,9 @@ class Estimate:
 
     @property
     def cell(self) -> str:
-        """Number and interval in one cell."""
+        """Number and interval in one cell; a dash where undefined."""
+        if not self.n:
+            return NOTHING
         return f"{self.text} ({self.interval})"
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import jsonschema
+import polars as pl
 import pytest
 
 from mjforage.core.scenario_file import load_scenario
@@ -234,3 +235,33 @@ def test_parts_mark_the_bound_in_every_table(tmp_path: Path, command: Command) -
     for name, text in texts.items():
         assert ("oracle (bound)" in text) or name == "parts-oracle-graph", name
     assert "Minus the oracle, which is a bound" in page
+
+
+def test_communication_is_one_page_with_the_maps_of_two_holders(
+    tmp_path: Path, command: Command
+) -> None:
+    folder = tmp_path / "communication"
+    small = ("--episodes", 2, "--set", "horizon=6", "--policy", "greedy")
+    assert command("study", "communication", *small, "--out", folder).code == 0
+    first = (folder / "report.html").read_bytes()
+    for words in ("Where cooperation breaks", "Cost of information", "What two agents know"):
+        assert words in first.decode(), words
+    names = {path.stem for path in (folder / "figures").glob("*.png")}
+    ages = {"ages-no-walls-graph", "ages-quays-block-graph"}
+    assert names - {"throughput"} == ages | {"axes-graph", "range-cost-graph", "holders"}
+    assert write_study_report(folder).read_bytes() == first
+    agents = folder / "variants" / "range-64-quays" / "agents.parquet"
+    pl.read_parquet(agents).with_columns(x_m=pl.col("x_m") + 4).write_parquet(agents)
+    page = write_study_report(folder).read_text()
+    assert "cannot be played again" in page and "does not come out as logged" in page
+
+
+def test_sensing_asks_the_planner_alone_what_it_assumes(tmp_path: Path, command: Command) -> None:
+    folder = tmp_path / "sensing"
+    small = ("--episodes", 2, "--set", "horizon=3", "--policy", "greedy")
+    assert command("study", "sensing", *small, "--out", folder).code == 0
+    page = (folder / "report.html").read_text()
+    assert 'id="minus-graph-greedy"' in page
+    assert not list((folder / "figures").glob("assumed*")), "the planner did not play"
+    assert {path.name for path in (folder / "variants").iterdir()} >= {"fov-75", "ghosts-0.002"}
+    assert not list((folder / "variants").glob("*-for-*"))

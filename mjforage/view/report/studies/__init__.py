@@ -1,4 +1,7 @@
-"""One page for a study: all its variants in tables and figures, from their logs alone."""
+"""One page for a study: all its variants in tables and figures, from their logs.
+
+Only what agents know is in no log: for a picture of it, one episode is played again.
+"""
 
 from pathlib import Path
 
@@ -6,7 +9,14 @@ from mjforage.core.errors import UserError
 from mjforage.core.whole_files import write_bytes
 from mjforage.runs.run_info import again
 from mjforage.view.report.report_page import definition_notes
-from mjforage.view.report.studies import ablation, corruption, paper, planner_parts
+from mjforage.view.report.studies import (
+    ablation,
+    communication,
+    corruption,
+    paper,
+    planner_parts,
+    sensing,
+)
 from mjforage.view.report.studies.study_logs import load_study
 from mjforage.view.report.studies.study_page import render
 
@@ -17,6 +27,8 @@ PAGES = {
     "ablation": ablation.sections,
     "corruption": corruption.sections,
     "paper": paper.sections,
+    "communication": communication.sections,
+    "sensing": sensing.sections,
 }
 """Kind of study -> what makes the sections of its page."""
 
@@ -29,7 +41,8 @@ def is_study(folder: Path) -> bool:
 def write_study_report(folder: Path) -> Path:
     """Write ``figures/*.png|svg`` and ``report.html`` into a study folder.
 
-    Nothing is simulated, and the same logs give the same bytes.
+    The same logs give the same bytes. Nothing is simulated, but for `communication`: there an
+    episode is played again, and shown if it comes out as it was logged.
 
     Raises
     ------

@@ -1,35 +1,24 @@
 """What each part of the belief planner is worth, and what a world it does not expect costs it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from mjforage.core.mission_metrics import describe
 from mjforage.runs.variants import BASELINES, COMPLETE, PARTS, WRONG
-from mjforage.view.page import style
 from mjforage.view.page.picture import Picture, house_style
-from mjforage.view.page.table import Row, Table
-from mjforage.view.report.differences import Difference, family_note, set_apart
+from mjforage.view.report.studies.compared_players import (
+    Line,
+    difference,
+    differences_table,
+    means_table,
+)
 from mjforage.view.report.studies.forest import Subject, forest
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
 from mjforage.view.report.studies.study_page import Section
-from mjforage.view.report.text_tables import plus_minus, policy_name
+from mjforage.view.report.text_tables import policy_name
 
 COMPARED = ("pta_d", "pta_c", "nt50", "nt90", "csr", "rmse")
 SHOWN = (*COMPARED, "cleared", "length")
 WORLDS_MET = (COMPLETE, *WRONG)
-
-
-@dataclass(frozen=True)
-class Line:
-    """A player under its name in these tables."""
-
-    head: str
-    player: Player
-
-    @property
-    def colour(self) -> str:
-        """Colour of its policy."""
-        return style.policy_colour(self.player.policy)
 
 
 def _planner(logs: StudyLogs, world: str) -> list[Line]:
@@ -46,57 +35,6 @@ def _others(logs: StudyLogs, variant: str, world: str) -> list[Line]:
     return [Line(names[policy], Player(variant, world, policy)) for policy in BASELINES]
 
 
-def _means(logs: StudyLogs, name: str, title: str, groups: dict[str, list[Line]]) -> Table:
-    metrics = [describe(key) for key in SHOWN]
-    rows = [
-        Row(
-            line.head,
-            tuple(plus_minus(logs.entry(line.player, m.key), m.digits) for m in metrics),
-            line.colour,
-            group=group,
-        )
-        for group, lines in groups.items()
-        for line in lines
-    ]
-    labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
-    return Table(name, title, labels, tuple(rows), ("Mean ± 1.96 SEM.",), units)
-
-
-def _difference(logs: StudyLogs, line: Line, against: Line, key: str) -> Difference:
-    x, y = (logs.values(one.player, key) for one in (line, against))
-    return Difference(x, y, describe(key))
-
-
-def _differences(
-    logs: StudyLogs, name: str, title: str, groups: dict[str, tuple[Line, list[Line]]]
-) -> Table:
-    """Each group of lines against its own reference."""
-    compared = [
-        (group, line, [_difference(logs, line, against, key) for key in COMPARED])
-        for group, (against, lines) in groups.items()
-        for line in lines
-    ]
-    family = [step for _, _, steps in compared for step in steps]
-    apart = iter(set_apart(family))
-    rows = [
-        Row(
-            line.head,
-            tuple(step.cell for step in steps),
-            line.colour,
-            best=frozenset(place for place in range(len(steps)) if next(apart)),
-            group=group,
-        )
-        for group, line, steps in compared
-    ]
-    note = (
-        "Mean difference over the same episodes, with its bootstrap 95 % interval of itself alone; "
-        f"{family_note(family)}."
-    )
-    metrics = [describe(key) for key in COMPARED]
-    labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
-    return Table(name, title, labels, tuple(rows), (note,), units, stacked=True)
-
-
 def _picture(
     logs: StudyLogs, name: str, title: str, caption: str, pairs: Sequence[tuple[Line, Line]]
 ) -> Picture:
@@ -104,7 +42,7 @@ def _picture(
         Subject(
             line.head,
             line.colour,
-            {key: _difference(logs, line, against, key) for key in COMPARED},
+            {key: difference(logs, line, against, key) for key in COMPARED},
         )
         for line, against in pairs
     ]
@@ -125,12 +63,15 @@ def _parts(logs: StudyLogs) -> Section:
         short, to_oracle = {"": (whole, rest)}, [*planner, *others[:1]]
         end = logs.suffix(world)
         tables += [
-            _means(logs, f"parts-{world}", f"Means{end}", means),
-            _differences(logs, f"parts-whole-{world}", f"Minus the whole planner{end}", short),
-            _differences(
+            means_table(logs, f"parts-{world}", f"Means{end}", SHOWN, means),
+            differences_table(
+                logs, f"parts-whole-{world}", f"Minus the whole planner{end}", COMPARED, short
+            ),
+            differences_table(
                 logs,
                 f"parts-oracle-{world}",
                 f"Minus the oracle, which is a bound{end}",
+                COMPARED,
                 {"": (oracle, to_oracle)},
             ),
         ]
@@ -167,8 +108,10 @@ def _wrong(logs: StudyLogs) -> Section:
             pairs += [(Line(f"{line.head}: {met}", line.player), greedy) for line in planner]
         end = logs.suffix(world)
         tables += [
-            _means(logs, f"wrong-{world}", f"Means{end}", means),
-            _differences(logs, f"wrong-greedy-{world}", f"Minus greedy{end}", groups),
+            means_table(logs, f"wrong-{world}", f"Means{end}", SHOWN, means),
+            differences_table(
+                logs, f"wrong-greedy-{world}", f"Minus greedy{end}", COMPARED, groups
+            ),
         ]
         caption = "Difference to Greedy on the same episodes."
         title = f"The belief planner in worlds it does not expect{end}"

@@ -1,0 +1,157 @@
+"""Figures and tables of studies along axes, on numbers chosen by hand."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.lines import Line2D
+
+from mjforage.runs.axes import Axis, Point
+from mjforage.view.page.style import policy_colour
+from mjforage.view.report.studies import communication
+from mjforage.view.report.studies.axis_figure import AxisFigure, axis_figure
+from mjforage.view.report.studies.axis_tables import measured, reference_table, tables_along
+from mjforage.view.report.studies.range_cost import Costs, cost_picture, cost_table
+from mjforage.view.report.studies.study_logs import StudyLogs
+from mjforage.view.report.studies.variant_courses import courses_picture
+from mjforage.view.report.text_tables import NOTHING
+from tests.mjforage.view.report.made_up_study import made_up_study, with_values, without
+
+BOTH = ("greedy", "levy")
+EPISODES = 12
+NOISE = np.random.default_rng(3).normal(0.0, 1.0, EPISODES)
+AXIS = Axis(
+    "range",
+    "range  [m]",
+    "Range",
+    {
+        "open": (Point(16.0, "near"), Point(32.0, "far"), Point(math.inf)),
+        "walls": (Point(16.0, "walled"),),
+    },
+    {math.inf: "any"},
+)
+PTA = {"complete": 90.0, "far": 90.0, "near": 40.0, "walled": 35.0}
+NT90 = {"complete": 0.5, "far": 0.6, "near": 0.9, "walled": 1.0}
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory: pytest.TempPathFactory) -> StudyLogs:
+    """Make a study in which only Greedy played behind walls."""
+    variants = dict.fromkeys(("complete", "near", "far"), BOTH) | {"walled": ("greedy",)}
+    made = made_up_study(tmp_path_factory.mktemp("made") / "study", variants, EPISODES)
+    values = {(n, "greedy", "pta_c"): mean + 0.1 * NOISE for n, mean in PTA.items()}
+    values |= {(n, "greedy", "nt90"): mean + 0.001 * NOISE for n, mean in NT90.items()}
+    values["far", "greedy", "pta_c"] = values["complete", "greedy", "pta_c"] + 0.1 * NOISE[::-1]
+    return with_values(made, values)
+
+
+def dots(lines: list[Line2D], policy: str) -> list[Line2D]:
+    found = [line for line in lines if line.get_marker() not in ("None", "")]
+    return [line for line in found if line.get_color() == policy_colour(policy)]
+
+
+def test_means_stand_at_their_values_filled_where_they_differ(logs: StudyLogs) -> None:
+    """Greedy at 16 m lies 50 points below the ideal link in every episode, at 32 m by chance."""
+    drawn = axis_figure("axes", "T", "C.", AxisFigure(logs, "graph", (AXIS,), BOTH))
+    panel, below = drawn.figure.axes
+    found = [(float(np.ravel(d.get_xdata())[0]), d) for d in dots(list(panel.lines), "greedy")]
+    means = [float(np.ravel(dot.get_ydata())[0]) for _, dot in found]
+    assert means == pytest.approx([40, 90, 90, 35], abs=0.1)
+    assert [round(x) for x, _ in found] == [0, 1, 2, 0]
+    filled = [dot.get_markerfacecolor() == policy_colour("greedy") for _, dot in found]
+    assert filled == [True, False, False, True]
+    assert len(dots(list(panel.lines), "levy")) == 3, "it played no walls"
+    assert len({round(x, 6) for x, _ in found}) == 4, "both lines stand at one place"
+    assert [tick.get_text() for tick in below.get_xticklabels()] == ["16", "32", "any"]
+    assert below.get_xlabel() == "range  [m]\nsolid: open\ndashed: walls"
+    dashed = [line for line in panel.lines if line.get_linestyle() == "--"]
+    assert {line.get_color() for line in dashed if np.size(line.get_xdata())} == {
+        policy_colour("greedy")
+    }
+
+
+def test_everything_drawn_lies_inside_the_panels(logs: StudyLogs) -> None:
+    drawn = axis_figure("axes", "T", "C.", AxisFigure(logs, "graph", (AXIS,), BOTH))
+    for panel in drawn.figure.axes:
+        low, high = panel.get_ylim()
+        points = np.concatenate([np.ravel(line.get_ydata()) for line in panel.lines])
+        assert low < np.nanmin(points) and np.nanmax(points) < high
+        left, right = panel.get_xlim()
+        places = np.concatenate([np.ravel(line.get_xdata()) for line in panel.lines])
+        assert left < places.min() and places.max() < right
+
+
+def test_differences_are_to_the_ideal_link_and_undefined_ones_are_dashes(logs: StudyLogs) -> None:
+    nothing = np.full(EPISODES, np.nan)
+    holed = with_values(logs, {("near", "greedy", "csr"): nothing})
+    minus, means = tables_along(holed, (AXIS,), ("pta_c", "csr"), ("pta_c",))[:2]
+    assert (minus.title, means.title) == ("greedy: difference to is complete", "greedy: means")
+    rows = {row.head: row for row in minus.rows}
+    assert list(rows) == ["is near", "is far", "is walled"]
+    assert rows["is near"].cells[0].startswith("−50.0")
+    assert rows["is near"].cells[1] == NOTHING
+    assert 0 in rows["is near"].best and 0 not in rows["is far"].best
+    assert [row.head for row in means.rows] == ["is complete", "is near", "is far", "is walled"]
+    levy = next(t for t in tables_along(logs, (AXIS,), ("pta_c",), ()) if "levy" in t.title)
+    assert [row.head for row in levy.rows] == ["is near", "is far"]
+
+
+def test_metrics_that_no_variant_has_are_left_out(logs: StudyLogs) -> None:
+    assert measured(logs, ("pta_c", "handover", "nonsense")) == ("pta_c", "handover")
+    assert measured(without(logs, "handover"), ("pta_c", "handover")) == ("pta_c",)
+
+
+def test_a_reference_of_its_own_is_what_an_axis_is_compared_with(logs: StudyLogs) -> None:
+    axis = Axis("relay", "", "", {"": (Point(0.0, "near"), Point(1.0, "far"))}, against="near")
+    table = reference_table(logs, axis, "relay", "Relay", ("pta_c",))
+    assert [(row.group, row.head) for row in table.rows] == [
+        ("greedy", "is far"),
+        ("levy", "is far"),
+    ]
+    assert table.rows[0].cells[0].startswith("49.99 (")
+    drawn = axis_figure("axes", "T", "C.", AxisFigure(logs, "graph", (axis,), ("greedy",)))
+    faces = [dot.get_markerfacecolor() for dot in dots(list(drawn.figure.axes[0].lines), "greedy")]
+    assert faces == ["white", policy_colour("greedy")]
+
+
+def test_the_cost_of_information_is_nt90_per_kilometre(logs: StudyLogs) -> None:
+    """From 16 to 32 m NT90 falls from .9 to .6: -.3 over .016 km is -18.75 per km."""
+    costs = Costs(logs, AXIS, "graph")
+    (step,) = costs.steps
+    assert (step.name, step.line) == ("16 to 32 m", "open")
+    found = costs.of["greedy", step]
+    assert (found.value, found.low, found.high) == pytest.approx((-18.75,) * 3, abs=1e-9)
+    assert costs.apart["greedy", step]
+    assert not costs.apart["levy", step], "its variants are alike"
+    table = cost_table(logs, "graph", costs)
+    greedy = next(row for row in table.rows if row.head == "greedy" and row.group == "open")
+    assert (greedy.cells, greedy.best) == (("−18.75 (−18.75 to −18.75)",), frozenset({0}))
+    panel = cost_picture(logs, "graph", costs).figure.axes[0]
+    (dot,) = dots(list(panel.lines), "greedy")
+    assert float(np.ravel(dot.get_ydata())[0]) == pytest.approx(-18.75)
+
+
+def test_courses_are_a_line_per_variant_the_best_in_ink(logs: StudyLogs) -> None:
+    variants = [("near", "16 m"), ("unplayed", "?"), ("far", "32 m"), ("complete", "ideal")]
+    keys = ("aoi", "nonsense")
+    drawn = courses_picture(logs, "ages", "T", "C.", variants, keys, "graph").figure
+    for panel in drawn.axes[:2]:
+        lines = [line for line in panel.lines if np.size(line.get_ydata())]
+        assert len(lines) == 3
+        assert np.ravel(lines[0].get_ydata()).tolist() == [0.5] * 13, "as made up"
+        assert len({str(line.get_color()) for line in lines}) == 3
+    assert [text.get_text() for text in drawn.legends[0].get_texts()] == ["16 m", "32 m", "ideal"]
+    assert [panel.get_title(loc="left") for panel in drawn.axes[:2]] == ["greedy", "levy"]
+    assert "is not in this study" in drawn.axes[2].texts[0].get_text()
+
+
+def test_a_study_without_the_variant_or_its_scenario_shows_no_maps(tmp_path: Path) -> None:
+    bare = made_up_study(tmp_path / "bare", {"complete": ("greedy",)}, 3)
+    assert "no variant `range-64-quays`" in communication._holders(bare).words
+    foreign = made_up_study(
+        tmp_path / "foreign", dict.fromkeys(("complete", communication.KNOWN), ("greedy",)), 3
+    )
+    section = communication._holders(foreign)
+    assert section.words.startswith("The episode cannot be played again: ")
+    assert not section.pictures
