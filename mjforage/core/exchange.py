@@ -39,6 +39,16 @@ class Exchange(Protocol):
         """Looks heard in this step that are older, (episode x holder) rows."""
         ...
 
+    @property
+    def linked(self) -> NDArray[np.bool_]:
+        """(episode, agent, agent) whether two were in contact in this step; nobody with itself."""
+        ...
+
+    @property
+    def lost(self) -> NDArray[np.int64]:
+        """(episode, sender, receiver) looks lost on the way in this step."""
+        ...
+
     def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes with the looks of step 0.
 
@@ -66,9 +76,20 @@ class Ideal:
 
     def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes."""
-        self.late = nothing_late(looks.step.size)
+        self._episodes = looks.step.size
+        self.late = nothing_late(self._episodes)
         self.holder_of = np.zeros(len(task.fleet), np.int64)
         self.knowledge = pooled
+
+    @property
+    def linked(self) -> NDArray[np.bool_]:
+        """(episode, agent, agent) everybody with everybody else."""
+        return np.tile(~np.eye(self.holder_of.size, dtype=np.bool_), (self._episodes, 1, 1))
+
+    @property
+    def lost(self) -> NDArray[np.int64]:
+        """(episode, sender, receiver) nothing."""
+        return np.zeros((self._episodes, self.holder_of.size, self.holder_of.size), np.int64)
 
     def tell(self, looks: Looks, pooled: Knowledge) -> None:
         """Take in the looks of a step: the pooled knowledge has them already."""

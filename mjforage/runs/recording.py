@@ -12,6 +12,7 @@ from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.dynamics.item_bodies import draw_classes
 from mjforage.physics.worlds import create_mission
 from mjforage.runs.episode_replay import Replay
+from mjforage.runs.held import HeldRecorder
 
 
 class _Recorder(Observer):
@@ -56,7 +57,8 @@ def record(setup: Setup, world: str, policy: str, seed: int, episode: int) -> Re
     film, recorder = Film(), _Recorder()
     mission = create_mission(setup, world, film)
     mission.reset(seed, np.array([episode], np.int64))
-    mission.run(create_policy(policy), (recorder,))
+    by_agent = HeldRecorder() if mission.exchange.holders > 1 else None
+    mission.run(create_policy(policy), (recorder, by_agent) if by_agent else (recorder,))
     choice = setup.scenario.physics
     classes = draw_classes(mission.keys, mission.initial.item_node, item_choices(choice))
     return Replay(
@@ -85,4 +87,5 @@ def record(setup: Setup, world: str, policy: str, seed: int, episode: int) -> Re
         seed=seed,
         episode=episode,
         t_discovered=mission.ledger.entries.t_discovered[0],
+        held=by_agent.held(mission) if by_agent else None,
     )

@@ -143,6 +143,16 @@ class Radio:
         shown[~listed] = 0
         return Late(looks, shown)
 
+    @property
+    def linked(self) -> NDArray[np.bool_]:
+        """(episode, agent, agent) whether two were in contact in this step."""
+        return self.net.contacts.snr_db >= 0.0
+
+    @property
+    def lost(self) -> NDArray[np.int64]:
+        """(episode, sender, receiver) looks lost on the way in this step."""
+        return self.net.contacts.lost
+
     def adopt(self, rows: NDArray[np.int64], other: Self, pooled: Knowledge) -> None:
         """Replace episodes (row,) of the batch by those of another."""
         mine, theirs = self.net, other.net

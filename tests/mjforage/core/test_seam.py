@@ -51,6 +51,15 @@ class Groups:
     def heard(self, looks: Looks) -> NDArray[np.bool_]:
         return np.tile(self._hears, (looks.step.size, 1))
 
+    @property
+    def linked(self) -> NDArray[np.bool_]:
+        others = ~np.eye(self.holder_of.size, dtype=np.bool_)
+        return np.tile(self._hears[self.holder_of] & others, (len(self.late.looks), 1, 1))
+
+    @property
+    def lost(self) -> NDArray[np.int64]:
+        return np.zeros(self.linked.shape, np.int64)
+
     def adopt(self, rows: NDArray[np.int64], other: Self, pooled: Knowledge) -> None:
         own = (rows[:, None] * self.holders + np.arange(self.holders)).reshape(-1)
         self.knowledge = self.knowledge.with_rows(own, other.knowledge)
