@@ -22,6 +22,7 @@ def render(
     world: str | None = None,
     camera: Point | None = None,
     follow: str | None = None,
+    seen_by: str = "all",
     start: float = 0.0,
     duration: float | None = None,
     fps: float = 30.0,
@@ -51,6 +52,9 @@ def render(
         Point of view; default top for graph, else overview.
     follow
         Vessel of the cameras chase and scout, for example foragers-1.
+    seen_by
+        Vessel by whose knowledge the map and the inset are drawn, for example scouts-0, where the
+        run has a link; default what all know together.
     start
         Where to begin [simulated s].
     duration
@@ -76,6 +80,7 @@ def render(
             output_file,
             camera=camera,
             follow=follow,
+            seen_by=seen_by,
             size=(width, height),
             start_s=start,
             duration_s=duration,

@@ -26,6 +26,7 @@ class LinkLog(NamedTuple):
     contact: NDArray[np.bool_]  # (episode, sender, receiver) who is in reach of whom now
     delivered: NDArray[np.int64]  # (episode,) looks that have arrived
     lost: NDArray[np.int64]  # (episode,) looks sent in vain
+    lost_now: NDArray[np.int64]  # (episode, sender, receiver) of those in this step
     dropped: NDArray[np.int64]  # (episode,) looks that a budget did not suffice for
     bytes: NDArray[np.int64]  # (episode,) sent
     heard_at: NDArray[np.int16]  # (episode, listener, agent, step) when each agent hears each look

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
+from mjforage.runs.held import AXES as HELD_AXES
+from mjforage.runs.held import Held
 from mjforage.runs.run_info import again
 
 _DAMAGED = (
@@ -44,6 +46,7 @@ _AXES = {
     "track_present": "fi",
     "track_wind": "f2",
     "t_discovered": "i",
+    **HELD_AXES,
 }
 """Axes of the arrays: row, column, agent, item, step (t), frame, or a number."""
 
@@ -84,11 +87,15 @@ class Replay:
     episode: int = 0
     t_discovered: NDArray[np.int16] | None = None
     """(item,) step of each item's discovery, -1 never; None in files of versions without it."""
+    held: Held | None = None
+    """What each agent itself knows; None where all know all."""
 
     def content(self) -> bytes:
         """A compressed npz of plain arrays, as the content of a file."""
         buffer = io.BytesIO()
-        arrays = {k: np.asarray(value) for k, value in vars(self).items() if value is not None}
+        plain = {k: value for k, value in vars(self).items() if k != "held" and value is not None}
+        arrays = {k: np.asarray(value) for k, value in plain.items()}
+        arrays |= self.held.arrays() if self.held is not None else {}
         np.savez_compressed(buffer, allow_pickle=False, **arrays)
         return buffer.getvalue()
 
@@ -116,9 +123,10 @@ class Replay:
 
 def _values(file: Any) -> dict[str, Any]:
     """The fields of a replay from an open npz file."""
-    names = [f.name for f in fields(Replay) if f.name != "t_discovered" or f.name in file]
-    values = {name: file[name] for name in names}
-    _check_axes(values)
+    names = [f.name for f in fields(Replay) if f.name != "held"]
+    values = {name: file[name] for name in names if name != "t_discovered" or name in file}
+    _check_axes(values | {name: file[name] for name in HELD_AXES if name in file})
+    values["held"] = Held.of(file, values["navigable"].size)
     for kind, words in (
         (float, ("pitch_m", "period_s", "frame_s")),
         (int, ("horizon", "seed", "episode")),

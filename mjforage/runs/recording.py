@@ -12,6 +12,7 @@ from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.dynamics.item_bodies import draw_classes
 from mjforage.physics.worlds import create_mission
 from mjforage.runs.episode_replay import Replay
+from mjforage.runs.held import HeldRecorder
 
 
 class _Recorder(Observer):
@@ -64,7 +65,8 @@ def record(
     film, recorder = Film(), _Recorder()
     mission = create_mission(setup, world, film)
     mission.reset(seed, np.array([episode], np.int64))
-    mission.run(create_policy(policy), (recorder, *observers))
+    by_agent = HeldRecorder() if mission.exchange.link_log is not None else None
+    mission.run(create_policy(policy), (recorder, *((by_agent,) if by_agent else ()), *observers))
     choice = setup.scenario.physics
     classes = draw_classes(mission.keys, mission.initial.item_node, item_choices(choice))
     return Replay(
@@ -93,4 +95,5 @@ def record(
         seed=seed,
         episode=episode,
         t_discovered=mission.ledger.entries.t_discovered[0],
+        held=by_agent.held(mission) if by_agent else None,
     )

@@ -72,12 +72,13 @@ class Contacts(NamedTuple):
 
     snr_db: NDArray[np.float64]  # (episode, sender, receiver) signal to noise; below 0: no contact
     bad: NDArray[np.bool_]  # (episode, sender, receiver) whether all that is sent is lost
+    lost: NDArray[np.int64]  # (episode, sender, receiver) looks that were, or that noise garbled
 
     @classmethod
     def of(cls, episodes: int, agents: int) -> "Contacts":
         """Nobody hears anybody yet."""
         each = (episodes, agents, agents)
-        return cls(np.full(each, -np.inf), np.zeros(each, np.bool_))
+        return cls(np.full(each, -np.inf), np.zeros(each, np.bool_), np.zeros(each, np.int64))
 
 
 @kernel
@@ -117,6 +118,7 @@ def connect(
     contacts : changed
     """
     draws, agents = stream_key(key, Stream.LOSS), at.size
+    contacts.lost[e] = 0
     for i in range(agents):
         for j in range(i):
             snr = _snr_db(air, key, step, at, j, i)

@@ -99,6 +99,7 @@ def _deliver(
             key, now, i * agents * agents * steps + place, snr, size
         ):
             traffic.lost[e] += 1
+            contacts.lost[e, i, j] += 1
         elif heard_at[e, j, a, s] == NOT_HEARD:
             heard_at[e, j, a, s] = _ARRIVING
             mail.arriving[number] = place
@@ -172,7 +173,7 @@ def pass_on(
     ----------
     key : of episode `e`
     now : the step; everybody's own look of it has been heard by its agent
-    mail, traffic : changed
+    mail, traffic : changed, as is what `contacts` count as lost
     """
     agents, number = mail.heard_at.shape[1], 0
     for i in range(agents):

@@ -173,6 +173,7 @@ class Radio:
             contact=net.contacts.snr_db >= 0.0,
             delivered=traffic.sent - traffic.lost - net.mail.flying,
             lost=traffic.lost,
+            lost_now=net.contacts.lost,
             dropped=traffic.dropped,
             bytes=traffic.bytes,
             heard_at=net.mail.heard_at,

@@ -51,6 +51,7 @@ QUAY_EDGE = "#B9AB94"
 ITEM = "#14532D"
 SCOUT = "#F08C00"
 FORAGER = "#C2255C"
+LOST = "#D90429"  # looks that a link lost
 SCOUT_VIEW = "#FFE08A"  # water that a scout sees
 FORAGER_VIEW = "#F4A6BF"
 INK = "#1F2933"

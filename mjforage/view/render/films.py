@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from mjforage.core.errors import UserError
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.cameras import CAMERAS
+from mjforage.view.render.seen_by import EVERYBODY
+from mjforage.view.render.seen_by import seen_by as as_seen_by
 from mjforage.view.render.times import frame_times
 from mjforage.view.render.top_view import TopView
 from mjforage.view.render.video import check_target, is_numbered, write_video
@@ -38,6 +40,7 @@ def render_replay(
     *,
     camera: str | None = None,
     follow: str | None = None,
+    seen_by: str = EVERYBODY,
     size: Size = (None, None),
     start_s: float = 0.0,
     duration_s: float | None = None,
@@ -57,6 +60,8 @@ def render_replay(
         overview, chase, top or scout; by default `default_camera`.
     follow : str, optional
         Vessel of chase and scout, such as ``foragers-1``.
+    seen_by : str
+        Vessel by whose knowledge the episode is drawn, such as ``scouts-0``, or ``all``.
     size : (int or None, int or None)
         Width and height of a frame [pixel], by default 1280 x 720. The drawing of the graph world
         from above takes the width for its longer side and finds its own height.
@@ -88,6 +93,7 @@ def render_replay(
         raise UserError(f"camera {name}: unknown; choose {', '.join(CAMERAS)}")
     if speed is None:
         speed = CAMERAS[name].steps_per_film_s * replay.period_s
+    replay = as_seen_by(replay, seen_by)
     times = frame_times(replay, start_s=start_s, duration_s=duration_s, fps=fps, speed=speed)
     still = path.suffix.lower() == ".png" and not is_numbered(path)
     times = times[:1] if still else times

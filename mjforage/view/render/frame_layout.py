@@ -8,6 +8,7 @@ LARGE_LONG_SIDE = 1600  # for maps with more than LARGE_MAP nodes along a side
 LARGE_MAP = 200
 TITLE_HEIGHT, PROGRESS_HEIGHT, LEGEND_ROW = 158, 276, 26  # [unit]
 LEGEND_ROWS = 6  # without those of the teams
+LINK_ROWS = 3  # more over a link
 PANEL_WIDTH, COLUMN_GAP, MARGIN, BORDER = 330, 36, 28, 10  # [unit]
 MOST_PIXELS_PER_NODE = 100  # [unit]
 
@@ -35,9 +36,9 @@ class Layout:
         return max(1, round(units * self.unit))
 
 
-def legend_height(teams: int) -> int:
+def legend_height(teams: int, linked: bool) -> int:
     """Return the height of the legend [unit]: two rows per team and the rows all maps have."""
-    return LEGEND_ROW * (2 * teams + LEGEND_ROWS)
+    return LEGEND_ROW * (2 * teams + LEGEND_ROWS + linked * LINK_ROWS)
 
 
 def _fitting_scale(rows: int, columns: int, room: tuple[float, float], unit: float) -> float:
@@ -48,19 +49,21 @@ def _fitting_scale(rows: int, columns: int, room: tuple[float, float], unit: flo
     return min(scales)
 
 
-def plan_layout(rows: int, columns: int, teams: int, long_side: int | None = None) -> Layout:
+def plan_layout(
+    rows: int, columns: int, teams: int, long_side: int | None = None, *, linked: bool = False
+) -> Layout:
     """Choose the arrangement in which the map is drawn larger.
 
     Frames are at most `long_side` pixels wide and 3/4 of it high (a little more when the panel
     needs it), with even sizes as video encoders ask for. `long_side` defaults to 1280, to 1600
-    for maps of more than 200 nodes along a side.
+    for maps of more than 200 nodes along a side. `linked`: the legend has signs for links too.
     """
     if long_side is None:
         long_side = LARGE_LONG_SIDE if max(rows, columns) > LARGE_MAP else DEFAULT_LONG_SIDE
     unit = long_side / DEFAULT_LONG_SIDE
     margin = round(MARGIN * unit)
     most_high = 0.75 * long_side
-    legend = legend_height(teams)
+    legend = legend_height(teams, linked)
     below_height = max(TITLE_HEIGHT, PROGRESS_HEIGHT, legend) * unit
     beside = (long_side - 3 * margin - PANEL_WIDTH * unit, most_high - 2 * margin)
     below = (long_side - 2 * margin, most_high - 3 * margin - below_height)

@@ -116,7 +116,7 @@ class HarbourView:
         split_time(time, self._timeline.length)
         time_s = time * self._replay.period_s
         hulls, items = self._track.hulls_at(time_s), self._track.items_at(time_s)
-        known = self._timeline.discovered <= time
+        known = self._timeline.known <= time
         surface_s = self._surface_rate * time_s
         self._stage.place(afloat(hulls, surface_s), floating(items, surface_s), known)
         view = self._camera.view(self._circumstances, time_s)

@@ -1,12 +1,15 @@
-"""A small chart of what the fleet believes: belief map, idleness and where everybody is."""
+"""A small chart of what is believed: belief map, idleness, vessels and their links."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.render import palette
+from mjforage.view.render.links import paint_links
 from mjforage.view.render.palette import Colour
-from mjforage.view.render.raster import Floats, Image, paint_box, paint_discs
+from mjforage.view.render.raster import Floats, Image, paint_box, paint_discs, paint_rings
+from mjforage.view.render.seen_by import age_of, last_heard
+from mjforage.view.render.text import write
 from mjforage.view.render.timeline import split_time
 
 _LAND: Colour = (120.0, 122.0, 118.0)
@@ -43,12 +46,28 @@ class Inset:
         step, _, _ = split_time(time, len(self._replay.belief) - 1)
         area = image[top : top + self.height, left : left + self.width]
         area[:] = self._chart(step)
-        unit = max(1.0, self.height / 240.0)
+        unit, now = max(1.0, self.height / 240.0), int(time + 1e-9)
+        hulls, heard = self._pixels(hulls_rc), last_heard(self._replay, now)
+        paint_links(area, self._replay, now, hulls, 0.8 * unit, palette.WHITE)
         for agent in np.argsort(self._replay.agent_collects, kind="stable")[::-1]:
-            at = self._pixels(hulls_rc[agent][None])
+            at, alpha = hulls[agent][None], np.ones(1)
             colour = self._colours[int(self._replay.agent_team[agent])]
-            paint_discs(area, at, np.array([4.6 * unit]), np.ones(1), palette.WHITE)
-            paint_discs(area, at, np.array([3.3 * unit]), np.ones(1), colour)
+            if heard[agent] < now:
+                paint_rings(area, at, 3.3 * unit * alpha, 1.2 * unit * alpha, alpha, colour)
+                at, alpha = self._ghost(area, agent, int(heard[agent]), time, unit), 0.55 * alpha
+            paint_discs(area, at, np.array([4.6 * unit]), alpha, palette.WHITE)
+            paint_discs(area, at, np.array([3.3 * unit]), alpha, colour)
+
+    def _ghost(
+        self, area: Image, agent: int, heard: int, time: float, unit: float
+    ) -> NDArray[np.float64]:
+        """Place (1, 2) where a vessel was last heard of, with how long ago written below it."""
+        at = self._pixels(self._replay.agent_rc[heard, agent][None].astype(np.float64))
+        size, (x, y) = max(9, round(9.0 * unit)), at[0]
+        ago = age_of(self._replay, time, heard)
+        base, white = y + 4.0 * unit + size, palette.WHITE
+        write(area, ago, x, base, size, bold=True, colour=white, align="middle")
+        return at
 
     def _chart(self, step: int) -> Image:
         """Land, water by idleness and belief marks of one step, kept until the next."""

@@ -4,6 +4,7 @@ import numpy as np
 
 from mjforage.view.render import palette, symbols
 from mjforage.view.render.frame_layout import LEGEND_ROW, PANEL_WIDTH, Layout
+from mjforage.view.render.links import paint_link, paint_lost
 from mjforage.view.render.palette import Colour
 from mjforage.view.render.raster import Floats, Image, paint_box, paint_rings
 from mjforage.view.render.text import fit, write
@@ -62,6 +63,18 @@ class Legend:
             self._image, self._mark(), 8.0 * u * one, 2.0 * u * one, 0.9 * one, palette.WHITE
         )
         self._row("item just collected")
+
+    def links(self, collects: bool, colour: Colour) -> None:
+        """Rows for contacts, lost looks, and a vessel of a team where it was last heard of."""
+        u = self._layout.unit
+        for paint, text in ((paint_link, "in contact"), (paint_lost, "looks lost in this step")):
+            self._water()
+            paint(self._image, np.concatenate((self._mark(-14 * u), self._mark(14 * u))), u)
+            self._row(text)
+        self._water()
+        place = np.array([self._mark_x - 1.0, self._y])
+        symbols.paint_ghost(self._image, place, 0.0, 20.0 * u, collects, colour)
+        self._row("last heard of here, how long ago")
 
     def _mark(self, shift: float = 0.0) -> Floats:
         return np.array([[self._mark_x + shift, self._y]])

@@ -8,6 +8,7 @@ from mjforage.view.render.inset import Inset
 from mjforage.view.render.palette import Colour, team_colours
 from mjforage.view.render.panel import mission_clock, team_collects
 from mjforage.view.render.raster import Floats, Image, paint_box
+from mjforage.view.render.seen_by import EVERYBODY, shown_name
 from mjforage.view.render.text import fit, width, write
 from mjforage.view.render.timeline import Timeline
 
@@ -166,17 +167,12 @@ class Overlay:
         left, top = right - inset.width - 2 * pad, bottom - inset.height - pad - title
         self._glass(image, (left, top, right, bottom))
         base = top + 18 * u
-        write(
-            image,
-            "believed items",
-            left + pad,
-            base,
-            self._size(12.5),
-            bold=True,
-            colour=palette.WHITE,
-        )
+        by, size = shown_name(self._replay), self._size(12.5)
+        words = "believed items" if by == EVERYBODY else f"seen by {by}"
+        words = fit(words, size, inset.width - 3 * size, bold=True)
+        write(image, words, left + pad, base, size, bold=True, colour=palette.WHITE)
         believed = str(int(self._replay.belief[int(time + 1e-9)].sum()))
-        write(image, believed, right - pad, base, self._size(12.5), colour=_PALE, align="right")
+        write(image, believed, right - pad, base, size, colour=_PALE, align="right")
         inset.paint(image, round(left + pad), round(top + title), time, hulls_rc)
 
     def _paint_notes(self, image: Image, notes: str) -> None:

@@ -29,6 +29,7 @@ QUAY_FOOT = _hex("#5d6b72")
 ITEM = _hex("#fff3a3")
 ITEM_RIM = _hex("#46210f")
 BELIEF = _hex("#3b1f8f")
+LOST = _hex(style.LOST)
 
 
 def team_colours(collects: Sequence[bool]) -> list[Colour]:

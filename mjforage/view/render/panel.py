@@ -15,6 +15,7 @@ from mjforage.view.render.frame_layout import (
 )
 from mjforage.view.render.palette import Colour
 from mjforage.view.render.raster import Image, paint_box, paint_discs, paint_stroke
+from mjforage.view.render.seen_by import EVERYBODY, shown_name
 from mjforage.view.render.text import fit, width, write
 from mjforage.view.render.timeline import Timeline
 
@@ -33,7 +34,8 @@ class Panel:
         step = (PANEL_WIDTH + COLUMN_GAP) * u * across
         self.title = (left, top)
         self.progress = (left + step, top + TITLE_HEIGHT * u * down)
-        least = (TITLE_HEIGHT + PROGRESS_HEIGHT + legend_height(len(replay.team_names))) * u
+        legend = legend_height(len(replay.team_names), replay.held is not None)
+        least = (TITLE_HEIGHT + PROGRESS_HEIGHT + legend) * u
         spare = max(0.0, layout.panel_height - least) * down
         self._chart_height = _CHART_HEIGHT * u + min(spare, _MOST_CHART_GROWTH * u)
         legend_down = (TITLE_HEIGHT + PROGRESS_HEIGHT) * u * down + spare
@@ -55,6 +57,8 @@ class Panel:
         about = f"{replay.world} world · episode {replay.episode} · seed {replay.seed}"
         write(image, fit(about, size(13.5), room), left, top + 52 * u, size(13.5), colour=_SOFT)
         grid = f"{rows} × {columns} nodes, {replay.pitch_m:g} m apart"
+        if shown_name(replay) != EVERYBODY:
+            grid = f"seen by {shown_name(replay)} · {grid}"
         write(image, fit(grid, size(13.5), room), left, top + 72 * u, size(13.5), colour=_SOFT)
         self._paint_axes(image)
 

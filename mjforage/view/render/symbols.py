@@ -56,11 +56,8 @@ def paint_hull(
     colour: Colour,
 ) -> None:
     """Paint one vessel at `place` (2,) [pixel] with a soft shadow, a white rim and a deck."""
-    outline = FORAGER_HULL if collects else SCOUT_HULL
-    turn = np.array(
-        [[np.cos(course), np.sin(course)], [-np.sin(course), np.cos(course)]], np.float64
-    )
-    corners = length * outline @ turn + place
+    turn = _turn(course)
+    corners = length * _hull(collects) @ turn + place
     rim = max(1.0, 0.055 * length)
     shadow = corners + 0.07 * length
     paint_polygon(image, shadow, rim, max(1.0, 0.22 * length), 0.45, palette.WATER_SHADOW)
@@ -70,6 +67,33 @@ def paint_hull(
     cabin = np.array([[-0.16 if collects else -0.02, 0.0]]) * length @ turn + place
     size = np.array([0.075 * length])
     paint_discs(image, cabin, size, np.ones(1), palette.WHITE)
+
+
+def _hull(collects: bool) -> Floats:
+    return FORAGER_HULL if collects else SCOUT_HULL
+
+
+def _turn(course: float) -> Floats:
+    """Matrix that turns rows (x, y) by a course."""
+    return np.array([[np.cos(course), np.sin(course)], [-np.sin(course), np.cos(course)]])
+
+
+def paint_ghost(
+    image: Image, place: Floats, course: float, length: float, collects: bool, colour: Colour
+) -> None:
+    """Paint a vessel faded, where it was last heard of."""
+    corners, rim = length * _hull(collects) @ _turn(course) + place, max(1.0, 0.055 * length)
+    paint_polygon(image, corners, rim, 1.0, 0.55, palette.WHITE)
+    paint_polygon(image, corners, -0.25 * rim, 1.0, 0.5, colour)
+
+
+def paint_outline(
+    image: Image, place: Floats, course: float, length: float, collects: bool, colour: Colour
+) -> None:
+    """Paint the outline of a vessel that is not heard, where it truly is."""
+    corners = length * _hull(collects) @ _turn(course) + place
+    around, line = np.concatenate((corners, corners[:1])), np.full(len(corners) + 1, 0.06 * length)
+    paint_stroke(image, around, line, np.full(len(around), 0.8), colour)
 
 
 def paint_trail(image: Image, points: Floats, length: float, colour: Colour) -> None:

@@ -18,6 +18,7 @@ class Timeline:
 
     length: int  # T' [step]
     discovered: NDArray[np.int64]  # (item,) step, NEVER if not
+    known: NDArray[np.int64]  # (item,) the same for those by whose knowledge the replay is drawn
     removed: NDArray[np.int64]  # (item,) step, NEVER if not
     pta_d: NDArray[np.float64]  # (T'+1,) [%]
     pta_c: NDArray[np.float64]  # (T'+1,) [%]
@@ -40,17 +41,25 @@ def timeline_of(replay: Replay) -> Timeline:
         )
     steps, items = replay.item_present.shape
     removed = _first(~replay.item_present)
-    discovered = np.where(replay.t_discovered < 0, NEVER, replay.t_discovered.astype(np.int64))
+    discovered = known = _or_never(replay.t_discovered)
+    if replay.held is not None and replay.held.shown >= 0:
+        known = _or_never(replay.held.known_from[replay.held.shown])
     step = np.arange(steps)[:, None]
     share = 100.0 / max(items, 1)
     return Timeline(
         length=steps - 1,
         discovered=discovered,
+        known=known,
         removed=removed,
         pta_d=share * (discovered <= step).sum(axis=1),
         pta_c=share * (removed <= step).sum(axis=1),
         course=_courses(replay.agent_rc),
     )
+
+
+def _or_never(step: NDArray[np.int16]) -> NDArray[np.int64]:
+    """Steps with NEVER for those below 0."""
+    return np.where(step < 0, NEVER, step.astype(np.int64))
 
 
 def _first(happened: NDArray[np.bool_]) -> NDArray[np.int64]:

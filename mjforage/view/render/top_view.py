@@ -10,9 +10,12 @@ from mjforage.view.render import palette, symbols
 from mjforage.view.render.background import paint_background
 from mjforage.view.render.frame_layout import plan_layout
 from mjforage.view.render.legend import Legend
+from mjforage.view.render.links import paint_links, write_lost
 from mjforage.view.render.node_fields import fields_at, nearest_water, paint_fields
 from mjforage.view.render.panel import Panel, team_collects
 from mjforage.view.render.raster import Floats, Image, paint_box
+from mjforage.view.render.seen_by import age_of, last_heard
+from mjforage.view.render.text import write
 from mjforage.view.render.timeline import between, course_at, split_time, timeline_of
 
 TRAIL_STEPS = 14.0  # how far back trails reach [step]
@@ -35,7 +38,8 @@ class TopView:
         self._replay = replay
         self._timeline = timeline_of(replay)
         rows, columns = replay.navigable.shape
-        self._layout = plan_layout(rows, columns, len(replay.team_names), long_side)
+        teams, linked = len(replay.team_names), replay.held is not None
+        self._layout = plan_layout(rows, columns, teams, long_side, linked=linked)
         self._background = paint_background(replay.navigable, self._layout)
         self._collects = team_collects(replay)
         self._colours = palette.team_colours(self._collects)
@@ -76,6 +80,7 @@ class TopView:
         self._paint_trails(sea, time)
         self._paint_beliefs(sea, before, after, part)
         self._paint_items(sea, time)
+        self._paint_links(sea, time)
         self._paint_vessels(sea, time)
         self._paint_edge(image)
         self._panel.paint_moving(image, time)
@@ -91,6 +96,8 @@ class TopView:
             count = int((self._replay.agent_team == team).sum())
             legend.team(name, count, self._collects[team], self._colours[team])
         legend.items()
+        if self._replay.held is not None:
+            legend.links(self._collects[-1], self._colours[-1])
         legend.idleness()
         legend.scale_bar(self._replay.pitch_m)
         return page
@@ -121,8 +128,9 @@ class TopView:
         times = np.concatenate([[first], inner, [time]])
         way = np.stack([between(self._replay.agent_rc, moment) for moment in times])
         length = symbols.hull_length(self._layout)
-        for agent, team in enumerate(self._replay.agent_team):
-            symbols.paint_trail(sea, self._pixels(way[:, agent]), length, self._colours[team])
+        for agent in np.flatnonzero(last_heard(self._replay, _step(time)) == _step(time)):
+            colour = self._colours[self._replay.agent_team[agent]]
+            symbols.paint_trail(sea, self._pixels(way[:, agent]), length, colour)
 
     def _paint_beliefs(self, sea: Image, before: int, after: int, part: float) -> None:
         """Rings appear and vanish at the end of a step, when the fleet has looked."""
@@ -139,7 +147,7 @@ class TopView:
         timeline, radius = self._timeline, symbols.item_radius(self._layout)
         points = self._pixels(between(self._replay.item_rc, time))
         left = np.clip((timeline.removed - time) / FADE_PART, 0.0, 1.0)
-        known = timeline.discovered <= time
+        known = timeline.known <= time
         for group, is_known in ((~known, False), (known, True)):
             shown = group & (left > 0.0)
             symbols.paint_items(sea, points[shown], left[shown], radius, known=is_known)
@@ -147,16 +155,44 @@ class TopView:
         flash = (age >= 0.0) & (age < 1.0)
         symbols.paint_collected(sea, points[flash], age[flash], self._layout)
 
+    def _paint_links(self, sea: Image, time: float) -> None:
+        points = self._pixels(between(self._replay.agent_rc, time))
+        paint_links(sea, self._replay, _step(time), points, self._layout.unit)
+        write_lost(sea, self._replay, _step(time), points, self._layout.unit)
+
     def _paint_vessels(self, sea: Image, time: float) -> None:
+        """Those who are heard as they are; others in outline, and faded where last heard of."""
         replay, course = self._replay, course_at(self._timeline, time)
         points = self._pixels(between(replay.agent_rc, time))
-        length = symbols.hull_length(self._layout)
-        for agent in np.argsort(replay.agent_collects, kind="stable")[::-1]:
-            symbols.paint_hull(
-                sea,
-                points[agent],
-                float(course[agent]),
-                length,
-                bool(replay.agent_collects[agent]),
-                self._colours[replay.agent_team[agent]],
-            )
+        heard, length = last_heard(replay, _step(time)), symbols.hull_length(self._layout)
+        away = heard < _step(time)
+        order = np.argsort(replay.agent_collects, kind="stable")[::-1]
+        for agent in order[np.argsort(~away[order], kind="stable")]:  # those away below the others
+            look = bool(replay.agent_collects[agent]), self._colours[replay.agent_team[agent]]
+            place, heading = points[agent], float(course[agent])
+            if away[agent]:
+                symbols.paint_outline(sea, place, heading, length, *look)
+                self._paint_ghost(sea, time, agent, int(heard[agent]), length, look)
+            else:
+                symbols.paint_hull(sea, place, heading, length, *look)
+
+    def _paint_ghost(
+        self,
+        sea: Image,
+        time: float,
+        agent: int,
+        heard: int,
+        length: float,
+        look: tuple[bool, palette.Colour],
+    ) -> None:
+        """A vessel where it was at step `heard`, and how long ago that is."""
+        x, y = place = self._pixels(self._replay.agent_rc[heard, agent][None].astype(np.float64))[0]
+        symbols.paint_ghost(sea, place, float(self._timeline.course[heard, agent]), length, *look)
+        size = self._layout.size(12)
+        ago = f"{age_of(self._replay, time, heard)} ago"
+        write(sea, ago, x, y + 0.55 * length + size, size, bold=True, align="middle")
+
+
+def _step(time: float) -> int:
+    """The last step that is over."""
+    return int(time + 1e-9)

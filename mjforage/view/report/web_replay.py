@@ -16,6 +16,7 @@ from mjforage.core.errors import UserError
 from mjforage.core.vessel_files import vessel_names
 from mjforage.physics.vessels import load_vessel
 from mjforage.runs.episode_replay import Replay
+from mjforage.runs.held import Held
 from mjforage.runs.run_info import REMEDY
 from mjforage.view.page import style
 from mjforage.view.report.run_logs import RunLogs, Series
@@ -38,6 +39,7 @@ class WebReplay:
     shown: tuple[str, ...]  # worlds of the panels at first: one or two
     policies: tuple[str, ...]
     vessels: tuple[str, ...]  # names
+    held: bool  # whether each knows what it has heard only
     episode: int
     data: Mapping[str, Any]  # for the page's script, as JSON
     script: Markup
@@ -81,6 +83,7 @@ def web_replay(logs: RunLogs) -> WebReplay | None:
         shown=worlds[:1] + worlds[1:][-1:],
         policies=style.ordered(entry["policy"] for entry in entries),
         vessels=tuple(agent.name for agent in logs.run.agents),
+        held=any(entry["forgetting"] is not None for entry in entries),
         episode=min(entry["episode"] for entry in entries),
         data={**_stage(logs, last, collects), "replays": entries},
         script=Markup("\n".join(_part(name) for name in SCRIPTS)),
@@ -122,6 +125,7 @@ def _stage(logs: RunLogs, replay: Replay, collects: list[bool]) -> dict[str, Any
             "muted": style.MUTED,
             "scout": style.SCOUT,
             "forager": style.FORAGER,
+            "lost": style.LOST,
             "heat": [_hex(style.item_colours()(place)) for place in np.linspace(0.12, 1.0, 12)],
         },
     }
@@ -185,6 +189,7 @@ def _entry(replay: Replay, discovered: Ints) -> dict[str, Any]:
         "pose_stride": _pose_stride(stride),
         "item_stride": stride,
         "items": replay.item_present.shape[1],
+        "forgetting": None if replay.held is None else replay.held.forgetting,
         "most_believed": int(np.clip(replay.belief, 0, MOST_COUNT).max(initial=0)),
         "text": text,
     }
@@ -211,7 +216,23 @@ def _parts(replay: Replay, discovered: Ints, stride: int) -> list[Ints]:
         *changes(np.clip(replay.belief, 0, MOST_COUNT)),
         *changes(idle),
         *changes(replay.in_view),
+        *([] if replay.held is None else _held_parts(replay.held, replay.navigable.size)),
     ]
+
+
+def _held_parts(held: Held, cells: int) -> list[Ints]:
+    """What each agent knows, and the links: steps are counted from 1, 0 is never."""
+    linked = held.linked.astype(np.int64)
+    parts = [
+        held.known_from.astype(np.int64) + 1,
+        *changes(held.heard),
+        *changes(linked + np.clip(held.lost, 0, MOST_COUNT)),
+    ]
+    for agent in range(len(held.known_from)):
+        belief, seen = held.maps(agent, cells)
+        parts += changes(np.clip(belief, 0, MOST_COUNT))
+        parts += changes(np.maximum(seen.astype(np.int64) + 1, 0))
+    return parts
 
 
 def _removed(present: NDArray[np.bool_]) -> Ints:

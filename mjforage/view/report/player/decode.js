@@ -54,13 +54,24 @@ class Reader {
 // A grid of numbers that changes from step to step; `at` gives it as it is at one.
 class Layer {
   constructor(starts, cells, values, size) {
-    Object.assign(this, { starts, cells, values, grid: new Uint8Array(size), step: -1 });
+    Object.assign(this, { starts, cells, values, grid: new Uint16Array(size), step: -1 });
   }
 
   at(step) {
     if (step < this.step) { this.grid.fill(0); this.step = -1; }
     for (let i = this.starts[this.step + 1]; i < this.starts[step + 1]; i++)
       this.grid[this.cells[i]] = this.values[i];
+    this.step = step;
+    return this.grid;
+  }
+}
+
+// A grid worked out from others: `fill` writes it as it is at a step.
+class Derived {
+  constructor(size, fill) { Object.assign(this, { fill, grid: new Uint16Array(size), step: -1 }); }
+
+  at(step) {
+    if (step !== this.step) this.fill(this.grid, step);
     this.step = step;
     return this.grid;
   }
@@ -86,6 +97,8 @@ class Episode {
     this.belief = reader.layer(steps + 1, size);
     this.idleness = reader.layer(steps + 1, size);
     this.view = reader.layer(steps + 1, size);
+    this.minds = entry.forgetting === null ? null
+      : this.readMinds(reader, entry, stage.agents.length, size, stage.idle_levels);
     if (reader.at !== bytes.length) throw new Error("its data do not end where they should");
     this.frames = frames;
     this.frameS = entry.frame_s;
@@ -97,6 +110,52 @@ class Episode {
     this.endS = steps * stage.period_s;
     this.turnPart = entry.frame_s >= stage.period_s ? TURN_PART : 1;
     this.mostBelieved = entry.most_believed;
+  }
+
+  // What each vessel knows, over a link; steps are counted from 1 in the data, 0 is never.
+  readMinds(reader, { forgetting, items, steps }, agents, size, levels) {
+    const known = reader.many(agents * items);
+    this.knownFrom = Float64Array.from(known, (step) => (step ? step - 1 : Infinity));
+    this.heard = reader.layer(steps + 1, agents * agents);
+    this.pairs = reader.layer(steps + 1, agents * agents);
+    return Array.from({ length: agents }, () => {
+      const belief = reader.layer(steps + 1, size), seen = reader.layer(steps + 1, size);
+      const idle = (last, step) => (last ? Math.min(1, (step + 1 - last) * forgetting) : 1);
+      const idleness = new Derived(size, (grid, step) => seen.at(step).forEach((last, cell) => {
+        grid[cell] = Math.round(levels * idle(last, step));
+      }));
+      const view = new Derived(size, (grid, step) => {
+        const now = this.view.at(step);
+        seen.at(step).forEach((last, cell) => { grid[cell] = last === step + 1 ? now[cell] : 0; });
+      });
+      return { belief, idleness, view };
+    });
+  }
+
+  // Belief, idleness and what is in view as a vessel knows them, or all of them together (-1).
+  mind(vessel) { return vessel < 0 || !this.minds ? this : this.minds[vessel]; }
+
+  // Step of the newest look of an agent that a vessel has heard by a step.
+  heardAt(vessel, agent, step) {
+    if (vessel < 0 || !this.minds) return step;
+    return this.heard.at(step)[vessel * Math.sqrt(this.heard.grid.length) + agent];
+  }
+
+  knows(vessel, item, time) {
+    if (vessel < 0 || !this.minds) return this.discoveredS[item] <= time + 1e-6;
+    return this.knownFrom[vessel * this.items + item] <= this.step(time);
+  }
+
+  // Pairs in contact at a step, and how many looks were lost between them.
+  links(step) {
+    if (!this.minds) return [];
+    const grid = this.pairs.at(step), agents = Math.sqrt(grid.length), found = [];
+    for (let a = 0; a < agents; a++)
+      for (let b = 0; b < a; b++) {
+        const there = grid[a * agents + b], back = grid[b * agents + a];
+        if (there && back) found.push({ a, b, lost: there + back - 2 });
+      }
+    return found;
   }
 
   // Kept frame before a time, and the part of the way to the next; the last one may be nearer.

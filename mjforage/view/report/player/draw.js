@@ -9,6 +9,8 @@ const HULLS = {
 const LEAST_HULL_PX = { scout: 17, forager: 18 };
 const WAKE_S = 90, WAKE_PIECES = 36;
 const FLASH_S = 14;
+const LOST_PX = 18; // from a link to the count of what it lost
+const GHOST = 0.5; // opacity of a vessel where it was last heard of
 const FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
 
 const role = (agent) => (agent.collects ? "forager" : "scout");
@@ -93,19 +95,28 @@ class Picture {
     return { width, height };
   }
 
-  draw(episode, time, lens, shown, vessel) {
+  // `seer`: the vessel by whose knowledge, -1 for all of them together.
+  draw(episode, time, lens, shown, vessel, seer) {
     const { context, stage } = this;
     this.lens = lens;
     context.setTransform(this.density, 0, 0, this.density, 0, 0);
     context.fillStyle = stage.colours.water;
     context.fillRect(0, 0, lens.width, lens.height);
-    if (episode) this.drawKnowledge(episode, episode.step(time), shown);
+    const step = episode && episode.step(time), mind = episode && episode.mind(seer);
+    if (episode) this.drawKnowledge(mind, step, shown);
     this.drawQuays();
     if (!episode) return;
-    if (shown.belief) this.drawCounts(episode.belief.at(episode.step(time)));
-    if (shown.wakes) stage.agents.forEach((_, agent) => this.drawWake(episode, agent, time));
-    this.drawItems(episode, time);
-    stage.agents.forEach((_, agent) => this.drawHull(episode, agent, time, agent === vessel));
+    if (shown.belief) this.drawCounts(mind.belief.at(step));
+    const agents = stage.agents.map((_, agent) => agent);
+    const heard = agents.map((agent) => episode.heardAt(seer, agent, step));
+    const present = (agent) => heard[agent] === step, away = (agent) => !present(agent);
+    if (shown.wakes) agents.filter(present).forEach((agent) => this.drawWake(episode, agent, time));
+    this.drawItems(episode, time, seer);
+    if (shown.links) this.drawLinks(episode, time);
+    agents.filter(away).forEach((agent) => this.drawAway(episode, agent, time));
+    agents.filter(away).forEach((agent) => this.drawGhost(episode, agent, heard[agent], time));
+    agents.filter(present)
+      .forEach((agent) => this.drawHull(episode, agent, time, agent === vessel));
     if (vessel >= 0) this.drawName(episode, vessel, time);
     this.drawWind(episode.wind(time));
     this.drawScale();
@@ -135,44 +146,44 @@ class Picture {
   }
 
   // Cells by value, painted once a step: `paint` gives [red, green, blue, alpha 0..255] or nothing.
-  drawLayer(name, episode, step, paint) {
+  drawLayer(name, mind, step, paint) {
     const { columns, rows } = this.stage;
-    const layer = this.layers[name] ||= { cells: bitmap(columns, rows), episode: null, step: -1 };
-    if (layer.episode !== episode || layer.step !== step) {
+    const layer = this.layers[name] ||= { cells: bitmap(columns, rows), mind: null, step: -1 };
+    if (layer.mind !== mind || layer.step !== step) {
       const context = layer.cells.getContext("2d"), image = context.createImageData(columns, rows);
-      episode[name].at(step).forEach((value, cell) => {
+      mind[name].at(step).forEach((value, cell) => {
         const colour = paint(value, cell);
         if (colour) image.data.set(colour, 4 * cell);
       });
       context.putImageData(image, 0, 0);
-      Object.assign(layer, { episode, step });
+      Object.assign(layer, { mind, step });
     }
     this.drawCells(layer.cells, 0);
   }
 
-  drawKnowledge(episode, step, shown) {
+  drawKnowledge(mind, step, shown) {
     const { colours, idle_levels: levels, water } = this.stage, { top } = this;
     if (shown.idleness)
-      this.drawLayer("idleness", episode, step, (level, cell) =>
+      this.drawLayer("idleness", mind, step, (level, cell) =>
         (water[cell] === "1" ? [70, 96, 122, (165 * level) / levels] : null));
-    if (shown.view) this.drawLayer("view", episode, step, (bits) => bits && [255, 255, 255, 125]);
+    if (shown.view) this.drawLayer("view", mind, step, (bits) => bits && [255, 255, 255, 125]);
     if (shown.belief) {
       const heat = colours.heat.map((hex) => [...rgb(hex), 225]);
       const place = (count) => Math.round((Math.log(count) / Math.log(top)) * (heat.length - 1));
-      this.drawLayer("belief", episode, step, (count) => count > 0 && heat[place(count)]);
+      this.drawLayer("belief", mind, step, (count) => count > 0 && heat[place(count)]);
     }
-    if (shown.view) this.drawViews(episode, step);
+    if (shown.view) this.drawViews(mind, step);
   }
 
   // Frames around the nodes in view now, in the colour of the role that sees them.
-  drawViews(episode, step) {
-    const { context, lens, stage } = this, grid = episode.view.at(step);
+  drawViews(mind, step) {
+    const { context, lens, stage } = this, grid = mind.view.at(step);
     const { rows, columns, colours } = stage;
-    if (this.viewed !== episode || this.viewStep !== step) {
+    if (this.viewed !== mind || this.viewStep !== step) {
       this.viewPaths = [1, 2].map((bit) => this.harbour.outline((row, column) =>
         row >= 0 && row < rows && column >= 0 && column < columns
           && (grid[row * columns + column] & bit) > 0, 0));
-      Object.assign(this, { viewed: episode, viewStep: step });
+      Object.assign(this, { viewed: mind, viewStep: step });
     }
     [colours.scout, colours.forager].forEach((hex, role) => {
       this.metres();
@@ -242,7 +253,7 @@ class Picture {
     context.globalAlpha = 1;
   }
 
-  drawItems(episode, time) {
+  drawItems(episode, time, seer) {
     const { context, stage, lens } = this;
     const radius = Math.min(5.5, Math.max(2.3, 0.14 * stage.pitch_m * lens.scale));
     for (let i = 0; i < episode.items; i++) {
@@ -257,7 +268,7 @@ class Picture {
         context.stroke();
         continue;
       }
-      const known = episode.discoveredS[i] <= time + 1e-6;
+      const known = episode.knows(seer, i, time);
       context.arc(x, y, known ? radius : 0.85 * radius, 0, 7);
       context.fillStyle = known ? stage.colours.item : "rgba(255,255,255,.75)";
       context.strokeStyle = known ? "#fff" : stage.colours.item;
@@ -273,6 +284,73 @@ class Picture {
     return Math.max(LEAST_HULL_PX[role(vessel)], vessel.length_m * lens.scale);
   }
 
+  // Sets the context so that what follows is in hull lengths, the bow towards +x; saves it before.
+  onHull(agent, pose) {
+    const { context } = this, length = this.hullLength(agent);
+    context.save();
+    context.translate(...this.px(pose.x, pose.y));
+    context.rotate(-pose.yaw);
+    context.scale(length, length);
+    context.lineJoin = "round";
+  }
+
+  // A vessel that is not heard now: its outline where it truly is.
+  drawAway(episode, agent, time) {
+    const { context, stage } = this;
+    this.onHull(agent, episode.pose(agent, time));
+    context.strokeStyle = stage.agents[agent].colour;
+    context.lineWidth = 1.2 / this.hullLength(agent);
+    context.globalAlpha = 0.8;
+    context.stroke(this.hulls[agent]);
+    context.restore();
+  }
+
+  // And faded where it was last heard of, with how long ago.
+  drawGhost(episode, agent, heard, time) {
+    const { context, stage } = this, pose = episode.pose(agent, heard * episode.periodS);
+    const length = this.hullLength(agent), age = Math.floor(time + 1e-6) - heard * episode.periodS;
+    this.onHull(agent, pose);
+    context.globalAlpha = GHOST;
+    context.strokeStyle = "#fff";
+    context.lineWidth = 3 / length;
+    context.stroke(this.hulls[agent]);
+    context.fillStyle = stage.agents[agent].colour;
+    context.fill(this.hulls[agent]);
+    context.restore();
+    const [x, y] = this.px(pose.x, pose.y);
+    this.label(`${age.toFixed(0)} s ago`, x, y + 0.6 * length, "center", "top");
+  }
+
+  // Who is in contact; broken and red where looks were lost in this step, with how many.
+  drawLinks(episode, time) {
+    const { context, stage } = this, { ink, lost: red } = stage.colours;
+    for (const { a, b, lost } of episode.links(episode.step(time))) {
+      const [from, to] = [a, b].map((agent) => {
+        const pose = episode.pose(agent, time);
+        return this.px(pose.x, pose.y);
+      });
+      context.beginPath();
+      context.moveTo(...from);
+      context.lineTo(...to);
+      context.lineCap = "butt";
+      context.strokeStyle = lost ? red : ink;
+      context.globalAlpha = lost ? 0.95 : 0.6;
+      context.lineWidth = lost ? 2 : 1;
+      context.setLineDash(lost ? [6, 5] : []);
+      context.stroke();
+      context.setLineDash([]);
+      context.globalAlpha = 1;
+      if (lost) this.drawLost(from, to, lost, red);
+    }
+  }
+
+  // The count stands beside the middle of the link, where short links leave it room.
+  drawLost([x, y], [u, v], lost, colour) {
+    const away = (v < y ? -LOST_PX : LOST_PX) / (Math.hypot(u - x, v - y) || 1);
+    this.label(`−${lost}`, (x + u) / 2 + away * (v - y), (y + v) / 2 - away * (u - x), "center",
+      "middle", colour);
+  }
+
   drawHull(episode, agent, time, followed) {
     const { context, stage } = this, vessel = stage.agents[agent], pose = episode.pose(agent, time);
     const [x, y] = this.px(pose.x, pose.y), length = this.hullLength(agent);
@@ -285,11 +363,7 @@ class Picture {
       context.stroke();
       context.setLineDash([]);
     }
-    context.save();
-    context.translate(x, y);
-    context.rotate(-pose.yaw);
-    context.scale(length, length);
-    context.lineJoin = "round";
+    this.onHull(agent, pose);
     for (const [style, width] of [["rgba(24,52,72,.55)", 4.6], ["#fff", 3]]) {
       context.strokeStyle = style;
       context.lineWidth = width / length;
@@ -310,8 +384,8 @@ class Picture {
     this.label(this.stage.agents[agent].name, x, y - above, "center", "bottom");
   }
 
-  label(text, x, y, align, baseline) {
-    const { context, stage } = this;
+  label(text, x, y, align, baseline, colour = this.stage.colours.ink) {
+    const { context } = this;
     context.font = `600 12px ${FONT}`;
     context.textAlign = align;
     context.textBaseline = baseline;
@@ -319,7 +393,7 @@ class Picture {
     context.strokeStyle = "rgba(255,255,255,.85)";
     context.lineWidth = 3.5;
     context.strokeText(text, x, y);
-    context.fillStyle = stage.colours.ink;
+    context.fillStyle = colour;
     context.fillText(text, x, y);
   }
 

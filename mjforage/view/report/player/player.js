@@ -4,7 +4,8 @@ const WHEEL_REST_MS = 350; // a wheel that scrolls the page does not zoom the ma
 
 class Player {
   constructor(root, stage) {
-    Object.assign(this, { root, stage, time: 0, playing: false, endS: 0, shown: {}, asked: 0 });
+    Object.assign(this, { root, stage, time: 0, playing: false, endS: 0, shown: {}, asked: 0,
+      seer: -1 });
     this.find = (id) => document.getElementById(`player-${id}`);
     this.harbour = new Harbour(stage);
     this.camera = new Camera(stage);
@@ -47,6 +48,11 @@ class Player {
   listen() {
     const follow = this.find("follow"), seek = this.find("seek"), curves = this.find("curves");
     this.find("policy").addEventListener("change", () => this.load());
+    const seen = this.find("seen");
+    if (seen) seen.addEventListener("change", () => {
+      this.seer = Number(seen.value);
+      this.redraw();
+    });
     follow.addEventListener("change", () => this.follow(Number(follow.value)));
     this.find("reset").addEventListener("click", () => this.reset());
     this.find("play").addEventListener("click", () => this.toggle());
@@ -225,7 +231,8 @@ class Player {
     const followed = episode && camera.vessel >= 0 ? episode.pose(camera.vessel, time) : null;
     const size = picture.resize();
     if (!size.width) return;
-    picture.draw(episode, time, camera.lens(size, followed), this.shown, camera.vessel);
+    picture.draw(episode, time, camera.lens(size, followed), this.shown, camera.vessel,
+      this.seer);
     canvas.classList.toggle("near", camera.zoom > 1);
     const shares = episode && episode.shares(time);
     const write = (place, text) => { if (place.textContent !== text) place.textContent = text; };
@@ -292,9 +299,13 @@ class Player {
     const seen = (colour) => ["rect", {
       x: 3, y: 2, width: 18, height: 12, fill: "#f3f9fc", stroke: colour, "stroke-width": 1.4,
     }];
-    const arrow = (dash) => ["path", {
-      d: "M1 8H23", stroke: "#1f2933", "stroke-width": 1.8, "stroke-dasharray": dash,
+    const line = (stroke, width, dash) => ["path", {
+      d: "M1 8H23", stroke, "stroke-width": width, "stroke-dasharray": dash,
     }];
+    const ghost = () => {
+      const [shape, attributes] = hull(agents[agents.length - 1]);
+      return [shape, { ...attributes, "fill-opacity": GHOST }];
+    };
     const entries = [
       ...agents.slice(0, 12).map((agent) => [agent.name, hull(agent)]),
       ["item, discovered", dot(colours.item, "#fff")],
@@ -303,7 +314,10 @@ class Player {
       [String(this.panels[0].picture.top), cell(colours.heat[colours.heat.length - 1])],
       ...(agents.some((a) => !a.collects) ? [["seen by a scout", seen(colours.scout)]] : []),
       ...(agents.some((a) => a.collects) ? [["by a forager", seen(colours.forager)]] : []),
-      ...(this.panels.length > 1 ? [["PTA, left", arrow("none")], ["PTA, right", arrow("5 3")]] : []),
+      ...(this.panels.length > 1 ? [["PTA, left", line(colours.ink, 1.8, "none")],
+        ["PTA, right", line(colours.ink, 1.8, "5 3")]] : []),
+      ...(this.find("seen") ? [["in contact", line(colours.ink, 1, "none")],
+        ["looks lost", line(colours.lost, 2, "6 5")], ["last heard of, how long ago", ghost()]] : []),
     ];
     this.find("legend").append(...entries.map(([words, [shape, attributes]]) => {
       const make = (name) => document.createElementNS(drawing, name);

@@ -99,6 +99,19 @@ def test_what_arrives_after_the_end_arrives_never() -> None:
     assert talk.heard(1, 0, 0) == LAST
 
 
+def test_losses_are_counted_from_sender_to_receiver() -> None:
+    """0 to 1 is bad and 1 to 0 is not: 1 lacks both looks of 0 at step 1, and loses them again."""
+    talk = Talk((0, 1), (1, 2))
+    talk.contacts.bad[0, 0, 1] = True
+    talk.step(0)
+    assert np.argwhere(talk.contacts.lost[0]).tolist() == [[0, 1]]
+    assert talk.contacts.lost[0, 0, 1] == talk.traffic.lost[0] == 1
+    talk.contacts.lost[:] = 0
+    talk.step(1)
+    assert np.argwhere(talk.contacts.lost[0]).tolist() == [[0, 1]]
+    assert talk.contacts.lost[0, 0, 1] == 2 and talk.traffic.lost[0] == 1 + 2
+
+
 @pytest.mark.parametrize(("snr_db", "share"), [(0.0, 0.98), (4.0, 0.45), (9.0, 0.0016)])
 def test_noise_garbles_its_share_of_packets(snr_db: float, share: float) -> None:
     """Empty looks of 48 bits over QPSK, drawn for each sender, receiver, look and decision."""

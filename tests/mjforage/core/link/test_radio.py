@@ -27,7 +27,25 @@ def test_over_a_link_that_carries_all_at_once_everything_is_as_without(policy: s
 
 
 def test_by_default_there_is_no_link() -> None:
-    assert isinstance(Mission(setup_of()).exchange, Ideal)
+    mission = Mission(setup_of())
+    assert isinstance(mission.exchange, Ideal)
+    assert mission.exchange.link_log is None
+
+
+def test_contacts_and_losses_of_a_step_are_told_by_pairs() -> None:
+    """All within 8 nodes, all that is sent is lost in half of the decisions of a link."""
+    mission, radio = started(setup_of(DISK, "link.range_m=32", "link.loss=0.5"), 3)
+    before = radio.net.traffic.lost.copy()
+    for _ in range(12):
+        advanced(mission, "greedy", 1)
+        at = mission.setup.graph.metres(mission.state.agent_rc)
+        near = np.hypot(*np.moveaxis(at[:, :, None] - at[:, None], -1, 0)) <= 32.0
+        linked, lost = radio.link_log.contact, radio.link_log.lost_now
+        np.testing.assert_array_equal(linked, near & ~np.eye(4, dtype=bool))
+        np.testing.assert_array_equal(lost.sum(axis=(1, 2)), radio.net.traffic.lost - before)
+        assert not lost[~(linked & radio.net.contacts.bad)].any()
+        before = radio.net.traffic.lost.copy()
+    assert before.min() > 0
 
 
 def ages(radio: Radio, mission: Mission) -> NDArray[np.float64]:

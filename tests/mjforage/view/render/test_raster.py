@@ -1,3 +1,5 @@
+import itertools
+
 import numpy as np
 import pytest
 
@@ -74,8 +76,8 @@ def test_scale_bars_have_round_lengths(most: float, length: float) -> None:
 
 def test_map_and_panel_lie_inside_the_frame_and_apart() -> None:
     for rows, columns in ((62, 46), (46, 62), (5, 5), (1, 400), (400, 1), (1000, 1000)):
-        for teams in (1, 2, 6):
-            plan = plan_layout(rows, columns, teams)
+        for teams, linked in itertools.product((1, 2, 6), (False, True)):
+            plan = plan_layout(rows, columns, teams, linked=linked)
             right, bottom = plan.map_left + plan.map_width, plan.map_top + plan.map_height
             assert 0 < plan.map_left < right < plan.width
             assert 0 < plan.map_top < bottom < plan.height

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mjforage.core.whole_files import write_bytes
 from mjforage.runs.episode_replay import Replay
+from mjforage.runs.held import Held
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.web_replay import WebReplay, web_replay
 
@@ -101,6 +102,42 @@ def with_track(folder: Path, world: str, frame_s: float) -> Replay:
 
 def with_physics(folder: Path) -> Replay:
     return with_track(folder, "physics", 0.5)
+
+
+def over_link(replay: Replay, seed: int = 4) -> Replay:
+    """The same episode with a link made up by chance: who hears what, and what is lost."""
+    rng = np.random.default_rng(seed)
+    (steps, items), agents = replay.item_present.shape, len(replay.agent_team)
+    water, changes = np.flatnonzero(replay.navigable), np.full(steps, 6 * agents, np.int32)
+    step = np.repeat(np.arange(steps), changes)
+    each = [rng.choice(water, 6, replace=False) for _ in range(steps * agents)]
+    linked = np.triu(rng.random((steps, agents, agents)) < 0.5, 1)
+    linked |= linked.swapaxes(1, 2)
+    heard = np.maximum.accumulate(
+        rng.integers(0, np.arange(steps)[:, None, None] + 1, (linked.shape))
+    )
+    heard[:, range(agents), range(agents)] = np.arange(steps)[:, None]
+    held = Held(
+        forgetting=0.05,
+        changes=changes,
+        agent=np.tile(np.repeat(np.arange(agents), 6), steps).astype(np.int16),
+        cell=np.concatenate(each).astype(np.int32),
+        seen=np.maximum(step - rng.integers(0, 3, step.size), 0).astype(np.int16),
+        items=rng.integers(0, 4, step.size).astype(np.int16),
+        heard=heard.astype(np.int16),
+        known_from=rng.integers(-1, steps, (agents, items)).astype(np.int16),
+        linked=linked,
+        lost=(linked * rng.integers(0, 3, linked.shape)).astype(np.int16),
+    )
+    return replace(replay, held=held)
+
+
+def with_link(folder: Path) -> Replay:
+    """Put the run's replay of the graph world over a link, and return it."""
+    path = folder / "replay" / "graph-greedy-0.npz"
+    replay = over_link(Replay.load(path))
+    write_bytes(path, replay.content())
+    return replay
 
 
 def shown(folder: Path) -> WebReplay:

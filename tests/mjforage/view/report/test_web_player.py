@@ -22,6 +22,7 @@ from tests.mjforage.view.report.replay_data import (
     MakeRun,
     entry_of,
     shown,
+    with_link,
     with_physics,
     with_track,
 )
@@ -96,7 +97,14 @@ process.stdin.on("end", async () => {
     items: times.map((time) => items.map((i) => Object.values(episode.item(i, time)))),
     winds: times.map((time) => Object.values(episode.wind(time))),
     shares: steps.map((step) => Object.values(episode.shares(step * stage.period_s))),
-    belief: [...steps, ...steps.reverse()].map((step) => [...episode.belief.at(step)]),
+    belief: [...steps, ...[...steps].reverse()].map((step) => [...episode.belief.at(step)]),
+    minds: [-1, ...agents].map((agent) => [...steps, ...[...steps].reverse()].map((step) =>
+      ["belief", "idleness", "view"].map((layer) => [...episode.mind(agent)[layer].at(step)]))),
+    heard: steps.map((step) => agents.map((agent) => agents.map((other) =>
+      episode.heardAt(agent, other, step)))),
+    knows: [-1, ...agents].map((agent) => steps.map((step) =>
+      items.map((item) => episode.knows(agent, item, step * stage.period_s)))),
+    links: steps.flatMap((step) => episode.links(step).map(({ a, b, lost }) => [step, a, b, lost])),
   }));
 });
 """
@@ -162,3 +170,50 @@ def test_what_nobody_saw_is_discovered_as_it_is_collected(make_run: MakeRun) -> 
     said = answers(shown(folder), "graph", np.zeros(1))
     assert said["shares"][-1, 1] > 0.0
     assert (said["shares"][:, 0] == said["shares"][:, 1]).all()
+
+
+def test_the_browsers_code_reads_what_each_vessel_knows(make_run: MakeRun) -> None:
+    folder = make_run(policies=("greedy",), episodes=1)
+    replay = with_link(folder)
+    held, agents = replay.held, len(replay.agent_team)
+    assert held is not None
+    said = answers(shown(folder), "graph", np.zeros(1))
+    water, steps = replay.navigable.ravel(), np.arange(len(held.changes))
+    for agent in range(agents):
+        belief, seen = held.maps(agent, water.size)
+        idle = np.rint(15 * np.minimum(1.0, (steps[:, None] - seen.astype(float)) * 0.05))
+        view = np.where(seen == steps[:, None], replay.in_view.reshape(seen.shape), 0)
+        for layer, values in enumerate((belief, idle, view)):
+            both_ways = np.concatenate((values, values[::-1]))
+            off = np.abs(said["minds"][agent + 1, :, layer][:, water] - both_ways[:, water])
+            assert off.max() <= (layer == 1), "halves of a level of idleness round either way"
+        known = (held.known_from[agent] >= 0) & (held.known_from[agent] <= steps[:, None])
+        np.testing.assert_array_equal(said["knows"][agent + 1], known)
+    pooled = replay.belief.reshape(len(steps), -1)
+    np.testing.assert_array_equal(said["minds"][0, : len(steps), 0], pooled)
+    np.testing.assert_array_equal(said["heard"], held.heard)
+    step, b, a = np.nonzero(np.triu(held.linked))
+    lost = held.lost[step, a, b] + held.lost[step, b, a]
+    expected = np.stack((step, a, b, lost), axis=1)
+    np.testing.assert_array_equal(
+        said["links"][np.lexsort(said["links"].T[::-1])], expected[np.lexsort(expected.T[::-1])]
+    )
+
+
+def test_without_a_link_all_know_the_same(make_run: MakeRun) -> None:
+    folder = make_run(policies=("greedy",), episodes=1)
+    said = answers(shown(folder), "graph", np.zeros(1))
+    assert (said["minds"] == said["minds"][:1]).all() and said["links"].size == 0
+    assert (said["knows"] == said["knows"][:1]).all() and said["knows"].any()
+    assert (said["heard"] == np.arange(len(said["heard"]))[:, None, None]).all()
+
+
+def test_the_page_offers_vessels_only_over_a_link(make_run: MakeRun) -> None:
+    folder = make_run(policies=("greedy",), episodes=1)
+    plain = player(write_report(folder).read_text("utf-8")).split("<script", 1)[0]
+    assert "player-seen" not in plain and 'data-layer="links"' not in plain
+    with_link(folder)
+    part = player(write_report(folder).read_text("utf-8")).split("<script", 1)[0]
+    names = ["all", "scouts-0", "scouts-1", "foragers-0", "foragers-1"]
+    assert options(part, 'id="player-seen"') == names
+    assert 'data-layer="links" checked' in part

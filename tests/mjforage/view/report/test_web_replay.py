@@ -21,6 +21,7 @@ from tests.mjforage.view.report.replay_data import (
     read_track,
     shown,
     unpacked,
+    with_link,
     with_physics,
 )
 
@@ -164,3 +165,30 @@ def test_a_replay_of_another_run_is_refused(
     write_bytes(path, change(Replay.load(path)).content())
     with pytest.raises(UserError, match=r"greedy-0\.npz: (is not of the run|.* does not fit)"):
         web_replay(load_logs(folder))
+
+
+def test_what_each_vessel_knows_follows_what_all_know(make_run: MakeRun) -> None:
+    """Behind the data of an episode without a link, which stay as they are."""
+    folder = make_run(policies=("greedy",), episodes=1)
+    alone = entry_of(shown(folder), "graph")
+    replay = with_link(folder)
+    assert replay.held is not None
+    entry = entry_of(shown(folder), "graph")
+    assert (alone["forgetting"], entry["forgetting"]) == (None, 0.05)
+    before, numbers = list(unpacked(alone["text"])), unpacked(entry["text"])
+    assert [next(numbers) for _ in before] == before
+    agents, items = replay.held.known_from.shape
+    steps = len(replay.held.changes)
+    known = [next(numbers) - 1 for _ in range(agents * items)]
+    assert known == replay.held.known_from.ravel().tolist()
+    np.testing.assert_array_equal(read_layer(numbers, (steps, agents, agents)), replay.held.heard)
+    pairs = read_layer(numbers, (steps, agents, agents))
+    np.testing.assert_array_equal(pairs > 0, replay.held.linked)
+    np.testing.assert_array_equal(np.maximum(pairs - 1, 0), replay.held.lost)
+    for agent in range(agents):
+        belief, seen = replay.held.maps(agent, replay.navigable.size)
+        shape = (steps, *replay.navigable.shape)
+        np.testing.assert_array_equal(read_layer(numbers, shape), belief.reshape(shape))
+        last = np.where(seen < 0, 0, seen.astype(int) + 1)
+        np.testing.assert_array_equal(read_layer(numbers, shape), last.reshape(shape))
+    assert next(numbers, None) is None

@@ -1,0 +1,221 @@
+"""Episodes as one vessel knows them: its map, where it last heard of others, who is in contact."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mjforage.core.errors import UserError
+from mjforage.runs.episode_replay import Replay
+from mjforage.runs.held import Held
+from mjforage.view.render import TopView, palette, render_replay
+from mjforage.view.render.harbour_view import HarbourView
+from mjforage.view.render.inset import Inset
+from mjforage.view.render.seen_by import last_heard, seen_by, shown_name
+from mjforage.view.render.timeline import timeline_of
+
+Build = Callable[..., Replay]
+Image = NDArray[np.uint8]
+SCOUT, FORAGER = palette.team_colours([False, True])
+STEPS = 4
+
+
+def in_turn(values: list[int]) -> NDArray[np.int16]:
+    return np.array(values, np.int16)
+
+
+@pytest.fixture
+def apart(build: Build) -> Replay:
+    """A scout goes from (2, 2) to (2, 10) and is last heard by the forager at (10, 2) in step 1.
+
+    The forager has seen its own node in every step, and of node (5, 5) in step 3 what was there in
+    step 1: two items, of which one lies there; the other, at (10, 10), is known to the scout only.
+    The last contact, in step 1, lost three looks from the scout and none to it.
+    """
+    replay = build(np.ones((13, 13), np.bool_), steps=STEPS, items=2, agents=(1, 1))
+    way = np.tile(np.array([[2.0, 2.0], [10.0, 2.0]], np.float32), (STEPS + 1, 1, 1))
+    way[:, 0, 1] += 2.0 * np.arange(STEPS + 1)
+    nothing, own = np.zeros_like(replay.in_view), 10 * 13 + 2
+    view = nothing.copy()
+    view[:, 10, 2], view[:, 5:8, 9] = 2, 1
+    heard = np.tile(np.arange(STEPS + 1, dtype=np.int16)[:, None, None], (1, 2, 2))
+    heard[:, 0, 1] = heard[:, 1, 0] = (0, 1, 1, 1, 1)
+    pairs = np.zeros((STEPS + 1, 2, 2), np.int16)
+    linked, pairs[1, 0, 1] = np.zeros(pairs.shape, np.bool_), 3
+    linked[1, 0, 1] = linked[1, 1, 0] = True
+    held = Held(
+        forgetting=0.1,
+        changes=np.array([1, 1, 1, 2, 1], np.int32),
+        agent=in_turn([1] * 6),
+        cell=np.array([own, own, own, own, 5 * 13 + 5, own], np.int32),
+        seen=in_turn([0, 1, 2, 3, 1, 4]),
+        items=in_turn([0, 0, 0, 0, 2, 0]),
+        heard=heard,
+        known_from=np.array([[0, 0], [3, -1]], np.int16),
+        linked=linked,
+        lost=pairs,
+    )
+    return replace(
+        replay,
+        agent_rc=way,
+        item_rc=np.tile(np.array([[5.0, 5.0], [10.0, 10.0]], np.float32), (STEPS + 1, 1, 1)),
+        item_present=np.ones((STEPS + 1, 2), np.bool_),
+        belief=nothing.astype(np.int16),
+        idleness=np.zeros_like(replay.idleness),
+        in_view=view,
+        t_discovered=in_turn([1, 1]),
+        held=held,
+    )
+
+
+def around(image: Image, view: TopView, rc: tuple[float, float], reach: int) -> Image:
+    x, y = (int(value) for value in view.place(np.array(rc)))
+    return image[y - reach : y + reach + 1, x - reach : x + reach + 1]
+
+
+def share(image: Image, colour: palette.Colour, tolerance: float = 12.0) -> float:
+    """Share of the pixels that are of a colour."""
+    off = np.abs(image.astype(float) - np.array(colour)).max(axis=2)
+    return float((off < tolerance).mean())
+
+
+def test_the_map_of_a_vessel_takes_the_place_of_the_fleets(apart: Replay) -> None:
+    seen = seen_by(apart, "foragers-0")
+    assert (shown_name(apart), shown_name(seen)) == ("all", "foragers-0")
+    assert seen.belief[:, 5, 5].tolist() == [0, 0, 0, 2, 2] and seen.belief[3:].sum() == 4
+    np.testing.assert_allclose(seen.idleness[:, 5, 5], [1.0, 1.0, 1.0, 0.2, 0.3], atol=1e-3)
+    assert (seen.idleness[:, 10, 2] == 0.0).all() and (seen.idleness[:, 0, 0] == 1.0).all()
+    assert (seen.in_view[:, 10, 2] == 2).all(), "its own view"
+    assert not seen.in_view[:, 5:8, 9].any(), "and not what the scout sees"
+    assert seen_by(apart, "all") is apart
+    blind = seen_by(apart, "scouts-0")
+    assert not blind.belief.any() and (blind.idleness == 1.0).all()
+
+
+def test_land_is_not_idle(apart: Replay) -> None:
+    water = apart.navigable.copy()
+    water[0, 0] = False
+    assert not seen_by(replace(apart, navigable=water), "scouts-0").idleness[:, 0, 0].any()
+
+
+def test_items_are_known_by_the_map_and_discovered_by_the_truth(apart: Replay) -> None:
+    never = np.iinfo(np.int64).max
+    alone, fleet = timeline_of(seen_by(apart, "foragers-0")), timeline_of(apart)
+    assert alone.known.tolist() == [3, never] and fleet.known.tolist() == [1, 1]
+    assert alone.discovered.tolist() == [1, 1]
+    np.testing.assert_array_equal(alone.pta_d, fleet.pta_d)
+
+
+def test_who_was_last_heard_when(apart: Replay) -> None:
+    assert last_heard(apart, 3).tolist() == [3, 3]
+    assert last_heard(seen_by(apart, "foragers-0"), 3).tolist() == [1, 3]
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("scouts-1", "seen by scouts-1: no such vessel; choose all, scouts-0, foragers-0"),
+        ("", "seen by : no such vessel"),
+    ],
+)
+def test_unknown_vessels_are_named(apart: Replay, tmp_path: Path, name: str, message: str) -> None:
+    with pytest.raises(UserError, match=message):
+        render_replay(apart, tmp_path / "a.png", seen_by=name)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_a_link_nobody_sees_alone(apart: Replay) -> None:
+    plain = replace(apart, held=None)
+    assert seen_by(plain, "all") is plain
+    with pytest.raises(UserError, match="seen by scouts-0: without a link all know the same"):
+        seen_by(plain, "scouts-0")
+
+
+def test_a_vessel_is_faded_where_it_was_last_heard_of(apart: Replay) -> None:
+    """At step 4 the scout is at (2, 10); the forager heard of it at (2, 4)."""
+    views = {name: TopView(seen_by(apart, name), 640) for name in ("all", "foragers-0")}
+    frames = {name: view.frame(4.0) for name, view in views.items()}
+    for name, truly in (("all", True), ("foragers-0", False)):
+        hull = around(frames[name], views[name], (2, 10), 9)
+        assert (share(hull, SCOUT) > 0.2) == truly, "full, or an outline only"
+        assert share(around(frames[name], views[name], (10, 2), 9), FORAGER) > 0.2
+    there = [around(frames[name], views[name], (2, 4), 9).astype(float) for name in frames]
+    assert np.abs(there[0] - there[1]).mean() > 20.0, "its ghost"
+    assert share(there[1].astype(np.uint8), SCOUT) == 0.0, "which is faded"
+    ago = around(frames["foragers-0"], views["foragers-0"], (3, 4), 14)
+    assert share(ago, palette.INK, 40.0) > 0.02, "30 s ago"
+
+
+def test_items_that_it_does_not_know_are_dim(apart: Replay) -> None:
+    views = [TopView(seen_by(apart, name), 640) for name in ("all", "foragers-0")]
+    first, second = (
+        [around(v.frame(4.0), v, rc, 2).mean() for v in views] for rc in ((5, 5), (10, 10))
+    )
+    assert first[1] > second[1] + 10.0, "in the forager's own picture"
+    assert second[0] > second[1] + 10.0, "and by what all know"
+
+
+def test_contacts_are_lines_and_broken_red_ones_where_looks_were_lost(apart: Replay) -> None:
+    assert apart.held is not None
+    nothing = np.zeros_like(apart.held.lost)
+    kept = replace(apart, held=replace(apart.held, lost=nothing))
+    none = replace(apart, held=replace(apart.held, lost=nothing, linked=nothing > 0))
+    reds, changed = [], []
+    for replay in (apart, kept, none):
+        view = TopView(replay, 640)
+        frame = view.frame(1.0)
+        across = around(frame, view, (6, 3), 20)
+        reds.append(share(across, palette.LOST, 40.0))
+        changed.append(across.astype(float))
+    assert reds[0] > 0.01 and reds[1] == reds[2] == 0.0
+    assert np.abs(changed[1] - changed[2]).max() > 60.0, "a dark line"
+
+
+def test_the_inset_shows_the_same(apart: Replay) -> None:
+    """Scale 10: a node's middle is at 10 x (column + 1.5), as one cell around the water shows."""
+    hulls = apart.agent_rc[4].astype(np.float64)
+    images = {}
+    for name in ("all", "foragers-0"):
+        inset = Inset(seen_by(apart, name), [SCOUT, FORAGER], (130.0, 130.0))
+        images[name] = np.zeros((inset.height, inset.width, 3), np.uint8)
+        inset.paint(images[name], 0, 0, 4.0, hulls)
+    scale = images["all"].shape[0] / 13.0
+
+    def pixel(name: str, row: float, column: float) -> NDArray[np.float64]:
+        colour: NDArray[np.float64] = images[name][
+            int((row + 0.5) * scale), int((column + 0.5) * scale)
+        ].astype(float)
+        return colour
+
+    np.testing.assert_array_equal(pixel("all", 2, 10), SCOUT)
+    assert np.abs(pixel("foragers-0", 2, 10) - SCOUT).max() > 40.0, "a ring is empty"
+    faded = pixel("foragers-0", 2, 4)
+    assert 10.0 < np.abs(faded - SCOUT).max() < 130.0
+    assert np.abs(faded - pixel("all", 2, 4)).max() > 40.0
+    assert pixel("foragers-0", 5, 5)[0] > 240.0 > pixel("all", 5, 5)[0], "what it believes"
+
+
+def test_the_inset_draws_links(apart: Replay) -> None:
+    inset = Inset(apart, [SCOUT, FORAGER], (130.0, 130.0))
+    image = np.zeros((inset.height, inset.width, 3), np.uint8)
+    reds = []
+    for time in (1.0, 2.0):
+        inset.paint(image, 0, 0, time, apart.agent_rc[int(time)].astype(np.float64))
+        reds.append(share(image, palette.LOST, 40.0))
+    assert reds[0] > 0.002 and reds[1] == 0.0, "in the step of the loss"
+
+
+def test_a_film_through_mujoco_shows_it_too(opengl: str, apart: Replay, refine: Build) -> None:
+    assert opengl
+    frames = []
+    for name in ("all", "foragers-0"):
+        with HarbourView(seen_by(refine(apart), name), "overview", 960, 540) as view:
+            frames.append(view.frame(4.0).astype(float))
+    inset = np.s_[-250:-20, -200:-20]
+    differ = np.abs(frames[0] - frames[1]).max(axis=2) > 30.0
+    assert differ[inset].mean() > 0.2
+    differ[inset] = False
+    assert 0.0 < differ.mean() < 0.05, "beside it only items that it does not know"
