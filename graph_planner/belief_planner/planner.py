@@ -51,14 +51,14 @@ class Lookers(NamedTuple):
 
 
 class BeliefPlanner:
-    """Beliefs and plans of a batch of rows."""
+    """Beliefs and plans of a batch of rows; `believing` makes what it believes."""
 
-    def __init__(self, task: Task, keys: UInt64Array) -> None:
+    def __init__(self, task: Task, keys: UInt64Array, believing: type[Beliefs] = Beliefs) -> None:
         settings, graph, episodes = task.belief.widened(), task.graph, keys.size
         if not settings.wind:
             settings = replace(settings, drift_node_per_step=0.0)
         self.settings, self._task = settings, task
-        self.beliefs = Beliefs(task, settings, keys)
+        self.beliefs = believing(task, settings, keys)
         self._foragers = Foraging(task, settings)
         # Without scouts, foragers look around when they know of nothing to collect.
         self._lone = task.fleet.discoverers.size == 0

@@ -6,6 +6,11 @@ hidden from it. Its scouts look at true items that the fleet's map does not show
 
 It bounds the mean and not every episode: routes are found by a beam search, and they minimise the
 times at which items are met, not how many are met before the foragers' energy is spent.
+
+`oracle(heard=true)` acts by what each holder has heard, as policies do over a link: of the items
+that the looks it has heard of have shown it is told the truth, and their drift; it searches for the
+others, and keeps in touch, as the belief planner does. The belief planner's gap to it is what not
+knowing those items costs, its own gap to the oracle what searching and the link cost.
 """
 
 from dataclasses import replace
@@ -14,8 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.foraging import Foraging
+from graph_planner.belief_planner.planner import BeliefPlanner
 from graph_planner.belief_planner.scouting import Scouting
 from graph_planner.belief_planner.stops import floating
+from graph_planner.belief_planner.told import ToldBeliefs
 from graph_planner.policies.registry import register
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task, Truth
@@ -25,9 +32,15 @@ from graph_planner.task import Observation, Task, Truth
 class OraclePolicy:
     """A bound, not a policy: foragers see every item and its drift; joint multi-item routes."""
 
+    def __init__(self, heard: bool = False) -> None:
+        self.apart = heard
+
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
         settings = replace(task.belief, joint=True, sweeps=True)
+        if self.apart:
+            self._planner = BeliefPlanner(replace(task, belief=settings), keys, ToldBeliefs)
+            return
         self._foragers = Foraging(task, settings)
         self._scouts = Scouting(task, settings)
         self._nodes = len(task.graph)
@@ -40,6 +53,11 @@ class OraclePolicy:
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9)."""
         truth = self._truth
+        if self.apart:
+            beliefs = self._planner.beliefs
+            assert isinstance(beliefs, ToldBeliefs)
+            beliefs.reveal(truth)
+            return self._planner.act(observation)
         if truth.item_node.shape[1] > self._foragers.items.row.size:
             self._foragers.items = floating(truth.item_node.shape[1])
         items = self._foragers.items

@@ -47,11 +47,12 @@ class Policy(Protocol):
 class Bound(Policy, Protocol):
     """A policy that is shown the truth: no policy to compare with, but a bound on what is possible.
 
-    Every table marks it as a bound.
+    Every table marks it as a bound. It decides by what the fleet knows together, once for each
+    episode; one with an attribute `apart` that is true decides for each holder, as policies do.
     """
 
     def reveal(self, truth: Truth) -> None:
-        """Take in where the items are, before every `act`."""
+        """Take in where the items are, before every `act`, in the rows of its observation."""
         ...
 
 

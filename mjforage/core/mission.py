@@ -285,15 +285,16 @@ class Mission:
 
     def prepare(self, policy: Policy) -> None:
         """Get a policy ready for the batch: it decides once for each holder, a bound for each
-        episode.
+        episode unless it is `apart`.
         """
-        holders = 1 if isinstance(policy, Bound) else self.exchange.holders
-        policy.reset(self.task, np.repeat(self.keys, holders))
+        pooled = isinstance(policy, Bound) and not getattr(policy, "apart", False)
+        policy.reset(self.task, np.repeat(self.keys, 1 if pooled else self.exchange.holders))
 
     def ask(self, policy: Policy) -> NDArray[np.float64]:
         """The preferences (episode, agent, 9) of a policy, those of each agent by what it knows.
 
-        A bound (`Bound`) is shown the truth too, and what the fleet knows together.
+        A bound (`Bound`) is shown the truth too, and what the fleet knows together unless it is
+        `apart`.
 
         Raises
         ------
@@ -302,11 +303,12 @@ class Mission:
         """
         who = f"policy {type(policy).__name__}"
         reveal = getattr(policy, "reveal", None)  # `isinstance` of a protocol takes 25 us
+        apart = reveal is None or getattr(policy, "apart", False)
+        holders, holder_of = self.exchange.holders if apart else 1, self.exchange.holder_of
         if reveal is not None:
-            reveal(self.truth)
-            return check_preferences(policy.act(self.observation), self.state.agent_node.shape, who)
-        holders, holder_of = self.exchange.holders, self.exchange.holder_of
-        answer = policy.act(self.held)
+            rows = self.truth if holders == 1 else (np.repeat(a, holders, 0) for a in self.truth)
+            reveal(Truth._make(rows))
+        answer = policy.act(self.held if apart else self.observation)
         forecast = getattr(policy, "forecast", None)
         if forecast is not None:
             self.forecasts.take(forecast(), self.ledger.entries.truth, self.active)

@@ -17,10 +17,11 @@ from mjforage.testing.conformance import ConformanceError, first_difference, run
 
 TOLERANCE = 1e-6  # of a sum of terms, which may be added in another order
 ONLY = ""  # the one agent of an environment of Gymnasium
+CRITIC = "state()"  # who sees that of a `ParallelEnv`, if it has a `state_space`
 
 
 class Frame(NamedTuple):
-    """What one step gave, by agent; the agent of Gymnasium is ""."""
+    """What one step gave, by agent; the agent of Gymnasium is "", a central critic `CRITIC`."""
 
     seen: dict[str, Any]
     rewards: dict[str, float]
@@ -69,6 +70,8 @@ def is_parallel(env: Any) -> bool:
 
 
 def _space(env: Any, agent: str, kind: str) -> Any:
+    if agent == CRITIC:
+        return env.state_space
     return (
         getattr(env, f"{kind}_space")(agent) if is_parallel(env) else getattr(env, f"{kind}_space")
     )
@@ -77,7 +80,12 @@ def _space(env: Any, agent: str, kind: str) -> Any:
 def begin(env: Any, seed: int | None) -> dict[str, Any]:
     """Reset, and what is seen by each agent."""
     seen = env.reset(seed=seed)[0]
-    return dict(seen) if is_parallel(env) else {ONLY: seen}
+    return _all_seen(env, seen) if is_parallel(env) else {ONLY: seen}
+
+
+def _all_seen(env: Any, seen: Mapping[str, Any]) -> dict[str, Any]:
+    """What is seen in a `ParallelEnv`, by a central critic too."""
+    return {**seen, CRITIC: env.state()} if hasattr(env, "state_space") else dict(seen)
 
 
 def play(env: Any, actions: Mapping[str, Any]) -> Frame:
@@ -85,7 +93,7 @@ def play(env: Any, actions: Mapping[str, Any]) -> Frame:
     if is_parallel(env):
         seen, rewards, ended, late, infos = env.step(dict(actions))
         over = all(ended[a] or late[a] for a in ended) or not env.agents
-        return Frame(dict(seen), dict(rewards), over, dict(infos))
+        return Frame(_all_seen(env, seen), dict(rewards), over, dict(infos))
     seen, reward, one, two, info = env.step(actions[ONLY])
     return Frame({ONLY: seen}, {ONLY: reward}, bool(one or two), {ONLY: info})
 
@@ -189,7 +197,7 @@ def _compare(
 
 
 def check_space(trial: EnvironmentTrial) -> None:
-    """Every observation is in its space."""
+    """Every observation is in its space, every state too."""
     env = trial.make()
     for step, frame in enumerate(rollout(trial, env, trial.seed)):
         for agent, seen in frame.seen.items():
@@ -220,7 +228,7 @@ def _stray(space: Any, seen: Any) -> str:
 
 
 def check_memory(trial: EnvironmentTrial) -> None:
-    """An observation that was given stays as it was while the episode goes on."""
+    """An observation or state that was given stays as it was while the episode goes on."""
     env, random = trial.make(), np.random.default_rng(trial.seed)
     given, over, step = begin(env, trial.seed), False, 0
     while not over and step < trial.steps:

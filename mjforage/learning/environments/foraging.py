@@ -30,7 +30,8 @@ class ForagingEnv(SingleEnvironment, gymnasium.Env[Pictures, NDArray[np.int64]])
     | paper | `map` | (6, rows, columns) | float32 | [0, 1] | table of `PaperChannels` |
     | both | `action_mask` | (9,) | int8 | 0, 1 | 1: legal before anybody has chosen |
 
-    The tables, with units, are in `graph_planner.encodings`.
+    The tables, with units, are in `graph_planner.encodings`. Over a link each agent's arrays show
+    what it has seen and heard itself.
 
     **Reward** the sum over agents and terms; `info["reward/<term>"]` has each weighted term's.
     **End** terminated when no item is left or nobody has energy; truncated at the horizon.

@@ -14,16 +14,21 @@ from mjforage.learning.environments.checks import checked_moves, checked_started
 from mjforage.learning.environments.options import EnvironmentArguments
 from mjforage.learning.environments.single import METADATA, SingleEnvironment
 from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, values
+from mjforage.learning.environments.state import Picture, state_of, state_space
 
 
 class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Pictures, int]):  # type: ignore[misc]
     """Agents `scouts-0`, `foragers-0`, ... decide at once; `rules.order` decides conflicts.
 
     **Action** `Discrete(9)`, **observation** and masks per agent as in `mjforage/SharedPolicy-v0`,
-    except that a mask cannot know what others choose at the same time. Infos have the same keys at
-    every step. **Reward** each agent's own terms. **End** all are terminated when no
-    item is left, one when it has not the energy for another move (it then stays where it is, and
-    still sees); all are truncated at the horizon.
+    except that a mask cannot know what others choose at the same time. Over a link an agent sees
+    what it has seen and heard itself: a decentralised partially observable decision process
+    (Oliehoek and Amato, *A Concise Introduction to Decentralized POMDPs*, 2016). Infos have the
+    same keys at every step; but for `step` they tell the truth of the whole fleet, and are not for
+    those who act. **State** `state()`, for central critics: the table of `state_of`.
+    **Reward** each agent's own terms. **End** all are terminated when no item is left, one when it
+    has not the energy for another move (it then stays where it is, and still sees); all are
+    truncated at the horizon.
     """
 
     metadata: ClassVar[dict[str, Any]] = {
@@ -37,6 +42,7 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Pictures, int]):  
         self._entropy = np.random.default_rng()
         self.possible_agents = list(self._game.setup.fleet.names)
         self.agents: list[str] = []
+        self.state_space = state_space(self._game.setup)
 
     @cached_property
     def _spaces(
@@ -93,6 +99,11 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Pictures, int]):  
                 infos[a][f"reward/{name}"] = float(term[0, index[a]])
         self.agents = [a for a in present if not (terminated[a] or truncated[a])]
         return observations, rewards, terminated, truncated, infos
+
+    def state(self) -> Picture:
+        """What the fleet knows together, and the truth: (channel, row, column), see `state_of`."""
+        checked_started(self._game.started, "state")
+        return state_of(self._game.mission)
 
     def _chosen(self, actions: dict[str, int]) -> NDArray[np.int64]:
         """(agent,) moves; agents that are over stay."""

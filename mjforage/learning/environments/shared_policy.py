@@ -19,9 +19,10 @@ class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Pictures, np.int64]):
     """One decision of one agent per step; when all have decided, the mission moves on.
 
     Agents decide in the mission's order (`rules.order`), so `action_mask` also leaves out what
-    those before this one took. The fleet's reward comes with the last agent's decision of a round
-    and is 0 before; so it is one sequential decision process, and values of following observations
-    are values of the same fleet.
+    those before this one took: a node that both can get to, so they are within the sum of their
+    moves, where hulls see each other whatever the link. The fleet's reward comes with the last
+    agent's decision of a round and is 0 before; so over an ideal link it is one sequential decision
+    process, and values of following observations are values of the same fleet.
 
     **Action** `Discrete(9)`: 0-7 compass from north clockwise, 8 stay; an illegal one becomes
     staying put where that is legal, else the first legal compass move.

@@ -4,8 +4,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
+from graph_planner.belief_planner.told import UNHEARD
 from graph_planner.policies import Policy, create_policy, is_bound, policy_names
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task, Truth
@@ -34,8 +36,16 @@ class Peeper(Watcher):
         self.told.append(Truth(truth.item_rc.copy(), truth.item_node.copy(), truth.drift_rc.copy()))
 
 
-def played(policy: Policy) -> Mission:
-    mission = Mission(Setup.of(load_scenario("comb-port", ["horizon=5"])))
+class ApartPeeper(Peeper):
+    apart = True
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        self.rows = observation.keys.size
+        return super().act(observation)
+
+
+def played(policy: Policy, *overrides: str) -> Mission:
+    mission = Mission(Setup.of(load_scenario("comb-port", ["horizon=5", *overrides])))
     mission.reset(0, np.arange(3))
     mission.run(policy)
     return mission
@@ -52,9 +62,82 @@ def test_a_bound_is_shown_the_truth_before_every_decision() -> None:
     assert watcher.told == []
 
 
+@pytest.mark.parametrize(("link", "holders"), [("none", 4), ("ideal", 1)])
+def test_a_bound_that_is_apart_decides_for_each_holder(link: str, holders: int) -> None:
+    peeper, pooled = ApartPeeper(), Peeper()
+    mission = played(peeper, f"link.model={link}")
+    assert peeper.rows == 3 * holders
+    for told, array in zip(
+        peeper.told[0],
+        (mission.initial.item_rc, mission.initial.item_node, mission.initial.drift_rc),
+        strict=True,
+    ):
+        np.testing.assert_array_equal(told, np.repeat(array, holders, axis=0))
+    played(pooled, f"link.model={link}")
+    assert pooled.told[0].item_node.shape[0] == 3
+
+
+LINK = ("horizon=60", "link.model=disk", "link.range_m=40", "link.latency=1")
+
+
+class Recorder:
+    """The oracle of what was heard; keeps what it is shown and answers."""
+
+    apart = True
+
+    def __init__(self) -> None:
+        self.oracle = create_policy("oracle(heard=true)")
+        self.seen: list[Observation] = []
+        self.told: list[Truth] = []
+        self.answers: list[NDArray[np.float64]] = []
+
+    def reset(self, task: Task, keys: UInt64Array) -> None:
+        self.oracle.reset(task, keys)
+
+    def reveal(self, truth: Truth) -> None:
+        self.told.append(Truth._make(part.copy() for part in truth))
+        self.oracle.reveal(truth)  # type: ignore[attr-defined]
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        self.seen.append(Observation._make(part.copy() for part in observation))
+        self.answers.append(self.oracle.act(observation).copy())
+        return self.answers[-1]
+
+
+def answers_to(first: Recorder, mission: Mission, hidden: NDArray[np.bool_]) -> Recorder:
+    """What it answers where some items (row, item) never were, all else as it was."""
+    again = Recorder()
+    again.reset(mission.task, first.seen[0].keys)
+    for seen, truth in zip(first.seen, first.told, strict=True):
+        item_rc = np.where(hidden[..., None], 0.0, truth.item_rc)
+        again.reveal(
+            truth._replace(item_rc=item_rc, item_node=np.where(hidden, -1, truth.item_node))
+        )
+        again.act(seen)
+    return again
+
+
+def test_the_oracle_of_what_was_heard_knows_nothing_else() -> None:
+    first = Recorder()
+    mission = Mission(Setup.of(load_scenario("comb-port", LINK)))
+    mission.reset(2, np.arange(2))
+    mission.run(first)
+    since = first.oracle._planner.beliefs.since  # type: ignore[attr-defined]
+    unheard = since == UNHEARD
+    assert unheard.any() and not unheard.all()
+    apart = unheard.reshape(2, 4, -1)
+    assert (apart != apart[:, :1]).any(), "holders have heard of different items"
+    kept = answers_to(first, mission, unheard)
+    for one, other in zip(first.answers, kept.answers, strict=True):
+        np.testing.assert_array_equal(one, other)
+    lost = answers_to(first, mission, ~unheard)
+    assert any((a != b).any() for a, b in zip(first.answers, lost.answers, strict=True))
+
+
 def test_the_oracle_alone_is_marked() -> None:
     assert [name for name in policy_names() if is_bound(name)] == ["oracle"]
     assert policy_name("oracle", ["oracle"]) == "oracle (bound)"
+    assert is_bound("oracle(heard=true)")
     assert not hasattr(create_policy("belief"), "reveal")
 
 

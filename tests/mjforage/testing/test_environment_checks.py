@@ -184,7 +184,7 @@ def test_every_check_has_a_bad_environment() -> None:
 
 
 class Meeting(ParallelEnv[str, Any, int]):  # type: ignore[misc]
-    """Two walk; the reward of one is undefined."""
+    """Two walk for six steps."""
 
     metadata = {"name": "meeting"}  # noqa: RUF012
     possible_agents = ["a", "b"]  # noqa: RUF012
@@ -204,12 +204,20 @@ class Meeting(ParallelEnv[str, Any, int]):  # type: ignore[misc]
         return dict.fromkeys(self.agents, np.int64(0)), {agent: {} for agent in self.agents}
 
     def step(self, actions: dict[str, int]) -> Any:
+        if any(action not in self.spaces[agent] for agent, action in actions.items()):
+            raise ValueError(f"actions {actions}: give each 0, 1 or 2")
         self.steps += 1
         agents, over = self.agents, self.steps > 5
         self.agents = [] if over else agents
-        rewards = {"a": 0.0, "b": float("inf")}
+        rewards = dict.fromkeys(agents, 0.0)
         flags = dict.fromkeys(agents, over), dict.fromkeys(agents, False)
         return dict.fromkeys(agents, np.int64(0)), rewards, *flags, {agent: {} for agent in agents}
+
+
+class Boundless(Meeting):
+    def step(self, actions: dict[str, int]) -> Any:
+        seen, rewards, *rest = super().step(actions)
+        return seen, {**rewards, "b": float("inf")}, *rest
 
 
 class Agentless(Meeting):
@@ -218,15 +226,71 @@ class Agentless(Meeting):
         return {"a": seen["a"]}, rewards, *rest
 
 
-def test_parallel_environments_are_checked_agent_by_agent() -> None:
-    with pytest.raises(ConformanceError, match=r"rewards: .*the reward of b inf at step 1"):
-        check_environment(Meeting)
-    with pytest.raises(ConformanceError, match="does not pass parallel_api_test of PettingZoo"):
-        check_environment(Agentless)
+class Told(Meeting):
+    """Its critic is told the step."""
+
+    state_space = spaces.Box(0.0, 6.0, (1,), np.float32)
+
+    def state(self) -> Any:
+        return np.array([self.steps], np.float32)
 
 
-def test_a_good_one_of_a_users_own_passes() -> None:
-    check_environment(Walk)
+class Guessing(Told):
+    def state(self) -> Any:
+        return np.array([np.random.default_rng().random()], np.float32)
+
+
+class Counting(Told):
+    """Its critic is told of episodes before."""
+
+    episodes = -1
+
+    def reset(self, seed: int | None = None, options: Any = None) -> Any:
+        self.episodes += 1
+        return super().reset(seed, options)
+
+    def state(self) -> Any:
+        return np.array([self.episodes], np.float32)
+
+
+class Growing(Told):
+    def state(self) -> Any:
+        return np.zeros(1 + self.steps // 3, np.float32)
+
+
+class Living(Told):
+    """Gives its critic the array that it goes on with."""
+
+    def reset(self, seed: int | None = None, options: Any = None) -> Any:
+        self.live = np.zeros(1, np.float32)
+        return super().reset(seed, options)
+
+    def state(self) -> Any:
+        self.live[0] = self.steps
+        return self.live
+
+
+BAD_MEETINGS = [
+    (Boundless, r"rewards: .*the reward of b inf at step 1"),
+    (Agentless, r"api: .*does not pass parallel_api_test of PettingZoo"),
+    (Guessing, r"seed: .*gave observation state\(\) .* for one seed; draw all chance from"),
+    (Counting, r"fresh: .*gave observation state\(\) .*; let reset forget everything"),
+    (Growing, r"space: .*an observation of state\(\) at step 3 that is not in its space .float32"),
+    (Living, r"memory: .*changed state\(\) of step 0 afterwards; give a copy"),
+]
+
+
+@pytest.mark.parametrize(("env", "words"), BAD_MEETINGS)
+def test_parallel_environments_are_checked_agent_by_agent_and_their_state(
+    env: Any, words: str
+) -> None:
+    with pytest.raises(ConformanceError, match=words):
+        check_environment(env)
+
+
+@pytest.mark.parametrize("env", [Walk, Meeting, Told])
+def test_a_good_one_of_a_users_own_passes(env: Any) -> None:
+    check_environment(env)
 
 
 @pytest.mark.parametrize(
@@ -236,6 +300,7 @@ def test_a_good_one_of_a_users_own_passes() -> None:
         ("mjforage/SharedPolicy-v0", {"set": SHORT, "observation": "paper"}),
         ("mjforage/Waypoint-v0", {}),
         (mjforage.parallel_env, {"set": SHORT}),
+        (mjforage.parallel_env, {"set": (*SHORT, "link.model=disk", "link.range_m=32")}),
     ],
 )
 def test_ours_pass(env: Any, options: dict[str, Any]) -> None:

@@ -1,0 +1,77 @@
+"""Who is told the truth: of items that looks it has heard have shown, and of nothing else."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_planner.told import UNHEARD, ToldBeliefs
+from graph_planner.fleet import Role
+from graph_planner.navigation import navigation_graph
+from graph_planner.task import Observation, Truth
+from tests.graph_planner.driver import observation_of, task_of
+
+SEA = navigation_graph(np.ones((20, 30), np.bool_), 1.0, False)
+TASK = task_of(SEA, scouts=Role(1, 2, 4.0, False), foragers=Role(1, 1, 1.0, True))
+AT = [(10, 10), (10, 20)]
+DRIFT = np.array([[0.02, -0.06]])
+HIDDEN, SHOWN, TAKEN = (2.0, 25.0), (10.2, 12.9), (11.0, 9.0)
+
+
+def truth_of(*places: tuple[float, float], gone: tuple[int, ...] = ()) -> Truth:
+    """Items at places, some of them taken."""
+    item_rc = np.array([places])
+    node = np.array([[SEA.node_of_cell[round(r), round(c)] for r, c in places]], np.int32)
+    node[0, list(gone)] = -1
+    return Truth(item_rc, node, DRIFT)
+
+
+def seen_at(step: int, shows: dict[tuple[int, int], int]) -> Observation:
+    """What is known after a look of the scout at a step, at which only these nodes are in view."""
+    last_seen = np.full(len(SEA), -1, np.int16)
+    for cell in shows:
+        last_seen[SEA.node_of_cell[cell]] = step
+    known = {cell: items for cell, items in shows.items() if items}
+    return observation_of(TASK, AT, known, last_seen, step=step + 1)
+
+
+def beliefs() -> ToldBeliefs:
+    return ToldBeliefs(TASK, TASK.belief, np.array([7], np.uint64))
+
+
+def told(believed: ToldBeliefs) -> NDArray[np.float64]:
+    """(item, 2) places at which items are believed."""
+    n, tracks = int(believed.tracks.number[0]), believed.tracks
+    return np.stack((tracks.row[0, :n], tracks.col[0, :n]), axis=1)
+
+
+def test_an_item_once_shown_is_known_until_it_is_taken_and_others_are_not() -> None:
+    believed, places = beliefs(), (HIDDEN, SHOWN, TAKEN)
+    believed.reveal(truth_of(*places))
+    believed.learn(seen_at(0, {(10, 12): 0, (2, 2): 0}), 0)
+    assert told(believed).size == 0 and (believed.wind.mean == 0.0).all(), "nothing is known yet"
+    believed.reveal(truth_of(*places))
+    believed.learn(seen_at(1, {(10, 13): 1, (11, 9): 1}), 0)
+    np.testing.assert_array_equal(told(believed), [SHOWN, TAKEN])
+    np.testing.assert_array_equal(believed.wind.mean, DRIFT)
+    assert believed.since[0].tolist() == [UNHEARD, 1, 1]
+    far = (15.0, 3.0)  # where it has drifted, out of sight
+    believed.reveal(truth_of(HIDDEN, far, TAKEN, gone=(2,)))
+    believed.learn(seen_at(2, {(0, 0): 0}), 0)
+    np.testing.assert_array_equal(told(believed), [far])
+    assert believed.tracks.born[0, 0] == 1 and believed.tracks.seen[0, 0] == 2
+
+
+def test_late_looks_tell_of_what_they_show_at_their_own_step() -> None:
+    """The item has left the node since, and another has come into it."""
+    believed = beliefs()
+    believed.reveal(truth_of((10.0, 22.0), (3.0, 3.0)))
+    believed.learn(seen_at(0, {(0, 0): 0}), 0)
+    now, cell = truth_of((14.0, 26.0), (10.0, 22.0)), SEA.node_of_cell[10, 22]
+    view = TASK.views.of(int(SEA.node_of_cell[10, 20]), int(TASK.radius_number[0]))
+    shown = (view == cell).astype(np.int16)[None, None]
+    assert shown.sum() == 1
+    looks = np.array([[[0, 0, SEA.node_of_cell[10, 20]]]], np.int32)
+    believed.reveal(now)
+    heard = seen_at(1, {(0, 0): 0})._replace(late_looks=looks, late_shown=shown)
+    believed.learn(heard, 0)
+    np.testing.assert_array_equal(told(believed), [(14.0, 26.0)])
+    assert believed.since[0].tolist() == [0, UNHEARD]
