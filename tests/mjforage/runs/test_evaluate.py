@@ -140,7 +140,11 @@ def test_summary_of_numbers_known_by_hand() -> None:
 
 EVERYWHERE = {
     *("pta_d", "pta_c", "rmse", "rmse_columns", "nt50", "nt90", "mi_final", "mi_mean", "irr_mean"),
-    *("itl", "itl_level", "length", "cleared"),
+    *("itl", "itl_level", "length", "cleared", "aoi", "aoi_peak"),
+}
+OF_LINKS = {
+    *("position_age", "disagreement", "rmse_holders", "contact"),
+    *("delivered", "lost", "dropped", "bytes_sent", "handover"),
 }
 
 
@@ -156,7 +160,7 @@ def test_a_fleet_without_scouts_leaves_their_metrics_undefined(
     overrides = ["team.scouts.count=0", "team.foragers.radius=3", "items.covariance_node2=200"]
     run = evaluate_small(tmp_path / "run", overrides=overrides, horizon=60, policies=["greedy"])
     rows = tables(run)["episodes"]
-    assert undefined(rows) == {"throughput_scouts", "gini_scouts", "co_scouts", "dsl"}
+    assert undefined(rows) == {"throughput_scouts", "gini_scouts", "co_scouts", "dsl"} | OF_LINKS
     assert (rows["pta_c"] > 0).all()
     assert (rows["csr"] == 0).all()
     assert not rows.select(pl.col(*EVERYWHERE).is_nan().any()).row(0).count(True)
@@ -168,7 +172,8 @@ def test_a_fleet_without_foragers_removes_nothing(evaluate_small: Small, tmp_pat
     run = evaluate_small(tmp_path / "run", overrides=["team.foragers.count=0"])
     frames = tables(run)
     rows = frames["episodes"]
-    assert undefined(rows) == {"throughput", "gini_foragers", "co_foragers", "csr", "dsl"}
+    missing = {"throughput", "gini_foragers", "co_foragers", "csr", "dsl"}
+    assert undefined(rows) == missing | OF_LINKS
     assert (rows["pta_c"] == 0).all()
     assert frames["items"]["t_collected"].null_count() == frames["items"].height
     assert not rows.select(pl.col(*EVERYWHERE).is_nan().any()).row(0).count(True)
