@@ -65,7 +65,8 @@ class ToldBeliefs(Beliefs):
         n, node = items.size, truth.item_node[e, items]
         tracks.number[e] = n
         tracks.row[e, :n], tracks.col[e, :n] = truth.item_rc[e, items].T
-        tracks.node[e, :n] = tracks.seen_node[e, :n] = node
+        tracks.node[e, :n] = tracks.seen_node[e, :n] = tracks.born_node[e, :n] = node
+        tracks.real[e, :n] = 1.0
         tracks.born[e, :n], tracks.seen[e, :n] = self.since[e, items], now
         tracks.base[e, :n], tracks.base_node[e, :n] = now, node[:, None]
         if heard.any():

@@ -18,6 +18,7 @@ class TwoHolders:
 
     uses: Set[str] = frozenset()
     holders = HOLDERS
+    link_log = None
 
     def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes with the looks of step 0."""

@@ -67,11 +67,9 @@ def test_a_bound_that_is_apart_decides_for_each_holder(link: str, holders: int) 
     peeper, pooled = ApartPeeper(), Peeper()
     mission = played(peeper, f"link.model={link}")
     assert peeper.rows == 3 * holders
-    for told, array in zip(
-        peeper.told[0],
-        (mission.initial.item_rc, mission.initial.item_node, mission.initial.drift_rc),
-        strict=True,
-    ):
+    initial = mission.initial
+    truth: tuple[NDArray[Any], ...] = initial.item_rc, initial.item_node, initial.drift_rc
+    for told, array in zip(peeper.told[0], truth, strict=True):
         np.testing.assert_array_equal(told, np.repeat(array, holders, axis=0))
     played(pooled, f"link.model={link}")
     assert pooled.told[0].item_node.shape[0] == 3

@@ -152,6 +152,7 @@ def link_of(at: Any, shown: Any, heard: dict[int, int]) -> LinkLog:
         contact=np.zeros((1, 2, 2), np.bool_),
         delivered=none,
         lost=none,
+        lost_now=np.zeros((1, 2, 2), np.int64),
         dropped=none,
         bytes=none,
         heard_at=heard_at,
