@@ -36,7 +36,7 @@ def test_without_a_link_each_knows_what_it_saw_and_where_all_began() -> None:
                 assert (row, col) == (start.rows[begun[agent]], start.cols[begun[agent]])
         row, col = place[holder]
         assert maps.age[holder, row, col] == 0, "its own node is in view"
-    assert (maps.age[:, start.grid(np.ones(len(start), np.int32)) > 0] == UNSEEN).any()
+    assert (maps.age[:, mission.setup.grid.navigable] == UNSEEN).any()
     assert maps.age.max() <= STEP
 
 

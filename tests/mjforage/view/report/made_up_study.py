@@ -56,8 +56,10 @@ def with_values(logs: StudyLogs, values: Values) -> StudyLogs:
         changed[(table["policy"] == policy).to_numpy()] = numbers
         tables[variant] = table.with_columns(pl.Series(key, changed).fill_nan(None))
         found = summarise(numbers, 0)
-        ends = (found.mean, found.sem, found.low, found.high, found.iqm)
-        one = Summary(*map(float, ends), n=int(found.n))
+        mean, sem, low, high, iqm = (
+            float(one) for one in (found.mean, found.sem, found.low, found.high, found.iqm)
+        )
+        one = Summary(mean, sem, low, high, iqm, int(found.n))
         metrics = summaries[variant]["graph"][policy] | {key: one}
         summaries[variant] = {"graph": summaries[variant]["graph"] | {policy: metrics}}
     return replace(logs, episodes=tables, summaries=summaries)
