@@ -1,6 +1,6 @@
 """One page for a study: all its variants in tables and figures, from their logs.
 
-Only what agents know is in no log: for a picture of it, one episode is played again.
+Only what agents know and forecast is in no log: for pictures of it, episodes are played again.
 """
 
 from pathlib import Path
@@ -41,8 +41,8 @@ def is_study(folder: Path) -> bool:
 def write_study_report(folder: Path) -> Path:
     """Write ``figures/*.png|svg`` and ``report.html`` into a study folder.
 
-    The same logs give the same bytes. Nothing is simulated, but for `communication`: there an
-    episode is played again, and shown if it comes out as it was logged.
+    The same logs give the same bytes. Nothing is simulated, but for `communication` and `sensing`:
+    there an episode or a few are played again, and shown if they come out as they were logged.
 
     Raises
     ------

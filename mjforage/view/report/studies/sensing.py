@@ -1,8 +1,13 @@
 """What misses and false alarms take, and what it costs a planner to be wrong about them."""
 
-from collections.abc import Mapping
+import numpy as np
 
+from mjforage.core.errors import UserError
+from mjforage.runs.forecasts_seen import ForecastsSeen
+from mjforage.runs.replaying import replay_of_run
 from mjforage.runs.sensing import ASSUMPTIONS, AXES, PLANNER, SLOPE_NODE
+from mjforage.runs.study import variant_folder
+from mjforage.runs.variants import COMPLETE
 from mjforage.view.page import style
 from mjforage.view.report.studies.axis_figure import AxisFigure, axis_figure
 from mjforage.view.report.studies.axis_tables import tables_along
@@ -11,7 +16,17 @@ from mjforage.view.report.studies.study_logs import StudyLogs
 from mjforage.view.report.studies.study_page import Section
 
 COMPARED = ("pta_c", "nt50", "nt90", "csr", "handover")
-SHOWN = (*COMPARED, "pta_d", "rmse", "brier", "brier_skill", "reliability")
+SHOWN = (*COMPARED, "pta_d", "rmse", "brier_skill", "calibration_error")
+
+EPISODES = 8  # of which forecasts are shown
+FORECAST = {
+    COMPLETE: "perfect sensing",
+    "detection-0.7": "p = 0.7, known",
+    "detection-0.5": "p = 0.5, known",
+    "detection-0.5-for-1": "p = 0.5, taken for 1",
+    "detection-0.9-for-0.5": "p = 0.9, taken for 0.5",
+}
+"""Variants of which forecasts are shown, and what the legend calls them."""
 
 
 def _performance(logs: StudyLogs) -> Section:
@@ -54,19 +69,38 @@ def _assumed(logs: StudyLogs) -> Section:
     return Section("assumed", "Right and wrong assumptions", "", (), drawn)
 
 
-def _calibration(kinds: Mapping[str, Bins]) -> Section:
-    title = "Calibration"
-    caption = "Chances of the belief planner that a node holds an item, against the truth."
-    drawn = [reliability_picture("reliability", title, caption, kinds)] if kinds else []
-    return Section("calibration", title, "", (), drawn)
+def _bins(logs: StudyLogs, variant: str, policy: str) -> Bins:
+    """How the forecasts of a variant came true, in its first episodes in the first world."""
+    seen, folder = ForecastsSeen(), variant_folder(logs.folder, variant)
+    for episode in range(min(EPISODES, logs.base.episodes)):
+        replay_of_run(folder, logs.worlds[0], policy, episode, (seen,))
+    number, forecast, outcome = seen.sums[:, :3].T
+    with np.errstate(invalid="ignore"):
+        return Bins(forecast / number, outcome / number, number.astype(np.int64))
 
 
-def sections(logs: StudyLogs, reliability: Mapping[str, Bins] | None = None) -> list[Section]:
-    """The page's sections.
+def _calibration(logs: StudyLogs) -> Section:
+    """How sure the planner is and how right, or why that cannot be shown."""
+    name, title = "calibration", "Calibration"
+    players = [one for one in logs.base.policies if one.partition("(")[0] in PLANNER]
+    if not players:
+        return Section(name, title, "")
+    try:
+        kinds = {
+            words: _bins(logs, variant, players[0])
+            for variant, words in FORECAST.items()
+            if variant in logs.runs
+        }
+    except UserError as error:
+        return Section(name, title, f"The episodes cannot be played again: {error}.")
+    caption = (
+        "Chances of the belief planner that a node holds an item, against the truth; "
+        f"{min(EPISODES, logs.base.episodes)} episodes played again."
+    )
+    return Section(name, title, "", (), [reliability_picture("reliability", title, caption, kinds)])
 
-    Parameters
-    ----------
-    reliability : variant in words -> bins of the planner's forecasts; none: no diagram
-    """
-    made = [_performance(logs), _assumed(logs), _calibration(reliability or {})]
-    return [one for one in made if one.tables or one.pictures]
+
+def sections(logs: StudyLogs) -> list[Section]:
+    """The page's sections."""
+    made = [_performance(logs), _assumed(logs), _calibration(logs)]
+    return [one for one in made if one.tables or one.pictures or one.words]
