@@ -1,25 +1,16 @@
 """What a policy forecasts of the items, held against the truth as it decides.
 
-A policy that has a `forecast`, (row, node) items expected in each node by what each row knows,
-foretells for every node whether it holds an item: f = 1 - exp(-items). See `metrics.calibration`.
+A policy that has a method `forecast`, which gives the items expected in each node as of its last
+answer (row, node), foretells for every node whether it holds an item: f = 1 - exp(-items). See
+`metrics.calibration`.
 """
-
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 import metrics
 from graph_planner.compiled import kernel
-
-
-@runtime_checkable
-class Forecaster(Protocol):
-    """A policy that forecasts."""
-
-    def forecast(self) -> NDArray[np.float64]:
-        """(row, node) items expected, as of its last answer."""
-        ...
+from graph_planner.rows import put_rows
 
 
 @kernel
@@ -29,7 +20,7 @@ def _add(
     active: NDArray[np.bool_],
     sums: NDArray[np.float64],
 ) -> None:
-    """Add forecasts (row, node) of episodes that go on to their sums (episode, bin, 4)."""
+    """Add forecasts (row, node) of episodes that go on to their sums (row, bin, 4)."""
     holders, bins = expected.shape[0] // max(1, active.size), sums.shape[1]
     for row in range(expected.shape[0]):
         e = row // max(1, holders)
@@ -39,17 +30,22 @@ def _add(
             sure = 1.0 - np.exp(-expected[row, node])
             there = 1.0 if truth[e, node] > 0 else 0.0
             place = min(int(sure * bins), bins - 1)
-            sums[e, place, 0] += 1.0
-            sums[e, place, 1] += sure
-            sums[e, place, 2] += there
-            sums[e, place, 3] += (sure - there) ** 2
+            sums[row, place, 0] += 1.0
+            sums[row, place, 1] += sure
+            sums[row, place, 2] += there
+            sums[row, place, 3] += (sure - there) ** 2
 
 
 class Forecasts:
-    """Sums of a batch of episodes so far: (episode, bin, 4), see `metrics.calibration`."""
+    """How a batch of episodes came true so far."""
 
     def __init__(self, episodes: int) -> None:
-        self.sums = np.zeros((episodes, metrics.BINS, 4))
+        self._by_row = np.zeros((episodes, 1, metrics.BINS, 4))  # (episode, holder, bin, 4)
+
+    @property
+    def sums(self) -> NDArray[np.float64]:
+        """(episode, bin, 4) of all who forecast, see `metrics.calibration`."""
+        return np.asarray(self._by_row.sum(axis=1))
 
     def take(
         self, expected: NDArray[np.float64], truth: NDArray[np.int16], active: NDArray[np.bool_]
@@ -62,4 +58,18 @@ class Forecasts:
         truth : (episode, node) items
         active : (episode,) False once it is over
         """
-        _add(np.ascontiguousarray(expected, np.float64), truth, active, self.sums)
+        self._widen(expected.shape[0] // max(1, active.size))
+        sums = self._by_row.reshape(-1, *self._by_row.shape[2:])
+        _add(np.ascontiguousarray(expected, np.float64), truth, active, sums)
+
+    def adopt(self, rows: NDArray[np.int64], other: "Forecasts") -> None:
+        """Replace episodes (row,) of the batch by those of another."""
+        self._widen(other._by_row.shape[1])
+        self._by_row = put_rows(self._by_row, rows, other._by_row)
+
+    def _widen(self, holders: int) -> None:
+        """Make room for so many that forecast in an episode."""
+        if self._by_row.shape[1] < holders:
+            wider = np.zeros((len(self._by_row), holders, *self._by_row.shape[2:]))
+            wider[:, : self._by_row.shape[1]] = self._by_row
+            self._by_row = wider

@@ -192,7 +192,7 @@ class Mission:
         self.knowledge = self.knowledge.with_rows(rows, other.knowledge)
         self.exchange.adopt(rows, other.exchange, self.knowledge)
         self._shown = put_rows(self._shown, rows, other._shown)
-        self.forecasts.sums = put_rows(self.forecasts.sums, rows, other.forecasts.sums)
+        self.forecasts.adopt(rows, other.forecasts)
         self._filtered = self._filtered.with_rows(rows, other._filtered)
         for name in ("keys", "step", "active"):
             setattr(self, name, put_rows(getattr(self, name), rows, getattr(other, name)))

@@ -1,0 +1,53 @@
+"""Forecasts held against the truth, by hand."""
+
+import numpy as np
+import pytest
+
+import metrics
+from graph_planner.policies import create_policy
+from mjforage.core.forecasts import Forecasts
+from mjforage.core.mission import Mission
+from mjforage.core.mission_metrics import Scorer
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
+
+TRUTH = np.array([[2, 0, 0], [0, 0, 1]], np.int16)
+HALF = float(np.log(2.0))  # items expected where the chance of any is one half
+
+
+def test_sure_and_unsure_forecasts_add_up() -> None:
+    """Episode 0: 1 - exp(-ln 2) = .5 with an item there, twice nothing expected; 1 is over."""
+    forecasts, active = Forecasts(2), np.array([True, False])
+    expected = np.array([[HALF, 0.0, 0.0], [9.0, 9.0, 9.0]])
+    forecasts.take(expected, TRUTH, active)
+    found = forecasts.sums
+    assert found[0, 5] == pytest.approx([1.0, 0.5, 1.0, 0.25])
+    assert found[0, 0] == pytest.approx([2.0, 0.0, 0.0, 0.0])
+    assert (found[1] == 0.0).all()
+    assert metrics.brier(found)[0] == pytest.approx(0.25 / 3)
+
+
+def test_all_holders_of_an_episode_count() -> None:
+    forecasts = Forecasts(2)
+    rows = np.array([[HALF, 0.0, 0.0]] * 2 + [[0.0, 0.0, HALF], [0.0, HALF, 0.0]])
+    forecasts.take(rows, TRUTH, np.ones(2, np.bool_))
+    assert forecasts.sums[0, 5] == pytest.approx([2.0, 1.0, 2.0, 0.5])
+    assert forecasts.sums[1, 5] == pytest.approx([2.0, 1.0, 1.0, 0.5])
+    other = Forecasts(1)
+    forecasts.adopt(np.array([1]), other)
+    assert (forecasts.sums[1] == 0.0).all() and forecasts.sums[0].sum() > 0.0
+
+
+def test_the_belief_planner_forecasts_with_skill_and_others_not_at_all() -> None:
+    """Better than the base rate, and calibrated to .02 where it knows its eyes."""
+    overrides = ["horizon=60", "sensors.detection=0.7", "belief.detection=0.7"]
+    scores = {}
+    for policy in ("belief", "greedy"):
+        mission = Mission(Setup.of(load_scenario("comb-port", overrides)))
+        mission.reset(5, np.arange(4))
+        scorer = Scorer(mission)
+        mission.run(create_policy(policy), (scorer,))
+        scores[policy] = scorer.scores().scalars
+    assert (scores["belief"]["brier_skill"] > 0.1).all()
+    assert scores["belief"]["calibration_error"].mean() < 0.02
+    assert np.isnan(scores["greedy"]["brier_skill"]).all()
