@@ -117,7 +117,9 @@ class BeliefPlanner:
         if not self._task.fleet.collects[agent]:
             ways = group.ways_of(agent)
             tracks = self.beliefs.tracks
-            goal = touch.tells(seen, e, tracks.born[e, : tracks.number[e]], ways)
+            goal = touch.connects(seen, e, ways)
+            if goal == NOBODY:
+                goal = touch.tells(seen, e, tracks.born[e, : tracks.number[e]], ways)
         elif not busy and foragers.is_able(agent, seen.room_left[e], seen.energy_left[e]):
             ways, goal = foragers.group.ways_of(agent), touch.waits(seen, e)
             if goal != NOBODY and touch.looks_alone(seen, e):

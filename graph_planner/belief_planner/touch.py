@@ -3,7 +3,7 @@
 An agent that plans by what it has heard itself knows when it last heard of the others, and takes it
 that they heard of it then. Scouts with news of items come back to foragers that have nothing left
 to do, as far as they know; those wait where they were last heard of, and look for themselves once
-nobody has come for long.
+nobody has come for long. Relays stand where most of the others are in their reach.
 """
 
 from functools import lru_cache
@@ -24,6 +24,8 @@ SLACK = 3  # decisions beyond the latency without news from somebody in touch
 PATIENCE = 40  # decisions after which a forager no longer waits for news
 PER_DECISION = 0.7  # items that a forager takes in a decision, of those it knows of
 NEAR = 2.0  # of a decision's way, to where somebody was last heard of: it should be heard there
+WITHIN = 0.8  # of the reach: how near a relay keeps to the others, who move on
+WAY = 1e-3  # of a squared node: what a node of its own way counts for it
 ELSEWHERE = 0.25  # what a node in another's part is worth, to one that looks alone
 
 
@@ -61,7 +63,8 @@ class Touch:
         self._collectors = fleet.collectors
         self._scouts = np.flatnonzero(~fleet.collects & ~fleet.relays & (fleet.radius > 0.0))
         self._slack = SLACK + task.latency
-        self._report, self._alone = settings.report, settings.alone
+        self._relays = fleet.relays & ~fleet.collects
+        self._report, self._alone, self._relay = settings.report, settings.alone, settings.relay
         self._graph, self._moves = task.graph, task.fleet.moves
         agents = len(task.fleet)
         self._home = np.full(rows, NOBODY, np.int64)  # where an agent was when last in touch
@@ -113,6 +116,27 @@ class Touch:
         self._left[e, cover.cells[cover.start[here] : cover.start[here + 1]]] *= 1.0 - NOTICED
         mass *= self._left[e]
 
+    def connects(self, seen: Observation, e: int, ways: Ways) -> int:
+        """Node in which a relay should stand; `NOBODY` for one who is none.
+
+        Where the squared distances by which the others, as last heard of, are beyond its reach add
+        up to the least.
+
+        Parameters
+        ----------
+        ways : of the relay
+        """
+        holder, rows, cols = int(seen.holder[e]), self._graph.rows, self._graph.cols
+        if not (self._relay and self._relays[holder] and self.reach > 0.0):
+            return NOBODY
+        others = np.delete(seen.agent_node[e], holder)
+        away = np.hypot(rows[:, None] - rows[others], cols[:, None] - cols[others])
+        beyond = np.maximum(0.0, away - WITHIN * self.reach)
+        here = seen.agent_node[e, holder]
+        way = self._graph.distances_from(np.array([here], np.int32))
+        node = int(np.argmin((beyond**2).sum(axis=1) + WAY * way))
+        return self._reached(ways, int(here), node)[0]
+
     def tells(self, seen: Observation, e: int, born: Int32Array, ways: Ways) -> int:
         """Node to which a scout brings news; `NOBODY` if it need not.
 
@@ -125,6 +149,8 @@ class Touch:
         if not self._report or self.reach <= 0.0 or not born.size:
             return NOBODY
         here, target, least = int(seen.agent_node[e, holder]), NOBODY, np.inf
+        if self._relays[holder]:
+            return NOBODY
         for other in self._collectors.tolist():
             told = int(seen.agent_seen[e, other])
             news = int((born > told).sum())

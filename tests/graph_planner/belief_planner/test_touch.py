@@ -145,3 +145,26 @@ def test_with_a_latency_news_is_older() -> None:
     told = seen_by(SCOUT, {FORAGER: 20 - SLACK - 4, OTHER: 20 - SLACK - 5})
     assert late.tells(told, 0, NEWS, WAYS) == NOBODY
     assert touch_of().tells(told, 0, NEWS, WAYS) != NOBODY
+
+
+def test_a_relay_stands_where_the_others_are_in_its_reach() -> None:
+    """Reach 10, of which 8 count: between two who are 14 apart, and as near to one as to the other
+    where they are 20 apart.
+    """
+    scout, forager = Role(1, 2, 4.0, False), Role(1, 1, 1.0, True)
+    relay = Role(1, 2, 0.0, False, relays=True)
+    task = replace(task_of(SEA, scouts=scout, foragers=forager, relays=relay), reach_node=10.0)
+    for far, col_from, col_to in ((14, 5, 9), (20, 9, 11)):
+        seen = observation_of(task, [(5, 0), (5, far), (25, 20)], step=9)
+        for holder in (0, 1):
+            seen.holder[:] = holder
+            assert Touch(task, BeliefSettings(), 1).connects(seen, 0, WAYS) == NOBODY, "no relay"
+        seen.holder[:] = 2
+        node = Touch(task, BeliefSettings(), 1).connects(seen, 0, WAYS)
+        away = [np.hypot(SEA.rows[node] - 5, SEA.cols[node] - col) for col in (0, far)]
+        assert col_from <= SEA.cols[node] <= col_to and max(away) <= max(8.0, far / 2) + 1.5
+        assert Touch(task, BeliefSettings(relay=False), 1).connects(seen, 0, WAYS) == NOBODY
+        assert Touch(task, BeliefSettings(link_node=0.0), 1).connects(seen, 0, WAYS) == NOBODY
+        news = np.array([5, 8], np.int32)
+        seen.agent_seen[0, 1] = 0
+        assert Touch(task, BeliefSettings(), 1).tells(seen, 0, news, WAYS) == NOBODY
