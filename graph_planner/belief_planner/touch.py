@@ -2,8 +2,9 @@
 
 An agent that plans by what it has heard itself knows when it last heard of the others, and takes it
 that they heard of it then. Scouts with news of items come back to foragers that have nothing left
-to do, as far as they know; those wait where they were last heard of, and look for themselves once
-nobody has come for long. Relays stand where most of the others are in their reach.
+to do, as far as they know; those wait where they were last heard of, then at a meeting place agreed
+before, in the middle of the map, and look for themselves once nobody has come for long. Relays
+stand where most of the others are in their reach.
 """
 
 from functools import lru_cache
@@ -11,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.covers import NOTICED
+from graph_planner.belief_planner.covers import NOTICED, landmarks_of
 from graph_planner.belief_planner.sweeps import Cover
 from graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
 from graph_planner.belief_settings import BeliefSettings
@@ -22,6 +23,9 @@ from graph_planner.task import Observation, Task
 NOBODY = -1
 SLACK = 3  # decisions beyond the latency without news from somebody in touch
 PATIENCE = 40  # decisions after which a forager no longer waits for news
+STAYS = (
+    15  # decisions that it waits where it was last in touch, before it goes to the meeting place
+)
 PER_DECISION = 0.7  # items that a forager takes in a decision, of those it knows of
 NEAR = 2.0  # of a decision's way, to where somebody was last heard of: it should be heard there
 WITHIN = 0.8  # of the reach: how near a relay keeps to the others, who move on
@@ -65,11 +69,13 @@ class Touch:
         self._slack = SLACK + task.latency
         self._relays = fleet.relays & ~fleet.collects
         self._report, self._alone, self._relay = settings.report, settings.alone, settings.relay
+        self._meeting = int(landmarks_of(task.graph)[0][0]) if settings.meet else NOBODY
         self._graph, self._moves = task.graph, task.fleet.moves
         agents = len(task.fleet)
         self._home = np.full(rows, NOBODY, np.int64)  # where an agent was when last in touch
         self._left: NDArray[np.float64] | None = None  # (row, cell) not noticed by one alone
-        self._missed = np.full((rows, agents), NOBODY, np.int64)  # last news of who was not found
+        # Last news of who was not found: where last heard of, and at the meeting place.
+        self._missed = np.full((2, rows, agents), NOBODY, np.int64)
 
     @property
     def always(self) -> bool:
@@ -92,10 +98,15 @@ class Touch:
         return float(seen.step[e] - 1 - heard.max()) if heard.size else np.inf
 
     def waits(self, seen: Observation, e: int) -> int:
-        """Where a forager without items waits for news; `NOBODY` if it need not."""
+        """Where a forager without items waits for news; `NOBODY` if it need not.
+
+        Where it was last in touch; at the meeting place, if nobody comes there.
+        """
         silence = self._silence(seen, e, self._scouts)
-        in_touch = silence <= self._slack or np.isinf(silence)
-        return NOBODY if in_touch else int(self._home[e])
+        if silence <= self._slack or np.isinf(silence):
+            return NOBODY
+        goes = self._meeting != NOBODY and silence >= self._slack + STAYS
+        return self._meeting if goes else int(self._home[e])
 
     def looks_alone(self, seen: Observation, e: int) -> bool:
         """Whether a forager that waits for news looks for items by itself."""
@@ -154,17 +165,28 @@ class Touch:
         for other in self._collectors.tolist():
             told = int(seen.agent_seen[e, other])
             news = int((born > told).sum())
-            if now - told <= self._slack or not news or self._missed[e, other] == told:
+            if now - told <= self._slack or not news:
                 continue
-            node = int(seen.agent_node[e, other])
-            if self._is_near(here, node, int(self._moves[holder])):
-                self._missed[e, other] = told
+            node = self._place(e, other, told, int(seen.agent_node[e, other]), here, holder)
+            if node == NOBODY:
                 continue
             node, way = self._reached(ways, here, node)
             busy = (born.size - news) / PER_DECISION - (now - told)
             if busy <= way < least:
                 target, least = node, way
         return target
+
+    def _place(self, e: int, other: int, told: int, last: int, here: int, holder: int) -> int:
+        """Where to look for somebody last heard of at a step `told` in node `last`: there, then at
+        the meeting place; `NOBODY` if it is at neither.
+        """
+        for missed, node in zip(self._missed, (last, self._meeting), strict=True):
+            if node == NOBODY or missed[e, other] == told:
+                continue
+            if not self._is_near(here, node, int(self._moves[holder])):
+                return node
+            missed[e, other] = told
+        return NOBODY
 
     def _reached(self, ways: Ways, here: int, node: int) -> tuple[int, float]:
         """A node, or one beside it if moves of several nodes never end there, and the decisions."""

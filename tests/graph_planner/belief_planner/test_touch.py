@@ -6,7 +6,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graph_planner.belief_planner.touch import ELSEWHERE, NOBODY, PATIENCE, SLACK, Touch, parts_of
+from graph_planner.belief_planner.touch import (
+    ELSEWHERE,
+    NOBODY,
+    PATIENCE,
+    SLACK,
+    STAYS,
+    Touch,
+    parts_of,
+)
 from graph_planner.belief_planner.ways import ways_of
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.fleet import Role
@@ -55,8 +63,23 @@ def test_news_is_brought_to_the_nearest_who_lacks_it_and_is_idle() -> None:
     assert touch_of().tells(told, 0, many, WAYS) == NOBODY, "they have enough to do"
 
 
-def test_who_is_not_found_where_it_was_is_not_waited_for() -> None:
+def test_who_is_not_found_where_it_was_is_looked_for_at_the_meeting_place() -> None:
+    """In the middle of the sea; and at neither until something newer is heard."""
     touch, late = touch_of(), 20 - SLACK - 2
+    told = seen_by(SCOUT, {FORAGER: late, OTHER: 20})
+    told.agent_node[0, SCOUT] = SEA.node_of_cell[0, 19]
+    for _ in range(2):
+        assert is_at(touch.tells(told, 0, NEWS, WAYS), 14, 14)
+    told.agent_node[0, SCOUT] = SEA.node_of_cell[14, 14]
+    assert touch.tells(told, 0, NEWS, WAYS) == NOBODY
+    told.agent_node[0, SCOUT] = SEA.node_of_cell[9, 9]
+    assert touch.tells(told, 0, NEWS, WAYS) == NOBODY
+    told.agent_seen[0, FORAGER] = late + 1
+    assert is_at(touch.tells(told, 0, NEWS, WAYS), 0, 20)
+
+
+def test_without_a_meeting_place_who_is_not_found_is_not_looked_for() -> None:
+    touch, late = touch_of(meet=False), 20 - SLACK - 2
     told = seen_by(SCOUT, {FORAGER: late, OTHER: 20})
     told.agent_node[0, SCOUT] = SEA.node_of_cell[0, 19]
     assert touch.tells(told, 0, NEWS, WAYS) == NOBODY
@@ -74,6 +97,11 @@ def test_a_forager_waits_where_it_was_last_in_touch_and_then_looks_alone() -> No
     touch.note(away, 0)
     assert touch.waits(away, 0) == SEA.node_of_cell[0, 20]
     assert not touch.looks_alone(away, 0)
+    lost = seen_by(FORAGER, {SCOUT: 20}, step=21 + SLACK + STAYS)
+    assert is_at(touch.waits(lost, 0), 14, 14), "then at the meeting place"
+    apart = touch_of(meet=False)
+    apart.note(seen_by(FORAGER, {SCOUT: 20}), 0)
+    assert apart.waits(lost, 0) == SEA.node_of_cell[0, 20]
     assert touch_of(link_node=0.0).looks_alone(away, 0), "at once where nobody is ever heard"
     long = seen_by(FORAGER, {SCOUT: 20}, step=21 + PATIENCE)
     assert touch.looks_alone(long, 0) and not touch_of(alone=False).looks_alone(long, 0)
