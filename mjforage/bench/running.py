@@ -41,6 +41,8 @@ LARGE_STEPS = 20
 BELIEF_BATCH = 40  # episodes
 BELIEF_FLEETS = (4, 8, 16)  # agents, half of them scouts
 BELIEF_HORIZON = 60  # decisions of those
+LINK = ("link.model=disk", "link.range_m=64")
+MISSES = ("sensors.detection=0.9", "belief.detection=0.9")
 PHYSICS_S = 120.0  # simulated time of a run
 PHYSICS_BATCH = 4  # simulations
 MISSION = (25, 150)  # episodes and decisions of a mission in MuJoCo
@@ -68,9 +70,11 @@ def _steps(setup: Setup, policy_name: str, episodes: int) -> Callable[[], float]
     return work
 
 
-def _evaluated_steps(episodes: int, world: str = "graph", horizon: int = 150) -> float:
+def _evaluated_steps(
+    episodes: int, world: str = "graph", horizon: int = 150, overrides: tuple[str, ...] = ()
+) -> float:
     """Steps of an evaluation of Greedy on the default scenario, logs and summary included."""
-    setup = Setup.of(load_scenario("comb-port", (f"horizon={horizon}",)))
+    setup = Setup.of(load_scenario("comb-port", (f"horizon={horizon}", *overrides)))
     with tempfile.TemporaryDirectory() as folder:
         run = Path(folder) / "run"
         summary = evaluate(setup, ["greedy"], run, worlds=[world], episodes=episodes)
@@ -117,12 +121,11 @@ def _go_large(shape: tuple[int, int], steps: int) -> float:
     return _large_steps("greedy", shape, steps)()
 
 
-def _belief_setup(agents: int, fast: bool) -> Setup:
+def _belief_setup(agents: int, overrides: tuple[str, ...] = ()) -> Setup:
     """The default mission with so many agents, cut where most of the work is done."""
     half = agents // 2
     teams = (f"team.scouts.count={half}", f"team.foragers.count={agents - half}")
-    overrides = (*teams, f"horizon={BELIEF_HORIZON}", f"belief.fast={str(fast).lower()}")
-    return Setup.of(load_scenario("comb-port", overrides))
+    return Setup.of(load_scenario("comb-port", (*teams, f"horizon={BELIEF_HORIZON}", *overrides)))
 
 
 def _belief_speeds(measure: Callable[[str, str, Callable[[], float]], None]) -> None:
@@ -131,8 +134,23 @@ def _belief_speeds(measure: Callable[[str, str, Callable[[], float]], None]) -> 
         setup = Setup.of(load_scenario("comb-port", (f"belief.fast={str(fast).lower()}",)))
         measure(f"graph_{name}_steps_per_core_s", STEPS, _steps(setup, "belief", BELIEF_BATCH))
     for agents in BELIEF_FLEETS:
-        steps = _steps(_belief_setup(agents, False), "belief", BELIEF_BATCH // 4)
+        steps = _steps(_belief_setup(agents), "belief", BELIEF_BATCH // 4)
         measure(f"belief_decisions_{agents}_agents_per_core_s", DECISIONS, steps)
+
+
+def _information_speeds(measure: Callable[[str, str, Callable[[], float]], None]) -> None:
+    """Where every agent acts by what it knows itself, and where looks miss items."""
+    for name, overrides in (("link", LINK), ("misses", MISSES)):
+        setup = Setup.of(load_scenario("comb-port", overrides))
+        measure(f"graph_greedy_{name}_steps_per_core_s", STEPS, _steps(setup, "greedy", BATCH))
+        few = _steps(setup, "belief", BELIEF_BATCH // 4)
+        measure(f"graph_belief_{name}_steps_per_core_s", STEPS, few)
+    whole = partial(_evaluated_steps, BATCH, overrides=LINK)
+    measure("evaluate_greedy_link_steps_per_core_s", STEPS, whole)
+    most = BELIEF_FLEETS[-1]
+    for policy, episodes in (("greedy", BELIEF_BATCH), ("belief", 2)):
+        steps = _steps(_belief_setup(most, LINK), policy, episodes)
+        measure(f"{policy}_decisions_{most}_holders_per_core_s", DECISIONS, steps)
 
 
 def bench(progress: Progress = lambda name: None) -> Figures:
@@ -152,6 +170,7 @@ def bench(progress: Progress = lambda name: None) -> Figures:
     for name in POLICIES:
         measure(f"graph_{name}_steps_per_core_s", STEPS, _steps(setup, name, BATCH))
     _belief_speeds(measure)
+    _information_speeds(measure)
     whole = partial(_evaluated_steps, BATCH)
     measure("evaluate_greedy_steps_per_core_s", STEPS, whole)
     measure("metrics_episodes_per_s", "episodes per CPU second", _scoring(setup, BATCH))
