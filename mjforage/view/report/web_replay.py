@@ -28,7 +28,7 @@ IDLE_LEVELS = 15  # levels of idleness above 0
 MOST_COUNT = 255  # believed items per node; more are shown as this many
 ITEM_FRAME_S = 1.0  # items move slowly: no need for more frames than this
 HULL_M = 2.0  # length drawn for a user's vessel in a run at graph level
-SCRIPTS = ("decode.js", "draw.js", "camera.js", "player.js")
+SCRIPTS = ("decode.js", "harbour.js", "draw.js", "camera.js", "player.js")
 
 
 @dataclass(frozen=True)
