@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel, prepared
+from graph_planner.geodesics import Int32Array
 from graph_planner.knowledge import Knowledge, Looks
 from graph_planner.look_log import LookLog, log_looks, take_in
 from graph_planner.map_filter import MapFilter, correct, glimpse, round_off
@@ -84,6 +85,19 @@ def _take_in(net: Net, e: int, now: int, knowledge: Knowledge) -> None:
 
 
 @kernel
+def _list_late(net: Net, looks: Int32Array, shown: NDArray[np.int16]) -> None:
+    """Fill what `Late` holds of the looks heard late in this step."""
+    agents, log = net.radius_number.size, net.log
+    for row in range(net.n_late.size):
+        e = row // agents
+        for i in range(net.n_late[row]):
+            s, a = net.late[row, i] // agents, net.late[row, i] % agents
+            looks[row, i, 0], looks[row, i, 1], looks[row, i, 2] = s, a, log.node[e, s, a]
+            for k in range(shown.shape[2]):
+                shown[row, i, k] = log.shown[e, s, a, k]
+
+
+@kernel
 def _tell(net: Net, knowledge: Knowledge, looks: Looks) -> None:
     """Take in the looks of a step: log, connect, pass on, hear."""
     for e in range(looks.active.size):
@@ -149,20 +163,12 @@ class Radio:
     @property
     def late(self) -> Late:
         """The looks that holders heard in this step and that are older, in order of their steps."""
-        net, agents = self.net, self.holders
-        most = int(net.n_late.max(initial=0))
-        listed = np.arange(most) < net.n_late[:, None]
-        code = np.where(listed, net.late[:, :most], 0)
-        episode, step, agent = (
-            np.arange(len(code))[:, None] // agents,
-            code // agents,
-            code % agents,
-        )
-        node = net.log.node[episode, step, agent]
-        looks = np.stack((step, agent, node), axis=-1).astype(np.int32)
-        looks[~listed] = -1
-        shown = net.log.shown[episode, step, agent]
-        shown[~listed] = 0
+        net = self.net
+        rows, most = net.n_late.size, int(net.n_late.max(initial=0))
+        looks = np.full((rows, most, 3), -1, np.int32)
+        shown = np.zeros((rows, most, net.log.shown.shape[3]), np.int16)
+        if most:
+            _list_late(net, looks, shown)
         return Late(looks, shown)
 
     @property
