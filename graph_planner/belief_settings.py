@@ -62,7 +62,7 @@ class BeliefSettings:
     """Whether scouts come back with news to foragers out of reach."""
     alone: Annotated[bool, Later()] = True
     """Whether foragers that hear of nobody look for items by themselves."""
-    meet: Annotated[bool, Later()] = True
+    meet: Annotated[bool, Later()] = False
     """Whether those who have lost touch go to a meeting place in the middle of the map."""
     relay: Annotated[bool, Later()] = True
     """Whether relays stand where most of the others are in their reach, else they look around."""

@@ -13,7 +13,7 @@ from mjforage.runs.study import Variant
 COMPLETE = "complete"  # the scenario as it is, in every kind of study
 BASELINES = ("greedy", "oracle")  # what the belief planner is held against
 PARTS = tuple(part.name for part in fields(BeliefSettings) if part.default is True)
-IN_TOUCH = ("report", "alone", "meet", "relay")
+IN_TOUCH = ("report", "alone", "relay")
 """Those of them that do something over a link only."""
 WRONG = ("hotspots", "two-hotspots", "spread", "drift", "calm")
 """Worlds that the belief planner does not expect, by name."""

@@ -65,7 +65,7 @@ def test_news_is_brought_to_the_nearest_who_lacks_it_and_is_idle() -> None:
 
 def test_who_is_not_found_where_it_was_is_looked_for_at_the_meeting_place() -> None:
     """In the middle of the sea; and at neither until something newer is heard."""
-    touch, late = touch_of(), 20 - SLACK - 2
+    touch, late = touch_of(meet=True), 20 - SLACK - 2
     told = seen_by(SCOUT, {FORAGER: late, OTHER: 20})
     told.agent_node[0, SCOUT] = SEA.node_of_cell[0, 19]
     for _ in range(2):
@@ -79,7 +79,7 @@ def test_who_is_not_found_where_it_was_is_looked_for_at_the_meeting_place() -> N
 
 
 def test_without_a_meeting_place_who_is_not_found_is_not_looked_for() -> None:
-    touch, late = touch_of(meet=False), 20 - SLACK - 2
+    touch, late = touch_of(), 20 - SLACK - 2
     told = seen_by(SCOUT, {FORAGER: late, OTHER: 20})
     told.agent_node[0, SCOUT] = SEA.node_of_cell[0, 19]
     assert touch.tells(told, 0, NEWS, WAYS) == NOBODY
@@ -90,7 +90,7 @@ def test_without_a_meeting_place_who_is_not_found_is_not_looked_for() -> None:
 
 
 def test_a_forager_waits_where_it_was_last_in_touch_and_then_looks_alone() -> None:
-    touch = touch_of()
+    touch = touch_of(meet=True)
     touch.note(seen_by(FORAGER, {SCOUT: 20}), 0)
     away = seen_by(FORAGER, {SCOUT: 20}, step=21 + SLACK + 1)
     away.agent_node[0, FORAGER] = SEA.node_of_cell[9, 9]
@@ -99,7 +99,7 @@ def test_a_forager_waits_where_it_was_last_in_touch_and_then_looks_alone() -> No
     assert not touch.looks_alone(away, 0)
     lost = seen_by(FORAGER, {SCOUT: 20}, step=21 + SLACK + STAYS)
     assert is_at(touch.waits(lost, 0), 14, 14), "then at the meeting place"
-    apart = touch_of(meet=False)
+    apart = touch_of()
     apart.note(seen_by(FORAGER, {SCOUT: 20}), 0)
     assert apart.waits(lost, 0) == SEA.node_of_cell[0, 20]
     assert touch_of(link_node=0.0).looks_alone(away, 0), "at once where nobody is ever heard"

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -68,10 +67,10 @@ def test_a_bound_that_is_apart_decides_for_each_holder(link: str, holders: int) 
     peeper, pooled = ApartPeeper(), Peeper()
     mission = played(peeper, f"link.model={link}")
     assert peeper.rows == 3 * holders
-    initial = mission.initial
-    truth: tuple[NDArray[Any], ...] = initial.item_rc, initial.item_node, initial.drift_rc
-    for told, array in zip(peeper.told[0], truth, strict=True):
-        np.testing.assert_array_equal(told, np.repeat(array, holders, axis=0))
+    told, start = peeper.told[0], mission.initial
+    np.testing.assert_array_equal(told.item_rc, np.repeat(start.item_rc, holders, axis=0))
+    np.testing.assert_array_equal(told.item_node, np.repeat(start.item_node, holders, axis=0))
+    np.testing.assert_array_equal(told.drift_rc, np.repeat(start.drift_rc, holders, axis=0))
     played(pooled, f"link.model={link}")
     assert pooled.told[0].item_node.shape[0] == 3
 
