@@ -56,6 +56,8 @@ class Stream(IntEnum):
     """Whether a directed link loses what it carries, keyed by sender, receiver and step."""
     PACKETS = 15
     """Whether noise garbles a look, keyed by sender, receiver and look, and by the step sent."""
+    VARIANT = 32
+    """Which variant of its scenario an episode of training has."""
 
 
 @kernel
