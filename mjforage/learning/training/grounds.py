@@ -10,7 +10,9 @@ from math import prod
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from graph_planner.compiled import kernel
 from graph_planner.encodings import Shapes, create_encoder
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from graph_planner.weights import ground_note
@@ -85,14 +87,18 @@ class Ground:
         """One episode of each key (env,), not yet started."""
         if self._game is not None:
             return Round([self._game], [np.arange(self._num_envs)])
-        number = np.array([_drawn(key, len(self.options)) for key in keys])
+        number = _drawn(keys, Stream.VARIANT, len(self.options))
         envs = [np.flatnonzero(number == one) for one in np.unique(number)]
         return Round([Game(self.options[number[own[0]]], own.size) for own in envs], envs)
 
 
-def _drawn(key: np.uint64, count: int) -> int:
-    """Number of the variant that the episode of a key has."""
-    return int(uniform(stream_key(key, Stream.VARIANT), 0, 0) * count)
+@kernel
+def _drawn(keys: UInt64Array, stream: int, count: int) -> NDArray[np.int64]:
+    """Number of the variant that the episode of each key (env,) has."""
+    number = np.empty(keys.size, np.int64)
+    for e in range(keys.size):
+        number[e] = int(uniform(stream_key(keys[e], stream), 0, 0) * count)
+    return number
 
 
 def common_shapes(grounds: Sequence[Ground]) -> Shapes:
