@@ -62,6 +62,8 @@ class Stream(IntEnum):
     """Items that are seen and are none, keyed by node and epoch."""
     MERGING = 18
     """Whether an item beside another is overlooked, keyed by item and step."""
+    VARIANT = 32
+    """Which variant of its scenario an episode of training has."""
 
 
 @kernel

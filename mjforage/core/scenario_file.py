@@ -192,6 +192,20 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
     return scenario
 
 
+def with_values(scenario: Scenario, values: Mapping[str, object], where: str) -> Scenario:
+    """The scenario with some keys, such as `link.range_m`, set to other values.
+
+    Raises
+    ------
+    UserError
+        As `scenario_from_tree`.
+    """
+    tree = scenario_to_tree(scenario)
+    for key, value in values.items():
+        _put(tree, key.split("."), value, f"{where}: {key}")
+    return scenario_from_tree(tree, where)
+
+
 def scenario_to_tree(scenario: Scenario) -> Tree:
     """The scenario as nested dicts and lists; `scenario_from_tree` undoes it.
 

@@ -76,6 +76,8 @@ class Hyperparameters:
     """Episodes of an evaluation."""
     reward: Mapping[str, float] = field(default_factory=lambda: REWARD)
     """Weight of each term of the reward."""
+    vary: Mapping[str, tuple[Any, ...]] = field(default_factory=lambda: MappingProxyType({}))
+    """Keys of the scenario, each with values: an episode draws one of each, all equally likely."""
 
     def __post_init__(self) -> None:
         check_fields(self, WHERE)
@@ -94,20 +96,22 @@ class Hyperparameters:
     def tree(self) -> dict[str, Any]:
         """As plain values."""
         plain = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
-        return plain | {"reward": dict(self.reward)}
+        return plain | {"reward": dict(self.reward), "vary": dict(self.vary)}
 
 
 def changed(hyperparameters: Hyperparameters, changes: Mapping[str, Any]) -> Hyperparameters:
-    """Hyperparameters with some values replaced; `reward.TERM` replaces one weight.
+    """Hyperparameters with some values replaced; `reward.TERM` and `vary.KEY` replace one entry.
 
     Raises
     ------
     UserError
         If a name is not known, or a value has the wrong type or is out of range.
     """
-    terms = {name: value for name, value in changes.items() if name.startswith("reward.")}
-    reward = {name.removeprefix("reward."): value for name, value in terms.items()}
     tree = hyperparameters.tree()
-    tree["reward"] |= reward
-    others = {name: value for name, value in changes.items() if name not in terms}
-    return check(Hyperparameters, tree | others, WHERE)
+    for name, value in changes.items():
+        table, _, key = name.partition(".")
+        if table in ("reward", "vary") and key:
+            tree[table][key] = value
+        else:
+            tree[name] = value
+    return check(Hyperparameters, tree, WHERE)

@@ -15,25 +15,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.encodings import Shapes, encoder_label
-from graph_planner.policies import Policy, create_policy
 from graph_planner.policies.ddqn import QPolicy
 from graph_planner.policies.registry import check_policies
 from graph_planner.randomness import episode_keys
 from graph_planner.task import Task
-from graph_planner.weights import TEAMS, WeightsHeader, ground_note, header_note
+from graph_planner.weights import TEAMS, WeightsHeader, header_note
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import METRICS, Scorer
 from mjforage.core.scenario import Scenario
 from mjforage.core.schema import OPEN
 from mjforage.core.sizes import check_memory
-from mjforage.learning.environments.game import Game, Outcome
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.environments.rewards import labelled
 from mjforage.learning.training.files import save_tensors
+from mjforage.learning.training.grounds import Ground, common_shapes
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.learner import Learner
 from mjforage.learning.training.replay_memory import FINAL, NOTHING, PLAYED, memory_bytes
+from mjforage.learning.training.rounds import Played
 
 if TYPE_CHECKING:
     from graph_planner.q_network import DuelingNetwork
@@ -93,8 +93,9 @@ class Trainer:
     Attributes
     ----------
     hyperparameters, seed, device : as given
-    games : of the scenarios; rounds take them in turn
-    game : that of the round under way
+    grounds : the scenarios; rounds take them in turn
+    shapes : of one agent's pictures
+    round : the one under way
     learners : team of `TEAMS` -> its learner; a team without agents has none
     progress : how far it has come
     clock : where the time went
@@ -135,15 +136,15 @@ class Trainer:
             )
             for scenario in scenarios
         ]
-        self.games = [Game(each, hyperparameters.num_envs) for each in options]
-        self.game = self.games[0]
-        fleet = self.game.setup.fleet
-        _check_alike(self.games)
+        about = hyperparameters.num_envs, hyperparameters.vary
+        self.grounds = [Ground(each, *about) for each in options]
+        self.shapes = common_shapes(self.grounds)
+        fleet = self.grounds[0].setup.fleet
         self.agents = dict(zip(TEAMS, (fleet.discoverers, fleet.collectors), strict=True))
-        _check_memory(self.game.shapes, self.agents, hyperparameters)
+        _check_memory(self.shapes, self.agents, hyperparameters)
         self.learners = {
             team: Learner(
-                self.game.shapes,
+                self.shapes,
                 hyperparameters.num_envs * ids.size,
                 hyperparameters,
                 seed + i,
@@ -172,13 +173,13 @@ class Trainer:
         progress, num_envs = self.progress, self.hyperparameters.num_envs
         numbers = np.arange(progress.episodes, progress.episodes + num_envs)
         keys = episode_keys(self.seed, numbers)
-        self.game = game = self.games[progress.rounds % len(self.games)]
-        game.start(np.arange(num_envs), keys)
-        teacher, taught = self._teacher(keys)
-        returns = np.zeros((num_envs, game.agents))
+        self.round = self.grounds[progress.rounds % len(self.grounds)].round(keys)
+        self.round.start(keys)
+        taught = self._teach()
+        returns = np.zeros((num_envs, self.round.agents))
         learned: list[dict[str, float]] = []
-        while game.mission.active.any():
-            outcome = self._step(teacher, taught)
+        while self.round.active.any():
+            outcome = self._step(taught)
             returns += outcome.rewards
             learned += self._learn()
         self._open(np.where(self._present, FINAL, NOTHING))
@@ -186,17 +187,16 @@ class Trainer:
             learner.memory.finish()
         progress.rounds += 1
         progress.episodes += num_envs
-        progress.decisions += int(game.mission.step.sum())
+        progress.decisions += int(self.round.steps.sum())
         self.book_time()
         return self._row(returns, learned)
 
     def _row(self, returns: NDArray[np.float64], learned: list[dict[str, float]]) -> Row:
-        known, total = self.game.mission.ledger.entries, self.game.n_items.sum()
         row: Row = {
             **self._come("rounds", "episodes", "updates", "seconds"),
             "explore": self._explore,
-            "pta_c": 100.0 * float((known.t_collected >= 0).sum() / total),
-            "length": float(self.game.mission.step.mean()),
+            "pta_c": 100.0 * self.round.collected,
+            "length": float(self.round.steps.mean()),
         }
         for team, ids in self.agents.items():
             if ids.size:
@@ -210,30 +210,27 @@ class Trainer:
         """How far the run has come, by the names of `Progress`."""
         return {name: float(getattr(self.progress, name)) for name in names}
 
-    def _teacher(self, keys: NDArray[np.uint64]) -> tuple[Policy | None, NDArray[np.bool_]]:
-        """The teacher while there is one, and the sub-environments (env,) that it plays."""
+    def _teach(self) -> NDArray[np.bool_] | None:
+        """The sub-environments (env,) that the teacher plays; None once its time is over."""
         hyperparameters, left = self.hyperparameters, 0.0
         if hyperparameters.teacher and self.progress.updates < hyperparameters.teacher_updates:
             left = 1.0 - self.progress.updates / hyperparameters.teacher_updates
         taught = self.random.random(hyperparameters.num_envs) < left
         if left == 0.0:
-            return None, taught
-        teacher = create_policy(hyperparameters.teacher)
-        teacher.reset(self.game.setup.task, keys)
-        return teacher, taught
+            return None
+        self.round.teach(hyperparameters.teacher)
+        return taught
 
-    def _step(self, teacher: Policy | None, taught: NDArray[np.bool_]) -> Outcome:
-        game, clock = self.game, self.clock
-        self._present = game.mission.active.copy()
+    def _step(self, taught: NDArray[np.bool_] | None) -> Played:
+        clock = self.clock
+        self._present = self.round.active.copy()
         self._open(np.where(self._present, PLAYED, NOTHING))
         preferences = self._preferences()
         shown = np.zeros(preferences.shape, np.bool_)
-        if teacher is not None:
-            theirs = clock("teacher", lambda: game.mission.ask(teacher))
-            move = game.mission.decide(theirs).direction[..., None].astype(np.int64)
-            shown[:] = theirs >= np.take_along_axis(theirs, move, axis=-1)
+        if taught is not None:
+            theirs, shown = clock("teacher", self.round.shown)
             preferences[taught] = theirs[taught]
-        outcome: Outcome = clock("environment", lambda: game.play(preferences))
+        outcome: Played = clock("environment", lambda: self.round.play(preferences))
         for team, learner in self.learners.items():
             ids = self.agents[team]
             learner.memory.close(
@@ -247,8 +244,8 @@ class Trainer:
     def _open(self, kind: NDArray[np.int64]) -> None:
         """Show the learners what there is now, kind (env,) of row."""
         envs = np.flatnonzero(kind != NOTHING)
-        self._levels = self.clock("environment", lambda: self.game.see(envs))
-        self._legal = self.game.masks.astype(np.bool_)
+        self._levels = self.clock("environment", lambda: self.round.see(envs))
+        self._legal = self.round.masks.astype(np.bool_)
         for team, learner in self.learners.items():
             ids = self.agents[team]
             levels = {n: v[:, ids].reshape(-1, *v.shape[2:]) for n, v in self._levels.items()}
@@ -267,8 +264,7 @@ class Trainer:
 
     def _preferences(self) -> NDArray[np.float64]:
         """(env, agent, 9) values, or random numbers where a move is explored."""
-        game = self.game
-        shape = (game.num_envs, game.agents)
+        shape = (self.round.num_envs, self.round.agents)
         explored = self.random.random(shape) < self._explore
         preferences = self.random.random((*shape, 9))
         for team, learner in self.learners.items():
@@ -309,7 +305,7 @@ class Trainer:
 
     def evaluate(self) -> Row:
         """Scores on held-out episodes, without exploration; `rank` is better when lower."""
-        setup, hyperparameters = self.games[0].setup, self.hyperparameters
+        setup, hyperparameters = self.grounds[0].setup, self.hyperparameters
         mission = Mission(setup)
         mission.reset(HELD_OUT, np.arange(hyperparameters.evaluate_episodes))
         scorer = Scorer(mission, [METRICS.find(key) for key in SCORES])
@@ -338,18 +334,6 @@ def _check_memory(
     )
 
 
-def _check_alike(games: Sequence[Game]) -> None:
-    """Refuse scenarios that cannot share networks and replays."""
-    first, *others = [(game.setup.fleet.collects.tolist(), game.shapes) for game in games]
-    for number, other in enumerate(others, start=1):
-        if other != first:
-            names = [games[i].setup.scenario.name for i in (0, number)]
-            raise UserError(
-                f"scenarios {names[0]} and {names[1]}: fleets or arrays differ; train together "
-                "scenarios with as many scouts and foragers, on the egocentric observation"
-            )
-
-
 def _mean(values: NDArray[np.float64]) -> float:
     """Mean of the defined values; NaN without any."""
     defined = values[np.isfinite(values)]
@@ -369,6 +353,6 @@ def save_weights(trainer: Trainer, path: Path) -> None:
         for team, network in trainer.networks.items()
         for name, value in network.state_dict().items()
     }
-    grounds = tuple(ground_note(game.setup.task) for game in trainer.games)
-    header = WeightsHeader(trainer.hyperparameters.observation, trainer.game.shapes, grounds)
+    notes = tuple(note for ground in trainer.grounds for note in ground.notes)
+    header = WeightsHeader(trainer.hyperparameters.observation, trainer.shapes, notes)
     save_tensors(path, tensors, header_note(header))

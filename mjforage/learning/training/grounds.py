@@ -1,0 +1,127 @@
+"""What rounds are played on: a scenario, or variants of it of which each episode draws one.
+
+Settings that are drawn anew for every episode are domain randomisation (Tobin et al., IROS 2017).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import product
+from math import prod
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel
+from graph_planner.encodings import Shapes, create_encoder
+from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
+from graph_planner.weights import ground_note
+from mjforage.core.errors import UserError
+from mjforage.core.scenario import Scenario
+from mjforage.core.scenario_file import with_values
+from mjforage.learning.environments.game import Game
+from mjforage.learning.environments.options import EnvironmentOptions
+from mjforage.learning.training.hyperparameters import WHERE
+from mjforage.learning.training.rounds import Round
+
+MOST = 256  # variants of a scenario: each is read and checked before training begins
+
+Vary = Mapping[str, tuple[Any, ...]]
+
+
+def variants(scenario: Scenario, vary: Vary) -> list[Scenario]:
+    """A scenario with every combination of the values that some of its keys may have.
+
+    Raises
+    ------
+    UserError
+        If a key has no values, there are too many combinations, or one is no valid scenario.
+    """
+    for key, values in vary.items():
+        if not values:
+            raise UserError(f"{WHERE}: vary.{key} = []: no values; give some, such as [1, 2]")
+    number = prod(len(values) for values in vary.values())
+    if number > MOST:
+        raise UserError(f"{WHERE}: vary makes {number} scenarios of one; give at most {MOST}")
+    drawn = (dict(zip(vary, values, strict=True)) for values in product(*vary.values()))
+    return [with_values(scenario, each, f"{WHERE} vary") for each in drawn]
+
+
+class Ground:
+    """A scenario of a training run, and its variants.
+
+    Attributes
+    ----------
+    setup : of the scenario
+    options : of what is played: its variants, or the scenario itself
+    """
+
+    def __init__(self, options: EnvironmentOptions, num_envs: int, vary: Vary) -> None:
+        """Prepare.
+
+        Parameters
+        ----------
+        options : of the scenario
+        num_envs : episodes of a round
+        vary : key of the scenario -> values; each episode draws one of each key
+
+        Raises
+        ------
+        UserError
+            If a variant is not valid, or there is not the memory for so many episodes.
+        """
+        self.setup, self.options, self._num_envs = options.setup, [options], num_envs
+        self._game = None if vary else Game(options, num_envs)
+        if vary:
+            scenarios = variants(options.setup.scenario, vary)
+            self.options = [replace(options, scenario=scenario) for scenario in scenarios]
+            self.setup.check_memory(num_envs)
+
+    @property
+    def notes(self) -> list[dict[str, Any]]:
+        """What tells the maps and rules that are played on from others, each once."""
+        notes = [ground_note(each.setup.task) for each in self.options]
+        return [note for i, note in enumerate(notes) if note not in notes[:i]]
+
+    def round(self, keys: UInt64Array) -> Round:
+        """One episode of each key (env,), not yet started."""
+        if self._game is not None:
+            return Round([self._game], [np.arange(self._num_envs)])
+        number = _drawn(keys, Stream.VARIANT, len(self.options))
+        envs = [np.flatnonzero(number == one) for one in np.unique(number)]
+        return Round([Game(self.options[number[own[0]]], own.size) for own in envs], envs)
+
+
+@kernel
+def _drawn(keys: UInt64Array, stream: int, count: int) -> NDArray[np.int64]:
+    """Number of the variant that the episode of each key (env,) has."""
+    number = np.empty(keys.size, np.int64)
+    for e in range(keys.size):
+        number[e] = int(uniform(stream_key(keys[e], stream), 0, 0) * count)
+    return number
+
+
+def common_shapes(grounds: Sequence[Ground]) -> Shapes:
+    """Shapes of all grounds' pictures.
+
+    Raises
+    ------
+    UserError
+        If grounds or variants cannot share networks and replays.
+    """
+    every = [options for ground in grounds for options in ground.options]
+    found = [
+        (
+            each.setup.fleet.collects.tolist(),
+            create_encoder(each.observation, each.setup.task).shapes,
+        )
+        for each in every
+    ]
+    for options, other in zip(every, found, strict=True):
+        if other != found[0]:
+            names = [each.setup.scenario.name for each in (every[0], options)]
+            raise UserError(
+                f"scenarios {names[0]} and {names[1]}: fleets or arrays differ; train together "
+                "scenarios with as many scouts and foragers, on the egocentric observation"
+            )
+    return found[0][1]

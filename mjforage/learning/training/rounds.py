@@ -1,0 +1,118 @@
+"""The episodes of a round side by side, in one game or in several that are played as one."""
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.policies import Policy, create_policy
+from graph_planner.randomness import UInt64Array
+from mjforage.learning.environments.game import Game
+
+_Kind = TypeVar("_Kind", bound=np.generic)
+
+
+class Played(NamedTuple):
+    """What one step gave."""
+
+    taken: NDArray[np.int8]  # (env, agent) moves that were made
+    rewards: NDArray[np.float64]  # (env, agent)
+    terminated: NDArray[np.bool_]  # (env,) no item is left, or nobody can move
+
+
+class Round:
+    """One episode in every sub-environment (env,).
+
+    Attributes
+    ----------
+    games : that play them; fleets and pictures are alike
+    envs : (game,) of the sub-environments (env,) that each plays
+    num_envs, agents : of all games; of each
+    """
+
+    def __init__(self, games: Sequence[Game], envs: Sequence[NDArray[np.int64]]) -> None:
+        self.games, self.envs = games, envs
+        self.num_envs, self.agents = sum(each.size for each in envs), games[0].agents
+        each = (self.num_envs, self.agents)
+        self._levels = {n: np.zeros((*each, *s), np.uint8) for n, s in games[0].shapes.items()}
+        self._teachers: list[Policy] = []
+
+    def start(self, keys: UInt64Array) -> None:
+        """Start episodes of the given keys (env,)."""
+        for game, envs in zip(self.games, self.envs, strict=True):
+            game.start(np.arange(envs.size), keys[envs])
+
+    @property
+    def active(self) -> NDArray[np.bool_]:
+        """(env,) whether an episode goes on."""
+        return self._joined(game.mission.active for game in self.games)
+
+    @property
+    def masks(self) -> NDArray[np.int8]:
+        """(env, agent, 9) 1 where a move is legal whatever the others choose."""
+        return self._joined(game.masks for game in self.games)
+
+    def see(self, envs: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
+        """Levels (env, agent, ...) of what each agent knows; only `envs` are of this moment."""
+        if len(self.games) == 1:
+            return self.games[0].see(envs)
+        for game, own in zip(self.games, self.envs, strict=True):
+            chosen = np.flatnonzero(np.isin(own, envs))
+            for name, level in game.see(chosen).items() if chosen.size else ():
+                self._levels[name][own[chosen]] = level[chosen]
+        return self._levels
+
+    def play(self, preferences: NDArray[np.float64]) -> Played:
+        """Play one decision by preferences (env, agent, 9)."""
+        each = [
+            game.play(preferences[envs]) for game, envs in zip(self.games, self.envs, strict=True)
+        ]
+        return Played(
+            self._joined(outcome.taken for outcome in each),
+            self._joined(outcome.rewards for outcome in each),
+            self._joined(outcome.terminated for outcome in each),
+        )
+
+    def teach(self, name: str) -> None:
+        """Have a policy ready that shows moves in the episodes that were started."""
+        self._teachers = [create_policy(name) for _ in self.games]
+        for game, teacher in zip(self.games, self._teachers, strict=True):
+            game.mission.prepare(teacher)
+
+    def shown(self) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+        """The teacher's preferences (env, agent, 9), and the moves that it would make or likes as
+        much.
+        """
+        theirs = self._joined(
+            game.mission.ask(teacher)
+            for game, teacher in zip(self.games, self._teachers, strict=True)
+        )
+        moves = self._joined(
+            game.mission.decide(theirs[envs]).direction
+            for game, envs in zip(self.games, self.envs, strict=True)
+        )
+        own = np.take_along_axis(theirs, moves[..., None].astype(np.int64), axis=-1)
+        return theirs, theirs >= own
+
+    @property
+    def collected(self) -> float:
+        """Share of all items that have been collected."""
+        total = sum(int(game.n_items.sum()) for game in self.games)
+        found = (game.mission.ledger.entries.t_collected >= 0 for game in self.games)
+        return sum(int(each.sum()) for each in found) / total
+
+    @property
+    def steps(self) -> NDArray[np.int32]:
+        """(env,) decisions made."""
+        return self._joined(game.mission.step for game in self.games)
+
+    def _joined(self, parts: Iterable[NDArray[_Kind]]) -> NDArray[_Kind]:
+        """(env, ...) of what each game has for its own; that of a single game as it is."""
+        arrays = list(parts)
+        if len(arrays) == 1:
+            return arrays[0]
+        joined = np.empty((self.num_envs, *arrays[0].shape[1:]), arrays[0].dtype)
+        for array, envs in zip(arrays, self.envs, strict=True):
+            joined[envs] = array
+        return joined
