@@ -9,7 +9,7 @@ BIN := $(VENV)/bin
 CAPABILITIES := default avx2 avx512
 LEARNING := tests/mjforage/learning tests/graph_planner/test_weights.py
 
-POLICIES := belief oracle greedy levy lawnmower wanderer pso random ddqn ddqn-reward
+POLICIES := belief oracle greedy levy lawnmower wanderer pso random ddqn ddqn-reward ddqn-link
 
 .PHONY: demo test types kernels capabilities mutants install clean
 .DEFAULT_GOAL := demo

@@ -85,3 +85,10 @@ class DdqnPolicy(ShippedPolicy):
     """Double dueling DQN, the best shipped weights: shown moves by the belief planner at first."""
 
     weights = "ddqn"
+
+
+@register("ddqn-link")
+class DdqnLinkPolicy(ShippedPolicy):
+    """Double dueling DQN, trained as `ddqn` but over a link that every episode drew anew."""
+
+    weights = "ddqn-link"

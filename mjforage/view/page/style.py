@@ -15,6 +15,7 @@ from matplotlib.colors import LinearSegmentedColormap, ListedColormap, to_rgb
 POLICY_COLOURS: dict[str, str] = {
     "ddqn": "#B5308A",
     "ddqn-reward": "#E69AC0",
+    "ddqn-link": "#4C0CCC",
     "greedy": "#0072B2",
     "levy": "#D55E00",
     "belief": "#009E73",
