@@ -136,11 +136,12 @@ class Beliefs:
         return rc.Doubts(self._misses, self._settings.false_rate, self.expected[e], least)
 
     def _retract(self, e: int) -> None:
-        """Take back the first sightings of tracks that were given up: they were of nothing."""
+        """Take back sightings that were of nothing, as it seems."""
         lost = self._lost
         for i in range(lost.number[0]):
-            about = lost.born_node[i], int(lost.born[i])
-            hs.retract(self.spots, self._cloud, self._shore, e, *about)
+            if lost.born[i] >= 0:
+                about = lost.born_node[i], int(lost.born[i])
+                hs.retract(self.spots, self._cloud, self._shore, e, *about)
 
     def forecast(self) -> NDArray[np.float64]:
         """(row, node) items expected: unseen ones, and known ones where they should be.

@@ -14,7 +14,7 @@ from graph_planner.task import Task
 from graph_planner.visibility import NodeLists
 from mjforage.core.ledger import Entries, count, credit
 from mjforage.core.scenario import Sensors
-from mjforage.core.sensing import Sensing, is_perfect, sense, sensing
+from mjforage.core.sensing import Sensing, sense, sensing
 
 
 class Eyes(NamedTuple):
@@ -100,7 +100,7 @@ class Lookout:
             np.zeros(len(task.graph), np.bool_),
             np.empty(items, np.int32),
         )
-        if is_perfect(sensors):
+        if sensors.perfect:
             self._look = prepared(_look, eyes, entries, knowledge)
         else:
             sees = sensing(sensors, task, keys, items)

@@ -26,7 +26,7 @@ from mjforage.core.graph_dynamics import GraphDynamics
 from mjforage.core.ledger import Ledger
 from mjforage.core.link import exchange_of
 from mjforage.core.looking import Lookout
-from mjforage.core.sensing import is_perfect, map_filter, no_shown
+from mjforage.core.sensing import map_filter, no_shown
 from mjforage.core.setup import Setup
 
 _ONE = np.ones(1, np.int32)
@@ -135,7 +135,7 @@ class Mission:
         self.ledger.reset(self.state.item_node)
         self._fill_stores()
         sensors = self.setup.scenario.sensors
-        self._shown = no_shown(self.task, keys.size, is_perfect(sensors))
+        self._shown = no_shown(self.task, keys.size, sensors.perfect)
         self._filtered = map_filter(self.setup.scenario, self.task, keys.size)
         self.knowledge = Knowledge.of_starts(self._looks(), len(self.setup.graph))
         self._post_lookout()

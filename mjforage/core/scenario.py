@@ -177,6 +177,12 @@ class Sensors:
     pickup_latency_s: Annotated[float, Within(0, 10, "s"), source("estimate"), Later()] = 0.2
     """Time until what is in a frame is known, a multiple of 0.1 s."""
 
+    @property
+    def perfect(self) -> bool:
+        """Whether looks show all that is in view, and nothing else."""
+        detects = self.detection >= 1.0 and not self.half_range_node and not self.detection_table
+        return detects and not (self.false_rate or self.merge) and self.fov_deg >= 360.0
+
 
 _RF = source("gz-sim, RFComms")
 

@@ -181,6 +181,18 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
             f"{where}: sensors.half_range_node = {scenario.sensors.half_range_node:g} beside a "
             "detection_table; give one of them"
         )
+    sensors = scenario.sensors
+    surest = table[0][1] if table else sensors.detection
+    if sensors.persistence > 0.0 and surest in (0.0, 1.0):
+        raise UserError(
+            f"{where}: sensors.persistence = {sensors.persistence:g}, but all items are detected "
+            f"with the same chance of {surest:g} near by; give sensors.detection between 0 and 1"
+        )
+    if sensors.map == "filtered" and sensors.perfect:
+        raise UserError(
+            f'{where}: sensors.map = "filtered", but looks miss and invent nothing; give '
+            "sensors.detection, for example 0.9"
+        )
     choice = scenario.corruption
     if choice.team not in counts and (choice.team or choice.epsilon):
         teams = ", ".join(counts)

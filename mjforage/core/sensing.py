@@ -41,13 +41,6 @@ class Sensing(NamedTuple):
     manned: NDArray[np.bool_]  # (node,) memory: a collector is there
 
 
-def is_perfect(sensors: Sensors) -> bool:
-    """Whether looks show all that is in view, and nothing else."""
-    detects = sensors.detection >= 1.0 and not sensors.half_range_node
-    invents = sensors.false_rate > 0.0 or sensors.merge > 0.0
-    return detects and not sensors.detection_table and not invents and sensors.fov_deg >= 360.0
-
-
 def detection_chances(sensors: Sensors, task: Task) -> NDArray[np.float64]:
     """(square,) chance to detect an item, by its squared distance."""
     about = sensors.detection, sensors.half_range_node, sensors.slope_node
@@ -99,7 +92,7 @@ def sensing(sensors: Sensors, task: Task, keys: UInt64Array, items: int) -> Sens
 def map_filter(scenario: Scenario, task: Task, rows: int) -> MapFilter:
     """What so many rows of knowledge make of counts; of size 0 if they believe the last one."""
     nodes, sensors = len(task.graph), scenario.sensors
-    weighs = sensors.map == "filtered" and not is_perfect(sensors)
+    weighs = sensors.map == "filtered" and not sensors.perfect
     prior, kept = scenario.items.mean / nodes, rows if weighs else 0
     return MapFilter(
         density=np.full((kept, nodes), prior),

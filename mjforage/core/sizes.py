@@ -17,6 +17,8 @@ _LOGGED = 200  # bytes per agent, step and episode: log and table of agents
 _COURSES = 200  # bytes per step and episode: courses of metrics and table of steps
 _ITEM = 100  # bytes per item and episode
 _LOOK = 40  # bytes of a look, and two for every node in its view
+_NEAR = 2  # bytes per node, step and holder of what a planner's views may have missed
+_DENSITY = 8  # bytes per node and holder of a filtered map
 _HEARD = 14  # bytes per look and holder: when it was heard, what arrives
 _PLACE = 4  # bytes per item and step: where it was
 _FRAME = 12  # bytes per cell and step of the one episode that a run records
@@ -81,6 +83,11 @@ def mission_bytes(
         each += items * steps * _PLACE
         roles = [role for role in scenario.team.values() if role.count]
         each += agents * steps * 2 * max(min(4.0 * role.radius**2 + 1, nodes) for role in roles)
+    holders = agents if scenario.link.model != "ideal" else 1
+    if scenario.belief.detection < 1.0 or scenario.belief.half_range_node:
+        each += holders * steps * nodes * _NEAR
+    if scenario.sensors.map == "filtered":
+        each += (1 + holders) * nodes * _DENSITY
     frames = steps * shape[0] * shape[1] * _FRAME if recorded else 0
     return episodes * each + frames
 

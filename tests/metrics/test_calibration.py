@@ -26,6 +26,8 @@ def test_four_forecasts_by_hand() -> None:
     assert metrics.resolution(FOUR) == pytest.approx((0.25**2 + 0.25**2) / 2)
     assert metrics.calibration_error(FOUR) == pytest.approx((0.35 + 0.25) / 2)
     assert metrics.brier_skill(FOUR) == pytest.approx(1.0 - 0.2175 / 0.1875)
+    apart = sums((0.85, 0), (0.25, 1))
+    assert metrics.calibration_error(apart) == pytest.approx((0.85 + 0.75) / 2), "both ways"
 
 
 def test_murphys_parts_add_up() -> None:
@@ -48,3 +50,4 @@ def test_without_forecasts_nothing_is_defined() -> None:
         assert np.isnan(score(nothing)).all()
     assert np.isnan(metrics.calibration_error(nothing)).all()
     assert np.isnan(metrics.brier_skill(sums((0.3, 0)))), "what never happens cannot be skilled"
+    assert np.isnan(metrics.brier_skill(sums((0.3, 1)))), "nor what always does"

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from graph_planner.belief_planner import hotspots as hs
+from graph_planner.belief_planner import late as lt
 from graph_planner.belief_planner import misses as ms
 from graph_planner.belief_planner import reconciling as rc
 from graph_planner.belief_planner import stragglers as st
@@ -138,7 +139,7 @@ def test_where_nothing_is_missed_a_track_that_is_not_shown_is_lost_at_once() -> 
     watch.view(here=1)
     watch.view()
     assert watch.real == [] and watch.lost.number[0] == 1
-    assert watch.lost.born_node[0] == HERE and watch.lost.born[0] == 0
+    assert watch.lost.born_node[0] == HERE and watch.lost.born[0] == -1, "surely an item"
 
 
 def test_a_sighting_where_nothing_was_expected_is_taken_for_a_ghost() -> None:
@@ -148,6 +149,37 @@ def test_a_sighting_where_nothing_was_expected_is_taken_for_a_ghost() -> None:
     assert doubtful.real == pytest.approx([0.5])
     doubtful.view(here=1)
     assert doubtful.real == pytest.approx([0.4 / 0.405]), "seen twice it is hardly one"
+
+
+def test_only_a_sighting_that_was_unlikely_and_came_once_is_taken_back() -> None:
+    """Expected .0125 items, false alarms .01, p .8: it is one with .5; missed in .2 by each view."""
+    for expected, again, doubted in (
+        (0.0125, False, True),
+        (0.0125, True, False),
+        (9.0, False, False),
+    ):
+        watch = Watch(0.8, 0.01, expected)
+        watch.view(here=1)
+        if again:
+            watch.view(here=1)
+        while watch.real:
+            watch.view()
+        assert watch.lost.number[0] == 1
+        assert (watch.lost.born[0] == 0) == doubted == (watch.lost.born[0] != -1)
+
+
+def test_late_news_is_out_once_views_since_would_hardly_have_missed_it() -> None:
+    """Missed with .5 by each of the views since: .125 after three, .0625 after four."""
+    for views, kept in ((3, 1), (4, 0)):
+        watch = Watch(0.5)
+        particles = st.stragglers(1, NODES, 40, 0, 0.0, watch.misses)
+        tr.begin(watch.tracks, SHORE, 0, HERE, 1, watch.ways)
+        for step in range(2, 2 + views):
+            look(watch.misses, [HERE], [1], step)
+            st.remember(particles, 0, step, seen_by([HERE], [1], step), np.zeros(0, np.int32))
+        drift, ways = np.zeros(2), (watch.ways, watch.lost)
+        new = lt.doubt(watch.tracks, particles, SHORE, 0, 1, 1, 10, drift, *ways)
+        assert new == kept == watch.tracks.number[0]
 
 
 def test_a_particle_survives_a_view_with_the_chance_to_be_missed() -> None:

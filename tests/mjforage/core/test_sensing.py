@@ -13,7 +13,6 @@ from mjforage.core.errors import UserError
 from mjforage.core.mission import Mission
 from mjforage.core.scenario import Sensors
 from mjforage.core.scenario_file import load_scenario
-from mjforage.core.sensing import is_perfect
 from mjforage.core.setup import Setup
 from tests.mjforage.core.watching import Watched, task_of
 
@@ -34,7 +33,7 @@ def found(watched: Watched) -> float:
 
 
 def test_perfect_is_what_shows_all() -> None:
-    assert is_perfect(Sensors()) and is_perfect(Sensors(position_noise_m=1.0, persistence=0.3))
+    assert Sensors().perfect and Sensors(position_noise_m=1.0, persistence=0.3).perfect
     one_each = (
         Sensors(detection=0.9),
         Sensors(half_range_node=3.0),
@@ -43,7 +42,7 @@ def test_perfect_is_what_shows_all() -> None:
         Sensors(merge=0.1),
         Sensors(fov_deg=359.0),
     )
-    assert not any(map(is_perfect, one_each))
+    assert not any(one.perfect for one in one_each)
 
 
 def test_three_looks_at_an_item() -> None:
@@ -185,6 +184,8 @@ def test_late_looks_weigh_as_those_of_their_time() -> None:
         ("sensors.detection_table=[[0,0.5],[2,0.9]]", "chances that do not grow"),
         ("sensors.half_range_node=-1", "sensors.half_range_node = -1 is out of range"),
         ("sensors.map=best", "sensors.map"),
+        ("sensors.map=filtered", "looks miss and invent nothing"),
+        ("sensors.persistence=0.3", "with the same chance of 1 near by"),
         ("sensors.false_hold=0", "sensors.false_hold = 0 is out of range"),
     ],
 )

@@ -15,7 +15,7 @@ from mjforage.core.ledger import Ledger
 from mjforage.core.looking import Lookout
 from mjforage.core.scenario import Sensors
 from mjforage.core.scenario_file import load_scenario
-from mjforage.core.sensing import is_perfect, map_filter, no_shown
+from mjforage.core.sensing import map_filter, no_shown
 
 
 def task_of(shape: tuple[int, int], **teams: Role) -> Task:
@@ -64,7 +64,7 @@ class Watched:
         item_node = np.tile(np.array(items, np.int32), (keys.size, 1))
         ledger = Ledger(task)
         ledger.reset(item_node)
-        shown = no_shown(task, keys.size, is_perfect(sensors))
+        shown = no_shown(task, keys.size, sensors.perfect)
         looks = looks_of(ledger, np.tile(np.array(at, np.int32), (keys.size, 1)), shown)
         looks.agent_yaw[:] = yaw
         self.knowledge, self.entries = Knowledge.of_starts(looks, len(task.graph)), ledger.entries
