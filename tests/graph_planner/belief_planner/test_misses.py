@@ -152,7 +152,7 @@ def test_a_sighting_where_nothing_was_expected_is_taken_for_a_ghost() -> None:
 
 
 def test_only_a_sighting_that_was_unlikely_and_came_once_is_taken_back() -> None:
-    """Expected .0125 items, false alarms .01, p .8: it is one with .5; missed in .2 by each view."""
+    """Where .0125 items are expected, with false alarms of .01 and p = .8, it is one with .5."""
     for expected, again, doubted in (
         (0.0125, False, True),
         (0.0125, True, False),
