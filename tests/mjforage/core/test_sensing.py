@@ -57,7 +57,7 @@ def test_three_looks_at_an_item() -> None:
 def test_detection_falls_with_the_distance() -> None:
     """p0 / (1 + exp((d - half) / slope)): half of p0 at half, .8 / (1 + e) a slope beyond."""
     chance = chances_by_square(17, 0.8, 2.0, 1.0)
-    assert chance[4] == pytest.approx(0.4) and chance[9] == pytest.approx(0.8 / (1.0 + np.e))
+    assert chance[4] == pytest.approx(0.4) and chance[9] == pytest.approx(0.8 / (1.0 + np.exp(1.0)))
     sensors = Sensors(detection=0.8, half_range_node=2.0)
     for node, expected in ((MIDDLE + 2, 0.4), (MIDDLE - 3 * 9, 0.21515)):
         seen = found(Watched(SEA, sensors, [MIDDLE], [node], 0, MANY))
