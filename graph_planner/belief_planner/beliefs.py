@@ -136,12 +136,16 @@ class Beliefs:
         return rc.Doubts(self._misses, self._settings.false_rate, self.expected[e], least)
 
     def _retract(self, e: int) -> None:
-        """Take back sightings that were of nothing, as it seems."""
+        """Take back the first sightings of tracks that were given up.
+
+        They were of nothing, or else the item will be sighted again, and would count twice. To take
+        back but those that were unlikely, and never of what a forager may have taken, was worse:
+        `docs/sensing.md`.
+        """
         lost = self._lost
         for i in range(lost.number[0]):
-            if lost.born[i] >= 0:
-                about = lost.born_node[i], int(lost.born[i])
-                hs.retract(self.spots, self._cloud, self._shore, e, *about)
+            about = lost.born_node[i], int(lost.born[i])
+            hs.retract(self.spots, self._cloud, self._shore, e, *about)
 
     def forecast(self) -> NDArray[np.float64]:
         """(row, node) items expected: unseen ones, and known ones where they should be.

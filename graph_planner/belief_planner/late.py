@@ -103,7 +103,7 @@ def collect(
             )
             if before == foragers_at[f] and not tracks.firm[e, i]:
                 if tracks.seen[e, i] < step - 1:
-                    lose(tracks, e, i, lost, True)
+                    lose(tracks, e, i, lost)
                 drop(tracks, shore, e, i, ways)
             else:
                 i += 1
@@ -155,7 +155,7 @@ def doubt(
     kept = new
     for i in range(tracks.number[e] - 1, tracks.number[e] - 1 - new, -1):
         if _is_out(stragglers, shore, e, tracks.row[e, i], tracks.col[e, i], drift, step, now):
-            lose(tracks, e, i, lost, True)
+            lose(tracks, e, i, lost)
             drop(tracks, shore, e, i, ways)
             kept -= 1
     return kept

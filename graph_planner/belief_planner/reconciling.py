@@ -219,7 +219,6 @@ def _is_real(
             density = max(density, expected[neighbours[node, direction]])
     chance = 1.0 - missed(doubts.misses, e, now, node)
     tracks.real[e, i] = real_if_new(density, chance, doubts.false_rate)
-    tracks.born_real[e, i] = tracks.real[e, i]
     return bool(tracks.real[e, i] >= ENDED)
 
 
@@ -293,7 +292,7 @@ def reconcile(
         elif _is_overlooked(tracks, e, i, now, doubts):
             continue
         elif _has(catch.at, tracks.node[e, i]) or not _hide(tracks, shore, neighbours, e, i, view):
-            lose(tracks, e, i, lost, False)
+            lose(tracks, e, i, lost)
             drop(tracks, shore, e, i, ways)
     new = 0
     for j in range(lacks):

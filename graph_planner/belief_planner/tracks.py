@@ -15,7 +15,6 @@ from graph_planner.walls import INSET
 
 ENDED = 0.1  # a track is given up below this chance that its item is there
 CERTAIN = 0.9  # and no track is more certain than so, once it is missed: it may be next door
-DOUBTFUL = 0.99  # below this chance a first sighting may have been of nothing
 CERTAIN_PLACE = 0.95  # chance of a track that was just seen to be in its node still
 
 
@@ -36,7 +35,6 @@ class Tracks(NamedTuple):
     now_col: NDArray[np.float64]
     real: NDArray[np.float64]  # (episode, track) chance that the item is there
     born_node: Int32Array  # (episode, track) node of the first sighting
-    born_real: NDArray[np.float64]  # (episode, track) chance then that it was of an item
 
 
 class Ended(NamedTuple):
@@ -56,7 +54,7 @@ class Lost(NamedTuple):
     node: Int32Array  # (loss,) of the last sighting
     step: Int32Array  # (loss,) of the last sighting
     born_node: Int32Array  # (loss,) of the first sighting
-    born: Int32Array  # (loss,) step of the first sighting if that may have been of nothing, else -1
+    born: Int32Array  # (loss,) step of the first sighting
 
 
 def tracks(episodes: int, capacity: int) -> Tracks:
@@ -77,7 +75,6 @@ def tracks(episodes: int, capacity: int) -> Tracks:
         now_col=np.zeros(both),
         real=np.ones(both),
         born_node=np.zeros(both, np.int32),
-        born_real=np.ones(both),
     )
 
 
@@ -125,7 +122,6 @@ def _copy(tracks: Tracks, e: int, source: int, goal: int) -> None:
     tracks.now_col[e, goal] = tracks.now_col[e, source]
     tracks.real[e, goal] = tracks.real[e, source]
     tracks.born_node[e, goal] = tracks.born_node[e, source]
-    tracks.born_real[e, goal] = tracks.born_real[e, source]
 
 
 @kernel
@@ -138,20 +134,12 @@ def drop(tracks: Tracks, shore: Shore, e: int, i: int, ways: Ended) -> None:
 
 
 @kernel
-def lose(tracks: Tracks, e: int, i: int, lost: Lost, taken: bool) -> None:
-    """List track i among those that were given up.
-
-    Parameters
-    ----------
-    taken : whether a forager may have taken the item; else, if it was seen but once where none was
-        expected, there may have been none
-    """
+def lose(tracks: Tracks, e: int, i: int, lost: Lost) -> None:
+    """List track i among those that were given up."""
     n = lost.number[0]
     if n < lost.node.size:
         lost.node[n], lost.step[n] = tracks.seen_node[e, i], tracks.seen[e, i]
-        once = tracks.seen[e, i] == tracks.born[e, i] and tracks.born_real[e, i] < DOUBTFUL
-        lost.born_node[n] = tracks.born_node[e, i]
-        lost.born[n] = tracks.born[e, i] if once and not taken else -1
+        lost.born_node[n], lost.born[n] = tracks.born_node[e, i], tracks.born[e, i]
         lost.number[0] = n + 1
 
 
@@ -201,7 +189,7 @@ def collect(
         while i < tracks.number[e]:
             if tracks.node[e, i] == foragers_at[f]:
                 if tracks.seen[e, i] < now - 1:
-                    lose(tracks, e, i, lost, True)
+                    lose(tracks, e, i, lost)
                 drop(tracks, shore, e, i, ways)
             else:
                 i += 1
@@ -226,7 +214,7 @@ def begin(tracks: Tracks, shore: Shore, e: int, node: int, now: int, ways: Ended
     tracks.row[e, i], tracks.col[e, i] = float(shore.rows[node]), float(shore.cols[node])
     tracks.born[e, i], tracks.seen[e, i] = now, now
     tracks.seen_node[e, i], tracks.firm[e, i] = node, False
-    tracks.real[e, i], tracks.born_node[e, i], tracks.born_real[e, i] = 1.0, node, 1.0
+    tracks.real[e, i], tracks.born_node[e, i] = 1.0, node
     tracks.base[e, i], tracks.base_node[e, i] = now, node
     tracks.number[e] = i + 1
     confirm(tracks, shore, e, i, node, now, ways)
