@@ -234,8 +234,9 @@ def terminal_table(summary: Mapping[str, Any], bounds: Collection[str] = ()) -> 
     def defined(key: str) -> bool:
         return any(entry_of(parsed, one, key).n for one in series)
 
-    keys = LINKED if defined("handover") else TERMINAL
-    metrics = [describe(key) for key in keys if defined(key)]
+    over_link = defined("handover")
+    keys = filter(defined, LINKED) if over_link else TERMINAL
+    metrics = [describe(key) for key in keys]
     table = RichTable(
         title="mean ± 1.96 SEM",
         title_justify="left",

@@ -146,6 +146,7 @@ OF_LINKS = {
     *("position_age", "disagreement", "rmse_holders", "contact"),
     *("delivered", "lost", "dropped", "bytes_sent", "handover"),
 }
+OF_FORECASTS = {"brier_skill", "calibration_error", "reliability"}
 
 
 def undefined(frame: pl.DataFrame) -> set[str]:
@@ -160,7 +161,10 @@ def test_a_fleet_without_scouts_leaves_their_metrics_undefined(
     overrides = ["team.scouts.count=0", "team.foragers.radius=3", "items.covariance_node2=200"]
     run = evaluate_small(tmp_path / "run", overrides=overrides, horizon=60, policies=["greedy"])
     rows = tables(run)["episodes"]
-    assert undefined(rows) == {"throughput_scouts", "gini_scouts", "co_scouts", "dsl"} | OF_LINKS
+    assert (
+        undefined(rows)
+        == {"throughput_scouts", "gini_scouts", "co_scouts", "dsl"} | OF_LINKS | OF_FORECASTS
+    )
     assert (rows["pta_c"] > 0).all()
     assert (rows["csr"] == 0).all()
     assert not rows.select(pl.col(*EVERYWHERE).is_nan().any()).row(0).count(True)
@@ -173,7 +177,7 @@ def test_a_fleet_without_foragers_removes_nothing(evaluate_small: Small, tmp_pat
     frames = tables(run)
     rows = frames["episodes"]
     missing = {"throughput", "gini_foragers", "co_foragers", "csr", "dsl"}
-    assert undefined(rows) == missing | OF_LINKS
+    assert undefined(rows) == missing | OF_LINKS | OF_FORECASTS
     assert (rows["pta_c"] == 0).all()
     assert frames["items"]["t_collected"].null_count() == frames["items"].height
     assert not rows.select(pl.col(*EVERYWHERE).is_nan().any()).row(0).count(True)

@@ -32,9 +32,9 @@ def test_every_part_of_the_planner_is_switched_off_alone(link: str) -> None:
     assert whole.scenario == scenario
     assert set(whole.policies) == {"belief", "greedy", "oracle"}
     switches = [f.name for f in fields(BeliefSettings) if f.default is True]
-    assert len(switches) == 10
+    assert len(switches) == 11
     over_links = [name for name in switches if name in variants.IN_TOUCH]
-    assert over_links == ["report", "alone"]
+    assert over_links == ["report", "alone", "relay"]
     for name in switches:
         if link == "ideal" and name in over_links:
             assert f"no-{name}" not in found

@@ -35,6 +35,7 @@ FIGURES = (
     "overlap",
     "ages",
     "holders",
+    "forecasts",
     "dsl",
     "itl",
     "metric-handover",
