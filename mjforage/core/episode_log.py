@@ -84,6 +84,7 @@ class EpisodeLog(Observer):
     n_items : (episode,); items beyond it are padding
     item_start : (episode, item, 2) initial position (row, column) [node]
     link : what went over the links, None without; of a batch that is over
+    forecasts : (episode, bin, 4) how they came true, see `metrics.calibration`; likewise
     item_node : (episode, T + 1, item) where each was, -1 nowhere; empty without a link
     seen : (open,) rows that the last `see` has written: those not over before it
     """
@@ -150,6 +151,7 @@ class EpisodeLog(Observer):
 
     def _finish(self, mission: Mission) -> None:
         entries, self.link = mission.ledger.entries, mission.exchange.link_log
+        self.forecasts = mission.forecasts.sums
         self.t_discovered, self.discovered_by = entries.t_discovered, entries.discovered_by
         self.t_collected, self.collected_by = entries.t_collected, entries.collected_by
 

@@ -2,7 +2,7 @@
 
 import metrics
 from mjforage.core.mission_metrics.known import metric
-from mjforage.core.mission_metrics.metric import FloatArray, Metric, Moment
+from mjforage.core.mission_metrics.metric import Batch, FloatArray, Metric
 
 
 @metric
@@ -13,11 +13,11 @@ class BrierSkill(Metric):
     1 - BS / (o (1 - o)) (Brier 1950; Murphy 1973); undefined for policies that forecast nothing.
     """
 
-    key, label, better, compared, top = "brier_skill", "Brier_skill", 1, False, 1.0
+    key, label, better, compared, drawn = "brier_skill", "Brier_skill", 1, False, False
 
-    def at(self, moment: Moment) -> FloatArray:
-        """(open,) over all steps so far."""
-        return metrics.brier_skill(moment.mission.forecasts.sums[moment.episodes])
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) over all its steps."""
+        return metrics.brier_skill(batch.log.forecasts)
 
 
 @metric
@@ -29,11 +29,11 @@ class CalibrationError(Metric):
     """
 
     key, label, better, digits = "calibration_error", "Calibration_error", -1, 4
-    compared, top = False, 0.0
+    compared, drawn = False, False
 
-    def at(self, moment: Moment) -> FloatArray:
-        """(open,) over all steps so far."""
-        return metrics.calibration_error(moment.mission.forecasts.sums[moment.episodes])
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) over all its steps."""
+        return metrics.calibration_error(batch.log.forecasts)
 
 
 @metric
@@ -45,8 +45,8 @@ class Reliability(Metric):
     """
 
     key, label, better, digits = "reliability", "Reliability", -1, 4
-    compared, drawn, top = False, False, 0.0
+    compared, drawn = False, False
 
-    def at(self, moment: Moment) -> FloatArray:
-        """(open,) over all steps so far."""
-        return metrics.reliability(moment.mission.forecasts.sums[moment.episodes])
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) over all its steps."""
+        return metrics.reliability(batch.log.forecasts)

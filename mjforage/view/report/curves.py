@@ -107,16 +107,6 @@ ARRANGED = (
         "RMSE of a holder's own map; Contact: pairs of agents in reach of each other.",
         optional=True,
     ),
-    Arrangement(
-        "forecasts",
-        "How the forecasts come true",
-        ("brier_skill", "calibration_error", "reliability"),
-        "Forecasts which nodes hold an item, of policies that forecast, over all steps so far. "
-        "Brier_skill: 1 is perfect, 0 no better than always saying how many do; "
-        "Calibration_error: mean over ten bins of how far they are from how often they come true; "
-        "Reliability: mean square of the same.",
-        optional=True,
-    ),
 )
 """What the report shows together; a metric that is in none of them has a figure of its own."""
 

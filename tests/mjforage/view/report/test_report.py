@@ -35,7 +35,6 @@ FIGURES = (
     "overlap",
     "ages",
     "holders",
-    "forecasts",
     "dsl",
     "itl",
     "metric-handover",
