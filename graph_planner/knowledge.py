@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.rows import put_rows
 from graph_planner.task import NEVER
@@ -117,9 +117,13 @@ def believe(
         known_at[row, last_known] = known_at[row, node]
 
 
-@kernel
+@inlined
 def take_shown(
-    knowledge: Knowledge,
+    belief: NDArray[np.int16],
+    last_seen: NDArray[np.int16],
+    known: Int32Array,
+    known_at: Int32Array,
+    n_known: Int32Array,
     row: int,
     step: int,
     nodes: Int32Array,
@@ -130,13 +134,11 @@ def take_shown(
 
     Parameters
     ----------
-    knowledge, row : changed in this row
+    belief, last_seen, known, known_at, n_known : of a `Knowledge`; changed in this row
     step : of the look
     nodes, first : its list of nodes begins at `nodes[first]`
     shown : (place,) items in them, negative where it did not look
     """
-    belief, last_seen, known = knowledge.belief, knowledge.last_seen, knowledge.known
-    known_at, n_known = knowledge.known_at, knowledge.n_known
     for i in range(shown.size):
         items = shown[i]
         if items < 0:
@@ -145,7 +147,7 @@ def take_shown(
         before = last_seen[row, node]
         if step > before or (step == before and items > belief[row, node]):
             last_seen[row, node] = step
-            if items != belief[row, node]:
+            if items != belief[row, node]:  # seldom: calls count references
                 believe(belief, known, known_at, n_known, row, node, items)
 
 
@@ -191,7 +193,9 @@ def hear(
             first, end = start[radius, viewer], start[radius, viewer + 1]
             if not perfect:
                 shown = looks.shown[e, agent, : end - first]
-                take_shown(knowledge, row, step[e], nodes, first, shown)
+                take_shown(
+                    belief, last_seen, known, known_at, n_known, row, step[e], nodes, first, shown
+                )
                 continue
             for i in range(first, end):
                 node = np.uint64(nodes[np.uint64(i)])  # unsigned: never counted from the end

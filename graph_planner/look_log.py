@@ -55,48 +55,57 @@ def widest_view(task: Task) -> int:
 
 @kernel
 def log_looks(
-    looks: Looks, e: int, views: NodeLists, radius_number: NDArray[np.int64], log: LookLog
+    looks: Looks, views: NodeLists, radius_number: NDArray[np.int64], log: LookLog
 ) -> None:
-    """Keep the looks of this step of an episode."""
-    s, perfect = looks.step[e], looks.shown.shape[2] == 0
-    for a in range(radius_number.size):
-        viewer, radius = looks.agent_node[e, a], radius_number[a]
-        first, full = views.start[radius, viewer], 0
-        for i in range(first, views.start[radius, viewer + 1]):
-            if perfect:
-                items = looks.sighted[e, views.nodes[i]]
-            else:
-                items = looks.shown[e, a, i - first]
-            log.shown[e, s, a, i - first] = items
-            full += items > 0
-        log.node[e, s, a], log.occupied[e, s, a] = viewer, full
-        log.energy_left[e, s, a] = looks.energy_left[e, a]
-        log.room_left[e, s, a], log.taken[e, s, a] = looks.room_left[e, a], looks.taken[e, a]
-        log.pickup[e, s, a], log.agent_yaw[e, s, a] = looks.pickup[e, a], looks.agent_yaw[e, a]
+    """Keep the looks of this step of all active episodes."""
+    active, step, at, sighted = looks.active, looks.step, looks.agent_node, looks.sighted
+    start, nodes, perfect = views.start, views.nodes, looks.shown.shape[2] == 0
+    node, shown, occupied = log.node, log.shown, log.occupied
+    for e in range(active.size):
+        if not active[e]:
+            continue
+        s = step[e]
+        for a in range(radius_number.size):
+            viewer, radius = at[e, a], radius_number[a]
+            first, full = start[radius, viewer], 0
+            for i in range(first, start[radius, viewer + 1]):
+                items = sighted[e, nodes[i]] if perfect else looks.shown[e, a, i - first]
+                shown[e, s, a, i - first] = items
+                full += items > 0
+            node[e, s, a], occupied[e, s, a] = viewer, full
+        log.energy_left[e, s], log.room_left[e, s] = looks.energy_left[e], looks.room_left[e]
+        log.taken[e, s], log.pickup[e, s] = looks.taken[e], looks.pickup[e]
+        log.agent_yaw[e, s] = looks.agent_yaw[e]
 
 
 @kernel
 def take_in(
     log: LookLog,
-    e: int,
-    s: int,
-    a: int,
+    heard: Int32Array,
     views: NodeLists,
     radius_number: NDArray[np.int64],
     knowledge: Knowledge,
-    row: int,
 ) -> None:
-    """Let a holder hear of a look: of agent `a` at step `s` of episode `e`.
+    """Let holders hear of looks.
 
     Parameters
     ----------
-    knowledge, row : changed in this row
+    heard : (look, 4) row of the holder in `knowledge`, and episode, step and agent of the look
+    knowledge : changed in these rows
     """
-    viewer, radius = log.node[e, s, a], radius_number[a]
-    first, end = views.start[radius, viewer], views.start[radius, viewer + 1]
-    take_shown(knowledge, row, s, views.nodes, first, log.shown[e, s, a, : end - first])
-    if s >= knowledge.agent_seen[row, a]:
-        knowledge.agent_node[row, a], knowledge.agent_seen[row, a] = viewer, s
+    belief, last_seen, known = knowledge.belief, knowledge.last_seen, knowledge.known
+    known_at, n_known = knowledge.known_at, knowledge.n_known
+    agent_node, agent_seen = knowledge.agent_node, knowledge.agent_seen
+    start, nodes, node, shown = views.start, views.nodes, log.node, log.shown
+    for k in range(heard.shape[0]):
+        row, e, s, a = heard[k, 0], heard[k, 1], heard[k, 2], heard[k, 3]
+        viewer, radius = node[e, s, a], radius_number[a]
+        first, end = start[radius, viewer], start[radius, viewer + 1]
+        seen = shown[e, s, a, : end - first]
+        take_shown(belief, last_seen, known, known_at, n_known, row, s, nodes, first, seen)
+        if s < agent_seen[row, a]:
+            continue
+        agent_node[row, a], agent_seen[row, a] = viewer, s
         knowledge.energy_left[row, a] = log.energy_left[e, s, a]
         knowledge.room_left[row, a] = log.room_left[e, s, a]
         knowledge.taken[row, a], knowledge.pickup[row, a] = log.taken[e, s, a], log.pickup[e, s, a]

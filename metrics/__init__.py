@@ -23,7 +23,7 @@ Definition"; statistics over episodes come beside them.
 | forecasts: Brier score and skill | `brier`, `brier_skill`, `base_rate` | |
 | forecasts: their calibration | `reliability`, `resolution`, `calibration_error` | |
 | age of information, of positions | `age_of_information`, `position_age` | |
-| maps of several holders | `disagreement`, `holders_error` | |
+| maps of several holders | `unlikeness` | |
 | who is linked, how soon news is there | `contact_share`, `handover` | |
 | Cost of information | `cost_of_information` | |
 | mean, standard error, IQM | `mean`, `sem`, `half_width_95`, `iqm`, `count` | tables (1.96 SEM) |
@@ -55,10 +55,9 @@ from metrics.information import (
     age_of_information,
     contact_share,
     cost_of_information,
-    disagreement,
     handover,
-    holders_error,
     position_age,
+    unlikeness,
 )
 from metrics.inter_team import csr, csr_series, dsl, itl, itl_level, mean_dsl
 from metrics.intra_team import (
@@ -114,12 +113,10 @@ __all__ = [
     "coverage_overlap",
     "csr",
     "csr_series",
-    "disagreement",
     "dsl",
     "gini",
     "half_width_95",
     "handover",
-    "holders_error",
     "holm",
     "iqm",
     "irr",
@@ -147,4 +144,5 @@ __all__ = [
     "team_gini_series",
     "throughput",
     "two_segment_fit",
+    "unlikeness",
 ]

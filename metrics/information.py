@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from metrics._checks import BoolArray, FloatArray, ratio, same_shape, whole_steps
 from metrics._compiled import kernel
 from metrics.comparison import paired_difference
-from metrics.model_error import model_error
+from metrics.error_products import error_products
 from metrics.resampling import Interval
 
 _PART = 4096  # steps of 16 bits whose sum fits 32
@@ -129,50 +129,47 @@ def _pairs(name: str, shape: tuple[int, ...]) -> int:
     return shape[-1] * (shape[-1] - 1)
 
 
-def disagreement(maps: NDArray[np.number], navigable: BoolArray) -> FloatArray:
-    """Mean over the pairs of holders of the RMSE between their maps, smoothed as `model_error`.
+def unlikeness(
+    together: NDArray[np.number],
+    maps: NDArray[np.number],
+    truth: NDArray[np.number],
+    rmse: FloatArray,
+    navigable: BoolArray,
+) -> tuple[FloatArray, FloatArray]:
+    """How unlike the maps of holders are, and how wrong; smoothed as for `model_error`.
 
     Parameters
     ----------
+    together : (..., node) items that all holders believe in each node who pool what they know; any
+        map gives the same but for rounding, and takes the longer the more others differ from it
     maps : (..., holder, node) items that each believes in each node
-    navigable : (row, column) True where there is a node
-
-    Returns
-    -------
-    (...) [item]; NaN with fewer than two holders
-
-    Raises
-    ------
-    ValueError
-        as `model_error`.
-    """
-    one, other = np.triu_indices(maps.shape[-2], 1)
-    apart, _ = model_error(maps[..., one, :], maps[..., other, :], navigable)
-    return ratio(apart.sum(axis=-1), one.size)
-
-
-def holders_error(
-    truth: NDArray[np.number], maps: NDArray[np.number], navigable: BoolArray
-) -> FloatArray:
-    """Mean over the holders of the RMSE of their maps, as `model_error`.
-
-    Parameters
-    ----------
     truth : (..., node) items
-    maps : (..., holder, node) items that each believes in each node
+    rmse : (...) that of `together`, from `model_error` [item]
     navigable : (row, column) True where there is a node
 
     Returns
     -------
-    (...) [item]; NaN without a holder
+    disagreement : (...) mean over the pairs of holders of the RMSE between their maps [item]; NaN
+        with fewer than two
+    error : (...) mean over the holders of the RMSE of their maps [item]; NaN without a holder
 
     Raises
     ------
     ValueError
         as `model_error`.
     """
-    errors, _ = model_error(np.broadcast_to(truth[..., None, :], maps.shape), maps, navigable)
-    return ratio(errors.sum(axis=-1), maps.shape[-2])
+    among, with_truth = error_products(together, maps, truth, navigable)
+    own = np.diagonal(among, axis1=-2, axis2=-1)
+    one, other = np.triu_indices(maps.shape[-2], 1)
+    apart = own[..., one] + own[..., other] - 2.0 * among[..., one, other]
+    wrong = np.square(rmse)[..., None] - 2.0 * with_truth + own
+    return _mean_root(apart), _mean_root(wrong)
+
+
+def _mean_root(squares: FloatArray) -> FloatArray:
+    """Mean of the roots over the last axis; NaN if it is empty."""
+    roots = np.sqrt(np.maximum(np.ascontiguousarray(squares), 0.0))
+    return ratio(roots.sum(axis=-1), roots.shape[-1])
 
 
 def handover(discovered_at: ArrayLike, heard_at: ArrayLike, horizon: int) -> FloatArray:

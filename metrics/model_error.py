@@ -49,8 +49,8 @@ def model_error(
         the map is not a boolean matrix with a node, the shapes do not fit, or a value is not a
         finite real number.
     """
-    cells = _cells(navigable)
-    true, believed = _checked("truth", truth, cells), _checked("estimate", estimate, cells)
+    cells = node_cells(navigable)
+    true, believed = checked_map("truth", truth, cells), checked_map("estimate", estimate, cells)
     same_shape("truth", true, "estimate", believed)
     rmse, rmse_columns = np.zeros(true.shape[:-1]), np.zeros(true.shape[:-1])
     _errors(
@@ -58,14 +58,15 @@ def model_error(
         np.ascontiguousarray(believed).reshape(-1, cells.size),
         np.ascontiguousarray(navigable),
         cells,
-        _stencil(),
+        filter_weights(),
         rmse.reshape(-1),
         rmse_columns.reshape(-1),
     )
     return rmse, rmse_columns
 
 
-def _cells(navigable: BoolArray) -> IntArray:
+def node_cells(navigable: BoolArray) -> IntArray:
+    """(node,) flat index of each node's cell; a ValueError if there is none."""
     grid = np.asarray(navigable)
     if grid.ndim != 2 or grid.dtype != np.bool_:
         raise ValueError(
@@ -77,7 +78,8 @@ def _cells(navigable: BoolArray) -> IntArray:
     return cells
 
 
-def _checked(name: str, values: NDArray[np.number], cells: IntArray) -> NDArray[np.number]:
+def checked_map(name: str, values: NDArray[np.number], cells: IntArray) -> NDArray[np.number]:
+    """Values (..., node) that fit a map and are finite; a ValueError naming them if not."""
     nodes = np.asarray(values)
     if nodes.ndim == 0 or nodes.shape[-1] != cells.size:
         raise ValueError(f"{name} has shape {nodes.shape} but the map {cells.size} nodes")
@@ -90,7 +92,7 @@ def _checked(name: str, values: NDArray[np.number], cells: IntArray) -> NDArray[
 
 
 @lru_cache(maxsize=1)
-def _stencil() -> FloatArray:
+def filter_weights() -> FloatArray:
     """Weights (9, 9) of the filter around one node; they add up to 1."""
     offset = np.arange(-RADIUS, RADIUS + 1)
     weights = np.exp(-0.5 * (offset / SIGMA) ** 2)
@@ -156,7 +158,7 @@ def _spread(
 
 
 @kernel
-def _mirror(place: int, length: int) -> int:
+def mirrored(place: int, length: int) -> int:
     """Cell that the padded place `place` repeats: ... 1 0 | 0 1 ... n-1 | n-1 n-2 ..."""
     turn = (place - RADIUS) % (2 * length)
     return RADIUS + (turn if turn < length else 2 * length - 1 - turn)
@@ -168,12 +170,12 @@ def _fold(padded: FloatArray, box: Box, rows: int, columns: int) -> None:
     top, bottom, left, right = box
     for p in range(top, bottom + _WIDTH):
         if p < RADIUS or p >= rows + RADIUS:
-            q = _mirror(p, rows)
+            q = mirrored(p, rows)
             for c in range(left, right + _WIDTH):
                 padded[q, c] += padded[p, c]
     for c in range(left, right + _WIDTH):
         if c < RADIUS or c >= columns + RADIUS:
-            d = _mirror(c, columns)
+            d = mirrored(c, columns)
             for p in range(max(top, RADIUS), min(bottom + _WIDTH, rows + RADIUS)):
                 padded[p, d] += padded[p, c]
 

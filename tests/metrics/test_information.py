@@ -9,12 +9,11 @@ from metrics import (
     age_of_information,
     contact_share,
     cost_of_information,
-    disagreement,
     handover,
-    holders_error,
     model_error,
     paired_difference,
     position_age,
+    unlikeness,
 )
 
 NEVER = -32768
@@ -64,6 +63,10 @@ def test_contact_counts_pairs() -> None:
     assert np.isnan(contact_share(np.ones((1, 1))))
 
 
+def _unlike(together: Any, maps: Any, truth: Any, water: Any) -> tuple[Any, Any]:
+    return unlikeness(together, maps, truth, model_error(truth, together, water)[0], water)
+
+
 def test_disagreement_is_the_mean_error_of_the_pairs() -> None:
     """Two alike, and a third that believes in two items more: two pairs of three differ."""
     water = np.ones((3, 3), bool)
@@ -71,23 +74,44 @@ def test_disagreement_is_the_mean_error_of_the_pairs() -> None:
     maps[0, 2, 4] = 2
     apart = model_error(maps[0, 0], maps[0, 2], water)[0]
     assert apart > 0
-    assert disagreement(maps, water) == pytest.approx([2 / 3 * apart])
-    assert holders_error(maps[:, 0], maps, water) == pytest.approx([apart / 3])
-    assert holders_error(maps[:, 2], maps, water) == pytest.approx([2 / 3 * apart])
-    assert np.isnan(disagreement(maps[:, :1], water)).all()
-    assert holders_error(maps[:, 0], maps[:, :1], water).tolist() == [0.0]
+    for together in (maps[:, 0], maps[:, 2]):
+        unlike, wrong = _unlike(together, maps, maps[:, 0], water)
+        assert unlike == pytest.approx([2 / 3 * apart])
+        assert wrong == pytest.approx([apart / 3])
+    assert _unlike(maps[:, 0], maps, maps[:, 2], water)[1] == pytest.approx([2 / 3 * apart])
+    unlike, wrong = _unlike(maps[:, 0], maps[:, :1], maps[:, 0], water)
+    assert np.isnan(unlike).all() and wrong.tolist() == [0.0]
 
 
-def test_disagreement_of_an_episode_is_the_same_in_any_batch() -> None:
+@pytest.mark.parametrize("shape", [(3, 2), (9, 12), (25, 30)])
+def test_how_unlike_maps_are_is_what_model_error_says(shape: tuple[int, int]) -> None:
+    """Of every pair and of every holder, near quays and borders too; and the same in any batch."""
     rng = np.random.default_rng(1)
-    water = rng.random((9, 12)) < 0.7
+    water = rng.random(shape) < 0.7
     maps = (rng.random((4, 5, water.sum())) < 0.1).astype(np.int16)
-    whole = disagreement(maps, water)
+    truth, together = rng.integers(0, 3, (2, 4, water.sum()))
+    whole = _unlike(together, maps, truth, water)
     pairs = [(i, j) for i in range(5) for j in range(i)]
     for e in range(4):
-        assert disagreement(maps[e : e + 1], water)[0] == whole[e]
+        alone = _unlike(together[e : e + 1], maps[e : e + 1], truth[e : e + 1], water)
+        assert alone[0][0] == whole[0][e] and alone[1][0] == whole[1][e]
         each = [float(model_error(maps[e, i], maps[e, j], water)[0]) for i, j in pairs]
-        assert whole[e] == pytest.approx(np.mean(each))
+        assert whole[0][e] == pytest.approx(np.mean(each), rel=1e-9)
+        own = [float(model_error(truth[e], maps[e, i], water)[0]) for i in range(5)]
+        assert whole[1][e] == pytest.approx(np.mean(own), rel=1e-9)
+
+
+def test_maps_that_are_alike_do_not_disagree_at_all() -> None:
+    rng = np.random.default_rng(2)
+    water = np.ones((12, 14), bool)
+    one, together = rng.integers(0, 3, (2, water.sum()))
+    assert _unlike(together[None], np.stack([one] * 3)[None], one[None], water)[0][0] == 0.0
+
+
+def test_shapes_that_do_not_fit_are_refused() -> None:
+    water, maps = np.ones((3, 3), bool), np.zeros((2, 3, 9))
+    with pytest.raises(ValueError, match=r"maps has shape \(2, 3, 9\), base \(1, 9\)"):
+        unlikeness(np.zeros((1, 9)), maps, np.zeros((2, 9)), np.zeros(2), water)
 
 
 def test_handover_of_four_items() -> None:

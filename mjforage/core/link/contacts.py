@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import inlined, kernel
 from graph_planner.fleet import Fleet
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import NavigationGraph
-from graph_planner.randomness import Stream, normal, stream_key, uniform
+from graph_planner.randomness import Stream, UInt64Array, normal, stream_key, uniform
 from mjforage.core.link.propagation import (
     gilbert_elliott,
     log_distance_loss_db,
@@ -81,7 +81,7 @@ class Contacts(NamedTuple):
         return cls(np.full(each, -np.inf), np.zeros(each, np.bool_), np.zeros(each, np.int64))
 
 
-@kernel
+@inlined
 def _snr_db(air: Air, key: np.uint64, step: int, at: Int32Array, i: int, j: int) -> float:
     """Signal to noise between agents i and j [dB]; without a radio infinite, or minus infinite."""
     row, col, to_row, to_col = air.rows[at[i]], air.cols[at[i]], air.rows[at[j]], air.cols[at[j]]
@@ -104,34 +104,46 @@ def _snr_db(air: Air, key: np.uint64, step: int, at: Int32Array, i: int, j: int)
 
 
 @kernel
-def connect(
-    air: Air, key: np.uint64, step: int, e: int, at: Int32Array, contacts: Contacts
+def _reach(
+    air: Air, key: np.uint64, step: int, at: Int32Array, snr_db: NDArray[np.float64]
 ) -> None:
-    """Work out the links of an episode at the end of a decision.
+    """Work out the signal to noise (sender, receiver) between the agents of an episode."""
+    for i in range(at.size):
+        for j in range(i):
+            snr_db[i, j] = snr_db[j, i] = _snr_db(air, key, step, at, j, i)
+
+
+@kernel
+def connect(
+    air: Air,
+    keys: UInt64Array,
+    active: NDArray[np.bool_],
+    step: Int32Array,
+    at: Int32Array,
+    contacts: Contacts,
+) -> None:
+    """Work out the links at the end of a decision.
 
     Every directed link goes on being good or bad in every decision, whether in reach or not.
 
     Parameters
     ----------
-    key : of the episode
-    at : (agent,) true nodes
-    contacts : changed
+    keys, active, step : (episode,)
+    at : (episode, agent) true nodes
+    contacts : changed in active episodes
     """
-    draws, agents = stream_key(key, Stream.LOSS), at.size
-    contacts.lost[e] = 0
-    for i in range(agents):
-        for j in range(i):
-            snr = _snr_db(air, key, step, at, j, i)
-            contacts.snr_db[e, i, j] = contacts.snr_db[e, j, i] = snr
-    if air.loss == 0.0:
-        return
-    for i in range(agents):
-        for j in range(agents):
-            draw = uniform(draws, i * agents + j, step)
-            if step == 0:
-                bad = draw < air.loss
-            elif contacts.bad[e, i, j]:
-                bad = draw >= air.turns_good
-            else:
-                bad = draw < air.turns_bad
-            contacts.bad[e, i, j] = bad
+    agents, bad, lost = at.shape[1], contacts.bad, contacts.lost
+    for e in range(active.size):
+        if not active[e]:
+            continue
+        lost[e] = 0
+        _reach(air, keys[e], step[e], at[e], contacts.snr_db[e])
+        for i in range(agents if air.loss > 0.0 else 0):
+            for j in range(agents):
+                draw = uniform(stream_key(keys[e], Stream.LOSS), i * agents + j, step[e])
+                if step[e] == 0:
+                    bad[e, i, j] = draw < air.loss
+                elif bad[e, i, j]:
+                    bad[e, i, j] = draw >= air.turns_good
+                else:
+                    bad[e, i, j] = draw < air.turns_bad

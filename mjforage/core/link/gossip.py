@@ -10,9 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import inlined, kernel
+from graph_planner.geodesics import Int32Array
 from graph_planner.look_log import LookLog
-from graph_planner.randomness import Stream, stream_key, uniform
+from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.core.link.contacts import Contacts
 from mjforage.core.link.propagation import packet_error
 
@@ -20,6 +21,7 @@ NOT_HEARD = -1
 LAST = np.iinfo(np.int16).max  # step of what arrives after the end
 LOOK_BYTES, NODE_BYTES = 6, 3  # of a look, and more of every occupied node in it
 _ARRIVING = -2
+_NEVER = np.iinfo(np.int64).max
 
 
 class Terms(NamedTuple):
@@ -35,9 +37,13 @@ class Mail(NamedTuple):
     """Which looks holders have heard; a holder per agent."""
 
     heard_at: NDArray[np.int16]  # (episode, holder, agent, step) step of arrival, or `NOT_HEARD`
-    complete: NDArray[np.int64]  # (episode,) all looks up to this step are heard or in flight
+    newest: NDArray[np.int64]  # (episode, holder, agent) step of the newest heard or in flight
+    complete: NDArray[np.int64]  # (episode, holder, agent) all up to this step are
+    arrived: NDArray[np.int64]  # (episode, holder, agent) all up to this step are heard
     flying: NDArray[np.int64]  # (episode,) looks sent that have not arrived
     arriving: NDArray[np.int64]  # memory: flat places in `heard_at` of an episode
+    wanted: NDArray[np.int64]  # (agent, 2) memory: first and last step of what to look through
+    heard: Int32Array  # (look, 4) memory: row, episode, step and agent of what is heard
 
 
 class Traffic(NamedTuple):
@@ -52,12 +58,16 @@ class Traffic(NamedTuple):
 
 def mail(episodes: int, agents: int, horizon: int) -> Mail:
     """Nothing heard yet."""
-    size = agents * agents * (horizon + 1)
+    pairs, looks = (episodes, agents, agents), agents * agents * (horizon + 1)
     return Mail(
-        np.full((episodes, agents, agents, horizon + 1), NOT_HEARD, np.int16),
-        np.full(episodes, -1, np.int64),
-        np.zeros(episodes, np.int64),
-        np.empty(size, np.int64),
+        heard_at=np.full((*pairs, horizon + 1), NOT_HEARD, np.int16),
+        newest=np.full(pairs, NOT_HEARD, np.int64),
+        complete=np.full(pairs, NOT_HEARD, np.int64),
+        arrived=np.full(pairs, NOT_HEARD, np.int64),
+        flying=np.zeros(episodes, np.int64),
+        arriving=np.empty(looks, np.int64),
+        wanted=np.empty((agents, 2), np.int64),
+        heard=np.empty((looks, 4), np.int32),
     )
 
 
@@ -72,6 +82,14 @@ def _garbled(key: np.uint64, step: int, index: int, snr_db: float, size: int) ->
     if snr_db == np.inf:
         return False
     return bool(uniform(stream_key(key, Stream.PACKETS), index, step) < packet_error(snr_db, size))
+
+
+@inlined
+def _lacks(
+    heard_at: NDArray[np.int16], snr_db: NDArray[np.float64], e: int, i: int, j: int, a: int, s: int
+) -> bool:
+    """Whether agent j is in contact with agent i and has not heard a look of agent a."""
+    return bool(j != i and snr_db[e, i, j] >= 0.0 and heard_at[e, j, a, s] < 0)
 
 
 @kernel
@@ -89,14 +107,15 @@ def _deliver(
     number: int,
 ) -> int:
     """Send agent i's copy of a look to all in contact that lack it; arrivals listed so far."""
-    heard_at, agents, steps = mail.heard_at, mail.heard_at.shape[1], mail.heard_at.shape[3]
+    heard_at, snr_db = mail.heard_at, contacts.snr_db
+    agents, steps = heard_at.shape[1], heard_at.shape[3]
     for j in range(agents):
-        if j == i or contacts.snr_db[e, i, j] < 0.0 or heard_at[e, j, a, s] >= 0:
+        if not _lacks(heard_at, snr_db, e, i, j, a, s):
             continue
         traffic.sent[e] += 1
-        snr, place = contacts.snr_db[e, i, j], (j * agents + a) * steps + s
+        place = (j * agents + a) * steps + s
         if contacts.bad[e, i, j] or _garbled(
-            key, now, i * agents * agents * steps + place, snr, size
+            key, now, i * agents * agents * steps + place, snr_db[e, i, j], size
         ):
             traffic.lost[e] += 1
             contacts.lost[e, i, j] += 1
@@ -107,83 +126,158 @@ def _deliver(
     return number
 
 
-@kernel
-def _wanted(e: int, i: int, a: int, s: int, contacts: Contacts, mail: Mail) -> bool:
-    """Whether somebody in contact with agent i lacks a look."""
-    wanted = False
-    for j in range(mail.heard_at.shape[1]):
-        lacks = mail.heard_at[e, j, a, s] < 0
-        wanted |= j != i and contacts.snr_db[e, i, j] >= 0.0 and lacks
-    return wanted
+@inlined
+def _look_through(
+    e: int,
+    i: int,
+    passes_on: NDArray[np.bool_],
+    snr_db: NDArray[np.float64],
+    newest: NDArray[np.int64],
+    complete: NDArray[np.int64],
+    wanted: NDArray[np.int64],
+) -> tuple[int, int]:
+    """First and last step of the looks that agent i may have and some in contact may lack.
+
+    So that what all have had for long is not gone through in every decision.
+
+    Parameters
+    ----------
+    wanted : (agent, 2) the same of each agent's looks, filled in
+    """
+    first, last = _NEVER, -1
+    for a in range(passes_on.size):
+        low, high = _NEVER, -1
+        if a == i or passes_on[i]:
+            high = newest[e, i, a]
+            for j in range(passes_on.size):
+                if j != i and snr_db[e, i, j] >= 0.0:
+                    low = min(low, complete[e, j, a] + 1)
+        wanted[a, 0], wanted[a, 1] = low, high
+        if low <= high:
+            first, last = min(first, low), max(last, high)
+    return first, last
+
+
+@inlined
+def _post(
+    e: int,
+    place: int,
+    at: int,
+    heard_at: NDArray[np.int16],
+    newest: NDArray[np.int64],
+    complete: NDArray[np.int64],
+) -> None:
+    """Note when the look of a flat place in `heard_at` arrives."""
+    agents, steps = heard_at.shape[1], heard_at.shape[3]
+    j, a, s = place // (agents * steps), place // steps % agents, place % steps
+    heard_at[e, j, a, s] = at
+    newest[e, j, a] = max(newest[e, j, a], s)
+    upto = complete[e, j, a]
+    while upto + 1 < steps and heard_at[e, j, a, upto + 1] >= 0:
+        upto += 1
+    complete[e, j, a] = upto
 
 
 @kernel
-def _send(
+def _exchange(
     terms: Terms,
     key: np.uint64,
     e: int,
     now: int,
-    i: int,
     log: LookLog,
     contacts: Contacts,
     mail: Mail,
     traffic: Traffic,
-    number: int,
 ) -> int:
-    """Let agent i pass on what others lack, the newest first, ties by agent."""
-    if contacts.snr_db[e, i].max() < 0.0:
-        return number
-    bytes_left = terms.bytes if terms.bytes > 0 else np.iinfo(np.int64).max
-    cells_left = terms.cells if terms.cells > 0 else np.iinfo(np.int64).max
-    for s in range(now, mail.complete[e], -1):
-        for a in range(mail.heard_at.shape[1]):
-            at = mail.heard_at[e, i, a, s]
-            if at < 0 or at > now or (a != i and not terms.passes_on[i]):
-                continue
-            if not _wanted(e, i, a, s, contacts, mail):
-                continue
-            size = LOOK_BYTES + NODE_BYTES * log.occupied[e, s, a]
-            cells = 1 + log.occupied[e, s, a]
-            if size > bytes_left or cells > cells_left:
-                traffic.dropped[e] += 1
-                continue
-            bytes_left, cells_left = bytes_left - size, cells_left - cells
-            traffic.bytes[e] += size
-            number = _deliver(key, e, now, i, a, s, size, contacts, mail, traffic, number)
+    """All send what others lack, the newest first, ties by agent; how many looks will arrive."""
+    snr_db, heard_at, newest, complete = contacts.snr_db, mail.heard_at, mail.newest, mail.complete
+    wanted, occupied, agents, number = mail.wanted, log.occupied, heard_at.shape[1], 0
+    for i in range(agents):
+        bytes_left = terms.bytes if terms.bytes > 0 else _NEVER
+        cells_left = terms.cells if terms.cells > 0 else _NEVER
+        first, last = _look_through(e, i, terms.passes_on, snr_db, newest, complete, wanted)
+        for s in range(last, first - 1, -1):
+            for a in range(agents):
+                if s < wanted[a, 0] or s > wanted[a, 1] or not 0 <= heard_at[e, i, a, s] <= now:
+                    continue
+                lacking = 0
+                for j in range(agents):
+                    lacking += _lacks(heard_at, snr_db, e, i, j, a, s)
+                if lacking == 0:
+                    continue
+                size, cells = LOOK_BYTES + NODE_BYTES * occupied[e, s, a], 1 + occupied[e, s, a]
+                if size > bytes_left or cells > cells_left:
+                    traffic.dropped[e] += 1
+                    continue
+                bytes_left, cells_left = bytes_left - size, cells_left - cells
+                traffic.bytes[e] += size
+                number = _deliver(key, e, now, i, a, s, size, contacts, mail, traffic, number)
     return number
 
 
 @kernel
 def pass_on(
     terms: Terms,
-    key: np.uint64,
-    e: int,
-    now: int,
+    keys: UInt64Array,
+    active: NDArray[np.bool_],
+    step: Int32Array,
     log: LookLog,
     contacts: Contacts,
     mail: Mail,
     traffic: Traffic,
 ) -> None:
-    """Exchange looks over the links of a decision.
+    """Exchange looks over the links of a decision, after everybody's own look of it.
 
     What arrives at once is passed on in the next decision at the earliest: all send what they had
     heard before.
 
     Parameters
     ----------
-    key : of episode `e`
-    now : the step; everybody's own look of it has been heard by its agent
-    mail, traffic : changed, as is what `contacts` count as lost
+    keys, active, step : (episode,)
+    mail, traffic : changed in active episodes, as is what `contacts` count as lost
     """
-    agents, number = mail.heard_at.shape[1], 0
-    for i in range(agents):
-        for j in range(i):
-            traffic.contacts[e] += contacts.snr_db[e, i, j] >= 0.0
-    for i in range(agents):
-        number = _send(terms, key, e, now, i, log, contacts, mail, traffic, number)
-    mail.flying[e] += number
-    heard_at = mail.heard_at[e].reshape(-1)
-    for k in range(number):
-        heard_at[mail.arriving[k]] = min(now + terms.latency, LAST)
-    while mail.complete[e] < now and mail.heard_at[e, :, :, mail.complete[e] + 1].min() >= 0:
-        mail.complete[e] += 1
+    heard_at, newest, complete, arriving = mail.heard_at, mail.newest, mail.complete, mail.arriving
+    agents, steps, snr_db = heard_at.shape[1], heard_at.shape[3], contacts.snr_db
+    met, flying = traffic.contacts, mail.flying
+    for e in range(active.size):
+        if not active[e]:
+            continue
+        now = step[e]
+        for i in range(agents):
+            _post(e, (i * agents + i) * steps + now, now, heard_at, newest, complete)
+            for j in range(i):
+                met[e] += snr_db[e, i, j] >= 0.0
+        number = _exchange(terms, keys[e], e, now, log, contacts, mail, traffic)
+        flying[e] += number
+        at = min(now + terms.latency, LAST)
+        for k in range(number):
+            _post(e, arriving[k], at, heard_at, newest, complete)
+
+
+@kernel
+def arrivals(e: int, now: int, mail: Mail) -> int:
+    """List in `mail.heard` what the holders of an episode hear now, by holder, step and agent.
+
+    Returns
+    -------
+    int
+        How many looks.
+    """
+    heard_at, newest, arrived, heard = mail.heard_at, mail.newest, mail.arrived, mail.heard
+    agents, number = heard_at.shape[1], 0
+    for h in range(agents):
+        first = now
+        for a in range(agents):
+            if arrived[e, h, a] < newest[e, h, a]:
+                first = min(first, arrived[e, h, a] + 1)
+        for s in range(first, now + 1):
+            for a in range(agents):
+                if heard_at[e, h, a, s] == now:
+                    heard[number, 0], heard[number, 1] = e * agents + h, e
+                    heard[number, 2], heard[number, 3] = s, a
+                    number += 1
+        for a in range(agents):
+            while arrived[e, h, a] < now and 0 <= heard_at[e, h, a, arrived[e, h, a] + 1] <= now:
+                arrived[e, h, a] += 1
+    mail.flying[e] -= number - agents  # one's own look does not fly
+    return number

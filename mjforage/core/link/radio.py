@@ -17,7 +17,7 @@ from graph_planner.task import Late, Task
 from graph_planner.visibility import NodeLists
 from mjforage.core.exchange import Exchange, Ideal, LinkLog
 from mjforage.core.link.contacts import Air, Contacts, connect
-from mjforage.core.link.gossip import Mail, Terms, Traffic, mail, pass_on, traffic
+from mjforage.core.link.gossip import Mail, Terms, Traffic, arrivals, mail, pass_on, traffic
 from mjforage.core.scenario import Scenario
 from mjforage.core.sensing import map_filter
 
@@ -34,7 +34,6 @@ class Net(NamedTuple):
     contacts: Contacts
     mail: Mail
     traffic: Traffic
-    settled: NDArray[np.int64]  # (episode,) all looks up to this step have arrived everywhere
     late: NDArray[np.int32]  # (row, look) step x agents + agent of those heard late in this step
     n_late: NDArray[np.int64]  # (row,)
     filtered: MapFilter
@@ -58,30 +57,22 @@ def _weigh(net: Net, e: int, h: int, now: int, knowledge: Knowledge) -> None:
 
 
 @kernel
-def _take_in(net: Net, e: int, now: int, knowledge: Knowledge) -> None:
-    """Let every holder of an episode hear what arrives now, and list what is late of it."""
-    heard_at, agents, arrived = net.mail.heard_at, net.radius_number.size, 0
-    for h in range(agents):
-        row = e * agents + h
-        net.n_late[row] = 0
-        if net.mail.flying[e] == 0:
-            take_in(net.log, e, now, h, net.views, net.radius_number, knowledge, row)
-        for s in range(net.settled[e] + 1 if net.mail.flying[e] else now + 1, now + 1):
-            for a in range(agents):
-                if heard_at[e, h, a, s] != now:
-                    continue
-                take_in(net.log, e, s, a, net.views, net.radius_number, knowledge, row)
-                arrived += a != h
-                if s < now:
-                    net.late[row, net.n_late[row]] = s * agents + a
-                    net.n_late[row] += 1
-        if net.filtered.density.shape[0]:
-            _weigh(net, e, h, now, knowledge)
-    net.mail.flying[e] -= arrived
-    while net.settled[e] < net.mail.complete[e]:
-        if net.mail.heard_at[e, :, :, net.settled[e] + 1].max() > now:
-            break
-        net.settled[e] += 1
+def _take_in(net: Net, active: NDArray[np.bool_], step: Int32Array, knowledge: Knowledge) -> None:
+    """Let every holder hear what arrives now, and list what is late of it."""
+    heard, late, n_late, agents = net.mail.heard, net.late, net.n_late, net.radius_number.size
+    n_late[:] = 0
+    for e in range(active.size):
+        if not active[e]:
+            continue
+        number = arrivals(e, step[e], net.mail)
+        take_in(net.log, heard[:number], net.views, net.radius_number, knowledge)
+        for k in range(number):
+            row, s = heard[k, 0], heard[k, 2]
+            if s < step[e]:
+                late[row, n_late[row]] = s * agents + heard[k, 3]
+                n_late[row] += 1
+        for h in range(agents if net.filtered.density.shape[0] else 0):
+            _weigh(net, e, h, step[e], knowledge)
 
 
 @kernel
@@ -100,17 +91,11 @@ def _list_late(net: Net, looks: Int32Array, shown: NDArray[np.int16]) -> None:
 @kernel
 def _tell(net: Net, knowledge: Knowledge, looks: Looks) -> None:
     """Take in the looks of a step: log, connect, pass on, hear."""
-    for e in range(looks.active.size):
-        if not looks.active[e]:
-            net.n_late[e * net.radius_number.size : (e + 1) * net.radius_number.size] = 0
-            continue
-        now = looks.step[e]
-        log_looks(looks, e, net.views, net.radius_number, net.log)
-        for a in range(net.radius_number.size):
-            net.mail.heard_at[e, a, a, now] = now
-        connect(net.air, net.keys[e], now, e, looks.agent_node[e], net.contacts)
-        pass_on(net.terms, net.keys[e], e, now, net.log, net.contacts, net.mail, net.traffic)
-        _take_in(net, e, now, knowledge)
+    active, step = looks.active, looks.step
+    log_looks(looks, net.views, net.radius_number, net.log)
+    connect(net.air, net.keys, active, step, looks.agent_node, net.contacts)
+    pass_on(net.terms, net.keys, active, step, net.log, net.contacts, net.mail, net.traffic)
+    _take_in(net, active, step, knowledge)
 
 
 class Radio:
@@ -148,7 +133,6 @@ class Radio:
             Contacts.of(episodes, agents),
             mail(episodes, agents, task.horizon),
             traffic(episodes),
-            np.full(episodes, -1, np.int64),
             np.zeros((rows, agents * (task.horizon + 1)), np.int32),
             np.zeros(rows, np.int64),
             map_filter(self._scenario, task, rows),
@@ -194,16 +178,16 @@ class Radio:
         own = (rows[:, None] * self.holders + np.arange(self.holders)).reshape(-1)
         self.knowledge = self.knowledge.with_rows(own, other.knowledge)
 
-        heard_at = put_rows(mine.mail.heard_at, rows, theirs.mail.heard_at)
-        complete = put_rows(mine.mail.complete, rows, theirs.mail.complete)
-        flying = put_rows(mine.mail.flying, rows, theirs.mail.flying)
+        moved = {
+            name: put_rows(getattr(mine.mail, name), rows, getattr(theirs.mail, name))
+            for name in ("heard_at", "newest", "complete", "arrived", "flying")
+        }
         self.net = mine._replace(
             keys=put_rows(mine.keys, rows, theirs.keys),
             log=put_all(mine.log, rows, theirs.log),
             contacts=put_all(mine.contacts, rows, theirs.contacts),
-            mail=mine.mail._replace(heard_at=heard_at, complete=complete, flying=flying),
+            mail=mine.mail._replace(**moved),
             traffic=put_all(mine.traffic, rows, theirs.traffic),
-            settled=put_rows(mine.settled, rows, theirs.settled),
             late=put_rows(mine.late, own, theirs.late),
             n_late=put_rows(mine.n_late, own, theirs.n_late),
             filtered=mine.filtered.with_rows(own, theirs.filtered),

@@ -5,10 +5,11 @@ from mjforage.core.mission_metrics.known import metric
 from mjforage.core.mission_metrics.metric import FloatArray, Metric, Moment
 
 
-def _errors(moment: Moment) -> tuple[FloatArray, FloatArray]:
+def errors(moment: Moment) -> tuple[FloatArray, FloatArray]:
     """RMSE over the nodes and per column, (open,) each."""
-    mission, episodes = moment.mission, moment.episodes
-    truth, belief = mission.ledger.entries.truth[episodes], mission.knowledge.belief[episodes]
+    mission = moment.mission
+    truth = moment.of_open(mission.ledger.entries.truth)
+    belief = moment.of_open(mission.knowledge.belief)
     return metrics.model_error(truth, belief, mission.setup.grid.navigable)
 
 
@@ -25,7 +26,7 @@ class ErrorOverNodes(Metric):
 
     def at(self, moment: Moment) -> FloatArray:
         """(open,) now."""
-        return moment.once(_errors)[0]
+        return moment.once(errors)[0]
 
 
 @metric
@@ -40,4 +41,4 @@ class ErrorPerColumn(Metric):
 
     def at(self, moment: Moment) -> FloatArray:
         """(open,) now."""
-        return moment.once(_errors)[1]
+        return moment.once(errors)[1]

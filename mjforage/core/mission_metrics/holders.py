@@ -1,18 +1,25 @@
 """How unlike agents are in what they know; undefined where all share one mind."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 import metrics
 from mjforage.core.mission import Mission
+from mjforage.core.mission_metrics.belief_error import errors
 from mjforage.core.mission_metrics.known import metric
 from mjforage.core.mission_metrics.metric import Batch, FloatArray, Metric, Moment
 
 
-def _maps(moment: Moment) -> NDArray[np.int16]:
-    """(open, holder, node) items that each holder believes in each node."""
-    belief, holders = moment.mission.exchange.knowledge.belief, moment.mission.exchange.holders
-    return belief.reshape(-1, holders, belief.shape[1])[moment.episodes]
+def _unlikeness(moment: Moment) -> tuple[FloatArray, FloatArray]:
+    """Disagreement and error of the holders' maps, (open,) each."""
+    mission, holders = moment.mission, moment.mission.exchange.holders
+    held = mission.exchange.knowledge.belief
+    return metrics.unlikeness(
+        moment.of_open(mission.knowledge.belief),
+        moment.of_open(held.reshape(-1, holders, held.shape[1])),
+        moment.of_open(mission.ledger.entries.truth),
+        moment.once(errors)[0],
+        mission.setup.grid.navigable,
+    )
 
 
 class OfHolders(Metric):
@@ -44,7 +51,7 @@ class PositionAge(OfHolders):
         """(open,) now [step]."""
         exchange, step = moment.mission.exchange, moment.mission.step[moment.episodes]
         seen = exchange.knowledge.agent_seen
-        each = seen.reshape(-1, exchange.holders, seen.shape[1])[moment.episodes]
+        each = moment.of_open(seen.reshape(-1, exchange.holders, seen.shape[1]))
         return metrics.position_age(each[:, exchange.holder_of], step)
 
 
@@ -60,7 +67,7 @@ class Disagreement(OfHolders):
 
     def at(self, moment: Moment) -> FloatArray:
         """(open,) now."""
-        return metrics.disagreement(moment.once(_maps), moment.mission.setup.grid.navigable)
+        return moment.once(_unlikeness)[0]
 
 
 @metric
@@ -75,9 +82,7 @@ class ErrorOfHolders(OfHolders):
 
     def at(self, moment: Moment) -> FloatArray:
         """(open,) now."""
-        mission = moment.mission
-        truth, navigable = mission.ledger.entries.truth, mission.setup.grid.navigable
-        return metrics.holders_error(truth[moment.episodes], moment.once(_maps), navigable)
+        return moment.once(_unlikeness)[1]
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,)."""

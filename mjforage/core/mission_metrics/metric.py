@@ -8,7 +8,7 @@ import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from mjforage.core.mission import Mission
 from mjforage.core.once import Once
 
 FloatArray = NDArray[np.float64]
+_T = TypeVar("_T", bound=np.generic)
 
 
 class Moment(Once):
@@ -35,6 +36,11 @@ class Moment(Once):
     def __init__(self, mission: Mission, episodes: NDArray[np.int64]) -> None:
         super().__init__()
         self.mission, self.episodes = mission, episodes
+
+    def of_open(self, values: NDArray[_T]) -> NDArray[_T]:
+        """(open, ...) of values (episode, ...), without a copy as long as all are open."""
+        whole = len(self.episodes) == len(values)
+        return values if whole else values[self.episodes]
 
 
 class Batch(Once):

@@ -12,7 +12,7 @@ from mjforage.core.link.reach import reach_m
 from mjforage.core.scenario import Link
 
 AGENTS, HORIZON = 3, 8
-KEY = np.uint64(5)
+KEYS, HERE = np.array([5], np.uint64), np.array([True])
 EMPTY, TWO = 6, 12  # bytes of a look with nothing in it, and with two occupied nodes
 
 
@@ -36,10 +36,8 @@ class Talk:
         self.log = LookLog(**kinds | {"occupied": np.zeros(each, np.int32)})
 
     def step(self, now: int) -> None:
-        for a in range(AGENTS):
-            self.mail.heard_at[0, a, a, now] = now
         about = self.log, self.contacts, self.mail, self.traffic
-        pass_on(self.terms, KEY, 0, now, *about)
+        pass_on(self.terms, KEYS, HERE, np.array([now], np.int32), *about)
 
     def heard(self, holder: int, agent: int, step: int) -> int:
         return int(self.mail.heard_at[0, holder, agent, step])
@@ -99,6 +97,24 @@ def test_what_arrives_after_the_end_arrives_never() -> None:
     assert talk.heard(1, 0, 0) == LAST
 
 
+def test_what_all_in_contact_have_had_is_not_gone_through_again() -> None:
+    """0 and 1 in contact from step 3, 2 far: whoever comes back is told all that it lacks."""
+    talk = Talk()
+    for now in range(3):
+        talk.step(now)
+    talk.contacts.snr_db[0, 0, 1] = talk.contacts.snr_db[0, 1, 0] = np.inf
+    talk.step(3)
+    assert [talk.heard(1, 0, s) for s in range(4)] == [3, 3, 3, 3]
+    assert talk.mail.complete[0, 1].tolist() == [3, 3, -1]
+    talk.contacts.snr_db[0, 1, 2] = talk.contacts.snr_db[0, 2, 1] = np.inf
+    talk.step(4)
+    assert [talk.heard(2, 0, s) for s in range(5)] == [4, 4, 4, 4, NOT_HEARD]
+    assert [talk.heard(1, 2, s) for s in range(5)] == [4, 4, 4, 4, 4]
+    talk.step(5)
+    assert talk.heard(2, 0, 4) == 5 and talk.heard(0, 2, 0) == 5
+    assert talk.mail.newest[0, 2, 0] == 4, "what 0 sees now comes over two hops"
+
+
 def test_losses_are_counted_from_sender_to_receiver() -> None:
     """0 to 1 is bad and 1 to 0 is not: 1 lacks both looks of 0 at step 1, and loses them again."""
     talk = Talk((0, 1), (1, 2))
@@ -118,10 +134,8 @@ def test_noise_garbles_its_share_of_packets(snr_db: float, share: float) -> None
     lost = sent = 0
     for seed in range(150):
         talk = Talk((0, 1), (1, 2), (0, 2), snr_db=snr_db)
-        for a in range(AGENTS):
-            talk.mail.heard_at[0, a, a, 0] = 0
         about = talk.log, talk.contacts, talk.mail, talk.traffic
-        pass_on(talk.terms, np.uint64(seed), 0, 0, *about)
+        pass_on(talk.terms, np.array([seed], np.uint64), HERE, np.zeros(1, np.int32), *about)
         sent, lost = sent + int(talk.traffic.sent[0]), lost + int(talk.traffic.lost[0])
     assert sent == 150 * 6
     assert lost / sent == pytest.approx(share, abs=0.05)

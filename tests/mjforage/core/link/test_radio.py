@@ -187,8 +187,8 @@ def test_knowledge_is_the_fold_of_looks_in_any_order_and_however_often() -> None
         at = net.mail.heard_at[e, h]
         looks = np.argwhere((at >= 0) & (at <= mission.step[e]))
         order = rng.permutation(np.concatenate((looks, looks[::2])))
-        for a, s in order.tolist():
-            take_in(net.log, e, s, a, net.views, net.radius_number, starts, row)
+        heard = np.array([(row, e, s, a) for a, s in order.tolist()], np.int32)
+        take_in(net.log, heard, net.views, net.radius_number, starts)
     for name in ("belief", "last_seen", "n_known", "agent_node", "agent_seen", "taken"):
         np.testing.assert_array_equal(getattr(starts, name), getattr(radio.knowledge, name))
     for row, n in enumerate(starts.n_known):
@@ -330,7 +330,7 @@ def test_of_two_looks_of_a_step_the_larger_count_of_a_node_is_believed() -> None
     net.log.energy_left[0, 1, 0] = 7.0
     for order in ((0, 1), (1, 0)):
         knowledge = Knowledge.of_starts(mission._looks(), len(mission.setup.graph), 1)
-        for a in order:
-            take_in(net.log, 0, 1, a, net.views, net.radius_number, knowledge, 0)
+        heard = np.array([(0, 0, 1, a) for a in order], np.int32)
+        take_in(net.log, heard, net.views, net.radius_number, knowledge)
         assert knowledge.belief[0, other] == 3
         assert knowledge.energy_left[0, 0] == 7.0
