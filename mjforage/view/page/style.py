@@ -1,4 +1,7 @@
-"""How everything drawn looks: colours per policy, line styles per world, map and hull colours.
+"""How everything drawn looks: colours per policy, line styles per world, and the colour language.
+
+What is in the world has the same colour in figures, replays, films and plots, all from here: items
+are pale yellow with a dark rim, beliefs indigo, agents have the hue of their role.
 
 The policy colours extend the Okabe-Ito palette (M. Okabe and K. Ito, "Color Universal Design",
 2008), so that they stay apart under the common colour deficiencies; lightness and markers carry
@@ -6,6 +9,7 @@ the difference a second time. All colours are ``#rrggbb``.
 """
 
 import zlib
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -49,18 +53,36 @@ FALLBACK_LINES: tuple[Line, ...] = (":", "-.")
 WATER = "#D8EAF4"
 LAND = "#E3DACB"
 QUAY_EDGE = "#B9AB94"
-ITEM = "#14532D"
-SCOUT = "#F08C00"
-FORAGER = "#C2255C"
+ITEM = "#FFF3A3"  # always with its rim, which is what shows on light water
+ITEM_RIM = "#46210F"
+BELIEF = "#3B1F8F"  # items that somebody believes in
 LOST = "#D90429"  # looks that a link lost
-SCOUT_VIEW = "#FFE08A"  # water that a scout sees
-FORAGER_VIEW = "#F4A6BF"
 INK = "#1F2933"
 MUTED = "#66727F"
 GRID = "#E4E8EC"
 
-SCOUT_SHADES = ("#F08C00", "#C77700", "#FFB84D", "#8F5500")
-FORAGER_SHADES = ("#C2255C", "#6741D9", "#E8709A", "#3B2A8C")
+Role = Literal["scout", "forager"]
+
+ROLE_SHADES: dict[str, tuple[str, ...]] = {
+    "scout": ("#F08C00", "#B35900", "#FFB84D", "#7A3E00"),
+    "forager": ("#C2255C", "#7D0F3B", "#EF7FA8", "#4D0824"),
+}
+"""Hull and track colours of the agents of a role, in the order in which they are given out."""
+
+OTHER_SHADES: tuple[tuple[str, ...], ...] = (
+    ("#00796B", "#004D40", "#4DB6AC", "#00332C"),
+    ("#5D6D1E", "#3A4510", "#9CAB4C", "#232B06"),
+    ("#37474F", "#1C262B", "#78909C", "#0D1214"),
+)
+"""For roles yet to come, by name."""
+
+SCOUT = ROLE_SHADES["scout"][0]
+FORAGER = ROLE_SHADES["forager"][0]
+SCOUT_VIEW = "#FBD3A0"  # water that a scout sees
+FORAGER_VIEW = "#F4A6BF"
+
+FIRST = 0.12  # place of the first stop of a ramp that is not water
+RAMP_PLACES = (0.0, FIRST, 0.4, 0.7, 1.0)
 
 RC: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
@@ -150,14 +172,25 @@ def world_lines(worlds: Sequence[str]) -> dict[str, Line]:
     return {name: WORLD_LINES.get(name) or extra[name] for name in worlds}
 
 
-def agent_colours(collects: Sequence[bool]) -> list[str]:
-    """Hull or track colour per agent: scouts in oranges, foragers in magenta and violet."""
-    seen = {False: 0, True: 0}
+def role(collects: bool) -> Role:
+    """Word for what an agent is, by whether it collects; its colour hangs on it."""
+    return "forager" if collects else "scout"
+
+
+def role_shades(name: str) -> tuple[str, ...]:
+    """Colours of the agents of a role; roles that are not in `ROLE_SHADES` by their checksum."""
+    known = ROLE_SHADES.get(name)
+    return known or OTHER_SHADES[zlib.crc32(name.encode()) % len(OTHER_SHADES)]
+
+
+def agent_colours(roles: Iterable[str]) -> list[str]:
+    """Hull or track colour per agent, from the shades of its role."""
+    seen: Counter[str] = Counter()
     colours = []
-    for collector in collects:
-        shades = FORAGER_SHADES if collector else SCOUT_SHADES
-        colours.append(shades[seen[collector] % len(shades)])
-        seen[collector] += 1
+    for name in roles:
+        shades = role_shades(name)
+        colours.append(shades[seen[name] % len(shades)])
+        seen[name] += 1
     return colours
 
 
@@ -167,8 +200,16 @@ def map_colours() -> ListedColormap:
 
 
 def item_colours() -> LinearSegmentedColormap:
-    """Sequential map for items per node: water for none, then yellow through red to near black."""
-    stops = [WATER, "#FFD166", "#F58A2E", "#D1342F", "#6A0F2A"]
-    places = [0.0, 0.12, 0.4, 0.7, 1.0]
-    pairs = [(place, to_rgb(stop)) for place, stop in zip(places, stops, strict=True)]
-    return LinearSegmentedColormap.from_list("items", pairs)
+    """Sequential map for items per node: water for none, then an item's yellow to its rim."""
+    return _ramp("items", (WATER, "#FFE566", "#DD9F33", "#96541C", ITEM_RIM))
+
+
+def belief_colours() -> LinearSegmentedColormap:
+    """Sequential map for believed items per node: water for none, then to indigo and beyond."""
+    return _ramp("beliefs", (WATER, "#B7A9E8", "#7F66CC", BELIEF, "#180A45"))
+
+
+def _ramp(name: str, stops: Sequence[str]) -> LinearSegmentedColormap:
+    """A map of five stops; at `FIRST` there is anything at all."""
+    pairs = [(place, to_rgb(stop)) for place, stop in zip(RAMP_PLACES, stops, strict=True)]
+    return LinearSegmentedColormap.from_list(name, pairs)

@@ -1,4 +1,4 @@
-"""Colours and text of the top view; chosen to stay apart for colour-blind readers."""
+"""Colours of films: what is in the world as everywhere (`style`), water and paper of their own."""
 
 from collections.abc import Sequence
 
@@ -26,12 +26,12 @@ QUAY = _hex("#d9cfbd")
 QUAY_EDGE = _hex("#fffaf0")
 QUAY_FOOT = _hex("#5d6b72")
 
-ITEM = _hex("#fff3a3")
-ITEM_RIM = _hex("#46210f")
-BELIEF = _hex("#3b1f8f")
+ITEM = _hex(style.ITEM)
+ITEM_RIM = _hex(style.ITEM_RIM)
+BELIEF = _hex(style.BELIEF)
 LOST = _hex(style.LOST)
 
 
 def team_colours(collects: Sequence[bool]) -> list[Colour]:
     """Return one colour per team, from the hull colours of the report."""
-    return [_hex(code) for code in style.agent_colours(collects)]
+    return [_hex(code) for code in style.agent_colours(map(style.role, collects))]

@@ -1,12 +1,13 @@
 """Figures on the map: what is afloat and what is believed, and the tracks of the fleet."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.colors import BoundaryNorm, Normalize, to_rgb
+from matplotlib.colors import BoundaryNorm, Colormap, Normalize, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
@@ -29,6 +30,7 @@ FORAGER_HULL = DrawnPath(
     [(-0.7, -0.8), (-0.7, 0.75), (-0.2, 0.35), (0.2, 0.35), (0.7, 0.75), (0.7, -0.8), (0, 0)],
     [1, 2, 2, 2, 2, 2, 79],
 )
+DISCRETE = 12  # counts up to this many have a colour each
 TRAIL = 12  # steps of wake behind a vessel
 INSTRUCTIVE = 0.4  # share of the items removed at the step that is shown
 
@@ -115,35 +117,43 @@ def _fleet(axes: Axes, replay: Replay, step: int) -> None:
         )
 
 
+def draw_items(axes: Axes, replay: Replay, step: int) -> None:
+    """Mark the items that are afloat after a step."""
+    afloat = replay.item_rc[step][replay.item_present[step]]
+    look: dict[str, Any] = {"color": style.ITEM, "edgecolors": style.ITEM_RIM, "linewidths": 0.9}
+    axes.scatter(afloat[:, 1], afloat[:, 0], s=13, zorder=3, **look)
+
+
 def _scene(axes: Axes, replay: Replay, step: int) -> None:
     draw_port(axes, replay.navigable)
     _views(axes, replay.in_view[step])
-    afloat = replay.item_rc[step][replay.item_present[step]]
-    axes.scatter(
-        afloat[:, 1],
-        afloat[:, 0],
-        s=13,
-        color=style.ITEM,
-        edgecolors="white",
-        linewidths=0.4,
-        zorder=5,
-    )
+    draw_items(axes, replay, step)
     _fleet(axes, replay, step)
     axes.set_title("(a) fleet and items")
 
 
-def _counts(
-    axes: Axes, replay: Replay, counts: NDArray[np.int64], top: int, title: str
+def draw_counts(
+    axes: Axes,
+    navigable: NDArray[np.bool_],
+    counts: NDArray[np.integer],
+    top: int,
+    colours: Colormap,
 ) -> AxesImage:
-    shown = np.ma.masked_where(~replay.navigable, counts)
-    colours = style.item_colours().with_extremes(bad=style.LAND)
+    """Colour every node by a count from 0 to `top`, land as land."""
+    shown = np.ma.masked_where(~navigable, counts)
     norm: Normalize = Normalize(0, top)
-    if top <= 12:
+    if top <= DISCRETE:
         norm = BoundaryNorm(np.arange(-0.5, top + 1), colours.N)
-    image = axes.imshow(shown, cmap=colours, norm=norm, interpolation="nearest")
-    frame_port(axes, replay.navigable)
-    axes.set_title(title)
-    return image
+    shades = colours.with_extremes(bad=style.LAND)
+    return axes.imshow(shown, cmap=shades, norm=norm, interpolation="nearest")
+
+
+def _bar(figure: Figure, image: AxesImage, panels: Sequence[Axes], label: str) -> None:
+    bar = figure.colorbar(image, ax=panels, shrink=0.6, pad=0.015, aspect=28, label=label)
+    bar.ax.yaxis.set_major_locator(MaxNLocator(integer=True))
+    bar.ax.minorticks_off()
+    bar.ax.tick_params(length=0)
+    bar.outline.set_visible(False)
 
 
 def _legend(figure: Figure, collects: NDArray[np.bool_]) -> None:
@@ -164,7 +174,7 @@ def _legend(figure: Figure, collects: NDArray[np.bool_]) -> None:
         "marker": "o",
         "linestyle": "",
         "markersize": 5,
-        "markeredgecolor": "white",
+        "markeredgecolor": style.ITEM_RIM,
     }
     handles.append(Line2D([], [], color=style.ITEM, label="item afloat", **item))
     figure.legend(handles=handles, loc="outside lower left", ncols=len(handles), columnspacing=1.6)
@@ -188,15 +198,14 @@ def scenario_figure(logs: RunLogs, replay: Replay) -> Picture:
     figure = canvas(width, height)
     panels = list(figure.subplots(rows, columns, squeeze=False).flat)
     _scene(panels[0], replay, step)
-    image = _counts(panels[1], replay, counts, top, "(b) true items")
-    _counts(panels[2], replay, belief, top, "(c) believed items")
-    bar = figure.colorbar(
-        image, ax=panels, shrink=0.6, pad=0.015, aspect=28, label="items per node"
-    )
-    bar.ax.yaxis.set_major_locator(MaxNLocator(integer=True))
-    bar.ax.minorticks_off()
-    bar.ax.tick_params(length=0)
-    bar.outline.set_visible(False)
+    for axes, title, shown, colours in (  # the outer bar is drawn first
+        (panels[2], "(c) believed items", belief, style.belief_colours()),
+        (panels[1], "(b) true items", counts, style.item_colours()),
+    ):
+        image = draw_counts(axes, replay.navigable, shown, top, colours)
+        frame_port(axes, replay.navigable)
+        axes.set_title(title)
+        _bar(figure, image, panels, f"{title[4:]} per node")
     _legend(figure, replay.agent_collects)
     return Picture(
         "scenario", "The scenario", _words(logs, replay, step, counts, belief), figure, wide=True

@@ -35,7 +35,7 @@ def _draw(axes: Axes, logs: RunLogs, series: Series) -> None:
     spread = SPREAD / 2 if series[0] == "graph" else 0.0  # hulls keep apart by themselves
     offsets = np.linspace(-spread, spread, max(2, len(collects)))
     draw_port(axes, logs.run.map.cells)
-    for agent, colour in enumerate(style.agent_colours(collects)):
+    for agent, colour in enumerate(style.agent_colours(map(style.role, collects))):
         xy = rows.filter(pl.col("agent") == agent).select("x_m", "y_m").to_numpy() / port.pitch_m
         if len(xy):
             track = np.column_stack((port.rows - 1 - xy[:, 1], xy[:, 0]))
@@ -49,7 +49,7 @@ def _legend(figure: Figure, logs: RunLogs) -> None:
     if len(names) > LEGEND_AGENTS:
         first = {agent.team: i for i, agent in reversed(list(enumerate(logs.run.agents)))}
         names = {i: team for team, i in first.items()}
-    colours = style.agent_colours(logs.collects())
+    colours = style.agent_colours(map(style.role, logs.collects()))
     handles = [Line2D([], [], color=colours[i], label=name) for i, name in names.items()]
     mark: dict[str, Any] = {"linestyle": "", "markersize": 5.5, "markeredgecolor": style.MUTED}
     handles.append(Line2D([], [], marker="o", color="white", label="start", **mark))

@@ -100,6 +100,7 @@ def _part(name: str) -> str:
 def _stage(logs: RunLogs, replay: Replay, collects: list[bool]) -> dict[str, Any]:
     """What all replays of a run share."""
     rows, columns = replay.navigable.shape
+    belief = style.belief_colours()
     return {
         "rows": rows,
         "columns": columns,
@@ -113,7 +114,10 @@ def _stage(logs: RunLogs, replay: Replay, collects: list[bool]) -> dict[str, Any
         "agents": [
             {"name": agent.name, "collects": agent.collects, "colour": colour, "length_m": length}
             for agent, colour, length in zip(
-                logs.run.agents, style.agent_colours(collects), _lengths(logs, replay), strict=True
+                logs.run.agents,
+                style.agent_colours(map(style.role, collects)),
+                _lengths(logs, replay),
+                strict=True,
             )
         ],
         "colours": {
@@ -121,12 +125,13 @@ def _stage(logs: RunLogs, replay: Replay, collects: list[bool]) -> dict[str, Any
             "land": style.LAND,
             "edge": style.QUAY_EDGE,
             "item": style.ITEM,
+            "item_rim": style.ITEM_RIM,
             "ink": style.INK,
             "muted": style.MUTED,
             "scout": style.SCOUT,
             "forager": style.FORAGER,
             "lost": style.LOST,
-            "heat": [_hex(style.item_colours()(place)) for place in np.linspace(0.12, 1.0, 12)],
+            "belief": [_hex(belief(place)) for place in np.linspace(style.FIRST, 1.0, 12)],
         },
     }
 

@@ -10,6 +10,7 @@ const LEAST_HULL_PX = { scout: 17, forager: 18 };
 const WAKE_S = 90, WAKE_PIECES = 36;
 const FLASH_S = 14;
 const LOST_PX = 18; // from a link to the count of what it lost
+const UNKNOWN = { size: 0.72, alpha: 0.75 }; // items that nobody has discovered, as in films
 const GHOST = 0.5; // opacity of a vessel where it was last heard of
 const FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
 
@@ -107,17 +108,22 @@ class Picture {
   }
 
   drawKnowledge(mind, step, shown) {
-    const { colours, idle_levels: levels, water } = this.stage, { top } = this;
+    const { colours, idle_levels: levels, water } = this.stage;
     if (shown.idleness)
       this.drawLayer("idleness", mind, step, (level, cell) =>
         (water[cell] === "1" ? [70, 96, 122, (165 * level) / levels] : null));
     if (shown.view) this.drawLayer("view", mind, step, (bits) => bits && [255, 255, 255, 125]);
     if (shown.belief) {
-      const heat = colours.heat.map((hex) => [...rgb(hex), 225]);
-      const place = (count) => Math.round((Math.log(count) / Math.log(top)) * (heat.length - 1));
-      this.drawLayer("belief", mind, step, (count) => count > 0 && heat[place(count)]);
+      const ramp = colours.belief.map((hex) => [...rgb(hex), 225]);
+      this.drawLayer("belief", mind, step, (count) => count > 0 && ramp[this.shade(count)]);
     }
     if (shown.view) this.drawViews(mind, step);
+  }
+
+  // Place of a believed count in the ramp of beliefs.
+  shade(count) {
+    const last = this.stage.colours.belief.length - 1;
+    return Math.round((Math.log(count) / Math.log(this.top)) * last);
   }
 
   // Frames around the nodes in view now, in the colour of the role that sees them.
@@ -151,7 +157,7 @@ class Picture {
       if (!count) return;
       const row = Math.floor(at / stage.columns), column = at % stage.columns;
       const [x, y] = this.px((column + 0.5) * stage.pitch_m, (stage.rows - row - 0.5) * stage.pitch_m);
-      context.fillStyle = count > 3 ? "rgba(255,255,255,.95)" : "rgba(60,30,0,.8)";
+      context.fillStyle = this.shade(count) > 3 ? "#fff" : stage.colours.ink;
       context.fillText(count, x - 0.1 * cell, y + 0.08 * cell);
     });
   }
@@ -208,18 +214,22 @@ class Picture {
       context.beginPath();
       if (age >= 0) {
         context.arc(x, y, radius * (1 + 4 * age), 0, 7);
-        context.strokeStyle = `rgba(20,83,45,${0.9 * (1 - age)})`;
+        context.globalAlpha = 0.9 * (1 - age);
+        context.strokeStyle = stage.colours.item_rim;
         context.lineWidth = 2.2 * (1 - age) + 0.3;
         context.stroke();
+        context.globalAlpha = 1;
         continue;
       }
       const known = episode.knows(seer, i, time);
-      context.arc(x, y, known ? radius : 0.85 * radius, 0, 7);
-      context.fillStyle = known ? stage.colours.item : "rgba(255,255,255,.75)";
-      context.strokeStyle = known ? "#fff" : stage.colours.item;
-      context.lineWidth = known ? 0.9 : 1;
+      context.arc(x, y, known ? radius : UNKNOWN.size * radius, 0, 7);
+      context.globalAlpha = known ? 1 : UNKNOWN.alpha;
+      context.fillStyle = stage.colours.item;
+      context.strokeStyle = stage.colours.item_rim;
+      context.lineWidth = Math.max(1.1, 0.3 * radius);
       context.fill();
       context.stroke();
+      context.globalAlpha = 1;
     }
   }
 

@@ -294,7 +294,10 @@ class Player {
       points: HULLS[role(agent)].map(([u, v]) => `${11 + 16 * u},${8 + 16 * v}`).join(" "),
       fill: agent.colour,
     }];
-    const dot = (fill, stroke) => ["circle", { cx: 12, cy: 8, r: 4, fill, stroke }];
+    const dot = (size, opacity) => ["circle", {
+      cx: 12, cy: 8, r: 4.5 * size, fill: colours.item, stroke: colours.item_rim,
+      "stroke-width": 1.3, opacity,
+    }];
     const cell = (fill) => ["rect", { x: 3, y: 1, width: 18, height: 14, fill }];
     const seen = (colour) => ["rect", {
       x: 3, y: 2, width: 18, height: 12, fill: "#f3f9fc", stroke: colour, "stroke-width": 1.4,
@@ -308,10 +311,10 @@ class Player {
     };
     const entries = [
       ...agents.slice(0, 12).map((agent) => [agent.name, hull(agent)]),
-      ["item, discovered", dot(colours.item, "#fff")],
-      ["item, not yet", dot("#fff", colours.item)],
-      ["believed items: 1", cell(colours.heat[0])],
-      [String(this.panels[0].picture.top), cell(colours.heat[colours.heat.length - 1])],
+      ["item, discovered", dot(1, 1)],
+      ["item, not yet", dot(UNKNOWN.size, UNKNOWN.alpha)],
+      ["believed items: 1", cell(colours.belief[0])],
+      [String(this.panels[0].picture.top), cell(colours.belief[colours.belief.length - 1])],
       ...(agents.some((a) => !a.collects) ? [["seen by a scout", seen(colours.scout)]] : []),
       ...(agents.some((a) => a.collects) ? [["by a forager", seen(colours.forager)]] : []),
       ...(this.panels.length > 1 ? [["PTA, left", line(colours.ink, 1.8, "none")],

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap, Normalize
+from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
@@ -18,11 +18,16 @@ from mjforage.runs.episode_replay import Replay
 from mjforage.runs.holders_seen import UNSEEN, HoldersMaps
 from mjforage.view.page import style
 from mjforage.view.page.picture import WIDE_IN, Picture, canvas, house_style
-from mjforage.view.report.map_figures import FORAGER_HULL, SCOUT_HULL, frame_port
+from mjforage.view.report.map_figures import (
+    FORAGER_HULL,
+    SCOUT_HULL,
+    draw_counts,
+    draw_items,
+    frame_port,
+)
 
 AGES = ("#F2F8FC", "#9CC5E0", "#3F83B5", "#12406A")  # from new to old
 NEVER_SEEN = "#B4B4BC"
-DISCRETE = 12  # counts up to this many have a colour each
 HULL = 11  # size of a vessel
 OWN: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.9}
 OTHERS: dict[str, Any] = {"markerfacecolor": "white", "markeredgewidth": 1.4}
@@ -51,17 +56,9 @@ def _vessels(axes: Axes, replay: Replay, maps: HoldersMaps, agent: int) -> None:
 def _belief(
     axes: Axes, replay: Replay, belief: NDArray[np.int16], top: int, step: int
 ) -> AxesImage:
-    """Items that a holder believes in, and rings where items are."""
-    shown = np.ma.masked_where(~replay.navigable, belief)
-    colours = style.item_colours().with_extremes(bad=style.LAND)
-    norm: Normalize = Normalize(0, top)
-    if top <= DISCRETE:
-        norm = BoundaryNorm(np.arange(-0.5, top + 1), colours.N)
-    image = axes.imshow(shown, cmap=colours, norm=norm, interpolation="nearest")
-    afloat = replay.item_rc[step][replay.item_present[step]]
-    rings: dict[str, Any] = {"facecolors": "none", "edgecolors": style.INK, "linewidths": 0.8}
-    axes.scatter(afloat[:, 1], afloat[:, 0], s=14, zorder=3, **rings)
-    return image
+    """Items that a holder believes in, and where items are."""
+    draw_items(axes, replay, step)
+    return draw_counts(axes, replay.navigable, belief, top, style.belief_colours())
 
 
 def _age(axes: Axes, replay: Replay, age: NDArray[np.int32], top: int) -> AxesImage:
@@ -93,7 +90,7 @@ def _legend(figure: Figure) -> None:
             mark("scout, as last heard", MarkerStyle(SCOUT_HULL), style.SCOUT, **OTHERS),
             mark("forager, as last heard", MarkerStyle(FORAGER_HULL), style.FORAGER, **OTHERS),
             mark("where it is", "x", style.MUTED, markersize=5.5),
-            mark("item afloat", "o", style.INK, markerfacecolor="none", markersize=4.5),
+            mark("item afloat", "o", style.ITEM, markeredgecolor=style.ITEM_RIM, markersize=4.5),
             Patch(facecolor=NEVER_SEEN, label="never seen"),
         ],
         loc="outside upper left",
@@ -157,7 +154,7 @@ def _words(
     ]
     return (
         f"Episode {replay.episode} of {replay.policy} in the {replay.world} world after step "
-        f"{maps.step}, played again: {afloat} items are afloat (rings); {told[0]}; {told[1]}. "
+        f"{maps.step}, played again: {afloat} items are afloat (dots); {told[0]}; {told[1]}. "
         "Filled: the vessel whose map it is; hollow: the others where it heard of them last, with "
         "a line to where they are."
     )

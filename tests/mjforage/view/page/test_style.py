@@ -1,7 +1,7 @@
 import itertools
 
 import pytest
-from matplotlib.colors import to_rgb
+from matplotlib.colors import Colormap, to_hex, to_rgb
 
 from mjforage.view.page import style
 
@@ -48,6 +48,35 @@ def test_worlds_have_distinct_lines() -> None:
 
 
 def test_agent_colours_tell_roles_apart() -> None:
-    colours = style.agent_colours([False, False, True, True])
+    colours = style.agent_colours(["scout", "scout", "forager", "tender"])
     assert len(set(colours)) == 4
-    assert set(colours[:2]) <= set(style.SCOUT_SHADES)
+    assert set(colours[:2]) <= set(style.ROLE_SHADES["scout"])
+    assert colours[3] not in {s for shades in style.ROLE_SHADES.values() for s in shades}
+
+
+def test_the_colour_of_a_role_does_not_depend_on_company() -> None:
+    assert style.agent_colours(["tender"]) == style.agent_colours(["scout", "tender"])[1:]
+
+
+def distance(first: str, second: str, matrix: tuple[tuple[float, ...], ...]) -> float:
+    pair = zip(seen(first, matrix), seen(second, matrix), strict=True)
+    return float(sum((x - y) ** 2 for x, y in pair) ** 0.5)
+
+
+@pytest.mark.parametrize("matrix", [DEUTERANOPE, PROTANOPE])
+def test_what_is_in_the_world_stays_apart_for_dichromats(
+    matrix: tuple[tuple[float, ...], ...],
+) -> None:
+    signs = (style.SCOUT, style.FORAGER, style.ITEM_RIM, style.BELIEF)
+    for first, second in itertools.combinations((*signs, style.WATER, style.ITEM), 2):
+        if {first, second} != {style.WATER, style.ITEM}:  # which the rim keeps apart
+            assert distance(first, second, matrix) > 0.15, f"{first} and {second} look alike"
+
+
+@pytest.mark.parametrize("ramp", [style.item_colours(), style.belief_colours()])
+def test_one_item_shows_on_water_and_more_are_darker(ramp: Colormap) -> None:
+    shades = [to_hex(ramp(place)) for place in (style.FIRST, 0.4, 0.7, 1.0)]
+    for matrix in (DEUTERANOPE, PROTANOPE):
+        assert distance(style.WATER, shades[0], matrix) > 0.15
+    light = [sum(to_rgb(shade)) for shade in shades]
+    assert light == sorted(light, reverse=True)
