@@ -1,7 +1,17 @@
-"""A table as plain text cells."""
+"""A table: cells as text, and the numbers in full that they show."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
+
+
+class Number(NamedTuple):
+    """What a cell shows, unrounded. NaN is undefined, or not shown in that cell."""
+
+    value: float
+    low: float = math.nan  # of its interval
+    high: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -15,6 +25,7 @@ class Row:
     best: frozenset[int] = frozenset()  # cells with the best mean of their column
     group: str = ""  # heading above this row, where it differs from the row before
     note: str = ""  # small print beside the group
+    values: tuple[Number | None, ...] = ()  # of each cell, None for words; empty: none is known
 
 
 @dataclass(frozen=True)

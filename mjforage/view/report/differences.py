@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from metrics import Interval, holm, paired_difference, paired_p
 from mjforage.core.mission_metrics import Description
+from mjforage.view.page.table import Number
 from mjforage.view.report.text_tables import NOTHING, number
 
 SEED = 0  # of the bootstrap: a report made twice must be the same
@@ -33,6 +34,16 @@ class Estimate:
     def __init__(self, found: Interval, p: float, digits: int) -> None:
         self.value, self.low, self.high = float(found.value), float(found.low), float(found.high)
         self.n, self.p, self._digits = int(found.n), p, digits
+
+    @property
+    def full(self) -> Number:
+        """Number and interval, unrounded."""
+        return Number(self.value, self.low, self.high)
+
+    @property
+    def split(self) -> tuple[Number, Number]:
+        """The same for a cell with the number and one with the interval."""
+        return Number(self.value), Number(float("nan"), self.low, self.high)
 
     @property
     def text(self) -> str:

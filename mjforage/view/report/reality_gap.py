@@ -5,7 +5,7 @@ import itertools
 from mjforage.core.mission_metrics import Description, describe
 from mjforage.core.scenario_file import scenario_from_tree
 from mjforage.physics.worlds import added
-from mjforage.view.page.table import Row, Table
+from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.differences import (
     Difference,
     corrected,
@@ -14,7 +14,7 @@ from mjforage.view.report.differences import (
     set_apart,
 )
 from mjforage.view.report.run_logs import RunLogs, Series
-from mjforage.view.report.text_tables import HEADLINE, entry_of, plus_minus
+from mjforage.view.report.text_tables import HEADLINE, entry_of, in_full, plus_minus
 
 
 def _step(logs: RunLogs, here: Series, there: Series, metric: Description) -> Difference:
@@ -42,13 +42,12 @@ def gap_table(logs: RunLogs) -> Table | None:
     for (policy, metric, step), p, apart in zip(
         lines, corrected(family), set_apart(family), strict=True
     ):
-        means = (
-            plus_minus(entry_of(logs.summary, (world, policy), metric.key), metric.digits)
-            for world in (first, last)
-        )
+        ends = [entry_of(logs.summary, (world, policy), metric.key) for world in (first, last)]
+        means = (plus_minus(entry, metric.digits) for entry in ends)
         cells = (*means, step.text, step.interval, p_text(p), str(step.n))
         best = frozenset({2} if apart else ())
-        rows.append(Row(metric.label, cells, group=policy, best=best))
+        values = (*map(in_full, ends), *step.split, Number(p), Number(step.n))
+        rows.append(Row(metric.label, cells, group=policy, best=best, values=values))
     notes = (
         "The same episodes in both worlds: equal items, drift and starts. Difference: "
         f"{last} minus {first}, mean over the episodes where both are defined, with the bootstrap "
@@ -80,6 +79,7 @@ def ladder_table(logs: RunLogs) -> Table | None:
             tuple(step.cell for step in steps),
             group=policy,
             best=frozenset(place for place in range(len(steps)) if next(apart)),
+            values=tuple(step.full for step in steps),
         )
         for policy, world, steps in lines
     ]

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from rich.table import Table as RichTable
@@ -9,7 +10,7 @@ from rich.text import Text
 
 from mjforage.core.mission_metrics import Description, describe
 from mjforage.view.page import style
-from mjforage.view.page.table import Row, Table
+from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.published import LABEL, STRAIGHT, STRAIGHT_NOTE, Published, published_for
 from mjforage.view.report.run_logs import RunLogs, Series, Summaries, Summary, parse_summary
 
@@ -34,6 +35,12 @@ def plus_minus(entry: Summary, digits: int) -> str:
     """Mean ± 1.96 SEM; the mean alone where the SEM is undefined."""
     mean = number(entry.mean, digits)
     return mean if math.isnan(entry.sem) else f"{mean} ± {number(NORMAL_95 * entry.sem, digits)}"
+
+
+def in_full(entry: Summary) -> Number:
+    """Mean and the ends of ± 1.96 SEM, unrounded."""
+    half = NORMAL_95 * entry.sem
+    return Number(entry.mean, entry.mean - half, entry.mean + half)
 
 
 def mean_only(entry: Summary, digits: int) -> str:
@@ -86,14 +93,16 @@ def _paper_rows(known: Published, metrics: Sequence[Description], intervals: boo
         sources.append((known.pooled.what, known.pooled.mean, known.pooled.interval))
     rows = []
     for head, mean, half in sources:
-        cells = []
+        cells, values = [], []
         for metric in metrics:
-            text = number(mean.get(metric.key, math.nan), metric.digits)
+            value, width = mean.get(metric.key, math.nan), half.get(metric.key, math.nan)
+            text = number(value, metric.digits)
             if intervals and metric.key in half:
-                text += f" ± {number(half[metric.key], metric.digits)}"
+                text += f" ± {number(width, metric.digits)}"
             cells.append(text)
+            values.append(Number(value, value - width, value + width))
         if any(cell != NOTHING for cell in cells):
-            rows.append(Row(head, tuple(cells), paper=True))
+            rows.append(Row(head, tuple(cells), paper=True, values=tuple(values)))
     return rows
 
 
@@ -118,10 +127,12 @@ def metric_table(
     winners = [_best(logs, metric) for metric in metrics]
     rows: list[Row] = []
     for place, series in enumerate(several):
-        cells = tuple(cell(entry_of(logs.summary, series, m.key), m.digits) for m in metrics)
+        entries = [entry_of(logs.summary, series, m.key) for m in metrics]
+        cells = tuple(cell(one, m.digits) for one, m in zip(entries, metrics, strict=True))
+        values = tuple(map(in_full, entries))
         best = frozenset(i for i, winner in enumerate(winners) if series in winner)
         colour = looks[series[1]].colour
-        rows.append(Row(head_of(logs, series), cells, colour, best=best))
+        rows.append(Row(head_of(logs, series), cells, colour, best=best, values=values))
         last = place + 1 == len(several) or several[place + 1][1] != series[1]
         known = published_for(logs.run, series[1]) if paper and last else None
         if known:
@@ -187,11 +198,9 @@ def full_table(logs: RunLogs) -> Table:
         for series in _by_policy(logs):
             entry = entry_of(logs.summary, series, metric.key)
             cells = full_cells(entry, metric.digits)
-            head, colour = (
-                head_of(logs, series),
-                looks[series[1]].colour,
-            )
-            rows.append(Row(head, cells, colour, group=metric.label + unit, note=metric.definition))
+            row = Row(head_of(logs, series), cells, looks[series[1]].colour)
+            group, values = metric.label + unit, full_values(entry)
+            rows.append(replace(row, group=group, note=metric.definition, values=values))
     columns = ("mean", "1.96 SEM", "95 % interval", "IQM", "n")
     notes = (
         "Interval: bootstrap of the mean over episodes. IQM: mean of the middle half. n: episodes "
@@ -213,6 +222,13 @@ def full_cells(entry: Summary, digits: int) -> tuple[str, ...]:
         number(entry.iqm, digits),
         str(entry.n),
     )
+
+
+def full_values(entry: Summary) -> tuple[Number, ...]:
+    """The numbers of `full_cells`."""
+    interval = Number(math.nan, entry.low, entry.high)
+    half = Number(NORMAL_95 * entry.sem)
+    return (Number(entry.mean), half, interval, Number(entry.iqm), Number(entry.n))
 
 
 def terminal_table(summary: Mapping[str, Any], bounds: Collection[str] = ()) -> RichTable:

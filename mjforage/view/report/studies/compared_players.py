@@ -8,7 +8,7 @@ from mjforage.view.page import style
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report.differences import Difference, family_note, set_apart
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
-from mjforage.view.report.text_tables import plus_minus
+from mjforage.view.report.text_tables import in_full, plus_minus
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,7 @@ def means_table(
             tuple(plus_minus(logs.entry(line.player, m.key), m.digits) for m in metrics),
             line.colour,
             group=group,
+            values=tuple(in_full(logs.entry(line.player, m.key)) for m in metrics),
         )
         for group, lines in groups.items()
         for line in lines
@@ -71,6 +72,7 @@ def differences_table(
             line.colour,
             best=frozenset(place for place in range(len(steps)) if next(apart)),
             group=group,
+            values=tuple(step.full for step in steps),
         )
         for group, line, steps in compared
     ]
