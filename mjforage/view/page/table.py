@@ -5,6 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+NOTHING = "–"
+"""A cell that is undefined."""
+
 
 class Number(NamedTuple):
     """What a cell shows, unrounded. NaN is undefined, or not shown in that cell."""
@@ -26,6 +29,13 @@ class Row:
     group: str = ""  # heading above this row, where it differs from the row before
     note: str = ""  # small print beside the group
     values: tuple[Number | None, ...] = ()  # of each cell, None for words; empty: none is known
+    also: tuple[str, ...] = ()  # small print below each cell
+    better: int = 0  # of the metric that the head names: 1 more, -1 less is better, 0 neither
+    group_better: int = 0  # of the one that the group names
+
+    def number(self, place: int) -> Number | None:
+        """What a cell shows, None for words or where it is not known."""
+        return self.values[place] if self.values else None
 
 
 @dataclass(frozen=True)
@@ -39,6 +49,8 @@ class Table:
     notes: tuple[str, ...] = ()
     units: tuple[str, ...] = ()  # below the labels
     stacked: bool = False  # intervals stand below their numbers, for wide tables
+    head: str = "policy"  # what the heads of the rows are
+    better: tuple[int, ...] = ()  # of the columns' metrics, as of a row
 
 
 def groups(rows: Sequence[Row]) -> list[tuple[Row, list[Row]]]:

@@ -89,4 +89,4 @@ def hulls_table(logs: RunLogs) -> Table | None:
                 values = tuple(map(Number, found))
                 rows.append(Row(team, cells, group=head_of(logs, series), values=values))
     labels, units = zip(*SHOWN, strict=True)
-    return Table("hulls", "How the hulls did", labels, tuple(rows), (NOTE,), units)
+    return Table("hulls", "How the hulls did", labels, tuple(rows), (NOTE,), units, head="team")

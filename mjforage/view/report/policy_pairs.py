@@ -69,6 +69,7 @@ def comparison_table(logs: RunLogs) -> Table | None:
             ),
             group=pair.group,
             best=frozenset({0} if apart else ()),
+            better=pair.metric.better,
             values=(*pair.gap.split, Number(p), Number(pair.better), Number(pair.gap.n)),
         )
         for pair, p, apart in judged
@@ -80,4 +81,4 @@ def comparison_table(logs: RunLogs) -> Table | None:
         "half.",
     )
     columns = ("difference", "95 % interval", "p", "P(better)", "n")
-    return Table("paired", "Paired comparison", columns, rows, notes)
+    return Table("paired", "Paired comparison", columns, rows, notes, head="metric")

@@ -1,6 +1,7 @@
 """The reality gap: the same episodes in several worlds, paired, and what each piece of it costs."""
 
 import itertools
+from dataclasses import replace
 
 from mjforage.core.mission_metrics import Description, describe
 from mjforage.core.scenario_file import scenario_from_tree
@@ -23,19 +24,22 @@ def _step(logs: RunLogs, here: Series, there: Series, metric: Description) -> Di
 
 
 def gap_table(logs: RunLogs) -> Table | None:
-    """Every metric at graph level and in the last world, with the paired difference.
+    """Every metric in the first and the last world, with the paired difference.
 
-    None unless the run has the graph and another world.
+    None with one world. Metrics that no episode of a policy defines are left out, and named if none
+    of any does.
     """
     worlds = logs.run.worlds
-    if len(worlds) < 2 or worlds[0] != "graph":
+    if len(worlds) < 2:
         return None
     first, last = worlds[0], worlds[-1]
-    metrics = logs.metrics.values()
+    metrics = [one for one in logs.metrics.values() if logs.defined(one.key)]
+    nowhere = [one.label for one in logs.metrics.values() if not logs.defined(one.key)]
     lines = [
         (policy, metric, _step(logs, (last, policy), (first, policy), metric))
         for policy in logs.policies
         for metric in metrics
+        if any(entry_of(logs.summary, (world, policy), metric.key).n for world in (first, last))
     ]
     family = [step for _, _, step in lines]
     rows = []
@@ -47,14 +51,17 @@ def gap_table(logs: RunLogs) -> Table | None:
         cells = (*means, step.text, step.interval, p_text(p), str(step.n))
         best = frozenset({2} if apart else ())
         values = (*map(in_full, ends), *step.split, Number(p), Number(step.n))
-        rows.append(Row(metric.label, cells, group=policy, best=best, values=values))
+        row = Row(metric.label, cells, group=policy, best=best, values=values)
+        rows.append(replace(row, better=metric.better))
     notes = (
         "The same episodes in both worlds: equal items, drift and starts. Difference: "
         f"{last} minus {first}, mean over the episodes where both are defined, with the bootstrap "
         f"95 % interval of itself alone; {family_note(family)} (p).",
+        *([f"Undefined in every episode: {', '.join(nowhere)}."] if nowhere else []),
     )
     columns = (first, last, "difference", "95 % interval", "p", "n")
-    return Table("gap", "The reality gap", columns, tuple(rows), notes)
+    title = f"Every metric, {last} minus {first}"
+    return Table("gap", title, columns, tuple(rows), notes, head="metric")
 
 
 def ladder_table(logs: RunLogs) -> Table | None:
@@ -92,5 +99,6 @@ def ladder_table(logs: RunLogs) -> Table | None:
         "Each row adds a piece of reality to the row above, on the same episodes: paired mean "
         f"difference and bootstrap 95 % interval of itself alone; {family_note(family)}. {words}.",
     )
-    columns = tuple(metric.label for metric in metrics)
-    return Table("ladder", "The gap ladder", columns, tuple(rows), notes)
+    labels, units = tuple(one.label for one in metrics), tuple(one.unit for one in metrics)
+    table = Table("ladder", "The gap ladder", labels, tuple(rows), notes, units, head="world")
+    return replace(table, better=tuple(one.better for one in metrics))

@@ -65,7 +65,9 @@ def setups_table(logs: StudyLogs) -> Table:
         )
     labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
     title = "Table 5: every fleet with one agent less"
-    return Table("table-5", title, labels, tuple(rows), tuple(notes), units)
+    better = tuple(m.better for m in metrics)
+    words = tuple(notes)
+    return Table("table-5", title, labels, tuple(rows), words, units, head="fleet", better=better)
 
 
 def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str, ...]) -> Table:
@@ -109,7 +111,8 @@ def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str,
         f"pairs of the same episodes, of itself alone; {family_note(family)}. Negative: better "
         "without.",
     )
-    return Table(name, title, tuple(describe(key).label for key in keys), tuple(rows), notes)
+    labels, better = tuple(describe(key).label for key in keys), (1,) * len(keys)
+    return Table(name, title, labels, tuple(rows), notes, better=better)
 
 
 def pictures(logs: StudyLogs) -> list[Picture]:

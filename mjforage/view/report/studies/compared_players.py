@@ -1,7 +1,7 @@
 """Tables of players beside one another: their means, and differences on the same episodes."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mjforage.core.mission_metrics import describe
 from mjforage.view.page import style
@@ -41,7 +41,9 @@ def means_table(
         for line in lines
     ]
     labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
-    return Table(name, title, labels, tuple(rows), ("Mean ± 1.96 SEM.",), units)
+    better = tuple(m.better for m in metrics)
+    notes = ("Mean ± 1.96 SEM.",)
+    return Table(name, title, labels, tuple(rows), notes, units, head="variant", better=better)
 
 
 def difference(logs: StudyLogs, line: Line, against: Line, key: str) -> Difference:
@@ -82,4 +84,5 @@ def differences_table(
     )
     metrics = [describe(key) for key in keys]
     labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
-    return Table(name, title, labels, tuple(rows), (note,), units, stacked=True)
+    table = Table(name, title, labels, tuple(rows), (note,), units, stacked=True, head="variant")
+    return replace(table, better=tuple(m.better for m in metrics))

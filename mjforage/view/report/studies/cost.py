@@ -178,7 +178,7 @@ def throughput_table(logs: StudyLogs) -> Table:
     )
     labels = ("computed by", "workers", "episodes", "wall", "episodes", "CPU time", "busy")
     units = ("", "", "", "s", "per s", "s per episode", "%")
-    return Table("throughput", "Throughput", labels, tuple(rows), notes, units)
+    return Table("throughput", "Throughput", labels, tuple(rows), notes, units, head="call")
 
 
 def throughput_picture(logs: StudyLogs) -> Picture | None:

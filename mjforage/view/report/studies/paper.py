@@ -155,7 +155,9 @@ def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table | None:
         *([STRAIGHT_NOTE] if STRAIGHT in {known.algorithm for known in beside} else []),
     )
     columns = ("paper", "ours", "95 % interval", "difference", "within")
-    return Table("beside", "The paper's numbers beside ours", columns, tuple(rows), notes)
+    return Table(
+        "beside", "The paper's numbers beside ours", columns, tuple(rows), notes, head="number"
+    )
 
 
 def _slope_cell(fit: corruption.Fit | None, digits: int) -> str:

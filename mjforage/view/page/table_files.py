@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+from graph_planner.references import file_label
 from mjforage.core.whole_files import write_bytes
-from mjforage.view.page.table import Number, Row, Table
-from mjforage.view.report.text_tables import NOTHING
+from mjforage.view.page.table import NOTHING, Number, Table
 
 MINUS = "−"
 
@@ -27,7 +27,7 @@ def write_table(table: Table, folder: Path, formats: Sequence[str]) -> None:
     """
     for one in formats:
         ending, text = FORMATS[one]
-        write_bytes(folder / f"{table.name}.{ending}", text(table).encode("utf-8"))
+        write_bytes(folder / f"{file_label(table.name)}.{ending}", text(table).encode("utf-8"))
 
 
 def csv_text(table: Table) -> str:
@@ -41,12 +41,12 @@ def csv_text(table: Table) -> str:
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     heads = [_column(table, place) + end for place, ends in enumerate(parts) for end in ends]
-    writer.writerow([*(["group"] if grouped else []), "row", *heads])
+    writer.writerow([*(["group"] if grouped else []), table.head, *heads])
     for row in table.rows:
         cells = [
             text
             for place, ends in enumerate(parts)
-            for text in _csv_cells(_number(row, place), row.cells[place], ends)
+            for text in _csv_cells(row.number(place), row.cells[place], ends)
         ]
         writer.writerow([*([row.group] if grouped else []), row.head, *cells])
     return buffer.getvalue()
@@ -58,13 +58,9 @@ def _column(table: Table, place: int) -> str:
     return f"{table.columns[place]} [{unit}]" if unit else table.columns[place]
 
 
-def _number(row: Row, place: int) -> Number | None:
-    return row.values[place] if row.values else None
-
-
 def _parts(table: Table, place: int) -> tuple[str, ...]:
     """Ends of the names of the columns that one column becomes in CSV."""
-    numbers = [number for row in table.rows if (number := _number(row, place))]
+    numbers = [number for row in table.rows if (number := row.number(place))]
     ends = (" low", " high") if any(not math.isnan(one.low) for one in numbers) else ()
     shown = any(not math.isnan(one.value) for one in numbers) or not ends
     return (*(("",) if shown else ()), *ends)
