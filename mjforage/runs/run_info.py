@@ -125,6 +125,11 @@ class RunInfo:
         return int(self.scenario["horizon"])
 
     @property
+    def period_s(self) -> float:
+        """Seconds of a step."""
+        return float(self.scenario["period_s"])
+
+    @property
     def name(self) -> str:
         """Name of the scenario."""
         return str(self.scenario["name"])
@@ -143,6 +148,7 @@ class _ScenarioFacts:
 
     name: str
     horizon: Annotated[int, Within(1, 30_000)]
+    period_s: Annotated[float, Within(1e-3, 1e6, "s")]
 
 
 @dataclass(frozen=True)

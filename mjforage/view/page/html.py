@@ -1,6 +1,7 @@
 """Sets a page: head, sections, tables and figures as HTML, nothing fetched from outside."""
 
 import base64
+import math
 import re
 from dataclasses import dataclass
 from importlib import resources
@@ -10,8 +11,10 @@ from typing import Any
 import jinja2
 from markupsafe import Markup, escape
 
+from graph_planner.references import file_label
 from mjforage.view.page.picture import Picture, save_figure
-from mjforage.view.page.table import groups
+from mjforage.view.page.table import Row, Table, groups
+from mjforage.view.page.table_files import csv_text
 
 _SUBSCRIPT = re.compile(r"(?<![\w.:])([A-Z][A-Za-z]*)_([A-Za-z0-9]+)\b")  # of labels of metrics
 _CODE = re.compile(r"`([^`]+)`")
@@ -55,8 +58,8 @@ def set_page(name: str, version: str, content: dict[str, Any]) -> str:
     version : of the mjforage that made the numbers
     content : what that template reads
     """
-    stylesheet = Markup(_template("page.css"))
-    return environment().get_template(name).render(content, version=version, stylesheet=stylesheet)
+    files = {"stylesheet": Markup(_template("page.css")), "script": Markup(_template("tables.js"))}
+    return environment().get_template(name).render(content, version=version, **files)
 
 
 def environment() -> jinja2.Environment:
@@ -68,8 +71,8 @@ def environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    filters = {"rich_text": rich_text, "interval_text": interval_text, "groups": groups}
-    templates.filters.update(filters)
+    used = (rich_text, interval_text, groups, sort_key, csv_uri, file_label)
+    templates.filters.update({one.__name__: one for one in used})
     return templates
 
 
@@ -87,6 +90,21 @@ def rich_text(text: str) -> Markup:
     safe = str(escape(text))
     safe = _SUBSCRIPT.sub(r"\1<sub>\2</sub>", safe)
     return Markup(_CODE.sub(r"<code>\1</code>", safe))
+
+
+def sort_key(row: Row, place: int) -> Markup:
+    """Attribute of a cell by which its column is sorted; none for words, empty if undefined."""
+    found = row.number(place)
+    if found is None:
+        return Markup()
+    by = found.low if math.isnan(found.value) else found.value
+    return Markup() if math.isnan(by) else Markup(' data-value="{}"').format(f"{by:.9g}")
+
+
+def csv_uri(table: Table) -> str:
+    """A table as CSV, as a data URI for a page that is one file."""
+    content = base64.b64encode(csv_text(table).encode("utf-8")).decode("ascii")
+    return f"data:text/csv;charset=utf-8;base64,{content}"
 
 
 def interval_text(text: str) -> Markup:

@@ -1,7 +1,20 @@
-"""A table as plain text cells."""
+"""A table: cells as text, and the numbers in full that they show."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
+
+NOTHING = "–"
+"""A cell that is undefined."""
+
+
+class Number(NamedTuple):
+    """What a cell shows, unrounded. NaN is undefined, or not shown in that cell."""
+
+    value: float
+    low: float = math.nan  # of its interval
+    high: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -15,6 +28,14 @@ class Row:
     best: frozenset[int] = frozenset()  # cells with the best mean of their column
     group: str = ""  # heading above this row, where it differs from the row before
     note: str = ""  # small print beside the group
+    values: tuple[Number | None, ...] = ()  # of each cell, None for words; empty: none is known
+    also: tuple[str, ...] = ()  # small print below each cell
+    better: int = 0  # of the metric that the head names: 1 more, -1 less is better, 0 neither
+    group_better: int = 0  # of the one that the group names
+
+    def number(self, place: int) -> Number | None:
+        """What a cell shows, None for words or where it is not known."""
+        return self.values[place] if self.values else None
 
 
 @dataclass(frozen=True)
@@ -28,6 +49,8 @@ class Table:
     notes: tuple[str, ...] = ()
     units: tuple[str, ...] = ()  # below the labels
     stacked: bool = False  # intervals stand below their numbers, for wide tables
+    head: str = "policy"  # what the heads of the rows are
+    better: tuple[int, ...] = ()  # of the columns' metrics, as of a row
 
 
 def groups(rows: Sequence[Row]) -> list[tuple[Row, list[Row]]]:

@@ -4,7 +4,9 @@ from pathlib import Path
 
 from mjforage.core.whole_files import write_bytes
 from mjforage.view.page import embedded
+from mjforage.view.page.table_files import write_table
 from mjforage.view.report.all_figures import draw_figures
+from mjforage.view.report.clearing import clearing_table
 from mjforage.view.report.hull_tables import hulls_table
 from mjforage.view.report.policy_pairs import comparison_table
 from mjforage.view.report.reality_gap import gap_table, ladder_table
@@ -21,7 +23,7 @@ __all__ = ["terminal_table", "write_report"]
 
 
 def write_report(folder: Path) -> Path:
-    """Write ``figures/*.png|svg`` and ``report.html`` into a run folder.
+    """Write ``figures/*.png|svg``, ``tables/*.csv`` and ``report.html`` into a run folder.
 
     Nothing is re-simulated, and the same logs give the same bytes.
 
@@ -37,16 +39,13 @@ def write_report(folder: Path) -> Path:
     """
     logs = load_logs(folder)
     figures = [embedded(picture, folder) for picture in draw_figures(logs)]
-    gap_tables = (ladder_table(logs), hulls_table(logs), gap_table(logs))
-    text = render(
-        logs,
-        figures,
-        headline_table(logs),
-        paper_tables(logs),
-        full_table(logs),
-        comparison_table(logs),
-        [table for table in gap_tables if table is not None],
-    )
+    headline, papers, full = headline_table(logs), paper_tables(logs), full_table(logs)
+    paired, hulls, clearing = comparison_table(logs), hulls_table(logs), clearing_table(logs)
+    gap = [table for table in (ladder_table(logs), gap_table(logs)) if table is not None]
+    text = render(logs, figures, headline, papers, full, paired, gap, hulls, clearing)
+    for table in (headline, clearing, *gap, hulls, *papers, full, paired):
+        if table is not None:
+            write_table(table, folder / "tables", ("csv",))
     target = folder / "report.html"
     write_bytes(target, text.encode("utf-8"))
     return target

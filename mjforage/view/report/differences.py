@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from metrics import Interval, holm, paired_difference, paired_p
 from mjforage.core.mission_metrics import Description
-from mjforage.view.report.text_tables import NOTHING, number
+from mjforage.view.page.table import Number
+from mjforage.view.report.text_tables import NOTHING, needed_digits, number
 
 SEED = 0  # of the bootstrap: a report made twice must be the same
 LEVEL = 0.05  # of a whole family of tests
@@ -22,7 +23,7 @@ def too_few(episodes: int) -> str:
 
 
 class Estimate:
-    """A number with its 95 % interval, NaN where undefined.
+    """A number with its 95 % interval, NaN where undefined; both with the digits that it needs.
 
     Attributes
     ----------
@@ -32,7 +33,18 @@ class Estimate:
 
     def __init__(self, found: Interval, p: float, digits: int) -> None:
         self.value, self.low, self.high = float(found.value), float(found.low), float(found.high)
-        self.n, self.p, self._digits = int(found.n), p, digits
+        self.n, self.p = int(found.n), p
+        self._digits = needed_digits((self.high - self.low) / 2, digits)
+
+    @property
+    def full(self) -> Number:
+        """Number and interval, unrounded."""
+        return Number(self.value, self.low, self.high)
+
+    @property
+    def split(self) -> tuple[Number, Number]:
+        """The same for a cell with the number and one with the interval."""
+        return Number(self.value), Number(float("nan"), self.low, self.high)
 
     @property
     def text(self) -> str:
@@ -45,6 +57,11 @@ class Estimate:
         if not np.isfinite(self.low):
             return NOTHING
         return f"{number(self.low, self._digits)} to {number(self.high, self._digits)}"
+
+    @property
+    def leaves_out_zero(self) -> bool:
+        """Whether its interval does, as it is shown."""
+        return round(self.low, self._digits) > 0 or round(self.high, self._digits) < 0
 
     @property
     def cell(self) -> str:
@@ -68,8 +85,14 @@ def corrected(family: Sequence[Estimate]) -> list[float]:
 
 
 def set_apart(family: Sequence[Estimate]) -> list[bool]:
-    """Which of a family differ from 0, together at `LEVEL`, and are of enough episodes for it."""
-    return [one.n >= FEWEST and p < LEVEL for one, p in zip(family, corrected(family), strict=True)]
+    """Which of a family differ from 0, together at `LEVEL`, and are of enough episodes for it.
+
+    What has 0 in the interval that is shown beside it is not one of them.
+    """
+    return [
+        one.n >= FEWEST and p < LEVEL and one.leaves_out_zero
+        for one, p in zip(family, corrected(family), strict=True)
+    ]
 
 
 def p_text(p: float) -> str:
@@ -82,5 +105,6 @@ def family_note(family: Sequence[Estimate], where: str = "this table", how: str 
     tests = sum(not np.isnan(one.p) for one in family)
     return (
         f"{how} where it differs from 0 by paired t-tests at the level {LEVEL:g}, corrected by "
-        f"Holm's method for the {tests} test{'s' if tests != 1 else ''} of {where}"
+        f"Holm's method for the {tests} test{'s' if tests != 1 else ''} of {where}, and its "
+        "interval leaves out 0"
     )

@@ -6,7 +6,7 @@ import polars as pl
 
 from graph_planner.navigation import STAY
 from mjforage.core.dynamics import ARRIVED, BLOCKED, OUTCOMES
-from mjforage.view.page.table import Row, Table
+from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.run_logs import RunLogs, read_columns
 from mjforage.view.report.text_tables import head_of, number
 
@@ -21,7 +21,8 @@ SHOWN = (
     *(("kept", "%"), ("speed", "m/s"), ("touches", "per episode"), ("fastest touch", "m/s")),
     *(("energy", "kJ per episode"), ("energy", "kJ per item")),
 )
-"""Column -> unit, in the order of the cells of `_figures`."""
+"""Column -> unit, in the order of `_figures`."""
+DIGITS = (0, 2, 2, 2, 0, 2, 2, 2, 2, 1, 2)
 NOTE = (
     "Arrived: midships came within 1 m of the target's centre during the decision; blocked: "
     "slower than 0.1 m/s for 2 s because of contact or giving way, or no legal move; late: "
@@ -31,8 +32,8 @@ NOTE = (
 )
 
 
-def _figures(rows: pl.DataFrame, collected: float) -> tuple[str, ...]:
-    """Cells of one world, policy and team.
+def _figures(rows: pl.DataFrame, collected: float) -> tuple[float, ...]:
+    """Numbers of one world, policy and team.
 
     Parameters
     ----------
@@ -49,15 +50,15 @@ def _figures(rows: pl.DataFrame, collected: float) -> tuple[str, ...]:
     speed = moving.mean()
     impact = rows["impact_mps"].max()
     return (
-        str(len(moves)),
-        *(number(share, 2) for share in shares),
-        str(len(kept)),
-        number(_share(kept, pl.col("outcome") == OUTCOMES[ARRIVED]), 2),
-        number(float(speed) if isinstance(speed, float) else math.nan, 2),
-        number(float(last["collisions"].sum()) / episodes, 2),
-        number(float(impact) if isinstance(impact, float) else math.nan, 2),
-        number(work / episodes / 1000, 1),
-        number(work / collected / 1000 if collected else math.nan, 2),
+        len(moves),
+        *shares,
+        len(kept),
+        _share(kept, pl.col("outcome") == OUTCOMES[ARRIVED]),
+        float(speed) if isinstance(speed, float) else math.nan,
+        float(last["collisions"].sum()) / episodes,
+        float(impact) if isinstance(impact, float) else math.nan,
+        work / episodes / 1000,
+        work / collected / 1000 if collected else math.nan,
     )
 
 
@@ -83,7 +84,9 @@ def hulls_table(logs: RunLogs) -> Table | None:
             collected = float(items["t_collected"].drop_nulls().len())
             for team in teams:
                 numbers = [i for i, agent in enumerate(logs.run.agents) if agent.team == team]
-                cells = _figures(mine.filter(pl.col("agent").is_in(numbers)), collected)
-                rows.append(Row(team, cells, group=head_of(logs, series)))
+                found = _figures(mine.filter(pl.col("agent").is_in(numbers)), collected)
+                cells = tuple(map(number, found, DIGITS))
+                values = tuple(map(Number, found))
+                rows.append(Row(team, cells, group=head_of(logs, series), values=values))
     labels, units = zip(*SHOWN, strict=True)
-    return Table("hulls", "How the hulls did", labels, tuple(rows), (NOTE,), units)
+    return Table("hulls", "How the hulls did", labels, tuple(rows), (NOTE,), units, head="team")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from metrics import probability_of_improvement
 from mjforage.core.mission_metrics import Description
-from mjforage.view.page.table import Row, Table
+from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.differences import (
     SEED,
     Difference,
@@ -69,6 +69,8 @@ def comparison_table(logs: RunLogs) -> Table | None:
             ),
             group=pair.group,
             best=frozenset({0} if apart else ()),
+            better=pair.metric.better,
+            values=(*pair.gap.split, Number(p), Number(pair.better), Number(pair.gap.n)),
         )
         for pair, p, apart in judged
     )
@@ -79,4 +81,4 @@ def comparison_table(logs: RunLogs) -> Table | None:
         "half.",
     )
     columns = ("difference", "95 % interval", "p", "P(better)", "n")
-    return Table("paired", "Paired comparison", columns, rows, notes)
+    return Table("paired", "Paired comparison", columns, rows, notes, head="metric")

@@ -1,11 +1,12 @@
 """The reality gap: the same episodes in several worlds, paired, and what each piece of it costs."""
 
 import itertools
+from dataclasses import replace
 
 from mjforage.core.mission_metrics import Description, describe
 from mjforage.core.scenario_file import scenario_from_tree
 from mjforage.physics.worlds import added
-from mjforage.view.page.table import Row, Table
+from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.differences import (
     Difference,
     corrected,
@@ -14,7 +15,7 @@ from mjforage.view.report.differences import (
     set_apart,
 )
 from mjforage.view.report.run_logs import RunLogs, Series
-from mjforage.view.report.text_tables import HEADLINE, entry_of, plus_minus
+from mjforage.view.report.text_tables import HEADLINE, entry_of, in_full, plus_minus
 
 
 def _step(logs: RunLogs, here: Series, there: Series, metric: Description) -> Difference:
@@ -23,39 +24,44 @@ def _step(logs: RunLogs, here: Series, there: Series, metric: Description) -> Di
 
 
 def gap_table(logs: RunLogs) -> Table | None:
-    """Every metric at graph level and in the last world, with the paired difference.
+    """Every metric in the first and the last world, with the paired difference.
 
-    None unless the run has the graph and another world.
+    None with one world. Metrics that no episode of a policy defines are left out, and named if none
+    of any does.
     """
     worlds = logs.run.worlds
-    if len(worlds) < 2 or worlds[0] != "graph":
+    if len(worlds) < 2:
         return None
     first, last = worlds[0], worlds[-1]
-    metrics = logs.metrics.values()
+    metrics = [one for one in logs.metrics.values() if logs.defined(one.key)]
+    nowhere = [one.label for one in logs.metrics.values() if not logs.defined(one.key)]
     lines = [
         (policy, metric, _step(logs, (last, policy), (first, policy), metric))
         for policy in logs.policies
         for metric in metrics
+        if any(entry_of(logs.summary, (world, policy), metric.key).n for world in (first, last))
     ]
     family = [step for _, _, step in lines]
     rows = []
     for (policy, metric, step), p, apart in zip(
         lines, corrected(family), set_apart(family), strict=True
     ):
-        means = (
-            plus_minus(entry_of(logs.summary, (world, policy), metric.key), metric.digits)
-            for world in (first, last)
-        )
+        ends = [entry_of(logs.summary, (world, policy), metric.key) for world in (first, last)]
+        means = (plus_minus(entry, metric.digits) for entry in ends)
         cells = (*means, step.text, step.interval, p_text(p), str(step.n))
         best = frozenset({2} if apart else ())
-        rows.append(Row(metric.label, cells, group=policy, best=best))
+        values = (*map(in_full, ends), *step.split, Number(p), Number(step.n))
+        row = Row(metric.label, cells, group=policy, best=best, values=values)
+        rows.append(replace(row, better=metric.better))
     notes = (
         "The same episodes in both worlds: equal items, drift and starts. Difference: "
         f"{last} minus {first}, mean over the episodes where both are defined, with the bootstrap "
         f"95 % interval of itself alone; {family_note(family)} (p).",
+        *([f"Undefined in every episode: {', '.join(nowhere)}."] if nowhere else []),
     )
     columns = (first, last, "difference", "95 % interval", "p", "n")
-    return Table("gap", "The reality gap", columns, tuple(rows), notes)
+    title = f"Every metric, {last} minus {first}"
+    return Table("gap", title, columns, tuple(rows), notes, head="metric")
 
 
 def ladder_table(logs: RunLogs) -> Table | None:
@@ -80,6 +86,7 @@ def ladder_table(logs: RunLogs) -> Table | None:
             tuple(step.cell for step in steps),
             group=policy,
             best=frozenset(place for place in range(len(steps)) if next(apart)),
+            values=tuple(step.full for step in steps),
         )
         for policy, world, steps in lines
     ]
@@ -92,5 +99,6 @@ def ladder_table(logs: RunLogs) -> Table | None:
         "Each row adds a piece of reality to the row above, on the same episodes: paired mean "
         f"difference and bootstrap 95 % interval of itself alone; {family_note(family)}. {words}.",
     )
-    columns = tuple(metric.label for metric in metrics)
-    return Table("ladder", "The gap ladder", columns, tuple(rows), notes)
+    labels, units = tuple(one.label for one in metrics), tuple(one.unit for one in metrics)
+    table = Table("ladder", "The gap ladder", labels, tuple(rows), notes, units, head="world")
+    return replace(table, better=tuple(one.better for one in metrics))

@@ -7,6 +7,7 @@ from typing import Any
 from mjforage.view.page import Shown, Table, groups, set_page, style
 from mjforage.view.report.differences import too_few
 from mjforage.view.report.run_logs import RunLogs
+from mjforage.view.report.text_tables import minutes, number
 from mjforage.view.report.web_replay import web_replay
 
 
@@ -19,6 +20,7 @@ def run_facts(logs: RunLogs) -> list[tuple[str, str]]:
     for agent in run.agents:
         fleet[agent.team] = fleet.get(agent.team, 0) + 1
     each = "policy" if len(run.worlds) == 1 else "policy and world"
+    horizon_min = number(minutes(run, run.horizon), 0)
     timings = ", ".join(
         f"{key[:-2]} {value:.1f} s" if key.endswith("_s") else f"{key} {value:g}"
         for key, value in run.timings.items()
@@ -27,7 +29,7 @@ def run_facts(logs: RunLogs) -> list[tuple[str, str]]:
         ("Scenario", run.name),
         ("Map", f"{run.map.name}: {rows} × {columns}, {run.map.nodes} nodes {pitch} apart"),
         ("Fleet", ", ".join(f"{count} {team}" for team, count in fleet.items()) or "no vessels"),
-        ("Horizon", f"T = {run.horizon} steps"),
+        ("Horizon", f"T = {run.horizon} steps of {run.period_s:g} s: {horizon_min} min"),
         ("Worlds", ", ".join(run.worlds)),
         ("Policies", ", ".join(logs.policies)),
         ("Episodes", f"{run.episodes} for each {each}, seed {run.seed}"),
@@ -70,6 +72,8 @@ def render(
     full: Table,
     paired: Table | None,
     gap: Sequence[Table] = (),
+    hulls: Table | None = None,
+    clearing: Table | None = None,
 ) -> str:
     """Set the whole report as HTML."""
     content: dict[str, Any] = {
@@ -84,6 +88,8 @@ def render(
         "full": full,
         "paired": paired,
         "gap": gap,
+        "hulls": hulls,
+        "clearing": clearing,
         "pairs": len(groups(paired.rows)) if paired else 0,
         "notes": definition_notes(),
         "replay": web_replay(logs),

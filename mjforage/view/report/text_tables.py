@@ -2,22 +2,27 @@
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from rich.table import Table as RichTable
 from rich.text import Text
 
 from mjforage.core.mission_metrics import Description, describe
+from mjforage.runs.run_info import RunInfo
 from mjforage.view.page import style
-from mjforage.view.page.table import Row, Table
+from mjforage.view.page.table import NOTHING as NOTHING
+from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.published import LABEL, STRAIGHT, STRAIGHT_NOTE, Published, published_for
 from mjforage.view.report.run_logs import RunLogs, Series, Summaries, Summary, parse_summary
 
-HEADLINE = ("pta_d", "pta_c", "rmse", "nt90", "csr", "gini_foragers", "length")
+HEADLINE = ("pta_d", "pta_c", "rmse", "nt50", "nt90", "csr", "gini_foragers", "length")
 TERMINAL = ("pta_d", "pta_c", "rmse", "nt50", "nt90", "throughput", "csr", "length")
 LINKED = (*TERMINAL[:5], "csr", "handover", "length")  # where it is defined; no more would fit
+OVER_T = frozenset({"nt50", "nt90", "dsl", "itl", "itl_level", "handover"})
+"""Metrics that are times as shares of the horizon."""
 NORMAL_95 = 1.96
-NOTHING = "–"
+MORE_DIGITS = 2  # than a metric has, at most, where an interval is narrow
 
 
 def number(value: float, digits: int) -> str:
@@ -30,10 +35,40 @@ def number(value: float, digits: int) -> str:
     return text
 
 
+def needed_digits(half: float, usual: int) -> int:
+    """Decimals that show two digits of half an interval; `usual` where it has no width.
+
+    At most two more than usual: where all of an interval is still 0 then, so is the difference.
+    """
+    if not (math.isfinite(half) and half > 0):
+        return usual
+    return min(max(0, 1 - math.floor(math.log10(half))), usual + MORE_DIGITS)
+
+
 def plus_minus(entry: Summary, digits: int) -> str:
     """Mean ± 1.96 SEM; the mean alone where the SEM is undefined."""
     mean = number(entry.mean, digits)
     return mean if math.isnan(entry.sem) else f"{mean} ± {number(NORMAL_95 * entry.sem, digits)}"
+
+
+def in_minutes(run: RunInfo, metric: Description, entry: Summary) -> str:
+    """A mean time in minutes; nothing for what is no time, or undefined."""
+    timed = metric.key in OVER_T or metric.unit == "steps"
+    if not timed or math.isnan(entry.mean):
+        return ""
+    steps = entry.mean * (run.horizon if metric.key in OVER_T else 1)
+    return f"{number(minutes(run, steps), 1)} min"
+
+
+def minutes(run: RunInfo, steps: float) -> float:
+    """What so many steps of a run take."""
+    return steps * run.period_s / 60
+
+
+def in_full(entry: Summary) -> Number:
+    """Mean and the ends of ± 1.96 SEM, unrounded."""
+    half = NORMAL_95 * entry.sem
+    return Number(entry.mean, entry.mean - half, entry.mean + half)
 
 
 def mean_only(entry: Summary, digits: int) -> str:
@@ -86,14 +121,16 @@ def _paper_rows(known: Published, metrics: Sequence[Description], intervals: boo
         sources.append((known.pooled.what, known.pooled.mean, known.pooled.interval))
     rows = []
     for head, mean, half in sources:
-        cells = []
+        cells, values = [], []
         for metric in metrics:
-            text = number(mean.get(metric.key, math.nan), metric.digits)
+            value, width = mean.get(metric.key, math.nan), half.get(metric.key, math.nan)
+            text = number(value, metric.digits)
             if intervals and metric.key in half:
-                text += f" ± {number(half[metric.key], metric.digits)}"
+                text += f" ± {number(width, metric.digits)}"
             cells.append(text)
+            values.append(Number(value, value - width, value + width))
         if any(cell != NOTHING for cell in cells):
-            rows.append(Row(head, tuple(cells), paper=True))
+            rows.append(Row(head, tuple(cells), paper=True, values=tuple(values)))
     return rows
 
 
@@ -118,10 +155,14 @@ def metric_table(
     winners = [_best(logs, metric) for metric in metrics]
     rows: list[Row] = []
     for place, series in enumerate(several):
-        cells = tuple(cell(entry_of(logs.summary, series, m.key), m.digits) for m in metrics)
+        entries = [entry_of(logs.summary, series, m.key) for m in metrics]
+        cells = tuple(cell(one, m.digits) for one, m in zip(entries, metrics, strict=True))
+        values = tuple(map(in_full, entries))
         best = frozenset(i for i, winner in enumerate(winners) if series in winner)
         colour = looks[series[1]].colour
-        rows.append(Row(head_of(logs, series), cells, colour, best=best))
+        also = [in_minutes(logs.run, m, one) for one, m in zip(entries, metrics, strict=True)]
+        row = Row(head_of(logs, series), cells, colour, best=best, values=values)
+        rows.append(replace(row, also=tuple(also)))
         last = place + 1 == len(several) or several[place + 1][1] != series[1]
         known = published_for(logs.run, series[1]) if paper and last else None
         if known:
@@ -134,12 +175,18 @@ def metric_table(
         tuple(rows),
         (*notes, *([STRAIGHT_NOTE] if straight else ())),
         tuple(metric.unit for metric in metrics),
+        better=tuple(metric.better for metric in metrics),
     )
 
 
 def headline_table(logs: RunLogs) -> Table:
     """Return the few numbers that a reader wants first."""
-    note = "Mean ± 1.96 SEM over the episodes where the metric is defined; bold: best mean."
+    note = (
+        "Mean ± 1.96 SEM over the episodes where the metric is defined; bold: best mean. NT_50 and "
+        "NT_90 are shares of the horizon, "
+        f"{number(minutes(logs.run, logs.run.horizon), 0)} min; a share that is never removed "
+        "counts as the whole of it."
+    )
     return metric_table(logs, "headline", "Result in brief", HEADLINE, paper=False, notes=[note])
 
 
@@ -187,11 +234,10 @@ def full_table(logs: RunLogs) -> Table:
         for series in _by_policy(logs):
             entry = entry_of(logs.summary, series, metric.key)
             cells = full_cells(entry, metric.digits)
-            head, colour = (
-                head_of(logs, series),
-                looks[series[1]].colour,
-            )
-            rows.append(Row(head, cells, colour, group=metric.label + unit, note=metric.definition))
+            row = Row(head_of(logs, series), cells, looks[series[1]].colour)
+            group, values = metric.label + unit, full_values(entry)
+            row = replace(row, group=group, note=metric.definition, values=values)
+            rows.append(replace(row, group_better=metric.better))
     columns = ("mean", "1.96 SEM", "95 % interval", "IQM", "n")
     notes = (
         "Interval: bootstrap of the mean over episodes. IQM: mean of the middle half. n: episodes "
@@ -213,6 +259,13 @@ def full_cells(entry: Summary, digits: int) -> tuple[str, ...]:
         number(entry.iqm, digits),
         str(entry.n),
     )
+
+
+def full_values(entry: Summary) -> tuple[Number, ...]:
+    """The numbers of `full_cells`."""
+    interval = Number(math.nan, entry.low, entry.high)
+    half = Number(NORMAL_95 * entry.sem)
+    return (Number(entry.mean), half, interval, Number(entry.iqm), Number(entry.n))
 
 
 def terminal_table(summary: Mapping[str, Any], bounds: Collection[str] = ()) -> RichTable:

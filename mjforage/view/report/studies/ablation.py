@@ -5,13 +5,13 @@ from mjforage.core.mission_metrics import describe
 from mjforage.runs.variants import COMPLETE, lesser_name
 from mjforage.view.page import style
 from mjforage.view.page.picture import Picture, house_style
-from mjforage.view.page.table import Row, Table
+from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.differences import SEED, Estimate, family_note, set_apart
 from mjforage.view.report.published import LABEL, published_for
 from mjforage.view.report.studies.forest import Subject, forest
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
 from mjforage.view.report.studies.study_page import Section
-from mjforage.view.report.text_tables import number, plus_minus, policy_name
+from mjforage.view.report.text_tables import in_full, number, plus_minus, policy_name
 
 IN_PAPER = ("pta_d", "pta_c", "rmse_columns", "rmse")
 BEYOND = ("nt50", "nt90", "csr")
@@ -39,20 +39,24 @@ def setups_table(logs: StudyLogs) -> Table:
     """Return the paper's Table 5: every fleet's performance."""
     rows = []
     metrics = [describe(key) for key in KEYS]
+    digits = [metric.digits for metric in metrics]
     for policy in style.ordered(logs.base.policies):
         known = published_for(logs.base, policy)
         for variant in (COMPLETE, *map(lesser_name, teams(logs))):
             group = policy_name(policy, logs.bounds)
             for world in logs.worlds:
                 player = Player(variant, world, policy)
-                cells = tuple(plus_minus(logs.entry(player, m.key), m.digits) for m in metrics)
+                entries = [logs.entry(player, m.key) for m in metrics]
+                cells = tuple(map(plus_minus, entries, digits))
                 head, colour = logs.title(variant) + logs.suffix(world), style.policy_colour(policy)
-                rows.append(Row(head, cells, colour, group=group))
+                values = tuple(map(in_full, entries))
+                rows.append(Row(head, cells, colour, group=group, values=values))
             if known:
                 team = variant.removesuffix(lesser_name(""))
                 found = known.printed if variant == COMPLETE else known.ablated[team]
-                cells = tuple(number(found.get(m.key, float("nan")), m.digits) for m in metrics)
-                rows.append(Row(LABEL, cells, group=group, paper=True))
+                theirs = [found.get(m.key, float("nan")) for m in metrics]
+                cells, values = tuple(map(number, theirs, digits)), tuple(map(Number, theirs))
+                rows.append(Row(LABEL, cells, group=group, paper=True, values=values))
     notes = ["Mean ± 1.96 SEM."]
     if any(row.paper for row in rows):
         notes.append(
@@ -61,7 +65,9 @@ def setups_table(logs: StudyLogs) -> Table:
         )
     labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
     title = "Table 5: every fleet with one agent less"
-    return Table("table-5", title, labels, tuple(rows), tuple(notes), units)
+    better = tuple(m.better for m in metrics)
+    words = tuple(notes)
+    return Table("table-5", title, labels, tuple(rows), words, units, head="fleet", better=better)
 
 
 def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str, ...]) -> Table:
@@ -90,21 +96,23 @@ def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str,
                         style.policy_colour(policy),
                         best=frozenset(i for i in range(len(found)) if next(apart)),
                         group=f"one agent of {team}",
+                        values=tuple(one.full for one in found),
                     )
                 )
             known = published_for(logs.base, policy)
             if known and set(keys) & set(known.contribution[team]):
-                values = known.contribution[team]
-                cells = tuple(number(values.get(key, float("nan")), 4) for key in keys)
+                theirs = [known.contribution[team].get(key, float("nan")) for key in keys]
+                cells, values = tuple(number(one, 4) for one in theirs), tuple(map(Number, theirs))
                 head, group = f"{known.algorithm}, {LABEL}", f"one agent of {team}"
-                rows.append(Row(head, cells, group=group, paper=True))
+                rows.append(Row(head, cells, group=group, paper=True, values=values))
     notes = (
         "Share of the performance that an agent brings: (full − without) / full, for costs "
         "(without − full) / without, of the means; in parentheses the bootstrap 95 % interval over "
         f"pairs of the same episodes, of itself alone; {family_note(family)}. Negative: better "
         "without.",
     )
-    return Table(name, title, tuple(describe(key).label for key in keys), tuple(rows), notes)
+    labels, better = tuple(describe(key).label for key in keys), (1,) * len(keys)
+    return Table(name, title, labels, tuple(rows), notes, better=better)
 
 
 def pictures(logs: StudyLogs) -> list[Picture]:

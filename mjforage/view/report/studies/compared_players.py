@@ -1,14 +1,14 @@
 """Tables of players beside one another: their means, and differences on the same episodes."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mjforage.core.mission_metrics import describe
 from mjforage.view.page import style
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report.differences import Difference, family_note, set_apart
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
-from mjforage.view.report.text_tables import plus_minus
+from mjforage.view.report.text_tables import in_full, plus_minus
 
 
 @dataclass(frozen=True)
@@ -35,12 +35,15 @@ def means_table(
             tuple(plus_minus(logs.entry(line.player, m.key), m.digits) for m in metrics),
             line.colour,
             group=group,
+            values=tuple(in_full(logs.entry(line.player, m.key)) for m in metrics),
         )
         for group, lines in groups.items()
         for line in lines
     ]
     labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
-    return Table(name, title, labels, tuple(rows), ("Mean ± 1.96 SEM.",), units)
+    better = tuple(m.better for m in metrics)
+    notes = ("Mean ± 1.96 SEM.",)
+    return Table(name, title, labels, tuple(rows), notes, units, head="variant", better=better)
 
 
 def difference(logs: StudyLogs, line: Line, against: Line, key: str) -> Difference:
@@ -71,6 +74,7 @@ def differences_table(
             line.colour,
             best=frozenset(place for place in range(len(steps)) if next(apart)),
             group=group,
+            values=tuple(step.full for step in steps),
         )
         for group, line, steps in compared
     ]
@@ -80,4 +84,5 @@ def differences_table(
     )
     metrics = [describe(key) for key in keys]
     labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
-    return Table(name, title, labels, tuple(rows), (note,), units, stacked=True)
+    table = Table(name, title, labels, tuple(rows), (note,), units, stacked=True, head="variant")
+    return replace(table, better=tuple(m.better for m in metrics))

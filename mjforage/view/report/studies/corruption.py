@@ -1,6 +1,6 @@
 """How performance falls as a team's actions become random: slopes, break points, figures."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -31,7 +31,7 @@ from mjforage.view.page.picture import (
     joined,
     mathtext,
 )
-from mjforage.view.page.table import Row, Table
+from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.differences import SEED
 from mjforage.view.report.published import LABEL, published_for
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
@@ -131,6 +131,25 @@ def _cells(fit: Fit | None, digits: int) -> tuple[str, ...]:
     )
 
 
+def _values(fit: Fit | None) -> tuple[Number, ...]:
+    """The numbers of `_cells`."""
+    if fit is None:
+        return (Number(float("nan")),) * len(COLUMNS)
+    within = fit.intervals
+    ends = Number(float(fit.means[0])), Number(float(fit.means[-1]))
+    slope = Number(float(fit.line.slope), *within.slope)
+    if not fit.bends:
+        return (*ends, slope, *(Number(float("nan")),) * (len(COLUMNS) - 3))
+    return (
+        *ends,
+        slope,
+        Number(float(fit.bent.break_point), *within.break_point),
+        *map(Number, fit.slopes),
+        Number(100 * (1 - float(fit.bent.sse) / float(fit.line.sse))),
+        Number(fit.test.p),
+    )
+
+
 def unlike_draws(logs: StudyLogs) -> str:
     """What keeps the paper's slopes from being compared with ours; nothing with its own rule."""
     if logs.options["whole_team"]:
@@ -178,13 +197,16 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
                     cells, colour = _cells(fit, metric.digits), style.policy_colour(policy)
                     bent = fit is not None and fit.test.p < SIGNIFICANT
                     best = frozenset({len(COLUMNS) - 1} if bent else ())
-                    rows.append(Row(head, cells, colour, best=best, group=group, note=note))
+                    row = Row(head, cells, colour, best=best, group=group, note=note)
+                    rows.append(replace(row, values=_values(fit)))
                 known = published_for(logs.base, policy)
                 if known and (team, metric.key) in known.slopes:
-                    slope = number(known.slopes[team, metric.key], metric.digits)
-                    cells = (NOTHING, NOTHING, slope, *(NOTHING,) * (len(COLUMNS) - 3))
+                    slope = known.slopes[team, metric.key]
+                    text, rest = number(slope, metric.digits), len(COLUMNS) - 3
+                    cells = (NOTHING, NOTHING, text, *(NOTHING,) * rest)
+                    values = (None, None, Number(slope), *(None,) * rest)
                     head = f"{known.algorithm}, {LABEL}"
-                    rows.append(Row(head, cells, group=group, paper=True))
+                    rows.append(Row(head, cells, group=group, paper=True, values=values))
     notes = _slope_notes(logs, any(row.paper for row in rows))
     return Table("slopes", "Sensitivity slopes", COLUMNS, tuple(rows), notes)
 

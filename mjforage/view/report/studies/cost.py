@@ -11,7 +11,7 @@ from metrics import half_width_95, mean
 from mjforage.runs.costs import Cost
 from mjforage.view.page import style
 from mjforage.view.page.picture import WIDTH_IN, Panel, Picture, canvas, house_style
-from mjforage.view.page.table import Row, Table
+from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.studies.study_logs import StudyLogs
 from mjforage.view.report.text_tables import number, policy_name
 
@@ -76,7 +76,13 @@ def cost_table(logs: StudyLogs) -> Table:
             _with_half(1000 * sum(cost.cpu_s for cost in chunks) / steps, float("nan")),
             *((_with_half(cpu_s * hours, half * hours),) if told else ()),
         )
-        rows.append(Row(_head(logs, work), cells, style.policy_colour(work[1])))
+        values = (
+            *map(Number, (len(warm), episodes, episodes / len(chunks))),
+            Number(cpu_s, cpu_s - half, cpu_s + half),
+            Number(1000 * sum(cost.cpu_s for cost in chunks) / steps),
+            *((Number(*(hours * one for one in (cpu_s, cpu_s - half, cpu_s + half))),) * told),
+        )
+        rows.append(Row(_head(logs, work), cells, style.policy_colour(work[1]), values=values))
     notes = [
         "CPU time of one core: mean of the variants' means ± 1.96 SEM over the variants, whose "
         "real differences are in it. A worker's first chunk of a row also loads and compiles, and "
@@ -133,6 +139,13 @@ class Share:
         """Episodes per second of wall time."""
         return self.episodes / self.wall_s
 
+    @property
+    def figures(self) -> tuple[float, ...]:
+        """Workers, episodes, wall time [s], episodes per s, CPU time [s per episode], busy [%]."""
+        busy = 100 * self.cpu_s / (self.wall_s * self.workers)
+        per_episode = self.cpu_s / self.episodes
+        return self.workers, self.episodes, self.wall_s, self.rate, per_episode, busy
+
 
 def _shares(logs: StudyLogs, work: Work) -> Iterator[Share]:
     for call in _by_call(logs).values():
@@ -147,15 +160,11 @@ def throughput_table(logs: StudyLogs) -> Table:
             f"{share.started[:19]} UTC",
             (
                 share.how,
-                str(share.workers),
-                str(share.episodes),
-                number(share.wall_s, 1),
-                number(share.rate, 2),
-                number(share.cpu_s / share.episodes, 4),
-                number(100 * share.cpu_s / (share.wall_s * share.workers), 0),
+                *map(number, share.figures, (0, 0, 1, 2, 4, 0)),
             ),
             style.policy_colour(work[1]),
             group=_head(logs, work),
+            values=(None, *map(Number, share.figures)),
         )
         for work in works(logs)
         for share in _shares(logs, work)
@@ -169,7 +178,7 @@ def throughput_table(logs: StudyLogs) -> Table:
     )
     labels = ("computed by", "workers", "episodes", "wall", "episodes", "CPU time", "busy")
     units = ("", "", "", "s", "per s", "s per episode", "%")
-    return Table("throughput", "Throughput", labels, tuple(rows), notes, units)
+    return Table("throughput", "Throughput", labels, tuple(rows), notes, units, head="call")
 
 
 def throughput_picture(logs: StudyLogs) -> Picture | None:

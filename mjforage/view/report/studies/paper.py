@@ -1,6 +1,6 @@
 """Everything in the paper: its numbers beside ours, its tables and its figures."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from mjforage.core.mission_metrics import describe
 from mjforage.runs.variants import COMPLETE, lesser_name
 from mjforage.view.page import style
 from mjforage.view.page.picture import house_style
-from mjforage.view.page.table import Row, Table
+from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.curves import time_figures
 from mjforage.view.report.distributions import distribution_figures
 from mjforage.view.report.policy_pairs import comparison_table
@@ -26,9 +26,10 @@ from mjforage.view.report.studies.study_page import Section
 from mjforage.view.report.text_tables import (
     NOTHING,
     headline_table,
-    mean_only,
+    in_full,
     number,
     paper_tables,
+    plus_minus,
     policy_name,
 )
 
@@ -50,7 +51,8 @@ class Beside:
     def row(self) -> Row:
         """The pair as a row."""
         if not np.isfinite([self.low, self.high]).all():
-            return Row(self.name, (number(self.paper, self.digits), *(NOTHING,) * 4))
+            cells = (number(self.paper, self.digits), *(NOTHING,) * 4)
+            return Row(self.name, cells, values=(self.theirs, *(None,) * 4))
         meets = self.low - self.half <= self.paper <= self.high + self.half
         theirs = number(self.paper, self.digits)
         if self.half:
@@ -62,7 +64,15 @@ class Beside:
             number(self.ours - self.paper, self.digits),
             ("yes" if meets else "no") if self.like else NOTHING,
         )
-        return Row(self.name, cells)
+        ours = Number(self.ours), Number(float("nan"), self.low, self.high)
+        values = (self.theirs, *ours, Number(self.ours - self.paper), None)
+        return Row(self.name, cells, values=values)
+
+    @property
+    def theirs(self) -> Number:
+        """The paper's number with its interval, unrounded."""
+        half = self.half or float("nan")
+        return Number(self.paper, self.paper - half, self.paper + half)
 
 
 def _means(logs: StudyLogs, known: Published, policy: str, world: str) -> list[Beside]:
@@ -132,8 +142,8 @@ def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table | None:
                 (group, "", _contributions(logs, known, policy, world)),
                 (slopes, unlike, _slopes(logs, known, policy, world, fits)),
             ):
-                heads = [pair.row for pair in pairs]
-                rows += [Row(r.head, r.cells, colour, group=place, note=note) for r in heads]
+                for pair in pairs:
+                    rows.append(replace(pair.row, colour=colour, group=place, note=note))
     if not rows:
         return None
     notes = (
@@ -145,7 +155,17 @@ def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table | None:
         *([STRAIGHT_NOTE] if STRAIGHT in {known.algorithm for known in beside} else []),
     )
     columns = ("paper", "ours", "95 % interval", "difference", "within")
-    return Table("beside", "The paper's numbers beside ours", columns, tuple(rows), notes)
+    return Table(
+        "beside", "The paper's numbers beside ours", columns, tuple(rows), notes, head="number"
+    )
+
+
+def _slope_cell(fit: corruption.Fit | None, digits: int) -> str:
+    """SS with its bootstrap interval."""
+    if fit is None:
+        return NOTHING
+    low, high = (number(end, digits) for end in fit.intervals.slope)
+    return f"{number(float(fit.line.slope), digits)} ({low} to {high})"
 
 
 def table_4(logs: StudyLogs, fits: corruption.Fits) -> Table:
@@ -154,21 +174,27 @@ def table_4(logs: StudyLogs, fits: corruption.Fits) -> Table:
     asked = tuple(pair for pair in found if pair[0] in corruption.teams(logs))
     for policy in style.ordered(logs.base.policies):
         for world in logs.worlds:
-            cells = [mean_only(logs.entry(Player(COMPLETE, world, policy), "csr"), 3)]
+            csr = logs.entry(Player(COMPLETE, world, policy), "csr")
+            cells, values = [plus_minus(csr, 3)], [in_full(csr)]
             for team, key in asked:
                 fit = fits.of(team, world, policy, key)
-                slope = float(fit.line.slope) if fit else float("nan")
-                cells.append(number(slope, describe(key).digits))
+                cells.append(_slope_cell(fit, describe(key).digits))
+                values.append(
+                    Number(float(fit.line.slope), *fit.intervals.slope)
+                    if fit
+                    else Number(float("nan"))
+                )
             head, colour = (
                 policy_name(policy, logs.bounds) + logs.suffix(world),
                 style.policy_colour(policy),
             )
-            rows.append(Row(head, tuple(cells), colour))
+            rows.append(Row(head, tuple(cells), colour, values=tuple(values)))
         known = published_for(logs.base, policy)
         if known:
-            csr = number(known.printed["csr"], 3)
-            slopes = (number(known.slopes[pair], describe(pair[1]).digits) for pair in asked)
-            rows.append(Row(f"{known.algorithm}, {LABEL}", (csr, *slopes), paper=True))
+            theirs = [known.printed["csr"], *(known.slopes[pair] for pair in asked)]
+            digits = (3, *(describe(key).digits for _, key in asked))
+            printed, head = tuple(map(number, theirs, digits)), f"{known.algorithm}, {LABEL}"
+            rows.append(Row(head, printed, paper=True, values=tuple(map(Number, theirs))))
     columns = ("CSR", *(f"SS of {describe(key).label}, {team}" for team, key in asked))
     title = "Table 4: cooperative success ratio and sensitivity slopes"
     unlike = corruption.unlike_draws(logs) if any(row.paper for row in rows) else ""

@@ -1,7 +1,7 @@
 """The cost of information: what NT90 falls by per range, from each range to the next."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import isfinite
 from typing import Any
@@ -92,7 +92,9 @@ def cost_table(logs: StudyLogs, world: str, costs: Costs) -> Table:
             cells = (costs.of[found[n]].cell if n in found else NOTHING for n in costs.names)
             best = (i for i, n in enumerate(costs.names) if n in found and costs.apart[found[n]])
             head, colour = policy_name(policy, logs.bounds), style.policy_colour(policy)
-            rows.append(Row(head, tuple(cells), colour, best=frozenset(best), group=line))
+            values = (costs.of[found[n]].full if n in found else None for n in costs.names)
+            row = Row(head, tuple(cells), colour, best=frozenset(best), group=line)
+            rows.append(replace(row, values=tuple(values)))
     notes = (
         "C_R = (NT90(R2) − NT90(R1)) / (R2 − R1), per kilometre of range; range 0 is no link. "
         "Negative: hearing farther makes the fleet faster. In parentheses the bootstrap 95 % "

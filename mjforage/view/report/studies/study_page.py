@@ -8,6 +8,7 @@ from typing import Any
 from mjforage.view.page import embedded, set_page, style
 from mjforage.view.page.picture import Picture
 from mjforage.view.page.table import Table
+from mjforage.view.page.table_files import write_table
 from mjforage.view.report.differences import too_few
 from mjforage.view.report.studies.cost import cost_table, throughput_picture, throughput_table
 from mjforage.view.report.studies.study_logs import StudyLogs
@@ -61,6 +62,8 @@ def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -
     parts: list[dict[str, Any]] = []
     for section in sections:
         figures = [embedded(picture, logs.folder) for picture in section.pictures]
+        for table in section.tables:
+            write_table(table, logs.folder / "tables", ("csv",))
         parts.append(
             {
                 "name": section.name,
