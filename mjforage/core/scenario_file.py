@@ -17,6 +17,7 @@ from graph_planner.fields import Later
 from graph_planner.references import assigned
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
+from mjforage.core.link.gossip import LOOK_BYTES
 from mjforage.core.map_files import is_shipped_map
 from mjforage.core.scenario import Link, Scenario
 from mjforage.core.schema import check, shown
@@ -168,6 +169,11 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
         raise UserError(
             f"{where}: link.burst = {scenario.link.burst:g} is too short to lose "
             f"{scenario.link.loss:.1%}; give at least {least:.4g}, or 1 for independent losses"
+        )
+    if 0 < scenario.link.bytes < LOOK_BYTES:
+        raise UserError(
+            f"{where}: link.bytes = {scenario.link.bytes} is too little for any look; give at least "
+            f"{LOOK_BYTES}, 0 for no limit, or link.model = none"
         )
     table = scenario.sensors.detection_table
     for (near, more), (far, less) in itertools.pairwise(table):

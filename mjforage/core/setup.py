@@ -12,7 +12,6 @@ from graph_planner.navigation import NavigationGraph, navigation_graph
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Task
 from mjforage.core.initial_state import InitialState, create_initial_state, nodes_around
-from mjforage.core.link.gossip import LOOK_BYTES
 from mjforage.core.link.reach import reach_m
 from mjforage.core.maps import GridMap, check_starts, load_map, load_starts, reachable_share
 from mjforage.core.scenario import Scenario
@@ -111,7 +110,7 @@ class Setup:
         about = scenario.horizon, scenario.belief, rules.walls
         link = scenario.link
         reach = reach_m(link, self.fleet.antenna_m) / scenario.map.pitch_m
-        if link.latency >= scenario.horizon or 0 < link.bytes < LOOK_BYTES:
+        if link.latency >= scenario.horizon:
             reach = 0.0
         return Task(self.graph, self.fleet, moves, *about, reach_node=reach, latency=link.latency)
 

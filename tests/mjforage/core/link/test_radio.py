@@ -320,6 +320,12 @@ def test_keys_of_a_link_that_is_none_are_refused() -> None:
         load_scenario("comb-port", ["link.latency=3"])
 
 
+def test_a_budget_for_no_look_is_refused() -> None:
+    with pytest.raises(UserError, match=r"link\.bytes = 5 is too little .* at least 6, 0 for no"):
+        load_scenario("comb-port", [DISK, "link.bytes=5"])
+    assert load_scenario("comb-port", [DISK, "link.bytes=6"]).link.bytes == 6
+
+
 def test_of_two_looks_of_a_step_the_larger_count_of_a_node_is_believed() -> None:
     """Whichever is heard first, where agents do not see alike."""
     mission, radio = started(setup_of("link.model=none"), 1)
