@@ -172,8 +172,8 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
         )
     if 0 < scenario.link.bytes < LOOK_BYTES:
         raise UserError(
-            f"{where}: link.bytes = {scenario.link.bytes} is too little for any look; give at least "
-            f"{LOOK_BYTES}, 0 for no limit, or link.model = none"
+            f"{where}: link.bytes = {scenario.link.bytes} is too little for any look; give at "
+            f"least {LOOK_BYTES}, 0 for no limit, or link.model = none"
         )
     table = scenario.sensors.detection_table
     for (near, more), (far, less) in itertools.pairwise(table):
