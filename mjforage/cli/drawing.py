@@ -19,6 +19,7 @@ def render(
     output_file: Annotated[Path, Parameter(name=("--output", "-o"))],
     episode: int = 0,
     policy: str | None = None,
+    beside: str | None = None,
     world: str | None = None,
     camera: Point | None = None,
     follow: str | None = None,
@@ -46,6 +47,8 @@ def render(
         Number of the episode.
     policy
         Policy; default the first one of the run.
+    beside
+        Another policy of the run, shown to the right of it in the same episode.
     world
         A world of the run; default its first.
     camera
@@ -73,11 +76,15 @@ def render(
     from mjforage.view.render import render_replay
 
     logging.getLogger("mjforage.view.render").setLevel(logging.INFO)  # says what draws
+    if beside is not None:
+        check_beside(folder, policy, beside)
     replay = replay_of_run(folder, world, policy, episode)
+    other = None if beside is None else replay_of_run(folder, world, beside, episode)
     with bar("frames") as shown:
         render_replay(
             replay,
             output_file,
+            beside=other,
             camera=camera,
             follow=follow,
             seen_by=seen_by,
@@ -89,6 +96,28 @@ def render(
             progress=shown,
         )
     output.print(f"film: {output_file}", soft_wrap=True)
+
+
+def check_beside(folder: Path, policy: str | None, beside: str) -> None:
+    """Check before anything is simulated that a run holds two policies to show side by side.
+
+    Raises
+    ------
+    UserError
+        If the second policy is not of the run, or is the first.
+    """
+    from graph_planner.policies.registry import policy_label
+    from mjforage.core.errors import UserError
+    from mjforage.runs.run_info import load_run
+
+    policies = load_run(folder / "run.json").policies
+    first, second = (
+        name if name in policies else policy_label(name) for name in (policy or policies[0], beside)
+    )
+    if second not in policies:
+        raise UserError(f"beside {beside}: not in {folder}; it holds {', '.join(policies)}")
+    if second == first:
+        raise UserError(f"beside {beside}: is the film's own policy; name another of the run")
 
 
 @app.command

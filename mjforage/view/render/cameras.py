@@ -36,6 +36,12 @@ class View:
         right: Floats = np.cross(self.forward, self.up)
         return right
 
+    @property
+    def north_rad(self) -> float:
+        """Where north is in the picture, clockwise from up; of a view straight down by its up."""
+        flat = self.forward[:2] if np.hypot(*self.forward[:2]) > 1e-6 else self.up[:2]
+        return float(np.arctan2(flat[1], flat[0]) - 0.5 * np.pi)
+
     def project(self, points: Floats, aspect: float) -> Floats:
         """(n, 3) points as (n, 3): x and y in the picture, -1 to 1, and the distance ahead [m]."""
         rel = points - self.eye
@@ -148,18 +154,14 @@ def _sigma_s(speed: float) -> float:
 
 
 def overview(about: Circumstances, time_s: float) -> View:
-    """The whole harbour at rest: from the south, or from the east where that shows it larger."""
-    north, west = (
-        fitted(
-            about.area,
-            about.aspect,
-            elevation_rad=np.radians(50.0),
-            azimuth_rad=azimuth,
-            fov_rad=np.radians(28.0),
-        )
-        for azimuth in (0.5 * np.pi, np.pi)
+    """The whole harbour at rest, from the south: north is up, as on the chart."""
+    return fitted(
+        about.area,
+        about.aspect,
+        elevation_rad=np.radians(55.0),
+        azimuth_rad=0.5 * np.pi,
+        fov_rad=np.radians(28.0),
     )
-    return north if north.eye[2] <= 1.05 * west.eye[2] else west
 
 
 def top(about: Circumstances, time_s: float) -> View:

@@ -1,6 +1,8 @@
 """An episode into a file, by whichever drawing suits its world and camera."""
 
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -8,9 +10,11 @@ from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
 from mjforage.runs.episode_replay import Replay
+from mjforage.view.render.beside import Beside, BesideFrame, Half, check_beside
 from mjforage.view.render.cameras import CAMERAS
 from mjforage.view.render.seen_by import EVERYBODY
 from mjforage.view.render.seen_by import seen_by as as_seen_by
+from mjforage.view.render.side_panel import Moment
 from mjforage.view.render.times import frame_times
 from mjforage.view.render.top_view import TopView
 from mjforage.view.render.video import check_target, is_numbered, write_video
@@ -38,6 +42,7 @@ def render_replay(
     replay: Replay,
     path: Path,
     *,
+    beside: Replay | None = None,
     camera: str | None = None,
     follow: str | None = None,
     seen_by: str = EVERYBODY,
@@ -56,6 +61,9 @@ def render_replay(
         The episode.
     path : Path
         Its suffix chooses the kind, see `write_video`; a single PNG shows the time `start_s`.
+    beside : Replay, optional
+        The same episode of another policy, shown to the right of it by the same clock; the one
+        that ends earlier stays at its end.
     camera : str, optional
         overview, chase, top or scout; by default `default_camera`.
     follow : str, optional
@@ -63,8 +71,8 @@ def render_replay(
     seen_by : str
         Vessel by whose knowledge the episode is drawn, such as ``scouts-0``, or ``all``.
     size : (int or None, int or None)
-        Width and height of a frame [pixel], by default 1280 x 720. The drawing of the graph world
-        from above takes the width for its longer side and finds its own height.
+        Width and height of a frame [pixel], by default 1280 x 720. The drawing of one episode of
+        the graph world from above takes the width for its longer side and finds its own height.
     start_s, duration_s : float
         What to show, in simulated seconds; by default all of the episode.
     fps : float
@@ -84,39 +92,95 @@ def render_replay(
     ------
     UserError
         If there is no such camera or vessel, a time lies outside the episode, a number does not
-        fit, there is no OpenGL, or the file cannot be written.
+        fit, the other episode is none of another policy, there is no OpenGL, or the file cannot be
+        written.
     """
     check_target(path, fps)
-    width, height = size
     name = camera or default_camera(replay.world)
     if name not in CAMERAS:
         raise UserError(f"camera {name}: unknown; choose {', '.join(CAMERAS)}")
     if speed is None:
         speed = CAMERAS[name].steps_per_film_s * replay.period_s
-    replay = as_seen_by(replay, seen_by)
-    times = frame_times(replay, start_s=start_s, duration_s=duration_s, fps=fps, speed=speed)
+    shown = [as_seen_by(each, seen_by) for each in (replay, beside) if each is not None]
+    if beside is not None:
+        check_beside(replay, beside)
+    longest = max(shown, key=lambda each: len(each.agent_rc))
+    times = frame_times(longest, start_s=start_s, duration_s=duration_s, fps=fps, speed=speed)
     still = path.suffix.lower() == ".png" and not is_numbered(path)
     times = times[:1] if still else times
-    if not needs_opengl(replay.world, name):
-        draw = _drawing(replay, follow, width, height).frame
+    with ExitStack() as opened:
+        if needs_opengl(replay.world, name):
+            look = _Look(name, follow, speed, _STILL_DETAIL if still else 1)
+            draw = _through_mujoco(shown, look, size, opened)
+        else:
+            draw = _drawing(shown, follow, size)
         return write_video(_frames(draw, times, progress), path, fps)
-    frame = (
-        _checked("width", width, WIDTH, MOST_WIDTH),
-        _checked("height", height, HEIGHT, MOST_HEIGHT),
-    )
+
+
+@dataclass(frozen=True)
+class _Look:
+    """How MuJoCo's pictures are taken."""
+
+    camera: str
+    follow: str | None
+    speed: float
+    detail: int
+
+
+def _through_mujoco(shown: list[Replay], look: _Look, size: Size, opened: ExitStack) -> Frame:
+    """What MuJoCo draws of one episode, or of two side by side; `opened` closes it."""
+    frame = _frame_size(size)
     from mjforage.view.render.harbour_view import (
         HarbourView,  # loads MuJoCo, the drawing goes without
     )
 
-    detail = _STILL_DETAIL if still else 1
-    with HarbourView(replay, name, *frame, follow=follow, speed=speed, detail=detail) as view:
-        return write_video(_frames(view.frame, times, progress), path, fps)
+    def view(
+        replay: Replay, width: int, height: int, *, panel: bool, shares: HarbourView | None = None
+    ) -> HarbourView:
+        taken = HarbourView(
+            replay,
+            look.camera,
+            width,
+            height,
+            follow=look.follow,
+            speed=look.speed,
+            detail=look.detail,
+            panel=panel,
+            shares=shares,
+        )
+        return opened.enter_context(taken)
+
+    if len(shown) == 1:
+        return view(shown[0], *frame, panel=True).frame
+    place = BesideFrame(*frame)
+    right = view(shown[1], *place.rooms[1], panel=False)  # the larger one, of odd widths
+    left = view(shown[0], *place.rooms[0], panel=False, shares=right)
+    first, second = (
+        Half(replay, taken.frame, taken.moment, True, taken.followed)
+        for replay, taken in zip(shown, (left, right), strict=True)
+    )
+    return Beside((first, second), place).frame
 
 
-def _drawing(replay: Replay, follow: str | None, width: int | None, height: int | None) -> TopView:
+def _frame_size(size: Size) -> tuple[int, int]:
+    """Width and height of a frame, checked."""
+    return (
+        _checked("width", size[0], WIDTH, MOST_WIDTH),
+        _checked("height", size[1], HEIGHT, MOST_HEIGHT),
+    )
+
+
+def _drawing(shown: list[Replay], follow: str | None, size: Size) -> Frame:
     """The plain drawing from above, for which some options mean nothing."""
+    width, height = size
     if follow is not None:
         raise UserError(f"follow {follow}: camera top follows nobody; choose chase or scout")
+    if len(shown) == 2:
+        place = BesideFrame(*_frame_size(size))
+        first, second = (
+            _drawn_half(replay, room) for replay, room in zip(shown, place.rooms, strict=True)
+        )
+        return Beside((first, second), place).frame
     if height is not None:
         raise UserError(
             f"height {height}: the drawing from above finds its own; leave height out, or choose "
@@ -124,7 +188,12 @@ def _drawing(replay: Replay, follow: str | None, width: int | None, height: int 
         )
     if width is not None and not 320 <= width <= 7680:
         raise UserError(f"width {width}: must be 320 to 7680 pixels, for example 1280")
-    return TopView(replay, width)
+    return TopView(shown[0], width).frame
+
+
+def _drawn_half(replay: Replay, room: tuple[int, int]) -> Half:
+    view = TopView(replay, room=room)
+    return Half(replay, view.frame, lambda time: Moment(view.on_chart(time), "", 0.0), False, None)
 
 
 def _checked(name: str, value: int | None, default: int, most: int) -> int:

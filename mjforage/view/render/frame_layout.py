@@ -102,3 +102,26 @@ def plan_layout(
         panel_height=round(panel_height),
         stacked=stacked,
     )
+
+
+def bare_layout(rows: int, columns: int, width: int, height: int) -> Layout:
+    """Place a map alone in the middle of a frame of that size."""
+    unit = min(width, height) / (0.75 * DEFAULT_LONG_SIDE)
+    scale = _fitting_scale(rows, columns, (width, height), unit)
+    border = max(0.5, BORDER * unit / scale)
+    map_width, map_height = (int((n + 2 * border) * scale + 1e-6) for n in (columns, rows))
+    return Layout(
+        width=width,
+        height=height,
+        unit=unit,
+        scale=scale,
+        border=border,
+        map_left=(width - map_width) // 2,
+        map_top=(height - map_height) // 2,
+        map_width=map_width,
+        map_height=map_height,
+        panel_left=width,
+        panel_top=0,
+        panel_height=0,
+        stacked=True,
+    )

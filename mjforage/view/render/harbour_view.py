@@ -8,13 +8,16 @@ from numpy.typing import NDArray
 from mjforage.core.errors import UserError
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.cameras import CAMERAS, Area, Camera, Circumstances, View, magnified
+from mjforage.view.render.frame_split import Box, is_brief, split_frame, unit_of
 from mjforage.view.render.harbour import PaddedLand
 from mjforage.view.render.markings import lay_hull, lay_rings
 from mjforage.view.render.opengl import Canvas
-from mjforage.view.render.overlay import Overlay
+from mjforage.view.render.palette import agent_colours
 from mjforage.view.render.sheet import Sheet, blank_sheet
+from mjforage.view.render.side_panel import Moment, SidePanel
 from mjforage.view.render.smoothing import smooth_edges
-from mjforage.view.render.stage import Stage, build_look, distance_ahead, mirrored
+from mjforage.view.render.stage import Look, Stage, build_look, distance_ahead, mirrored
+from mjforage.view.render.tags import Tags
 from mjforage.view.render.timeline import split_time, timeline_of
 from mjforage.view.render.track import Track
 from mjforage.view.render.wakes import TRAIL_STEPS
@@ -40,6 +43,9 @@ class HarbourView:
         first that collects for chase, the first that does not for scout
     speed : simulated seconds per second of film; smooths the camera and calms the waves
     detail : pictures are drawn so many times larger each way and shrunk
+    panel : whether a panel takes its part of the frame; without one all of it is picture
+    shares : a view of the same bodies, no smaller, whose canvas this one draws on, as a process has
+        but one; it is to be closed after this one
     """
 
     def __init__(
@@ -52,6 +58,8 @@ class HarbourView:
         follow: str | None = None,
         speed: float = 1.0,
         detail: int = 1,
+        panel: bool = True,
+        shares: "HarbourView | None" = None,
     ) -> None:
         """Open the view.
 
@@ -65,9 +73,18 @@ class HarbourView:
         self._replay, self._track, self._timeline = replay, Track.of(replay), timeline_of(replay)
         area = water_area(replay)
         self._scales = magnified(kind, area)
-        self._look = build_look(replay, *self._scales)
+        self._look: Look = build_look(replay, *self._scales) if shares is None else shares._look
         self._followed = followed_agent(replay, self._look.labels, camera, follow)
         self._stage = Stage(self._look, self._scales[1])
+        self._colours = agent_colours(replay.agent_collects.tolist())
+        self._frame = np.empty((height, width, 3), np.uint8)
+        self._place, unit = Box(0, 0, width, height), unit_of(width, height)
+        self._panel: SidePanel | None = None
+        if panel:
+            split = split_frame(width, height, None if kind.follows else _shape(area))
+            self._panel = SidePanel(replay, self._timeline, split, self._colours, self.followed)
+            self._place = split.view
+        width, height = round(self._place.width), round(self._place.height)
         self._circumstances = Circumstances(
             self._track,
             area,
@@ -78,12 +95,17 @@ class HarbourView:
         )
         self._surface_rate = min(1.0, _CALM_FILM / speed)
         self._water = Water(shore_of(PaddedLand.of(replay.navigable, replay.pitch_m)))
-        self._overlay = Overlay(replay, self._timeline, width, height)
+        self._tags: Tags | None = None
+        if not kind.follows and not is_brief(width, height):
+            self._tags = Tags(self._look.labels, self._colours, width, unit)
         self._size, self._detail = (height, width), detail
         drawn = detail * height, detail * width
         self._rgb, self._depth = _buffers(drawn)
         self._mirror = _buffers((drawn[0] // _MIRROR_SHARE, drawn[1] // _MIRROR_SHARE))
-        self._canvas = Canvas(self._look.model, drawn[1], drawn[0])
+        self._owns = shares is None
+        self._canvas: Canvas = (
+            Canvas(self._look.model, drawn[1], drawn[0]) if not shares else shares._canvas
+        )
 
     @property
     def about(self) -> str:
@@ -92,7 +114,8 @@ class HarbourView:
 
     def close(self) -> None:
         """Give OpenGL back."""
-        self._canvas.close()
+        if self._owns:
+            self._canvas.close()
 
     def __enter__(self) -> "HarbourView":
         return self
@@ -120,9 +143,29 @@ class HarbourView:
         surface_s = self._surface_rate * time_s
         self._stage.place(afloat(hulls, surface_s), floating(items, surface_s), known)
         view = self._camera.view(self._circumstances, time_s)
-        image = self._picture(view, self._sheet(time_s, hulls, items, known), surface_s)
-        self._write(image, view, time, hulls)
-        return image
+        picture = self._picture(view, self._sheet(time_s, hulls, items, known), surface_s)
+        self._write_names(picture, view, hulls)
+        if self._panel is None:
+            return picture
+        frame = self._frame.copy()
+        left, top, right, bottom = (round(side) for side in self._place)
+        frame[top:bottom, left:right] = picture
+        self._panel.paint(frame, time, self.moment(time))
+        return frame
+
+    def moment(self, time: float) -> Moment:
+        """What a panel tells of `time` [step] beside the picture."""
+        time_s = time * self._replay.period_s
+        hulls = self._track.hulls_at(time_s)
+        node, rows = hulls[:, :2] / self._replay.pitch_m, self._replay.navigable.shape[0]
+        places = np.column_stack((rows - 1 - node[:, 1], node[:, 0], -hulls[:, 2]))
+        north_rad = self._camera.view(self._circumstances, time_s).north_rad
+        return Moment(places, self._notes(time), north_rad)
+
+    @property
+    def followed(self) -> int | None:
+        """The agent that the camera follows, if it follows one."""
+        return self._followed if self._camera.follows else None
 
     def _picture(self, view: View, sheet: Sheet, surface_s: float) -> Image:
         """MuJoCo's two pictures with the water between them."""
@@ -154,27 +197,20 @@ class HarbourView:
         pixel_m = max(area.east - area.west, area.north - area.south) / max(self._size)
         sheet = blank_sheet(area, max(_FINEST_M, 0.8 * pixel_m / self._detail))
         for agent, vessel in enumerate(self._look.vessels):
-            team = int(self._replay.agent_team[agent])
-            colour = None if camera.follows else self._overlay.colours[team]
+            colour = None if camera.follows else self._colours[agent]
             lay_hull(sheet, self._track, agent, vessel, time_s, hull_scale, colour, lasting)
         lay_rings(sheet, items, known, time_s - self._track.removed_s, item_scale, camera.follows)
         return sheet
 
-    def _write(self, image: Image, view: View, time: float, hulls: Floats) -> None:
-        """Names, figures and the belief map."""
+    def _write_names(self, image: Image, view: View, hulls: Floats) -> None:
+        if self._tags is None:
+            return
         height, width = self._size
-        scale = self._scales[0]
-        if not self._camera.follows:
-            points = np.column_stack((hulls[:, :2], np.full(len(hulls), 0.9 * scale)))
-            x, y, ahead = view.project(points, width / height).T
-            inside = (ahead > 0.0) & (np.abs(x) < 1.0) & (np.abs(y) < 1.0)
-            places = np.column_stack((0.5 * width * (1.0 + x), 0.5 * height * (1.0 - y) - 8.0))
-            self._overlay.tags(image, np.where(inside[:, None], places, np.nan), self._look.labels)
-        rows = self._replay.navigable.shape[0]
-        node = hulls[:, :2] / self._replay.pitch_m
-        self._overlay.paint(
-            image, time, np.column_stack((rows - 1 - node[:, 1], node[:, 0])), self._notes(time)
-        )
+        points = np.column_stack((hulls[:, :2], np.full(len(hulls), 0.9 * self._scales[0])))
+        x, y, ahead = view.project(points, width / height).T
+        inside = (ahead > 0.0) & (np.abs(x) < 1.0) & (np.abs(y) < 1.0)
+        places = np.column_stack((0.5 * width * (1.0 + x), 0.5 * height * (1.0 - y) - 8.0))
+        self._tags.paint(image, np.where(inside[:, None], places, np.nan))
 
     def _notes(self, time: float) -> str:
         """What a viewer cannot know from the picture."""
@@ -223,6 +259,11 @@ def water_area(replay: Replay) -> Area:
         (column.max() + 0.5) * pitch,
         (last - row.min() + 0.5) * pitch,
     )
+
+
+def _shape(area: Area) -> float:
+    """Width by height."""
+    return (area.east - area.west) / (area.north - area.south)
 
 
 def afloat(hulls: Floats, surface_s: float) -> Floats:

@@ -1,5 +1,7 @@
 """The legend: every sign of the map, drawn by the same functions as on the map."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from mjforage.view.render import palette, symbols
@@ -32,36 +34,37 @@ class Legend:
         patch = (self._left, self._y - 10.5 * u, self._left + 34 * u, self._y + 10.5 * u)
         paint_box(self._image, patch, 5 * u, 0.0, 1.0, palette.CLEAR_DEEP)
 
-    def team(self, name: str, count: int, collects: bool, colour: Colour) -> None:
-        """Two rows: the hull of a team and its view."""
+    def team(self, name: str, collects: bool, colours: Sequence[Colour]) -> None:
+        """Two rows: hulls of a team, two at most, and its view."""
         self._water()
-        place = np.array([self._mark_x - 1.0, self._y])
-        length = 20.0 * self._layout.unit
-        symbols.paint_hull(self._image, place, 0.0, length, collects, colour)
-        self._row(f"{name} ({count})")
+        u, (length, apart) = self._layout.unit, (20.0, 0.0) if len(colours) == 1 else (15.0, 8.0)
+        for colour, shift in zip(colours[:2], (-apart, apart), strict=False):
+            place = np.array([self._mark_x - 1.0 + shift * u, self._y])
+            symbols.paint_hull(self._image, place, 0.0, length * u, collects, colour)
+        self._row(f"{name} ({len(colours)})")
         self._water()
-        u = self._layout.unit
         box = (self._mark_x - 11 * u, self._y - 6.5 * u, self._mark_x + 11 * u, self._y + 6.5 * u)
-        paint_box(self._image, box, 6 * u, 0.0, 0.16, colour)
-        paint_box(self._image, box, 6 * u, 1.6 * u, 0.85, colour)
+        role = palette.FORAGER if collects else palette.SCOUT
+        paint_box(self._image, box, 6 * u, 0.0, 0.16, role)
+        paint_box(self._image, box, 6 * u, 1.6 * u, 0.85, role)
         self._row(f"in view of {name}")
 
-    def items(self) -> None:
-        """Rows for discovered and undiscovered items, beliefs and a collection."""
+    def items(self, most: int) -> None:
+        """Rows for items, discovered or not, beliefs up to `most` a node, and a collection."""
         u, one = self._layout.unit, np.ones(1)
-        dot, ring = 4.0 * u, 7.0 * u
+        dot = 4.0 * u
         for known, text in ((True, "item, discovered"), (False, "item, not yet discovered")):
             self._water()
             symbols.paint_items(self._image, self._mark(), one, dot, known=known)
             self._row(text)
         self._water()
-        symbols.paint_beliefs(self._image, self._mark(-7.5 * u), one, one, ring)
-        symbols.paint_beliefs(self._image, self._mark(8.5 * u), 4.0 * one, one, ring)
-        self._row("items believed here, 1 and 4")
+        for count, shift in ((1, -11.3), (2, 0.0), (most, 11.3)):
+            place, number = self._mark(shift * u), np.array([count])
+            symbols.paint_believed(self._image, place, number, one, 11.3 * u, most)
+        self._row(f"items believed here: 1, 2, {most}")
         self._water()
-        paint_rings(
-            self._image, self._mark(), 8.0 * u * one, 2.0 * u * one, 0.9 * one, palette.WHITE
-        )
+        for wide, colour in ((3.6, palette.ITEM_RIM), (2.0, palette.ITEM)):
+            paint_rings(self._image, self._mark(), 8.0 * u * one, wide * u * one, one, colour)
         self._row("item just collected")
 
     def links(self, collects: bool, colour: Colour) -> None:

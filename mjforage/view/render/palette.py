@@ -2,36 +2,60 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from mjforage.view.page import style
 
 Colour = tuple[float, float, float]  # red, green, blue in 0..255
 
 
-def _hex(code: str) -> Colour:
+def from_hex(code: str) -> Colour:
+    """Channels of ``#rrggbb``."""
     return float(int(code[1:3], 16)), float(int(code[3:5], 16)), float(int(code[5:7], 16))
 
 
-PAGE = _hex("#f8f6f1")
-INK = _hex(style.INK)
-SOFT_INK = _hex(style.MUTED)
-HAIRLINE = _hex("#dcd7cc")
-WHITE = _hex("#ffffff")
+PAGE = from_hex("#f8f6f1")
+INK = from_hex(style.INK)
+SOFT_INK = from_hex(style.MUTED)
+HAIRLINE = from_hex("#dcd7cc")
+WHITE = from_hex("#ffffff")
 
-CLEAR_SHALLOW = _hex("#c3eaf2")
-CLEAR_DEEP = _hex("#8ed2e8")
-HAZY_SHALLOW = _hex("#8fadc2")
-HAZY_DEEP = _hex("#7394ae")
-WATER_SHADOW = _hex("#1d4a66")
-QUAY = _hex("#d9cfbd")
-QUAY_EDGE = _hex("#fffaf0")
-QUAY_FOOT = _hex("#5d6b72")
+CLEAR_SHALLOW = from_hex("#c3eaf2")
+CLEAR_DEEP = from_hex("#8ed2e8")
+HAZY_SHALLOW = from_hex("#8fadc2")
+HAZY_DEEP = from_hex("#7394ae")
+WATER_SHADOW = from_hex("#1d4a66")
+QUAY = from_hex("#d9cfbd")
+QUAY_EDGE = from_hex("#fffaf0")
+QUAY_FOOT = from_hex("#5d6b72")
 
-ITEM = _hex(style.ITEM)
-ITEM_RIM = _hex(style.ITEM_RIM)
-BELIEF = _hex(style.BELIEF)
-LOST = _hex(style.LOST)
+DEEP_SEA = from_hex("#2a7d94")  # as MuJoCo's pictures show it
+BODY = from_hex("#e0b800")  # of debris there
+SCOUT = from_hex(style.SCOUT)
+FORAGER = from_hex(style.FORAGER)
+ITEM = from_hex(style.ITEM)
+ITEM_RIM = from_hex(style.ITEM_RIM)
+LOST = from_hex(style.LOST)
 
 
-def team_colours(collects: Sequence[bool]) -> list[Colour]:
-    """Return one colour per team, from the hull colours of the report."""
-    return [_hex(code) for code in style.agent_colours(map(style.role, collects))]
+_BELIEF_RAMP: NDArray[np.float64] = (
+    255.0 * style.belief_colours()(np.linspace(style.FIRST, 1.0, 12))[:, :3]
+)
+
+
+def agent_colours(collects: Sequence[bool]) -> list[Colour]:
+    """Return one colour per agent, the same as in the report."""
+    return [from_hex(code) for code in style.agent_colours(map(style.role, collects))]
+
+
+def most_believed(belief: NDArray[np.integer]) -> int:
+    """The count that is drawn darkest in an episode, as in the replay: the largest, at least 4."""
+    return max(4, int(belief.max(initial=0)))
+
+
+def belief_shades(count: NDArray[np.integer], most: int) -> NDArray[np.float64]:
+    """Colours (n, 3) of believed counts (n,) over 0, by their logarithm up to that of `most`."""
+    place = np.log(np.minimum(count, most)) / np.log(most)
+    shades: NDArray[np.float64] = _BELIEF_RAMP[np.rint(place * (len(_BELIEF_RAMP) - 1)).astype(int)]
+    return shades

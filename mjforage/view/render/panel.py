@@ -40,10 +40,6 @@ class Panel:
         self._chart_height = _CHART_HEIGHT * u + min(spare, _MOST_CHART_GROWTH * u)
         legend_down = (TITLE_HEIGHT + PROGRESS_HEIGHT) * u * down + spare
         self.legend = (left + 2 * step, top + legend_down)
-        collects = team_collects(replay)
-        colours = palette.team_colours(collects)
-        self.scout = next((c for c, f in zip(colours, collects, strict=True) if not f), None)
-        self.forager = next((c for c, f in zip(colours, collects, strict=True) if f), None)
 
     def paint_fixed(self, image: Image) -> None:
         """Paint what does not change: title, chart axes."""
@@ -98,8 +94,8 @@ class Panel:
         items = len(timeline.discovered)
         for row, (label, key, events, shares, colour) in enumerate(
             (
-                ("Discovered", "PTA_D", timeline.discovered, timeline.pta_d, self.scout or _SOFT),
-                ("Collected", "PTA_C", timeline.removed, timeline.pta_c, self.forager or _SOFT),
+                ("Discovered", "PTA_D", timeline.discovered, timeline.pta_d, palette.SCOUT),
+                ("Collected", "PTA_C", timeline.removed, timeline.pta_c, palette.FORAGER),
             )
         ):
             count = f"{int((events <= step).sum())} of {items}"

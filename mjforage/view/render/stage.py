@@ -20,8 +20,7 @@ from mjforage.physics.vessels import Vessel, load_vessel
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.render import harbour, sheds, textures
 from mjforage.view.render.cameras import View
-from mjforage.view.render.palette import Colour, team_colours
-from mjforage.view.render.panel import team_collects
+from mjforage.view.render.palette import Colour, agent_colours
 
 Floats = NDArray[np.float64]
 MAST = "bow"  # camera of an MJCF part from which its vessel looks
@@ -71,10 +70,11 @@ def build_look(replay: Replay, hull_scale: float, item_scale: float) -> Look:
     spec = mujoco.MjSpec()
     spec.stat.extent, spec.stat.center = 1.0, [0, 0, 0]
     _light(spec)
-    colours = team_colours(team_collects(replay))
-    masts = []
-    for vessel, label, team in zip(vessels, labels, replay.agent_team, strict=True):
-        masts.append(_add_hull(spec, vessel, label, hull_scale, colours[int(team)]))
+    colours = agent_colours(replay.agent_collects.tolist())
+    masts = [
+        _add_hull(spec, vessel, label, hull_scale, colour)
+        for vessel, label, colour in zip(vessels, labels, colours, strict=True)
+    ]
     _add_items(spec, replay.item_class, item_scale)
     _add_harbour(spec, replay.navigable, replay.pitch_m)
     model = compiled(spec, "stage")
@@ -106,7 +106,7 @@ def _light(spec: mujoco.MjSpec) -> None:
 def _add_hull(
     spec: mujoco.MjSpec, vessel: Vessel, label: str, scale: float, colour: Colour
 ) -> Sequence[float]:
-    """Attach the looks of one vessel, its hull in its team's colour; return its mast."""
+    """Attach the looks of one vessel, its hull in its colour; return its mast."""
     part = hull_part(vessel).copy()
     camera = next((c for c in part.cameras if c.name == MAST), None)
     mast = _DEFAULT_MAST if camera is None else tuple(camera.pos)

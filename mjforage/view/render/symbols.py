@@ -9,6 +9,7 @@ from mjforage.view.render.palette import Colour
 from mjforage.view.render.raster import (
     Floats,
     Image,
+    paint_box,
     paint_discs,
     paint_polygon,
     paint_rings,
@@ -40,11 +41,6 @@ def hull_length(layout: Layout) -> float:
 def item_radius(layout: Layout) -> float:
     """Radius of an item's dot [pixel]."""
     return float(np.clip(0.19 * layout.scale, 2.1 * layout.unit, 7.0 * layout.unit))
-
-
-def belief_radius(layout: Layout) -> float:
-    """Radius of a belief ring [pixel]: inside its node, but never too small to see."""
-    return float(np.clip(0.43 * layout.scale, 4.2 * layout.unit, 20.0 * layout.unit))
 
 
 def paint_hull(
@@ -110,18 +106,38 @@ def paint_items(image: Image, points: Floats, alpha: Floats, radius: float, *, k
     paint_discs(image, points, size, alpha if known else 0.75 * alpha, palette.ITEM)
 
 
-def paint_beliefs(
-    image: Image, points: Floats, count: NDArray[np.float64], alpha: Floats, radius: float
+def paint_body(image: Image, place: Floats, unit: float, *, known: bool) -> None:
+    """Paint litter at `place` (2,) [pixel] as MuJoCo shows it from afar: ringed once discovered."""
+    (x, y), one = place, np.ones(1)
+    box = (x - 3.2 * unit, y - 2.2 * unit, x + 3.2 * unit, y + 2.2 * unit)
+    paint_box(image, box, 1.0 * unit, 0.0, 1.0, palette.BODY)
+    if known:
+        paint_rings(image, place[None], 7.2 * unit * one, 1.5 * unit * one, one, palette.ITEM)
+
+
+def paint_believed(
+    image: Image,
+    points: Floats,
+    count: NDArray[np.integer],
+    alpha: Floats,
+    side: float,
+    most: int,
 ) -> None:
-    """Paint rings (n, 2) [pixel] where `count` items are believed; more items, thicker ring."""
-    width = radius * (0.2 + 0.1 * np.minimum(count, 6.0))
-    outer = np.full(len(points), radius)
-    paint_rings(image, points, outer, width + max(1.0, 0.2 * radius), 0.7 * alpha, palette.WHITE)
-    paint_rings(image, points, outer, width, alpha, palette.BELIEF)
+    """Fill nodes (n, 2) [pixel] where `count` items are believed, the darker the more."""
+    half = 0.5 * side
+    for (x, y), colour, cover in zip(
+        points, palette.belief_shades(count, most), alpha, strict=True
+    ):
+        box = (x - half, y - half, x + half, y + half)
+        paint_box(image, box, 0.0, 0.0, 0.9 * float(cover), tuple(colour.tolist()))
 
 
 def paint_collected(image: Image, points: Floats, age: Floats, layout: Layout) -> None:
     """Paint the ring that spreads where an item was just collected; `age` (n,) in 0..1."""
     radius = item_radius(layout) + age * 0.9 * hull_length(layout)
     width = (1.0 - age) * max(2.5, 0.16 * hull_length(layout)) + 0.5
-    paint_rings(image, points, radius, width, 0.95 * (1.0 - age), palette.WHITE)
+    left = 0.95 * (1.0 - age)
+    paint_rings(
+        image, points, radius, width + max(1.2, 0.05 * hull_length(layout)), left, palette.ITEM_RIM
+    )
+    paint_rings(image, points, radius, width, left, palette.ITEM)

@@ -53,7 +53,7 @@ def timeline_of(replay: Replay) -> Timeline:
         removed=removed,
         pta_d=share * (discovered <= step).sum(axis=1),
         pta_c=share * (removed <= step).sum(axis=1),
-        course=_courses(replay.agent_rc),
+        course=courses(replay.agent_rc),
     )
 
 
@@ -68,7 +68,7 @@ def _first(happened: NDArray[np.bool_]) -> NDArray[np.int64]:
     return first
 
 
-def _courses(agent_rc: NDArray[np.float32]) -> NDArray[np.float64]:
+def courses(agent_rc: NDArray[np.float32]) -> NDArray[np.float64]:
     """Course per step (step, agent); a vessel that stays keeps its last, at first its next one."""
     course = np.full(agent_rc.shape[:2], np.nan)
     move = np.diff(agent_rc.astype(np.float64), axis=0)

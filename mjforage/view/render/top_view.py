@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.render import palette, symbols
 from mjforage.view.render.background import paint_background
-from mjforage.view.render.frame_layout import plan_layout
+from mjforage.view.render.frame_layout import bare_layout, plan_layout
 from mjforage.view.render.legend import Legend
 from mjforage.view.render.links import paint_links, write_lost
 from mjforage.view.render.node_fields import fields_at, nearest_water, paint_fields
 from mjforage.view.render.panel import Panel, team_collects
 from mjforage.view.render.raster import Floats, Image, paint_box
 from mjforage.view.render.seen_by import age_of, last_heard
+from mjforage.view.render.side_panel import DARK
 from mjforage.view.render.text import write
 from mjforage.view.render.timeline import between, course_at, split_time, timeline_of
 
@@ -32,18 +33,30 @@ class TopView:
         The episode.
     long_side : int, optional
         Most pixels along the wider side; by default 1280, 1600 for maps of over 200 nodes a side.
+    room : (int, int), optional
+        Width and height of frames that show the map alone, without a panel.
     """
 
-    def __init__(self, replay: Replay, long_side: int | None = None) -> None:
+    def __init__(
+        self,
+        replay: Replay,
+        long_side: int | None = None,
+        *,
+        room: tuple[int, int] | None = None,
+    ) -> None:
         self._replay = replay
         self._timeline = timeline_of(replay)
         rows, columns = replay.navigable.shape
         teams, linked = len(replay.team_names), replay.held is not None
-        self._layout = plan_layout(rows, columns, teams, long_side, linked=linked)
+        if room is None:
+            self._layout = plan_layout(rows, columns, teams, long_side, linked=linked)
+        else:
+            self._layout = bare_layout(rows, columns, *room)
         self._background = paint_background(replay.navigable, self._layout)
         self._collects = team_collects(replay)
-        self._colours = palette.team_colours(self._collects)
-        self._panel = Panel(replay, self._timeline, self._layout)
+        self._colours = palette.agent_colours(replay.agent_collects.tolist())
+        self._most = palette.most_believed(replay.belief)
+        self._panel = Panel(replay, self._timeline, self._layout) if room is None else None
         self._page = self._paint_page()
         nearest = nearest_water(replay.navigable)
         self._fields = lru_cache(maxsize=2)(lambda step: fields_at(replay, step, nearest))
@@ -57,6 +70,11 @@ class TopView:
     def size(self) -> tuple[int, int]:
         """Height and width of a frame [pixel], both even."""
         return self._layout.height, self._layout.width
+
+    def on_chart(self, time: float) -> Floats:
+        """(agent, 3) row, column [node] and course, clockwise on the map, at `time` [step]."""
+        places = between(self._replay.agent_rc, time)
+        return np.column_stack((places, course_at(self._timeline, time)))
 
     def place(self, rc: NDArray[np.floating]) -> tuple[float, float]:
         """Pixel (x, y) in a frame of the map position (row, column) [node]."""
@@ -75,27 +93,33 @@ class TopView:
         image = self._page.copy()
         sea = self._map_area(image)
         fields = self._fields(before).mixed(self._fields(after), part)
-        colours = (self._panel.scout or palette.WHITE, self._panel.forager or palette.WHITE)
-        paint_fields(sea, self._background, fields, self._layout, colours)
+        roles = palette.SCOUT, palette.FORAGER
+        paint_fields(sea, self._background, fields, self._layout, roles)
         self._paint_trails(sea, time)
         self._paint_beliefs(sea, before, after, part)
         self._paint_items(sea, time)
         self._paint_links(sea, time)
         self._paint_vessels(sea, time)
         self._paint_edge(image)
-        self._panel.paint_moving(image, time)
+        if self._panel is not None:
+            self._panel.paint_moving(image, time)
         return image
 
     def _paint_page(self) -> Image:
         """Everything outside the map that stays: paper, title, legend."""
         page = np.empty((self._layout.height, self._layout.width, 3), np.uint8)
+        if self._panel is None:
+            page[:] = np.array(DARK, np.uint8)
+            return page
         page[:] = np.array(palette.PAGE, np.uint8)
         self._panel.paint_fixed(page)
         legend = Legend(page, self._panel.legend, self._layout)
         for team, name in enumerate(self._replay.team_names):
-            count = int((self._replay.agent_team == team).sum())
-            legend.team(name, count, self._collects[team], self._colours[team])
-        legend.items()
+            members = np.flatnonzero(self._replay.agent_team == team)
+            if members.size:
+                colours = [self._colours[agent] for agent in members]
+                legend.team(name, self._collects[team], colours)
+        legend.items(self._most)
         if self._replay.held is not None:
             legend.links(self._collects[-1], self._colours[-1])
         legend.idleness()
@@ -129,19 +153,19 @@ class TopView:
         way = np.stack([between(self._replay.agent_rc, moment) for moment in times])
         length = symbols.hull_length(self._layout)
         for agent in np.flatnonzero(last_heard(self._replay, _step(time)) == _step(time)):
-            colour = self._colours[self._replay.agent_team[agent]]
+            colour = self._colours[agent]
             symbols.paint_trail(sea, self._pixels(way[:, agent]), length, colour)
 
     def _paint_beliefs(self, sea: Image, before: int, after: int, part: float) -> None:
-        """Rings appear and vanish at the end of a step, when the fleet has looked."""
+        """Nodes fill and empty at the end of a step, when the fleet has looked."""
         late = max(0.0, (part - 1.0 + FADE_PART) / FADE_PART)
         old, new = self._replay.belief[before], self._replay.belief[after]
         row, column = np.nonzero((old > 0) | (new > 0))
-        was, will = old[row, column].astype(np.float64), new[row, column].astype(np.float64)
+        was, will = old[row, column], new[row, column]
         alpha = (1.0 - late) * (was > 0) + late * (will > 0)
         count = np.where(was > 0, was, will) if late < 0.5 else np.where(will > 0, will, was)
         points = self._pixels(np.column_stack([row, column]).astype(np.float64))
-        symbols.paint_beliefs(sea, points, count, alpha, symbols.belief_radius(self._layout))
+        symbols.paint_believed(sea, points, count, alpha, self._layout.scale, self._most)
 
     def _paint_items(self, sea: Image, time: float) -> None:
         timeline, radius = self._timeline, symbols.item_radius(self._layout)
@@ -168,7 +192,7 @@ class TopView:
         away = heard < _step(time)
         order = np.argsort(replay.agent_collects, kind="stable")[::-1]
         for agent in order[np.argsort(~away[order], kind="stable")]:  # those away below the others
-            look = bool(replay.agent_collects[agent]), self._colours[replay.agent_team[agent]]
+            look = bool(replay.agent_collects[agent]), self._colours[agent]
             place, heading = points[agent], float(course[agent])
             if away[agent]:
                 symbols.paint_outline(sea, place, heading, length, *look)

@@ -67,7 +67,7 @@ def test_frames_of_both_worlds_have_the_size_asked_for_and_repeat_to_the_bit(
 
 
 def test_hulls_are_drawn_in_their_teams_colours_and_behind_them_nothing(replay: Replay) -> None:
-    colours = palette.team_colours([False, True])
+    colours = palette.agent_colours([False, True])
     image = frame(replay, "top", 0.0, LARGE)
     assert all(close_to(image, colour, 30.0) > 2 for colour in colours)
     far = replay.track_pose.copy()

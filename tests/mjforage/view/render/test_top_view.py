@@ -79,10 +79,10 @@ def test_time_outside_the_episode_is_refused(still: Replay) -> None:
             view.frame(time)
 
 
-def test_vessels_are_drawn_at_their_nodes_in_team_colours(still: Replay) -> None:
+def test_vessels_are_drawn_at_their_nodes_in_agent_colours(still: Replay) -> None:
     view = drawn(still)
     frame = view.frame(0.0)
-    scout, forager = palette.team_colours([False, True])
+    scout, forager = palette.agent_colours([False, True])
     for rc, own, other in (((2, 2), scout, forager), ((2, 9), forager, scout)):
         hull = around(frame, view, rc, 14)
         assert holds(hull, own)
@@ -94,7 +94,7 @@ def test_vessels_move_between_steps(still: Replay) -> None:
     route = still.agent_rc.copy()
     route[1:, 0] = (2.0, 4.0)
     view = drawn(replace(still, agent_rc=route))
-    scout = palette.team_colours([False])[0]
+    scout = palette.agent_colours([False])[0]
     assert holds(around(view.frame(0.5), view, (2, 3), 8), scout)
     assert not holds(around(view.frame(0.0), view, (2, 3.5), 8), scout)
 
@@ -104,7 +104,7 @@ def test_hull_points_along_the_motion(still: Replay) -> None:
     east, west = still.agent_rc.copy(), still.agent_rc.copy()
     east[:, 0, 1] = np.arange(5) + 2
     west[:, 0, 1] = 4 - np.arange(5) + 2
-    scout = np.array(palette.team_colours([False])[0])
+    scout = np.array(palette.agent_colours([False])[0])
     heavier = []
     for route in (east, west):
         view = drawn(replace(still, agent_rc=route))
@@ -129,14 +129,16 @@ def test_undiscovered_items_are_dimmer(still: Replay) -> None:
     assert after.astype(float).mean() > before.astype(float).mean() + 10.0
 
 
-def test_belief_ring_appears_only_where_items_are_believed(still: Replay) -> None:
+def test_a_node_is_filled_only_where_items_are_believed(still: Replay) -> None:
     belief = still.belief.copy()
     belief[1:3, 5, 5] = 2
     view = drawn(replace(still, belief=belief))
+    red, green, blue = palette.belief_shades(np.array([2]), 4)[0].tolist()
+    shade = red, green, blue
     for time, expected in ((0.0, False), (1.0, True), (2.0, True), (3.0, False)):
         frame = view.frame(time)
-        assert holds(around(frame, view, (5, 5), 30), palette.BELIEF) is expected
-        assert not holds(around(frame, view, (8, 8), 30), palette.BELIEF)
+        assert holds(around(frame, view, (5, 5), 3), shade, 30.0) is expected
+        assert not holds(around(frame, view, (8, 8), 3), shade, 30.0)
 
 
 def test_idle_water_is_darker_and_quays_stay(still: Replay) -> None:
@@ -156,7 +158,7 @@ def test_view_is_tinted_and_outlined(still: Replay, bit: int) -> None:
     seen[:, 4:8, 4:8] = bit
     view = TopView(replace(still, in_view=seen))
     frame, plain = view.frame(0.0), TopView(still).frame(0.0)
-    colour = np.array(palette.team_colours([False, True])[bit - 1])
+    colour = np.array(palette.agent_colours([False, True])[bit - 1])
     edge, before = (around(f, view, (5.5, 3.5), 14).astype(float) for f in (frame, plain))
     distance = [np.abs(part - colour).max(axis=2).min() for part in (edge, before)]
     assert distance[0] < 40.0 < distance[1]

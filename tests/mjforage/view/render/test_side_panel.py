@@ -1,0 +1,141 @@
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mjforage.runs.episode_replay import Replay
+from mjforage.view.render import palette
+from mjforage.view.render.frame_split import Box, Kind, Split, split_frame
+from mjforage.view.render.inset import Inset
+from mjforage.view.render.raster import Image
+from mjforage.view.render.side_panel import Moment, SidePanel, paint_notes
+from mjforage.view.render.tags import Tags
+from mjforage.view.render.timeline import timeline_of
+
+COLOURS = palette.agent_colours([False, True])
+
+
+@pytest.fixture(scope="module")
+def replay(build: Callable[..., Replay]) -> Replay:
+    water = np.zeros((20, 16), np.bool_)
+    water[3:15, 2:14] = True
+    return build(water, steps=8, items=10)
+
+
+SIZES = [(1280, 720), (960, 540), (640, 480), (3840, 2160), (720, 1280), (480, 270), (161, 121)]
+NORTH = 0.0
+
+
+def panel_of(replay: Replay, split: Split, followed: int | None = None) -> SidePanel:
+    colours = palette.agent_colours(replay.agent_collects.tolist())
+    return SidePanel(replay, timeline_of(replay), split, colours, followed)
+
+
+def moment(replay: Replay, step: int) -> Moment:
+    places = replay.agent_rc[step].astype(np.float64)
+    return Moment(np.column_stack((places, np.zeros(len(places)))), "a note", NORTH)
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("shape", [None, 0.5, 3.0])
+def test_the_panel_stays_off_the_picture_and_the_picture_is_most_of_the_frame(
+    replay: Replay, size: tuple[int, int], shape: float | None
+) -> None:
+    width, height = size
+    split = split_frame(width, height, shape)
+    image = np.full((height, width, 3), 200, np.uint8)
+    panel_of(replay, split).paint(image, 3.5, moment(replay, 3))
+    left, top, right, bottom = (int(side) for side in split.view)
+    assert (image[top:bottom, left:right] == 200).all()
+    assert (bottom - top) * (right - left) > 0.5 * width * height
+    assert (image != 200).any(axis=2).sum() + (bottom - top) * (right - left) == width * height
+
+
+def test_the_panel_is_where_it_leaves_the_picture_larger() -> None:
+    assert split_frame(1280, 720, 0.8).kind is Kind.COLUMN
+    assert split_frame(1280, 720, 3.0).kind is Kind.ROW
+    assert split_frame(720, 1280, None).kind is Kind.ROW
+    assert split_frame(320, 240, 0.8).kind is Kind.LINE
+
+
+def test_figures_change_with_the_story(replay: Replay) -> None:
+    split = split_frame(640, 480, 1.0)
+    images = []
+    for time in (0.0, 8.0):
+        image = np.full((480, 640, 3), 200, np.uint8)
+        panel_of(replay, split).paint(image, time, moment(replay, 0))
+        images.append(image)
+    assert (images[0][:180, :200] != images[1][:180, :200]).any()
+
+
+def test_the_compass_turns_with_the_picture(replay: Replay) -> None:
+    images = []
+    for north_rad in (0.0, 1.5):
+        image = np.zeros((200, 300, 3), np.uint8)
+        paint_notes(image, Box(0, 0, 300, 60), 1.0, Moment(np.zeros((0, 3)), "", north_rad))
+        images.append(image)
+    light = [np.argwhere(image.min(axis=2) > 250).mean(axis=0) for image in images]
+    assert light[0][0] < light[1][0] - 2.0, "a northward needle is higher"
+    assert light[1][1] > light[0][1] + 2.0, "and one to the right is further right"
+
+
+def test_tags_do_not_cover_each_other(replay: Replay) -> None:
+    tags = Tags(("a",), COLOURS, 1280, 1.0)
+    taken: list[tuple[float, float, float, float]] = []
+    for x, y in ((600.0, 300.0), (610.0, 302.0), (604.0, 306.0), (605.0, 296.0)):
+        box = tags._free_box(x, y, "forager-0", taken)
+        for other in taken:
+            apart_x = box[0] >= other[2] or other[0] >= box[2]
+            assert apart_x or box[1] >= other[3] or other[1] >= box[3]
+        taken.append(box)
+    for corner in ((-50.0, -20.0), (2000.0, 5.0)):
+        left, top, right, _ = tags._free_box(*corner, "forager-0", [])
+        assert left >= 0.0
+        assert right <= 1280.0
+        assert top >= 0.0
+
+
+def test_the_inset_shows_belief_where_it_is_and_hulls_in_their_colours(replay: Replay) -> None:
+    colours = palette.agent_colours(replay.agent_collects.tolist())
+    inset = Inset(replay, colours, (200.0, 200.0))
+    assert (inset.width, inset.height) == (200, 200)
+    hulls = np.array([[4.0, 3.0], [4.0, 12.0], [13.0, 3.0], [13.0, 12.0]])
+    image = painted(inset, hulls, np.zeros(4))
+    scale = 200 / 14
+
+    def pixel(row: float, column: float) -> tuple[int, int]:
+        return 10 + int((row + 0.5 - 2) * scale), 10 + int((column + 0.5 - 1) * scale)
+
+    for agent, (row, column) in enumerate(hulls):
+        y, x = pixel(row, column)
+        near = image[y - 4 : y + 5, x - 4 : x + 5].reshape(-1, 3).astype(float)
+        assert np.abs(near - colours[agent]).max(axis=1).min() < 12.0
+    believed = np.argwhere(replay.belief[5] > 0)
+    away = [rc for rc in believed if np.abs(hulls - rc).max(axis=1).min() > 1.5]
+    assert away
+    for row, column in away:
+        count = replay.belief[5][row, column]
+        shade = palette.belief_shades(np.array([count]), palette.most_believed(replay.belief))[0]
+        np.testing.assert_allclose(image[pixel(row, column)], shade, atol=1.0)
+
+
+def painted(inset: Inset, places: NDArray[np.float64], course: NDArray[np.float64]) -> Image:
+    image = np.zeros((220, 220, 3), np.uint8)
+    inset.paint(image, 10, 10, 5.0, np.column_stack((places, course)))
+    return image
+
+
+def test_the_inset_shows_headings_and_who_is_followed(replay: Replay) -> None:
+    colours = palette.agent_colours(replay.agent_collects.tolist())
+    places = np.array([[4.0, 3.0], [4.0, 12.0], [13.0, 3.0], [13.0, 12.0]])
+    east, south = np.zeros(4), np.full(4, 0.5 * np.pi)
+    plain = Inset(replay, colours, (200.0, 200.0))
+    first, turned = painted(plain, places, east), painted(plain, places, south)
+    assert (first != turned).any(axis=2).sum() > 40
+    marked = painted(Inset(replay, colours, (200.0, 200.0), followed=2), places, east)
+    changed = np.argwhere((marked != first).any(axis=2))
+    scale = 200 / 14
+    middle = 10 + np.array([(13.5 - 2) * scale, (3.5 - 1) * scale])
+    assert len(changed) > 20
+    assert np.abs(changed - middle).max() < 20.0, "around that vessel only"
