@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import av
 import numpy as np
@@ -30,7 +31,7 @@ def first(build: Build) -> Replay:
 @pytest.fixture(scope="module")
 def shorter(first: Replay) -> Replay:
     """The same, over after step 3."""
-    cut = {name: getattr(first, name)[:4] for name in SERIES}
+    cut: dict[str, Any] = {name: getattr(first, name)[:4] for name in SERIES}
     frames = 1 + (len(first.track_pose) - 1) * 3 // 6
     track = ("track_pose", "track_items", "track_present", "track_wind")
     cut |= {name: getattr(first, name)[:frames] for name in track}
@@ -39,7 +40,7 @@ def shorter(first: Replay) -> Replay:
 
 def still(first: Replay, second: Replay, path: Path, step: float, size: tuple[int, int]) -> Image:
     start_s = step * first.period_s
-    options = {"start_s": start_s, "size": size}
+    options: dict[str, Any] = {"start_s": start_s, "size": size}
     assert render_replay(first, path / "a.png", beside=second, **options) == 1
     return np.asarray(PilImage.open(path / "a.png"))
 
@@ -88,7 +89,7 @@ def test_the_shorter_one_stays_at_its_end_while_the_other_goes_on(
 def test_films_of_odd_widths_gifs_and_series_are_written(
     first: Replay, shorter: Replay, tmp_path: Path
 ) -> None:
-    options = {"beside": shorter, "fps": 5.0, "speed": 10.0, "size": (321, 241)}
+    options: dict[str, Any] = {"beside": shorter, "fps": 5.0, "speed": 10.0, "size": (321, 241)}
     lasts = round(6 * first.period_s / 10.0 * 5.0) + 1
     assert render_replay(first, tmp_path / "a.mp4", **options) == lasts
     with av.open(str(tmp_path / "a.mp4")) as film:
@@ -106,7 +107,7 @@ def test_mujoco_draws_both(
     assert opengl
     pair, size = [refine(each) for each in (first, shorter)], (641, 361)
     path = tmp_path / "a.png"
-    options = {"camera": camera, "start_s": 2.0 * first.period_s, "size": size}
+    options: dict[str, Any] = {"camera": camera, "start_s": 2.0 * first.period_s, "size": size}
     assert render_replay(pair[0], path, beside=pair[1], **options) == 1
     image = np.asarray(PilImage.open(path))
     assert image.shape == (361, 641, 3)
