@@ -1,5 +1,6 @@
 # `make demo`: the paper's two baselines at graph level and in MuJoCo, with a report and a film.
 # `make test`: everything CI runs.
+# `make pages`: whether report pages can be read and worked by everybody, in headless Chromium.
 # `make mutants`: whether every single fault of the physics is noticed; half an hour.
 PYTHON ?= python3
 VENV := .venv
@@ -11,7 +12,7 @@ LEARNING := tests/mjforage/learning tests/graph_planner/test_weights.py
 
 POLICIES := belief oracle greedy levy lawnmower wanderer pso random ddqn ddqn-reward ddqn-link
 
-.PHONY: demo test types kernels capabilities mutants install clean
+.PHONY: demo test types kernels capabilities mutants pages install clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.installed: pyproject.toml constraints.txt
@@ -54,6 +55,16 @@ capabilities: $(VENV)/.installed-dev
 
 mutants: $(VENV)/.installed-dev
 	$(BIN)/python -m tests.mutants --out docs/mutants.md
+
+# Chromium and npm are not Python's: on Debian `chromium` and `npm`.
+pages: $(VENV)/.installed-dev
+	npm install --prefix tests/pages --no-package-lock --no-audit --no-fund
+	rm -rf $(VENV)/pages
+	$(BIN)/mjforage compare comb-port --policy greedy --policy levy --episodes 2 \
+		--set horizon=40 --out $(VENV)/pages/run
+	$(BIN)/mjforage study ablation comb-port --policy greedy --policy levy --episodes 2 \
+		--set horizon=40 --out $(VENV)/pages/study
+	node tests/pages/check.js $(VENV)/pages/run/report.html $(VENV)/pages/study/report.html
 
 clean:
 	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis

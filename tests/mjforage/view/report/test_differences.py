@@ -6,10 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from metrics import Interval
 from mjforage.core.mission_metrics import describe
 from mjforage.view.report.differences import (
     LEVEL,
     Difference,
+    Estimate,
     corrected,
     family_note,
     p_text,
@@ -61,3 +63,30 @@ def test_a_page_of_few_episodes_says_so_and_has_no_bold_interval(
     page = render(logs, (), headline_table(logs), paper_tables(logs), full_table(logs), table)
     assert (page.count(NOTE) == 1) is few
     assert any(row.best for row in table.rows) is not few
+
+
+def found(low: float, value: float, high: float, key: str = "gini_foragers") -> Estimate:
+    return Estimate(Interval(value, low, high, 20), 1e-6, describe(key).digits)
+
+
+@pytest.mark.parametrize(
+    ("low", "value", "high", "cell"),
+    [
+        (0.00021, 0.00213, 0.00412, "0.0021 (0.0002 to 0.0041)"),
+        (-0.113, 0.02, 0.152, "0.02 (−0.11 to 0.15)"),
+        (-1.0, 12.345, 25.0, "12 (−1 to 25)"),
+        (0.5, 0.5, 0.5, "0.500 (0.500 to 0.500)"),
+        (-1e-9, 0.0, 1e-9, "0.00000 (0.00000 to 0.00000)"),
+    ],
+)
+def test_a_difference_has_the_digits_that_its_interval_needs(
+    low: float, value: float, high: float, cell: str
+) -> None:
+    assert found(low, value, high).cell == cell
+
+
+def test_nothing_is_set_apart_whose_printed_interval_reaches_zero() -> None:
+    clear, touching, below = (found(low, 0.5, 1.0) for low in (0.01, 0.004, -0.1))
+    assert touching.interval.startswith("0.00 to")
+    assert set_apart([clear, touching, below]) == [True, False, False]
+    assert "its interval leaves out 0" in family_note([clear])

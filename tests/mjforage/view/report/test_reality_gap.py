@@ -1,6 +1,7 @@
 """Tables of the reality gap, from a real run of two short episodes in three worlds."""
 
 import dataclasses
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -33,14 +34,20 @@ def cell(text: str) -> float:
 def test_every_metric_has_its_paired_difference(logs: RunLogs) -> None:
     table = gap_table(logs)
     assert table is not None and table.columns[:2] == ("graph", "physics")
-    metrics = chosen_metrics()
-    assert [row.head for row in table.rows] == 2 * [metric.label for metric in metrics]
-    for row, metric in zip(table.rows, metrics, strict=False):
-        here, there = (logs.scalar((world, "greedy"), metric.key) for world in ("physics", "graph"))
+    rows = {(row.group, row.head): row for row in table.rows}
+    for policy, metric in itertools.product(("greedy", "random"), chosen_metrics()):
+        here, there = (logs.scalar((world, policy), metric.key) for world in ("physics", "graph"))
         both = np.isfinite(here) & np.isfinite(there)
+        if not (np.isfinite(here) | np.isfinite(there)).any():
+            assert (policy, metric.label) not in rows
+            continue
+        row = rows[policy, metric.label]
+        assert (row.better, row.cells[5]) == (metric.better, str(both.sum()))
         if both.any():
             step = float((here - there)[both].mean())
-            assert cell(row.cells[2]) == pytest.approx(step, abs=0.6 * 10**-metric.digits)
+            half_digit = 0.501 * 10 ** -len(row.cells[2].partition(".")[2])
+            assert row.values[2] is not None and row.values[2].value == pytest.approx(step)
+            assert cell(row.cells[2]) == pytest.approx(step, abs=half_digit)
         else:
             assert row.cells[2] == NOTHING
 

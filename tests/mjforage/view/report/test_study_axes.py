@@ -109,7 +109,7 @@ def test_a_reference_of_its_own_is_what_an_axis_is_compared_with(logs: StudyLogs
         ("greedy", "is far"),
         ("levy", "is far"),
     ]
-    assert table.rows[0].cells[0].startswith("49.99 (")
+    assert table.rows[0].cells[0].startswith("49.990 (")
     drawn = axis_figure("axes", "T", "C.", AxisFigure(logs, "graph", (axis,), ("greedy",)))
     faces = [dot.get_markerfacecolor() for dot in dots(list(drawn.figure.axes[0].lines), "greedy")]
     assert faces == ["white", policy_colour("greedy")]

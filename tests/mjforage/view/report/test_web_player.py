@@ -60,7 +60,7 @@ def test_the_page_of_one_world(make_run: MakeRun) -> None:
     assert part.count("<canvas tabindex") == 1
     assert "data-world" not in part.split("<script>", 1)[0]
     assert "<b onclick" not in page
-    assert page.count("<script") == page.count("</script>") == 2
+    assert page.count("<script") == page.count("</script>") == 3
     data = json.loads(part.split('id="player-data">', 1)[1].split("</script>", 1)[0])
     assert [entry["policy"] for entry in data["replays"]] == ["greedy", policy]
 

@@ -1,0 +1,83 @@
+"""What horizon would have cleared the map: closed forms, and what the page says."""
+
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjforage.core.errors import UserError
+from mjforage.runs.run_info import load_run
+from mjforage.view.report import write_report
+from mjforage.view.report.clearing import UNKNOWN, clearing_step, clearing_table
+from mjforage.view.report.run_logs import load_logs
+
+NEVER = math.inf
+MakeRun = Callable[..., Path]
+
+
+def step(removed: Sequence[float], horizon: int = 100) -> float:
+    return clearing_step(np.array(removed), horizon)
+
+
+def test_a_cleared_episode_took_until_its_last_removal() -> None:
+    assert step([3.0, 80.0, 12.0]) == 80.0
+
+
+def test_one_item_left_has_an_even_chance_after_the_half_life_of_the_last_quarter() -> None:
+    """One removed half way through the last quarter, one left: 1 in 12.5 + 25 item steps."""
+    assert step([10.0, 87.5, NEVER]) == pytest.approx(100 + math.log(2) * 37.5)
+
+
+def test_of_several_items_left_the_last_one_counts() -> None:
+    """Chance that both are gone: (1 - exp(-t/62.5))^2 = 1/2."""
+    expected = 100 - 62.5 * math.log(1 - math.sqrt(0.5))
+    assert step([87.5, NEVER, NEVER]) == pytest.approx(expected)
+
+
+def test_what_stood_still_in_the_last_quarter_tells_no_horizon() -> None:
+    assert step([10.0, 75.0, NEVER]) == NEVER
+    assert step([10.0, 75.5, NEVER]) < NEVER, "what was removed in it does"
+
+
+def test_the_estimate_finds_the_pace_of_items_with_a_constant_chance() -> None:
+    """Half of the episodes cut off at 100 are cleared by their median estimate."""
+    removed = np.random.default_rng(1).exponential(60.0, (400, 20))
+    cut = np.where(removed > 100, NEVER, removed)
+    told = np.median([clearing_step(episode, 100) for episode in cut])
+    assert np.mean(removed.max(axis=1) <= told) == pytest.approx(0.5, abs=0.1)
+
+
+def test_the_table_counts_episodes_and_names_the_horizon_in_steps_and_minutes(
+    make_run: MakeRun,
+) -> None:
+    """Made-up runs: the last policy removes nothing in its last episode."""
+    logs = load_logs(make_run(policies=("greedy", "levy"), episodes=1))
+    table = clearing_table(logs)
+    assert table is not None
+    greedy, levy = table.rows
+    assert levy.cells == ("0 of 1", "–", "12.0", "1 of 1", UNKNOWN)
+    removed = logs.select(logs.items, ("graph", "greedy"))["t_collected"].to_numpy()
+    left = int(np.isnan(removed).sum())
+    assert greedy.cells[0] == ("0 of 1" if left else "1 of 1")
+    if left:
+        told = clearing_step(np.where(np.isnan(removed), NEVER, removed), 12)
+        assert greedy.cells[4] == f"T = {math.ceil(told)}"
+        assert greedy.also[4] == f"{told * 10 / 60:.0f} min"
+
+
+@pytest.mark.parametrize("horizon", [12, 60])
+def test_the_page_says_whether_the_map_was_cleared(make_run: MakeRun, horizon: int) -> None:
+    folder = make_run(policies=("greedy",), episodes=3, horizon=horizon)
+    page = write_report(folder).read_text("utf-8")
+    all_cleared = clearing_table(load_logs(folder)) is None
+    assert ("Every policy cleared the map in every episode." in page) is all_cleared
+    assert ('id="clearing"' in page) is not all_cleared
+
+
+def test_a_run_without_the_length_of_a_step_is_refused(make_run: MakeRun) -> None:
+    file = make_run() / "run.json"
+    file.write_text(file.read_text().replace('"period_s"', '"other"'))
+    with pytest.raises(UserError, match="period_s"):
+        load_run(file)
