@@ -24,6 +24,7 @@ class Plan(TypedDict):
     episodes: int
     seed: int
     metrics: tuple[str, ...]
+    kept: tuple[str | int, ...]
 
 
 @app.command
@@ -38,6 +39,7 @@ def evaluate(
     seed: int = 0,
     map: str | None = None,
     set: Overrides = (),
+    replay: str = "first,median,worst",
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
     out: Path | None = None,
@@ -64,17 +66,28 @@ def evaluate(
     set
         Override KEY=VALUE in TOML syntax, for example team.scouts.count=3, or
         policy.greedy.distance=2 for an option of a policy; repeatable.
+    replay
+        Episodes whose replays are kept for the report, of every world and policy: numbers and
+        first, median, worst, best by the share collected, such as 0,3,worst; or none. Each is
+        played once more. A finished run is added to by the same command.
     out
         Run folder; default runs/SCENARIO. An unfinished run of the same settings is resumed.
     """
     from graph_planner.references import with_options
     from mjforage.core.scenario_file import load_scenario
     from mjforage.core.setup import Setup
+    from mjforage.runs.kept import parse_kept
 
     policy, set = with_options("policy", policy, set)
     setup = Setup.of(load_scenario(scenario, set, map))
     folder = out or Path("runs") / setup.scenario.name
-    plan: Plan = {"worlds": (world,), "episodes": episodes, "seed": seed, "metrics": metric}
+    plan: Plan = {
+        "worlds": (world,),
+        "episodes": episodes,
+        "seed": seed,
+        "metrics": metric,
+        "kept": parse_kept(replay),
+    }
     _play(setup, policy, folder, plan, by, again)
 
 
@@ -90,6 +103,7 @@ def compare(
     seed: int = 0,
     map: str | None = None,
     set: Overrides = (),
+    replay: str = "first,median,worst",
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
     out: Path | None = None,
@@ -115,6 +129,10 @@ def compare(
         Map that replaces the scenario's grid: a name, CSV or image. Starts and all else stay.
     set
         Override KEY=VALUE in TOML syntax, for example weather.gust_intensity=0.2; repeatable.
+    replay
+        Episodes whose replays are kept for the report, of every world and policy: numbers and
+        first, median, worst, best by the share collected, such as 0,3,worst; or none. Each is
+        played once more. A finished run is added to by the same command.
     out
         Run folder; default runs/SCENARIO-gap. An unfinished run of the same settings is resumed.
     """
@@ -122,12 +140,19 @@ def compare(
     from mjforage.core.scenario_file import load_scenario
     from mjforage.core.setup import Setup
     from mjforage.physics.worlds import ladder_of
+    from mjforage.runs.kept import parse_kept
 
     policy, set = with_options("policy", policy, set)
     setup = Setup.of(load_scenario(scenario, set, map))
     worlds = ladder_of(setup.scenario) if ladder else ("graph", "physics")
     folder = out or Path("runs") / f"{setup.scenario.name}-gap"
-    plan: Plan = {"worlds": worlds, "episodes": episodes, "seed": seed, "metrics": metric}
+    plan: Plan = {
+        "worlds": worlds,
+        "episodes": episodes,
+        "seed": seed,
+        "metrics": metric,
+        "kept": parse_kept(replay),
+    }
     _play(setup, policy, folder, plan, by, again)
 
 

@@ -1,5 +1,6 @@
 """`mjforage evaluate`: policies on the same episodes of a scenario, into a run folder."""
 
+import logging
 import math
 import time
 from collections import Counter
@@ -23,14 +24,23 @@ from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.runs.costs import Invocation, costs_content
 from mjforage.runs.identity import pinned, run_info
+from mjforage.runs.kept import FIRST, KEPT, check_kept, chosen, ranked, sure
 from mjforage.runs.resuming import Resume, set_aside
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import metric_columns
-from mjforage.runs.workers import Assignment, Workers, keep_replay, run_chunks
+from mjforage.runs.workers import (
+    Assignment,
+    Episode,
+    Workers,
+    keep_replays,
+    replay_is_kept,
+    run_chunks,
+)
 
 CHUNK = 50  # episodes per unit of work at graph level
 PHYSICS_CHUNK = 10  # the same with hulls, which take a second each
 BOOTSTRAP_SEED = 0
+_logger = logging.getLogger(__name__)
 
 THIS_PROCESS = Workers()
 
@@ -88,6 +98,7 @@ class Run:
     folder: RunFolder
     chunks: list[Chunk]
     metrics: tuple[str, ...]  # references, beside those that are known
+    kept: tuple[str | int, ...]  # episodes, as of `kept.parse_kept`
 
     @classmethod
     def plan(
@@ -100,12 +111,14 @@ class Run:
         seed: int = 0,
         worlds: Sequence[str] = ("graph",),
         metrics: Sequence[str] = (),
+        kept: Sequence[str | int] = FIRST,
     ) -> "Run":
         """Check everything, and write nothing yet.
 
         Parameters
         ----------
         metrics : references to metrics, beside those that are known
+        kept : episodes of every world and policy whose replays are kept; no part of what a run is
 
         Raises
         ------
@@ -124,6 +137,7 @@ class Run:
             raise UserError(
                 f"episodes {episodes}, seed {seed}: give at least 1 and 0 (below 2**64)"
             )
+        kept = check_kept(kept, episodes)
         item_choices(setup.scenario.physics)  # which replays need, also at graph level
         in_all = episodes * len(policies) * len(worlds)
         check_memory(
@@ -136,7 +150,7 @@ class Run:
         setup = pinned(setup)
         info = run_info(setup, policies, worlds, episodes, seed, metrics)
         names = tuple(policies), tuple(worlds)
-        return cls(setup, *names, seed, info, RunFolder(folder), chunks, tuple(metrics))
+        return cls(setup, *names, seed, info, RunFolder(folder), chunks, tuple(metrics), kept)
 
     def open(self, accept: bool = False) -> None:
         """Create the folder, or find the same run in it.
@@ -152,33 +166,60 @@ class Run:
         """
         self.info.update(self.folder.open(self.info, accept))
 
-    def close(self, wall_s: float | None) -> Summary:
-        """Merge the chunks into tables, unless they are, and write the summary.
+    def merge(self, wall_s: float) -> None:
+        """Merge the chunks into tables, and say in `run.json` what they took.
 
         Parameters
         ----------
-        wall_s : time that the run took, for `run.json`; None if it was complete
+        wall_s : time that the run took
 
         Raises
         ------
         UserError
-            If a chunk or table is missing or damaged, or a file cannot be written.
+            If a chunk is missing or damaged, or a file cannot be written.
         """
         path = self.folder.path
-        if wall_s is not None:
-            self.folder.merge(self.chunks)
-            costs = self.folder.costs(self.chunks)
-            write_json(path / "costs.json", costs_content(costs))
-            cpu_s, steps = (sum(getattr(one, key) for one in costs) for key in ("cpu_s", "steps"))
-            timings = {"cpu_s": cpu_s, "steps": steps, "wall_s": wall_s}
-            write_json(path / "run.json", self.info | {"timings": timings})
+        self.folder.merge(self.chunks)
+        costs = self.folder.costs(self.chunks)
+        write_json(path / "costs.json", costs_content(costs))
+        cpu_s, steps = (sum(getattr(one, key) for one in costs) for key in ("cpu_s", "steps"))
+        timings = {"cpu_s": cpu_s, "steps": steps, "wall_s": wall_s}
+        write_json(path / "run.json", self.info | {"timings": timings})
+
+    def not_kept(self) -> list[Episode]:
+        """Episodes whose replays are wanted and not there, of a run whose tables are merged.
+
+        Raises
+        ------
+        UserError
+            If the table of episodes is missing or damaged.
+        """
+        table = self.folder.episodes(self.chunks)
+        wanted = [
+            Episode(str(world), str(policy), number)
+            for (world, policy), rows in table.group_by("world", "policy", maintain_order=True)
+            for number in chosen(self.kept, _ranks(rows))
+        ]
+        return [one for one in wanted if not replay_is_kept(self.folder.path, one)]
+
+    def close(self) -> Summary:
+        """Write the summary of a run whose tables are merged.
+
+        Raises
+        ------
+        UserError
+            If a table is missing or damaged, or a file cannot be written.
+        """
         summary = summarise(self.folder.episodes(self.chunks))
-        for world in self.worlds:
-            for policy in self.policies:
-                keep_replay(self.setup, world, policy, self.seed, path)
-        write_json(path / "summary.json", summary)
+        write_json(self.folder.path / "summary.json", summary)
         self.folder.finish(self.chunks)
         return summary
+
+
+def _ranks(rows: pl.DataFrame) -> dict[str, int]:
+    """Rank -> episode of one world and policy."""
+    pta_c, length = rows.sort("episode").select("pta_c", "length").to_numpy().T
+    return ranked(pta_c, length)
 
 
 def carry_out(
@@ -188,21 +229,24 @@ def carry_out(
 
     Parameters
     ----------
-    call : of these workers, as `Workers.call`
-    progress : called with (episodes done, episodes in all)
+    invocation : of these workers, as of `Workers.invocation`
+    progress : called with (episodes done, episodes in all); those played again to be kept come last
 
     Raises
     ------
     UserError
         As `run_chunks` and `Run.close`. Finished chunks stay.
     """
-    started, work, summaries = time.perf_counter(), [], []
-    assignments = {
-        place: Assignment.of(
-            run.setup, run.seed, run.folder.path, run.info, run.metrics, invocation, workers
+    started, work = time.perf_counter(), []
+
+    def assigned(run: Run) -> Assignment:
+        path, at_once = run.folder.path, sure(run.kept)
+        return Assignment.of(
+            run.setup, run.seed, path, run.info, run.metrics, invocation, workers, at_once
         )
-        for place, run in enumerate(runs)
-        if not run.folder.complete
+
+    assignments = {
+        place: assigned(run) for place, run in enumerate(runs) if not run.folder.complete
     }
     for place in assignments:
         run = runs[place]
@@ -213,6 +257,8 @@ def carry_out(
     left = Counter(place for place, _ in work)
     asked = [(assignments[place], chunk) for place, chunk in work]
     nothing = (place for place in range(0))
+    summaries: dict[int, Summary] = {}
+    again: list[tuple[Assignment, Episode]] = []
     with closing(run_chunks(asked, workers) if work else nothing) as results:
         for place, run in enumerate(runs):  # runs are computed in their order
             while left[place]:
@@ -220,11 +266,35 @@ def carry_out(
                 left[owner] -= 1
                 done += chunk.count
                 progress(done, total)
-            wall_s = time.perf_counter() - started if place in assignments else None
-            summaries.append(run.close(wall_s))
+            if place in assignments:
+                run.merge(time.perf_counter() - started)
+            missing = run.not_kept()
+            if missing:
+                again += [(assignments.get(place) or assigned(run), one) for one in missing]
+            else:
+                summaries[place] = run.close()
         for _ in results:  # none is left, but workers end by themselves
             pass
-    return summaries
+    for count, _ in enumerate(keep_replays(again, workers) if again else nothing, 1):
+        progress(total + count, total + len(again))
+    for place, run in enumerate(runs):
+        if place not in summaries:
+            summaries[place] = _closed(run)
+    return [summaries[place] for place in range(len(runs))]
+
+
+def _closed(run: Run) -> Summary:
+    """Close a run, and name what could not be kept."""
+    for one in run.not_kept():
+        _logger.warning(
+            "%s: episode %d of %s in world %s does not come out as logged, so its replay is not "
+            "kept; it was made with other versions or code",
+            run.folder.path,
+            one.number,
+            one.policy,
+            one.world,
+        )
+    return run.close()
 
 
 def evaluate(
@@ -237,6 +307,7 @@ def evaluate(
     workers: Workers = THIS_PROCESS,
     worlds: Sequence[str] = ("graph",),
     metrics: Sequence[str] = (),
+    kept: Sequence[str | int] = KEPT,
     progress: Progress = lambda done, total: None,
     resume: Resume = "same",
 ) -> Summary:
@@ -248,6 +319,7 @@ def evaluate(
     policies : references, see `create_policy`
     worlds : names
     metrics : `package.module:Class` of metrics to take beside those that are known
+    kept : episodes whose replays are kept, as of `kept.parse_kept`; a finished run is added to
     folder : run folder; an unfinished run of the same settings in it is resumed
     episodes : episodes per policy and world, 1 or more
     seed : of the run
@@ -266,7 +338,14 @@ def evaluate(
         are lost.
     """
     run = Run.plan(
-        setup, policies, folder, episodes=episodes, seed=seed, worlds=worlds, metrics=metrics
+        setup,
+        policies,
+        folder,
+        episodes=episodes,
+        seed=seed,
+        worlds=worlds,
+        metrics=metrics,
+        kept=kept,
     )
     invocation = workers.invocation(run.policies, run.metrics)
     if resume == "fresh":

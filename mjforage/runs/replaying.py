@@ -57,12 +57,22 @@ def replay_of_run(
     )
     check_starts(setup.start_cells, run.map.cells, where, run.map.name)
     replay = record(setup, world, policy, run.seed, episode, observers)
-    _check(replay, RunFolder(folder))
+    if not as_logged(replay, RunFolder(folder)):
+        raise UserError(
+            f"{folder}: episode {replay.episode} of {replay.policy} does not come out as logged; "
+            f"it was made with other versions (see run.json); {again(folder)}"
+        )
     return replay
 
 
-def _check(replay: Replay, run: RunFolder) -> None:
-    """Compare the agents' positions with the log, to the bit."""
+def as_logged(replay: Replay, run: RunFolder) -> bool:
+    """Whether the agents' positions are those of the log, to the bit.
+
+    Raises
+    ------
+    UserError
+        If the log is missing, truncated or foreign.
+    """
     logged = (
         run.table("agents")
         .filter(
@@ -76,8 +86,4 @@ def _check(replay: Replay, run: RunFolder) -> None:
     )
     graph = navigation_graph(replay.navigable, replay.pitch_m, corner_cutting=True)
     anew = graph.metres(replay.agent_rc).astype(np.float32).reshape(-1, 2)
-    if logged.shape != anew.shape or (logged != anew).any():
-        raise UserError(
-            f"{run.path}: episode {replay.episode} of {replay.policy} does not come out as logged; "
-            f"it was made with other versions (see run.json); {again(run.path)}"
-        )
+    return bool(logged.shape == anew.shape and (logged == anew).all())

@@ -12,13 +12,13 @@ import threading
 import time
 import warnings
 import zipfile
-from collections.abc import Generator, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, TypeVar
 
 import joblib
 import numpy as np
@@ -27,7 +27,6 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 from graph_planner.extensions import Place
 from graph_planner.policies import create_policy
 from graph_planner.policies.registry import adopt_policy, outside_class, own_weights, policy_place
-from graph_planner.references import file_label
 from graph_planner.task import digest
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap
@@ -38,9 +37,12 @@ from mjforage.core.whole_files import write_bytes, writing
 from mjforage.physics.worlds import create_mission
 from mjforage.runs import cluster
 from mjforage.runs.costs import Cost, Invocation
+from mjforage.runs.episode_replay import Replay
 from mjforage.runs.identity import code_of, policy_code, run_code, versions
 from mjforage.runs.interrupts import interrupts_held, loose_ends_dropped, start_quiet_tracker
+from mjforage.runs.kept import replay_file
 from mjforage.runs.recording import record
+from mjforage.runs.replaying import as_logged
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import frames
 
@@ -141,6 +143,7 @@ class Assignment:
     metrics: tuple[str | Place, ...] = ()  # references; for other processes where to find theirs
     places: tuple[tuple[str, Place], ...] = ()  # of policies, for other processes
     code: tuple[tuple[str, str], ...] = ()  # file or library -> hash or version, which must agree
+    kept: tuple[int, ...] = ()  # episodes whose replays are kept along with their chunks
 
     @classmethod
     def of(
@@ -152,6 +155,7 @@ class Assignment:
         metrics: Sequence[str],
         invocation: Invocation,
         workers: Workers,
+        kept: tuple[int, ...] = (),
     ) -> "Assignment":
         """Pack a setup; `info` is the content of `run.json`."""
         rows, columns = setup.grid.navigable.shape
@@ -173,6 +177,7 @@ class Assignment:
             places_of(taken) if workers.elsewhere else tuple(metrics),
             _places(policies) if workers.elsewhere else (),
             _facts(policies, worlds, taken),
+            kept,
         )
 
 
@@ -190,7 +195,16 @@ def _facts(
     return tuple({**versions(code), **code.files}.items())
 
 
-Task = tuple[Assignment, Chunk]
+class Episode(NamedTuple):
+    """One episode of a run."""
+
+    world: str
+    policy: str
+    number: int
+
+
+Work = TypeVar("Work", Chunk, Episode)
+Task = tuple[Assignment, Work]
 Results = Generator[tuple[int, str | None]]
 """The place of a finished task in the work, and what `run_chunk` said of it."""
 
@@ -236,24 +250,54 @@ def _die_with(parent: int) -> None:
     threading.Thread(target=watch, daemon=True, name="parent watch").start()
 
 
-def keep_replay(setup: Setup, world: str, policy: str, seed: int, folder: Path) -> None:
-    """Simulate the first episode once more for the report and the web replay, unless it is there.
+def replay_is_kept(folder: Path, one: Episode) -> bool:
+    """Whether a run folder holds an episode's replay, whole.
 
     Raises
     ------
     UserError
-        If it cannot be written.
+        If the folder cannot be read.
     """
-    path = folder / "replay" / f"{world}-{file_label(policy)}-0.npz"
+    path = replay_file(folder, *one)
+    with writing(path):
+        return zipfile.is_zipfile(path)  # not if missing or truncated
+
+
+def _keep(folder: Path, replay: Replay) -> None:
+    path = replay_file(folder, replay.world, replay.policy, replay.episode)
     with writing(path):
         path.parent.mkdir(exist_ok=True)
-        there = zipfile.is_zipfile(path)  # not if missing or truncated
-    if not there:
-        write_bytes(path, record(setup, world, policy, seed, 0).content())
+    write_bytes(path, replay.content())
+
+
+def _joined_in(assignment: Assignment) -> Setup:
+    """The setup, in a process that ends with the one that asked."""
+    if assignment.parent is not None and os.getpid() != assignment.parent:
+        _die_with(assignment.parent)
+    return _setup(assignment)
+
+
+def keep_replay(assignment: Assignment, one: Episode) -> str | None:
+    """Play an episode of a run whose tables are merged once more, and keep it step by step.
+
+    One that does not come out as it was logged, by other code perhaps, is not kept.
+
+    Returns
+    -------
+    As `run_chunk`
+    """
+    try:
+        setup = _joined_in(assignment)
+        replay = record(setup, one.world, one.policy, assignment.seed, one.number)
+        if as_logged(replay, RunFolder(assignment.folder)):
+            _keep(assignment.folder, replay)
+    except UserError as error:
+        return str(error)
+    return None
 
 
 def run_chunk(assignment: Assignment, chunk: Chunk) -> str | None:
-    """Play, score and store one chunk, and with the first one the replay of its first episode.
+    """Play, score and store one chunk, and keep the replays of it that are known to be wanted.
 
     Returns
     -------
@@ -263,9 +307,7 @@ def run_chunk(assignment: Assignment, chunk: Chunk) -> str | None:
     cpu_s, wall_s, began_s = time.process_time(), time.perf_counter(), time.time()
     run = RunFolder(assignment.folder)
     try:
-        if assignment.parent is not None and os.getpid() != assignment.parent:
-            _die_with(assignment.parent)
-        setup = _setup(assignment)
+        setup = _joined_in(assignment)
         if assignment.parent is None and run.has(chunk):
             return None  # made by a worker that was lost before it could tell
         episodes = np.arange(chunk.first, chunk.first + chunk.count)
@@ -295,14 +337,16 @@ def run_chunk(assignment: Assignment, chunk: Chunk) -> str | None:
             **asdict(assignment.invocation),
         )
         run.write(chunk, tables, cost)
-        if chunk.first == 0:
-            keep_replay(setup, chunk.world, chunk.policy, assignment.seed, assignment.folder)
+        for number in set(assignment.kept) & set(episodes.tolist()):
+            one = Episode(chunk.world, chunk.policy, number)
+            if not replay_is_kept(assignment.folder, one):
+                _keep(assignment.folder, record(setup, *one[:2], assignment.seed, number))
     except UserError as error:
         return str(error)
     return None
 
 
-def run_chunks(work: Sequence[Task], workers: Workers) -> Generator[int]:
+def run_chunks(work: Sequence[Task[Chunk]], workers: Workers) -> Generator[int]:
     """Carry out chunks, yielding the place of each one that is finished.
 
     Raises
@@ -311,26 +355,42 @@ def run_chunks(work: Sequence[Task], workers: Workers) -> Generator[int]:
         If a chunk fails for a reason that a user can mend, a worker was killed, or the cluster
         cannot be used. Finished chunks stay.
     """
-    with closing(_remote(work, workers) if workers.remote else _local(work, workers)) as results:
+    yield from _carried_out(run_chunk, work, workers)
+
+
+def keep_replays(work: Sequence[Task[Episode]], workers: Workers) -> Generator[int]:
+    """The same for episodes that are to be kept, once it is known which they are."""
+    yield from _carried_out(keep_replay, work, workers)
+
+
+def _carried_out(
+    call: Callable[[Assignment, Work], str | None], work: Sequence[Task[Work]], workers: Workers
+) -> Generator[int]:
+    done = _remote if workers.remote else _local
+    with closing(done(call, work, workers)) as results:
         for place, error in results:
             if error is not None:
                 raise UserError(error)
             yield place
 
 
-def _remote(work: Sequence[Task], workers: Workers) -> Results:
+def _remote(
+    call: Callable[[Assignment, Work], str | None], work: Sequence[Task[Work]], workers: Workers
+) -> Results:
     with cluster.connected(workers.scheduler, workers.local_cluster) as client:
-        yield from cluster.finished(client, run_chunk, work)
+        yield from cluster.finished(client, call, work)
 
 
-def _local(work: Sequence[Task], workers: Workers) -> Results:
+def _local(
+    call: Callable[[Assignment, Work], str | None], work: Sequence[Task[Work]], workers: Workers
+) -> Results:
     parallel = joblib.Parallel(n_jobs=min(workers.jobs, len(work)), return_as="generator")
     results = None
     if workers.jobs > 1:
         start_quiet_tracker()
     try:
         with interrupts_held():
-            results = parallel(joblib.delayed(run_chunk)(*task) for task in work)
+            results = parallel(joblib.delayed(call)(*task) for task in work)
         yield from enumerate(results)
     except TerminatedWorkerError as error:
         raise UserError(

@@ -9,10 +9,14 @@ from mjforage.view.report.track_figure import tracks_figure
 
 
 def draw_figures(logs: RunLogs) -> list[Picture]:
-    """Draw every figure, in the order of the report: scenario, tracks, curves, distributions."""
+    """Draw every figure, in the order of the report: scenario, tracks, curves, distributions.
+
+    The scenario is drawn from a replay: a run that keeps none goes without.
+    """
+    replay = pick_replay(logs)
     with house_style():
         return [
-            scenario_figure(logs, pick_replay(logs)),
+            *([scenario_figure(logs, replay)] if replay else []),
             tracks_figure(logs),
             *time_figures(logs),
             *distribution_figures(logs),

@@ -92,7 +92,7 @@ def render(
         "clearing": clearing,
         "pairs": len(groups(paired.rows)) if paired else 0,
         "notes": definition_notes(),
-        "replay": web_replay(logs),
+        "replay": web_replay({"": logs.folder}),
         "scenario_json": json.dumps(logs.run.scenario, indent=2, ensure_ascii=False),
     }
     return set_page("report.html.j2", logs.run.versions.get("mjforage", ""), content)

@@ -11,10 +11,10 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from graph_planner.references import file_label
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import Description, chosen_metrics, describe, description
 from mjforage.runs.episode_replay import Replay
+from mjforage.runs.kept import replay_files
 from mjforage.runs.parquet import read_parquet, read_schema
 from mjforage.runs.run_info import REMEDY, RunInfo, again, load_run, read_json
 from mjforage.view.page import style
@@ -257,21 +257,17 @@ def load_logs(folder: Path) -> RunLogs:
     return RunLogs(folder, run, summary, episodes, steps, items, tracks)
 
 
-def pick_replay(logs: RunLogs) -> Replay:
+def pick_replay(logs: RunLogs) -> Replay | None:
     """Load the replay that the scenario figure shows: first world and policy, lowest episode.
+
+    None if the run keeps none.
 
     Raises
     ------
     UserError
-        If no replay is there, or the chosen one cannot be read.
+        If the chosen one cannot be read.
     """
     for world, policy in logs.series:
-        prefix = f"{world}-{file_label(policy)}-"
-        found = {
-            int(path.stem.removeprefix(prefix)): path
-            for path in (logs.folder / "replay").glob("*.npz")
-            if path.stem.startswith(prefix) and path.stem.removeprefix(prefix).isdigit()
-        }
-        if found:
-            return Replay.load(found[min(found)])
-    raise UserError(f"{logs.folder / 'replay'}: holds no replay of this run; {REMEDY}")
+        for path in replay_files(logs.folder, world, policy).values():
+            return Replay.load(path)
+    return None

@@ -1,7 +1,8 @@
-"""What the report's interactive replay shows: one episode of every world and policy, made small."""
+"""What the page's interactive replay shows: the kept episodes of one run, or of several."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -11,84 +12,237 @@ import polars as pl
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from graph_planner.references import file_label
 from mjforage.core.errors import UserError
 from mjforage.core.vessel_files import vessel_names
 from mjforage.physics.vessels import load_vessel
 from mjforage.runs.episode_replay import Replay
-from mjforage.runs.held import Held
-from mjforage.runs.run_info import REMEDY
+from mjforage.runs.kept import ranked, replay_files
+from mjforage.runs.parquet import read_parquet
+from mjforage.runs.run_info import REMEDY, RunInfo, load_run
 from mjforage.view.page import style
-from mjforage.view.report.run_logs import RunLogs, Series
-from mjforage.view.report.web_stream import Ints, changes, packed, thinned, track
+from mjforage.view.report.run_logs import KEYS, Series, load_episodes, scalar
+from mjforage.view.report.web_entry import (
+    IDLE_LEVELS,
+    POSITION_M,
+    WIND_MPS,
+    YAW_RAD,
+    entry_of,
+    fair_share,
+)
+from mjforage.view.report.web_stream import Ints
 
-LIMIT = 400_000  # characters of text for one world and policy
-POSITION_M, YAW_RAD, WIND_MPS = 0.01, 0.01, 0.01  # what one unit of the data is worth
-IDLE_LEVELS = 15  # levels of idleness above 0
-MOST_COUNT = 255  # believed items per node; more are shown as this many
-ITEM_FRAME_S = 1.0  # items move slowly: no need for more frames than this
+BUDGET = 2_000_000  # characters of text for all replays of a page, which is to stay below 5 MB
 HULL_M = 2.0  # length drawn for a user's vessel in a run at graph level
-SCRIPTS = ("decode.js", "harbour.js", "draw.js", "camera.js", "player.js")
+SCRIPTS = (
+    "decode.js",
+    "choice.js",
+    "harbour.js",
+    "draw.js",
+    "camera.js",
+    "legend.js",
+    "player.js",
+)
 
 
 @dataclass(frozen=True)
 class WebReplay:
     """What the template sets."""
 
-    worlds: tuple[str, ...]
-    shown: tuple[str, ...]  # worlds of the panels at first: one or two
-    policies: tuple[str, ...]
+    panels: tuple[bool, ...]  # one or two, and whether each is shown at first
     vessels: tuple[str, ...]  # names
     held: bool  # whether each knows what it has heard only
-    episode: int
+    left_out: int  # kept episodes for which the page has no room
     data: Mapping[str, Any]  # for the page's script, as JSON
     script: Markup
     stylesheet: Markup
 
 
-def replay_files(logs: RunLogs) -> dict[Series, Path]:
-    """The replay of the lowest episode of every world and policy that has one."""
-    files: dict[Series, Path] = {}
-    for world, policy in logs.series:
-        prefix = f"{world}-{file_label(policy)}-"
-        found = {
-            int(path.stem.removeprefix(prefix)): path
-            for path in (logs.folder / "replay").glob("*.npz")
-            if path.stem.startswith(prefix) and path.stem.removeprefix(prefix).isdigit()
+@dataclass(frozen=True)
+class _File:
+    """A kept episode on disk."""
+
+    run: "_Run"
+    series: Series
+    episode: int
+    path: Path
+
+    def entry(self, limit: int | None = None) -> dict[str, Any]:
+        """It for the page; read anew each time, as all of them would fill the memory."""
+        replay = Replay.load(self.path)
+        found = entry_of(replay, self.run.discovered(self, replay), limit)
+        return found | {"run": self.run.place, "ranks": self.run.ranks(self)}
+
+
+@dataclass(frozen=True)
+class _Run:
+    """A run whose kept episodes are shown."""
+
+    place: int  # among the runs of the page
+    label: str
+    folder: Path
+    run: RunInfo
+
+    @cached_property
+    def files(self) -> tuple[_File, ...]:
+        """Worlds outermost, then policies in their fixed order, then episodes."""
+        policies = style.ordered(self.run.policies)
+        return tuple(
+            _File(self, (world, policy), episode, path)
+            for world in self.run.worlds
+            for policy in policies
+            for episode, path in replay_files(self.folder, world, policy).items()
+        )
+
+    @cached_property
+    def collects(self) -> list[bool]:
+        """Whether each agent collects: (agent,)."""
+        return [agent.collects for agent in self.run.agents]
+
+    @cached_property
+    def _items(self) -> pl.DataFrame:
+        """Logged discoveries of the kept episodes."""
+        kept = pl.col("episode").is_in({file.episode for file in self.files})
+        columns = (*KEYS, "item", "t_discovered")
+        return read_parquet(self.folder / "items.parquet", columns, kept, REMEDY)
+
+    @cached_property
+    def _episodes(self) -> pl.DataFrame:
+        return load_episodes(self.folder, self.run)
+
+    def ranks(self, file: _File) -> list[str]:
+        """What the episode is among those of its world and policy; nothing if it is the only."""
+        world, policy = file.series
+        rows = self._episodes.filter(world=world, policy=policy)
+        if rows.height < 2:
+            return []
+        found = ranked(scalar(rows, "pta_c"), scalar(rows, "length"))
+        return [rank for rank, episode in found.items() if episode == file.episode]
+
+    def discovered(self, file: _File, replay: Replay) -> Ints:
+        """Step of every item's discovery as logged, one step past the end if never.
+
+        Raises
+        ------
+        UserError
+            If the replay is not of the run.
+        """
+        world, policy = file.series
+        rows = self._items.filter(world=world, policy=policy, episode=file.episode).sort("item")
+        fits = (
+            np.array_equal(replay.navigable, self.run.map.cells)
+            and replay.agent_collects.tolist() == self.collects
+            and len(rows) == replay.item_present.shape[1]
+            and (replay.world, replay.policy) == file.series
+            and replay.episode == file.episode
+        )
+        if not fits:
+            raise UserError(f"replay {file.path}: is not of the run in {self.folder}; {REMEDY}")
+        never = len(replay.item_present)
+        step: Ints = rows["t_discovered"].cast(pl.Int64).fill_null(never).to_numpy()
+        return np.minimum(step, never)
+
+    def facts(self) -> dict[str, Any]:
+        """It for the page: its fleet and its time."""
+        replay = Replay.load(self.files[0].path)
+        looks = zip(
+            self.run.agents,
+            style.agent_colours(map(style.role, self.collects)),
+            self._lengths(replay),
+            strict=True,
+        )
+        return {
+            "label": self.label,
+            "seed": self.run.seed,
+            "period_s": replay.period_s,
+            "horizon": replay.horizon,
+            "agents": [
+                {"name": one.name, "collects": one.collects, "colour": colour, "length_m": length}
+                for one, colour, length in looks
+            ],
         }
-        if found:
-            files[world, policy] = found[min(found)]
-    return files
+
+    def _lengths(self, replay: Replay) -> list[float]:
+        """Hull length of every vessel [m]: as it was run, else as shipped."""
+        ran, shipped = self.run.hull_lengths, vessel_names()
+        return [
+            ran.get(name) or (load_vessel(name).length_m if name in shipped else HULL_M)
+            for name in replay.vessels
+        ]
 
 
-def web_replay(logs: RunLogs) -> WebReplay | None:
-    """Gather the run's replays; None if it holds none.
+def web_replay(folders: Mapping[str, Path], budget: int = BUDGET) -> WebReplay | None:
+    """Gather the replays that runs on one map keep; None if they keep none.
+
+    Parameters
+    ----------
+    folders : label, as the player names it -> run folder; one run alone needs none: `{"": folder}`
+    budget : characters of text for all replays together; they are thinned in time to fit, and what
+        does not fit even so is left out, the first episodes last
 
     Raises
     ------
     UserError
-        If a replay cannot be read or is of another run.
+        If a file cannot be read, a replay is of another run, or the maps differ.
     """
-    entries: list[dict[str, Any]] = []
-    last: Replay | None = None
-    for series, path in replay_files(logs).items():
-        last = Replay.load(path)
-        entries.append(_entry(last, _discovered(logs, series, last, path)))
-    if last is None:
+    opened = [
+        _Run(place, label, folder, load_run(folder / "run.json"))
+        for place, (label, folder) in enumerate(folders.items())
+    ]
+    for run in opened[1:]:
+        _check_map(opened[0], run)
+    files = [file for run in opened for file in run.files]
+    if not files:
         return None
-    worlds = tuple(dict.fromkeys(entry["world"] for entry in entries))
-    collects = logs.collects()
+    runs = list({file.run.place: file.run for file in files}.values())
+    entries = _fitting(files, budget)
+    worlds = {entry["world"] for entry in entries}
+    agents = [agent.name for run in runs for agent in run.run.agents]
+    facts = {run.place: run.facts() for run in runs}
     return WebReplay(
-        worlds=worlds,
-        shown=worlds[:1] + worlds[1:][-1:],
-        policies=style.ordered(entry["policy"] for entry in entries),
-        vessels=tuple(agent.name for agent in logs.run.agents),
+        panels=(True, len(worlds) > 1 or len(runs) > 1)[: 1 + (len(entries) > 1)],
+        vessels=tuple(dict.fromkeys(agents)),
         held=any(entry["forgetting"] is not None for entry in entries),
-        episode=min(entry["episode"] for entry in entries),
-        data={**_stage(logs, last, collects), "replays": entries},
+        left_out=len(files) - len(entries),
+        data={
+            **_stage(runs[0].run),
+            "runs": [facts.get(run.place) for run in opened],
+            "replays": entries,
+        },
         script=Markup("\n".join(_part(name) for name in SCRIPTS)),
         stylesheet=Markup(_part("player.css")),
     )
+
+
+def _check_map(first: _Run, other: _Run) -> None:
+    here, there = first.run.map, other.run.map
+    if here.pitch_m != there.pitch_m or not np.array_equal(here.cells, there.cells):
+        raise UserError(
+            f"{other.folder}: is on another map ({there.name}, {there.rows} x {there.columns} "
+            f"nodes {there.pitch_m:g} m apart) than {first.folder} ({here.name}, {here.rows} x "
+            f"{here.columns}, {here.pitch_m:g} m); name runs on one map"
+        )
+
+
+def _fitting(files: Sequence[_File], budget: int) -> list[dict[str, Any]]:
+    """Entries of the page, thinned to fit; of those that do not fit first episodes go last."""
+    entries = [file.entry() for file in files]
+    limit = fair_share([len(entry["text"]) for entry in entries], budget)
+    entries = [
+        file.entry(limit) if len(entry["text"]) > limit else entry
+        for file, entry in zip(files, entries, strict=True)
+    ]
+    firsts = {(file.run.place, file.series): file.episode for file in reversed(files)}
+    order = sorted(
+        range(len(files)),
+        key=lambda i: files[i].episode != firsts[files[i].run.place, files[i].series],
+    )
+    taken, size = {order[0]}, len(entries[order[0]]["text"])
+    for i in order[1:]:
+        size += len(entries[i]["text"])
+        if size > budget:
+            break
+        taken.add(i)
+    return [entries[i] for i in sorted(taken)]
 
 
 def _part(name: str) -> str:
@@ -97,37 +251,26 @@ def _part(name: str) -> str:
     )
 
 
-def _stage(logs: RunLogs, replay: Replay, collects: list[bool]) -> dict[str, Any]:
-    """What all replays of a run share."""
-    rows, columns = replay.navigable.shape
+def _stage(run: RunInfo) -> dict[str, Any]:
+    """What all replays of a page share."""
+    cells = run.map.cells
+    rows, columns = cells.shape
     belief = style.belief_colours()
     return {
         "rows": rows,
         "columns": columns,
-        "extent": _extent(replay.navigable),
-        "water": "".join("01"[int(cell)] for cell in replay.navigable.ravel()),
-        "pitch_m": replay.pitch_m,
-        "period_s": replay.period_s,
-        "horizon": replay.horizon,
+        "extent": _extent(cells),
+        "water": "".join("01"[int(cell)] for cell in cells.ravel()),
+        "pitch_m": run.map.pitch_m,
         "units": {"position_m": POSITION_M, "yaw_rad": YAW_RAD, "wind_mps": WIND_MPS},
         "idle_levels": IDLE_LEVELS,
-        "agents": [
-            {"name": agent.name, "collects": agent.collects, "colour": colour, "length_m": length}
-            for agent, colour, length in zip(
-                logs.run.agents,
-                style.agent_colours(map(style.role, collects)),
-                _lengths(logs, replay),
-                strict=True,
-            )
-        ],
         "colours": {
             "water": style.WATER,
             "land": style.LAND,
             "edge": style.QUAY_EDGE,
             "item": style.ITEM,
-            "item_rim": style.ITEM_RIM,
+            "rim": style.ITEM_RIM,
             "ink": style.INK,
-            "muted": style.MUTED,
             "scout": style.SCOUT,
             "forager": style.FORAGER,
             "lost": style.LOST,
@@ -150,98 +293,3 @@ def _extent(navigable: NDArray[np.bool_]) -> dict[str, int]:
 
 def _hex(colour: tuple[float, ...]) -> str:
     return "#" + "".join(f"{round(255 * part):02x}" for part in colour[:3])
-
-
-def _lengths(logs: RunLogs, replay: Replay) -> list[float]:
-    """Hull length of every vessel [m]: as it was run, else as shipped."""
-    ran, shipped = logs.run.hull_lengths, vessel_names()
-    return [
-        ran.get(name) or (load_vessel(name).length_m if name in shipped else HULL_M)
-        for name in replay.vessels
-    ]
-
-
-def _discovered(logs: RunLogs, series: Series, replay: Replay, path: Path) -> Ints:
-    """Step of every item's discovery as logged, one step past the end if never."""
-    rows = logs.select(logs.items, series).filter(pl.col("episode") == replay.episode).sort("item")
-    fits = (
-        np.array_equal(replay.navigable, logs.run.map.cells)
-        and replay.agent_collects.tolist() == logs.collects()
-        and len(rows) == replay.item_present.shape[1]
-        and (replay.world, replay.policy) == series
-    )
-    if not fits:
-        raise UserError(f"replay {path}: is not of the run in {logs.folder}; {REMEDY}")
-    never = len(replay.item_present)
-    step: Ints = rows["t_discovered"].cast(pl.Int64).fill_null(never).to_numpy()
-    return np.minimum(step, never)
-
-
-def _entry(replay: Replay, discovered: Ints) -> dict[str, Any]:
-    """One replay for the page: as fine in time as the limit allows."""
-    stride = max(1, round(min(ITEM_FRAME_S, replay.period_s) / replay.frame_s))
-    text = packed(_parts(replay, discovered, stride))
-    while len(text) > LIMIT and stride * replay.frame_s < replay.period_s:
-        stride *= 2
-        text = packed(_parts(replay, discovered, stride))
-    return {
-        "world": replay.world,
-        "policy": replay.policy,
-        "episode": replay.episode,
-        "steps": len(replay.item_present) - 1,
-        "frames": len(replay.track_pose),
-        "frame_s": replay.frame_s,
-        "pose_stride": _pose_stride(stride),
-        "item_stride": stride,
-        "items": replay.item_present.shape[1],
-        "forgetting": None if replay.held is None else replay.held.forgetting,
-        "most_believed": int(np.clip(replay.belief, 0, MOST_COUNT).max(initial=0)),
-        "text": text,
-    }
-
-
-def _pose_stride(item_stride: int) -> int:
-    return max(1, item_stride // 2)
-
-
-def _parts(replay: Replay, discovered: Ints, stride: int) -> list[Ints]:
-    """All numbers of a replay, in the order in which ``player/decode.js`` reads them."""
-    frames = len(replay.track_pose)
-    poses = replay.track_pose[thinned(frames, _pose_stride(stride))]
-    rare = thinned(frames, stride)
-    yaw = np.unwrap(poses[..., 2].astype(np.float64), axis=0)
-    idle = np.rint(replay.idleness.astype(np.float32) * IDLE_LEVELS).astype(np.int64)
-    return [
-        *track(poses[..., :2], POSITION_M),
-        *track(yaw, YAW_RAD),
-        *track(replay.track_items[rare], POSITION_M),
-        *track(replay.track_wind[rare], WIND_MPS),
-        _removed(replay.track_present),
-        discovered,
-        *changes(np.clip(replay.belief, 0, MOST_COUNT)),
-        *changes(idle),
-        *changes(replay.in_view),
-        *([] if replay.held is None else _held_parts(replay.held, replay.navigable.size)),
-    ]
-
-
-def _held_parts(held: Held, cells: int) -> list[Ints]:
-    """What each agent knows, and the links: steps are counted from 1, 0 is never."""
-    linked = held.linked.astype(np.int64)
-    parts = [
-        held.known_from.astype(np.int64) + 1,
-        *changes(held.heard),
-        *changes(linked + np.clip(held.lost, 0, MOST_COUNT)),
-    ]
-    for agent in range(len(held.known_from)):
-        belief, seen = held.maps(agent, cells)
-        parts += changes(np.clip(belief, 0, MOST_COUNT))
-        parts += changes(np.maximum(seen.astype(np.int64) + 1, 0))
-    return parts
-
-
-def _removed(present: NDArray[np.bool_]) -> Ints:
-    """First frame without each item, the number of frames if never: (item,)."""
-    gone = ~present
-    frame: Ints = np.where(gone.any(axis=0), gone.argmax(axis=0), len(present)).astype(np.int64)
-    return frame

@@ -16,7 +16,7 @@ class Camera {
     this.x = this.left + this.width / 2;
     this.y = this.bottom + this.height / 2;
     this.zoom = 1;
-    this.vessel = -1;
+    this.vessel = "";
   }
 
   // Pixels per metre with all of the water in view.
@@ -25,7 +25,7 @@ class Camera {
   follow(vessel, size) {
     this.vessel = vessel;
     const close = Math.min(size.width, size.height) / FOLLOW_SPAN_M / this.fit(size);
-    if (vessel >= 0) this.zoom = Math.max(this.zoom, close);
+    if (vessel) this.zoom = Math.max(this.zoom, close);
   }
 
   // Transform of a panel: scale in pixels per metre, and the place in its middle.
@@ -57,7 +57,7 @@ class Camera {
   }
 
   pan(dx, dy, lens) {
-    this.vessel = -1;
+    this.vessel = "";
     this.x = lens.x - dx / lens.scale;
     this.y = lens.y + dy / lens.scale;
   }

@@ -83,7 +83,8 @@ const TURN_PART = 0.35; // of a step that a vessel takes to turn at graph level
 class Episode {
   constructor(bytes, entry, stage) {
     const reader = new Reader(bytes), { frames, items, steps } = entry, { units } = stage;
-    const size = stage.rows * stage.columns, agents = stage.agents.length;
+    const run = stage.runs[entry.run], agents = run.agents.length;
+    const size = stage.rows * stage.columns;
     this.poseFrames = Math.ceil((frames - 1) / entry.pose_stride) + 1;
     this.itemFrames = Math.ceil((frames - 1) / entry.item_stride) + 1;
     this.places = reader.track(2 * agents, this.poseFrames, units.position_m);
@@ -93,23 +94,24 @@ class Episode {
     const removed = reader.many(items), discovered = reader.many(items);
     this.removedS = Float64Array.from(removed, (f) => (f < frames ? f * entry.frame_s : Infinity));
     this.discoveredS = Float64Array.from(discovered, (step, i) =>
-      Math.min(step <= steps ? step * stage.period_s : Infinity, this.removedS[i]));
+      Math.min(step <= steps ? step * run.period_s : Infinity, this.removedS[i]));
     this.belief = reader.layer(steps + 1, size);
     this.idleness = reader.layer(steps + 1, size);
     this.view = reader.layer(steps + 1, size);
     this.minds = entry.forgetting === null ? null
-      : this.readMinds(reader, entry, stage.agents.length, size, stage.idle_levels);
+      : this.readMinds(reader, entry, agents, size, stage.idle_levels);
     if (reader.at !== bytes.length) throw new Error("its data do not end where they should");
+    this.agents = run.agents;
+    this.horizon = run.horizon;
     this.frames = frames;
     this.frameS = entry.frame_s;
     this.poseStride = entry.pose_stride;
     this.itemStride = entry.item_stride;
     this.items = items;
     this.steps = steps;
-    this.periodS = stage.period_s;
-    this.endS = steps * stage.period_s;
-    this.turnPart = entry.frame_s >= stage.period_s ? TURN_PART : 1;
-    this.mostBelieved = entry.most_believed;
+    this.periodS = run.period_s;
+    this.endS = steps * run.period_s;
+    this.turnPart = entry.frame_s >= run.period_s ? TURN_PART : 1;
   }
 
   // What each vessel knows, over a link; steps are counted from 1 in the data, 0 is never.

@@ -11,10 +11,13 @@ const WAKE_S = 90, WAKE_PIECES = 36;
 const FLASH_S = 14;
 const LOST_PX = 18; // from a link to the count of what it lost
 const UNKNOWN = { size: 0.72, alpha: 0.75 }; // items that nobody has discovered, as in films
+const IDLE = [70, 96, 122], IDLE_ALPHA = 165; // of the longest unseen
 const GHOST = 0.5; // opacity of a vessel where it was last heard of
 const FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
 
 const role = (agent) => (agent.collects ? "forager" : "scout");
+const hullPath = (points) => new Path2D(`M${points.map((point) => point.join(" ")).join("L")}Z`);
+const HULL_PATHS = { scout: hullPath(HULLS.scout), forager: hullPath(HULLS.forager) };
 
 class Picture {
   constructor(canvas, harbour) {
@@ -22,13 +25,10 @@ class Picture {
     this.top = Math.max(4, ...this.stage.replays.map((entry) => entry.most_believed));
     this.context = canvas.getContext("2d");
     this.layers = {};
-    this.hulls = this.stage.agents.map((agent) => {
-      const path = new Path2D();
-      HULLS[role(agent)].forEach(([u, v], i) => path[i ? "lineTo" : "moveTo"](u, v));
-      path.closePath();
-      return path;
-    });
   }
+
+  // Outline of a vessel's hull.
+  hull(agent) { return HULL_PATHS[role(this.agents[agent])]; }
 
   // CSS size of the canvas; its bitmap follows it and the screen's density.
   resize() {
@@ -53,7 +53,8 @@ class Picture {
     this.drawQuays();
     if (!episode) return;
     if (shown.belief) this.drawCounts(mind.belief.at(step));
-    const agents = stage.agents.map((_, agent) => agent);
+    this.agents = episode.agents;
+    const agents = this.agents.map((_, agent) => agent);
     const heard = agents.map((agent) => episode.heardAt(seer, agent, step));
     const present = (agent) => heard[agent] === step, away = (agent) => !present(agent);
     if (shown.wakes) agents.filter(present).forEach((agent) => this.drawWake(episode, agent, time));
@@ -64,8 +65,6 @@ class Picture {
     agents.filter(present)
       .forEach((agent) => this.drawHull(episode, agent, time, agent === vessel));
     if (vessel >= 0) this.drawName(episode, vessel, time);
-    this.drawWind(episode.wind(time));
-    this.drawScale();
   }
 
   px(x, y) {
@@ -111,7 +110,7 @@ class Picture {
     const { colours, idle_levels: levels, water } = this.stage;
     if (shown.idleness)
       this.drawLayer("idleness", mind, step, (level, cell) =>
-        (water[cell] === "1" ? [70, 96, 122, (165 * level) / levels] : null));
+        (water[cell] === "1" ? [...IDLE, (IDLE_ALPHA * level) / levels] : null));
     if (shown.view) this.drawLayer("view", mind, step, (bits) => bits && [255, 255, 255, 125]);
     if (shown.belief) {
       const ramp = colours.belief.map((hex) => [...rgb(hex), 225]);
@@ -181,7 +180,7 @@ class Picture {
   }
 
   drawWake(episode, agent, time) {
-    const { context, stage } = this, { colour } = stage.agents[agent];
+    const { context } = this, { colour } = this.agents[agent];
     const start = Math.max(0, time - WAKE_S), pieces = WAKE_PIECES;
     if (time <= start) return;
     const length = this.hullLength(agent);
@@ -215,7 +214,7 @@ class Picture {
       if (age >= 0) {
         context.arc(x, y, radius * (1 + 4 * age), 0, 7);
         context.globalAlpha = 0.9 * (1 - age);
-        context.strokeStyle = stage.colours.item_rim;
+        context.strokeStyle = stage.colours.rim;
         context.lineWidth = 2.2 * (1 - age) + 0.3;
         context.stroke();
         context.globalAlpha = 1;
@@ -225,7 +224,7 @@ class Picture {
       context.arc(x, y, known ? radius : UNKNOWN.size * radius, 0, 7);
       context.globalAlpha = known ? 1 : UNKNOWN.alpha;
       context.fillStyle = stage.colours.item;
-      context.strokeStyle = stage.colours.item_rim;
+      context.strokeStyle = stage.colours.rim;
       context.lineWidth = Math.max(1.1, 0.3 * radius);
       context.fill();
       context.stroke();
@@ -235,7 +234,7 @@ class Picture {
 
   // On the screen: its true length once that is large enough to be seen.
   hullLength(agent) {
-    const { stage, lens } = this, vessel = stage.agents[agent];
+    const { lens } = this, vessel = this.agents[agent];
     return Math.max(LEAST_HULL_PX[role(vessel)], vessel.length_m * lens.scale);
   }
 
@@ -251,26 +250,26 @@ class Picture {
 
   // A vessel that is not heard now: its outline where it truly is.
   drawAway(episode, agent, time) {
-    const { context, stage } = this;
+    const { context } = this;
     this.onHull(agent, episode.pose(agent, time));
-    context.strokeStyle = stage.agents[agent].colour;
+    context.strokeStyle = this.agents[agent].colour;
     context.lineWidth = 1.2 / this.hullLength(agent);
     context.globalAlpha = 0.8;
-    context.stroke(this.hulls[agent]);
+    context.stroke(this.hull(agent));
     context.restore();
   }
 
   // And faded where it was last heard of, with how long ago.
   drawGhost(episode, agent, heard, time) {
-    const { context, stage } = this, pose = episode.pose(agent, heard * episode.periodS);
+    const { context } = this, pose = episode.pose(agent, heard * episode.periodS);
     const length = this.hullLength(agent), age = Math.floor(time + 1e-6) - heard * episode.periodS;
     this.onHull(agent, pose);
     context.globalAlpha = GHOST;
     context.strokeStyle = "#fff";
     context.lineWidth = 3 / length;
-    context.stroke(this.hulls[agent]);
-    context.fillStyle = stage.agents[agent].colour;
-    context.fill(this.hulls[agent]);
+    context.stroke(this.hull(agent));
+    context.fillStyle = this.agents[agent].colour;
+    context.fill(this.hull(agent));
     context.restore();
     const [x, y] = this.px(pose.x, pose.y);
     this.label(`${age.toFixed(0)} s ago`, x, y + 0.6 * length, "center", "top");
@@ -307,7 +306,7 @@ class Picture {
   }
 
   drawHull(episode, agent, time, followed) {
-    const { context, stage } = this, vessel = stage.agents[agent], pose = episode.pose(agent, time);
+    const { context } = this, vessel = this.agents[agent], pose = episode.pose(agent, time);
     const [x, y] = this.px(pose.x, pose.y), length = this.hullLength(agent);
     if (followed) {
       context.beginPath();
@@ -322,10 +321,10 @@ class Picture {
     for (const [style, width] of [["rgba(24,52,72,.55)", 4.6], ["#fff", 3]]) {
       context.strokeStyle = style;
       context.lineWidth = width / length;
-      context.stroke(this.hulls[agent]);
+      context.stroke(this.hull(agent));
     }
     context.fillStyle = vessel.colour;
-    context.fill(this.hulls[agent]);
+    context.fill(this.hull(agent));
     context.beginPath();
     context.arc(vessel.collects ? -0.18 : -0.05, 0, 0.075, 0, 7);
     context.fillStyle = "#fff";
@@ -336,7 +335,7 @@ class Picture {
   drawName(episode, agent, time) {
     const pose = episode.pose(agent, time), [x, y] = this.px(pose.x, pose.y);
     const above = 0.85 * this.hullLength(agent) + 5;
-    this.label(this.stage.agents[agent].name, x, y - above, "center", "bottom");
+    this.label(this.agents[agent].name, x, y - above, "center", "bottom");
   }
 
   label(text, x, y, align, baseline, colour = this.stage.colours.ink) {
@@ -352,54 +351,10 @@ class Picture {
     context.fillText(text, x, y);
   }
 
-  // Arrow in the corner: where the wind blows to, and how fast.
-  drawWind(wind) {
-    const { context, lens, stage } = this, speed = Math.hypot(wind.x, wind.y);
-    const x = lens.width - 34, y = 34;
-    context.beginPath();
-    context.arc(x, y, 22, 0, 7);
-    context.fillStyle = "rgba(255,255,255,.88)";
-    context.strokeStyle = "rgba(31,41,51,.25)";
-    context.lineWidth = 1;
-    context.fill();
-    context.stroke();
-    if (speed > 0.005) {
-      context.save();
-      context.translate(x, y);
-      context.rotate(-Math.atan2(wind.y, wind.x));
-      context.beginPath();
-      context.moveTo(-14, 0);
-      context.lineTo(9, 0);
-      context.strokeStyle = context.fillStyle = stage.colours.ink;
-      context.lineWidth = 2.4;
-      context.stroke();
-      context.beginPath();
-      [[16, 0], [5, 6], [8, 0], [5, -6]].forEach(([u, v]) => context.lineTo(u, v));
-      context.fill();
-      context.restore();
-    }
-    const text = speed > 0.005 ? `wind ${speed.toFixed(1)} m/s` : "no wind";
-    this.label(text, lens.width - 10, 62, "right", "top");
-  }
-
-  // A bar of a round number of metres.
-  drawScale() {
-    const { context, lens, stage } = this, most = 110 / lens.scale;
-    const power = 10 ** Math.floor(Math.log10(most));
+  // A bar of a round number of metres: how many, and its length on the screen.
+  scaleBar() {
+    const { scale } = this.lens, most = 110 / scale, power = 10 ** Math.floor(Math.log10(most));
     const metres = Math.max(...[1, 2, 5].map((f) => f * power).filter((m) => m <= most));
-    const [x, y, long] = [12, lens.height - 12, metres * lens.scale];
-    const bar = () => {
-      context.beginPath();
-      [[x, y - 6], [x, y], [x + long, y], [x + long, y - 6]].forEach(([u, v]) => context.lineTo(u, v));
-      context.stroke();
-    };
-    context.lineCap = context.lineJoin = "round";
-    context.strokeStyle = "rgba(255,255,255,.85)";
-    context.lineWidth = 5;
-    bar();
-    context.strokeStyle = stage.colours.ink;
-    context.lineWidth = 1.8;
-    bar();
-    this.label(`${metres} m`, x + long / 2, y - 5, "center", "bottom");
+    return { metres, px: metres * scale };
   }
 }

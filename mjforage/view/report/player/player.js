@@ -1,14 +1,17 @@
 // The player: one clock for all panels, what they show, and everything that a person can do.
-const COLOURS = { found: "#0b6e99", done: "#14532d" };
 const WHEEL_REST_MS = 350; // a wheel that scrolls the page does not zoom the map it comes across
+const TEXT_FIELD = "input:not([type=range], [type=checkbox], [type=radio], [type=button]), textarea, "
+  + "[contenteditable]";
+const USES_SPACE = "button, select, summary, input:not([type=range])";
 
 class Player {
   constructor(root, stage) {
     Object.assign(this, { root, stage, time: 0, playing: false, endS: 0, shown: {}, asked: 0,
-      seer: -1 });
+      seer: "", touched: null });
     this.find = (id) => document.getElementById(`player-${id}`);
     this.harbour = new Harbour(stage);
     this.camera = new Camera(stage);
+    this.legend = new Legend(this.find("legend"), stage);
     this.cache = new Map();
     this.scrolled = -Infinity;
     this.panels = [...root.querySelectorAll(".player-panel")].map((box) => this.panel(box));
@@ -18,7 +21,7 @@ class Player {
       read();
     });
     this.listen();
-    this.legend();
+    this.listenToKeys();
     const watch = new ResizeObserver(() => this.redraw());
     [...this.panels.map((panel) => panel.canvas), this.find("curves")]
       .forEach((canvas) => watch.observe(canvas));
@@ -27,15 +30,19 @@ class Player {
 
   panel(box) {
     const canvas = box.querySelector("canvas"), part = (name) => box.querySelector(`[data-${name}]`);
+    const { replays } = this.stage, first = replays[0], later = box.previousElementSibling;
     const panel = {
-      canvas, choice: part("world"), state: part("state"), found: part("found"), done: part("done"),
-      world: canvas.dataset.first, picture: new Picture(canvas, this.harbour), episode: null,
-      pointers: new Map(),
+      box, canvas, state: part("state"), found: part("found"), done: part("done"),
+      scale: part("scale"), wind: part("wind"), picture: new Picture(canvas, this.harbour),
+      entry: later ? besides(replays, first) : first, episode: null, pointers: new Map(),
+      choices: new Map([...box.querySelectorAll("[data-level]")]
+        .map((choice) => [choice.dataset.level, choice])),
     };
-    if (panel.choice) panel.choice.addEventListener("change", () => {
-      panel.world = panel.choice.value;
+    panel.choices.forEach((choice, level) => choice.addEventListener("change", () => {
+      const value = valuesAt(replays, panel.entry, level)[choice.selectedIndex];
+      panel.entry = chooseAt(replays, panel.entry, level, value);
       this.load();
-    });
+    }));
     canvas.addEventListener("wheel", (event) => this.wheel(event, panel), { passive: false });
     canvas.addEventListener("pointerdown", (event) => this.grab(event, panel));
     canvas.addEventListener("pointermove", (event) => this.drag(event, panel));
@@ -45,15 +52,18 @@ class Player {
     return panel;
   }
 
+  // Panels on the page now: one or two.
+  get open() { return this.panels.filter((panel) => !panel.box.hidden); }
+
   listen() {
     const follow = this.find("follow"), seek = this.find("seek"), curves = this.find("curves");
-    this.find("policy").addEventListener("change", () => this.load());
-    const seen = this.find("seen");
+    const seen = this.find("seen"), beside = this.find("beside");
     if (seen) seen.addEventListener("change", () => {
-      this.seer = Number(seen.value);
+      this.seer = seen.value;
       this.redraw();
     });
-    follow.addEventListener("change", () => this.follow(Number(follow.value)));
+    if (beside) beside.addEventListener("click", () => this.setBeside(this.open.length < 2));
+    follow.addEventListener("change", () => this.follow(follow.value));
     this.find("reset").addEventListener("click", () => this.reset());
     this.find("play").addEventListener("click", () => this.toggle());
     seek.addEventListener("input", () => this.seek(Number(seek.value)));
@@ -65,44 +75,106 @@ class Player {
     };
     curves.addEventListener("pointerdown", point);
     curves.addEventListener("pointermove", point);
-    this.root.addEventListener("keydown", (event) => this.key(event));
     window.addEventListener("scroll", () => { this.scrolled = performance.now(); },
       { passive: true });
+    window.matchMedia("(prefers-color-scheme: dark)")
+      .addEventListener("change", () => this.redraw());
   }
 
-  // Fetch the chosen policy's episodes of the chosen worlds; only the last request counts.
+  // Space plays wherever the focus is, also on a control that a pointer was last used on; one that
+  // the keyboard came to keeps its own use of Space. Out of sight the page scrolls as any page.
+  listenToKeys() {
+    this.root.addEventListener("keydown", (event) => this.key(event));
+    document.addEventListener("pointerdown", (event) => {
+      this.touched = event.target.closest(`${USES_SPACE}, label`);
+    });
+    document.addEventListener("keydown", (event) => {
+      if (event.key === "Tab") this.touched = null;
+      if (event.key !== " " || event.ctrlKey || event.metaKey || event.altKey) return;
+      if (event.target.closest(TEXT_FIELD) || !this.inSight()) return;
+      const own = event.target.closest(USES_SPACE), { touched } = this;
+      if (own && own !== touched && !(touched && touched.contains(own))) return;
+      event.preventDefault();
+      if (!event.repeat) this.toggle();
+    });
+    document.addEventListener("keyup", (event) => { // a button is pressed as Space comes up
+      if (event.key === " " && this.touched && this.touched.contains(event.target))
+        event.preventDefault();
+    });
+  }
+
+  inSight() {
+    const { top, bottom } = this.root.getBoundingClientRect();
+    return bottom > 0 && top < window.innerHeight;
+  }
+
+  setBeside(on) {
+    this.panels[1].box.hidden = !on;
+    this.find("beside").setAttribute("aria-pressed", on);
+    this.load();
+  }
+
+  // Fetch the chosen episodes; only the last request counts.
   async load() {
-    const asked = ++this.asked, policy = this.find("policy").value;
+    const asked = ++this.asked, { open } = this;
+    this.panels.forEach((panel) => this.offer(panel));
     if (!canDecode()) {
       this.note("The replay cannot be shown: this browser has no DecompressionStream. Chrome 80, "
         + "Firefox 113 and Safari 16.4 and later have it.");
       return;
     }
     try {
-      const episodes = await Promise.all(this.panels.map((panel) => this.fetch(panel.world, policy)));
+      const episodes = await Promise.all(open.map((panel) => this.fetch(panel.entry)));
       if (asked !== this.asked) return;
-      this.panels.forEach((panel, i) => { this.place(panel, episodes[i], policy); });
-      this.endS = Math.max(...episodes.map((episode) => (episode ? episode.endS : 0)));
+      open.forEach((panel, i) => { this.place(panel, episodes[i]); });
+      this.endS = Math.max(...episodes.map((episode) => episode.endS));
       this.find("seek").max = this.endS;
       this.note("");
+      this.setLegend();
       this.seek(this.time);
     } catch (error) {
       if (asked === this.asked) this.note(`The replay cannot be shown: ${error.message}.`);
     }
+    this.find("differ").textContent = this.differing();
   }
 
-  fetch(world, policy) {
-    const entry = this.stage.replays.find((e) => e.world === world && e.policy === policy);
-    if (!entry) return Promise.resolve(null);
+  // Fill a panel's choices with what there is beside its replay; what is no choice is only read.
+  offer({ choices, entry }) {
+    const { replays, runs } = this.stage;
+    choices.forEach((choice, level) => {
+      const values = valuesAt(replays, entry, level);
+      choice.replaceChildren(...values.map((value) =>
+        new Option(wordsOf(replays, runs, entry, level, value))));
+      choice.selectedIndex = values.indexOf(entry[level]);
+      choice.disabled = values.length < 2;
+      choice.hidden = level === "run" && runs.length < 2;
+    });
+  }
+
+  // Words where the maps do not show the same items.
+  differing() {
+    const [one, two] = this.open.map(({ entry }) => entry), { runs } = this.stage;
+    if (!two || (one.episode === two.episode && runs[one.run].seed === runs[two.run].seed)) return "";
+    return `Different episodes, ${one.episode} and ${two.episode}: their items, weather and starts `
+      + "are not the same.";
+  }
+
+  fetch(entry) {
     if (!this.cache.has(entry)) this.cache.set(entry, decodeEpisode(entry, this.stage));
     return this.cache.get(entry);
   }
 
-  place(panel, episode, policy) {
+  // What a panel shows, in words.
+  words({ entry }) {
+    const { replays, runs } = this.stage, levels = LEVELS.slice(runs.length > 1 ? 0 : 1);
+    return levels.map((level) => wordsOf(replays, runs, entry, level, entry[level])).join(", ");
+  }
+
+  place(panel, episode) {
     panel.episode = episode;
-    panel.canvas.setAttribute("aria-label", `Map of the ${panel.world} world, policy ${policy}: `
-      + "quays, vessels, items and what the fleet knows, at the time of the slider");
-    panel.curve = episode && this.curve(episode);
+    panel.canvas.setAttribute("aria-label", `Map of ${this.words(panel)}: quays, vessels, items and `
+      + "what the fleet knows, at the time of the slider");
+    panel.curve = this.curve(episode);
   }
 
   // Both shares at every decision step: (step) of [discovered, collected].
@@ -130,24 +202,21 @@ class Player {
   }
 
   follow(vessel) {
-    const { picture } = this.panels[0];
-    this.camera.follow(vessel, picture.resize());
-    if (vessel < 0) this.camera.reset();
+    this.camera.follow(vessel, this.panels[0].picture.resize());
+    if (!vessel) this.camera.reset();
     this.find("follow").value = vessel;
     this.redraw();
   }
 
-  reset() { this.follow(-1); }
+  reset() { this.follow(""); }
 
   key(event) {
-    const { target, key } = event, step = this.stage.period_s * (event.shiftKey ? 10 : 1);
+    const { target, key } = event, period = this.periodS, step = period * (event.shiftKey ? 10 : 1);
     if (event.ctrlKey || event.metaKey || event.altKey || target.matches("select")) return;
-    if (key === " " && target.matches("button, [type=checkbox]")) return;
-    const whole = Math.round(this.time / this.stage.period_s) * this.stage.period_s;
+    const whole = Math.round(this.time / period) * period;
     const size = this.panels[0].picture.lens;
     const middle = size && { x: size.width / 2, y: size.height / 2 };
     const actions = {
-      " ": () => this.toggle(),
       ArrowLeft: () => this.seek(whole - step),
       ArrowRight: () => this.seek(whole + step),
       Home: () => this.seek(0),
@@ -160,6 +229,8 @@ class Player {
     event.preventDefault();
     actions[key]();
   }
+
+  get periodS() { return this.stage.runs[this.panels[0].entry.run].period_s; }
 
   zoom(factor, point, panel) {
     if (!panel.picture.lens || !this.camera.zoomAt(factor, point, panel.picture.lens)) return false;
@@ -198,7 +269,7 @@ class Player {
       this.zoom(far(now) / far(before), middle, panel);
     } else if (this.camera.zoom > 1) {
       this.camera.pan(now.x - before.x, now.y - before.y, panel.picture.lens);
-      this.find("follow").value = -1;
+      this.find("follow").value = "";
       this.redraw();
     }
   }
@@ -221,30 +292,44 @@ class Player {
       if (this.time >= this.endS) this.toggle();
       else this.redraw();
     }
-    this.panels.forEach((panel) => this.drawPanel(panel));
+    this.open.forEach((panel) => this.drawPanel(panel));
     this.drawClock();
+    this.legend.show({ ...this.shown, followed: this.camera.vessel, seer: this.seer });
   }
 
   drawPanel(panel) {
     const { camera } = this, { picture, episode, canvas } = panel;
     const time = episode ? Math.min(this.time, episode.endS) : 0;
-    const followed = episode && camera.vessel >= 0 ? episode.pose(camera.vessel, time) : null;
     const size = picture.resize();
     if (!size.width) return;
-    picture.draw(episode, time, camera.lens(size, followed), this.shown, camera.vessel,
-      this.seer);
+    const named = (name) => (episode ? episode.agents.findIndex((a) => a.name === name) : -1);
+    const vessel = named(camera.vessel);
+    const lens = camera.lens(size, vessel >= 0 ? episode.pose(vessel, time) : null);
+    picture.draw(episode, time, lens, this.shown, vessel, named(this.seer));
     canvas.classList.toggle("near", camera.zoom > 1);
-    const shares = episode && episode.shares(time);
+    if (episode) this.describe(panel, time);
+  }
+
+  // What stands around a map: shares, wind and scale.
+  describe({ episode, picture, found, done, state, wind, scale }, time) {
     const write = (place, text) => { if (place.textContent !== text) place.textContent = text; };
-    write(panel.found, shares ? `${shares.discovered.toFixed(1)} %` : "–");
-    write(panel.done, shares ? `${shares.collected.toFixed(1)} %` : "–");
-    const over = episode && this.time >= episode.endS && this.time > 0;
-    write(panel.state, !episode ? this.endS ? "no replay" : ""
-      : over ? `ended at ${episode.endS.toFixed(0)} s` : "");
+    const { discovered, collected } = episode.shares(time), { x, y } = episode.wind(time);
+    write(found, `${discovered.toFixed(1)} %`);
+    write(done, `${collected.toFixed(1)} %`);
+    const over = this.time >= episode.endS && this.time > 0;
+    write(state, over ? `ended at ${episode.endS.toFixed(0)} s` : "");
+    const speed = Math.hypot(x, y), [arrow, words] = wind.children;
+    write(words, speed > 0.005 ? `wind ${speed.toFixed(1)} m/s` : "no wind");
+    arrow.style.visibility = speed > 0.005 ? "visible" : "hidden";
+    arrow.style.transform = `rotate(${-Math.atan2(y, x)}rad)`;
+    const bar = picture.scaleBar();
+    write(scale, `${bar.metres} m`);
+    scale.style.width = `${bar.px}px`;
   }
 
   drawClock() {
-    const { period_s: period, horizon } = this.stage, seek = this.find("seek");
+    const { periodS: period } = this, seek = this.find("seek"), { horizon } = this.stage.runs[
+      this.panels[0].entry.run];
     const step = Math.floor(this.time / period + 1e-6);
     seek.value = this.time;
     seek.setAttribute("aria-valuetext", `${this.time.toFixed(0)} seconds, step ${step}`);
@@ -253,15 +338,16 @@ class Player {
     this.drawCurves();
   }
 
-  // What was discovered and collected over time; further worlds are dashed.
+  // What was discovered and collected over time; those of the second map are dashed.
   drawCurves() {
     const canvas = this.find("curves"), context = canvas.getContext("2d");
+    const colours = getComputedStyle(this.root), colour = (name) => colours.getPropertyValue(name);
     const density = window.devicePixelRatio || 1, [w, h] = [canvas.clientWidth, canvas.clientHeight];
     Object.assign(canvas, { width: Math.round(w * density), height: Math.round(h * density) });
     context.setTransform(density, 0, 0, density, 0, 0);
     const end = this.endS || 1, wide = w - 16;
     const x = (time) => 8 + (wide * time) / end, y = (share) => h - 3 - ((h - 8) * share) / 100;
-    context.strokeStyle = "#dfe4e9";
+    context.strokeStyle = colour("--line");
     context.lineWidth = 1;
     [0, 100].forEach((share) => {
       context.beginPath();
@@ -269,11 +355,11 @@ class Player {
       context.lineTo(8 + wide, y(share));
       context.stroke();
     });
-    this.panels.forEach(({ curve, episode }, i) => curve && [COLOURS.found, COLOURS.done]
-      .forEach((colour, which) => {
+    this.open.forEach(({ curve, episode }, i) => curve && ["--found", "--done"]
+      .forEach((name, which) => {
         context.beginPath();
         curve.forEach((shares, step) => context.lineTo(x(step * episode.periodS), y(shares[which])));
-        context.strokeStyle = colour;
+        context.strokeStyle = colour(name);
         context.lineWidth = 1.7;
         context.setLineDash(i ? [5, 3] : []);
         context.stroke();
@@ -282,56 +368,17 @@ class Player {
     context.beginPath();
     context.moveTo(x(this.time), 0);
     context.lineTo(x(this.time), h);
-    context.strokeStyle = "#1f2933";
+    context.strokeStyle = colour("--ink");
     context.lineWidth = 1.2;
     context.stroke();
   }
 
-  legend() {
-    const { colours, agents } = this.stage;
-    const drawing = this.root.querySelector("svg").namespaceURI;
-    const hull = (agent) => ["polygon", {
-      points: HULLS[role(agent)].map(([u, v]) => `${11 + 16 * u},${8 + 16 * v}`).join(" "),
-      fill: agent.colour,
-    }];
-    const dot = (size, opacity) => ["circle", {
-      cx: 12, cy: 8, r: 4.5 * size, fill: colours.item, stroke: colours.item_rim,
-      "stroke-width": 1.3, opacity,
-    }];
-    const cell = (fill) => ["rect", { x: 3, y: 1, width: 18, height: 14, fill }];
-    const seen = (colour) => ["rect", {
-      x: 3, y: 2, width: 18, height: 12, fill: "#f3f9fc", stroke: colour, "stroke-width": 1.4,
-    }];
-    const line = (stroke, width, dash) => ["path", {
-      d: "M1 8H23", stroke, "stroke-width": width, "stroke-dasharray": dash,
-    }];
-    const ghost = () => {
-      const [shape, attributes] = hull(agents[agents.length - 1]);
-      return [shape, { ...attributes, "fill-opacity": GHOST }];
-    };
-    const entries = [
-      ...agents.slice(0, 12).map((agent) => [agent.name, hull(agent)]),
-      ["item, discovered", dot(1, 1)],
-      ["item, not yet", dot(UNKNOWN.size, UNKNOWN.alpha)],
-      ["believed items: 1", cell(colours.belief[0])],
-      [String(this.panels[0].picture.top), cell(colours.belief[colours.belief.length - 1])],
-      ...(agents.some((a) => !a.collects) ? [["seen by a scout", seen(colours.scout)]] : []),
-      ...(agents.some((a) => a.collects) ? [["by a forager", seen(colours.forager)]] : []),
-      ...(this.panels.length > 1 ? [["PTA, left", line(colours.ink, 1.8, "none")],
-        ["PTA, right", line(colours.ink, 1.8, "5 3")]] : []),
-      ...(this.find("seen") ? [["in contact", line(colours.ink, 1, "none")],
-        ["looks lost", line(colours.lost, 2, "6 5")], ["last heard of, how long ago", ghost()]] : []),
-    ];
-    this.find("legend").append(...entries.map(([words, [shape, attributes]]) => {
-      const make = (name) => document.createElementNS(drawing, name);
-      const entry = document.createElement("li"), picture = make("svg"), mark = make(shape);
-      Object.entries(attributes).forEach(([key, value]) => mark.setAttribute(key, value));
-      picture.setAttribute("viewBox", "0 0 24 16");
-      picture.setAttribute("aria-hidden", "true");
-      picture.append(mark);
-      entry.append(picture, words);
-      return entry;
-    }));
+  // The fleets of all maps, each vessel once.
+  setLegend() {
+    const { open } = this, all = open.flatMap((panel) => panel.episode.agents);
+    const agents = [...new Map(all.reverse().map((agent) => [agent.name, agent])).values()];
+    this.legend.set(agents.reverse(), this.panels[0].picture.top, open.length,
+      Boolean(this.find("seen")));
   }
 }
 

@@ -29,6 +29,7 @@ class Plan:
     shape: tuple[int, int] = (13, 10)
     items: int = 12
     replays: tuple[str, ...] | None = None  # policies with a replay file; None: all
+    kept: tuple[int, ...] = (0,)  # episodes with one
 
 
 def port(shape: tuple[int, int]) -> NDArray[np.bool_]:

@@ -9,8 +9,8 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from graph_planner.references import file_label
 from mjforage.core.whole_files import write_bytes
+from mjforage.runs.kept import replay_file
 from tests.mjforage.view.report.made_up_episodes import FLOATS, Plan, made_up_episode, port
 
 
@@ -105,11 +105,8 @@ def build(folder: Path, plan: Plan) -> Path:
                 made = made_up_episode(plan, world, policy, episode, 1.6 / (1 + 0.3 * rank))
                 for name, rows in made.tables.items():
                     tables[name] += rows
-                if episode == 0 and policy in (plan.replays or plan.policies):
-                    write_bytes(
-                        folder / "replay" / f"{world}-{file_label(policy)}-0.npz",
-                        made.replay.content(),
-                    )
+                if episode in plan.kept and policy in (plan.replays or plan.policies):
+                    write_bytes(replay_file(folder, world, policy, episode), made.replay.content())
     frames = {
         name: pl.DataFrame(
             rows, infer_schema_length=None, schema_overrides=NULLABLE if name == "items" else None

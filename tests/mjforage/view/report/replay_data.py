@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from mjforage.core.whole_files import write_bytes
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.held import Held
-from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.web_replay import WebReplay, web_replay
 
 MakeRun = Callable[..., Path]
@@ -141,7 +140,7 @@ def with_link(folder: Path) -> Replay:
 
 
 def shown(folder: Path) -> WebReplay:
-    result = web_replay(load_logs(folder))
+    result = web_replay({"": folder})
     assert result is not None
     return result
 

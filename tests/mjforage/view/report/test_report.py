@@ -285,7 +285,6 @@ def text(path: Path) -> None:
         ("items.parquet", foreign, "column 'world' is missing"),
         ("agents.parquet", cut, "truncated or not Parquet"),
         ("replay/graph-greedy-0.npz", cut, "greedy-0.npz"),
-        ("replay", shutil.rmtree, "holds no replay"),
     ],
 )
 def test_damage_is_named(
@@ -299,6 +298,14 @@ def test_damage_is_named(
     assert "evaluate" in str(caught.value)
     assert "\n" not in str(caught.value)
     assert not (folder / "report.html").exists()
+
+
+def test_a_run_that_keeps_no_replay_has_a_page_without_it(make_run: MakeRun) -> None:
+    folder = make_run()
+    shutil.rmtree(folder / "replay")
+    page = written(folder)
+    assert 'id="replay"' not in page and 'id="figure-scenario"' not in page
+    assert 'id="figure-tracks"' in page
 
 
 def test_logs_of_another_run_are_refused(make_run: MakeRun) -> None:

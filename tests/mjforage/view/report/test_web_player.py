@@ -5,6 +5,7 @@ import re
 import subprocess
 from html import unescape
 from importlib import resources
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,14 +33,23 @@ def player(page: str) -> str:
     return page.split('<section id="replay">', 1)[1].split("</section>", 1)[0]
 
 
+def lengths_of(folder: Path) -> dict[str, float]:
+    (run,) = shown(folder).data["runs"]
+    return {agent["name"]: agent["length_m"] for agent in run["agents"]}
+
+
 def test_hulls_are_as_long_as_those_that_ran(make_run: MakeRun) -> None:
     folder = make_run(policies=("greedy",), episodes=1)
-    lengths = {agent["name"]: agent["length_m"] for agent in shown(folder).data["agents"]}
+    lengths = {
+        agent["name"]: agent["length_m"] for agent in shown(folder).data["runs"][0]["agents"]
+    }
     assert (lengths["scouts-0"], lengths["foragers-0"]) == (1.35, 2.0)
     run = json.loads((folder / "run.json").read_text())
     run["hulls"] = {"vessels": {"scout": {"length_m": 3.5}}}
     (folder / "run.json").write_text(json.dumps(run))
-    lengths = {agent["name"]: agent["length_m"] for agent in shown(folder).data["agents"]}
+    lengths = {
+        agent["name"]: agent["length_m"] for agent in shown(folder).data["runs"][0]["agents"]
+    }
     assert (lengths["scouts-0"], lengths["foragers-0"]) == (3.5, 2.0)
     run["hulls"]["vessels"]["scout"] = {"length_m": "long"}
     (folder / "run.json").write_text(json.dumps(run))
@@ -56,9 +66,8 @@ def test_the_page_of_one_world(make_run: MakeRun) -> None:
     policy = "<b onclick=alert(1)>&\"'`x`</script>".replace("/", "")
     page = write_report(make_run(policies=("greedy", policy), episodes=1)).read_text("utf-8")
     part = player(page)
-    assert options(part, 'id="player-policy"') == ["greedy", policy]
-    assert part.count("<canvas tabindex") == 1
-    assert "data-world" not in part.split("<script>", 1)[0]
+    assert part.count("<canvas tabindex") == 2 and part.count('class="player-panel" hidden') == 1
+    assert 'id="player-beside" aria-pressed="false"' in part
     assert "<b onclick" not in page
     assert page.count("<script") == page.count("</script>") == 3
     data = json.loads(part.split('id="player-data">', 1)[1].split("</script>", 1)[0])
@@ -71,12 +80,88 @@ def test_the_player_of_three_worlds(make_run: MakeRun) -> None:
     with_physics(folder)
     template = html.environment().get_template("player/player.html.j2")
     part = player(template.render(replay=shown(folder)))
-    assert part.count("<canvas tabindex") == 2
-    for panel, chosen in (("1", "graph"), ("2", "physics")):
-        mark = f'aria-label="World of panel {panel}"'
-        assert options(part, mark) == list(worlds)
-        assert f"<option selected>{chosen}</option>" in part.split(mark, 1)[1].split("</select>")[0]
+    assert part.count("<canvas tabindex") == 2 and 'panel" hidden' not in part
+    for level in ("Run", "World", "Policy", "Episode"):
+        assert part.count(f'aria-label="{level} of map') == 2
     assert options(part, 'id="player-follow"')[:2] == ["nobody", "scouts-0"]
+
+
+def test_a_single_episode_has_nothing_to_stand_beside_it(make_run: MakeRun) -> None:
+    template = html.environment().get_template("player/player.html.j2")
+    part = player(template.render(replay=shown(make_run(policies=("greedy",), episodes=1))))
+    assert part.count("<canvas tabindex") == 1 and "player-beside" not in part
+
+
+CHOOSING = """
+const { replays, runs, before: place, level, value } = JSON.parse(process.argv[1]);
+const before = replays[place];
+const chosen = value === null ? besides(replays, before) : chooseAt(replays, before, level, value);
+console.log(JSON.stringify([replays.indexOf(chosen), LEVELS.map((one) =>
+  valuesAt(replays, chosen, one).map((each) => wordsOf(replays, runs, chosen, one, each)))]));
+"""
+
+
+def replays_of(*keys: tuple[int, str, str, int, str]) -> list[dict[str, Any]]:
+    names = ("run", "world", "policy", "episode")
+    return [dict(zip(names, key[:4], strict=True)) | {"ranks": key[4].split()} for key in keys]
+
+
+def choose(
+    replays: list[dict[str, Any]], before: int, level: str = "", value: object = None
+) -> tuple[int, list[list[str]]]:
+    """What the page's own code chooses, run by Node.js: which replay, and what it then offers."""
+    if NODE is None:
+        pytest.skip("Node.js is not installed")
+    runs = [{"label": "old"}, {"label": "new"}]
+    asked = {"replays": replays, "runs": runs, "before": before, "level": level, "value": value}
+    code = resources.files("mjforage.view.report").joinpath("player", "choice.js")
+    script = code.read_text("utf-8") + CHOOSING
+    done = subprocess.run(
+        [NODE, "-e", script, json.dumps(asked)], capture_output=True, text=True, check=True
+    )
+    place, offered = json.loads(done.stdout)
+    return int(place), offered
+
+
+OWN_MEDIANS = replays_of(
+    (0, "graph", "greedy", 0, "first"),
+    (0, "graph", "greedy", 4, "worst"),
+    (0, "graph", "levy", 0, "first"),
+    (0, "graph", "levy", 2, "worst"),
+    (0, "physics", "greedy", 0, "first"),
+    (0, "physics", "greedy", 2, "median"),
+    (0, "physics", "greedy", 4, "worst"),
+    (1, "graph", "levy", 0, "first worst"),
+)
+
+
+def test_another_policy_is_shown_in_the_same_episode_else_in_that_of_the_same_rank() -> None:
+    place, offered = choose(OWN_MEDIANS, 0, "policy", "levy")
+    assert place == 2
+    assert offered == [
+        ["old", "new"],
+        ["graph world", "physics world"],
+        ["greedy", "levy"],
+        ["episode 0 (first)", "episode 2 (worst)"],
+    ]
+    assert choose(OWN_MEDIANS, 1, "policy", "levy")[0] == 3, "its own worst"
+    assert choose(OWN_MEDIANS, 1, "world", "physics")[0] == 6, "the same number and rank"
+    assert choose(OWN_MEDIANS, 5, "world", "graph")[0] == 0, "neither: the first"
+
+
+def test_another_run_keeps_the_policy_where_it_has_it() -> None:
+    assert choose(OWN_MEDIANS, 3, "run", 1)[0] == 7
+    place, offered = choose(OWN_MEDIANS, 6, "run", 1)
+    assert place == 7, "neither the world nor the policy is there"
+    assert offered[1:] == [["graph world"], ["levy"], ["episode 0 (first, worst)"]]
+
+
+def test_beside_a_replay_stands_another_run_else_world_else_policy_else_episode() -> None:
+    assert choose(OWN_MEDIANS, 2)[0] == 7
+    assert choose(OWN_MEDIANS[:7], 1)[0] == 6
+    assert choose(OWN_MEDIANS[:4], 0)[0] == 2
+    assert choose(OWN_MEDIANS[:2], 0)[0] == 1
+    assert choose(OWN_MEDIANS[:1], 0)[0] == 0
 
 
 def test_the_script_needs_nothing_from_outside() -> None:
@@ -91,19 +176,20 @@ process.stdin.on("data", (part) => { input += part; });
 process.stdin.on("end", async () => {
   const { stage, entry, times } = JSON.parse(input);
   const episode = await decodeEpisode(entry, stage), steps = [...Array(entry.steps + 1).keys()];
-  const agents = stage.agents.map((_, i) => i), items = [...Array(entry.items).keys()];
+  const { agents: fleet, period_s: period } = stage.runs[0];
+  const agents = fleet.map((_, i) => i), items = [...Array(entry.items).keys()];
   console.log(JSON.stringify({
     poses: times.map((time) => agents.map((i) => Object.values(episode.pose(i, time)))),
     items: times.map((time) => items.map((i) => Object.values(episode.item(i, time)))),
     winds: times.map((time) => Object.values(episode.wind(time))),
-    shares: steps.map((step) => Object.values(episode.shares(step * stage.period_s))),
+    shares: steps.map((step) => Object.values(episode.shares(step * period))),
     belief: [...steps, ...[...steps].reverse()].map((step) => [...episode.belief.at(step)]),
     minds: [-1, ...agents].map((agent) => [...steps, ...[...steps].reverse()].map((step) =>
       ["belief", "idleness", "view"].map((layer) => [...episode.mind(agent)[layer].at(step)]))),
     heard: steps.map((step) => agents.map((agent) => agents.map((other) =>
       episode.heardAt(agent, other, step)))),
     knows: [-1, ...agents].map((agent) => steps.map((step) =>
-      items.map((item) => episode.knows(agent, item, step * stage.period_s)))),
+      items.map((item) => episode.knows(agent, item, step * period)))),
     links: steps.flatMap((step) => episode.links(step).map(({ a, b, lost }) => [step, a, b, lost])),
   }));
 });

@@ -12,7 +12,8 @@ from mjforage.core.errors import UserError
 from mjforage.core.whole_files import write_bytes
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.report.run_logs import load_logs
-from mjforage.view.report.web_replay import LIMIT, web_replay
+from mjforage.view.report.web_entry import fair_share
+from mjforage.view.report.web_replay import web_replay
 from mjforage.view.report.web_stream import changes, folded, packed, thinned, track
 from tests.mjforage.view.report.replay_data import (
     MakeRun,
@@ -109,39 +110,106 @@ def test_a_full_episode_stays_small(make_run: MakeRun) -> None:
     result = shown(folder)
     assert len(entry_of(result, "graph")["text"]) < 40_000
     entry = entry_of(result, "physics")
-    assert len(entry["text"]) < LIMIT
+    assert len(entry["text"]) < 400_000
     assert (entry["pose_stride"], entry["item_stride"]) == (1, 2)
 
 
-def test_what_is_too_large_is_kept_at_fewer_frames(
-    make_run: MakeRun, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_too_large_is_kept_at_fewer_frames(make_run: MakeRun) -> None:
     folder = make_run(worlds=("graph", "physics"), policies=("greedy",), episodes=1)
     with_physics(folder)
-    whole = len(entry_of(shown(folder), "physics")["text"])
-    monkeypatch.setattr("mjforage.view.report.web_replay.LIMIT", whole // 2)
-    entry = entry_of(shown(folder), "physics")
-    assert len(entry["text"]) <= whole // 2
+    sizes = {world: len(entry_of(shown(folder), world)["text"]) for world in ("graph", "physics")}
+    budget = sizes["graph"] + sizes["physics"] // 2
+    result = web_replay({"": folder}, budget)
+    assert result is not None and result.left_out == 0
+    entry = entry_of(result, "physics")
+    assert len(entry["text"]) <= sizes["physics"] // 2
     assert entry["item_stride"] == 2 * entry["pose_stride"] > 2
+    assert len(entry_of(result, "graph")["text"]) == sizes["graph"], "the small one pays nothing"
 
 
-def test_worlds_and_policies_to_choose_from(make_run: MakeRun) -> None:
+def test_what_does_not_fit_is_left_out_and_counted_first_episodes_last(make_run: MakeRun) -> None:
+    folder = make_run(episodes=3, kept=(0, 1, 2))
+    sizes = [len(entry["text"]) for entry in shown(folder).data["replays"]]
+    firsts = sizes[0] + sizes[3]
+    result = web_replay({"": folder}, firsts + min(sizes) // 2)
+    assert result is not None and result.left_out == 4
+    kept = [(entry["policy"], entry["episode"]) for entry in result.data["replays"]]
+    assert kept == [("greedy", 0), ("levy", 0)]
+    least = web_replay({"": folder}, 1)
+    assert least is not None and len(least.data["replays"]) == 1, "one is always shown"
+
+
+@pytest.mark.parametrize(
+    ("sizes", "budget", "limit"),
+    [([5, 5], 10, 5), ([5, 5], 8, 4), ([1, 9, 9], 11, 5), ([1, 2, 30], 20, 17), ([], 3, 0)],
+)
+def test_the_budget_is_shared_so_that_the_small_give_to_the_large(
+    sizes: list[int], budget: int, limit: int
+) -> None:
+    assert fair_share(sizes, budget) == limit
+    assert sum(min(size, limit) for size in sizes) <= budget
+
+
+def test_each_episode_is_named_by_its_rank_in_its_world_and_policy(make_run: MakeRun) -> None:
+    folder = make_run(episodes=3, kept=(0, 1, 2))
+    episodes = load_logs(folder).episodes
+    entries = shown(folder).data["replays"]
+    for policy in ("greedy", "levy"):
+        own = episodes.filter(policy=policy).sort(
+            "pta_c", "length", "episode", descending=[False, True, False]
+        )
+        worst, median, best = own["episode"].to_list()
+        ranks = {e["episode"]: e["ranks"] for e in entries if e["policy"] == policy}
+        assert "first" in ranks[0]
+        assert ("worst" in ranks[worst], "median" in ranks[median], "best" in ranks[best]) == (
+            (True,) * 3
+        )
+        assert sum(map(len, ranks.values())) == 4
+    assert shown(make_run(episodes=1)).data["replays"][0]["ranks"] == []
+
+
+def test_one_map_at_first_and_two_where_there_are_worlds_or_runs(make_run: MakeRun) -> None:
     ladder = ("graph", "hulls", "debris", "physics")
-    result = shown(make_run(worlds=ladder, replays=("levy",), episodes=1))
-    assert (result.worlds, result.shown) == (ladder, ("graph", "physics"))
-    assert result.policies == ("levy",)
-    alone = shown(make_run(episodes=1))
-    assert (alone.worlds, alone.shown, alone.policies) == (
-        ("graph",),
-        ("graph",),
-        ("greedy", "levy"),
-    )
+    several = shown(make_run(worlds=ladder, replays=("levy",), episodes=1))
+    assert several.panels == (True, True)
+    assert [entry["world"] for entry in several.data["replays"]] == list(ladder)
+    alone = make_run(episodes=1)
+    assert shown(alone).panels == (True, False)
+    assert shown(make_run(policies=("levy",), episodes=1)).panels == (True,)
+    both = web_replay({"one": alone, "two": alone})
+    assert both is not None and both.panels == (True, True)
+
+
+def test_runs_on_one_page_each_have_their_fleet_and_time(make_run: MakeRun) -> None:
+    one, two = make_run(policies=("greedy",), episodes=1), make_run(scouts=3, horizon=9)
+    result = web_replay({"with two": one, "with three": two})
+    assert result is not None
+    assert [run["label"] for run in result.data["runs"]] == ["with two", "with three"]
+    assert [len(run["agents"]) for run in result.data["runs"]] == [4, 5]
+    assert [run["horizon"] for run in result.data["runs"]] == [12, 9]
+    series = [(entry["run"], entry["policy"]) for entry in result.data["replays"]]
+    assert series == [(0, "greedy"), (1, "greedy"), (1, "levy")]
+    assert result.vessels == ("scouts-0", "scouts-1", "foragers-0", "foragers-1", "scouts-2")
+
+
+def test_runs_on_different_maps_are_refused(make_run: MakeRun) -> None:
+    one, two = make_run(episodes=1), make_run(episodes=1, shape=(14, 10))
+    with pytest.raises(UserError, match=r"run-1: is on another map \(comb-port, 14 x 10 .*13 x 10"):
+        web_replay({"one": one, "two": two})
+
+
+def test_a_run_without_replays_is_no_hindrance_to_others(make_run: MakeRun) -> None:
+    one, two = make_run(episodes=1), make_run(episodes=1)
+    shutil.rmtree(one / "replay")
+    result = web_replay({"one": one, "two": two})
+    assert result is not None
+    assert {entry["run"] for entry in result.data["replays"]} == {1}
 
 
 def test_without_replays_there_is_no_player(make_run: MakeRun) -> None:
     folder = make_run(episodes=1)
     shutil.rmtree(folder / "replay")
-    assert web_replay(load_logs(folder)) is None
+    assert web_replay({"": folder}) is None
 
 
 def other_map(replay: Replay) -> Replay:
@@ -164,7 +232,7 @@ def test_a_replay_of_another_run_is_refused(
     path = folder / "replay" / "graph-greedy-0.npz"
     write_bytes(path, change(Replay.load(path)).content())
     with pytest.raises(UserError, match=r"greedy-0\.npz: (is not of the run|.* does not fit)"):
-        web_replay(load_logs(folder))
+        web_replay({"": folder})
 
 
 def test_what_each_vessel_knows_follows_what_all_know(make_run: MakeRun) -> None:

@@ -1,0 +1,103 @@
+"""Which episodes of every world and policy are kept step by step, for the replay on the page."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.references import file_label
+from mjforage.core.errors import UserError
+
+RANKS = ("first", "median", "worst", "best")
+"""Episodes that are known by what came out, each of one world and policy."""
+KEPT: tuple[str | int, ...] = ("first", "median", "worst")
+"""What evaluate and compare keep unless they are told otherwise."""
+FIRST: tuple[str | int, ...] = ("first",)
+"""What each run of a study keeps."""
+_HOW = f"give episodes' numbers, {', '.join(RANKS)}, or none alone, as in --replay 0,3,worst"
+
+
+def parse_kept(text: str) -> tuple[str | int, ...]:
+    """Read a list such as `0,3,worst`; `none` is an empty one.
+
+    Raises
+    ------
+    UserError
+        Naming the word that is neither a number nor a rank.
+    """
+    words = [word.strip() for word in text.split(",")]
+    if words == ["none"]:
+        return ()
+    for word in words:
+        if word not in RANKS and not (word.isascii() and word.isdigit()):
+            raise UserError(f"--replay {text}: '{word}' names no episode; {_HOW}")
+    return tuple(dict.fromkeys(word if word in RANKS else int(word) for word in words))
+
+
+def check_kept(kept: Iterable[str | int], episodes: int) -> tuple[str | int, ...]:
+    """The same without what stands twice, once the run is known to have these episodes.
+
+    Raises
+    ------
+    UserError
+        If it has not.
+    """
+    found = tuple(dict.fromkeys(kept))
+    for one in found:
+        if isinstance(one, int) and not 0 <= one < episodes:
+            raise UserError(
+                f"--replay {one}: the run has episodes 0 to {episodes - 1} of every world and "
+                "policy; name one of them"
+            )
+        if isinstance(one, str) and one not in RANKS:
+            raise UserError(f"--replay {one}: names no episode; {_HOW}")
+    return found
+
+
+def ranked(pta_c: NDArray[np.float64], length: NDArray[np.float64]) -> dict[str, int]:
+    """Rank -> episode of one world and policy: least collected is worst.
+
+    Of episodes that collected equally, more decisions are worse, then the lower number. Of an even
+    number of episodes the median is the worse of the two in the middle.
+
+    Parameters
+    ----------
+    pta_c : (episode,) share of the items collected in the end [%]
+    length : (episode,) decisions made
+    """
+    order = np.lexsort((np.arange(len(pta_c)), -length, pta_c)).tolist()
+    return {
+        "first": 0,
+        "median": order[(len(order) - 1) // 2],
+        "worst": order[0],
+        "best": order[-1],
+    }
+
+
+def sure(kept: Iterable[str | int]) -> tuple[int, ...]:
+    """Episodes that are known before the run: those with numbers, and the first."""
+    numbers = [0 if one == "first" else one for one in kept]
+    return tuple(sorted({one for one in numbers if isinstance(one, int)}))
+
+
+def chosen(kept: Sequence[str | int], ranks: dict[str, int]) -> tuple[int, ...]:
+    """All of them, once it is known which episode has which rank."""
+    return tuple(sorted({ranks[one] if isinstance(one, str) else one for one in kept}))
+
+
+def replay_file(folder: Path, world: str, policy: str, episode: int) -> Path:
+    """Where a run folder keeps an episode."""
+    return folder / "replay" / f"{world}-{file_label(policy)}-{episode}.npz"
+
+
+def replay_files(folder: Path, world: str, policy: str) -> dict[int, Path]:
+    """Episode -> file of those that a run folder keeps of one world and policy, in their order."""
+    prefix = f"{world}-{file_label(policy)}-"
+    found = {
+        path.stem.removeprefix(prefix): path
+        for path in (folder / "replay").glob("*.npz")
+        if path.stem.startswith(prefix)
+    }
+    numbers = sorted(int(one) for one in found if one.isascii() and one.isdigit())
+    return {number: found[str(number)] for number in numbers if str(number) in found}
