@@ -37,10 +37,11 @@ def _panel(axes: Axes, panel: Panel) -> None:
         left, right = span.x - BAND_HALF, span.x + BAND_HALF
         axes.fill_between([left, right], span.low, span.high, color=BAND, linewidth=1.5)
     expected = list(dict.fromkeys(line.label for line in panel.lines if line.expected))
+    named = [label for label in expected if label]
     several = len({line.colour for line in panel.lines if not line.expected}) > 1
     for line in panel.lines:
         if line.expected:
-            _expected(axes, line, expected.index(line.label), alone=len(expected) == 1)
+            _expected(axes, line, expected.index(line.label), alone=len(named) < 2)
         else:
             _measured(axes, line, marked=several)
     axes.set(xlabel=panel.x_label, ylabel=panel.y_label, title=panel.title)
@@ -61,7 +62,7 @@ def _panel(axes: Axes, panel: Panel) -> None:
 def _expected(axes: Axes, line: Line, number: int, *, alone: bool) -> None:
     """Dashed: in ink if alone, else each in the colour of what it belongs to, dashes of its own."""
     colour = style.INK if alone else COLOURS[line.colour % len(COLOURS)]
-    dashes = (0.0, DASHES[number % len(DASHES)])
+    dashes = (0.0, DASHES[0 if alone else number % len(DASHES)])
     axes.plot(line.x, line.y, color=colour, linestyle=dashes, linewidth=1.5, zorder=4)
 
 
