@@ -19,7 +19,7 @@ def drawn(*lines: Line) -> dict[str, Line2D]:
 
 
 def look(line: Line2D) -> tuple[str, str, str]:
-    return to_hex(line.get_color()), str(line.get_marker()), str(line._unscaled_dash_pattern)
+    return to_hex(line.get_color()), str(line.get_marker()), str(vars(line)["_dash_pattern"])
 
 
 def test_two_expected_laws_differ_in_colour_and_dashes_and_go_with_what_is_measured() -> None:
