@@ -31,7 +31,7 @@ from mjforage.view.report.web_replay import web_replay
 SETTINGS = ("scenario", "episodes", "worlds", "policies", "weights", "hulls", "versions", "code")
 """Keys of `run.json` in which two runs on the same episodes may differ."""
 _REMEDY = "name two runs of the same seed, map and items"
-_LONGEST = 60  # characters of a setting
+_LONGEST = 40  # characters of a setting
 
 Pair = tuple[Series, Series]
 """A world and policy of the first run, and one of the second."""
@@ -103,18 +103,19 @@ def shared_episodes(first: RunLogs, second: RunLogs) -> int:
     """
     here, there = first.run, second.run
     if not np.array_equal(here.map.cells, there.map.cells) or here.map.pitch_m != there.map.pitch_m:
-        shape, other = ((one.rows, one.columns, one.pitch_m) for one in (here.map, there.map))
-        words = f"the map is {there.map.name} {other} there and {here.map.name} {shape} here"
+        mine, theirs = (
+            f"{one.name}, {one.rows} x {one.columns} nodes {one.pitch_m:g} m apart,"
+            for one in (here.map, there.map)
+        )
+        words = f"the map is {theirs} there and {mine} here"
         raise UserError(_unshared(first, second, words))
-    facts = (
-        {"seed": one.run.seed, "items": one.run.scenario.get("items")} for one in (first, second)
-    )
-    for key, a, b in _differing(*facts):
-        raise UserError(_unshared(first, second, f"{key} is {b} there and {a} here"))
+    facts = ({"seed": run.seed, "items": run.scenario.get("items")} for run in (here, there))
+    for key, mine, theirs in _differing(*facts):
+        raise UserError(_unshared(first, second, f"{key} is {theirs} there and {mine} here"))
     count = min(here.episodes, there.episodes)
-    a, b = (_starts(logs, count) for logs in (first, second))
-    for episode in range(count):
-        if not (len(a[episode]) == len(b[episode]) and np.allclose(a[episode], b[episode])):
+    starts = zip(_starts(first, count), _starts(second, count), strict=True)
+    for episode, (own, others) in enumerate(starts):
+        if own.shape != others.shape or not np.allclose(own, others):
             words = f"the items of episode {episode} lie elsewhere, by other code perhaps"
             raise UserError(_unshared(first, second, words))
     return count
@@ -247,12 +248,14 @@ def _settings(runs: tuple[RunLogs, RunLogs], labels: tuple[str, str]) -> Table:
     files = [one.pop("code") or {} for one in chosen]
     changed = sorted(name for name in {**files[0], **files[1]} if len({*_of(files, name)}) > 1)
     rows = [Row(key, (a, b)) for key, a, b in _differing(*chosen)]
+    notes = []
     if changed:
-        words = f"{len(changed)} files differ: {', '.join(changed[:3])}"
-        rows.append(Row("code", (f"{words}, ..." if len(changed) > 3 else words, "")))
-    notes = () if rows else ("Nothing: the same settings, versions and code.",)
+        notes.append(f"Code: {len(changed)} files differ: {', '.join(changed)}.")
+    elif not rows:
+        notes.append("Nothing: the same settings, versions and code.")
     return Table(
-        "pair-settings", "What differs between the runs", labels, tuple(rows), notes, head="setting"
+        *("pair-settings", "What differs between the runs", labels, tuple(rows), tuple(notes)),
+        head="setting",
     )
 
 
@@ -274,4 +277,6 @@ def _short(value: object) -> str:
     if value is None:
         return "–"
     text = value if isinstance(value, str) else json.dumps(value)
+    if isinstance(value, list) and all(isinstance(one, str) for one in value):
+        text = ", ".join(value)
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
