@@ -112,7 +112,7 @@ def _draw_quays(axes: Axes, navigable: NDArray[np.bool_]) -> None:
 def _draw_starts(axes: Axes, starts: Starts) -> None:
     for row, column in starts:
         axes.plot(
-            column, row, "o", ms=7, mfc=style.SCOUT, mec="white", mew=1.2, zorder=4, gid="start"
+            column, row, "o", ms=7, mfc=style.INK, mec="white", mew=1.2, zorder=4, gid="start"
         )
     if starts:
         row, column = starts[0]

@@ -78,12 +78,10 @@ class HarbourView:
         self._stage = Stage(self._look, self._scales[1])
         self._colours = agent_colours(replay.agent_collects.tolist())
         self._frame = np.empty((height, width, 3), np.uint8)
-        self._place, unit = Box(0, 0, width, height), unit_of(width, height)
+        self._place = Box(0, 0, width, height)
         self._panel: SidePanel | None = None
         if panel:
-            split = split_frame(width, height, None if kind.follows else _shape(area))
-            self._panel = SidePanel(replay, self._timeline, split, self._colours, self.followed)
-            self._place = split.view
+            self._place, self._panel = self._shared_frame(width, height, area)
         width, height = round(self._place.width), round(self._place.height)
         self._circumstances = Circumstances(
             self._track,
@@ -97,6 +95,7 @@ class HarbourView:
         self._water = Water(shore_of(PaddedLand.of(replay.navigable, replay.pitch_m)))
         self._tags: Tags | None = None
         if not kind.follows and not is_brief(width, height):
+            unit = unit_of(self._frame.shape[1], self._frame.shape[0])
             self._tags = Tags(self._look.labels, self._colours, width, unit)
         self._size, self._detail = (height, width), detail
         drawn = detail * height, detail * width
@@ -105,6 +104,13 @@ class HarbourView:
         self._owns = shares is None
         self._canvas: Canvas = (
             Canvas(self._look.model, drawn[1], drawn[0]) if not shares else shares._canvas
+        )
+
+    def _shared_frame(self, width: int, height: int, area: Area) -> tuple[Box, SidePanel]:
+        """Where the picture goes in a frame with a panel, and that panel."""
+        split = split_frame(width, height, None if self._camera.follows else _shape(area))
+        return split.view, SidePanel(
+            self._replay, self._timeline, split, self._colours, self.followed
         )
 
     @property

@@ -96,4 +96,4 @@ def lay_rings(
     flash = (age >= 0.0) & (age < 1.0)
     left = 1.0 - age[flash]
     spread = scale * (0.2 + 0.9 * age[flash])
-    sheet.rings(items[flash, :2], spread, scale * 0.09 * left + 0.02, 0.9 * left, WHITE)
+    sheet.rings(items[flash, :2], spread, scale * 0.09 * left + 0.02, 0.9 * left, ITEM)

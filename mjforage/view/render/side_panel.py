@@ -181,11 +181,9 @@ def paint_chart(
     left = box.left + 0.5 * (box.width - inset.width)
     right, replay = left + inset.width, inset.replay
     base, size, by = box.top + 15 * unit, text_size(unit, 12.5), shown_name(replay)
-    words = f"seen by {by}"
-    if by == EVERYBODY:
-        whole = width("believed items", size, bold=True) < inset.width - 3 * size
-        words = "believed items" if whole else "believed"
-    words = fit(words, size, inset.width - 3 * size, bold=True)
+    room = inset.width - 3 * size
+    long, short = (f"seen by {by}", by) if by != EVERYBODY else ("believed items", "believed")
+    words = long if width(long, size, bold=True) <= room else fit(short, size, room, bold=True)
     write(image, words, left, base, size, bold=True, colour=_WHITE)
     believed = str(int(replay.belief[int(time + 1e-9)].sum()))
     write(image, believed, right, base, size, colour=PALE, align="right")
