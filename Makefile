@@ -64,7 +64,11 @@ pages: $(VENV)/.installed-dev
 		--set horizon=40 --out $(VENV)/pages/run
 	$(BIN)/mjforage study ablation comb-port --policy greedy --policy levy --episodes 2 \
 		--set horizon=40 --out $(VENV)/pages/study
-	node tests/pages/check.js $(VENV)/pages/run/report.html $(VENV)/pages/study/report.html
+	$(BIN)/mjforage evaluate comb-port --policy belief --episodes 2 --set horizon=40 \
+		--out $(VENV)/pages/other
+	$(BIN)/mjforage report $(VENV)/pages/run $(VENV)/pages/other --out $(VENV)/pages/both
+	node tests/pages/check.js $(VENV)/pages/run/report.html $(VENV)/pages/study/report.html \
+		$(VENV)/pages/both/report.html
 
 clean:
 	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -193,7 +193,7 @@ def _play(
 
 
 @app.command
-def report(folder: Path, other: Path | None = None, /, *, out: Path | None = None) -> None:
+def report(folder: Path, /, *others: Path, out: Path | None = None) -> None:
     """Draw tables, figures and report.html again, from the logs of a run or study alone.
 
     With two run folders: one page with the replays of both and their paired differences, if they
@@ -203,23 +203,25 @@ def report(folder: Path, other: Path | None = None, /, *, out: Path | None = Non
     ----------
     folder
         Folder that evaluate, compare or study wrote.
-    other
+    others
         A second run, to compare the first with.
     out
-        Folder for the page on two runs; default FOLDER/compared-with-OTHER.
+        Folder for the page on two runs; default FOLDER/compared-with-NAME.
     """
     from mjforage.core.errors import UserError
     from mjforage.view.report import write_pair, write_report
     from mjforage.view.report.studies import is_study, write_study_report
 
-    if other is None and out is not None:
+    if len(others) > 1:
+        raise UserError(f"report of {1 + len(others)} folders: name one, or two runs to compare")
+    if out is not None and not others:
         raise UserError(f"--out {out}: is for a page on two runs; name two run folders")
-    for one in (folder, other) if other else ():
+    for one in (folder, *others) if others else ():
         if is_study(one):
             raise UserError(f"{one}: holds a study; name two runs, such as those in its variants/")
     with errors.status("drawing the report"):
-        if other is not None:
-            path = write_pair(folder, other, out)
+        if others:
+            path = write_pair(folder, others[0], out)
         else:
             path = write_study_report(folder) if is_study(folder) else write_report(folder)
     output.print(f"report: {path}", soft_wrap=True)

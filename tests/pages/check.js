@@ -6,6 +6,7 @@ import { createRequire } from "node:module";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
+import { replay } from "./replay.js";
 
 const WIDTHS = [1280, 390];
 const SCHEMES = ["light", "dark"];
@@ -105,7 +106,7 @@ const sorting = (page) => page.evaluate(() => {
   return wrong;
 });
 
-const CHECKS = { overflow, "small print": small, axe: violations, "tab order": tabs, sorting };
+const CHECKS = { overflow, "small print": small, axe: violations, "tab order": tabs, sorting, replay };
 
 const check = async (browser, file, width, scheme) => {
   const viewport = { width, height: width < 600 ? 844 : 800 };

@@ -32,6 +32,7 @@ SETTINGS = ("scenario", "episodes", "worlds", "policies", "weights", "hulls", "v
 """Keys of `run.json` in which two runs on the same episodes may differ."""
 _REMEDY = "name two runs of the same seed, map and items"
 _LONGEST = 40  # characters of a setting
+_NAMED = 6  # files of code
 
 Pair = tuple[Series, Series]
 """A world and policy of the first run, and one of the second."""
@@ -250,7 +251,9 @@ def _settings(runs: tuple[RunLogs, RunLogs], labels: tuple[str, str]) -> Table:
     rows = [Row(key, (a, b)) for key, a, b in _differing(*chosen)]
     notes = []
     if changed:
-        notes.append(f"Code: {len(changed)} files differ: {', '.join(changed)}.")
+        more = f" and {len(changed) - _NAMED} more" if len(changed) > _NAMED else ""
+        names = ", ".join(changed[:_NAMED])
+        notes.append(f"Files of code that differ: {names}{more}.")
     elif not rows:
         notes.append("Nothing: the same settings, versions and code.")
     return Table(

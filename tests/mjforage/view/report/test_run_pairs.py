@@ -80,7 +80,7 @@ def test_what_differs_between_them_is_told(make_run: MakeRun) -> None:
     assert (row["setting"], row["run-0"], row["run-1"]) == (
         *("scenario.teams.scouts.radius", "4.0", "2.5"),
     )
-    assert "Code: 1 files differ: mjforage/core/mission.py." in page.read_text("utf-8")
+    assert "Files of code that differ: mjforage/core/mission.py." in page.read_text("utf-8")
 
 
 @pytest.mark.parametrize(
@@ -157,7 +157,7 @@ def test_the_command(
     assert f"report: {out / 'report.html'}" in command("report", one, two, "--out", out).out
     assert "--out" in refused("report", one, "--out", out)
     assert "name two runs" in refused("report", one, study_in(tmp_path))
-    assert refused("report", one, two, one)
+    assert "report of 3 folders: name one, or two" in refused("report", one, two, one)
 
 
 def study_in(folder: Path) -> Path:
