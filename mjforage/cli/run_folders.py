@@ -193,17 +193,23 @@ def _play(
 
 
 @app.command
-def report(folder: Path, /) -> None:
+def report(folder: Path, /, *, tables: str = "", figures: str = "") -> None:
     """Draw tables, figures and report.html again, from the logs of a run or study alone.
 
     Parameters
     ----------
     folder
         Folder that evaluate, compare or study wrote.
+    tables
+        Write every table into tables/ as well, in these formats: latex,csv,markdown.
+    figures
+        Write every figure into figures/ in these formats: pdf,png,svg; letters stay text.
     """
-    from mjforage.view.report import write_report
+    from mjforage.view.report import Exports, write_report
     from mjforage.view.report.studies import is_study, write_study_report
 
+    wanted = Exports.of(tables, figures)
+    draw = write_study_report if is_study(folder) else write_report
     with errors.status("drawing the report"):
-        path = write_study_report(folder) if is_study(folder) else write_report(folder)
+        path = draw(folder, wanted)
     output.print(f"report: {path}", soft_wrap=True)

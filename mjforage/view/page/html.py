@@ -16,8 +16,8 @@ from mjforage.view.page.picture import Picture, save_figure
 from mjforage.view.page.table import Row, Table, groups
 from mjforage.view.page.table_files import csv_text
 
-_SUBSCRIPT = re.compile(r"(?<![\w.:])([A-Z][A-Za-z]*)_([A-Za-z0-9]+)\b")  # of labels of metrics
-_CODE = re.compile(r"`([^`]+)`")
+SUBSCRIPT = re.compile(r"(?<![\w.:])([A-Z][A-Za-z]*)_([A-Za-z0-9]+)\b")  # of labels of metrics
+CODE = re.compile(r"`([^`]+)`")
 _FOLDERS = ("page", "report", "validation")  # of templates
 
 
@@ -88,8 +88,8 @@ def _template(name: str) -> str | None:
 def rich_text(text: str) -> Markup:
     """Escape, then set subscripts of metric names and code between backticks."""
     safe = str(escape(text))
-    safe = _SUBSCRIPT.sub(r"\1<sub>\2</sub>", safe)
-    return Markup(_CODE.sub(r"<code>\1</code>", safe))
+    safe = SUBSCRIPT.sub(r"\1<sub>\2</sub>", safe)
+    return Markup(CODE.sub(r"<code>\1</code>", safe))
 
 
 def sort_key(row: Row, place: int) -> Markup:

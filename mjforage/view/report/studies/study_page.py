@@ -8,7 +8,6 @@ from typing import Any
 from mjforage.view.page import embedded, set_page, style
 from mjforage.view.page.picture import Picture
 from mjforage.view.page.table import Table
-from mjforage.view.page.table_files import write_table
 from mjforage.view.report.differences import too_few
 from mjforage.view.report.studies.cost import cost_table, throughput_picture, throughput_table
 from mjforage.view.report.studies.study_logs import StudyLogs
@@ -53,17 +52,20 @@ def facts(logs: StudyLogs) -> list[tuple[str, str]]:
     return [(term, value) for term, value in pairs if value]
 
 
+def cost_sections(logs: StudyLogs) -> list[Section]:
+    """What the study took; nothing where it was not noted."""
+    if not any(logs.costs.values()):
+        return []
+    drawn = [picture for picture in (throughput_picture(logs),) if picture is not None]
+    tables = [cost_table(logs), throughput_table(logs)]
+    return [Section("cost", "Cost and throughput", "", tables, drawn)]
+
+
 def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -> str:
     """Set the page as HTML, and save its figures in the study's folder."""
-    if any(logs.costs.values()):
-        drawn = [picture for picture in (throughput_picture(logs),) if picture is not None]
-        tables = [cost_table(logs), throughput_table(logs)]
-        sections = [*sections, Section("cost", "Cost and throughput", "", tables, drawn)]
     parts: list[dict[str, Any]] = []
     for section in sections:
         figures = [embedded(picture, logs.folder) for picture in section.pictures]
-        for table in section.tables:
-            write_table(table, logs.folder / "tables", ("csv",))
         parts.append(
             {
                 "name": section.name,
