@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, TypedDict
 from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
-from mjforage.cli.console import app, bar, errors, output
+from mjforage.cli.console import app, bar, output, working
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def evaluate(
         "metrics": metric,
         "kept": parse_kept(replay),
     }
-    _play(setup, policy, folder, plan, by, again)
+    _play("evaluate", setup, policy, folder, plan, by, again)
 
 
 @app.command
@@ -153,10 +153,11 @@ def compare(
         "metrics": metric,
         "kept": parse_kept(replay),
     }
-    _play(setup, policy, folder, plan, by, again)
+    _play("compare", setup, policy, folder, plan, by, again)
 
 
 def _play(
+    words: str,
     setup: "Setup",
     policies: list[str],
     folder: Path,
@@ -175,7 +176,7 @@ def _play(
         f"{setup.scenario.name} on map {setup.grid.name} ({rows} x {columns}, "
         f"{len(setup.graph)} nodes; {shares} of them)"
     )
-    with bar("episodes") as shown:
+    with bar(words, "episodes") as shown:
         summary = run(
             setup,
             policies,
@@ -187,7 +188,7 @@ def _play(
         )
     bounds = {policy for found in summary.values() for policy in found if is_bound(policy)}
     output.print(terminal_table(summary, bounds))
-    with errors.status("drawing the report"):
+    with working("drawing the report"):
         path = write_report(folder)
     output.print(f"report: {path}", soft_wrap=True)
 
@@ -210,6 +211,6 @@ def report(folder: Path, /, *, tables: str = "", figures: str = "") -> None:
 
     wanted = Exports.of(tables, figures)
     draw = write_study_report if is_study(folder) else write_report
-    with errors.status("drawing the report"):
+    with working("drawing the report"):
         path = draw(folder, wanted)
     output.print(f"report: {path}", soft_wrap=True)

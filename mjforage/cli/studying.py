@@ -9,7 +9,7 @@ import cyclopts
 from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
-from mjforage.cli.console import app, bar, errors, output
+from mjforage.cli.console import app, bar, output, working
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
 
 if TYPE_CHECKING:
@@ -269,8 +269,8 @@ def _play(
             f"{len(variants)} variants, {episodes} episodes each"
         )
 
-    with bar("episodes") as shown:
+    with bar(f"study {kind}", "episodes") as shown:
         run_study(plan, folder, workers=workers, progress=shown, begin=begin, resume=again.resume)
-    with errors.status("drawing the report"):
+    with working("drawing the report"):
         path = write_study_report(folder)
     output.print(f"report: {path}", soft_wrap=True)
