@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.page.latex_tables import latex_text
+from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.page.table_files import csv_text, markdown_text, write_table
 
 
@@ -35,7 +35,11 @@ def test_csv_holds_numbers_in_full_with_their_intervals() -> None:
 
 def test_csv_of_cells_without_numbers_has_their_words_and_a_plain_minus() -> None:
     table = Table("t", "T", ("a",), (Row("x", ("−1.5",), group="G"), Row("y", ("yes",), group="G")))
-    assert read(csv_text(table)) == [["group", "policy", "a"], ["G", "x", "-1.5"], ["G", "y", "yes"]]
+    assert read(csv_text(table)) == [
+        ["group", "policy", "a"],
+        ["G", "x", "-1.5"],
+        ["G", "y", "yes"],
+    ]
 
 
 def test_an_interval_in_a_column_of_its_own_becomes_its_two_ends() -> None:
