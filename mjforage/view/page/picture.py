@@ -52,11 +52,6 @@ class Panel:
         """Line style per world."""
         return style.world_lines(self.worlds)
 
-    @property
-    def marked(self) -> bool:
-        """Whether lines carry markers: once there are too many for colour alone."""
-        return len(self.policies) > 3
-
     def legend(self, figure: Figure) -> None:
         """Draw the legend above the axes: policies and, for several worlds, their lines."""
         handles = [self._handle(name, look) for name, look in self.looks().items()]
@@ -76,9 +71,8 @@ class Panel:
         )
 
     def _handle(self, name: str, look: style.Look) -> Line2D:
-        marker = look.marker if self.marked else ""
         line = self.lines()[self.worlds[0]] if len(self.worlds) == 1 else "-"
-        look_of: dict[str, Any] = {"color": look.colour, "linestyle": line, "marker": marker}
+        look_of: dict[str, Any] = {"color": look.colour, "linestyle": line, "marker": look.marker}
         return Line2D([], [], markersize=5, label=name, **look_of)
 
 

@@ -153,7 +153,7 @@ def _plot(axes: Axes, logs: RunLogs, panel: Panel, curve: Description) -> dict[S
             line.mean,
             color=look.colour,
             linestyle=lines[world],
-            marker=look.marker if panel.marked else "",
+            marker=look.marker,
             markersize=5,
             markevery=(place * stride // max(1, len(courses)), stride),
         )
