@@ -14,7 +14,13 @@ from mjforage.view.page import style
 from mjforage.view.page.table import NOTHING as NOTHING
 from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.best_marks import NOTE, best_of
-from mjforage.view.report.published import LABEL, STRAIGHT, STRAIGHT_NOTE, Published, published_for
+from mjforage.view.report.published import (
+    STRAIGHT,
+    STRAIGHT_NOTE,
+    Published,
+    elsewhere,
+    published_for,
+)
 from mjforage.view.report.run_logs import RunLogs, Series, Summaries, Summary, parse_summary
 
 HEADLINE = ("pta_d", "pta_c", "rmse", "nt50", "nt90", "csr", "gini_foragers", "length")
@@ -94,11 +100,11 @@ def entry_of(summary: Summaries, series: Series, key: str) -> Summary:
     return summary[series[0]][series[1]].get(key, missing)
 
 
-def _paper_rows(known: Published, metrics: Sequence[Description]) -> list[Row]:
+def _paper_rows(known: Published, metrics: Sequence[Description], map_: str) -> list[Row]:
     """What the paper prints, and what its public code gives over many seeds."""
-    sources = [(f"{known.algorithm}, {LABEL}", known.printed, known.interval)]
+    sources = [(f"{known.algorithm}, paper{map_}", known.printed, known.interval)]
     if known.pooled:
-        sources.append((known.pooled.what, known.pooled.mean, known.pooled.interval))
+        sources.append((known.pooled.what.format(map_), known.pooled.mean, known.pooled.interval))
     rows = []
     for head, mean, half in sources:
         cells, values = [], []
@@ -145,7 +151,7 @@ def metric_table(
         last = place + 1 == len(several) or several[place + 1][1] != series[1]
         known = published_for(logs.run, series[1]) if paper and last else None
         if known:
-            rows += _paper_rows(known, metrics)
+            rows += _paper_rows(known, metrics, elsewhere(logs.run))
     straight = any(row.paper and row.head.startswith(STRAIGHT) for row in rows)
     return Table(
         name,
@@ -177,21 +183,21 @@ def paper_tables(logs: RunLogs) -> list[Table]:
         metric_table(
             logs,
             "table-2",
-            "Table 2: PTA and RMSE at the end, mean ± 1.96 SEM",
+            "PTA and RMSE at the end (paper's Table 2), mean ± 1.96 SEM",
             ("pta_d", "pta_c", "rmse", "rmse_columns"),
             notes=[columns, bold],
         ),
         metric_table(
             logs,
             "table-3",
-            "Table 3: normalised time to remove 50 and 90 %, and throughput, mean ± 1.96 SEM",
+            "Time to remove 50 and 90 %, and throughput (paper's Table 3), mean ± 1.96 SEM",
             ("nt50", "nt90", "throughput"),
             notes=[bold],
         ),
         metric_table(
             logs,
             "table-4",
-            "Table 4: cooperative success ratio, mean ± 1.96 SEM",
+            "Cooperative success ratio (paper's Table 4), mean ± 1.96 SEM",
             ("csr",),
             notes=[
                 "The sensitivity slopes of this table come from `mjforage study corruption`.",

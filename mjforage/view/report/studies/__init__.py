@@ -18,8 +18,10 @@ from mjforage.view.report.studies import (
     planner_parts,
     sensing,
 )
+from mjforage.view.report.studies.as_in_paper import NOTE, referred
+from mjforage.view.report.studies.cost import LIKE_PAPER
 from mjforage.view.report.studies.study_logs import load_study
-from mjforage.view.report.studies.study_page import cost_sections, render
+from mjforage.view.report.studies.study_page import cost_sections, render, scene_sections
 
 __all__ = ["is_study", "write_study_report"]
 
@@ -57,8 +59,11 @@ def write_study_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:
             f"{again(folder, 'study.json')}"
         )
     target = folder / "report.html"
-    sections = [*PAGES[logs.kind](logs), *cost_sections(logs)]
-    text = render(logs, sections, definition_notes())
+    sections = [*scene_sections(logs), *PAGES[logs.kind](logs), *cost_sections(logs)]
+    notes = definition_notes()
+    if logs.kind in LIKE_PAPER:
+        sections, notes = referred(sections), [NOTE, *notes]
+    text = render(logs, sections, notes)
     tables = [table for section in sections for table in section.tables]
     pictures = [picture for section in sections for picture in section.pictures]
     export(folder, tables, pictures, wanted)

@@ -6,11 +6,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from mjforage.view.page import embedded, set_page, style
-from mjforage.view.page.picture import Picture
+from mjforage.view.page.picture import Picture, house_style
 from mjforage.view.page.table import Table
 from mjforage.view.report.differences import too_few
+from mjforage.view.report.map_figures import scenario_figure
+from mjforage.view.report.run_logs import pick_replay
 from mjforage.view.report.studies.cost import cost_table, throughput_picture, throughput_table
 from mjforage.view.report.studies.study_logs import StudyLogs
+from mjforage.view.report.web_replay import web_replay
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,15 @@ def facts(logs: StudyLogs) -> list[tuple[str, str]]:
     return [(term, value) for term, value in pairs if value]
 
 
+def scene_sections(logs: StudyLogs) -> list[Section]:
+    """Map, starts and items of the scenario as it is; nothing where no replay was kept."""
+    replay = pick_replay(logs.whole)
+    if replay is None:
+        return []
+    with house_style():
+        return [Section("scene", "The scenario", "", (), [scenario_figure(logs.whole, replay)])]
+
+
 def cost_sections(logs: StudyLogs) -> list[Section]:
     """What the study took; nothing where it was not noted."""
     if not any(logs.costs.values()):
@@ -83,6 +95,7 @@ def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -
             (name, logs.title(name), ", ".join(run.policies)) for name, run in logs.runs.items()
         ],
         "sections": parts,
+        "replay": web_replay({"": logs.whole.folder}),
         "few": too_few(logs.info.episodes),
         "notes": notes,
         "scenario_json": json.dumps(logs.info.scenario, indent=2, ensure_ascii=False),
