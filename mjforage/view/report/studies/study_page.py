@@ -61,7 +61,7 @@ def scene_sections(logs: StudyLogs) -> list[Section]:
     if replay is None:
         return []
     with house_style():
-        return [Section("scene", "The scenario", "", (), [scenario_figure(logs.whole, replay)])]
+        return [Section("scene", "Scenario", "", (), [scenario_figure(logs.whole, replay)])]
 
 
 def cost_sections(logs: StudyLogs) -> list[Section]:
@@ -97,6 +97,7 @@ def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -
         "sections": parts,
         "replay": web_replay({"": logs.whole.folder}),
         "few": too_few(logs.info.episodes),
+        "first_with_numbers": next((part["name"] for part in parts if part["tables"]), ""),
         "notes": notes,
         "scenario_json": json.dumps(logs.info.scenario, indent=2, ensure_ascii=False),
     }
