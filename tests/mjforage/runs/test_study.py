@@ -38,7 +38,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def plan(episodes: int = 3) -> Study:
     setup = Setup.of(load_scenario("published", ["horizon=12"]))
-    varied = variants.paper(setup.scenario, ("greedy", "levy"), 0.25, False)
+    varied = variants.paper(setup.scenario, ("greedy", "levy"), 0.25, True)
     options = {"step": 0.25, "whole_team": True}
     return Study("paper", setup, varied, episodes=episodes, options=options)
 
