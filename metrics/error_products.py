@@ -196,7 +196,7 @@ def _smooth_at(
             continue
         if down > _REACH:
             break
-        if down > 0 or (down == 0 and right >= 0):
+        if down >= 0:
             weight = overlap[n, down, right + _REACH]
         else:
             weight = overlap[other, -down, _REACH - right]

@@ -194,23 +194,52 @@ def _play(
 
 
 @app.command
-def report(folder: Path, /, *, tables: str = "", figures: str = "") -> None:
+def report(
+    folder: Path,
+    other: Path | None = None,
+    /,
+    *,
+    out: Path | None = None,
+    tables: str = "",
+    figures: str = "",
+) -> None:
     """Draw tables, figures and report.html again, from the logs of a run or study alone.
+
+    With two run folders: one page with the replays of both and their paired differences, if they
+    share episodes, which is the same seed, map and items.
 
     Parameters
     ----------
     folder
         Folder that evaluate, compare or study wrote.
+    other
+        A second run, to compare the first with.
+    out
+        Folder for the page on two runs; default FOLDER/compared-with-OTHER.
     tables
-        Write every table into tables/ as well, in these formats: latex,csv,markdown.
+        Write every table of one run or study into tables/ as well, in these formats:
+        latex,csv,markdown.
     figures
-        Write every figure into figures/ in these formats: pdf,png,svg; letters stay text.
+        Write every figure of one run or study into figures/ in these formats: pdf,png,svg; letters
+        stay text.
     """
-    from mjforage.view.report import Exports, write_report
+    from mjforage.core.errors import UserError
+    from mjforage.view.report import Exports, write_pair, write_report
     from mjforage.view.report.studies import is_study, write_study_report
 
     wanted = Exports.of(tables, figures)
-    draw = write_study_report if is_study(folder) else write_report
+    if other is None and out is not None:
+        raise UserError(f"--out {out}: is for a page on two runs; name two run folders")
+    if other is not None and (tables or figures):
+        raise UserError("--tables and --figures: are of one run or study; name one folder")
+    for one in (folder, other) if other else ():
+        if is_study(one):
+            raise UserError(f"{one}: holds a study; name two runs, such as those in its variants/")
     with working("drawing the report"):
-        path = draw(folder, wanted)
+        if other is not None:
+            path = write_pair(folder, other, out)
+        elif is_study(folder):
+            path = write_study_report(folder, wanted)
+        else:
+            path = write_report(folder, wanted)
     output.print(f"report: {path}", soft_wrap=True)

@@ -1,22 +1,34 @@
-"""One figure of a manoeuvre: track with hulls, speeds, heading and yaw rate, commands."""
+"""One figure of a manoeuvre: what it is about in large, the rest beside it, key figures below."""
 
 import math
+from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.patches import FancyArrowPatch
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
+from mjforage.physics.manoeuvre.key_figures import KeyFigure, key_figures
+from mjforage.physics.manoeuvre.standard import AHEAD_S, APPROACH_S
 from mjforage.physics.manoeuvre.trajectory import Trajectory, check_file
 from mjforage.view.page import style
-from mjforage.view.page.picture import house_style
+from mjforage.view.page.picture import WIDE_IN, house_style
 
-HULLS = 12  # outlines along the track
+HULLS = 12  # outlines along the track, at most
+LARGER = (1, 2, 5, 10, 20, 50, 100)  # how much larger than life hulls are drawn
+LEAST_HULL = 0.04  # of the track's longer side
 PICTURES = (".png", ".svg", ".pdf", ".jpg")
-PORT, STARBOARD = "#C2255C", "#0072B2"
+PORT, STARBOARD, HULL, SECOND = "#B5308A", "#0072B2", "#D55E00", "#D55E00"
+WIND, CURRENT = "#5E5E5E", "#0072B2"
+FIGURES_A_ROW, ROW_IN = 5, 0.52  # key figures in a row, and its height [inch]
+NOTHING = 1e-9  # below this a key figure is 0
+OVERSHOOTS = 2  # that are written at their peaks: the two that standards limit
 
 
 def check_plot(path: Path) -> None:
@@ -32,31 +44,64 @@ def check_plot(path: Path) -> None:
     check_file(path, "--plot")
 
 
+Draw = Callable[[Axes, Trajectory], None]
+
+
 def manoeuvre_figure(trajectory: Trajectory) -> Figure:
-    """Draw a trajectory; the caller writes it with `Figure.savefig`."""
+    """Draw a trajectory; the caller writes it with `Figure.savefig`.
+
+    Large is what the test is about: heading and helm over time of a zigzag, speed over time of a
+    run straight ahead, otherwise the track.
+    """
+    figures = key_figures(trajectory)
+    large, small = _PANELS.get(trajectory.test, (_track, (_speeds, _heading, _commands)))
+    rows = math.ceil(len(figures) / FIGURES_A_ROW)
     with house_style():
-        figure = Figure(figsize=(11.2, 7.0), layout="constrained")
+        strip_in = 0.2 + ROW_IN * rows
+        figure = Figure(figsize=(WIDE_IN, 6.8 + strip_in), layout="constrained")
         FigureCanvasAgg(figure)
-        grid = figure.add_gridspec(3, 2)
-        _track(figure.add_subplot(grid[:, 0]), trajectory)
-        _speeds(figure.add_subplot(grid[0, 1]), trajectory)
-        _heading(figure.add_subplot(grid[1, 1]), trajectory)
-        _commands(figure.add_subplot(grid[2, 1]), trajectory)
+        halves = figure.add_gridspec(2, 1, height_ratios=(6.8, strip_in))
+        above, below = (figure.add_subfigure(halves[row]) for row in (0, 1))
+        grid = above.add_gridspec(len(small), 2, width_ratios=(1.15, 1.0))
+        large(above.add_subplot(grid[:, 0]), trajectory)
+        for row, draw in enumerate(small):
+            axes = above.add_subplot(grid[row, 1])
+            draw(axes, trajectory)
+            if draw is not _track:
+                axes.set_xlabel("time (s)" if row == len(small) - 1 else "")
+        flows = trajectory.conditions.wind_mps, trajectory.conditions.current_mps
+        _figures(below.add_axes((0.0, 0.0, 1.0, 1.0)), figures, flows)
         figure.suptitle(f"{trajectory.vessel.name}: {trajectory.test}", fontweight="bold")
     return figure
 
 
 def _track(axes: Axes, t: Trajectory) -> None:
-    axes.plot(t.states[:, 0], t.states[:, 1], color=style.INK)
+    x, y = t.states[:, 0], t.states[:, 1]
+    times = _hulls_times_larger(t)
+    axes.plot(x, y, color=style.INK, label="midships")
+    last: NDArray[np.float64] | None = None
     for row in np.linspace(0, t.times_s.size - 1, HULLS).astype(int):
-        axes.fill(*_outline(t, int(row)).T, facecolor="none", edgecolor=style.SCOUT, lw=1.2)
+        far = last is None or math.hypot(*(t.states[row, :2] - last)) > times * t.vessel.length_m
+        if far or row == t.times_s.size - 1:
+            outline = _outline(t, int(row), times)
+            axes.fill(*outline.T, facecolor="none", edgecolor=HULL, lw=1.3, zorder=3)
+            last = t.states[row, :2]
+    _circle(axes, t)
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set(xlabel="x, east (m)", ylabel="y, north (m)", title="Track over ground")
+    scale = "at scale" if times == 1 else f"{times} x life size"
+    axes.set(xlabel="x, east (m)", ylabel="y, north (m)", title=f"Track over ground, hulls {scale}")
 
 
-def _outline(t: Trajectory, row: int) -> NDArray[np.float64]:
-    """(corners, 2) of a pointed hull in true size."""
-    half, side = 0.5 * t.vessel.length_m, 0.5 * t.vessel.beam_m
+def _hulls_times_larger(t: Trajectory) -> int:
+    """How much larger than life hulls are drawn: as little as lets them be seen."""
+    span = float(np.ptp(t.states[:, :2], axis=0).max())
+    least = LEAST_HULL * span / t.vessel.length_m
+    return next((times for times in LARGER if times >= least), LARGER[-1])
+
+
+def _outline(t: Trajectory, row: int, times: float) -> NDArray[np.float64]:
+    """(corners, 2) of a pointed hull, so many times its true size."""
+    half, side = 0.5 * times * t.vessel.length_m, 0.5 * times * t.vessel.beam_m
     body = np.array(
         [[-half, -side], [0.5 * half, -side], [half, 0.0], [0.5 * half, side], [-half, side]]
     )
@@ -65,20 +110,121 @@ def _outline(t: Trajectory, row: int) -> NDArray[np.float64]:
     return np.asarray(body @ np.array([[c, s], [-s, c]]) + (x, y))
 
 
+def _circle(axes: Axes, t: Trajectory) -> None:
+    """The steady turn's diameter in the water, across the last full turn, where there was one."""
+    diameter = key_figures(t).get("turning_diameter")
+    if diameter is None:
+        return
+    turned = np.abs(t.states[-1, 2] - t.states[:, 2])
+    turn = t.states[turned <= 2.0 * math.pi, :2]
+    middle, reach = 0.5 * (turn.min(axis=0) + turn.max(axis=0)), 0.5 * diameter.value
+    ends = (middle[0] - reach, middle[1]), (middle[0] + reach, middle[1])
+    arrow = {"arrowstyle": "<->", "color": CURRENT, "lw": 1.5, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", *ends, arrowprops=arrow, zorder=4)
+    axes.text(
+        middle[0],
+        middle[1],
+        f"diameter {diameter.value:.3g} m",
+        color=CURRENT,
+        ha="center",
+        va="bottom",
+        zorder=5,
+        bbox={"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 1.0},
+    )
+
+
 def _speeds(axes: Axes, t: Trajectory) -> None:
-    axes.plot(t.times_s, t.states[:, 3], color=style.INK, label="surge")
-    axes.plot(t.times_s, t.states[:, 4], color=style.FORAGER, ls="--", label="sway, to port")
-    axes.set(ylabel="m/s", title="Velocity over ground")
+    surge, sway = t.through_water.T
+    axes.plot(t.times_s, surge, color=style.INK, label="surge")
+    axes.plot(t.times_s, sway, color=SECOND, ls="--", label="sway, to port")
+    axes.set(xlabel="time (s)", ylabel="m/s", title="Speed in the water")
+    if t.test in ("straight", "stop") and t.times_s[-1] > AHEAD_S:
+        word = "thrusters stopped" if t.test == "straight" else "full astern"
+        _mark(axes, AHEAD_S, word)
     _legend(axes)
 
 
+def _way(axes: Axes, t: Trajectory) -> None:
+    """Way over ground; of a stop, since full astern."""
+    way = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(t.states[:, :2], axis=0).T))))
+    axes.plot(t.times_s, way, color=style.INK)
+    axes.set(ylabel="m", title="Way over ground")
+    if t.times_s[-1] > AHEAD_S:
+        _mark(axes, AHEAD_S, "")
+
+
+def _mark(axes: Axes, time_s: float, words: str) -> None:
+    """When something was ordered."""
+    axes.axvline(time_s, color=style.MUTED, lw=1.0, ls=":")
+    top = axes.get_xaxis_transform()
+    axes.text(time_s, 0.02, f" {words}", transform=top, color=style.MUTED, fontsize=10, va="bottom")
+
+
+def wrapped(heading_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Headings (rows,) in degrees from -180 to 180, not a number where they jump to the other end.
+
+    A line through them has a gap there.
+    """
+    degrees = (np.degrees(heading_rad) + 180.0) % 360.0 - 180.0
+    jumps = np.flatnonzero(np.abs(np.diff(degrees)) > 180.0)
+    degrees[jumps] = np.nan
+    return np.asarray(degrees)
+
+
 def _heading(axes: Axes, t: Trajectory) -> None:
-    axes.plot(t.times_s, np.degrees(t.states[:, 2]), color=style.INK, label="heading (deg)")
+    degrees = wrapped(t.states[:, 2])
+    axes.plot(t.times_s, degrees, color=style.INK)
+    axes.set(ylabel="deg", title="Heading, counter-clockwise from east")
+    if np.nanmax(degrees) - np.nanmin(degrees) > 180.0:
+        axes.set(ylim=(-190.0, 190.0), yticks=(-180, -90, 0, 90, 180))
+
+
+def _yaw_rate(axes: Axes, t: Trajectory) -> None:
+    axes.plot(t.times_s, np.degrees(t.states[:, 5]), color=style.INK)
+    axes.set(ylabel="deg/s", title="Yaw rate, to port")
+
+
+def _zigzag(axes: Axes, t: Trajectory) -> None:
+    """Heading from the first execute on, and the helm that answers it: a zigzag as it is drawn."""
+    angle = 20.0 if t.test == "zigzag-20" else 10.0
+    start = float(np.interp(APPROACH_S, t.times_s, t.states[:, 2]))
+    heading = np.degrees(t.states[:, 2] - start)
+    unit = t.vessel.thruster.command_unit
+    helm = t.commands[:, 1] - t.commands[:, 0]
     right = axes.twinx()
+    right.step(t.times_s, helm, where="post", color=SECOND, lw=1.4, ls="--")
+    most = 1.6 * max(float(np.abs(helm).max()), 1e-9)
+    right.set(ylim=(-most, most))
+    right.set_ylabel(f"helm: starboard minus port ({unit}), dashed", color=SECOND)
     right.grid(visible=False)
-    right.plot(t.times_s, np.degrees(t.states[:, 5]), color=style.SCOUT, ls="--")
-    right.set_ylabel("yaw rate (deg/s), dashed", color=style.SCOUT)
-    axes.set(ylabel="heading (deg)", title="Heading and yaw rate, counter-clockwise")
+    axes.plot(t.times_s, heading, color=style.INK, zorder=3)
+    for side in (-angle, angle):
+        axes.axhline(side, color=style.MUTED, lw=1.0, ls=":")
+    after = t.times_s >= APPROACH_S
+    _overshoots(axes, t.times_s[after], heading[after], angle)
+    reach = 1.25 * max(float(np.abs(heading[after]).max(initial=0.0)), angle)
+    axes.set(ylim=(-reach, reach), xlabel="time (s)", ylabel="heading, to port (deg)")
+    axes.set_title(f"Heading and helm: reversed at ±{angle:g} deg")
+
+
+def _overshoots(
+    axes: Axes, times: NDArray[np.float64], heading: NDArray[np.float64], angle: float
+) -> None:
+    """How far every swing goes beyond the angle, written at its peak."""
+    edges = np.concatenate(([0], np.flatnonzero(heading[1:] * heading[:-1] < 0.0) + 1))
+    swings = (slice(*pair) for pair in pairwise(edges.tolist()))
+    peaks = [swing.start + int(np.abs(heading[swing]).argmax()) for swing in swings]
+    for peak in [p for p in peaks if abs(heading[p]) >= angle][:OVERSHOOTS]:
+        up = heading[peak] > 0.0
+        axes.annotate(
+            f"+{abs(heading[peak]) - angle:.1f}°",
+            (times[peak], heading[peak]),
+            xytext=(0, 4 if up else -4),
+            textcoords="offset points",
+            ha="center",
+            va="bottom" if up else "top",
+            fontsize=10,
+        )
 
 
 def _commands(axes: Axes, t: Trajectory) -> None:
@@ -94,4 +240,55 @@ def _commands(axes: Axes, t: Trajectory) -> None:
 
 def _legend(axes: Axes) -> None:
     """Above the axes, right of the title, where it hides no line."""
-    axes.legend(ncols=2, loc="lower right", bbox_to_anchor=(1.0, 0.98), borderaxespad=0.0)
+    axes.legend(
+        ncols=2, loc="lower right", bbox_to_anchor=(1.0, 0.98), borderaxespad=0.0,
+        handlelength=1.3, columnspacing=1.2,
+    )  # fmt: skip
+
+
+def _figures(
+    axes: Axes, figures: dict[str, KeyFigure], flows: tuple[tuple[float, float], ...]
+) -> None:
+    """Wind and current as arrows, north up, and the key figures in rows beside them."""
+    axes.axis("off")
+    rows = math.ceil(len(figures) / FIGURES_A_ROW)
+    height = 0.2 + ROW_IN * rows
+    axes.set(xlim=(0.0, WIDE_IN), ylim=(0.0, height))  # inches
+    left, middle = 0.3, 0.2 + 0.5 * ROW_IN * rows
+    for name, colour, flow in zip(("wind", "current"), (WIND, CURRENT), flows, strict=True):
+        speed = math.hypot(*flow)
+        if speed > 0.0:
+            _arrow(axes, left + 0.3, middle, flow, colour)
+            words = f"{name}\n{speed:.2g} m/s"
+            axes.text(left + 0.7, middle, words, color=colour, va="center")
+            left += 1.7
+    wide = (WIDE_IN - 0.1 - left) / FIGURES_A_ROW
+    for number, (name, figure) in enumerate(figures.items()):
+        x, top = left + number % FIGURES_A_ROW * wide, height - number // FIGURES_A_ROW * ROW_IN
+        axes.text(x, top, name.replace("_", " "), color=style.MUTED, va="top", fontsize=10)
+        words = f"{shown_value(figure.value)} {figure.unit}"
+        axes.text(x, top - 0.2, words, va="top", fontweight="bold")
+
+
+def shown_value(value: float) -> str:
+    """Three digits, and 0 for what is nothing but rounding."""
+    return f"{value:.3g}" if abs(value) >= NOTHING else "0"
+
+
+def _arrow(axes: Axes, x: float, y: float, flow: tuple[float, float], colour: str) -> None:
+    """An arrow of fixed length on the screen, the way a flow goes."""
+    along = 0.25 * np.array(flow) / math.hypot(*flow)  # [inch]
+    ends = (x - along[0], y - along[1]), (x + along[0], y + along[1])
+    look: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 14.0, "lw": 2.0}
+    axes.add_patch(FancyArrowPatch(*ends, color=colour, clip_on=False, **look))
+
+
+_ALONG: tuple[Draw, tuple[Draw, ...]] = (_speeds, (_way, _track, _commands))
+_PANELS: dict[str, tuple[Draw, tuple[Draw, ...]]] = {
+    "zigzag": (_zigzag, (_track, _yaw_rate, _speeds)),
+    "zigzag-20": (_zigzag, (_track, _yaw_rate, _speeds)),
+    "straight": _ALONG,
+    "stop": _ALONG,
+    "drift": (_track, (_speeds, _heading)),
+}
+"""The large panel of a test and the small ones beside it; others show the track."""

@@ -15,7 +15,12 @@ const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.mi
 
 const overflow = (page) => page.evaluate(() => {
   const more = document.documentElement.scrollWidth - document.documentElement.clientWidth;
-  return more > 0 ? [`${more} px wider than the window`] : [];
+  const heads = [...document.querySelectorAll("thead th")];
+  const out = heads.filter((head) => head.checkVisibility() && head.scrollWidth > head.clientWidth + 1);
+  return [
+    ...(more > 0 ? [`${more} px wider than the window`] : []),
+    ...out.map((head) => `words out of a head: ${head.textContent}`),
+  ];
 });
 
 const small = (page) => page.evaluate((least) => {

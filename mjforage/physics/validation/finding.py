@@ -82,7 +82,10 @@ def shown(value: float) -> str:
 
 @dataclass(frozen=True)
 class Line:
-    """A curve: measured ones solid in the colour of their number, expected ones dashed in ink."""
+    """A curve: measured ones solid in the colour of their number, expected ones dashed.
+
+    Expected ones are in ink, but in their colours where a panel has several labels of them.
+    """
 
     label: str
     x: Float64Array  # (point,)

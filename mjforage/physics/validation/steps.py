@@ -53,7 +53,8 @@ def step_halving() -> Parts:
             measures.append(near(label, slope, order, 0.4))
         x = np.array(steps)
         lines.append(Line(kind, x, np.array(errors), colour, points=True))
-        lines.append(Line(f"order {order}", x, errors[-1] * (x / x[-1]) ** order, expected=True))
+        slope_line = errors[-1] * (x / x[-1]) ** order
+        lines.append(Line(f"order {order}", x, slope_line, colour, expected=True))
     panel = Panel(
         "Error after 10 s", "time step (s)", "position (m)", tuple(lines), log_x=True, log_y=True
     )

@@ -12,6 +12,7 @@ from mjforage.view.report.policy_pairs import comparison_table
 from mjforage.view.report.reality_gap import gap_table, ladder_table
 from mjforage.view.report.report_page import render
 from mjforage.view.report.run_logs import load_logs
+from mjforage.view.report.run_pairs import write_pair
 from mjforage.view.report.text_tables import (
     full_table,
     headline_table,
@@ -19,7 +20,7 @@ from mjforage.view.report.text_tables import (
     terminal_table,
 )
 
-__all__ = ["Exports", "terminal_table", "write_report"]
+__all__ = ["Exports", "terminal_table", "write_pair", "write_report"]
 
 
 def write_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:

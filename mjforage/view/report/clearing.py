@@ -16,12 +16,12 @@ UNKNOWN = "cannot be told"
 
 COLUMNS = ("cleared", "took", "left", "stood still", "horizon that would do")
 NOTE = (
-    "Took: mean over the episodes that were cleared. Left: items in the mean of the others. Stood "
-    "still: those of the others in whose last quarter nothing was removed. Horizon that would do: "
-    "the step by which half of the others would be cleared, if every item left in an episode were "
-    "removed with the chance per step that items had in its last quarter (an even chance for the "
-    "last one; never where it stood still). It cannot be told where half of them stood still, and "
-    "is too short for a policy that goes on slowing down."
+    "Took: mean of the episodes that were cleared. Of the others, left: items in the mean; stood "
+    "still: episodes in whose last quarter nothing was removed. Horizon that would do: by then "
+    "half of the others would be cleared, if each item left were removed with the chance per step "
+    "that items had in the last quarter of its episode. One that stood still counts as never "
+    "cleared; where more than half did, no horizon can be told. A policy that goes on slowing down "
+    "needs more."
 )
 
 
@@ -51,6 +51,12 @@ def clearing_step(removed: NDArray[np.float64], horizon: int) -> float:
     return horizon - math.log1p(-(0.5 ** (1 / left))) * waited / lately
 
 
+def about(steps: float) -> int:
+    """Steps rounded up to two digits: no more is known of them."""
+    unit = max(1, 10 ** (math.floor(math.log10(max(1.0, steps))) - 1))
+    return math.ceil(steps / unit) * unit
+
+
 def _episodes(logs: RunLogs, series: Series) -> list[NDArray[np.float64]]:
     """Step of each item's removal, infinite for never, episode by episode."""
     rows = logs.select(logs.items, series)
@@ -76,16 +82,16 @@ def _row(logs: RunLogs, series: Series, colour: str) -> Row:
         number(took, 1),
         number(items, 1),
         f"{still} of {others.size}" if others.size else NOTHING,
-        f"T = {math.ceil(would)}" if told else UNKNOWN if others.size else NOTHING,
+        f"≈ {about(would)}" if told else UNKNOWN if others.size else NOTHING,
     )
     values = (
         Number(len(steps) - others.size),
         Number(took),
         Number(items),
         Number(still if others.size else math.nan),
-        Number(math.ceil(would)) if told else None,
+        Number(would) if told else None,
     )
-    also = ("", "", "", "", f"{number(minutes(logs.run, would), 0)} min" if told else "")
+    also = ("", "", "", "", f"{number(minutes(logs.run, about(would)), 0)} min" if told else "")
     return Row(head_of(logs, series), cells, colour, values=values, also=also)
 
 

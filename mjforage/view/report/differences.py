@@ -19,7 +19,7 @@ def too_few(episodes: int) -> str:
     """Note for a page whose intervals are all of too few episodes; nothing for another."""
     if episodes >= FEWEST:
         return ""
-    return f"Intervals from fewer than {FEWEST} episodes are too narrow; none is bold."
+    return f"Intervals from fewer than {FEWEST} episodes are too narrow: no difference is bold."
 
 
 class Estimate:
@@ -104,7 +104,7 @@ def family_note(family: Sequence[Estimate], where: str = "this table", how: str 
     """Say how a family was tested."""
     tests = sum(not np.isnan(one.p) for one in family)
     return (
-        f"{how} where it differs from 0 by paired t-tests at the level {LEVEL:g}, corrected by "
-        f"Holm's method for the {tests} test{'s' if tests != 1 else ''} of {where}, and its "
-        "interval leaves out 0"
+        f"{how} where the interval leaves out 0 and it differs from 0 by paired t-tests at the "
+        f"level {LEVEL:g}, corrected by Holm's method for the {tests} test"
+        f"{'s' if tests != 1 else ''} of {where}"
     )

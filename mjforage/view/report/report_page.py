@@ -93,6 +93,7 @@ def render(
         "pairs": len(groups(paired.rows)) if paired else 0,
         "notes": definition_notes(),
         "replay": web_replay({"": logs.folder}),
+        "horizon_min": number(minutes(logs.run, logs.run.horizon), 0),
         "scenario_json": json.dumps(logs.run.scenario, indent=2, ensure_ascii=False),
     }
     return set_page("report.html.j2", logs.run.versions.get("mjforage", ""), content)

@@ -1,6 +1,7 @@
 """A finding's curves as one figure in the house style."""
 
 import math
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
@@ -12,6 +13,8 @@ from mjforage.view.page.picture import WIDE_IN, WIDTH_IN, Picture, canvas, house
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#B5308A", "#7A6A00")
 MARKERS = ("o", "s", "^", "D", "v")
+DASHES = ((4.0, 2.0), (1.2, 1.8), (6.0, 2.0, 1.2, 2.0))  # of expected lines that are told apart
+MARKS = 9  # along a measured line, where there are several
 BAND = "#BFE3D0"  # of published ranges
 BAND_HALF = 0.28  # half width of one
 HEIGHT_IN = 3.7
@@ -33,8 +36,14 @@ def _panel(axes: Axes, panel: Panel) -> None:
     for span in panel.spans:
         left, right = span.x - BAND_HALF, span.x + BAND_HALF
         axes.fill_between([left, right], span.low, span.high, color=BAND, linewidth=1.5)
+    expected = list(dict.fromkeys(line.label for line in panel.lines if line.expected))
+    named = [label for label in expected if label]
+    several = len({line.colour for line in panel.lines if not line.expected}) > 1
     for line in panel.lines:
-        _line(axes, line)
+        if line.expected:
+            _expected(axes, line, expected.index(line.label), alone=len(named) < 2)
+        else:
+            _measured(axes, line, marked=several)
     axes.set(xlabel=panel.x_label, ylabel=panel.y_label, title=panel.title)
     if panel.log_x:
         axes.set_xscale("log")
@@ -50,13 +59,21 @@ def _panel(axes: Axes, panel: Panel) -> None:
     _legend(axes, panel)
 
 
-def _line(axes: Axes, line: Line) -> None:
-    if line.expected:
-        axes.plot(line.x, line.y, color=style.INK, linestyle="--", linewidth=1.3, zorder=4)
-        return
+def _expected(axes: Axes, line: Line, number: int, *, alone: bool) -> None:
+    """Dashed: in ink if alone, else each in the colour of what it belongs to, dashes of its own."""
+    colour = style.INK if alone else COLOURS[line.colour % len(COLOURS)]
+    dashes = (0.0, DASHES[0 if alone else number % len(DASHES)])
+    axes.plot(line.x, line.y, color=colour, linestyle=dashes, linewidth=1.5, zorder=4)
+
+
+def _measured(axes: Axes, line: Line, *, marked: bool) -> None:
     place = line.colour % len(COLOURS)
-    marker, stroke = (MARKERS[place], "") if line.points else ("", "-")
-    axes.plot(line.x, line.y, color=COLOURS[place], marker=marker, linestyle=stroke, markersize=4.5)
+    look: dict[str, Any] = {"color": COLOURS[place], "linestyle": "" if line.points else "-"}
+    if line.points or marked:
+        look |= {"marker": MARKERS[place], "markersize": 4.5 if line.points else 3.8}
+    if not line.points:
+        look["markevery"] = max(1, len(line.x) // MARKS)
+    axes.plot(line.x, line.y, **look)
 
 
 def _legend(axes: Axes, panel: Panel) -> None:
@@ -79,6 +96,6 @@ def _legend(axes: Axes, panel: Panel) -> None:
         loc="upper center",
         bbox_to_anchor=(0.5, -0.2),
         borderaxespad=0.0,
-        handlelength=1.8,
+        handlelength=2.4,
         columnspacing=1.4,
     )

@@ -312,6 +312,7 @@ def test_render_draws_a_frame_a_series_and_films(
         ("-o", "frame.png", "--episode", 1, "--start", 40),
         ("-o", "film.gif", "--policy", "lawnmower", *short),
         ("--output", "film.mp4", *short),
+        ("-o", "beside.mp4", "--beside", "lawnmower", *short, "--height", 241),
         ("-o", "frame-%02d.png", *short),
     ):
         outcome = command("render", folder, *arguments)
@@ -330,6 +331,8 @@ def test_render_draws_a_frame_a_series_and_films(
     [
         (["-o", "a.png", "--episode", 2], "it holds episodes 0 to 1 of greedy, lawnmower"),
         (["-o", "a.png", "--policy", "pso"], "no episode 0 of pso"),
+        (["-o", "a.png", "--beside", "pso"], "beside pso: not in"),
+        (["-o", "a.png", "--beside", "greedy"], "beside greedy: is the film's own policy"),
         (["-o", "a.png", "--camera", "front"], 'Invalid value "front" for --camera'),
         (["-o", "a.png", "--world", "moon"], "no episode 0 of greedy in world moon"),
         (["-o", "a.doc"], "a.doc: unknown kind of file"),

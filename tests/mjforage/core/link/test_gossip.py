@@ -7,7 +7,7 @@ import pytest
 
 from graph_planner.look_log import LookLog
 from mjforage.core.link.contacts import Contacts
-from mjforage.core.link.gossip import LAST, NOT_HEARD, Terms, mail, pass_on, traffic
+from mjforage.core.link.gossip import LAST, NOT_HEARD, Terms, arrivals, mail, pass_on, traffic
 from mjforage.core.link.reach import reach_m
 from mjforage.core.scenario import Link
 
@@ -38,6 +38,11 @@ class Talk:
     def step(self, now: int) -> None:
         about = self.log, self.contacts, self.mail, self.traffic
         pass_on(self.terms, KEYS, HERE, np.array([now], np.int32), *about)
+
+    def hear(self, now: int) -> list[tuple[int, int, int]]:
+        """What arrives: holder, step and agent."""
+        number = arrivals(0, now, self.mail)
+        return [(h, s, a) for h, _, s, a in self.mail.heard[:number].tolist()]
 
     def heard(self, holder: int, agent: int, step: int) -> int:
         return int(self.mail.heard_at[0, holder, agent, step])
@@ -86,6 +91,45 @@ def test_what_is_under_way_is_neither_sent_again_nor_passed_on() -> None:
     links = 4
     assert talk.traffic.sent[0] == 5 * links + 2 * 3, "each once, and passed on from step 2"
     assert talk.mail.flying[0] == talk.traffic.sent[0]
+
+
+def test_what_arrives_is_heard_once_in_the_order_of_its_steps() -> None:
+    """The first look of 0 is lost, and comes two decisions after the second."""
+    talk = Talk((0, 1), latency=2)
+    talk.contacts.bad[0, 0, 1] = True
+    own = [(0, 0), (1, 1), (2, 2)]
+    for now in range(6):
+        talk.step(now)
+        talk.contacts.bad[:] = False
+        if now == 1:
+            talk.mail.heard_at[0, 1, 0, 0] = 5  # the lost one is still longer under way
+        expected = [(h, now, a) for h, a in own]
+        expected += [(0, now - 2, 1)] * (now >= 2) + [(1, now - 2, 0)] * (now >= 3)
+        expected += [(1, 0, 0)] * (now == 5)
+        heard = talk.hear(now)
+        assert heard == sorted(heard) and sorted(expected) == heard
+        assert talk.mail.arrived[0, 1, 0] == (-1 if now < 5 else 3)
+        left = sum(1 for at in talk.mail.heard_at[0].ravel() if at > now)
+        assert talk.mail.flying[0] == left
+
+
+def test_only_who_relays_passes_on_looks_of_others() -> None:
+    """0 to 1 to 2: what 0 saw comes to 2 if 1 passes on."""
+    for relays in (False, True):
+        talk = Talk((0, 1), (1, 2), passes_on=np.array([False, relays, False]))
+        for now in range(2):
+            talk.step(now)
+        assert (talk.heard(2, 0, 0) == 1) == relays
+        assert talk.heard(2, 1, 1) == 1, "its own anyway"
+
+
+def test_a_budget_in_cells_is_spent() -> None:
+    """One look a decision of the two that 1 lacks."""
+    talk = Talk(cells=1)
+    talk.step(0)
+    talk.contacts.snr_db[0, 0, 1] = np.inf
+    talk.step(1)
+    assert (talk.heard(1, 0, 1), talk.heard(1, 0, 0)) == (1, NOT_HEARD)
 
 
 def test_what_arrives_after_the_end_arrives_never() -> None:

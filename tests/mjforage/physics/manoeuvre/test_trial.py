@@ -8,7 +8,6 @@ from mjforage.core.errors import UserError
 from mjforage.physics.hydrodynamics.conditions import Conditions, State
 from mjforage.physics.manoeuvre import (
     Schedule,
-    Trajectory,
     manoeuvre,
     read_trajectory,
     run_manoeuvre,
@@ -18,7 +17,6 @@ from mjforage.physics.manoeuvre import (
 from mjforage.physics.manoeuvre.trajectory import COLUMNS
 from mjforage.physics.manoeuvre.trial import time_grid
 from mjforage.physics.vessels import Vessel, load_vessel
-from mjforage.view.manoeuvre_plot import manoeuvre_figure
 
 OTTER = load_vessel("otter")
 AHEAD = Schedule((0.0,), ((60.0, 60.0),))
@@ -167,12 +165,3 @@ def test_headings_without_an_exact_sine_are_refused(heading: float) -> None:
         UserError, match=rf"--heading {heading:g}: give degrees".replace("+", r"\+")
     ):
         manoeuvre("otter", test="drift", heading_deg=heading)
-
-
-def test_figure_shows_the_track(tmp_path: Path) -> None:
-    run: Trajectory = run_test(OTTER, "turning-circle", duration_s=60.0)
-    figure = manoeuvre_figure(run)
-    track = figure.axes[0].lines[0]
-    np.testing.assert_array_equal(track.get_xydata(), run.states[:, :2])
-    figure.savefig(tmp_path / "way.png")
-    assert (tmp_path / "way.png").stat().st_size > 10_000

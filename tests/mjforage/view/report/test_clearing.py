@@ -10,7 +10,7 @@ import pytest
 from mjforage.core.errors import UserError
 from mjforage.runs.run_info import load_run
 from mjforage.view.report import write_report
-from mjforage.view.report.clearing import UNKNOWN, clearing_step, clearing_table
+from mjforage.view.report.clearing import UNKNOWN, about, clearing_step, clearing_table
 from mjforage.view.report.run_logs import load_logs
 
 NEVER = math.inf
@@ -49,6 +49,13 @@ def test_the_estimate_finds_the_pace_of_items_with_a_constant_chance() -> None:
     assert np.mean(removed.max(axis=1) <= told) == pytest.approx(0.5, abs=0.1)
 
 
+@pytest.mark.parametrize(
+    ("steps", "shown"), [(8.2, 9), (99.5, 100), (100.6, 110), (457.9, 460), (1234.0, 1300)]
+)
+def test_an_estimate_has_two_digits_and_is_never_too_short(steps: float, shown: int) -> None:
+    assert about(steps) == shown
+
+
 def test_the_table_counts_episodes_and_names_the_horizon_in_steps_and_minutes(
     make_run: MakeRun,
 ) -> None:
@@ -63,8 +70,8 @@ def test_the_table_counts_episodes_and_names_the_horizon_in_steps_and_minutes(
     assert greedy.cells[0] == ("0 of 1" if left else "1 of 1")
     if left:
         told = clearing_step(np.where(np.isnan(removed), NEVER, removed), 12)
-        assert greedy.cells[4] == f"T = {math.ceil(told)}"
-        assert greedy.also[4] == f"{told * 10 / 60:.0f} min"
+        assert greedy.cells[4] == f"≈ {about(told)}"
+        assert greedy.also[4] == f"{about(told) * 10 / 60:.0f} min"
 
 
 @pytest.mark.parametrize("horizon", [12, 60])

@@ -22,7 +22,7 @@ from mjforage.view.report.report_page import render
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.text_tables import full_table, headline_table, paper_tables
 
-NOTE = "Intervals from fewer than 10 episodes are too narrow; none is bold."
+NOTE = "Intervals from fewer than 10 episodes are too narrow: no difference is bold."
 
 
 @pytest.mark.parametrize(("defined", "apart"), [(9, False), (10, True)])
@@ -89,4 +89,4 @@ def test_nothing_is_set_apart_whose_printed_interval_reaches_zero() -> None:
     clear, touching, below = (found(low, 0.5, 1.0) for low in (0.01, 0.004, -0.1))
     assert touching.interval.startswith("0.00 to")
     assert set_apart([clear, touching, below]) == [True, False, False]
-    assert "its interval leaves out 0" in family_note([clear])
+    assert "where the interval leaves out 0" in family_note([clear])

@@ -61,7 +61,7 @@ def test_a_column_says_which_way_is_better_to_eyes_and_ears() -> None:
 
 def test_every_head_has_words_and_the_area_that_scrolls_a_name() -> None:
     page = html_of(TABLE)
-    assert '<th scope="col">policy</th>' in page
+    assert '<th scope="col"><span class="label">policy</span></th>' in page
     assert 'class="scroll" role="region" tabindex="0" aria-label="Table: Title"' in page
 
 

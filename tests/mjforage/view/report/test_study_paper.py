@@ -133,7 +133,10 @@ def test_a_study_of_few_episodes_says_so_and_has_no_bold_interval(study: Make) -
     logs = study(False)
     sections = paper.sections(logs)
     page = render(logs, sections, ())
-    assert page.count("Intervals from fewer than 10 episodes are too narrow; none is bold.") == 1
+    assert (
+        page.count("Intervals from fewer than 10 episodes are too narrow: no difference is bold.")
+        == 1
+    )
     for section in (*corruption.sections(logs), *ablation.sections(logs)):
         assert not any(row.best for table in section.tables for row in table.rows), section.name
 

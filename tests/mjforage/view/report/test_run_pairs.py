@@ -1,0 +1,166 @@
+"""Two runs on the same episodes: what they must share, what is paired, and the page on them."""
+
+import csv
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pytest
+
+from mjforage.core.errors import UserError
+from mjforage.view.report.run_logs import load_logs
+from mjforage.view.report.run_pairs import paired_series, shared_episodes, write_pair
+from tests.mjforage.conftest import Command
+from tests.mjforage.view.report.replay_data import MakeRun
+
+GREEDY = ("graph", "greedy")
+
+
+def change(folder: Path, edit: Callable[[dict[str, Any]], object]) -> Path:
+    path = folder / "run.json"
+    run = json.loads(path.read_text())
+    edit(run)
+    path.write_text(json.dumps(run))
+    return folder
+
+
+def table(page: Path, name: str) -> list[dict[str, str]]:
+    with (page.parent / "tables" / f"{name}.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_differences_are_of_the_episodes_that_both_have(make_run: MakeRun) -> None:
+    one, two = make_run(episodes=5), make_run(episodes=4)
+    path = two / "episodes.parquet"
+    shift = pl.col("pta_c") - pl.Series(np.resize([10.0, 12.0, 11.0, 7.0], 8))
+    pl.read_parquet(path).with_columns(pta_c=shift).write_parquet(path)
+    page = write_pair(one, two)
+    assert page == one / "compared-with-run-1" / "report.html"
+    by_policy = {row["policy"]: row for row in table(page, "pair-brief")}
+    x, y = (
+        load_logs(folder).episodes.filter(policy="greedy", world="graph").sort("episode")["pta_c"]
+        for folder in (one, two)
+    )
+    mean = float((x[:4] - y).mean())  # type: ignore[arg-type]
+    greedy = by_policy["greedy"]
+    (column,) = [
+        name
+        for name in greedy
+        if name.startswith("PTA_C") and "low" not in name and "high" not in name
+    ]
+    assert float(greedy[column]) == pytest.approx(mean)
+    text = page.read_text("utf-8")
+    assert "4 shared episodes" in text and "run-0 minus run-1" in text
+
+
+def test_both_runs_are_in_the_replay_by_name(make_run: MakeRun) -> None:
+    page = write_pair(make_run(), make_run()).read_text("utf-8")
+    data = json.loads(page.split('id="player-data">', 1)[1].split("</script>", 1)[0])
+    assert [run["label"] for run in data["runs"]] == ["run-0", "run-1"]
+    assert {entry["run"] for entry in data["replays"]} == {0, 1}
+
+
+def test_the_same_logs_give_the_same_page(make_run: MakeRun, tmp_path: Path) -> None:
+    one, two = make_run(), make_run(policies=("greedy", "pso"))
+    first = write_pair(one, two, tmp_path / "a").read_bytes()
+    assert write_pair(one, two, tmp_path / "b").read_bytes() == first
+
+
+def test_what_differs_between_them_is_told(make_run: MakeRun) -> None:
+    def edit(run: dict[str, Any]) -> None:
+        run["scenario"]["teams"]["scouts"]["radius"] = 2.5
+        run["code"] = {"mjforage/core/mission.py": "1234"}
+
+    page = write_pair(make_run(), change(make_run(), edit))
+    (row,) = table(page, "pair-settings")
+    assert (row["setting"], row["run-0"], row["run-1"]) == (
+        *("scenario.teams.scouts.radius", "4.0", "2.5"),
+    )
+    assert "Code: 1 files differ: mjforage/core/mission.py." in page.read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("edit", "words"),
+    [
+        (lambda run: run.update(seed=5), "seed is 5 there and 0 here"),
+        (
+            lambda run: run["scenario"]["items"].update(mean=60.0),
+            "items.mean is 60.0 there and 75.0 here",
+        ),
+        (
+            lambda run: run["map"].update(pitch_m=2.0),
+            "the map is comb-port, 13 x 10 nodes 2 m apart, there and comb-port, 13 x 10 nodes 4 m",
+        ),
+    ],
+)
+def test_runs_without_a_shared_episode_are_refused(
+    make_run: MakeRun, edit: Callable[[dict[str, Any]], object], words: str
+) -> None:
+    one, two = make_run(), change(make_run(), edit)
+    with pytest.raises(UserError, match=re.escape(words)) as caught:
+        write_pair(one, two)
+    assert str(caught.value).startswith(f"{two}: shares no episodes with {one}: ")
+    assert "\n" not in str(caught.value) and not (one / "compared-with-run-1").exists()
+
+
+def test_items_that_lie_elsewhere_are_found_in_the_logs(make_run: MakeRun) -> None:
+    one, two = make_run(episodes=3), make_run(episodes=3)
+    path = two / "items.parquet"
+    moved = pl.when(pl.col("episode") == 1, pl.col("item") == 2).then(0.5).otherwise(0.0)
+    pl.read_parquet(path).with_columns(pl.col("row_start") + moved).write_parquet(path)
+    with pytest.raises(UserError, match="the items of episode 1 lie elsewhere"):
+        shared_episodes(load_logs(one), load_logs(two))
+
+
+def test_like_is_paired_with_like(make_run: MakeRun) -> None:
+    def pairs(one: Path, two: Path) -> list[Any]:
+        return paired_series(load_logs(one), load_logs(two))
+
+    both = make_run()
+    assert pairs(both, make_run(worlds=("graph", "physics"))) == [
+        (GREEDY, GREEDY),
+        (("graph", "levy"), ("graph", "levy")),
+    ]
+    other = make_run(policies=("pso",))
+    assert pairs(both, other) == [(GREEDY, ("graph", "pso")), (("graph", "levy"), ("graph", "pso"))]
+    hulls = make_run(worlds=("physics",), policies=("greedy",))
+    assert pairs(both, hulls) == [(GREEDY, ("physics", "greedy"))]
+    assert len(pairs(other, hulls)) == 1
+
+
+def test_a_folder_that_holds_a_run_keeps_its_own_report(make_run: MakeRun) -> None:
+    one, two = make_run(), make_run()
+    with pytest.raises(UserError, match="holds a run or study, whose report stays"):
+        write_pair(one, two, two)
+    with pytest.raises(UserError, match="is the same folder as"):
+        write_pair(one, one)
+
+
+def test_folders_of_one_name_are_told_apart_by_their_parents(
+    make_run: MakeRun, tmp_path: Path
+) -> None:
+    for name, folder in (("a", make_run()), ("b", make_run())):
+        (tmp_path / name).mkdir()
+        folder.rename(tmp_path / name / "run")
+    page = write_pair(tmp_path / "a" / "run", tmp_path / "b" / "run").read_text("utf-8")
+    assert "<h1>a/run and b/run</h1>" in page
+
+
+def test_the_command(
+    make_run: MakeRun, command: Command, refused: Callable[..., str], tmp_path: Path
+) -> None:
+    one, two, out = make_run(), make_run(), tmp_path / "page"
+    assert f"report: {out / 'report.html'}" in command("report", one, two, "--out", out).out
+    assert "--out" in refused("report", one, "--out", out)
+    assert "name two runs" in refused("report", one, study_in(tmp_path))
+    assert refused("report", one, two, one)
+
+
+def study_in(folder: Path) -> Path:
+    (folder / "study").mkdir()
+    (folder / "study" / "study.json").write_text("{}")
+    return folder / "study"
