@@ -53,7 +53,7 @@ def clearing_step(removed: NDArray[np.float64], horizon: int) -> float:
 
 def about(steps: float) -> int:
     """Steps rounded up to two digits: no more is known of them."""
-    unit = max(1, 10 ** (math.floor(math.log10(max(1.0, steps))) - 1))
+    unit = int(10 ** max(0, len(str(math.ceil(steps))) - 2))
     return math.ceil(steps / unit) * unit
 
 

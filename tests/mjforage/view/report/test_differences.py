@@ -66,7 +66,8 @@ def test_a_page_of_few_episodes_says_so_and_has_no_bold_interval(
 
 
 def found(low: float, value: float, high: float, key: str = "gini_foragers") -> Estimate:
-    return Estimate(Interval(value, low, high, 20), 1e-6, describe(key).digits)
+    interval = Interval(np.array(value), np.array(low), np.array(high), np.array(20))
+    return Estimate(interval, 1e-6, describe(key).digits)
 
 
 @pytest.mark.parametrize(
