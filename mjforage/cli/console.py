@@ -1,7 +1,7 @@
-"""What commands share: the app, where words go, progress bars and lists."""
+"""What commands share: the app, where words go, progress and lists."""
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
 import cyclopts
@@ -11,6 +11,9 @@ from rich.table import Table
 from rich.text import Text
 
 from mjforage import __version__
+from mjforage.cli.progress import Lines, told
+
+Report = Callable[[float, float], None]  # of how many are done, of how many
 
 PIPE_COLUMNS = 400  # tables keep their natural width where stdout is no terminal
 
@@ -29,29 +32,47 @@ errors = Console(stderr=True, soft_wrap=True, emoji=False, highlight=False)
 
 
 @contextmanager
-def bar(words: str) -> Iterator["Bar"]:
-    """A progress bar on a terminal; nothing elsewhere."""
+def bar(words: str, unit: str) -> Iterator[Report]:
+    """Show how much is done of what is counted: a bar on a terminal, elsewhere a line now and then.
+
+    Parameters
+    ----------
+    words : what works, for example "evaluate"
+    unit : what is counted, for example "episodes"
+
+    Yields
+    ------
+    what is called with (done, total)
+    """
+    if not errors.is_terminal:
+        lines = Lines(words, unit, _line)
+        with told(lines):
+            yield lines
+        return
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
         TimeRemainingColumn(),
     )
-    hidden = not errors.is_terminal
-    with Progress(*columns, console=errors, transient=True, disable=hidden) as progress:
-        yield Bar(progress, words)
+    with Progress(*columns, console=errors, transient=True) as progress:
+        task = progress.add_task(unit, total=None)
+        yield lambda done, total: progress.update(task, completed=done, total=total)
 
 
-class Bar:
-    """A progress bar that appears with the first report."""
+@contextmanager
+def working(words: str) -> Iterator[None]:
+    """Show that something of unknown length is being done."""
+    if errors.is_terminal:
+        with errors.status(words):
+            yield
+    else:
+        with told(Lines(words, "", _line)):
+            yield
 
-    def __init__(self, progress: Progress, words: str) -> None:
-        self._progress, self._words = progress, words
-        self._task = progress.add_task(words, total=None)
 
-    def __call__(self, done: int, total: int) -> None:
-        """Show that `done` of `total` are finished."""
-        self._progress.update(self._task, completed=done, total=total)
+def _line(words: str) -> None:
+    errors.print(words, markup=False)
 
 
 def print_list(rows: Iterable[tuple[str, str]]) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from mjforage.cli.console import app, bar, output
+from mjforage.cli.console import app, bar, output, working
 
 Point = Literal["overview", "chase", "top", "scout"]
 
@@ -78,9 +78,10 @@ def render(
     logging.getLogger("mjforage.view.render").setLevel(logging.INFO)  # says what draws
     if beside is not None:
         check_beside(folder, policy, beside)
-    replay = replay_of_run(folder, world, policy, episode)
-    other = None if beside is None else replay_of_run(folder, world, beside, episode)
-    with bar("frames") as shown:
+    with working("render, playing the episode again"):
+        replay = replay_of_run(folder, world, policy, episode)
+        other = None if beside is None else replay_of_run(folder, world, beside, episode)
+    with bar("render", "frames") as shown:
         render_replay(
             replay,
             output_file,

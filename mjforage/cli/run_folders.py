@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, TypedDict
 from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
-from mjforage.cli.console import app, bar, errors, output
+from mjforage.cli.console import app, bar, output, working
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def evaluate(
         "metrics": metric,
         "kept": parse_kept(replay),
     }
-    _play(setup, policy, folder, plan, by, again)
+    _play("evaluate", setup, policy, folder, plan, by, again)
 
 
 @app.command
@@ -153,10 +153,11 @@ def compare(
         "metrics": metric,
         "kept": parse_kept(replay),
     }
-    _play(setup, policy, folder, plan, by, again)
+    _play("compare", setup, policy, folder, plan, by, again)
 
 
 def _play(
+    words: str,
     setup: "Setup",
     policies: list[str],
     folder: Path,
@@ -175,7 +176,7 @@ def _play(
         f"{setup.scenario.name} on map {setup.grid.name} ({rows} x {columns}, "
         f"{len(setup.graph)} nodes; {shares} of them)"
     )
-    with bar("episodes") as shown:
+    with bar(words, "episodes") as shown:
         summary = run(
             setup,
             policies,
@@ -187,13 +188,20 @@ def _play(
         )
     bounds = {policy for found in summary.values() for policy in found if is_bound(policy)}
     output.print(terminal_table(summary, bounds))
-    with errors.status("drawing the report"):
+    with working("drawing the report"):
         path = write_report(folder)
     output.print(f"report: {path}", soft_wrap=True)
 
 
 @app.command
-def report(folder: Path, /, *others: Path, out: Path | None = None) -> None:
+def report(
+    folder: Path,
+    /,
+    *others: Path,
+    out: Path | None = None,
+    tables: str = "",
+    figures: str = "",
+) -> None:
     """Draw tables, figures and report.html again, from the logs of a run or study alone.
 
     With two run folders: one page with the replays of both and their paired differences, if they
@@ -207,21 +215,32 @@ def report(folder: Path, /, *others: Path, out: Path | None = None) -> None:
         A second run, to compare the first with.
     out
         Folder for the page on two runs; default FOLDER/compared-with-NAME.
+    tables
+        Write every table of one run or study into tables/ as well, in these formats:
+        latex,csv,markdown.
+    figures
+        Write every figure of one run or study into figures/ in these formats: pdf,png,svg; letters
+        stay text.
     """
     from mjforage.core.errors import UserError
-    from mjforage.view.report import write_pair, write_report
+    from mjforage.view.report import Exports, write_pair, write_report
     from mjforage.view.report.studies import is_study, write_study_report
 
+    wanted = Exports.of(tables, figures)
     if len(others) > 1:
         raise UserError(f"report of {1 + len(others)} folders: name one, or two runs to compare")
     if out is not None and not others:
         raise UserError(f"--out {out}: is for a page on two runs; name two run folders")
+    if others and (tables or figures):
+        raise UserError("--tables and --figures: are of one run or study; name one folder")
     for one in (folder, *others) if others else ():
         if is_study(one):
             raise UserError(f"{one}: holds a study; name two runs, such as those in its variants/")
-    with errors.status("drawing the report"):
+    with working("drawing the report"):
         if others:
             path = write_pair(folder, others[0], out)
+        elif is_study(folder):
+            path = write_study_report(folder, wanted)
         else:
-            path = write_study_report(folder) if is_study(folder) else write_report(folder)
+            path = write_report(folder, wanted)
     output.print(f"report: {path}", soft_wrap=True)

@@ -9,7 +9,7 @@ import cyclopts
 from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
-from mjforage.cli.console import app, bar, errors, output
+from mjforage.cli.console import app, bar, output, working
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ app.command(study)
 
 Names = Annotated[tuple[str, ...], Parameter(negative="")]
 Policies = Annotated[tuple[str, ...], Parameter(name="--policy", negative="")]
-PAPER = ("ddqn", "greedy", "levy", "wanderer")
+PAPER = ("ddqn", "ddqn-reward", "greedy", "levy", "wanderer")
 INFORMED = ("greedy", "belief", "ddqn")
 
 
@@ -78,9 +78,28 @@ class Draws:
     whole_team: bool = False
 
 
-DEFAULT, USUAL = StudyOptions(), Draws()
+@dataclass(frozen=True)
+class PaperDraws:
+    """How teams are corrupted, unless told otherwise as in the paper's runs.
+
+    Parameters
+    ----------
+    step
+        Distance of the levels of corruption from 0 to 1.
+    whole_team
+        One draw corrupts the whole team, and random foragers still take a known item beside them:
+        the rule of the published code, which made the paper's slopes. With --per-agent every agent
+        has its own draw, as the paper defines it.
+    """
+
+    step: float = 0.05
+    whole_team: Annotated[bool, Parameter(negative=("--per-agent", "--no-whole-team"))] = True
+
+
+DEFAULT, USUAL, AS_PRINTED = StudyOptions(), Draws(), PaperDraws()
 With = Annotated[StudyOptions, Parameter(name="*")]
 Corrupted = Annotated[Draws, Parameter(name="*")]
+Printed = Annotated[PaperDraws, Parameter(name="*")]
 
 
 @study.command
@@ -164,7 +183,7 @@ def paper(
     /,
     *,
     policy: Policies = PAPER,
-    draws: Corrupted = USUAL,
+    draws: Printed = AS_PRINTED,
     choice: With = DEFAULT,
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
@@ -269,8 +288,8 @@ def _play(
             f"{len(variants)} variants, {episodes} episodes each"
         )
 
-    with bar("episodes") as shown:
+    with bar(f"study {kind}", "episodes") as shown:
         run_study(plan, folder, workers=workers, progress=shown, begin=begin, resume=again.resume)
-    with errors.status("drawing the report"):
+    with working("drawing the report"):
         path = write_study_report(folder)
     output.print(f"report: {path}", soft_wrap=True)

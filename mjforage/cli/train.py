@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
-from mjforage.cli.console import app, errors, output
+from mjforage.cli.console import app, bar, errors, output
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn
 from mjforage.core.errors import UserError
 
@@ -76,18 +76,28 @@ def ddqn(
         changes["teacher"] = teachers[0]
     hyperparameters = changed(Hyperparameters(), changes)
     folder = out or Path("runs") / f"ddqn-{chosen.name}"
-    run(
-        chosen,
-        hyperparameters,
-        folder,
-        also=[_other(text) for text in also],
-        seed=seed,
-        hours=hours,
-        updates=updates,
-        device=device,
-        report=_report,
-        resume=again.resume,
-    )
+    unit = "updates" if updates is not None else "minutes"
+    with bar("train", unit) as shown:
+
+        def tell(table: str, row: "Row") -> None:
+            _report(table, row)
+            if updates is not None:
+                shown(row["updates"], updates)
+            elif hours is not None:
+                shown(row["seconds"] / 60, 60 * hours)
+
+        run(
+            chosen,
+            hyperparameters,
+            folder,
+            also=[_other(text) for text in also],
+            seed=seed,
+            hours=hours,
+            updates=updates,
+            device=device,
+            report=tell,
+            resume=again.resume,
+        )
     output.print(f"run: {folder}", soft_wrap=True)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 from rich.table import Table
 
-from mjforage.cli.console import app, bar, errors, output
+from mjforage.cli.console import app, bar, output, working
 
 if TYPE_CHECKING:
     from mjforage.physics.validation import Finding
@@ -37,9 +37,9 @@ def validate(
     from mjforage.view.validation import check_folder, write_validation
 
     check_folder(out)
-    with bar("checks") as shown:
+    with bar("validate", "checks") as shown:
         findings = run_checks(check, runs, shown)
-    with errors.status("drawing the report"):
+    with working("drawing the report"):
         path = write_validation(findings, out)
     output.print(_table(findings))
     output.print(f"report: {path}", soft_wrap=True)

@@ -1,14 +1,16 @@
-"""Keeping worker processes quiet when they are interrupted or killed: our one line says it."""
+"""Keeping worker processes quiet when they are interrupted, killed or replaced."""
 
 import signal
 import sys
 import threading
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
 
 from joblib.externals.loky.backend import resource_tracker as worker_tracker
 
+_REPLACED = "A worker stopped while some jobs were given to the executor"
 _NO_WARNING = "ignore:resource_tracker:UserWarning"
 
 
@@ -36,6 +38,16 @@ def start_quiet_tracker() -> None:
         worker_tracker.ensure_running()
     finally:
         sys.warnoptions.remove(_NO_WARNING)
+
+
+def replaced_workers_unsaid() -> None:
+    """Drop the warning that a worker made way for a new one.
+
+    loky takes a worker that has grown by 300 MB since its first task for a leaking one. Ours grow
+    when a chunk of `belief` or of a network follows one of `greedy`; that loses no work, and a new
+    worker takes seconds to start.
+    """
+    warnings.filterwarnings("ignore", _REPLACED, UserWarning)
 
 
 @contextmanager

@@ -14,7 +14,7 @@ RANKS = ("first", "median", "worst", "best")
 KEPT: tuple[str | int, ...] = ("first", "median", "worst")
 """What evaluate and compare keep unless they are told otherwise."""
 FIRST: tuple[str | int, ...] = ("first",)
-"""What each run of a study keeps."""
+"""What each run of a study keeps, but that of its scenario as it is, which keeps `KEPT`."""
 _HOW = f"give episodes' numbers, {', '.join(RANKS)}, or none alone, as in --replay 0,3,worst"
 
 

@@ -19,6 +19,7 @@ from mjforage.core.setup import Setup
 from mjforage.core.whole_files import write_json
 from mjforage.runs.evaluate import THIS_PROCESS, Progress, Run, carry_out
 from mjforage.runs.identity import provenance
+from mjforage.runs.kept import FIRST, KEPT
 from mjforage.runs.lock import claimed
 from mjforage.runs.resuming import Resume, open_folder, set_aside
 from mjforage.runs.run_info import REMEDY, read_json
@@ -249,6 +250,7 @@ def _plan(study: Study, variant: Variant, folder: Path) -> Run:
             seed=study.seed,
             worlds=study.worlds,
             metrics=study.metrics,
+            kept=KEPT if variant is study.variants[0] else FIRST,
         )
     except UserError as error:
         if variant is study.variants[0]:  # the scenario as it is

@@ -39,7 +39,12 @@ from mjforage.runs import cluster
 from mjforage.runs.costs import Cost, Invocation
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.identity import code_of, policy_code, run_code, versions
-from mjforage.runs.interrupts import interrupts_held, loose_ends_dropped, start_quiet_tracker
+from mjforage.runs.interrupts import (
+    interrupts_held,
+    loose_ends_dropped,
+    replaced_workers_unsaid,
+    start_quiet_tracker,
+)
 from mjforage.runs.kept import replay_file
 from mjforage.runs.recording import record
 from mjforage.runs.replaying import as_logged
@@ -388,6 +393,7 @@ def _local(
     results = None
     if workers.jobs > 1:
         start_quiet_tracker()
+        replaced_workers_unsaid()
     try:
         with interrupts_held():
             results = parallel(joblib.delayed(call)(*task) for task in work)

@@ -2,7 +2,6 @@
 
 import base64
 import math
-import re
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -12,12 +11,11 @@ import jinja2
 from markupsafe import Markup, escape
 
 from graph_planner.references import file_label
+from mjforage.view.page.marked_words import CODE, SUBSCRIPT
 from mjforage.view.page.picture import Picture, save_figure
 from mjforage.view.page.table import Row, Table, groups
 from mjforage.view.page.table_files import csv_text
 
-_SUBSCRIPT = re.compile(r"(?<![\w.:])([A-Z][A-Za-z]*)_([A-Za-z0-9]+)\b")  # of labels of metrics
-_CODE = re.compile(r"`([^`]+)`")
 _FOLDERS = ("page", "report", "validation")  # of templates
 
 
@@ -88,8 +86,8 @@ def _template(name: str) -> str | None:
 def rich_text(text: str) -> Markup:
     """Escape, then set subscripts of metric names and code between backticks."""
     safe = str(escape(text))
-    safe = _SUBSCRIPT.sub(r"\1<sub>\2</sub>", safe)
-    return Markup(_CODE.sub(r"<code>\1</code>", safe))
+    safe = SUBSCRIPT.sub(r"\1<sub>\2</sub>", safe)
+    return Markup(CODE.sub(r"<code>\1</code>", safe))
 
 
 def sort_key(row: Row, place: int) -> Markup:

@@ -11,6 +11,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -22,6 +23,7 @@ WIDTH_IN = 5.6  # half a page of the report
 WIDE_IN = 11.2  # a whole page
 DPI = 150  # of a PNG, and of maps inside an SVG
 SVG_DPI = 72  # of an SVG's points
+PDF_DPI = 72  # of a PDF's
 
 
 @dataclass(frozen=True)
@@ -50,11 +52,6 @@ class Panel:
         """Line style per world."""
         return style.world_lines(self.worlds)
 
-    @property
-    def marked(self) -> bool:
-        """Whether lines carry markers: once there are too many for colour alone."""
-        return len(self.policies) > 3
-
     def legend(self, figure: Figure) -> None:
         """Draw the legend above the axes: policies and, for several worlds, their lines."""
         handles = [self._handle(name, look) for name, look in self.looks().items()]
@@ -74,9 +71,8 @@ class Panel:
         )
 
     def _handle(self, name: str, look: style.Look) -> Line2D:
-        marker = look.marker if self.marked else ""
         line = self.lines()[self.worlds[0]] if len(self.worlds) == 1 else "-"
-        look_of: dict[str, Any] = {"color": look.colour, "linestyle": line, "marker": marker}
+        look_of: dict[str, Any] = {"color": look.colour, "linestyle": line, "marker": look.marker}
         return Line2D([], [], markersize=5, label=name, **look_of)
 
 
@@ -114,26 +110,40 @@ def joined(words: Sequence[str]) -> str:
     return ", ".join(words[:-1]) + " and " + words[-1]
 
 
-def svg_bytes(figure: Figure) -> bytes:
-    """Render to SVG with no date and salted ids, so that equal figures give equal bytes."""
+def svg_bytes(figure: Figure, *, as_text: bool = False) -> bytes:
+    """Render to SVG with no date and salted ids, so that equal figures give equal bytes.
+
+    Letters are outlines, the same on every machine; with `as_text` they are text, to be edited.
+    """
     figure.set_dpi(SVG_DPI)
     metadata: dict[str, Any] = {"Date": None, "Creator": None}
-    return _printed(figure, FigureCanvasSVG(figure), format="svg", metadata=metadata)
+    letters = {"svg.fonttype": "none"} if as_text else {}
+    return _printed(figure, FigureCanvasSVG(figure), letters, format="svg", metadata=metadata)
+
+
+def pdf_bytes(figure: Figure) -> bytes:
+    """Render to PDF without a date, its letters as text in TrueType."""
+    figure.set_dpi(PDF_DPI)
+    metadata: dict[str, Any] = {"CreationDate": None, "Creator": None, "Producer": None}
+    letters = {"pdf.fonttype": 42}
+    return _printed(figure, FigureCanvasPdf(figure), letters, format="pdf", metadata=metadata)
 
 
 def png_bytes(figure: Figure) -> bytes:
     """Render to PNG at 150 dpi, without the software stamp."""
     figure.set_dpi(DPI)
-    return _printed(figure, FigureCanvasAgg(figure), format="png", metadata={"Software": None})
+    return _printed(figure, FigureCanvasAgg(figure), {}, format="png", metadata={"Software": None})
 
 
-def _printed(figure: Figure, canvas: FigureCanvasBase, **options: Any) -> bytes:
+def _printed(
+    figure: Figure, canvas: FigureCanvasBase, letters: dict[Any, Any], **options: Any
+) -> bytes:
     """Lay the figure out as it is to be printed, and print it.
 
     With a layout engine in the figure, matplotlib would draw all of it twice.
     """
     buffer, engine = io.BytesIO(), figure.get_layout_engine()
-    with mpl.rc_context(style.RC):
+    with mpl.rc_context(style.RC), mpl.rc_context(letters):
         if engine is not None:
             engine.execute(figure)
         figure.set_layout_engine(None)

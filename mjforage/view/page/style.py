@@ -3,9 +3,10 @@
 What is in the world has the same colour in figures, replays, films and plots, all from here: items
 are pale yellow with a dark rim, beliefs indigo, agents have the hue of their role.
 
-The policy colours extend the Okabe-Ito palette (M. Okabe and K. Ito, "Color Universal Design",
-2008), so that they stay apart under the common colour deficiencies; lightness and markers carry
-the difference a second time. All colours are ``#rrggbb``.
+The policy colours have the hues of the Okabe-Ito palette (M. Okabe and K. Ito, "Color Universal
+Design", 2008) where they can, moved until every two stay 25 apart in CIELAB for normal eyes and
+under each of the three colour deficiencies (a test simulates them); every policy has a marker
+besides. All colours are ``#rrggbb``.
 """
 
 import zlib
@@ -17,17 +18,17 @@ from typing import Any, Literal
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap, to_rgb
 
 POLICY_COLOURS: dict[str, str] = {
-    "ddqn": "#B5308A",
-    "ddqn-reward": "#E69AC0",
-    "ddqn-link": "#4C0CCC",
-    "greedy": "#0072B2",
-    "levy": "#D55E00",
-    "belief": "#009E73",
+    "ddqn": "#7C1A59",
+    "ddqn-reward": "#A8809A",
+    "ddqn-link": "#681DFD",
+    "greedy": "#0D6AA6",
+    "levy": "#C05710",
+    "belief": "#46B77A",
     "oracle": "#111111",
-    "pso": "#E3C400",
-    "wanderer": "#56B4E9",
-    "lawnmower": "#5B2A86",
-    "random": "#5E5E5E",
+    "pso": "#B9C717",
+    "wanderer": "#96A9E6",
+    "lawnmower": "#5A11A7",
+    "random": "#5D4228",
 }
 """Colour of every policy that ships; the order is the order in legends and tables."""
 
@@ -43,7 +44,8 @@ FALLBACK_COLOURS: tuple[str, ...] = (
 )
 """For policies that a user registered under a name of their own."""
 
-MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p", "h")
+"""Of the policies that ship, in their order; others take what is left."""
 
 Line = Literal["-", "--", ":", "-."]
 
@@ -145,23 +147,25 @@ def ordered(policies: Iterable[str]) -> tuple[str, ...]:
 
 
 def looks(policies: Sequence[str]) -> dict[str, Look]:
-    """Give every policy a colour and a marker; two unknown names never share a colour if avoidable.
+    """Give every policy a colour and a marker; unknown names share neither if avoidable.
 
     Returns
     -------
     dict
         Policy name to `Look`, in the order of `ordered`.
     """
-    taken: set[str] = set()
+    names, taken = ordered(policies), set[str]()
+    shapes = dict(zip(POLICY_COLOURS, MARKERS, strict=True))
+    left = [marker for name, marker in shapes.items() if name not in names]
     result: dict[str, Look] = {}
-    for i, name in enumerate(ordered(policies)):
+    for name in names:
         colour = policy_colour(name)
         if name not in POLICY_COLOURS:
             first = FALLBACK_COLOURS.index(colour)
             cycle = FALLBACK_COLOURS[first:] + FALLBACK_COLOURS[:first]
             colour = next((c for c in cycle if c not in taken), colour)
         taken.add(colour)
-        result[name] = Look(colour, MARKERS[i % len(MARKERS)])
+        result[name] = Look(colour, shapes.get(name) or (left.pop(0) if left else MARKERS[0]))
     return result
 
 

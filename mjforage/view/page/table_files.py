@@ -8,7 +8,8 @@ from pathlib import Path
 
 from graph_planner.references import file_label
 from mjforage.core.whole_files import write_bytes
-from mjforage.view.page.table import NOTHING, Number, Table
+from mjforage.view.page.latex_tables import latex_text
+from mjforage.view.page.table import NOTHING, Number, Table, groups
 
 MINUS = "−"
 
@@ -34,13 +35,13 @@ def csv_text(table: Table) -> str:
     """A table as CSV (RFC 4180, but lines end in a bare newline), with numbers in full.
 
     A column of numbers with intervals becomes three: itself, then with " low" and " high". What is
-    undefined is empty. Headings of groups and the units are in cells of their own.
+    undefined is empty. Headings of groups stand in a column of their own.
     """
     grouped = any(row.group for row in table.rows)
     parts = [_parts(table, place) for place in range(len(table.columns))]
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
-    heads = [_column(table, place) + end for place, ends in enumerate(parts) for end in ends]
+    heads = [label + end for label, ends in zip(labels(table), parts, strict=True) for end in ends]
     writer.writerow([*(["group"] if grouped else []), table.head, *heads])
     for row in table.rows:
         cells = [
@@ -52,10 +53,11 @@ def csv_text(table: Table) -> str:
     return buffer.getvalue()
 
 
-def _column(table: Table, place: int) -> str:
-    """Label of a column with its unit."""
-    unit = table.units[place] if table.units else ""
-    return f"{table.columns[place]} [{unit}]" if unit else table.columns[place]
+def labels(table: Table) -> tuple[str, ...]:
+    """Columns with their units."""
+    units = table.units or ("",) * len(table.columns)
+    pairs = zip(table.columns, units, strict=True)
+    return tuple(f"{column} [{unit}]" if unit else column for column, unit in pairs)
 
 
 def _parts(table: Table, place: int) -> tuple[str, ...]:
@@ -84,5 +86,41 @@ def _unrounded(value: float) -> str:
     return str(int(value)) if float(value).is_integer() else repr(float(value))
 
 
-FORMATS: dict[str, tuple[str, Callable[[Table], str]]] = {"csv": ("csv", csv_text)}
+def markdown_text(table: Table) -> str:
+    """A table as Markdown with pipes, as GitHub and pandoc read it; what is best in bold."""
+    heads = [_markdown(table.head), *map(_markdown, labels(table))]
+    lines = [_piped(heads), _piped([":--", *["--:"] * len(table.columns)])]
+    for first, rows in groups(table.rows):
+        if first.group:
+            lines.append(_piped([f"**{_markdown(first.group)}**", *[""] * len(table.columns)]))
+        for row in rows:
+            cells = [_marked(cell, place in row.best) for place, cell in enumerate(row.cells)]
+            head = _markdown(row.head)
+            lines.append(_piped([f"*{head}*" if row.paper else head, *cells]))
+    notes = [_markdown(note) for note in table.notes]
+    return "\n\n".join([f"**{_markdown(table.title)}**", "\n".join(lines), *notes]) + "\n"
+
+
+def _piped(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _marked(cell: str, best: bool) -> str:
+    return f"**{_markdown(cell)}**" if best else _markdown(cell)
+
+
+def _markdown(text: str) -> str:
+    """Escape what Markdown would take for its own; code between backticks stays code."""
+    code = text.split("`")
+    for place in range(0, len(code), 2):
+        for sign in "\\*_|<":
+            code[place] = code[place].replace(sign, f"\\{sign}")
+    return "`".join(part if i % 2 == 0 else part.replace("|", "\\|") for i, part in enumerate(code))
+
+
+FORMATS: dict[str, tuple[str, Callable[[Table], str]]] = {
+    "latex": ("tex", latex_text),
+    "csv": ("csv", csv_text),
+    "markdown": ("md", markdown_text),
+}
 """Format -> the file's ending, and what makes its text."""

@@ -4,9 +4,9 @@ from pathlib import Path
 
 from mjforage.core.whole_files import write_bytes
 from mjforage.view.page import embedded
-from mjforage.view.page.table_files import write_table
 from mjforage.view.report.all_figures import draw_figures
 from mjforage.view.report.clearing import clearing_table
+from mjforage.view.report.exports import NOTHING_ELSE, Exports, export
 from mjforage.view.report.hull_tables import hulls_table
 from mjforage.view.report.policy_pairs import comparison_table
 from mjforage.view.report.reality_gap import gap_table, ladder_table
@@ -20,10 +20,10 @@ from mjforage.view.report.text_tables import (
     terminal_table,
 )
 
-__all__ = ["terminal_table", "write_pair", "write_report"]
+__all__ = ["Exports", "terminal_table", "write_pair", "write_report"]
 
 
-def write_report(folder: Path) -> Path:
+def write_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:
     """Write ``figures/*.png|svg``, ``tables/*.csv`` and ``report.html`` into a run folder.
 
     Nothing is re-simulated, and the same logs give the same bytes.
@@ -39,14 +39,14 @@ def write_report(folder: Path) -> Path:
         If a log is missing, truncated, foreign or incomplete, or the folder cannot be written.
     """
     logs = load_logs(folder)
-    figures = [embedded(picture, folder) for picture in draw_figures(logs)]
+    pictures = draw_figures(logs)
+    figures = [embedded(picture, folder) for picture in pictures]
     headline, papers, full = headline_table(logs), paper_tables(logs), full_table(logs)
     paired, hulls, clearing = comparison_table(logs), hulls_table(logs), clearing_table(logs)
     gap = [table for table in (ladder_table(logs), gap_table(logs)) if table is not None]
     text = render(logs, figures, headline, papers, full, paired, gap, hulls, clearing)
-    for table in (headline, clearing, *gap, hulls, *papers, full, paired):
-        if table is not None:
-            write_table(table, folder / "tables", ("csv",))
+    tables = (headline, clearing, *gap, hulls, *papers, full, paired)
+    export(folder, [table for table in tables if table is not None], pictures, wanted)
     target = folder / "report.html"
     write_bytes(target, text.encode("utf-8"))
     return target

@@ -20,7 +20,7 @@ from mjforage.view.page.picture import (
     mathtext,
     undefined,
 )
-from mjforage.view.report.published import published_for
+from mjforage.view.report.published import elsewhere, published_for
 from mjforage.view.report.run_logs import RunLogs, Series
 from mjforage.view.report.text_tables import number
 
@@ -153,7 +153,7 @@ def _plot(axes: Axes, logs: RunLogs, panel: Panel, curve: Description) -> dict[S
             line.mean,
             color=look.colour,
             linestyle=lines[world],
-            marker=look.marker if panel.marked else "",
+            marker=look.marker,
             markersize=5,
             markevery=(place * stride // max(1, len(courses)), stride),
         )
@@ -224,7 +224,9 @@ def _paper(logs: RunLogs, curve: Description) -> str:
             if curve.key in values:
                 value = number(values[curve.key], curve.digits)
                 ends.setdefault(source, []).append(f"{value}{_unit(curve)} ({policy})")
-    return "".join(f" {source} (its own map): {joined(listed)}." for source, listed in ends.items())
+    return "".join(
+        f" {source}{elsewhere(logs.run)}: {joined(listed)}." for source, listed in ends.items()
+    )
 
 
 def _defined(logs: RunLogs, courses: dict[Series, Course], curve: Description) -> str:

@@ -14,11 +14,12 @@ only obstacles turn, here the policy `wanderer`. `levy` walks true Lévy lengths
 
 from dataclasses import dataclass, field, replace
 
+from mjforage.core.map_files import is_shipped_map
 from mjforage.core.scenario_file import load_scenario, scenario_to_tree
 from mjforage.runs.run_info import RunInfo
 
-LABEL = "paper (its own map)"
-ITS_CODE = "its public code (its own map), 1,300 episodes"
+ELSEWHERE = " (its own map)"
+ITS_CODE = "its public code{}, 1,300 episodes"
 STRAIGHT = "Lévy walks, walked straight"
 STRAIGHT_NOTE = (
     "The paper's code draws Lévy lengths and never uses them: its Lévy rows are those of a "
@@ -34,7 +35,7 @@ class Pooled:
     interval where it was told.
     """
 
-    what: str  # was run: head of a row
+    what: str  # was run: head of a row, with {} where `elsewhere` belongs
     mean: dict[str, float] = field(default_factory=dict)
     interval: dict[str, float] = field(default_factory=dict)
 
@@ -114,7 +115,7 @@ _STRAIGHT = Published(
 )
 
 PAPER: dict[str, Published] = {
-    "ddqn": Published(
+    "ddqn-reward": Published(
         "DRL",
         {
             "pta_d": 99.41,
@@ -169,19 +170,61 @@ PAPER: dict[str, Published] = {
     "levy": replace(
         _STRAIGHT,
         pooled=Pooled(
-            "Lévy walks, its public code with lengths kept (its own map), 600 episodes",
+            "Lévy walks, its public code with lengths kept{}, 600 episodes",
             {"pta_d": 82.5, "pta_c": 80.0, "rmse_columns": 0.0159},
             {"pta_d": 2.4, "pta_c": 2.5},
         ),
     ),
     "wanderer": _STRAIGHT,
 }
-"""Our policy name to the paper's algorithm."""
+"""Our policy name to the paper's algorithm: its like. The paper's network learnt from reward, as
+`ddqn-reward`; `ddqn` was taught by the planner.
+"""
+
+TAUGHT = frozenset({"ddqn", "ddqn-link"})
+"""Policies that ship to which the belief planner showed moves in training."""
+
+NUMBERS = {
+    **{f"table-{number}": f"Table {number}" for number in (2, 3, 4, 5, 6)},
+    "contribution-graph": "Table 6",
+    "scenario": "Figure 2",
+    "pta": "Figure 4",
+    "rmse": "Figure 5",
+    "idleness": "Figure 6",
+    "dsl": "Figure 7",
+    "itl": "Figure 8",
+    "csr": "Figure 9",
+    "corruption-scouts": "Figure 10",
+    "corruption-foragers": "Figure 11",
+    "gini": "Figure 12",
+    "overlap": "Figure 13",
+}
+"""Our table or figure to the paper's of the same quantity."""
+
+PLACES = {
+    **dict.fromkeys(("pta_d", "pta_c", "rmse_columns"), "Table 2"),
+    **dict.fromkeys(("nt50", "nt90", "throughput"), "Table 3"),
+    "csr": "Table 4",
+    "mi_final": "Figure 6",
+    "dsl": "Figure 7",
+    "itl": "Figure 8",
+    "gini_foragers": "Figure 12",
+    "co_scouts": "Figure 13",
+}
+"""Metric to where the paper shows it of the whole fleet."""
 
 
 def published_for(run: RunInfo, policy: str) -> Published | None:
     """Return the paper's figures for a policy, where the run is one they can stand beside."""
     return PAPER.get(policy) if comparable(run) else None
+
+
+def elsewhere(run: RunInfo) -> str:
+    """What a label says where the paper's map is another than the run's: ours, as shipped.
+
+    Nothing on a user's map: it may be the paper's, which is not ours to ship, so nobody knows.
+    """
+    return ELSEWHERE if is_shipped_map(run.map.name) else ""
 
 
 def comparable(run: RunInfo) -> bool:

@@ -1,7 +1,7 @@
 """The report's tables as plain text cells, from the summary, for page and terminal."""
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +13,14 @@ from mjforage.runs.run_info import RunInfo
 from mjforage.view.page import style
 from mjforage.view.page.table import NOTHING as NOTHING
 from mjforage.view.page.table import Number, Row, Table
-from mjforage.view.report.published import LABEL, STRAIGHT, STRAIGHT_NOTE, Published, published_for
+from mjforage.view.report.best_marks import NOTE, best_of
+from mjforage.view.report.published import (
+    STRAIGHT,
+    STRAIGHT_NOTE,
+    Published,
+    elsewhere,
+    published_for,
+)
 from mjforage.view.report.run_logs import RunLogs, Series, Summaries, Summary, parse_summary
 
 HEADLINE = ("pta_d", "pta_c", "rmse", "nt50", "nt90", "csr", "gini_foragers", "length")
@@ -71,11 +78,6 @@ def in_full(entry: Summary) -> Number:
     return Number(entry.mean, entry.mean - half, entry.mean + half)
 
 
-def mean_only(entry: Summary, digits: int) -> str:
-    """Return the mean."""
-    return number(entry.mean, digits)
-
-
 def policy_name(policy: str, bounds: Collection[str]) -> str:
     """Policy, marked where it is one of those that are shown the truth: bounds, as the run says."""
     return f"{policy} (bound)" if policy in bounds else policy
@@ -98,34 +100,18 @@ def entry_of(summary: Summaries, series: Series, key: str) -> Summary:
     return summary[series[0]][series[1]].get(key, missing)
 
 
-def _best(logs: RunLogs, metric: Description) -> set[Series]:
-    """World and policy with the best shown mean, per world, bounds aside; none where it has no
-    direction.
-    """
-    summary, bounds = logs.summary, logs.run.bounds
-    series = [s for s in logs.series if s[1] not in bounds]
-    winners: set[Series] = set()
-    for world in dict.fromkeys(s[0] for s in series):
-        means = {s: entry_of(summary, s, metric.key).mean for s in series if s[0] == world}
-        means = {s: round(m, metric.digits) for s, m in means.items() if not math.isnan(m)}
-        if metric.better and len(means) > 1 and len(set(means.values())) > 1:
-            top = max(means.values(), key=lambda m: metric.better * m)
-            winners |= {s for s, m in means.items() if m == top}
-    return winners
-
-
-def _paper_rows(known: Published, metrics: Sequence[Description], intervals: bool) -> list[Row]:
+def _paper_rows(known: Published, metrics: Sequence[Description], map_: str) -> list[Row]:
     """What the paper prints, and what its public code gives over many seeds."""
-    sources = [(f"{known.algorithm}, {LABEL}", known.printed, known.interval)]
+    sources = [(f"{known.algorithm}, paper{map_}", known.printed, known.interval)]
     if known.pooled:
-        sources.append((known.pooled.what, known.pooled.mean, known.pooled.interval))
+        sources.append((known.pooled.what.format(map_), known.pooled.mean, known.pooled.interval))
     rows = []
     for head, mean, half in sources:
         cells, values = [], []
         for metric in metrics:
             value, width = mean.get(metric.key, math.nan), half.get(metric.key, math.nan)
             text = number(value, metric.digits)
-            if intervals and metric.key in half:
+            if metric.key in half:
                 text += f" ± {number(width, metric.digits)}"
             cells.append(text)
             values.append(Number(value, value - width, value + width))
@@ -145,18 +131,17 @@ def metric_table(
     title: str,
     keys: Sequence[str],
     *,
-    cell: Callable[[Summary, int], str] = plus_minus,
     paper: bool = True,
     notes: Sequence[str] = (),
 ) -> Table:
     """Policies down, metrics across; the paper's figures under the policies that it has."""
     metrics = [describe(key) for key in keys]
     looks, several = style.looks(logs.policies), _by_policy(logs)
-    winners = [_best(logs, metric) for metric in metrics]
+    winners = [best_of(logs, metric) for metric in metrics]
     rows: list[Row] = []
     for place, series in enumerate(several):
         entries = [entry_of(logs.summary, series, m.key) for m in metrics]
-        cells = tuple(cell(one, m.digits) for one, m in zip(entries, metrics, strict=True))
+        cells = tuple(map(plus_minus, entries, (m.digits for m in metrics)))
         values = tuple(map(in_full, entries))
         best = frozenset(i for i, winner in enumerate(winners) if series in winner)
         colour = looks[series[1]].colour
@@ -166,7 +151,7 @@ def metric_table(
         last = place + 1 == len(several) or several[place + 1][1] != series[1]
         known = published_for(logs.run, series[1]) if paper and last else None
         if known:
-            rows += _paper_rows(known, metrics, cell is plus_minus)
+            rows += _paper_rows(known, metrics, elsewhere(logs.run))
     straight = any(row.paper and row.head.startswith(STRAIGHT) for row in rows)
     return Table(
         name,
@@ -182,8 +167,8 @@ def metric_table(
 def headline_table(logs: RunLogs) -> Table:
     """Return the few numbers that a reader wants first."""
     note = (
-        "Mean ± 1.96 SEM over the episodes where the metric is defined; bold: best mean. NT_50 and "
-        "NT_90 are shares of the horizon, "
+        "Mean ± 1.96 SEM over the episodes where the metric is defined; "
+        f"{NOTE}. NT_50 and NT_90 are shares of the horizon, "
         f"{number(minutes(logs.run, logs.run.horizon), 0)} min; a share that is never removed "
         "counts as the whole of it."
     )
@@ -193,28 +178,31 @@ def headline_table(logs: RunLogs) -> Table:
 def paper_tables(logs: RunLogs) -> list[Table]:
     """Return the paper's Tables 2, 3 and 4 (its CSR column) with our numbers."""
     columns = "RMSE_columns is the number that the paper printed; RMSE follows its equation."
+    bold = f"{NOTE[0].upper()}{NOTE[1:]}."
     return [
         metric_table(
             logs,
             "table-2",
-            "Table 2: PTA and RMSE at the end, mean ± 1.96 SEM",
+            "PTA and RMSE at the end (paper's Table 2), mean ± 1.96 SEM",
             ("pta_d", "pta_c", "rmse", "rmse_columns"),
-            notes=[columns],
+            notes=[columns, bold],
         ),
         metric_table(
             logs,
             "table-3",
-            "Table 3: normalised time to remove 50 and 90 %, and throughput",
+            "Time to remove 50 and 90 %, and throughput (paper's Table 3), mean ± 1.96 SEM",
             ("nt50", "nt90", "throughput"),
-            cell=mean_only,
+            notes=[bold],
         ),
         metric_table(
             logs,
             "table-4",
-            "Table 4: cooperative success ratio",
+            "Cooperative success ratio (paper's Table 4), mean ± 1.96 SEM",
             ("csr",),
-            cell=mean_only,
-            notes=["The sensitivity slopes of this table come from `mjforage study corruption`."],
+            notes=[
+                "The sensitivity slopes of this table come from `mjforage study corruption`.",
+                bold,
+            ],
         ),
     ]
 

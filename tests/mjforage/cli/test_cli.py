@@ -1,5 +1,6 @@
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -48,7 +49,8 @@ def reported(tmp_path_factory: pytest.TempPathFactory) -> "tuple[Path, list[str]
         check=True,
         env={key: value for key, value in os.environ.items() if key != "COLUMNS"},
     )
-    assert done.stderr == ""
+    slow = r"[^\n]* (so far|left)\n"  # on a busy machine
+    assert re.fullmatch(f"({slow})*", done.stderr)
     return folder, done.stdout.splitlines()
 
 

@@ -2,8 +2,11 @@
 
 import subprocess
 import sys
+import warnings
 
 import pytest
+
+from mjforage.runs.interrupts import replaced_workers_unsaid
 
 KILL_WHILE_WORK_IS_QUEUED = """
 import sys, threading, time
@@ -40,3 +43,17 @@ def test_killed_workers_leave_no_traceback_and_other_errors_are_told(
     )
     assert done.stderr.count("Traceback") == tracebacks
     assert done.stderr.endswith(f"KeyError: '{held}'\n")
+
+
+def test_only_the_warning_of_a_replaced_worker_is_dropped() -> None:
+    words = [
+        "A worker stopped while some jobs were given to the executor. This can be caused by a too "
+        "short worker timeout or by a memory leak.",
+        "something else",
+    ]
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        replaced_workers_unsaid()
+        for one in words:
+            warnings.warn(one, UserWarning, stacklevel=1)
+    assert [str(one.message) for one in said] == ["something else"]

@@ -38,8 +38,8 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def plan(episodes: int = 3) -> Study:
     setup = Setup.of(load_scenario("published", ["horizon=12"]))
-    varied = variants.paper(setup.scenario, ("greedy", "levy"), 0.25, False)
-    options = {"step": 0.25, "whole_team": False}
+    varied = variants.paper(setup.scenario, ("greedy", "levy"), 0.25, True)
+    options = {"step": 0.25, "whole_team": True}
     return Study("paper", setup, varied, episodes=episodes, options=options)
 
 
@@ -95,7 +95,7 @@ def test_a_stopped_study_goes_on_where_it_was(finished: Path, tmp_path: Path) ->
     ("changes", "words"),
     [
         (("--seed", 1), "made with --seed 0, not with --seed 1; go on with --seed 0, or choose"),
-        (("--whole-team",), "made without --whole-team, not with --whole-team; go on without"),
+        (("--per-agent",), "made with --whole-team, not without --whole-team; go on with"),
         (("--set", "items.mean=50.0"), "scenario.items.mean is 75.0 there and 50.0 here"),
         (
             ("--policy", "random"),

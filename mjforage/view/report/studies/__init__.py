@@ -8,6 +8,7 @@ from pathlib import Path
 from mjforage.core.errors import UserError
 from mjforage.core.whole_files import write_bytes
 from mjforage.runs.run_info import again
+from mjforage.view.report.exports import NOTHING_ELSE, Exports, export
 from mjforage.view.report.report_page import definition_notes
 from mjforage.view.report.studies import (
     ablation,
@@ -17,8 +18,10 @@ from mjforage.view.report.studies import (
     planner_parts,
     sensing,
 )
+from mjforage.view.report.studies.as_in_paper import NOTE, referred
+from mjforage.view.report.studies.cost import LIKE_PAPER
 from mjforage.view.report.studies.study_logs import load_study
-from mjforage.view.report.studies.study_page import render
+from mjforage.view.report.studies.study_page import cost_sections, render, scene_sections
 
 __all__ = ["is_study", "write_study_report"]
 
@@ -38,8 +41,8 @@ def is_study(folder: Path) -> bool:
     return (folder / "study.json").is_file()
 
 
-def write_study_report(folder: Path) -> Path:
-    """Write ``figures/*.png|svg`` and ``report.html`` into a study folder.
+def write_study_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:
+    """Write ``figures/*.png|svg``, ``report.html`` and what is wanted besides into a study folder.
 
     The same logs give the same bytes. Nothing is simulated, but for `communication` and `sensing`:
     there an episode or a few are played again, and shown if they come out as they were logged.
@@ -56,6 +59,13 @@ def write_study_report(folder: Path) -> Path:
             f"{again(folder, 'study.json')}"
         )
     target = folder / "report.html"
-    text = render(logs, PAGES[logs.kind](logs), definition_notes())
+    sections = [*scene_sections(logs), *PAGES[logs.kind](logs), *cost_sections(logs)]
+    notes = definition_notes()
+    if logs.kind in LIKE_PAPER:
+        sections, notes = referred(sections), [NOTE, *notes]
+    text = render(logs, sections, notes)
+    tables = [table for section in sections for table in section.tables]
+    pictures = [picture for section in sections for picture in section.pictures]
+    export(folder, tables, pictures, wanted)
     write_bytes(target, text.encode("utf-8"))
     return target

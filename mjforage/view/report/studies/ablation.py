@@ -7,7 +7,7 @@ from mjforage.view.page import style
 from mjforage.view.page.picture import Picture, house_style
 from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.differences import SEED, Estimate, family_note, set_apart
-from mjforage.view.report.published import LABEL, published_for
+from mjforage.view.report.published import elsewhere, published_for
 from mjforage.view.report.studies.forest import Subject, forest
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
 from mjforage.view.report.studies.study_page import Section
@@ -56,7 +56,15 @@ def setups_table(logs: StudyLogs) -> Table:
                 found = known.printed if variant == COMPLETE else known.ablated[team]
                 theirs = [found.get(m.key, float("nan")) for m in metrics]
                 cells, values = tuple(map(number, theirs, digits)), tuple(map(Number, theirs))
-                rows.append(Row(LABEL, cells, group=group, paper=True, values=values))
+                rows.append(
+                    Row(
+                        f"paper{elsewhere(logs.base)}",
+                        cells,
+                        group=group,
+                        paper=True,
+                        values=values,
+                    )
+                )
     notes = ["Mean ± 1.96 SEM."]
     if any(row.paper for row in rows):
         notes.append(
@@ -64,7 +72,7 @@ def setups_table(logs: StudyLogs) -> Table:
             "stand right here. RMSE_columns is the number that it printed."
         )
     labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
-    title = "Table 5: every fleet with one agent less"
+    title = "Every fleet with one agent less (paper's Table 5)"
     better = tuple(m.better for m in metrics)
     words = tuple(notes)
     return Table("table-5", title, labels, tuple(rows), words, units, head="fleet", better=better)
@@ -103,7 +111,10 @@ def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str,
             if known and set(keys) & set(known.contribution[team]):
                 theirs = [known.contribution[team].get(key, float("nan")) for key in keys]
                 cells, values = tuple(number(one, 4) for one in theirs), tuple(map(Number, theirs))
-                head, group = f"{known.algorithm}, {LABEL}", f"one agent of {team}"
+                head, group = (
+                    f"{known.algorithm}, paper{elsewhere(logs.base)}",
+                    f"one agent of {team}",
+                )
                 rows.append(Row(head, cells, group=group, paper=True, values=values))
     notes = (
         "Share of the performance that an agent brings: (full − without) / full, for costs "
@@ -148,7 +159,7 @@ def pictures(logs: StudyLogs) -> list[Picture]:
 
 def sections(logs: StudyLogs) -> list[Section]:
     """The page's sections."""
-    title = "Table 6: marginal contribution of one agent"
+    title = "Marginal contribution of one agent (paper's Table 6)"
     beyond = "Marginal contribution to times and cooperation"
     tables = [
         setups_table(logs),

@@ -33,7 +33,7 @@ from mjforage.view.page.picture import (
 )
 from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.differences import SEED
-from mjforage.view.report.published import LABEL, published_for
+from mjforage.view.report.published import elsewhere, published_for
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
 from mjforage.view.report.studies.study_page import Section
 from mjforage.view.report.text_tables import NOTHING, number, policy_name
@@ -205,7 +205,7 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
                     text, rest = number(slope, metric.digits), len(COLUMNS) - 3
                     cells = (NOTHING, NOTHING, text, *(NOTHING,) * rest)
                     values = (None, None, Number(slope), *(None,) * rest)
-                    head = f"{known.algorithm}, {LABEL}"
+                    head = f"{known.algorithm}, paper{elsewhere(logs.base)}"
                     rows.append(Row(head, cells, group=group, paper=True, values=values))
     notes = _slope_notes(logs, any(row.paper for row in rows))
     return Table("slopes", "Sensitivity slopes", COLUMNS, tuple(rows), notes)
@@ -265,7 +265,7 @@ def _published(logs: StudyLogs, team: str) -> str:
                 found.setdefault(describe(key).label, []).append(words)
     rule = f" ({unlike_draws(logs)})" if unlike_draws(logs) else ""
     return "".join(
-        f" The paper's SS of {label}, on its own map: {joined(words)}{rule}."
+        f" The paper's SS of {label}{elsewhere(logs.base)}: {joined(words)}{rule}."
         for label, words in found.items()
     )
 

@@ -86,8 +86,8 @@ def cost_table(logs: StudyLogs) -> Table:
     notes = [
         "CPU time of one core: mean of the variants' means ± 1.96 SEM over the variants, whose "
         "real differences are in it. A worker's first chunk of a row also loads and compiles, and "
-        "is left out unless there is no other. Not in it: starting workers, writing, one replay "
-        "per row and variant (an episode each), merging and drawing."
+        "is left out unless there is no other. Not in it: starting workers, writing, the episodes "
+        "played again to keep their replays, merging and drawing."
     ]
     if told:
         notes.append(

@@ -73,5 +73,5 @@ def forest(
         f"{family_note(family, 'this figure', 'filled')} and is of {FEWEST} episodes or more."
     )
     if any(subject.paper for subject in subjects):
-        words += " Hollow diamond: the paper's number, of its own map at graph level."
+        words += " Hollow diamond: the paper's number, at graph level."
     return Picture(name, title, f"{caption} {words}", figure, wide=True)

@@ -13,10 +13,11 @@ from mjforage.view.report.curves import time_figures
 from mjforage.view.report.distributions import distribution_figures
 from mjforage.view.report.policy_pairs import comparison_table
 from mjforage.view.report.published import (
-    LABEL,
+    PLACES,
     STRAIGHT,
     STRAIGHT_NOTE,
     Published,
+    elsewhere,
     published_for,
 )
 from mjforage.view.report.reality_gap import gap_table, ladder_table
@@ -46,18 +47,20 @@ class Beside:
     half: float  # 1.96 SEM of the paper's, 0 where it prints none
     digits: int
     like: bool  # the same quantity, so that it may be asked whether the numbers agree
+    place: str = NOTHING  # where the paper shows it
 
     @property
     def row(self) -> Row:
         """The pair as a row."""
         if not np.isfinite([self.low, self.high]).all():
-            cells = (number(self.paper, self.digits), *(NOTHING,) * 4)
-            return Row(self.name, cells, values=(self.theirs, *(None,) * 4))
+            cells = (self.place, number(self.paper, self.digits), *(NOTHING,) * 4)
+            return Row(self.name, cells, values=(None, self.theirs, *(None,) * 4))
         meets = self.low - self.half <= self.paper <= self.high + self.half
         theirs = number(self.paper, self.digits)
         if self.half:
             theirs += f" ± {number(self.half, self.digits)}"
         cells = (
+            self.place,
             theirs,
             number(self.ours, self.digits),
             f"{number(self.low, self.digits)} to {number(self.high, self.digits)}",
@@ -65,7 +68,7 @@ class Beside:
             ("yes" if meets else "no") if self.like else NOTHING,
         )
         ours = Number(self.ours), Number(float("nan"), self.low, self.high)
-        values = (self.theirs, *ours, Number(self.ours - self.paper), None)
+        values = (None, self.theirs, *ours, Number(self.ours - self.paper), None)
         return Row(self.name, cells, values=values)
 
     @property
@@ -89,9 +92,9 @@ def _means(logs: StudyLogs, known: Published, policy: str, world: str) -> list[B
             metric, entry = describe(key), logs.entry(Player(variant, world, policy), key)
             half = interval.get(key, 0.0) if variant == COMPLETE else 0.0
             ours = (entry.mean, entry.low, entry.high)
-            found.append(
-                Beside(f"{metric.label}{end}", value, *ours, half, metric.digits, _same(world))
-            )
+            about = half, metric.digits, _same(world)
+            where = PLACES.get(key, NOTHING) if variant == COMPLETE else "Table 5"
+            found.append(Beside(f"{metric.label}{end}", value, *ours, *about, where))
     return found
 
 
@@ -106,7 +109,8 @@ def _slopes(
             name = f"SS of {metric.label}, {team} corrupted"
             like = _same(world) and not corruption.unlike_draws(logs)
             slope = float(fit.line.slope)
-            found.append(Beside(name, value, slope, low, high, 0.0, metric.digits, like))
+            about = 0.0, metric.digits, like, "Table 4"
+            found.append(Beside(name, value, slope, low, high, *about))
     return found
 
 
@@ -116,7 +120,8 @@ def _contributions(logs: StudyLogs, known: Published, policy: str, world: str) -
         for key, value in known.contribution[team].items():
             ours = ablation.contribution(logs, team, world, policy, key)
             name = f"MC of {describe(key).label}, one of {team}"
-            found.append(Beside(name, value, ours.value, ours.low, ours.high, 0.0, 4, _same(world)))
+            about = 0.0, 4, _same(world), "Table 6"
+            found.append(Beside(name, value, ours.value, ours.low, ours.high, *about))
     return found
 
 
@@ -147,14 +152,14 @@ def beside_table(logs: StudyLogs, fits: corruption.Fits) -> Table | None:
     if not rows:
         return None
     notes = (
-        "The paper's numbers are of its own map, ours of the map named above. Interval: bootstrap "
-        "95 % over our episodes. Within: whether the paper's number lies in it, widened by the "
-        "paper's own ± where it prints one; not asked where the two are unlike, with hulls or with "
+        f"{_maps(logs)} Interval: bootstrap 95 % over our episodes. Within: whether the paper's "
+        "number lies in it, widened by the paper's own ± where it prints one; not asked where the "
+        "two are unlike, with hulls or with "
         "another rule of corruption. Of the whole fleet of a baseline the numbers are those that "
         "its public code gives over many seeds (Tables 2 to 4 have what it printed of one).",
         *([STRAIGHT_NOTE] if STRAIGHT in {known.algorithm for known in beside} else []),
     )
-    columns = ("paper", "ours", "95 % interval", "difference", "within")
+    columns = ("in the paper", "paper", "ours", "95 % interval", "difference", "within")
     return Table(
         "beside", "The paper's numbers beside ours", columns, tuple(rows), notes, head="number"
     )
@@ -166,6 +171,16 @@ def _slope_cell(fit: corruption.Fit | None, digits: int) -> str:
         return NOTHING
     low, high = (number(end, digits) for end in fit.intervals.slope)
     return f"{number(float(fit.line.slope), digits)} ({low} to {high})"
+
+
+def _maps(logs: StudyLogs) -> str:
+    """Whether paper and study are of one map."""
+    if elsewhere(logs.base):
+        return "The paper's numbers are of its own map, ours of the map named above."
+    return (
+        "The paper's numbers are of its own map, and whether that is the one named above is not "
+        "known here."
+    )
 
 
 def table_4(logs: StudyLogs, fits: corruption.Fits) -> Table:
@@ -193,10 +208,13 @@ def table_4(logs: StudyLogs, fits: corruption.Fits) -> Table:
         if known:
             theirs = [known.printed["csr"], *(known.slopes[pair] for pair in asked)]
             digits = (3, *(describe(key).digits for _, key in asked))
-            printed, head = tuple(map(number, theirs, digits)), f"{known.algorithm}, {LABEL}"
+            printed, head = (
+                tuple(map(number, theirs, digits)),
+                f"{known.algorithm}, paper{elsewhere(logs.base)}",
+            )
             rows.append(Row(head, printed, paper=True, values=tuple(map(Number, theirs))))
     columns = ("CSR", *(f"SS of {describe(key).label}, {team}" for team, key in asked))
-    title = "Table 4: cooperative success ratio and sensitivity slopes"
+    title = "Cooperative success ratio and sensitivity slopes (paper's Table 4)"
     unlike = corruption.unlike_draws(logs) if any(row.paper for row in rows) else ""
     units = ("", *(unlike for _ in asked))
     return Table("table-4", title, columns, tuple(rows), (), units)

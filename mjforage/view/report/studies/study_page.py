@@ -6,12 +6,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from mjforage.view.page import embedded, set_page, style
-from mjforage.view.page.picture import Picture
+from mjforage.view.page.picture import Picture, house_style
 from mjforage.view.page.table import Table
-from mjforage.view.page.table_files import write_table
 from mjforage.view.report.differences import too_few
+from mjforage.view.report.map_figures import scenario_figure
+from mjforage.view.report.run_logs import pick_replay
 from mjforage.view.report.studies.cost import cost_table, throughput_picture, throughput_table
 from mjforage.view.report.studies.study_logs import StudyLogs
+from mjforage.view.report.web_replay import web_replay
 
 
 @dataclass(frozen=True)
@@ -53,17 +55,29 @@ def facts(logs: StudyLogs) -> list[tuple[str, str]]:
     return [(term, value) for term, value in pairs if value]
 
 
+def scene_sections(logs: StudyLogs) -> list[Section]:
+    """Map, starts and items of the scenario as it is; nothing where no replay was kept."""
+    replay = pick_replay(logs.whole)
+    if replay is None:
+        return []
+    with house_style():
+        return [Section("scene", "Scenario", "", (), [scenario_figure(logs.whole, replay)])]
+
+
+def cost_sections(logs: StudyLogs) -> list[Section]:
+    """What the study took; nothing where it was not noted."""
+    if not any(logs.costs.values()):
+        return []
+    drawn = [picture for picture in (throughput_picture(logs),) if picture is not None]
+    tables = [cost_table(logs), throughput_table(logs)]
+    return [Section("cost", "Cost and throughput", "", tables, drawn)]
+
+
 def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -> str:
     """Set the page as HTML, and save its figures in the study's folder."""
-    if any(logs.costs.values()):
-        drawn = [picture for picture in (throughput_picture(logs),) if picture is not None]
-        tables = [cost_table(logs), throughput_table(logs)]
-        sections = [*sections, Section("cost", "Cost and throughput", "", tables, drawn)]
     parts: list[dict[str, Any]] = []
     for section in sections:
         figures = [embedded(picture, logs.folder) for picture in section.pictures]
-        for table in section.tables:
-            write_table(table, logs.folder / "tables", ("csv",))
         parts.append(
             {
                 "name": section.name,
@@ -81,7 +95,9 @@ def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -
             (name, logs.title(name), ", ".join(run.policies)) for name, run in logs.runs.items()
         ],
         "sections": parts,
+        "replay": web_replay({"": logs.whole.folder}),
         "few": too_few(logs.info.episodes),
+        "first_with_numbers": next((part["name"] for part in parts if part["tables"]), ""),
         "notes": notes,
         "scenario_json": json.dumps(logs.info.scenario, indent=2, ensure_ascii=False),
     }

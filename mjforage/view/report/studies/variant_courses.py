@@ -19,6 +19,7 @@ from mjforage.view.report.text_tables import policy_name
 
 SHADES = "plasma"
 DARKEST, LIGHTEST = 0.1, 0.85  # of those shades: the yellow end is too pale on white
+MARKS = 6  # on a line
 TIMES = (0.0, 0.25, 0.5, 0.75, 1.0)  # named on the axis
 
 
@@ -26,6 +27,11 @@ def _colours(count: int) -> list[Any]:
     """A colour per variant in their order, from light to dark; ink for the last."""
     places = np.linspace(LIGHTEST, DARKEST, count - 1)
     return [*(colormaps[SHADES](float(place)) for place in places), style.INK]
+
+
+def _marker(number: int) -> str:
+    """Marker of a variant by its place."""
+    return style.MARKERS[number % len(style.MARKERS)]
 
 
 def courses_picture(
@@ -54,12 +60,20 @@ def courses_picture(
         for row, metric in zip(grid, map(describe, keys), strict=True):
             for axes, policy in zip(row, policies, strict=True):
                 drawn = False
-                for (run, _), colour in zip(played, colours, strict=True):
+                for number, ((run, _), colour) in enumerate(zip(played, colours, strict=True)):
                     line = course(runs[run], (world, policy), metric.course or metric.key)
                     drawn |= bool(line.n.any())
                     band = line.mean - line.half, line.mean + line.half
                     axes.fill_between(line.time, *band, color=colour, alpha=0.13, linewidth=0)
-                    axes.plot(line.time, line.mean, color=colour)
+                    stride = max(1, len(line.time) // MARKS)
+                    axes.plot(
+                        line.time,
+                        line.mean,
+                        color=colour,
+                        marker=_marker(number),
+                        markersize=4.5,
+                        markevery=(number * stride // len(played), stride),
+                    )
                 axes.set_xlim(0.0, 1.0)
                 axes.set_xticks(TIMES, [f"{time:g}" for time in TIMES])
                 axes.yaxis.set_major_locator(MaxNLocator(5))
@@ -73,8 +87,8 @@ def courses_picture(
         for axes in grid[-1]:
             axes.set_xlabel("normalised time  $t/T$")
         handles = [
-            Line2D([], [], color=colour, label=words)
-            for (_, words), colour in zip(played, colours, strict=True)
+            Line2D([], [], color=colour, marker=_marker(number), markersize=4.5, label=words)
+            for number, ((_, words), colour) in enumerate(zip(played, colours, strict=True))
         ]
         figure.legend(handles=handles, loc="outside upper left", ncols=len(handles))
     words = " ".join(f"{describe(key).label}: {describe(key).definition}." for key in keys)

@@ -2,16 +2,18 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from metrics import marginal_contribution
+from mjforage.core.maps import load_map
 from mjforage.core.mission_metrics import describe
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 from mjforage.core.whole_files import write_json
 from mjforage.runs.identity import run_info
-from mjforage.runs.run_info import load_run
-from mjforage.view.report.published import PAPER, comparable, published_for
+from mjforage.runs.run_info import RunInfo, load_run
+from mjforage.view.report.published import PAPER, comparable, elsewhere, published_for
 
 
 @pytest.mark.parametrize(
@@ -45,3 +47,24 @@ def test_its_contributions_follow_from_its_ablations(policy: str, team: str) -> 
         better = describe(key).better > 0
         again = float(marginal_contribution(full, without, higher_is_better=better))
         assert again == pytest.approx(value, abs=1e-4), key
+
+
+def test_its_map_is_another_only_where_ours_is_known_to_be(tmp_path: Path) -> None:
+    run = _run_on(tmp_path, None)
+    assert elsewhere(run) == " (its own map)"
+    mine = tmp_path / "harbour.csv"
+    grid = load_map("comb_port").navigable.astype(int)
+    np.savetxt(mine, grid, fmt="%d", delimiter=",")
+    run = _run_on(tmp_path, str(mine))
+    assert comparable(run) and elsewhere(run) == ""
+
+
+def _run_on(folder: Path, map_file: str | None) -> RunInfo:
+    setup = Setup.of(load_scenario("published", (), map_file))
+    write_json(folder / "run.json", run_info(setup, ["greedy"], ["graph"], 1, 0))
+    return load_run(folder / "run.json")
+
+
+def test_the_papers_network_stands_beside_its_like() -> None:
+    assert PAPER["ddqn-reward"].algorithm == "DRL"
+    assert "ddqn" not in PAPER

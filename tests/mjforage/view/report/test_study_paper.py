@@ -17,11 +17,13 @@ from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 from mjforage.runs import variants
 from mjforage.runs.study import Study, run_study
-from mjforage.view.page.table import Table
+from mjforage.view.page.table import Row, Table
 from mjforage.view.report.curves import time_figures
-from mjforage.view.report.studies import ablation, corruption, paper
+from mjforage.view.report.exports import Exports
+from mjforage.view.report.studies import ablation, corruption, paper, write_study_report
+from mjforage.view.report.studies.as_in_paper import referred
 from mjforage.view.report.studies.study_logs import StudyLogs, load_study
-from mjforage.view.report.studies.study_page import facts, render
+from mjforage.view.report.studies.study_page import Section, facts, render, scene_sections
 from mjforage.view.report.text_tables import NOTHING
 
 Make = Callable[..., StudyLogs]
@@ -182,3 +184,64 @@ def test_one_level_beside_a_break_has_no_slope(place: int, cut: set[str]) -> Non
     assert {side: cells[side] for side in slopes} == {
         side: NOTHING if side in cut else slope for side, slope in slopes.items()
     }
+
+
+def test_titles_name_the_papers_tables_and_figures(study: Make) -> None:
+    sections = referred([*scene_sections(study(True)), *paper.sections(study(True))])
+    titles = {one.name: one.title for s in sections for one in s.tables}
+    titles |= {one.name: one.title for s in sections for one in s.pictures}
+    expected = {
+        **{f"table-{n}": f"Table {n}" for n in (2, 3, 4, 5, 6)},
+        "scenario": "Figure 2",
+        "pta": "Figure 4",
+        "rmse": "Figure 5",
+        "idleness": "Figure 6",
+        "dsl": "Figure 7",
+        "itl": "Figure 8",
+        "csr": "Figure 9",
+        "corruption-scouts": "Figure 10",
+        "corruption-foragers": "Figure 11",
+        "gini": "Figure 12",
+        "overlap": "Figure 13",
+        "contribution-graph": "Table 6",
+    }
+    for name, number in expected.items():
+        assert f"(paper's {number})" in titles[name], name
+    assert "paper's" not in titles["slopes"]
+
+
+def test_numbers_beside_the_papers_say_where_it_has_them(study: Make) -> None:
+    logs = study(True)
+    table = paper.beside_table(logs, corruption.Fits(logs))
+    assert table is not None
+    where = {row.head: row.cells[table.columns.index("in the paper")] for row in table.rows}
+    assert where["NT_90"] == "Table 3"
+    assert where["MC of PTA_C, one of scouts"] == "Table 6"
+    assert where["SS of PTA_C, scouts corrupted"] == "Table 4"
+    assert where["PTA_C, scouts 1, foragers 2"] == "Table 5"
+
+
+def test_who_was_taught_is_marked_wherever_it_is_named() -> None:
+    rows = tuple(Row(name, ("1",), group=name) for name in ("ddqn", "ddqn · hulls", "ddqn-reward"))
+    section = Section("s", "S", tables=[Table("t", "T", ("a",), rows)])
+    marked = [(row.head, row.group) for row in referred([section])[0].tables[0].rows]
+    assert marked == [
+        ("ddqn (taught by the planner)",) * 2,
+        ("ddqn (taught by the planner) · hulls",) * 2,
+        ("ddqn-reward",) * 2,
+    ]
+
+
+def test_the_page_has_the_scenario_and_the_replays_of_the_whole_fleet(study: Make) -> None:
+    logs = study(True)
+    page = write_study_report(logs.folder).read_text(encoding="utf-8")
+    assert page.index('id="replay"') < page.index('id="run"')
+    assert 'id="figure-scenario"' in page
+    assert (logs.folder / "tables" / "beside.csv").is_file()
+
+
+def test_tables_of_a_study_are_written_for_a_paper(study: Make) -> None:
+    folder = study(True).folder
+    write_study_report(folder, Exports.of("latex", "pdf"))
+    assert "\\toprule" in (folder / "tables" / "table-5.tex").read_text(encoding="utf-8")
+    assert (folder / "figures" / "corruption-scouts.pdf").read_bytes().startswith(b"%PDF")

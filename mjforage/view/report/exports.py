@@ -1,0 +1,76 @@
+"""What a paper takes from a report: its tables and figures as files, in the formats wanted."""
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from mjforage.core.errors import UserError
+from mjforage.core.whole_files import write_bytes
+from mjforage.view.page.picture import Picture, house_style, pdf_bytes, png_bytes, svg_bytes
+from mjforage.view.page.table import Table
+from mjforage.view.page.table_files import FORMATS, write_table
+
+
+def _svg(figure: Figure) -> bytes:
+    return svg_bytes(figure, as_text=True)
+
+
+FIGURES: dict[str, Callable[[Figure], bytes]] = {"pdf": pdf_bytes, "png": png_bytes, "svg": _svg}
+"""Format and ending of a figure's file -> what draws it; letters are text where they can be."""
+
+
+@dataclass(frozen=True)
+class Exports:
+    """Formats that are wanted besides those of every report.
+
+    Attributes
+    ----------
+    tables : of `table_files.FORMATS`
+    figures : of `FIGURES`
+    """
+
+    tables: tuple[str, ...] = ()
+    figures: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, tables: str, figures: str) -> "Exports":
+        """Read what a user wants: formats with commas between them, "" for none.
+
+        Raises
+        ------
+        UserError
+            If a format is not one of ours.
+        """
+        return cls(_chosen("--tables", tables, FORMATS), _chosen("--figures", figures, FIGURES))
+
+
+NOTHING_ELSE = Exports()
+
+
+def _chosen(flag: str, text: str, known: Collection[str]) -> tuple[str, ...]:
+    names = [name.strip() for name in text.split(",")] if text.strip() else []
+    for name in names:
+        if name not in known:
+            raise UserError(f"{flag} {text}: no format {name!r}; choose from {', '.join(known)}")
+    return tuple(dict.fromkeys(names))
+
+
+def export(
+    folder: Path, tables: Sequence[Table], pictures: Sequence[Picture], wanted: Exports
+) -> None:
+    """Write tables into ``tables``, always as CSV, and figures into ``figures`` of a folder.
+
+    Raises
+    ------
+    UserError
+        If a file cannot be written.
+    """
+    for table in tables:
+        write_table(table, folder / "tables", ("csv", *wanted.tables))
+    for picture in pictures:
+        for kind in wanted.figures:
+            with house_style():
+                content = FIGURES[kind](picture.figure)
+            write_bytes(folder / "figures" / f"{picture.name}.{kind}", content)

@@ -1,0 +1,51 @@
+"""How a study's page refers to the paper: its figures by number, and who was taught."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from mjforage.view.page.picture import Picture
+from mjforage.view.page.table import Row, Table
+from mjforage.view.report.published import NUMBERS, TAUGHT
+from mjforage.view.report.studies.study_page import Section
+
+MARK = "taught by the planner"
+NOTE = (
+    "Policies marked as taught by the planner were shown its moves in training (`belief`). The "
+    "paper's network (DRL) learnt from reward alone, and stands beside its like, `ddqn-reward`."
+)
+
+
+def referred(sections: Sequence[Section]) -> list[Section]:
+    """The sections with the paper's numbers in titles of figures, and marks on who was taught."""
+    return [
+        replace(
+            section,
+            tables=[_marked(table) for table in section.tables],
+            pictures=[_numbered(picture) for picture in section.pictures],
+        )
+        for section in sections
+    ]
+
+
+def _numbered(picture: Picture) -> Picture:
+    number = NUMBERS.get(picture.name)
+    if number is None:
+        return picture
+    return replace(picture, title=f"{picture.title} (paper's {number})")
+
+
+def _marked(table: Table) -> Table:
+    rows = tuple(_row(row) for row in table.rows)
+    if rows == table.rows:
+        return table
+    return replace(table, rows=rows)
+
+
+def _row(row: Row) -> Row:
+    return replace(row, head=_name(row.head), group=_name(row.group))
+
+
+def _name(words: str) -> str:
+    """A policy, alone or before its world, with the mark where it was taught."""
+    policy, dot, rest = words.partition(" · ")
+    return f"{policy} ({MARK}){dot}{rest}" if policy in TAUGHT else words

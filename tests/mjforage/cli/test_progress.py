@@ -1,0 +1,88 @@
+"""How far a command has come, said in lines where there is no terminal."""
+
+import re
+import subprocess
+import sys
+import time
+
+import pytest
+
+from mjforage.cli.progress import Lines, duration, told
+
+
+class Bench:
+    """A clock that a test winds, and the lines that were said."""
+
+    def __init__(self, unit: str = "episodes") -> None:
+        self.now, self.said = 1000.0, list[str]()
+        self.lines = Lines("evaluate", unit, self.said.append, lambda: self.now)
+
+    def after(self, seconds: float, done: float | None = None, total: float = 1200) -> str:
+        self.now += seconds
+        if done is not None:
+            self.lines(done, total)
+        self.lines.tell()
+        return self.said[-1]
+
+
+def test_a_line_says_what_is_done_and_how_long_the_rest_takes() -> None:
+    bench = Bench()
+    bench.lines(0, 1200)
+    assert bench.after(60, 300) == "evaluate: 300 of 1,200 episodes, 25 %, about 3 min left"
+    # nothing more is finished, but time has passed
+    assert bench.after(60) == "evaluate: 300 of 1,200 episodes, 25 %, about 2 min left"
+    assert bench.after(10_000).endswith("about 10 s left")
+
+
+def test_what_an_earlier_call_did_says_nothing_of_the_pace() -> None:
+    bench = Bench()
+    bench.lines(600, 1200)
+    assert bench.after(20) == "evaluate: 600 of 1,200 episodes, 50 %, 20 s so far"
+    assert bench.after(40, 700).endswith("about 5 min left")
+
+
+def test_before_anything_is_known_only_the_time_is_said() -> None:
+    assert Bench().after(20) == "evaluate: 20 s so far"
+
+
+def test_it_is_never_said_to_be_done_before_it_is() -> None:
+    bench = Bench()
+    bench.lines(0, 1200)
+    assert ", 99 %," in bench.after(60, 1199)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [(0, "10 s"), (44, "40 s"), (89, "90 s"), (91, "2 min"), (3000, "50 min"), (9000, "2.5 h")],
+)
+def test_times_are_said_as_one_says_them(seconds: float, words: str) -> None:
+    assert duration(seconds) == words
+
+
+def test_lines_come_while_the_block_works_and_stop_with_it() -> None:
+    said: list[str] = []
+    lines = Lines("evaluate", "episodes", said.append)
+    with told(lines, 0.01):
+        lines(1, 2)
+        until = time.monotonic() + 20
+        while len(said) < 2 and time.monotonic() < until:
+            time.sleep(0.01)
+    assert len(said) >= 2
+    told_then = len(said)
+    time.sleep(0.05)
+    assert len(said) == told_then
+
+
+def test_without_a_terminal_they_are_plain_lines_on_stderr() -> None:
+    program = (
+        "import time; from mjforage.cli import console, progress\n"
+        "progress.told.__wrapped__.__defaults__ = (0.05,)\n"
+        "with console.bar('evaluate', 'episodes') as shown:\n"
+        "    shown(1, 4); time.sleep(0.5)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == ""
+    line = r"evaluate: 1 of 4 episodes, 25 %, 10 s so far"
+    assert re.fullmatch(rf"({line}\n)+", done.stderr)
