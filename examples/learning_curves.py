@@ -12,12 +12,19 @@ from pathlib import Path
 import polars as pl
 from matplotlib.figure import Figure
 
+from mjforage.view.page import style
+
 COLUMNS = {"nt50": "NT50", "nt90": "NT90", "left": "items left [%]"}
 LEVELS = {  # by the published rules: ours of Greedy (200 episodes), and the paper's row
     "Greedy": {"nt50": 0.331, "nt90": 0.604, "left": 3.0},
     "paper's DRL": {"nt50": 0.281, "nt90": 0.512, "left": 1.32},
 }
-INK, COLOURS = "#3b4754", ("#1f5d87", "#b3382c", "#5b8c5a", "#8a6fae")
+
+
+def name_of(path: Path) -> str:
+    """What a run's line is called: its file, or its folder where all files are called alike."""
+    label = path.stem.removesuffix("-evaluations")
+    return path.parent.name if label == "evaluations" else label
 
 
 def read(path: Path) -> pl.DataFrame:
@@ -28,21 +35,25 @@ def read(path: Path) -> pl.DataFrame:
 
 def main(picture: Path, runs: list[Path]) -> None:
     """Draw."""
+    looks = style.looks([name_of(path) for path in runs])
     figure = Figure(figsize=(9.0, 2.8), layout="constrained")
     for axes, (column, name) in zip(figure.subplots(1, 3), COLUMNS.items(), strict=True):
         for (level, values), dash in zip(LEVELS.items(), (":", "--"), strict=True):
-            axes.axhline(values[column], color=INK, linestyle=dash, linewidth=1.0, label=level)
-        for path, colour in zip(runs, COLOURS, strict=False):
-            rows = read(path)
-            label = path.stem.removesuffix("-evaluations")
-            label = path.parent.name if label == "evaluations" else label
-            axes.plot(rows["updates"], rows[column], "o-", color=colour, markersize=3, label=label)
+            axes.axhline(
+                values[column], color=style.INK, linestyle=dash, linewidth=1.0, label=level
+            )
+        for path in runs:
+            rows, label = read(path), name_of(path)
+            marker, colour = looks[label].marker, looks[label].colour
+            axes.plot(
+                rows["updates"], rows[column], marker, ls="-", color=colour, ms=4, label=label
+            )
         axes.set_xlabel("updates")
-        axes.set_title(name, loc="left", fontsize=10, color=INK)
+        axes.set_title(name, loc="left", fontsize=10, color=style.INK)
         axes.set_ylim(bottom=0.0)
         axes.spines[["top", "right"]].set_visible(False)
-        axes.tick_params(colors=INK, labelsize=8)
-    axes.legend(frameon=False, fontsize=8, labelcolor=INK)
+        axes.tick_params(colors=style.INK, labelsize=8)
+    axes.legend(frameon=False, fontsize=8, labelcolor=style.INK)
     figure.savefig(picture, dpi=100)
 
 

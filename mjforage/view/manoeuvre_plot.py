@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.patches import FancyArrowPatch
+from matplotlib.patches import Circle, FancyArrowPatch
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
@@ -23,11 +23,17 @@ from mjforage.view.page.picture import WIDE_IN, house_style
 HULLS = 12  # outlines along the track, at most
 LARGER = (1, 2, 5, 10, 20, 50, 100)  # how much larger than life hulls are drawn
 LEAST_HULL = 0.04  # of the track's longer side
+APART = 1.2  # length of a drawn hull between two of them, at least
+DRIFTS = 0.05  # of its diameter, from which on a turn's way over ground in a turn is no circle
+ROOMY = 0.6  # of the track's longer side that a circle takes that has its diameter written inside
+BEHIND_WORDS: dict[str, Any] = {
+    "facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 1.0,
+}  # fmt: skip
 PICTURES = (".png", ".svg", ".pdf", ".jpg")
 PORT, STARBOARD, HULL, SECOND = "#B5308A", "#0072B2", "#D55E00", "#D55E00"
 WIND, CURRENT = "#5E5E5E", "#0072B2"
 FIGURES_A_ROW, ROW_IN = 5, 0.52  # key figures in a row, and its height [inch]
-NOTHING = 1e-9  # below this a key figure is 0
+NOTHING = 1e-5  # below this a key figure is 0
 OVERSHOOTS = 2  # that are written at their peaks: the two that standards limit
 
 
@@ -79,13 +85,9 @@ def _track(axes: Axes, t: Trajectory) -> None:
     x, y = t.states[:, 0], t.states[:, 1]
     times = _hulls_times_larger(t)
     axes.plot(x, y, color=style.INK, label="midships")
-    last: NDArray[np.float64] | None = None
-    for row in np.linspace(0, t.times_s.size - 1, HULLS).astype(int):
-        far = last is None or math.hypot(*(t.states[row, :2] - last)) > times * t.vessel.length_m
-        if far or row == t.times_s.size - 1:
-            outline = _outline(t, int(row), times)
-            axes.fill(*outline.T, facecolor="none", edgecolor=HULL, lw=1.3, zorder=3)
-            last = t.states[row, :2]
+    for row in hull_rows(t.states[:, :2], APART * times * t.vessel.length_m):
+        outline = _outline(t, row, times)
+        axes.fill(*outline.T, facecolor="none", edgecolor=HULL, lw=1.3, zorder=3)
     _circle(axes, t)
     axes.set_aspect("equal", adjustable="datalim")
     scale = "at scale" if times == 1 else f"{times} x life size"
@@ -97,6 +99,23 @@ def _hulls_times_larger(t: Trajectory) -> int:
     span = float(np.ptp(t.states[:, :2], axis=0).max())
     least = LEAST_HULL * span / t.vessel.length_m
     return next((times for times in LARGER if times >= least), LARGER[-1])
+
+
+def hull_rows(places: NDArray[np.float64], apart_m: float) -> list[int]:
+    """Rows of places (row, 2) at which hulls are drawn, `HULLS` at most: ends first, then between.
+
+    All are further apart than `apart_m`, however often a track comes by the same place.
+    """
+    while True:
+        rows = [0]
+        for row in (len(places) - 1, *range(1, len(places) - 1)):
+            if np.hypot(*(places[rows] - places[row]).T).min() > apart_m:
+                rows.append(row)
+            if len(rows) > HULLS:
+                break
+        if len(rows) <= HULLS:
+            return sorted(rows)
+        apart_m *= 1.15
 
 
 def _outline(t: Trajectory, row: int, times: float) -> NDArray[np.float64]:
@@ -111,26 +130,37 @@ def _outline(t: Trajectory, row: int, times: float) -> NDArray[np.float64]:
 
 
 def _circle(axes: Axes, t: Trajectory) -> None:
-    """The steady turn's diameter in the water, across the last full turn, where there was one."""
-    diameter = key_figures(t).get("turning_diameter")
-    if diameter is None:
+    """The diameter of the steady turn, where there was one: across the track, unless that drifts.
+
+    A track that drifts over ground is no circle; the one in the water is dashed around its middle.
+    """
+    figures = key_figures(t)
+    if "turning_diameter" not in figures:
         return
-    turned = np.abs(t.states[-1, 2] - t.states[:, 2])
-    turn = t.states[turned <= 2.0 * math.pi, :2]
-    middle, reach = 0.5 * (turn.min(axis=0) + turn.max(axis=0)), 0.5 * diameter.value
-    ends = (middle[0] - reach, middle[1]), (middle[0] + reach, middle[1])
-    arrow = {"arrowstyle": "<->", "color": CURRENT, "lw": 1.5, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", *ends, arrowprops=arrow, zorder=4)
-    axes.text(
-        middle[0],
-        middle[1],
-        f"diameter {diameter.value:.3g} m",
-        color=CURRENT,
-        ha="center",
-        va="bottom",
-        zorder=5,
-        bbox={"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 1.0},
-    )
+    diameter, rate = figures["turning_diameter"].value, figures["turning_rate"].value
+    turn = t.states[np.abs(t.states[-1, 2] - t.states[:, 2]) <= 2.0 * math.pi, :2]
+    middle, reach = 0.5 * (turn.min(axis=0) + turn.max(axis=0)), 0.5 * diameter
+    drifts = figures["centre_drift"].value * 2.0 * math.pi / rate > DRIFTS * diameter
+    words = f"diameter {diameter:.3g} m"
+    if drifts:
+        words += " in the water"
+        dashed: dict[str, Any] = {"ls": "--", "lw": 1.5, "zorder": 4}
+        axes.add_patch(Circle((middle[0], middle[1]), reach, fill=False, ec=CURRENT, **dashed))
+    else:
+        arrow = {"arrowstyle": "<->", "color": CURRENT, "lw": 1.5, "shrinkA": 0, "shrinkB": 0}
+        ends = (middle[0] - reach, middle[1]), (middle[0] + reach, middle[1])
+        axes.annotate("", *ends, arrowprops=arrow, zorder=4)
+    low, high = t.states[:, :2].min(axis=0), t.states[:, :2].max(axis=0)
+    if diameter > ROOMY * float((high - low).max()):
+        place, side, align = (middle[0], middle[1]), (0.0, 5.0), "center"
+    else:  # beside it, towards the middle of the panel
+        sign = 1.0 if middle[0] <= 0.5 * (low[0] + high[0]) else -1.0
+        place, side = (middle[0] + sign * reach, middle[1]), (8.0 * sign, 0.0)
+        align = "left" if sign > 0.0 else "right"
+    axes.annotate(
+        words, place, side, textcoords="offset points", color=CURRENT, zorder=5,
+        ha=align, va="center" if side[0] else "bottom", bbox=BEHIND_WORDS,
+    )  # fmt: skip
 
 
 def _speeds(axes: Axes, t: Trajectory) -> None:
@@ -197,6 +227,8 @@ def _zigzag(axes: Axes, t: Trajectory) -> None:
     right.set(ylim=(-most, most))
     right.set_ylabel(f"helm: starboard minus port ({unit}), dashed", color=SECOND)
     right.grid(visible=False)
+    axes.set_zorder(right.get_zorder() + 1)  # words over the helm
+    axes.patch.set_visible(False)
     axes.plot(t.times_s, heading, color=style.INK, zorder=3)
     for side in (-angle, angle):
         axes.axhline(side, color=style.MUTED, lw=1.0, ls=":")
@@ -224,6 +256,7 @@ def _overshoots(
             ha="center",
             va="bottom" if up else "top",
             fontsize=10,
+            bbox=BEHIND_WORDS,
         )
 
 

@@ -6,12 +6,19 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from mjforage.physics.manoeuvre import STANDARD_TESTS, Trajectory, key_figures, manoeuvre
 from mjforage.physics.manoeuvre.standard import APPROACH_S
-from mjforage.view.manoeuvre_plot import manoeuvre_figure, shown_value, wrapped
+from mjforage.view.manoeuvre_plot import (
+    HULLS,
+    hull_rows,
+    manoeuvre_figure,
+    shown_value,
+    wrapped,
+)
 
 
 def run(test: str, vessel: str = "otter", current: str = "0@0", wind: str = "0@0") -> Trajectory:
@@ -51,8 +58,36 @@ def test_a_turning_circle_is_its_track_with_the_diameter(
     np.testing.assert_array_equal(xy(track.lines[0]), circle.states[:, :2])
     diameter = key_figures(circle)["turning_diameter"].value
     assert f"diameter {diameter:.3g} m" in words(figure)
+    arrow = next(one for one in track.texts if getattr(one, "arrow_patch", None))
+    left, right = sorted((arrow.xy[0], arrow.get_position()[0]))  # type: ignore[attr-defined]
+    assert right - left == pytest.approx(diameter)
+    assert left == pytest.approx(circle.states[:, 0].min(), abs=0.05 * diameter)
     figure.savefig(tmp_path / "way.png")
     assert (tmp_path / "way.png").stat().st_size > 10_000
+
+
+def test_a_turn_that_drifts_has_its_diameter_in_the_water() -> None:
+    done = run("turning-circle", vessel="scout", current="0.3@90")
+    diameter = key_figures(done)["turning_diameter"].value
+    figure = manoeuvre_figure(done)
+    assert f"diameter {diameter:.3g} m in the water" in words(figure)
+    circles = [one for one in largest(figure).patches if isinstance(one, Circle)]
+    assert [2.0 * one.get_radius() for one in circles] == [pytest.approx(diameter)]
+    assert not [one for one in largest(figure).texts if getattr(one, "arrow_patch", None)]
+
+
+def test_hulls_along_a_track_lie_apart_and_show_its_ends() -> None:
+    turns = np.linspace(0.0, 9.0 * np.pi, 2000)
+    circle = 10.0 * np.column_stack((np.cos(turns), np.sin(turns)))
+    for places in (circle, np.column_stack((turns, 0.0 * turns)), np.zeros((50, 2))):
+        rows = hull_rows(places, 2.0)
+        drawn = places[rows]
+        between = np.linalg.norm(drawn[:, None] - drawn[None], axis=2)
+        assert (between[np.triu_indices(len(rows), 1)] > 2.0).all()
+        assert len(rows) <= HULLS
+        for end in places[[0, -1]]:
+            assert np.linalg.norm(drawn - end, axis=1).min() < 1e-9
+    assert len(hull_rows(circle, 2.0)) > HULLS // 2, "all around"
 
 
 def test_a_zigzag_is_heading_and_helm_over_time(zigzag: Trajectory) -> None:
