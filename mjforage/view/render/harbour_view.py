@@ -212,11 +212,14 @@ class HarbourView:
         if self._tags is None:
             return
         height, width = self._size
-        points = np.column_stack((hulls[:, :2], np.full(len(hulls), 0.9 * self._scales[0])))
-        x, y, ahead = view.project(points, width / height).T
+        middles = np.column_stack((hulls[:, :2], np.zeros(len(hulls))))
+        half_m = 0.5 * self._scales[0] * np.array([one.length_m for one in self._look.vessels])
+        x, y, ahead = view.project(middles, width / height).T
+        aside = view.project(middles + half_m[:, None] * view.right, width / height)[:, 0]
         inside = (ahead > 0.0) & (np.abs(x) < 1.0) & (np.abs(y) < 1.0)
-        places = np.column_stack((0.5 * width * (1.0 + x), 0.5 * height * (1.0 - y) - 8.0))
-        self._tags.paint(image, np.where(inside[:, None], places, np.nan))
+        places = np.column_stack((0.5 * width * (1.0 + x), 0.5 * height * (1.0 - y)))
+        radius = 0.5 * width * np.abs(aside - x)
+        self._tags.paint(image, np.where(inside[:, None], places, np.nan), radius)
 
     def _notes(self, time: float) -> str:
         """What a viewer cannot know from the picture."""

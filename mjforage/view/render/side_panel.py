@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mjforage.runs.episode_replay import Replay
+from mjforage.view.page import style
 from mjforage.view.render import palette, symbols
 from mjforage.view.render.frame_split import Box, Kind, Split
 from mjforage.view.render.inset import Inset
@@ -117,6 +118,9 @@ def paint_signs(
     rows += ["idleness 0–1" if drawn else "idleness 0–1 (chart)"]
     if replay.held is not None:
         rows += ["in contact", "looks lost in this step"]
+    linked = len(rows)
+    collects = np.unique(replay.agent_collects).tolist() if drawn else []
+    rows += [style.role(one) for one in collects]  # bodies have their names beside them
     wide = box.width / columns
     for number, words in enumerate(rows):
         left = box.left + number % columns * wide
@@ -134,6 +138,10 @@ def paint_signs(
                 symbols.paint_believed(image, at, np.array([count]), one, 11.3 * u, most)
         elif number == 3:
             _paint_idleness(image, patch)
+        elif number >= linked:
+            role = collects[number - linked]
+            colour = palette.FORAGER if role else palette.SCOUT
+            symbols.paint_hull(image, mark[0] - (u, 0.0), 0.0, 15.0 * u, role, colour)
         else:
             ends = mark + np.array([[-14.0 * u, 0.0], [14.0 * u, 0.0]])
             (paint_link if number == 4 else paint_lost)(image, ends, u)
@@ -153,18 +161,25 @@ def paint_notes(image: Image, box: Box, unit: float, moment: Moment) -> None:
     """A compass whose needle shows north, clockwise from up in the picture, and words beside it."""
     radius, y = 14.0 * unit, 0.5 * (box.top + box.bottom)
     at = np.array([box.left + 24.0 * unit, y])
-    line = np.array([radius]), np.array([1.4 * unit]), np.array([0.7])
-    paint_rings(image, at[None], *line, PALE)
-    cos, sin = np.cos(moment.north_rad), np.sin(moment.north_rad)
-    needle = 0.7 * radius * _ARROW @ np.array([[cos, sin], [-sin, cos]]) + at
-    paint_polygon(image, needle, 0.0, 1.0, 1.0, _WHITE)
-    x, up = at + (radius + 8.0 * unit) * np.array([sin, -cos])
+    paint_compass(image, at, radius, moment.north_rad)
+    x, up = at + (radius + 8.0 * unit) * np.array(
+        [np.sin(moment.north_rad), -np.cos(moment.north_rad)]
+    )
     write(
         image, "N", x, up + 4 * unit, text_size(unit, 11), bold=True, colour=_WHITE, align="middle"
     )
     left, size = box.left + 56.0 * unit, text_size(unit, 12)
     words = fit(moment.notes, size, box.right - left)
     write(image, words, left, y + 4.5 * unit, size, colour=PALE)
+
+
+def paint_compass(image: Image, at: Floats, radius: float, north_rad: float) -> None:
+    """A needle in a ring around `at` (2,) [pixel]; it shows north, clockwise from up."""
+    line = np.array([radius]), np.array([0.1 * radius]), np.array([0.7])
+    paint_rings(image, at[None], *line, PALE)
+    cos, sin = np.cos(north_rad), np.sin(north_rad)
+    needle = 0.7 * radius * _ARROW @ np.array([[cos, sin], [-sin, cos]]) + at
+    paint_polygon(image, needle, 0.0, 1.0, 1.0, _WHITE)
 
 
 def chart(
@@ -233,7 +248,7 @@ class SidePanel:
         u = self._split.unit
         paint_background(image, self._split.panel)
         if self._inset is None:
-            self._paint_line(image, time)
+            self._paint_line(image, time, moment.north_rad)
             return
         score = self._score
         paint_head(image, score, u, self._replay, self._replay.policy or "episode")
@@ -245,13 +260,19 @@ class SidePanel:
             paint_notes(image, self._notes, u, moment)
         paint_chart(image, self._room, u, self._inset, time, moment.hulls)
 
-    def _paint_line(self, image: Image, time: float) -> None:
-        """Clock and shares, as much of it as there is room for."""
+    def _paint_line(self, image: Image, time: float, north_rad: float) -> None:
+        """Clock, shares and a compass without words, as much of it as there is room for."""
         step, box = int(time + 1e-9), self._split.panel
         shares = (("PTA_D", self._timeline.pta_d[step]), ("PTA_C", self._timeline.pta_c[step]))
         words = [mission_clock(time * self._replay.period_s)]
         words += [f"{key} {share:.0f} %" for key, share in shares]
         size, room = text_size(self._split.unit, 13), box.width - 12.0
+        radius = 0.5 * box.height - 2.0
+        compass = width(words[0], size, bold=True) + 3.0 * radius < room
+        if compass:
+            at = np.array([box.right - 6.0 - radius, box.top + 0.5 * box.height])
+            paint_compass(image, at, radius, north_rad)
+            room -= 3.0 * radius
         line = "   ".join(words)
         if width(line, size, bold=True) > room:
             line = fit(words[0], size, room, bold=True)

@@ -8,6 +8,8 @@ from mjforage.view.render.raster import Floats, Image, paint_box
 from mjforage.view.render.side_panel import DARK, text_size
 from mjforage.view.render.text import width, write
 
+_COVER = 0.5  # of the plate behind a name: what floats below it is seen through it
+
 
 class Tags:
     """Writes names into pictures `wide` pixels wide."""
@@ -18,16 +20,21 @@ class Tags:
         self._labels, self._colours = labels, colours
         self._width, self._unit = wide, unit
 
-    def paint(self, image: Image, places: Floats) -> None:
-        """Write names above points (agent, 2) of the picture, no two over each other.
+    def paint(self, image: Image, places: Floats, radius: Floats) -> None:
+        """Write names above vessels, none over another or over another vessel.
 
-        Points that are not numbers get none.
+        Parameters
+        ----------
+        places : (agent, 2) middles of vessels in the picture [pixel]; not numbers get no name
+        radius : (agent,) that they reach from there [pixel]
         """
-        taken: list[tuple[float, float, float, float]] = []
+        shown = np.isfinite(places).all(axis=1)
+        low, high = places - radius[:, None], places + radius[:, None]
+        taken = [tuple(box) for box in np.column_stack((low, high))[shown].tolist()]
         for number, (x, y) in enumerate(places.tolist()):
-            if np.isfinite(x) and np.isfinite(y):
+            if shown[number]:
                 words = self._labels[number]
-                box = self._free_box(x, y, words, taken)
+                box = self._free_box(x, y - radius[number] - 2.0 * self._unit, words, taken)
                 taken.append(box)
                 self._paint_tag(image, box, words, self._colours[number])
 
@@ -51,7 +58,7 @@ class Tags:
         self, image: Image, box: tuple[float, float, float, float], words: str, colour: Colour
     ) -> None:
         u, (left, top, _, _) = self._unit, box
-        paint_box(image, box, 5 * u, 0.0, 0.72, DARK)
+        paint_box(image, box, 5 * u, 0.0, _COVER, DARK)
         rim = (left + 3 * u, top + 3 * u, left + 8 * u, top + 15 * u)
         paint_box(image, rim, 2.5 * u, 0.0, 0.9, palette.WHITE)
         stripe = (left + 4 * u, top + 4 * u, left + 7 * u, top + 14 * u)

@@ -96,6 +96,42 @@ def test_tags_do_not_cover_each_other(replay: Replay) -> None:
         assert top >= 0.0
 
 
+def test_tags_cover_no_vessel_and_what_floats_below_them_shows() -> None:
+    """Two vessels beside each other to the north-south: the southern one's name goes above both."""
+    names = Tags(("a", "b"), COLOURS, 400, 1.0)
+    places, radius = np.array([[200.0, 100.0], [204.0, 125.0]]), np.array([12.0, 12.0])
+    image = np.full((300, 400, 3), 100, np.uint8)
+    image[60:88, 180:220] = 250  # afloat, where a name will be
+    before = image.copy()
+    names.paint(image, places, radius)
+    for x, y in places.astype(int):
+        hull = (slice(y - 11, y + 12), slice(x - 11, x + 12))
+        np.testing.assert_array_equal(image[hull], before[hull])
+    changed = (image != before).any(axis=2)
+    assert changed.sum() > 500
+    plate = changed & (before[..., 0] == 250)
+    light, dark = image[plate].max(axis=1), image[changed & ~plate].max(axis=1)
+    assert np.median(light) > np.median(dark) + 40
+    nobody = before.copy()
+    names.paint(nobody, np.full((2, 2), np.nan), radius)
+    np.testing.assert_array_equal(nobody, before)
+
+
+@pytest.mark.parametrize("width", [480, 240])
+def test_a_line_of_words_has_a_compass_too(replay: Replay, width: int) -> None:
+    split = split_frame(width, 200, None)
+    images = []
+    for north_rad in (0.0, 1.5):
+        image = np.zeros((200, width, 3), np.uint8)
+        now = moment(replay, 3)
+        panel_of(replay, split).paint(image, 3.5, Moment(now.hulls, now.notes, north_rad))
+        images.append(image)
+    turned = np.argwhere((images[0] != images[1]).any(axis=2))
+    assert len(turned) > 30
+    assert turned[:, 0].max() < split.panel.bottom
+    assert turned[:, 1].min() > width - 30, "at the end of the line, the words are the same"
+
+
 def test_the_inset_shows_belief_where_it_is_and_hulls_in_their_colours(replay: Replay) -> None:
     colours = palette.agent_colours(replay.agent_collects.tolist())
     inset = Inset(replay, colours, (200.0, 200.0))
