@@ -6,6 +6,7 @@ The text compiles with pdflatex and the packages of `NEEDED`, whatever policies 
 import re
 import unicodedata
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from graph_planner.references import file_label
 from mjforage.view.page.marked_words import CODE, SUBSCRIPT
@@ -15,6 +16,8 @@ NEEDED = ("array", "booktabs", "graphicx", "longtable")
 LONG = 44  # lines of a table that is no float, so that it may go over pages
 WIDE = 4  # columns from which on intervals stand below their numbers
 HEAD = 40  # letters of a row's head or a group's that is broken into lines
+
+LINE, GAP = 84, 2  # letters that a line has in the small print of wide tables, and between columns
 
 _SIGNS = {
     **{sign: f"\\{sign}" for sign in "&%$#_{}"},
@@ -47,13 +50,66 @@ _PAIR = re.compile(r"(?P<mean>.+?)(?P<rest> (?:±|\().+)", re.DOTALL)
 def latex_text(table: Table) -> str:
     """A table as LaTeX, to be read with input: a float, or where it is long a `longtable`.
 
-    A float is made smaller where the line is too short for it; a wide `longtable` needs landscape.
+    A float is made smaller where the line is too short for it; a `longtable` that is too wide
+    becomes several, each with some of the columns.
     """
     packages = ",".join(NEEDED)
     first = f"% needs \\usepackage[T1]{{fontenc}} and \\usepackage{{{packages}}}"
     lines = list(_lines(table))
-    body = _long(table, lines) if len(lines) > LONG else _float(table, lines)
-    return "\n".join([first, *body]) + "\n"
+    if len(lines) <= LONG:
+        return "\n".join([first, *_float(table, lines)]) + "\n"
+    parts = [line for part in _parts(table) for line in _long(part)]
+    return "\n".join([first, *parts, *_notes(table)]) + "\n"
+
+
+def _parts(table: Table) -> list[Table]:
+    """A long table, or where it is too wide some that have all of its rows and not all columns."""
+    if len(table.columns) <= WIDE:
+        return [table]
+    heads = max(len(row.head) for row in table.rows)
+    first = HEAD if heads > HEAD else heads
+    parts: list[list[int]] = [[]]
+    used = first
+    for place in range(len(table.columns)):
+        letters = _letters(table, place) + GAP
+        if parts[-1] and used + letters > LINE:
+            parts.append([])
+            used = first
+        parts[-1].append(place)
+        used += letters
+    return [_part(table, places, number) for number, places in enumerate(parts)]
+
+
+def _letters(table: Table, place: int) -> int:
+    """How wide a column is, intervals below their numbers."""
+    words = [table.columns[place].replace("_", "") + " x" * any(table.better)]
+    words += table.units[place : place + 1]
+    words += [part for row in table.rows for part in _parted(row.cells[place])]
+    return max(map(len, words))
+
+
+def _part(table: Table, places: Sequence[int], number: int) -> Table:
+    """Some of the columns; the first part keeps the name that is referred to."""
+    rows = tuple(
+        replace(
+            row,
+            cells=tuple(row.cells[place] for place in places),
+            best=frozenset(new for new, place in enumerate(places) if place in row.best),
+            values=(),
+            also=(),
+        )
+        for row in table.rows
+    )
+    return replace(
+        table,
+        name=f"{table.name}-{number + 1}" if number else table.name,
+        title=f"{table.title} (continued)" if number else table.title,
+        columns=tuple(table.columns[place] for place in places),
+        rows=rows,
+        units=tuple(table.units[place] for place in places) if table.units else (),
+        better=tuple(table.better[place] for place in places) if table.better else (),
+        stacked=True,
+    )
 
 
 def _float(table: Table, lines: Sequence[str]) -> list[str]:
@@ -73,9 +129,13 @@ def _float(table: Table, lines: Sequence[str]) -> list[str]:
     ]
 
 
-def _long(table: Table, lines: Sequence[str]) -> list[str]:
-    head = [r"\toprule", *_head(table)]
-    size = r"\scriptsize" if len(table.columns) > WIDE else r"\small"
+def _long(table: Table) -> list[str]:
+    """Stacked ones are small, and so are their intervals."""
+    size, fine = (r"\scriptsize", r"\tiny") if table.stacked else (r"\small", r"\footnotesize")
+    head, lines = (
+        [line.replace(r"{\footnotesize ", rf"{{{fine} ") for line in part]
+        for part in ([r"\toprule", *_head(table)], _lines(table))
+    )
     return [
         rf"{{{size}\setlength{{\tabcolsep}}{{4pt}}",
         rf"\begin{{longtable}}{{{_columns(table)}}}",
@@ -88,7 +148,6 @@ def _long(table: Table, lines: Sequence[str]) -> list[str]:
         r"\endfoot",
         *lines,
         r"\end{longtable}",
-        *_notes(table),
         "}",
     ]
 

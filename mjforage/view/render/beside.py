@@ -14,6 +14,7 @@ from mjforage.view.render.inset import Inset
 from mjforage.view.render.palette import Colour
 from mjforage.view.render.panel import mission_clock
 from mjforage.view.render.raster import Image, paint_box
+from mjforage.view.render.seen_by import EVERYBODY, shown_name
 from mjforage.view.render.side_panel import (
     DARK,
     GAP,
@@ -158,7 +159,9 @@ class Beside:
             return f"{mission_clock(now * replay.period_s)} · PTA_C {share:.0f} %"
         if over:
             return f"ended at {mission_clock(timeline.length * replay.period_s)}"
-        return f"{replay.world} world · episode {replay.episode}"
+        seen = shown_name(replay)
+        eyes = "" if seen == EVERYBODY else f"seen by {seen} · "
+        return f"{eyes}{replay.world} world · episode {replay.episode}"
 
     def _paint_score(self, image: Image, number: int, moment: Moment, now: float) -> None:
         u, score, inset = self._place.unit, self._scores[number], self._charts[number]

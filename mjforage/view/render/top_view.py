@@ -212,7 +212,7 @@ class TopView:
         """A vessel where it was at step `heard`, and how long ago that is."""
         x, y = place = self._pixels(self._replay.agent_rc[heard, agent][None].astype(np.float64))[0]
         symbols.paint_ghost(sea, place, float(self._timeline.course[heard, agent]), length, *look)
-        size = self._layout.size(12)
+        size = max(9, self._layout.size(12))
         ago = f"{age_of(self._replay, time, heard)} ago"
         write(sea, ago, x, y + 0.55 * length + size, size, bold=True, align="middle")
 
