@@ -1,3 +1,4 @@
+import dataclasses
 from collections.abc import Callable
 
 import numpy as np
@@ -5,11 +6,11 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.runs.episode_replay import Replay
-from mjforage.view.render import palette
+from mjforage.view.render import palette, side_panel
 from mjforage.view.render.frame_split import Box, Kind, Split, split_frame
 from mjforage.view.render.inset import Inset
 from mjforage.view.render.raster import Image
-from mjforage.view.render.side_panel import Moment, SidePanel, paint_notes
+from mjforage.view.render.side_panel import Moment, SidePanel, paint_notes, paint_signs
 from mjforage.view.render.tags import Tags
 from mjforage.view.render.timeline import timeline_of
 
@@ -67,6 +68,36 @@ def test_figures_change_with_the_story(replay: Replay) -> None:
         panel_of(replay, split).paint(image, time, moment(replay, 0))
         images.append(image)
     assert (images[0][:180, :200] != images[1][:180, :200]).any()
+
+
+def test_collected_and_discovered_are_told_apart_as_are_beliefs_of_then_and_now(
+    replay: Replay, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[str] = []
+    belief = replay.belief.copy()
+    belief[5, 8, 8] += 3
+    replay = dataclasses.replace(replay, belief=belief)
+
+    def hear(image: Image, words: str, *args: object, **others: object) -> None:
+        said.append(words)
+
+    monkeypatch.setattr(side_panel, "write", hear)
+    split, timeline, items = split_frame(1280, 720, 1.0), timeline_of(replay), 10
+    image = np.zeros((720, 1280, 3), np.uint8)
+    panel_of(replay, split).paint(image, 5.5, moment(replay, 5))
+    found, taken = (int((e <= 5).sum()) for e in (timeline.discovered, timeline.removed))
+    assert found != taken
+    assert {f"{found} of {items} discovered", f"{taken} of {items} collected"} <= set(said)
+    assert str(int(replay.belief[5].sum())) in said
+    assert replay.belief[5].sum() != replay.belief[0].sum()
+
+
+def test_the_signs_of_a_drawing_show_scouts_and_foragers_in_their_colours(replay: Replay) -> None:
+    image = np.zeros((140, 260, 3), np.uint8)
+    paint_signs(image, Box(0, 0, 260, 140), 1.0, replay, drawn=True)
+    for row, colour in ((4, palette.SCOUT), (5, palette.FORAGER)):
+        mark = image[row * 22 : row * 22 + 22, :36].reshape(-1, 3).astype(float)
+        assert np.abs(mark - colour).max(axis=1).min() < 12.0
 
 
 def test_the_compass_turns_with_the_picture(replay: Replay) -> None:
