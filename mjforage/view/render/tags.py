@@ -28,7 +28,7 @@ class Tags:
         places : (agent, 2) middles of vessels in the picture [pixel]; not numbers get no name
         radius : (agent,) that they reach from there [pixel]
         """
-        shown = np.isfinite(places).all(axis=1)
+        shown = np.asarray(np.isfinite(places).all(axis=1))
         low, high = places - radius[:, None], places + radius[:, None]
         taken = [tuple(box) for box in np.column_stack((low, high))[shown].tolist()]
         for number, (x, y) in enumerate(places.tolist()):

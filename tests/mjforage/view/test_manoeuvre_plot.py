@@ -129,16 +129,17 @@ def test_every_test_shows_its_key_figures_and_the_flows(test: str) -> None:
 
 def test_arrows_go_the_way_the_flows_go_and_hulls_point_ahead() -> None:
     figure = manoeuvre_figure(run("straight", vessel="scout", current="0.2@90", wind="3@180"))
-    wind, current = (
-        np.ptp(arrow._posA_posB, axis=0) * np.sign(np.diff(arrow._posA_posB, axis=0)[0])
+    ends = (
+        np.asarray(arrow._posA_posB)  # type: ignore[attr-defined]
         for arrow in figure.findobj(FancyArrowPatch)
         if arrow.get_mutation_scale() == 14.0
     )
+    wind, current = (end - start for start, end in ends)
     assert wind[0] < 0.0 and wind[1] == pytest.approx(0.0, abs=1e-9)
     assert current[1] > 0.0 and current[0] == pytest.approx(0.0, abs=1e-9)
     north = manoeuvre("scout", test="straight", heading_deg=90.0)
     track = next(axes for axes in manoeuvre_figure(north).axes if axes.patches)
-    first = track.patches[0].get_path().vertices
+    first = np.asarray(track.patches[0].get_path().vertices)
     x, y = north.states[0, :2]
     assert first[first[:, 1].argmax()] - (x, y) == pytest.approx((0.0, np.ptp(first[:, 1]) / 2))
     across = north.vessel.beam_m / north.vessel.length_m
