@@ -94,6 +94,11 @@ def test_long_tables_go_over_pages_in_latex() -> None:
     assert "\\begin{longtable}" in latex_text(long) and "\\begin{table}" not in latex_text(long)
 
 
+def test_latex_says_which_way_is_better() -> None:
+    table = Table("t", "T", ("up", "down", "own"), (Row("x", ("1",) * 3),), better=(1, -1, 0))
+    assert r"up $\uparrow$ & down $\downarrow$ & own \\" in latex_text(table)
+
+
 WIDE = tuple(f"Quantity_{name}" for name in "abcdefghijklmno")
 
 

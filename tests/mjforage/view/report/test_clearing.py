@@ -9,7 +9,7 @@ import pytest
 
 from mjforage.core.errors import UserError
 from mjforage.runs.run_info import load_run
-from mjforage.view.report import write_report
+from mjforage.view.report import clearing, write_report
 from mjforage.view.report.clearing import UNKNOWN, about, clearing_step, clearing_table
 from mjforage.view.report.run_logs import load_logs
 
@@ -72,6 +72,18 @@ def test_the_table_counts_episodes_and_names_the_horizon_in_steps_and_minutes(
         told = clearing_step(np.where(np.isnan(removed), NEVER, removed), 12)
         assert greedy.cells[4] == f"≈ {about(told)}"
         assert greedy.also[4] == f"{about(told) * 10 / 60:.0f} min"
+
+
+def test_the_horizon_of_several_episodes_is_the_median_of_those_not_cleared(
+    make_run: MakeRun, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    logs = load_logs(make_run(policies=("greedy",), episodes=3))
+    monkeypatch.setattr(clearing, "_episodes", lambda *run: [np.array([5.0, NEVER])] * 3)
+    told = iter((90.0, 30.0, 50.0))
+    monkeypatch.setattr(clearing, "clearing_step", lambda removed, horizon: next(told))
+    table = clearing_table(logs)
+    assert table is not None
+    assert table.rows[0].cells[4] == "≈ 50"
 
 
 @pytest.mark.parametrize("horizon", [12, 60])
