@@ -31,6 +31,7 @@ _SIGNS = {
     "–": r"\textendash{}",
     "−": r"$-$",
     "±": r"$\pm$",
+    "≈": r"$\approx$",
     "×": r"$\times$",
     "·": r"$\cdot$",
     "≥": r"$\ge$",

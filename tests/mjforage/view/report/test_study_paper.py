@@ -260,8 +260,10 @@ def test_the_page_has_the_scenario_and_the_replays_of_the_whole_fleet(study: Mak
 
 
 def test_tables_of_a_study_are_written_for_a_paper(study: Make) -> None:
-    folder = study(True).folder
+    folder = study(True, ("horizon=30",)).folder
     write_study_report(folder, Exports.of("latex", "pdf"))
+    for file in (folder / "tables").glob("*.tex"):
+        assert "U+" not in file.read_text(encoding="utf-8"), f"{file.name}: a sign has no LaTeX"
     assert "\\toprule" in (folder / "tables" / "table-5.tex").read_text(encoding="utf-8")
     assert (folder / "figures" / "corruption-scouts.pdf").read_bytes().startswith(b"%PDF")
 
