@@ -56,8 +56,8 @@ class Lines:
     def _left(
         self, began: float, before: float, when: float, done: float, total: float
     ) -> float | None:
-        """Seconds to the end; None while nothing is finished from which to tell."""
-        if done <= before:
+        """Seconds to the end; None while nothing is finished from which to tell, or all is."""
+        if done <= before or done >= total:
             return None
         pace = (when - began) / (done - before)
         return max(0.0, pace * (total - done) - (self._clock() - when))

@@ -257,7 +257,7 @@ def carry_out(
     left = Counter(place for place, _ in work)
     asked = [(assignments[place], chunk) for place, chunk in work]
     nothing = (place for place in range(0))
-    summaries: dict[int, Summary] = {}
+    summaries: list[Summary] = []
     again: list[tuple[Assignment, Episode]] = []
     with closing(run_chunks(asked, workers) if work else nothing) as results:
         for place, run in enumerate(runs):  # runs are computed in their order
@@ -268,23 +268,20 @@ def carry_out(
                 progress(done, total)
             if place in assignments:
                 run.merge(time.perf_counter() - started)
+            summaries.append(run.close())
             missing = run.not_kept()
-            if missing:
-                again += [(assignments.get(place) or assigned(run), one) for one in missing]
-            else:
-                summaries[place] = run.close()
+            again += [(assignments.get(place) or assigned(run), one) for one in missing]
         for _ in results:  # none is left, but workers end by themselves
             pass
     for count, _ in enumerate(keep_replays(again, workers) if again else nothing, 1):
         progress(total + count, total + len(again))
-    for place, run in enumerate(runs):
-        if place not in summaries:
-            summaries[place] = _closed(run)
-    return [summaries[place] for place in range(len(runs))]
+    for run in runs if again else ():
+        _name_what_is_not_kept(run)
+    return summaries
 
 
-def _closed(run: Run) -> Summary:
-    """Close a run, and name what could not be kept."""
+def _name_what_is_not_kept(run: Run) -> None:
+    """Say which episodes do not come out as logged."""
     for one in run.not_kept():
         _logger.warning(
             "%s: episode %d of %s in world %s does not come out as logged, so its replay is not "
@@ -294,7 +291,6 @@ def _closed(run: Run) -> Summary:
             one.policy,
             one.world,
         )
-    return run.close()
 
 
 def evaluate(

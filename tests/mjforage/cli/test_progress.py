@@ -34,6 +34,12 @@ def test_a_line_says_what_is_done_and_how_long_the_rest_takes() -> None:
     assert bench.after(10_000).endswith("about 10 s left")
 
 
+def test_when_all_is_counted_nothing_is_foretold() -> None:
+    bench = Bench()
+    bench.lines(0, 1200)
+    assert bench.after(60, 1200) == "evaluate: 1,200 of 1,200 episodes, 100 %, 60 s so far"
+
+
 def test_what_an_earlier_call_did_says_nothing_of_the_pace() -> None:
     bench = Bench()
     bench.lines(600, 1200)

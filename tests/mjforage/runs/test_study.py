@@ -50,7 +50,8 @@ def folder(finished: Path, tmp_path: Path) -> Path:
 
 
 def test_a_variant_is_the_run_that_evaluate_makes(finished: Path, tmp_path: Path) -> None:
-    overrides = ["horizon=12", "corruption.team=scouts", "corruption.epsilon=0.5"]
+    corrupted = ["corruption.team=scouts", "corruption.epsilon=0.5", "corruption.whole_team=true"]
+    overrides = ["horizon=12", *corrupted]
     setup = Setup.of(load_scenario("published", overrides))
     evaluate(setup, ["greedy", "levy"], tmp_path / "run", episodes=3)
     here, there = tmp_path / "run", finished / "variants" / "scouts-0.5"
@@ -248,7 +249,8 @@ def test_communication_is_one_page_with_the_maps_of_two_holders(
         assert words in first.decode(), words
     names = {path.stem for path in (folder / "figures").glob("*.png")}
     ages = {"ages-no-walls-graph", "ages-quays-block-graph"}
-    assert names - {"throughput"} == ages | {"axes-graph", "range-cost-graph", "holders"}
+    rest = {"scenario", "axes-graph", "range-cost-graph", "holders"}
+    assert names - {"throughput"} == ages | rest
     assert write_study_report(folder).read_bytes() == first
     agents = folder / "variants" / "range-64-quays" / "agents.parquet"
     pl.read_parquet(agents).with_columns(x_m=pl.col("x_m") + 4).write_parquet(agents)
