@@ -18,7 +18,7 @@ from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 from mjforage.runs import communication, variants
 from mjforage.runs.kept import FIRST, KEPT, chosen, ranked, replay_files
-from mjforage.runs.study import Study, run_study, variant_folder
+from mjforage.runs.study import Study, Variant, run_study, variant_folder
 from mjforage.view.page.html import environment
 from mjforage.view.page.style import MARKERS, looks
 from mjforage.view.page.table import Row, Table
@@ -288,7 +288,7 @@ def test_the_scenario_as_it_is_keeps_its_first_median_and_worst_episodes(study: 
     ],
 )
 def test_the_first_variant_of_a_study_is_the_scenario_as_it_is(
-    kind: str, made: Sequence[variants.Variant]
+    kind: str, made: Sequence[Variant]
 ) -> None:
     """Whose replays are on the page and kept in more than one episode."""
     assert made[0].name == variants.COMPLETE, kind
