@@ -86,7 +86,8 @@ def beside_the_paper(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def table_rows(page: str, name: str) -> dict[str, list[str]]:
     """Cells of a table by row head, without markup."""
-    block = page.split(f'id="{name}"', 1)[1].split("</table>", 1)[0]
+    anchor = "table-" + name.removeprefix("table-")
+    block = page.split(f'id="{anchor}"', 1)[1].split("</table>", 1)[0]
     rows = re.findall(r'<th scope="row">(.*?)</th>(.*?)</tr>', block)
     plain = {
         unescape(re.sub(r"<[^>]+>", "", head)): [
