@@ -46,7 +46,9 @@ class Lines:
         if self._first is None or not total:
             self._say(f"{self._words}: {spent} so far")
             return
-        counted = f"{done:,.0f} of {total:,.0f} {self._unit}, {int(100 * done / total)} %"
+        digits = 0 if float(total).is_integer() else 1  # of a minute
+        counted = f"{done:,.{digits}f} of {total:,.{digits}f} {self._unit}"
+        counted += f", {int(100 * done / total)} %"
         left = self._left(*self._first, when, done, total)
         end = f"{spent} so far" if left is None else f"about {duration(left)} left"
         self._say(f"{self._words}: {counted}, {end}")

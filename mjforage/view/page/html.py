@@ -2,6 +2,8 @@
 
 import base64
 import math
+from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -71,7 +73,19 @@ def environment() -> jinja2.Environment:
     )
     used = (rich_text, interval_text, groups, sort_key, csv_uri, file_label)
     templates.filters.update({one.__name__: one for one in used})
+    templates.globals["distinct"] = _distinct()
     return templates
+
+
+def _distinct() -> Callable[[str], str]:
+    """What numbers labels that come again on a page: those of landmarks must differ."""
+    seen: Counter[str] = Counter()
+
+    def label(words: str) -> str:
+        seen[words] += 1
+        return words if seen[words] == 1 else f"{words} ({seen[words]})"
+
+    return label
 
 
 def _template(name: str) -> str | None:

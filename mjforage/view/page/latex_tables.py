@@ -34,6 +34,7 @@ _SIGNS = {
     "–": r"\textendash{}",
     "−": r"$-$",
     "±": r"$\pm$",
+    "≈": r"$\approx$",
     "×": r"$\times$",
     "·": r"$\cdot$",
     "≥": r"$\ge$",

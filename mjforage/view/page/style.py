@@ -44,7 +44,7 @@ FALLBACK_COLOURS: tuple[str, ...] = (
 )
 """For policies that a user registered under a name of their own."""
 
-MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p", "h")
+MARKERS = ("o", "s", "P", "^", "v", "D", "X", "<", ">", "p", "h")
 """Of the policies that ship, in their order; others take what is left."""
 
 Line = Literal["-", "--", ":", "-."]

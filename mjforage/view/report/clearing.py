@@ -14,6 +14,7 @@ from mjforage.view.report.text_tables import head_of, minutes, number
 LAST = 4  # an episode's pace is that of its last quarter
 UNKNOWN = "cannot be told"
 
+TITLE = "Was the map cleared, and what horizon would do?"
 COLUMNS = ("cleared", "took", "left", "stood still", "horizon that would do")
 NOTE = (
     "Took: mean of the episodes that were cleared. Of the others, left: items in the mean; stood "
@@ -106,5 +107,4 @@ def clearing_table(logs: RunLogs) -> Table | None:
         for world in logs.run.worlds
     )
     units = ("episodes", "min", "items", "episodes", "steps")
-    title = "Was the map cleared, and what horizon would do?"
-    return Table("clearing", title, COLUMNS, rows, (NOTE,), units, better=(1, -1, -1, -1, -1))
+    return Table("clearing", TITLE, COLUMNS, rows, (NOTE,), units, better=(1, -1, -1, -1, -1))

@@ -65,9 +65,11 @@ class Estimate:
 
     @property
     def cell(self) -> str:
-        """Number and interval in one cell; a dash where undefined."""
+        """Number and interval in one cell; a dash where undefined, no interval where that is."""
         if not self.n:
             return NOTHING
+        if not np.isfinite(self.low):
+            return self.text
         return f"{self.text} ({self.interval})"
 
 

@@ -4,6 +4,7 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
+from mjforage.runs.run_info import RunInfo
 from mjforage.view.page import Shown, Table, groups, set_page, style
 from mjforage.view.report.differences import too_few
 from mjforage.view.report.run_logs import RunLogs
@@ -11,25 +12,35 @@ from mjforage.view.report.text_tables import minutes, number
 from mjforage.view.report.web_replay import web_replay
 
 
+def map_words(run: RunInfo) -> str:
+    """Name and size of a run's map."""
+    rows, columns = run.map.cells.shape
+    pitch = f"{run.map.pitch_m:g} m"
+    return f"{run.map.name}: {rows} × {columns}, {run.map.nodes} nodes {pitch} apart"
+
+
+def horizon_words(run: RunInfo) -> str:
+    """How long an episode of a run may take, in steps and minutes."""
+    length_min = number(minutes(run, run.horizon), 0)
+    return f"T = {run.horizon} steps of {run.period_s:g} s: {length_min} min"
+
+
 def run_facts(logs: RunLogs) -> list[tuple[str, str]]:
     """What was run, as pairs of a term and its value."""
     run = logs.run
-    rows, columns = run.map.cells.shape
-    pitch = f"{run.map.pitch_m:g} m"
     fleet: dict[str, int] = {}
     for agent in run.agents:
         fleet[agent.team] = fleet.get(agent.team, 0) + 1
     each = "policy" if len(run.worlds) == 1 else "policy and world"
-    horizon_min = number(minutes(run, run.horizon), 0)
     timings = ", ".join(
         f"{key[:-2]} {value:.1f} s" if key.endswith("_s") else f"{key} {value:g}"
         for key, value in run.timings.items()
     )
     return [
         ("Scenario", run.name),
-        ("Map", f"{run.map.name}: {rows} × {columns}, {run.map.nodes} nodes {pitch} apart"),
+        ("Map", map_words(run)),
         ("Fleet", ", ".join(f"{count} {team}" for team, count in fleet.items()) or "no vessels"),
-        ("Horizon", f"T = {run.horizon} steps of {run.period_s:g} s: {horizon_min} min"),
+        ("Horizon", horizon_words(run)),
         ("Worlds", ", ".join(run.worlds)),
         ("Policies", ", ".join(logs.policies)),
         ("Episodes", f"{run.episodes} for each {each}, seed {run.seed}"),

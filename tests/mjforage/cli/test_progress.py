@@ -51,6 +51,12 @@ def test_before_anything_is_known_only_the_time_is_said() -> None:
     assert Bench().after(20) == "evaluate: 20 s so far"
 
 
+def test_a_share_of_a_short_time_is_said_to_a_tenth() -> None:
+    bench = Bench()
+    bench.lines(0.18, 0.72)
+    assert bench.after(20).startswith("evaluate: 0.2 of 0.7 episodes, 25 %")
+
+
 def test_it_is_never_said_to_be_done_before_it_is() -> None:
     bench = Bench()
     bench.lines(0, 1200)

@@ -21,7 +21,12 @@ from mjforage.view.report.studies import (
 from mjforage.view.report.studies.as_in_paper import NOTE, referred
 from mjforage.view.report.studies.cost import LIKE_PAPER
 from mjforage.view.report.studies.study_logs import load_study
-from mjforage.view.report.studies.study_page import cost_sections, render, scene_sections
+from mjforage.view.report.studies.study_page import (
+    clearing_section,
+    cost_sections,
+    render,
+    scene_sections,
+)
 
 __all__ = ["is_study", "write_study_report"]
 
@@ -59,7 +64,8 @@ def write_study_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:
             f"{again(folder, 'study.json')}"
         )
     target = folder / "report.html"
-    sections = [*scene_sections(logs), *PAGES[logs.kind](logs), *cost_sections(logs)]
+    found = PAGES[logs.kind](logs)
+    sections = [*scene_sections(logs), clearing_section(logs), *found, *cost_sections(logs)]
     notes = definition_notes()
     if logs.kind in LIKE_PAPER:
         sections, notes = referred(sections), [NOTE, *notes]

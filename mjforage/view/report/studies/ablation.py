@@ -11,7 +11,13 @@ from mjforage.view.report.published import elsewhere, published_for
 from mjforage.view.report.studies.forest import Subject, forest
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
 from mjforage.view.report.studies.study_page import Section
-from mjforage.view.report.text_tables import in_full, number, plus_minus, policy_name
+from mjforage.view.report.text_tables import (
+    in_full,
+    in_minutes,
+    number,
+    plus_minus,
+    policy_name,
+)
 
 IN_PAPER = ("pta_d", "pta_c", "rmse_columns", "rmse")
 BEYOND = ("nt50", "nt90", "csr")
@@ -50,7 +56,9 @@ def setups_table(logs: StudyLogs) -> Table:
                 cells = tuple(map(plus_minus, entries, digits))
                 head, colour = logs.title(variant) + logs.suffix(world), style.policy_colour(policy)
                 values = tuple(map(in_full, entries))
-                rows.append(Row(head, cells, colour, group=group, values=values))
+                timed = zip(entries, metrics, strict=True)
+                also = tuple(in_minutes(logs.runs[variant], m, entry) for entry, m in timed)
+                rows.append(Row(head, cells, colour, group=group, values=values, also=also))
             if known:
                 team = variant.removesuffix(lesser_name(""))
                 found = known.printed if variant == COMPLETE else known.ablated[team]
@@ -128,17 +136,17 @@ def contributions_table(logs: StudyLogs, name: str, title: str, keys: tuple[str,
 
 def pictures(logs: StudyLogs) -> list[Picture]:
     """A figure of contributions per world."""
-    drawn = []
+    drawn, looks = [], style.looks(logs.base.policies)
     for world in logs.worlds:
         subjects = [
             Subject(
                 f"{policy}, {team}",
-                style.policy_colour(policy),
+                look,
                 {key: contribution(logs, team, world, policy, key) for key in KEYS},
                 known.contribution[team] if known else {},
             )
             for team in teams(logs)
-            for policy in style.ordered(logs.base.policies)
+            for policy, look in looks.items()
             for known in [published_for(logs.base, policy)]
         ]
         metrics = [describe(key) for key in KEYS]

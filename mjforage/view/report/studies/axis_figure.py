@@ -180,14 +180,16 @@ def axis_figure(
             for axes, axis in zip(row, shown.axes, strict=True):
                 _draw(axes, shown, axis, metric, apart)
             _scale(row, metric)
-        for axes, head in zip(panels[0], heads or [a.name for a in shown.axes], strict=True):
+        names = tuple(heads) or tuple(axis.name for axis in shown.axes)
+        for axes, head in zip(panels[0], names, strict=True):
             axes.set_title(head)
         for axes, axis in zip(panels[-1], shown.axes, strict=True):
             axes.set_xlabel(_below(axis))
         Panel(shown.policies, (shown.world,)).legend(figure)
-    scales = [axis.name for axis in shown.axes if axis.even and len(axis.values) > 1]
+    pairs = zip(shown.axes, names, strict=True)
+    scales = [name for axis, name in pairs if axis.even and len(axis.values) > 1]
     words = (
-        f"{caption} Dots and bars: means and their bootstrap 95 % intervals; "
+        f"{caption} Markers and bars: means and their bootstrap 95 % intervals; "
         f"{family_note(family, 'this figure', 'filled')} and is of {FEWEST} episodes or more."
     )
     if scales:

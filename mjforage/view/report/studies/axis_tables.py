@@ -12,9 +12,10 @@ from mjforage.view.report.text_tables import policy_name
 
 
 def measured(logs: StudyLogs, keys: Sequence[str]) -> tuple[str, ...]:
-    """Those metrics that any variant was played with."""
+    """Those metrics that are defined in any episode of any variant."""
+    tables = logs.episodes.values()
     return tuple(
-        key for key in keys if any(key in table.columns for table in logs.episodes.values())
+        key for key in keys if any(key in table.columns and table[key].count() for table in tables)
     )
 
 

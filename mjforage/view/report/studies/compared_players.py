@@ -8,7 +8,7 @@ from mjforage.view.page import style
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report.differences import Difference, family_note, set_apart
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
-from mjforage.view.report.text_tables import in_full, plus_minus
+from mjforage.view.report.text_tables import in_full, in_minutes, plus_minus
 
 
 @dataclass(frozen=True)
@@ -19,9 +19,14 @@ class Line:
     player: Player
 
     @property
+    def look(self) -> style.Look:
+        """Colour and marker of its policy."""
+        return style.looks((self.player.policy,))[self.player.policy]
+
+    @property
     def colour(self) -> str:
         """Colour of its policy."""
-        return style.policy_colour(self.player.policy)
+        return self.look.colour
 
 
 def means_table(
@@ -29,17 +34,15 @@ def means_table(
 ) -> Table:
     """Mean of each metric, group by group of lines."""
     metrics = [describe(key) for key in keys]
-    rows = [
-        Row(
-            line.head,
-            tuple(plus_minus(logs.entry(line.player, m.key), m.digits) for m in metrics),
-            line.colour,
-            group=group,
-            values=tuple(in_full(logs.entry(line.player, m.key)) for m in metrics),
-        )
-        for group, lines in groups.items()
-        for line in lines
-    ]
+    rows = []
+    for group, lines in groups.items():
+        for line in lines:
+            entries = [logs.entry(line.player, m.key) for m in metrics]
+            pairs = list(zip(entries, metrics, strict=True))
+            cells = tuple(plus_minus(entry, m.digits) for entry, m in pairs)
+            also = tuple(in_minutes(logs.runs[line.player.variant], m, one) for one, m in pairs)
+            values = tuple(map(in_full, entries))
+            rows.append(Row(line.head, cells, line.colour, group=group, values=values, also=also))
     labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
     better = tuple(m.better for m in metrics)
     notes = ("Mean ± 1.96 SEM.",)
@@ -59,13 +62,15 @@ def differences_table(
     keys: Sequence[str],
     groups: Mapping[str, tuple[Line, list[Line]]],
 ) -> Table:
-    """Each group of lines against its own reference."""
+    """Each group of lines against its own reference; metrics without any difference left out."""
     compared = [
-        (group, line, [difference(logs, line, against, key) for key in keys])
+        (group, line, {key: difference(logs, line, against, key) for key in keys})
         for group, (against, lines) in groups.items()
         for line in lines
     ]
-    family = [step for _, _, steps in compared for step in steps]
+    keys = _told(keys, [found for _, _, found in compared])
+    rows_of = [(group, line, [found[key] for key in keys]) for group, line, found in compared]
+    family = [step for _, _, steps in rows_of for step in steps]
     apart = iter(set_apart(family))
     rows = [
         Row(
@@ -76,7 +81,7 @@ def differences_table(
             group=group,
             values=tuple(step.full for step in steps),
         )
-        for group, line, steps in compared
+        for group, line, steps in rows_of
     ]
     note = (
         "Mean difference over the same episodes, with its bootstrap 95 % interval of itself alone; "
@@ -86,3 +91,8 @@ def differences_table(
     labels, units = tuple(m.label for m in metrics), tuple(m.unit for m in metrics)
     table = Table(name, title, labels, tuple(rows), (note,), units, stacked=True, head="variant")
     return replace(table, better=tuple(m.better for m in metrics))
+
+
+def _told(keys: Sequence[str], found: Sequence[Mapping[str, Difference]]) -> Sequence[str]:
+    """Metrics of which some difference is defined; all of them where none is."""
+    return [key for key in keys if any(one[key].n for one in found)] or keys

@@ -168,6 +168,7 @@ def _slope_notes(logs: StudyLogs, printed: bool) -> tuple[str, ...]:
     if printed and unlike_draws(logs):
         draw += " Its printed slopes were made with one draw for the whole team (`--whole-team`)."
     return (
+        "The arrow beside a metric holds for its means at ε = 0 and 1 and for SS. "
         "SS: slope of the least-squares line through the means, per unit of ε, with the bootstrap "
         "95 % interval over episodes (the same ones at every level). Break: where two joined "
         "segments meet, with their slopes before and after, and its interval; gain: share of the "
@@ -198,6 +199,7 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
                     bent = fit is not None and fit.test.p < SIGNIFICANT
                     best = frozenset({len(COLUMNS) - 1} if bent else ())
                     row = Row(head, cells, colour, best=best, group=group, note=note)
+                    row = replace(row, group_better=metric.better)
                     rows.append(replace(row, values=_values(fit)))
                 known = published_for(logs.base, policy)
                 if known and (team, metric.key) in known.slopes:
@@ -206,7 +208,8 @@ def slopes_table(logs: StudyLogs, fits: Fits) -> Table:
                     cells = (NOTHING, NOTHING, text, *(NOTHING,) * rest)
                     values = (None, None, Number(slope), *(None,) * rest)
                     head = f"{known.algorithm}, paper{elsewhere(logs.base)}"
-                    rows.append(Row(head, cells, group=group, paper=True, values=values))
+                    row = Row(head, cells, group=group, paper=True, values=values)
+                    rows.append(replace(row, group_better=metric.better))
     notes = _slope_notes(logs, any(row.paper for row in rows))
     return Table("slopes", "Sensitivity slopes", COLUMNS, tuple(rows), notes)
 
@@ -247,8 +250,8 @@ def picture(logs: StudyLogs, fits: Fits, team: str) -> Picture:
         grid[-1, 0].set_xlabel(f"corruption ε of {team}")
         panel.legend(figure)
     words = (
-        "Dots: means of the episodes, bands ± 1.96 SEM; lines: least squares, whose slope is SS; "
-        "dotted: two segments, with a stroke at the break point."
+        "Markers: means of the episodes, bands ± 1.96 SEM; lines: least squares, whose slope is "
+        "SS; dotted: two segments, with a stroke at the break point."
     )
     words += _published(logs, team)
     return Picture(f"corruption-{team}", f"Corruption of {team}", words, figure)

@@ -12,6 +12,7 @@ from mjforage.view.page.picture import WIDE_IN, Picture, canvas, mathtext
 from mjforage.view.report.differences import FEWEST, Estimate, family_note, set_apart
 
 COLUMNS = 4  # panels beside one another, at most
+PAPER = "*"  # marker of its numbers, which no policy has
 
 
 @dataclass(frozen=True)
@@ -19,20 +20,21 @@ class Subject:
     """One row of a forest figure."""
 
     head: str
-    colour: str  # "#rrggbb"
+    look: style.Look
     estimates: Mapping[str, Estimate]  # by metric key
     paper: Mapping[str, float] = field(default_factory=dict)  # the paper's, where it has one
 
 
 def _draw(axes: Axes, row: int, subject: Subject, metric: Description, apart: bool) -> None:
     found = subject.estimates[metric.key]
+    colour = subject.look.colour
     if found.n:
-        axes.plot([found.low, found.high], [row, row], color=subject.colour, linewidth=2.2)
-        fill = subject.colour if apart else "white"
-        axes.plot(found.value, row, "o", color=subject.colour, markerfacecolor=fill, markersize=6)
+        axes.plot([found.low, found.high], [row, row], color=colour, linewidth=2.2)
+        dot: dict[str, Any] = {"markerfacecolor": colour if apart else "white", "markersize": 6}
+        axes.plot(found.value, row, subject.look.marker, color=colour, **dot)
     if metric.key in subject.paper:
-        look: dict[str, Any] = {"color": style.INK, "markerfacecolor": "none", "markersize": 8}
-        axes.plot(subject.paper[metric.key], row, "D", zorder=3, **look)
+        star: dict[str, Any] = {"color": style.INK, "markerfacecolor": "none", "markersize": 10}
+        axes.plot(subject.paper[metric.key], row, PAPER, zorder=3, **star)
 
 
 def forest(
@@ -69,9 +71,9 @@ def forest(
         axes.set_yticks(range(len(subjects)), [subject.head for subject in subjects])
     grid[0, 0].set_ylim(len(subjects) - 0.5, -0.5)
     words = (
-        "Dot and bar: estimate and bootstrap 95 % interval of itself alone; "
+        "Marker and bar: estimate and bootstrap 95 % interval of itself alone; "
         f"{family_note(family, 'this figure', 'filled')} and is of {FEWEST} episodes or more."
     )
     if any(subject.paper for subject in subjects):
-        words += " Hollow diamond: the paper's number, at graph level."
+        words += " Hollow star: the paper's number, at graph level."
     return Picture(name, title, f"{caption} {words}", figure, wide=True)

@@ -21,6 +21,7 @@ from mjforage.view.report.published import (
     published_for,
 )
 from mjforage.view.report.reality_gap import gap_table, ladder_table
+from mjforage.view.report.report_page import horizon_words
 from mjforage.view.report.studies import ablation, corruption
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
 from mjforage.view.report.studies.study_page import Section
@@ -32,6 +33,11 @@ from mjforage.view.report.text_tables import (
     paper_tables,
     plus_minus,
     policy_name,
+)
+
+UNLIKE = (
+    "The paper's numbers are not shown: the scenario, its fleet or another setting is not the "
+    "paper's, or no policy is one of its algorithms."
 )
 
 
@@ -217,20 +223,33 @@ def table_4(logs: StudyLogs, fits: corruption.Fits) -> Table:
     title = "Cooperative success ratio and sensitivity slopes (paper's Table 4)"
     unlike = corruption.unlike_draws(logs) if any(row.paper for row in rows) else ""
     units = ("", *(unlike for _ in asked))
-    return Table("table-4", title, columns, tuple(rows), (), units)
+    note = (
+        "SS: change of the metric per unit of ε, the corruption of that team; the arrow is that of "
+        "the metric. The nearer to 0, the less the metric depends on that team."
+    )
+    better = tuple(describe(key).better for key in ("csr", *(key for _, key in asked)))
+    return Table("table-4", title, columns, tuple(rows), (note,), units, better=better)
 
 
 def sections(logs: StudyLogs) -> list[Section]:
     """The page's sections."""
     fits, whole = corruption.Fits(logs), logs.whole
-    compared = comparison_table(whole)
-    first = [headline_table(whole), beside_table(logs, fits)]
+    compared, beside = comparison_table(whole), beside_table(logs, fits)
+    first = [headline_table(whole), beside]
     gaps = [table for table in (ladder_table(whole), gap_table(whole)) if table is not None]
     with house_style():
         curves = [*time_figures(whole), *distribution_figures(whole)]
-    figures = "Lines: mean of the episodes; bands: ± 1.96 SEM. Time is normalised by the horizon."
+    figures = (
+        "Lines: mean of the episodes; bands: ± 1.96 SEM. Time is normalised by the horizon: "
+        f"{horizon_words(logs.base)}."
+    )
     found = [
-        Section("result", "In brief", "", [table for table in first if table is not None]),
+        Section(
+            "result",
+            "In brief",
+            "" if beside else UNLIKE,
+            [table for table in first if table is not None],
+        ),
         Section("tables", "Tables 2 to 4", "", [*paper_tables(whole)[:2], table_4(logs, fits)]),
         *corruption.sections(logs, fits),
         *ablation.sections(logs),

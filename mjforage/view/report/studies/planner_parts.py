@@ -41,7 +41,7 @@ def _picture(
     subjects = [
         Subject(
             line.head,
-            line.colour,
+            line.look,
             {key: difference(logs, line, against, key) for key in COMPARED},
         )
         for line, against in pairs
@@ -108,7 +108,7 @@ def _wrong(logs: StudyLogs) -> Section:
             pairs += [(Line(f"{line.head}: {met}", line.player), greedy) for line in planner]
         end = logs.suffix(world)
         tables += [
-            means_table(logs, f"wrong-{world}", f"Means{end}", SHOWN, means),
+            means_table(logs, f"wrong-{world}", f"Means in wrong worlds{end}", SHOWN, means),
             differences_table(
                 logs, f"wrong-greedy-{world}", f"Minus greedy{end}", COMPARED, groups
             ),
@@ -117,8 +117,9 @@ def _wrong(logs: StudyLogs) -> Section:
         title = f"The belief planner in worlds it does not expect{end}"
         pictures.append(_picture(logs, f"wrong-{world}", title, caption, pairs))
     assumed = logs.info.scenario["belief"]
+    plural = "" if assumed["hotspots"] == 1 else "s"
     words = (
-        f"The planner assumes {assumed['hotspots']} hotspot(s) and a drift of up to "
+        f"The planner assumes {assumed['hotspots']} hotspot{plural} and a drift of up to "
         f"{assumed['drift_node_per_step']:g} nodes per step and axis; with `robust` up to three "
         "hotspots and twice the drift. Here the world is another one."
     )

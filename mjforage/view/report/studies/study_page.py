@@ -5,15 +5,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from mjforage.runs.variants import COMPLETE
 from mjforage.view.page import embedded, set_page, style
 from mjforage.view.page.picture import Picture, house_style
 from mjforage.view.page.table import Table
+from mjforage.view.report.clearing import TITLE, clearing_table
 from mjforage.view.report.differences import too_few
 from mjforage.view.report.map_figures import scenario_figure
+from mjforage.view.report.report_page import horizon_words, map_words
 from mjforage.view.report.run_logs import pick_replay
 from mjforage.view.report.studies.cost import cost_table, throughput_picture, throughput_table
 from mjforage.view.report.studies.study_logs import StudyLogs
 from mjforage.view.report.web_replay import web_replay
+
+CLEARING = "clearing"  # section of horizons, which has no differences
 
 
 @dataclass(frozen=True)
@@ -37,13 +42,12 @@ def _option(key: str, value: Any) -> str:
 def facts(logs: StudyLogs) -> list[tuple[str, str]]:
     """What was run, as pairs of a term and its value."""
     run, info = logs.base, logs.info
-    rows, columns = run.map.cells.shape
     policies = style.ordered(policy for one in logs.runs.values() for policy in one.policies)
     options = ", ".join(_option(key, value) for key, value in logs.options.items())
     pairs = [
         ("Scenario", run.name),
-        ("Map", f"{run.map.name}: {rows} × {columns}, {run.map.nodes} nodes"),
-        ("Horizon", f"T = {run.horizon} steps"),
+        ("Map", map_words(run)),
+        ("Horizon", horizon_words(run)),
         ("Worlds", ", ".join(logs.worlds)),
         ("Policies", ", ".join(policies)),
         ("Variants", str(len(logs.runs))),
@@ -62,6 +66,15 @@ def scene_sections(logs: StudyLogs) -> list[Section]:
         return []
     with house_style():
         return [Section("scene", "Scenario", "", (), [scenario_figure(logs.whole, replay)])]
+
+
+def clearing_section(logs: StudyLogs) -> Section:
+    """Whether the map was cleared in the scenario as it is, and what horizon would do."""
+    table = clearing_table(logs.whole)
+    words = f"Of the variant “{logs.title(COMPLETE)}”."
+    if table is None:
+        return Section(CLEARING, TITLE, f"{words} Every policy cleared the map every time.")
+    return Section(CLEARING, TITLE, words, [table])
 
 
 def cost_sections(logs: StudyLogs) -> list[Section]:
@@ -97,7 +110,9 @@ def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -
         "sections": parts,
         "replay": web_replay({"": logs.whole.folder}),
         "few": too_few(logs.info.episodes),
-        "first_with_numbers": next((part["name"] for part in parts if part["tables"]), ""),
+        "first_with_numbers": next(
+            (one["name"] for one in parts if one["tables"] and one["name"] != CLEARING), ""
+        ),
         "notes": notes,
         "scenario_json": json.dumps(logs.info.scenario, indent=2, ensure_ascii=False),
     }

@@ -92,7 +92,7 @@ def test_the_page_says_whether_the_map_was_cleared(make_run: MakeRun, horizon: i
     page = write_report(folder).read_text("utf-8")
     all_cleared = clearing_table(load_logs(folder)) is None
     assert ("Every policy cleared the map in every episode." in page) is all_cleared
-    assert ('id="clearing"' in page) is not all_cleared
+    assert ('id="table-clearing"' in page) is not all_cleared
 
 
 def test_a_run_without_the_length_of_a_step_is_refused(make_run: MakeRun) -> None:

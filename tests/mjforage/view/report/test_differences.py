@@ -1,5 +1,6 @@
 """Intervals of a few episodes are too narrow: they must not be shown as findings."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -78,6 +79,7 @@ def found(low: float, value: float, high: float, key: str = "gini_foragers") -> 
         (-1.0, 12.345, 25.0, "12 (−1 to 25)"),
         (0.5, 0.5, 0.5, "0.500 (0.500 to 0.500)"),
         (-1e-9, 0.0, 1e-9, "0.00000 (0.00000 to 0.00000)"),
+        (math.nan, 0.5, math.nan, "0.500"),
     ],
 )
 def test_a_difference_has_the_digits_that_its_interval_needs(

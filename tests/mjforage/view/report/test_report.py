@@ -86,7 +86,8 @@ def beside_the_paper(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def table_rows(page: str, name: str) -> dict[str, list[str]]:
     """Cells of a table by row head, without markup."""
-    block = page.split(f'id="{name}"', 1)[1].split("</table>", 1)[0]
+    anchor = "table-" + name.removeprefix("table-")
+    block = page.split(f'id="{anchor}"', 1)[1].split("</table>", 1)[0]
     rows = re.findall(r'<th scope="row">(.*?)</th>(.*?)</tr>', block)
     plain = {
         unescape(re.sub(r"<[^>]+>", "", head)): [
@@ -177,7 +178,7 @@ def test_another_scenario_is_not_set_beside_the_paper(make_run: MakeRun) -> None
 
 
 def test_every_metric_is_in_the_full_table(reported: Path, page: str) -> None:
-    block = page.split('id="metrics"', 1)[1].split("</table>", 1)[0]
+    block = page.split('id="table-metrics"', 1)[1].split("</table>", 1)[0]
     values = json.loads((reported / "summary.json").read_text())["graph"]
     rows = re.findall(r'<th scope="row">.*?</th>(.*?)</tr>', block)
     shown = [re.findall(r"<td[^>]*>(.*?)</td>", row) for row in rows]
@@ -344,7 +345,7 @@ def test_metrics_of_a_link_are_left_out_where_there_is_none(make_run: MakeRun) -
     page = written(folder)
     figures = set(re.findall(r'<figure id="figure-([a-z-]+)"', page))
     assert figures == set(FIGURES) - {"holders", "metric-handover"}, "maps still have an age"
-    assert "Handover" not in page.split('id="paired"', 1)[1].split("</table>", 1)[0]
+    assert "Handover" not in page.split('id="table-paired"', 1)[1].split("</table>", 1)[0]
     assert "Undefined in every episode: " in page and ">PA<" not in page
 
 

@@ -97,9 +97,26 @@ def test_differences_are_to_the_ideal_link_and_undefined_ones_are_dashes(logs: S
     assert [row.head for row in levy.rows] == ["is near", "is far"]
 
 
+def test_a_metric_without_any_difference_has_no_column(logs: StudyLogs) -> None:
+    """As handover under the ideal link, where nothing is handed over."""
+    holed = with_values(logs, {("complete", "greedy", "csr"): np.full(EPISODES, np.nan)})
+    minus, means = tables_along(holed, (AXIS,), ("csr", "pta_c"), ("csr",))[:2]
+    assert minus.columns == ("PTA_C",)
+    assert len(minus.rows[0].cells) == len(minus.better) == len(minus.units) == 1
+    assert means.columns == ("CSR",)
+
+
+def test_words_below_a_figure_name_its_columns_as_their_heads_do(logs: StudyLogs) -> None:
+    drawn = axis_figure("axes", "T", "C.", AxisFigure(logs, "graph", (AXIS,), BOTH), ("farness",))
+    assert drawn.caption.endswith("Values of farness are set at equal distances.")
+
+
 def test_metrics_that_no_variant_has_are_left_out(logs: StudyLogs) -> None:
     assert measured(logs, ("pta_c", "handover", "nonsense")) == ("pta_c", "handover")
     assert measured(without(logs, "handover"), ("pta_c", "handover")) == ("pta_c",)
+    nowhere = {(n, who, "csr"): np.full(EPISODES, np.nan) for n in PTA for who in BOTH}
+    del nowhere["walled", "levy", "csr"]  # it played no walls
+    assert measured(with_values(logs, nowhere), ("pta_c", "csr")) == ("pta_c",)
 
 
 def test_a_reference_of_its_own_is_what_an_axis_is_compared_with(logs: StudyLogs) -> None:

@@ -1,6 +1,7 @@
 """A study's numbers beside the paper's: judged only where they are the same quantity."""
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
 from functools import cache
 
 import numpy as np
@@ -15,15 +16,31 @@ from metrics import (
 )
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
-from mjforage.runs import variants
-from mjforage.runs.study import Study, run_study
+from mjforage.runs import communication, variants
+from mjforage.runs.kept import FIRST, KEPT, chosen, ranked, replay_files
+from mjforage.runs.study import Study, Variant, run_study, variant_folder
+from mjforage.view.page.html import environment
+from mjforage.view.page.style import MARKERS, looks
 from mjforage.view.page.table import Row, Table
+from mjforage.view.report import clearing
 from mjforage.view.report.curves import time_figures
 from mjforage.view.report.exports import Exports
-from mjforage.view.report.studies import ablation, corruption, paper, write_study_report
+from mjforage.view.report.studies import (
+    ablation,
+    corruption,
+    forest,
+    paper,
+    write_study_report,
+)
 from mjforage.view.report.studies.as_in_paper import referred
 from mjforage.view.report.studies.study_logs import StudyLogs, load_study
-from mjforage.view.report.studies.study_page import Section, facts, render, scene_sections
+from mjforage.view.report.studies.study_page import (
+    Section,
+    clearing_section,
+    facts,
+    render,
+    scene_sections,
+)
 from mjforage.view.report.text_tables import NOTHING
 
 Make = Callable[..., StudyLogs]
@@ -114,6 +131,8 @@ def test_another_fleet_has_no_words_on_the_papers_rows(study: Make) -> None:
         corruption.slopes_table(logs, fits),
         paper.table_4(logs, fits),
     )
+    assert paper.sections(logs)[0].words == paper.UNLIKE, "what is missing is not silently so"
+    assert paper.sections(study(False))[0].words == ""
     for table in tables:
         assert not any(row.paper for row in table.rows)
         said = " ".join((*table.notes, *table.units))
@@ -152,14 +171,14 @@ def test_figures_carry_the_papers_numbers_where_the_tables_do(study: Make) -> No
     assert "Paper (its own map): 0.899 (greedy)." in found["csr"]
     assert "Paper (its own map): 0.0017 items/node (greedy)." in found["rmse"]
     assert "Paper's public code (its own map): 0.0069 items/node (greedy)." in found["rmse"]
-    assert "Hollow diamond: the paper's number" in found["contribution-graph"]
+    assert "Hollow star: the paper's number" in found["contribution-graph"]
     panel = ablation.pictures(logs)[0].figure.axes[ablation.KEYS.index("pta_c")]
-    diamonds = {
+    stars = {
         (float(np.ravel(line.get_xdata())[0]), int(np.ravel(line.get_ydata())[0]))
         for line in panel.lines
-        if line.get_marker() == "D"
+        if line.get_marker() == forest.PAPER
     }
-    assert diamonds == {(0.1623, 0), (0.0337, 1)}  # its Table 6: greedy without a scout, a forager
+    assert stars == {(0.1623, 0), (0.0337, 1)}  # its Table 6: greedy without a scout, a forager
     for caption in captions(study(False, ("team.scouts.count=3",))).values():
         assert "its own map" not in caption
 
@@ -241,7 +260,94 @@ def test_the_page_has_the_scenario_and_the_replays_of_the_whole_fleet(study: Mak
 
 
 def test_tables_of_a_study_are_written_for_a_paper(study: Make) -> None:
-    folder = study(True).folder
+    folder = study(True, ("horizon=30",)).folder
     write_study_report(folder, Exports.of("latex", "pdf"))
+    for file in (folder / "tables").glob("*.tex"):
+        assert "U+" not in file.read_text(encoding="utf-8"), f"{file.name}: a sign has no LaTeX"
     assert "\\toprule" in (folder / "tables" / "table-5.tex").read_text(encoding="utf-8")
     assert (folder / "figures" / "corruption-scouts.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_the_scenario_as_it_is_keeps_its_first_median_and_worst_episodes(study: Make) -> None:
+    """Other variants keep the first alone: a study of the paper has 43 of them."""
+    logs = study(True)
+    for variant in logs.runs:
+        folder = variant_folder(logs.folder, variant)
+        rows = logs.episodes[variant].sort("episode")
+        ranks = ranked(rows["pta_c"].to_numpy(), rows["length"].to_numpy())
+        wanted = chosen(KEPT if variant == variants.COMPLETE else FIRST, ranks)
+        assert tuple(replay_files(folder, "graph", "greedy")) == wanted, variant
+
+
+@pytest.mark.parametrize(
+    ("kind", "made"),
+    [
+        ("parts", variants.parts(load_scenario("published"))),
+        ("ablation", variants.ablation(load_scenario("published"), ["greedy"])),
+        ("communication", communication.communication(load_scenario("comb-port"), ["greedy"])),
+    ],
+)
+def test_the_first_variant_of_a_study_is_the_scenario_as_it_is(
+    kind: str, made: Sequence[Variant]
+) -> None:
+    """Whose replays are on the page and kept in more than one episode."""
+    assert made[0].name == variants.COMPLETE, kind
+
+
+def test_the_page_says_whether_the_map_was_cleared_and_what_horizon_would_do(study: Make) -> None:
+    logs = study(True, ("horizon=30",))
+    section = clearing_section(logs)
+    (table,) = section.tables
+    assert table.rows[0].cells[0] == "0 of 2"
+    assert "scouts 2, foragers 2" in section.words
+    page = write_study_report(logs.folder).read_text(encoding="utf-8")
+    assert page.count(clearing.TITLE) >= 1 and 'href="#clearing"' in page
+    assert "T = 30 steps of 10 s: 5 min" in page
+
+
+def test_times_of_fleets_stand_in_minutes_too(study: Make) -> None:
+    table = ablation.setups_table(study(True))
+    ours = [row for row in table.rows if not row.paper]
+    places = [table.columns.index(name) for name in ("NT_50", "NT_90")]
+    minutes = study(True).base.horizon * study(True).base.period_s / 60
+    for row in ours:
+        for place in places:
+            number = row.number(place)
+            assert number is not None
+            assert row.also[place] == f"{number.value * minutes:.1f} min"
+        assert not row.also[0]
+
+
+def test_slopes_say_which_way_is_better(study: Make) -> None:
+    """A slope is better the way its metric is: up for what is collected, down for an error."""
+    logs = study(True)
+    fits = corruption.Fits(logs)
+    assert paper.table_4(logs, fits).better == (1, 1, -1)
+    ways = {row.group: row.group_better for row in corruption.slopes_table(logs, fits).rows}
+    assert ways["scouts corrupted, PTA_C"] == 1
+    assert ways["foragers corrupted, RMSE"] == -1
+
+
+def test_subjects_of_a_forest_have_the_markers_of_their_policies(study: Make) -> None:
+    logs = study(True)
+    (look,) = looks(("greedy",)).values()
+    for axes in ablation.pictures(logs)[0].figure.axes[: len(ablation.KEYS)]:
+        dots = [line for line in axes.lines if line.get_color() == look.colour]
+        marked = {line.get_marker() for line in dots} - {"None"}
+        assert marked == {look.marker}
+    assert forest.PAPER not in MARKERS, "a policy would look like the paper"
+
+
+def test_nothing_on_a_page_has_the_anchor_or_the_label_of_another(study: Make) -> None:
+    page = write_study_report(study(True).folder).read_text(encoding="utf-8")
+    for pattern in (r'\bid="([^"]+)"', r'role="region"[^>]* aria-label="([^"]+)"'):
+        found = re.findall(pattern, page)
+        assert len(found) == len(set(found)) > 10, pattern
+
+
+def test_labels_that_come_again_are_numbered_on_each_page_anew() -> None:
+    for _ in range(2):
+        page = environment().from_string(
+            "{{ distinct('Means') }}|{{ distinct('Means') }}|{{ distinct('Other') }}"
+        )
+        assert page.render() == "Means|Means (2)|Other"
