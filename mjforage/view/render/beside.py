@@ -106,10 +106,12 @@ class Beside:
         self._halves, self._place = halves, place
         self._timelines = tuple(timeline_of(half.replay) for half in halves)
         self._scores, self._rooms, self._middle = _strip_boxes(place, halves[0].charted)
+        self._most = palette.most_believed(*(half.replay.belief for half in halves))
         self._charts: list[Inset | None] = [None, None]
         if self._rooms is not None:
             self._charts = [
-                _chart(*both, place.unit) for both in zip(halves, self._rooms, strict=True)
+                _chart(*both, place.unit, self._most)
+                for both in zip(halves, self._rooms, strict=True)
             ]
 
     def frame(self, time: float) -> Image:
@@ -130,7 +132,8 @@ class Beside:
         u, longer = place.unit, longer_of(*(half.replay for half in self._halves))
         paint_clock(image, self._middle, u, longer, time)
         signs = self._middle.lower((_CLOCK + 10.0) * u)
-        paint_signs(image, signs, u, longer, drawn=not self._halves[0].charted, columns=2)
+        drawn = not self._halves[0].charted
+        paint_signs(image, signs, u, longer, self._most, drawn=drawn, columns=2)
         return image
 
     def _paint_head(self, image: Image, number: int, time: float) -> None:
@@ -194,9 +197,9 @@ def _strip_boxes(
     return scores, rooms, middle
 
 
-def _chart(half: Half, room: Box, unit: float) -> Inset:
+def _chart(half: Half, room: Box, unit: float, most: int) -> Inset:
     colours: list[Colour] = palette.agent_colours(half.replay.agent_collects.tolist())
-    return chart(half.replay, colours, room, unit, half.followed)
+    return chart(half.replay, colours, room, unit, half.followed, most)
 
 
 def longer_of(first: Replay, second: Replay) -> Replay:

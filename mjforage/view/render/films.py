@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
 from mjforage.runs.episode_replay import Replay
+from mjforage.view.render import palette
 from mjforage.view.render.beside import Beside, BesideFrame, Half, check_beside
 from mjforage.view.render.cameras import CAMERAS
 from mjforage.view.render.seen_by import EVERYBODY
@@ -177,8 +178,9 @@ def _drawing(shown: list[Replay], follow: str | None, size: Size) -> Frame:
         raise UserError(f"follow {follow}: camera top follows nobody; choose chase or scout")
     if len(shown) == 2:
         place = BesideFrame(*_frame_size(size))
+        most = palette.most_believed(*(replay.belief for replay in shown))
         first, second = (
-            _drawn_half(replay, room) for replay, room in zip(shown, place.rooms, strict=True)
+            _drawn_half(replay, room, most) for replay, room in zip(shown, place.rooms, strict=True)
         )
         return Beside((first, second), place).frame
     if height is not None:
@@ -191,8 +193,8 @@ def _drawing(shown: list[Replay], follow: str | None, size: Size) -> Frame:
     return TopView(shown[0], width).frame
 
 
-def _drawn_half(replay: Replay, room: tuple[int, int]) -> Half:
-    view = TopView(replay, room=room)
+def _drawn_half(replay: Replay, room: tuple[int, int], most: int) -> Half:
+    view = TopView(replay, room=room, most=most)
     return Half(replay, view.frame, lambda time: Moment(view.on_chart(time), "", 0.0), False, None)
 
 

@@ -19,7 +19,8 @@ _FULL_HEIGHT = 240.0  # of a chart in which a unit is a pixel
 class Inset:
     """Charts at most `room` (width, height) pixels large; `paint` puts one into a picture.
 
-    `colours` are those of the agents; `followed` is the agent that is marked, or None.
+    `colours` are those of the agents; `followed` is the agent that is marked, or None; `most`
+    the count of believed items drawn darkest, by default that of the episode.
     """
 
     def __init__(
@@ -28,6 +29,7 @@ class Inset:
         colours: list[Colour],
         room: tuple[float, float],
         followed: int | None = None,
+        most: int | None = None,
     ) -> None:
         self.replay, self._colours, self._followed = replay, colours, followed
         row, column = np.nonzero(replay.navigable)
@@ -41,7 +43,7 @@ class Inset:
         self._columns = self._nodes(self.width, self._left, right)
         self._water = replay.navigable[self._rows][:, self._columns]
         self._course = courses(replay.agent_rc)
-        self._most = palette.most_believed(replay.belief)
+        self._most = most or palette.most_believed(replay.belief)
         self._drawn: tuple[int, Image] | None = None
 
     def _nodes(self, pixels: int, first: int, end: int) -> NDArray[np.int64]:

@@ -49,9 +49,9 @@ def agent_colours(collects: Sequence[bool]) -> list[Colour]:
     return [from_hex(code) for code in style.agent_colours(map(style.role, collects))]
 
 
-def most_believed(belief: NDArray[np.integer]) -> int:
-    """The count that is drawn darkest in an episode, as in the replay: the largest, at least 4."""
-    return max(4, int(belief.max(initial=0)))
+def most_believed(*beliefs: NDArray[np.integer]) -> int:
+    """The count that is drawn darkest in episodes, as in the replay: the largest, at least 4."""
+    return max(4, *(int(belief.max(initial=0)) for belief in beliefs))
 
 
 def belief_shades(count: NDArray[np.integer], most: int) -> NDArray[np.float64]:

@@ -110,10 +110,12 @@ def sign_rows(replay: Replay) -> int:
 
 
 def paint_signs(
-    image: Image, box: Box, unit: float, replay: Replay, *, drawn: bool, columns: int = 1
+    image: Image, box: Box, unit: float, replay: Replay, most: int, *, drawn: bool, columns: int = 1
 ) -> None:
-    """What the marks mean; `drawn`: items are dots in a drawing, else bodies with rings."""
-    u, one, most = unit, np.ones(1), palette.most_believed(replay.belief)
+    """What the marks mean; `drawn`: items are dots in a drawing, else bodies with rings; `most`:
+    see `palette.most_believed`.
+    """
+    u, one = unit, np.ones(1)
     rows = ["item, discovered", "item, not yet", f"believed: 1, 2, {most}"]
     rows += ["idleness 0–1" if drawn else "idleness 0–1 (chart)"]
     if replay.held is not None:
@@ -183,10 +185,15 @@ def paint_compass(image: Image, at: Floats, radius: float, north_rad: float) -> 
 
 
 def chart(
-    replay: Replay, colours: list[Colour], box: Box, unit: float, followed: int | None
+    replay: Replay,
+    colours: list[Colour],
+    box: Box,
+    unit: float,
+    followed: int | None,
+    most: int | None = None,
 ) -> Inset:
     """The chart that fits into a box below its title."""
-    return Inset(replay, colours, (box.width, box.height - _TITLE * unit), followed)
+    return Inset(replay, colours, (box.width, box.height - _TITLE * unit), followed, most)
 
 
 def paint_chart(
@@ -255,7 +262,8 @@ class SidePanel:
         paint_clock(image, score.lower(30 * u), u, self._replay, time)
         paint_shares(image, score.lower(76 * u), u, self._timeline, time)
         if self._signs is not None:
-            paint_signs(image, self._signs, u, self._replay, drawn=False)
+            most = palette.most_believed(self._replay.belief)
+            paint_signs(image, self._signs, u, self._replay, most, drawn=False)
         if self._notes.width > 0:
             paint_notes(image, self._notes, u, moment)
         paint_chart(image, self._room, u, self._inset, time, moment.hulls)

@@ -43,6 +43,7 @@ class TopView:
         long_side: int | None = None,
         *,
         room: tuple[int, int] | None = None,
+        most: int | None = None,
     ) -> None:
         self._replay = replay
         self._timeline = timeline_of(replay)
@@ -55,7 +56,7 @@ class TopView:
         self._background = paint_background(replay.navigable, self._layout)
         self._collects = team_collects(replay)
         self._colours = palette.agent_colours(replay.agent_collects.tolist())
-        self._most = palette.most_believed(replay.belief)
+        self._most = most or palette.most_believed(replay.belief)
         self._panel = Panel(replay, self._timeline, self._layout) if room is None else None
         self._page = self._paint_page()
         nearest = nearest_water(replay.navigable)

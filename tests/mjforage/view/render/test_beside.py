@@ -71,6 +71,21 @@ def test_each_half_shows_its_own_episode(first: Replay, shorter: Replay, tmp_pat
     assert (image[: place.head] != swapped[: place.head]).any(), "names stand above"
 
 
+def test_beliefs_of_both_have_one_scale(first: Replay, shorter: Replay, tmp_path: Path) -> None:
+    """What the other believes at most changes how dark a count is drawn in both."""
+    belief = np.zeros_like(first.belief)
+    belief[:, 3, 4] = 3
+    other = np.zeros_like(shorter.belief)
+    plain, more = replace(first, belief=belief), other.copy()
+    more[-1, 10, 10] = 60
+    size = (960, 540)
+    alike = still(plain, replace(shorter, belief=other), tmp_path, 0.0, size)
+    darker = still(plain, replace(shorter, belief=more), tmp_path, 0.0, size)
+    (left, _), changed = BesideFrame(*size).pictures, (alike != darker).any(axis=2)
+    top, bottom = round(left.top), round(left.bottom)
+    assert changed[top:bottom, : round(left.right)].any(), "the left map, by the right one's scale"
+
+
 @pytest.mark.parametrize("order", ["longer first", "shorter first"])
 def test_the_shorter_one_stays_at_its_end_while_the_other_goes_on(
     first: Replay, shorter: Replay, tmp_path: Path, order: str

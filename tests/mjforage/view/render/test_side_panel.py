@@ -94,7 +94,7 @@ def test_collected_and_discovered_are_told_apart_as_are_beliefs_of_then_and_now(
 
 def test_the_signs_of_a_drawing_show_scouts_and_foragers_in_their_colours(replay: Replay) -> None:
     image = np.zeros((140, 260, 3), np.uint8)
-    paint_signs(image, Box(0, 0, 260, 140), 1.0, replay, drawn=True)
+    paint_signs(image, Box(0, 0, 260, 140), 1.0, replay, 4, drawn=True)
     for row, colour in ((4, palette.SCOUT), (5, palette.FORAGER)):
         mark = image[row * 22 : row * 22 + 22, :36].reshape(-1, 3).astype(float)
         assert np.abs(mark - colour).max(axis=1).min() < 12.0
