@@ -62,9 +62,7 @@ class Harbour(NamedTuple):
 
 
 @kernel
-def _lots_of(
-    known: Int32Array, ways: FloatArray, most: int, key: np.uint64
-) -> NDArray[np.int64]:
+def _lots_of(known: Int32Array, ways: FloatArray, most: int, key: np.uint64) -> NDArray[np.int64]:
     """Which of the known nodes (known,) are sold: those nearest to any bidder.
 
     Parameters
@@ -184,9 +182,7 @@ def _share_views(
 
 
 @kernel
-def _follow(
-    harbour: Harbour, seen: Observation, e: int, key: np.uint64, goals: Int32Array
-) -> None:
+def _follow(harbour: Harbour, seen: Observation, e: int, key: np.uint64, goals: Int32Array) -> None:
     """Give foragers without a goal the places that scouts go to, by auction, one each in turn."""
     arrays, at, room, energy = harbour.arrays, seen.agent_node[e], seen.room_left, seen.energy_left
     collects = arrays.collects

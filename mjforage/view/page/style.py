@@ -24,6 +24,7 @@ POLICY_COLOURS: dict[str, str] = {
     "greedy": "#0D6AA6",
     "levy": "#C05710",
     "belief": "#46B77A",
+    "auction": "#D848FC",
     "oracle": "#111111",
     "pso": "#B9C717",
     "wanderer": "#96A9E6",
@@ -44,7 +45,7 @@ FALLBACK_COLOURS: tuple[str, ...] = (
 )
 """For policies that a user registered under a name of their own."""
 
-MARKERS = ("o", "s", "P", "^", "v", "D", "X", "<", ">", "p", "h")
+MARKERS = ("o", "s", "P", "^", "v", "D", "d", "X", "<", ">", "p", "h")
 """Of the policies that ship, in their order; others take what is left."""
 
 Line = Literal["-", "--", ":", "-."]
