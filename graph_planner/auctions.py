@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import FAR, DistanceRows, Int32Array, Workspace, distances_of
+from graph_planner.task import TaskArrays
 from graph_planner.visibility import NodeLists
 
 FloatArray = NDArray[np.float64]
@@ -156,11 +157,39 @@ def in_view(worth: FloatArray, views: NodeLists, radius: int, node: int) -> floa
 
 
 @kernel
+def _look_again(
+    places: Int32Array,
+    near: int,
+    radius: NDArray[np.float64],
+    arrays: TaskArrays,
+    views: NodeLists,
+    worth: FloatArray,
+    shows: FloatArray,
+) -> None:
+    """Sum anew what places (list, place) show whose views may overlap that of the node `near`.
+
+    Parameters
+    ----------
+    near : node; -1: all places
+    radius : (list,) how far each list reaches [node]
+    """
+    rows, cols, widest = arrays.rows, arrays.cols, radius.max()
+    for number in range(radius.size):
+        reach = radius[number] + widest
+        for c in range(places.size):
+            place = places[c]
+            if near < 0 or (
+                abs(rows[place] - rows[near]) <= reach and abs(cols[place] - cols[near]) <= reach
+            ):
+                shows[number, c] = in_view(worth, views, number, place)
+
+
+@kernel
 def sell_views(
     places: Int32Array,
     ways: FloatArray,
-    pace: FloatArray,
-    radius_number: NDArray[np.int64],
+    bidders: NDArray[np.int64],
+    arrays: TaskArrays,
     views: NodeLists,
     patience: float,
     tie: FloatArray,
@@ -175,8 +204,7 @@ def sell_views(
     ----------
     places : (place,) nodes
     ways : (bidder, place) [node]; inf where a bidder cannot go
-    pace : (bidder,) nodes per decision
-    radius_number : (bidder,) which list of `views`
+    bidders : (bidder,) agents
     patience : added to every way's time [decision]
     tie : (place,) factor of a rate, about 1
     worth : (node,) of seeing each node now; changed
@@ -184,22 +212,25 @@ def sell_views(
     """
     won[:] = UNSOLD
     start, nodes = views.start, views.nodes
-    n_bidders = pace.size
-    for _ in range(n_bidders):
-        best, winner, what = 0.0, UNSOLD, UNSOLD
-        for s in range(n_bidders):
+    pace, radius_number = arrays.moves[bidders], arrays.radius_number[bidders]
+    radius, shows = np.zeros(start.shape[0]), np.zeros((start.shape[0], places.size))
+    for a in range(arrays.radius.size):
+        radius[arrays.radius_number[a]] = arrays.radius[a]
+    sold = UNSOLD
+    for _ in range(bidders.size):
+        _look_again(places, sold, radius, arrays, views, worth, shows)
+        best, winner = 0.0, UNSOLD
+        for s in range(bidders.size):
             if won[s] != UNSOLD:
                 continue
+            shown = shows[radius_number[s]]
             for c in range(places.size):
-                if ways[s, c] == FAR:
-                    continue
-                there = tie[c] * in_view(worth, views, radius_number[s], places[c])
-                rate = there / (ways[s, c] / pace[s] + patience)
+                rate = tie[c] * shown[c] / (ways[s, c] / pace[s] + patience)
                 if rate > best:
-                    best, winner, what = rate, s, places[c]
+                    best, winner, sold = rate, s, places[c]
         if winner < 0:
             return
-        won[winner] = what
-        radius = radius_number[winner]
-        for i in range(start[radius, what], start[radius, what + 1]):
+        won[winner] = sold
+        list_number = radius_number[winner]
+        for i in range(start[list_number, sold], start[list_number, sold + 1]):
             worth[nodes[i]] = 0.0

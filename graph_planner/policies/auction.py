@@ -174,9 +174,8 @@ def _share_views(
     tie = np.empty(places.size)
     for j in range(places.size):
         tie[j] = 1.0 + TIE * uniform(key, _NODES + places[j], 0)
-    pace, radius = arrays.moves[lookers].astype(np.float64), arrays.radius_number[lookers]
-    won = np.empty(lookers.size, np.int32)
-    sell_views(places, ways, pace, radius, harbour.views, terms.patience, tie, worth, won)
+    won, views = np.empty(lookers.size, np.int32), harbour.views
+    sell_views(places, ways, lookers, arrays, views, terms.patience, tie, worth, won)
     for i in range(lookers.size):
         goals[lookers[i]] = won[i]
 
@@ -318,12 +317,12 @@ class AuctionPolicy:
         self,
         bid: str = "miniave",
         lots: int = 48,
-        revisit: float = 60.0,
-        refresh: float = 10.0,
-        warm: float = 4.0,
-        near: float = 4.0,
+        revisit: float = 120.0,
+        refresh: float = 25.0,
+        warm: float = 16.0,
+        near: float = 6.0,
         cool: float = 30.0,
-        patience: float = 4.0,
+        patience: float = 2.0,
         frontiers: bool = True,
     ) -> None:
         if bid not in BID_RULES:

@@ -64,16 +64,17 @@ def tours(
         np.ones(bidders),
         np.full(bidders, room),
         np.full(bidders, energy),
-        1e-7 * np.arange(bidders),
+        np.linspace(0.0, 1e-7, bidders),
     )
-    goods = Lots(first, between, ones, 1e-8 * np.arange(lots))
+    goods = Lots(first, between, ones, np.linspace(0.0, 1e-8, lots))
     sell_items(BID_RULES.index(rule), who, goods, sold, size)
     return [sold[b, : size[b]].tolist() for b in range(bidders)]
 
 
 def on_a_line(*places: float) -> NDArray[np.float64]:
     at = np.array(places)
-    return np.abs(at[:, None] - at[None, :])
+    ways: NDArray[np.float64] = np.abs(at[:, None] - at[None, :])
+    return ways
 
 
 @pytest.mark.parametrize("rule", BID_RULES)
@@ -130,7 +131,7 @@ def test_nobody_buys_an_item_that_its_energy_does_not_reach() -> None:
 @pytest.mark.parametrize("rule", BID_RULES)
 def test_nobody_buys_more_than_it_has_room_for(rule: str) -> None:
     sold = tours(rule, on_a_line(0, 30, 1, 2, 3, 4), 2, room=2)
-    assert sorted(sum(sold, [])) == [0, 1, 2, 3] and [len(tour) for tour in sold] == [2, 2]
+    assert sorted(itertools.chain(*sold)) == [0, 1, 2, 3] and [len(tour) for tour in sold] == [2, 2]
 
 
 def test_bid_rules_save_what_they_say() -> None:
