@@ -229,9 +229,10 @@ def test_parts_mark_the_bound_in_every_table(tmp_path: Path, command: Command) -
     small = ("--episodes", 2, "--set", "horizon=3", "--set", "belief.fast=true")
     assert command("study", "parts", *small, "--out", folder).code == 0
     page = (folder / "report.html").read_text()
-    tables = re.findall(r'<div class="table[^"]*" id="table-([^"]+)">(.*?)</table>', page, re.DOTALL)
+    of_one = r'<div class="table[^"]*" id="table-([^"]+)">(.*?)</table>'
+    tables = re.findall(of_one, page, re.DOTALL)
     others = {"throughput", "cost", "clearing"}
-    texts = {name: text for name, text in tables if name not in others}
+    texts = {n: text for n, text in tables if n not in others}
     names = {"parts", "parts-whole", "parts-oracle", "wrong", "wrong-greedy"}
     assert set(texts) == {f"{name}-graph" for name in names}
     for name, text in texts.items():
