@@ -134,6 +134,20 @@ def test_no_ghost_where_a_collector_is_whoever_looks() -> None:
     task = task_of((9, 9), foragers=FORAGER, scouts=SCOUT)
     watched = Watched(task, Sensors(false_rate=1.0), [MIDDLE, EAST], [-1], 0, 3)
     assert (watched.knowledge.belief[:, [MIDDLE, EAST]] == [0, 1]).all()
+    both = [[MIDDLE, EAST], [EAST, MIDDLE]]  # the collector first
+    swapped = Watched(task, Sensors(false_rate=1.0), both, [-1], 0, 2)
+    assert swapped.knowledge.belief[:, [MIDDLE, EAST]].tolist() == [[0, 1], [1, 0]]
+
+
+def test_an_item_is_discovered_when_it_is_first_detected() -> None:
+    watched = Watched(SEA, Sensors(detection=0.5), [MIDDLE], [EAST], 12, 50)
+    place = SEA.views.of(MIDDLE).tolist().index(EAST)
+    seen = np.array([shown[:, 0, place] > 0 for shown in watched.shown])
+    first = np.where(seen.any(axis=0), seen.argmax(axis=0), -1)
+    assert (
+        seen.sum() > 2 * len(first)
+        and watched.entries.t_discovered[:, 0].tolist() == first.tolist()
+    )
 
 
 def test_a_filtered_map_by_hand() -> None:

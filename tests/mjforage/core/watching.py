@@ -53,19 +53,20 @@ class Watched:
         self,
         task: Task,
         sensors: Sensors,
-        at: list[int],
+        at: list[int] | list[list[int]],
         items: list[int],
         steps: int = 0,
         episodes: NDArray[np.int64] | int = 400,
         yaw: float = 0.0,
     ) -> None:
-        """Let agents at nodes (agent,) look at items in nodes (item,), at step 0 and after."""
+        """Let agents at nodes ([episode,] agent) look at items in nodes (item,) from step 0 on."""
         keys = episode_keys(0, np.arange(episodes) if isinstance(episodes, int) else episodes)
         item_node = np.tile(np.array(items, np.int32), (keys.size, 1))
         ledger = Ledger(task)
         ledger.reset(item_node)
         shown = no_shown(task, keys.size, sensors.perfect)
-        looks = looks_of(ledger, np.tile(np.array(at, np.int32), (keys.size, 1)), shown)
+        nodes = np.broadcast_to(np.array(at, np.int32), (keys.size, len(task.fleet)))
+        looks = looks_of(ledger, np.ascontiguousarray(nodes), shown)
         looks.agent_yaw[:] = yaw
         self.knowledge, self.entries = Knowledge.of_starts(looks, len(task.graph)), ledger.entries
         filtered = map_filter(replace(load_scenario("comb-port"), sensors=sensors), task, keys.size)

@@ -229,8 +229,10 @@ def test_parts_mark_the_bound_in_every_table(tmp_path: Path, command: Command) -
     small = ("--episodes", 2, "--set", "horizon=3", "--set", "belief.fast=true")
     assert command("study", "parts", *small, "--out", folder).code == 0
     page = (folder / "report.html").read_text()
-    tables = re.findall(r'<div class="table[^"]*" id="([^"]+)">(.*?)</table>', page, re.DOTALL)
-    texts = {name: text for name, text in tables if name != "throughput" and name != "cost"}
+    of_one = r'<div class="table[^"]*" id="table-([^"]+)">(.*?)</table>'
+    tables = re.findall(of_one, page, re.DOTALL)
+    others = {"throughput", "cost", "clearing"}
+    texts = {n: text for n, text in tables if n not in others}
     names = {"parts", "parts-whole", "parts-oracle", "wrong", "wrong-greedy"}
     assert set(texts) == {f"{name}-graph" for name in names}
     for name, text in texts.items():
@@ -263,7 +265,7 @@ def test_sensing_asks_the_planner_alone_what_it_assumes(tmp_path: Path, command:
     small = ("--episodes", 2, "--set", "horizon=3", "--policy", "greedy")
     assert command("study", "sensing", *small, "--out", folder).code == 0
     page = (folder / "report.html").read_text()
-    assert 'id="minus-graph-greedy"' in page
+    assert 'id="table-minus-graph-greedy"' in page
     assert not list((folder / "figures").glob("assumed*")), "the planner did not play"
     assert {path.name for path in (folder / "variants").iterdir()} >= {"fov-75", "ghosts-0.002"}
     assert not list((folder / "variants").glob("*-for-*"))

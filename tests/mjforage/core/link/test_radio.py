@@ -153,6 +153,7 @@ def test_news_goes_one_hop_in_a_decision() -> None:
     late = radio.late
     steps = [s for s, a in zip(late.step[last], late.agent[last], strict=True) if a == first]
     assert steps == [0], "and it is told as late"
+    assert (late.step < mission.step[0]).all(), "what is seen now is not"
 
 
 @pytest.mark.parametrize(("key", "most"), [("link.bytes=12", 12), ("link.cells=3", 18)])

@@ -185,6 +185,14 @@ def test_first_hearing_of_an_item(heard: dict[int, int], found: int, expected: i
     assert first_heard(link, np.array([1]), *about).tolist() == [[expected]]
 
 
+def test_of_several_listeners_the_first_counts() -> None:
+    link = link_of(SCOUT_STAYS, SEES_ONE, {1: 4})
+    about = np.zeros((1, STEPS, 1), np.int32), np.ones((1, 1), np.int16), np.array([STEPS - 1])
+    for listeners in ([0, 1], [1, 0]):
+        heard = first_heard(link, np.array(listeners), *about[:2], about[2].astype(np.int32))
+        assert heard.tolist() == [[1]], "the scout has seen it itself"
+
+
 def test_a_look_counts_only_if_it_shows_items_where_the_item_is() -> None:
     """The scout leaves at step 3; the item is seen at 1, missed at 2, met by the forager at 4."""
     at = [[0, 2], [0, 2], [0, 2], [1, 2], [1, 0], [1, 0]]
