@@ -350,7 +350,7 @@ def test_numbers_out_of_range_are_refused_before_anything_is_written(
         (["greedy", "greedy"], "policy greedy: given twice"),
         (["greedy", "graph_planner.policies.greedy:GreedyPolicy"], "greedy: given twice"),
         (["greedyy"], "policy greedyy: unknown; did you mean greedy?"),
-        (["Q"], "policy Q: unknown; choose belief, ddqn"),
+        (["Q"], "policy Q: unknown; choose auction, belief, ddqn"),
     ],
 )
 def test_policies_are_checked(policies: list[str], words: str) -> None:

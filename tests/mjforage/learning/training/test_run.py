@@ -178,7 +178,7 @@ def test_trained_weights_are_a_policy_by_their_file_name(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     words = ("evaluate", "published", "--set", "horizon=8", "--episodes", 2, "--out", "run")
-    assert "policy mine: unknown; choose belief" in refused(*words, "--policy", "mine")
+    assert "policy mine: unknown; choose auction, belief" in refused(*words, "--policy", "mine")
     shutil.copy(finished[0] / "weights.safetensors", "mine.safetensors")
     done = command(*words, "--policy", "mine")
     assert done.code == 0, done  # type: ignore[attr-defined]
