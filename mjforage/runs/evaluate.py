@@ -22,20 +22,15 @@ from mjforage.core.sizes import check_memory, table_bytes
 from mjforage.core.whole_files import write_json
 from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.worlds import WORLDS, create_mission
+from mjforage.runs.assignments import Assignment, Episode, replay_is_kept
 from mjforage.runs.costs import Invocation, costs_content
+from mjforage.runs.distributing import keep_replays, run_chunks
 from mjforage.runs.identity import pinned, run_info
 from mjforage.runs.kept import FIRST, KEPT, check_kept, chosen, ranked, sure
 from mjforage.runs.resuming import Resume, set_aside
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import metric_columns
-from mjforage.runs.workers import (
-    Assignment,
-    Episode,
-    Workers,
-    keep_replays,
-    replay_is_kept,
-    run_chunks,
-)
+from mjforage.runs.workers import Workers
 
 CHUNK = 50  # episodes per unit of work at graph level
 PHYSICS_CHUNK = 10  # the same with hulls, which take a second each

@@ -18,10 +18,11 @@ from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 from mjforage.runs import cluster, variants
+from mjforage.runs.assignments import Assignment, run_chunk
 from mjforage.runs.costs import Invocation, load_costs
 from mjforage.runs.evaluate import Run, plan
 from mjforage.runs.study import Study, run_study
-from mjforage.runs.workers import Assignment, Workers, run_chunk
+from mjforage.runs.workers import Workers
 
 pytest.importorskip("distributed")
 Start = Callable[..., "subprocess.Popen[str]"]
@@ -300,7 +301,7 @@ def test_one_worker_computes_too(start: Start, tmp_path: Path) -> None:
     process = start(
         *("evaluate", "published", "--policy", "greedy", "--set", "horizon=5", "--episodes", 30),
         *("--local-cluster", 1, "--out", tmp_path / "run"),
-        before=NO_REPORT + "from mjforage.runs import workers; workers.score = None",
+        before=NO_REPORT + "from mjforage.runs import assignments; assignments.Scorer = None",
     )
     _, err = process.communicate(timeout=PATIENCE_S)
     assert (process.returncode, err) == (0, ""), "the command computed itself"

@@ -13,10 +13,10 @@ import pytest
 
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
+from mjforage.runs.assignments import Assignment, run_chunk
 from mjforage.runs.evaluate import CHUNK, evaluate, plan
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import TABLES
-from mjforage.runs.workers import Assignment, run_chunk
 
 PATIENCE_S = 120.0
 Start = Callable[..., "subprocess.Popen[str]"]
@@ -224,7 +224,7 @@ def test_only_missing_chunks_are_computed(tmp_path: Path, monkeypatch: pytest.Mo
         asked.append(chunk.first)
         return run_chunk(assignment, chunk)
 
-    monkeypatch.setattr("mjforage.runs.workers.run_chunk", note)
+    monkeypatch.setattr("mjforage.runs.distributing.run_chunk", note)
     undisturbed(run, 2 * CHUNK + 10)
     assert asked == [CHUNK, 2 * CHUNK]
 

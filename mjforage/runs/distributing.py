@@ -1,0 +1,83 @@
+"""Handing work out: to worker processes by joblib, or to a dask cluster."""
+
+import warnings
+from collections.abc import Callable, Generator, Sequence
+from contextlib import closing
+
+import joblib
+from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+from mjforage.core.errors import UserError
+from mjforage.runs import cluster
+from mjforage.runs.assignments import Assignment, Episode, Task, Work, keep_replay, run_chunk
+from mjforage.runs.interrupts import (
+    interrupts_held,
+    loose_ends_dropped,
+    replaced_workers_unsaid,
+    start_quiet_tracker,
+)
+from mjforage.runs.storage import Chunk
+from mjforage.runs.workers import Workers
+
+Results = Generator[tuple[int, str | None]]
+"""The place of a finished task in the work, and what `run_chunk` said of it."""
+
+
+def run_chunks(work: Sequence[Task[Chunk]], workers: Workers) -> Generator[int]:
+    """Carry out chunks, yielding the place of each one that is finished.
+
+    Raises
+    ------
+    UserError
+        If a chunk fails for a reason that a user can mend, a worker was killed, or the cluster
+        cannot be used. Finished chunks stay.
+    """
+    yield from _carried_out(run_chunk, work, workers)
+
+
+def keep_replays(work: Sequence[Task[Episode]], workers: Workers) -> Generator[int]:
+    """The same for episodes that are to be kept, once it is known which they are."""
+    yield from _carried_out(keep_replay, work, workers)
+
+
+def _carried_out(
+    call: Callable[[Assignment, Work], str | None], work: Sequence[Task[Work]], workers: Workers
+) -> Generator[int]:
+    done = _remote if workers.remote else _local
+    with closing(done(call, work, workers)) as results:
+        for place, error in results:
+            if error is not None:
+                raise UserError(error)
+            yield place
+
+
+def _remote(
+    call: Callable[[Assignment, Work], str | None], work: Sequence[Task[Work]], workers: Workers
+) -> Results:
+    with cluster.connected(workers.scheduler, workers.local_cluster) as client:
+        yield from cluster.finished(client, call, work)
+
+
+def _local(
+    call: Callable[[Assignment, Work], str | None], work: Sequence[Task[Work]], workers: Workers
+) -> Results:
+    parallel = joblib.Parallel(n_jobs=min(workers.jobs, len(work)), return_as="generator")
+    results = None
+    if workers.jobs > 1:
+        start_quiet_tracker()
+        replaced_workers_unsaid()
+    try:
+        with interrupts_held():
+            results = parallel(joblib.delayed(call)(*task) for task in work)
+        yield from enumerate(results)
+    except TerminatedWorkerError as error:
+        raise UserError(
+            "a worker process was killed, perhaps for want of memory; run the same command again "
+            "with fewer --jobs: finished chunks are kept"
+        ) from error
+    finally:
+        if results is not None:
+            # what is left is cancelled without a word
+            with warnings.catch_warnings(), loose_ends_dropped():
+                warnings.simplefilter("ignore", UserWarning)
+                results.close()
