@@ -3,8 +3,7 @@
 What is in the world has the same colour in figures, replays, films and plots, all from here: items
 are pale yellow with a dark rim, beliefs indigo, agents have the hue of their role.
 
-The policy colours have the hues of the Okabe-Ito palette (M. Okabe and K. Ito, "Color Universal
-Design", 2008) where they can, moved until every two stay 25 apart in CIELAB for normal eyes and
+The policy colours were searched for until every two were 25 apart in CIELAB for normal eyes and
 under each of the three colour deficiencies (a test simulates them); every policy has a marker
 besides. All colours are ``#rrggbb``.
 """
@@ -18,18 +17,22 @@ from typing import Any, Literal
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap, to_rgb
 
 POLICY_COLOURS: dict[str, str] = {
-    "ddqn": "#7C1A59",
-    "ddqn-reward": "#A8809A",
-    "ddqn-link": "#681DFD",
-    "greedy": "#0D6AA6",
-    "levy": "#C05710",
-    "belief": "#46B77A",
-    "auction": "#D848FC",
+    "ddqn": "#5E195B",
+    "ddqn-reward": "#AB6C8C",
+    "ddqn-link": "#A391FA",
+    "mappo": "#91D06C",
+    "greedy": "#0E0AFF",
+    "levy": "#7D2806",
+    "belief": "#368F50",
+    "auction": "#A64BFF",
+    "ogr": "#2ADAA1",
+    "orienteering": "#EBB607",
+    "dec-mcts": "#B930A9",
     "oracle": "#111111",
-    "pso": "#B9C717",
-    "wanderer": "#96A9E6",
-    "lawnmower": "#5A11A7",
-    "random": "#5D4228",
+    "pso": "#848700",
+    "wanderer": "#DDB2E6",
+    "lawnmower": "#5B01A6",
+    "random": "#3D4C3F",
 }
 """Colour of every policy that ships; the order is the order in legends and tables."""
 
@@ -45,7 +48,10 @@ FALLBACK_COLOURS: tuple[str, ...] = (
 )
 """For policies that a user registered under a name of their own."""
 
-MARKERS = ("o", "s", "P", "^", "v", "D", "d", "X", "<", ">", "p", "h")
+MARKERS = (
+    *("o", "s", "P", "$♥$", "^", "v", "D", "d"),
+    *("$♣$", "$♠$", "$▬$", "X", "<", ">", "p", "h"),
+)
 """Of the policies that ship, in their order; others take what is left."""
 
 Line = Literal["-", "--", ":", "-."]
@@ -130,6 +136,11 @@ class Look:
 
     colour: str  # "#rrggbb"
     marker: str  # matplotlib marker code
+
+    @property
+    def dots(self) -> dict[str, Any]:
+        """What draws its dots without a line between them."""
+        return {"color": self.colour, "marker": self.marker, "linestyle": "none"}
 
 
 def policy_colour(name: str) -> str:

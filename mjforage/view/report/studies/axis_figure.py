@@ -119,8 +119,7 @@ def _draw(
                 axes.plot(
                     at,
                     entry.mean,
-                    look.marker,
-                    color=look.colour,
+                    **look.dots,
                     markerfacecolor=look.colour if filled else "white",
                     markersize=5.5,
                     markeredgewidth=1.3,

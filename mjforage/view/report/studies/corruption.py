@@ -219,7 +219,7 @@ def _draw(axes: Axes, fit: Fit, look: style.Look, line: style.Line) -> None:
     axes.fill_between(
         x, fit.means - fit.half, fit.means + fit.half, color=look.colour, alpha=0.14, linewidth=0
     )
-    axes.plot(x, fit.means, look.marker, color=look.colour, markersize=4)
+    axes.plot(x, fit.means, **look.dots, markersize=4)
     axes.plot(x, fit.line.intercept + fit.line.slope * x, color=look.colour, linestyle=line)
     if not fit.bends:
         return

@@ -202,7 +202,7 @@ def throughput_picture(logs: StudyLogs) -> Picture | None:
         looks, lines = panel.looks(), panel.lines()
         for (world, policy), points in drawn.items():
             look = looks[policy]
-            axes.plot(*zip(*points, strict=True), look.marker, color=look.colour, markersize=5)
+            axes.plot(*zip(*points, strict=True), **look.dots, markersize=5)
             counts = sorted({count for count, _ in points})
             means = [np.mean([rate for count, rate in points if count == x]) for x in counts]
             axes.plot(counts, means, color=look.colour, linestyle=lines[world])

@@ -31,7 +31,7 @@ def _draw(axes: Axes, row: int, subject: Subject, metric: Description, apart: bo
     if found.n:
         axes.plot([found.low, found.high], [row, row], color=colour, linewidth=2.2)
         dot: dict[str, Any] = {"markerfacecolor": colour if apart else "white", "markersize": 6}
-        axes.plot(found.value, row, subject.look.marker, color=colour, **dot)
+        axes.plot(found.value, row, **subject.look.dots, **dot)
     if metric.key in subject.paper:
         star: dict[str, Any] = {"color": style.INK, "markerfacecolor": "none", "markersize": 10}
         axes.plot(subject.paper[metric.key], row, PAPER, zorder=3, **star)

@@ -120,7 +120,7 @@ def _draw(axes: Axes, costs: Costs, line: str) -> None:
                 "markersize": 6.0,
                 "markeredgewidth": 1.3,
             }
-            axes.plot(at, found.value, look.marker, color=look.colour, **dot)
+            axes.plot(at, found.value, **look.dots, **dot)
     axes.set_xticks(range(len(costs.names)), [name.removesuffix(" m") for name in costs.names])
     axes.set_xlim(-0.5, len(costs.names) - 0.5)
     axes.grid(visible=False, axis="x")
