@@ -17,22 +17,22 @@ from typing import Any, Literal
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap, to_rgb
 
 POLICY_COLOURS: dict[str, str] = {
-    "ddqn": "#5E195B",
-    "ddqn-reward": "#AB6C8C",
-    "ddqn-link": "#A391FA",
-    "mappo": "#91D06C",
-    "greedy": "#0E0AFF",
-    "levy": "#7D2806",
-    "belief": "#368F50",
-    "auction": "#A64BFF",
-    "ogr": "#2ADAA1",
-    "orienteering": "#EBB607",
-    "dec-mcts": "#B930A9",
+    "ddqn": "#601860",
+    "ddqn-reward": "#A76687",
+    "ddqn-link": "#9E91FA",
+    "mappo": "#93D26E",
+    "greedy": "#0A06FD",
+    "levy": "#802E09",
+    "belief": "#409252",
+    "auction": "#A54BFF",
+    "ogr": "#36D9A0",
+    "orienteering": "#F6B509",
+    "dec-mcts": "#BC2FAB",
     "oracle": "#111111",
-    "pso": "#848700",
-    "wanderer": "#DDB2E6",
-    "lawnmower": "#5B01A6",
-    "random": "#3D4C3F",
+    "pso": "#88880E",
+    "wanderer": "#DAAFE2",
+    "lawnmower": "#5800A2",
+    "random": "#384C3C",
 }
 """Colour of every policy that ships; the order is the order in legends and tables."""
 
