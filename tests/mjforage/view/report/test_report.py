@@ -245,7 +245,7 @@ def test_unusual_runs(make_run: MakeRun, settings: dict[str, Any], phrase: str) 
 
 
 def test_ten_policies(make_run: MakeRun) -> None:
-    shipped = list(style.POLICY_COLOURS)[:9]
+    shipped = [*list(style.POLICY_COLOURS)[:8], "oracle"]
     page = written(make_run(policies=("mine", *reversed(shipped)), episodes=2))
     heads = [policy_name(name, ["oracle"]) for name in (*shipped, "mine")]
     assert list(table_rows(page, "headline")) == heads and "oracle (bound)" in heads
