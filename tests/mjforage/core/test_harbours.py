@@ -22,9 +22,9 @@ MANY = [f"harbour:{kind}:{seed}{SIZES[seed % 6]}" for kind in KINDS for seed in 
 
 SHARES = {
     "combs": (0.5, 0.8),
-    "basins": (0.35, 0.85),
-    "channels": (0.2, 0.6),
-    "islands": (0.6, 0.9),
+    "basins": (0.3, 0.85),
+    "channels": (0.15, 0.6),
+    "islands": (0.55, 0.9),
     "bays": (0.3, 0.75),
 }  # of water, as `docs/maps` says
 
