@@ -64,6 +64,8 @@ class Stream(IntEnum):
     """Whether an item beside another is overlooked, keyed by item and step."""
     VARIANT = 32
     """Which variant of its scenario an episode of training has."""
+    HARBOUR = 33
+    """Size and shape of a generated map."""
 
 
 @kernel

@@ -1,11 +1,14 @@
 """Commands that list what ships, and check maps."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from mjforage.cli.console import app, output, print_list
+
+if TYPE_CHECKING:
+    from mjforage.core.maps import GridMap
 
 
 @app.command
@@ -49,17 +52,34 @@ def maps(
     Parameters
     ----------
     map
-        Name of a shipped map, or path of a CSV file or image.
+        Name of a shipped map, harbour:KIND:SEED[:ROWSxCOLUMNS] for a generated one,
+        harbours:FIRST-LAST for several, or path of a CSV file or image.
     output_file
-        Picture to write, for example harbour.png.
+        What to write: a picture, for example port.png, or the map itself as port.csv.
     """
+    from mjforage.core.harbours import family, is_family
     from mjforage.core.map_files import shipped_maps
     from mjforage.core.maps import load_map
-    from mjforage.view.map_pictures import save_map_picture
 
-    for name in (map,) if map else shipped_maps():
-        grid = load_map(name, corner_cutting=True)
+    several = map is not None and is_family(map)
+    names = family(map) if map and several else (map,) if map else shipped_maps()
+    grids = [load_map(name, corner_cutting=True) for name in names]
+    for grid in grids:
         rows, columns = grid.navigable.shape
         output.print(f"{grid.name}: {rows} x {columns}, {grid.nodes} nodes")
-        if output_file is not None and map:
-            save_map_picture(grid, output_file)
+    if output_file is not None and map:
+        _write(grids, output_file)
+
+
+def _write(grids: "list[GridMap]", path: Path) -> None:
+    """A map as a table or a picture, or several on one sheet."""
+    from mjforage.core.map_files import write_table
+    from mjforage.view.map_pictures import save_map_picture
+    from mjforage.view.map_sheets import save_map_sheet
+
+    if len(grids) > 1:
+        save_map_sheet(grids, path)
+    elif path.suffix.lower() == ".csv":
+        write_table(grids[0].navigable, path)
+    else:
+        save_map_picture(grids[0], path)

@@ -62,7 +62,8 @@ def evaluate(
     seed
         Seed of the run; episode i is the same world for every policy.
     map
-        Map that replaces the scenario's grid: a name, CSV or image. Starts and all else stay.
+        Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], CSV or
+        image. All else stays, starts too unless it is a generated harbour, where they are drawn.
     set
         Override KEY=VALUE in TOML syntax, for example team.scouts.count=3, or
         policy.greedy.distance=2 for an option of a policy; repeatable.
@@ -126,7 +127,8 @@ def compare(
     seed
         Seed of the run; episode i is the same in every world and for every policy.
     map
-        Map that replaces the scenario's grid: a name, CSV or image. Starts and all else stay.
+        Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], CSV or
+        image. All else stays, starts too unless it is a generated harbour, where they are drawn.
     set
         Override KEY=VALUE in TOML syntax, for example weather.gust_intensity=0.2; repeatable.
     replay

@@ -40,7 +40,8 @@ class StudyOptions:
     seed
         Seed of the study; episode i is the same in every variant.
     map
-        Map that replaces the scenario's grid: a name, CSV or image. Starts and all else stay.
+        Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], CSV or
+        image. All else stays, starts too unless it is a generated harbour, where they are drawn.
     set
         Override KEY=VALUE in TOML syntax, for example team.scouts.count=3, or
         policy.greedy.distance=2 for an option of a policy; repeatable.

@@ -48,11 +48,13 @@ def ddqn(
     seed
         Seed of the run.
     map
-        Map that replaces the scenario's grid: a name, CSV or image.
+        Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], CSV or
+        image.
     set
         Override KEY=VALUE of the scenario; repeatable.
     also
         Train on this SCENARIO, or SCENARIO:MAP, in turn; repeatable. A map has its own starts.
+        SCENARIO:harbours:0-39 takes the next of these generated harbours whenever its turn comes.
     learning
         Override KEY=VALUE of the learning hyperparameters, such as num_envs=32, reward.removed=2,
         reward.MODULE:CLASS=1 or observation=MODULE:CLASS of your own; repeatable.

@@ -14,6 +14,7 @@ from PIL import Image, UnidentifiedImageError
 
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
+from mjforage.core.whole_files import whole
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".gif")
 HALF_GREY = 128  # of 0..255: this light or lighter is navigable
@@ -28,6 +29,19 @@ def shipped_maps() -> tuple[str, ...]:
     """Names of the maps that come with the package, in alphabetical order."""
     files = (models_folder() / "maps").glob("*.csv")
     return tuple(sorted(f.stem for f in files if not f.stem.endswith(".starts")))
+
+
+def write_table(cells: NDArray[np.bool_], path: Path) -> None:
+    """Write a map (row, column) as a table that `read_cells` reads.
+
+    Raises
+    ------
+    UserError
+        If the file cannot be written.
+    """
+    lines = (",".join("01"[int(cell)] for cell in row) + "\n" for row in cells)
+    with whole(path) as beside:
+        beside.write_text("".join(lines), encoding="utf-8")
 
 
 def is_shipped_map(reference: str) -> bool:

@@ -1,4 +1,4 @@
-"""Maps: the shipped ones by name, anyone's by path; what of them is connected; where agents start.
+"""Maps: shipped and generated ones by name, anyone's by path; what of them is connected; starts.
 
 Rows and columns are counted from 0, row 0 at the north edge, column 0 at the west edge.
 """
@@ -15,6 +15,7 @@ from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import navigation_graph
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
+from mjforage.core.harbours import harbour, harbour_cells, is_harbour
 from mjforage.core.map_files import map_path, read_cells
 
 Starts = tuple[tuple[int, int], ...]
@@ -28,7 +29,8 @@ class GridMap:
 
     Attributes
     ----------
-    name : name of a shipped map (``comb_port``) or file name of a user's (``harbour.csv``)
+    name : name of a shipped map (``comb_port``) or of a generated harbour with its size
+        (``harbour:combs:7:60x46``), or file name of a user's (``port.csv``)
     navigable : (row, column) bool, read-only
     """
 
@@ -48,8 +50,8 @@ def load_map(
 
     Parameters
     ----------
-    reference : name of a shipped map (``comb_port`` or ``comb-port``), or path of a table or an
-        image (see `read_cells`)
+    reference : name of a shipped map (``comb_port`` or ``comb-port``) or of a generated harbour
+        (``harbour:combs:7``), or path of a table or an image (see `read_cells`)
     corner_cutting : whether a diagonal move may pass beside a land cell or between two
     largest_component : make an obstacle of every node outside the largest component
 
@@ -57,8 +59,11 @@ def load_map(
     ------
     UserError
         If the file is missing, unreadable or malformed, has no navigable cell, or is not one
-        component and `largest_component` is not set.
+        component and `largest_component` is not set; if a harbour's name is malformed.
     """
+    if is_harbour(reference):
+        which = harbour(reference)
+        return GridMap(which.name, harbour_cells(which))
     path = map_path(reference)
     name = path.stem if path.parent == models_folder() / "maps" else path.name
     cells = read_cells(path, name)
@@ -152,11 +157,12 @@ def load_starts(reference: str) -> Starts | None:
 
     Parameters
     ----------
-    reference : name of a shipped map or path of a map file
+    reference : name of a shipped map or a generated harbour, or path of a map file
 
     Returns
     -------
-    (row, column) of each start, unchecked against the map, or None if there is no such file
+    (row, column) of each start, unchecked against the map, or None if there is no such file, as
+    beside no harbour
 
     Raises
     ------
@@ -164,6 +170,8 @@ def load_starts(reference: str) -> Starts | None:
         If there is no such map, or the starts cannot be read, are none, or hold anything but two
         whole numbers per line.
     """
+    if is_harbour(reference):
+        return None
     path = map_path(reference)
     file = path.with_name(f"{path.stem}.starts.csv")
     if not file.is_file():

@@ -22,7 +22,8 @@ class MapChoice:
     """The grid, how it becomes a graph, and where agents start."""
 
     file: str
-    """Name of a shipped map, or path of a CSV file or image from the scenario's folder."""
+    """Name of a shipped map or a generated harbour (`harbour:combs:7`), or path of a CSV file or
+    image from the scenario's folder."""
     pitch_m: Annotated[float, Within(1e-3, 1e6, "m")] = 4.0
     """Distance between the centres of neighbouring nodes."""
     corner_cutting: bool = False

@@ -17,6 +17,7 @@ from graph_planner.fields import Later
 from graph_planner.references import assigned
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
+from mjforage.core.harbours import is_harbour
 from mjforage.core.link.gossip import LOOK_BYTES
 from mjforage.core.map_files import is_shipped_map
 from mjforage.core.scenario import Link, Scenario
@@ -65,7 +66,8 @@ def load_scenario(
     ----------
     reference : name of a preset, or path of a TOML file
     overrides : for example `team.scouts.count=3`; values in TOML syntax, bare words are strings
-    map_file : replaces `map.file` only; starts and everything else stay
+    map_file : replaces `map.file` only; everything else stays, starts too unless it is a generated
+        harbour, where a cluster is drawn
 
     Raises
     ------
@@ -77,6 +79,8 @@ def load_scenario(
     _start_paths(tree, path.parent)
     if map_file is not None:
         _put(tree, ["map", "file"], map_file, f"--map {map_file}")
+        if is_harbour(map_file):
+            _put(tree, ["map", "starts"], [], f"--map {map_file}")
     for override in overrides:
         _apply(tree, override)
     return scenario_from_tree(tree, f"scenario {path.stem}")
@@ -86,7 +90,8 @@ def _start_paths(tree: Tree, folder: Path) -> None:
     """Let the paths of a file's map and vessels start from its folder; names stay as they are."""
     choice, physics = tree.get("map"), tree.get("physics")
     if isinstance(choice, dict) and isinstance(file := choice.get("file"), str):
-        choice["file"] = file if is_shipped_map(file) else str(folder / file)
+        named = is_shipped_map(file) or is_harbour(file)
+        choice["file"] = file if named else str(folder / file)
     vessels = physics.get("vessels") if isinstance(physics, dict) else None
     if not isinstance(vessels, dict):
         return

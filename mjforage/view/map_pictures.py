@@ -50,8 +50,8 @@ def map_figure(
     with rc_context(cast(Any, style.RC)):
         figure = Figure(figsize=size, layout="constrained")
         axes = figure.add_subplot()
-        _draw_water(axes, grid.navigable)
-        _draw_quays(axes, grid.navigable)
+        draw_water(axes, grid.navigable)
+        draw_quays(axes, grid.navigable, float(np.clip(90.0 / max(rows, columns), 0.2, 1.6)))
         _draw_starts(axes, starts or ())
         if pitch_m is not None:
             _draw_scale(figure, axes, columns * pitch_m)
@@ -80,7 +80,17 @@ def save_map_picture(
     UserError
         If the file cannot be written or its suffix is no picture format.
     """
-    figure = map_figure(grid, starts, title, pitch_m)
+    save_figure(map_figure(grid, starts, title, pitch_m), path, dpi)
+
+
+def save_figure(figure: Figure, path: Path, dpi: int) -> None:
+    """Write a picture; the suffix chooses the format.
+
+    Raises
+    ------
+    UserError
+        As `save_map_picture`.
+    """
     kinds = sorted(figure.canvas.get_supported_filetypes())
     kind = path.suffix.lower()[1:]
     if kind not in kinds:
@@ -89,7 +99,8 @@ def save_map_picture(
         figure.savefig(beside, dpi=dpi, format=kind)
 
 
-def _draw_water(axes: Axes, navigable: NDArray[np.bool_]) -> None:
+def draw_water(axes: Axes, navigable: NDArray[np.bool_]) -> None:
+    """Water, darker towards the open, and land, of (row, column)."""
     depth = ndimage.distance_transform_edt(np.pad(navigable, 1, mode="edge"))[1:-1, 1:-1]
     shades = LinearSegmentedColormap.from_list("depth", [style.WATER, DEEP])
     colours: NDArray[Any] = shades(np.minimum((depth - 1.0) / (DEPTH_NODES - 1.0), 1.0))
@@ -98,14 +109,13 @@ def _draw_water(axes: Axes, navigable: NDArray[np.bool_]) -> None:
     axes.imshow(colours, interpolation="nearest")
 
 
-def _draw_quays(axes: Axes, navigable: NDArray[np.bool_]) -> None:
-    """Line between each water cell and the land beside it; the array's own edge stays open."""
+def draw_quays(axes: Axes, navigable: NDArray[np.bool_], points: float) -> None:
+    """Line so wide between each water cell and the land beside it; the array's own edge is open."""
     rows, cols = np.nonzero(navigable[:, 1:] != navigable[:, :-1])
     lines = [((c + 0.5, r - 0.5), (c + 0.5, r + 0.5)) for r, c in zip(rows, cols, strict=True)]
     rows, cols = np.nonzero(navigable[1:] != navigable[:-1])
     lines += [((c - 0.5, r + 0.5), (c + 0.5, r + 0.5)) for r, c in zip(rows, cols, strict=True)]
-    width = float(np.clip(90.0 / max(navigable.shape), 0.2, 1.6))
-    quays = LineCollection(lines, colors=style.QUAY_EDGE, linewidths=width, capstyle="round")
+    quays = LineCollection(lines, colors=style.QUAY_EDGE, linewidths=points, capstyle="round")
     axes.add_collection(quays)
 
 

@@ -35,7 +35,7 @@ class EnvironmentOptions:
     world : name in `mjforage.physics.worlds.WORLDS`
     observation : reference to an encoder, see `graph_planner.encodings.create_encoder`
     reward : reference to a term -> weight, see `rewards`; absent: the published weights
-    map : replaces the scenario's grid: a name, CSV or image
+    map : replaces the scenario's grid: a name, generated harbour, CSV or image
     set : overrides KEY=VALUE of the scenario
 
     Raises

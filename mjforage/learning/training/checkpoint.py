@@ -59,7 +59,7 @@ class _Notes:
 
 def identity(trainer: Trainer) -> dict[str, Any]:
     """What two runs must share for one to go on where the other stopped."""
-    first, *others = (ground.setup.scenario for ground in trainer.grounds)
+    first, *others = (ground.scenario for ground in trainer.grounds)
     return {
         "scenario": scenario_to_tree(first),
         "also": [scenario_to_tree(scenario) for scenario in others],

@@ -5,6 +5,7 @@ Settings that are drawn anew for every episode are domain randomisation (Tobin e
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from itertools import product
 from math import prod
 from typing import Any
@@ -52,8 +53,9 @@ class Ground:
 
     Attributes
     ----------
+    scenario : as given
     setup : of the scenario
-    options : of what is played: its variants, or the scenario itself
+    options, examples : of what is played: its variants, or the scenario itself
     """
 
     def __init__(self, options: EnvironmentOptions, num_envs: int, vary: Vary) -> None:
@@ -71,11 +73,13 @@ class Ground:
             If a variant is not valid, or there is not the memory for so many episodes.
         """
         self.setup, self.options, self._num_envs = options.setup, [options], num_envs
-        self._game = None if vary else Game(options, num_envs)
+        self.scenario = self.setup.scenario
+        self.setup.check_memory(num_envs)
         if vary:
-            scenarios = variants(options.setup.scenario, vary)
-            self.options = [replace(options, scenario=scenario) for scenario in scenarios]
-            self.setup.check_memory(num_envs)
+            self.options = [
+                replace(options, scenario=scenario) for scenario in variants(self.scenario, vary)
+            ]
+        self.examples, self._varied = self.options, bool(vary)
 
     @property
     def notes(self) -> list[dict[str, Any]]:
@@ -83,9 +87,13 @@ class Ground:
         notes = [ground_note(each.setup.task) for each in self.options]
         return [note for i, note in enumerate(notes) if note not in notes[:i]]
 
-    def round(self, keys: UInt64Array) -> Round:
-        """One episode of each key (env,), not yet started."""
-        if self._game is not None:
+    @cached_property
+    def _game(self) -> Game:
+        return Game(self.options[0], self._num_envs)
+
+    def round(self, keys: UInt64Array, turn: int = 0) -> Round:
+        """One episode of each key (env,), not yet started, the same in every turn."""
+        if not self._varied:
             return Round([self._game], [np.arange(self._num_envs)])
         number = _drawn(keys, Stream.VARIANT, len(self.options))
         envs = [np.flatnonzero(number == one) for one in np.unique(number)]
@@ -101,15 +109,14 @@ def _drawn(keys: UInt64Array, stream: int, count: int) -> NDArray[np.int64]:
     return number
 
 
-def common_shapes(grounds: Sequence[Ground]) -> Shapes:
-    """Shapes of all grounds' pictures.
+def common_shapes(every: Sequence[EnvironmentOptions]) -> Shapes:
+    """Shapes of the pictures of all that is played.
 
     Raises
     ------
     UserError
-        If grounds or variants cannot share networks and replays.
+        If they cannot share networks and replays.
     """
-    every = [options for ground in grounds for options in ground.options]
     found = [
         (
             each.setup.fleet.collects.tolist(),

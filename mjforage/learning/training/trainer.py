@@ -28,6 +28,7 @@ from mjforage.core.schema import OPEN
 from mjforage.core.sizes import check_memory
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.environments.rewards import labelled
+from mjforage.learning.training.families import ground_on
 from mjforage.learning.training.files import save_tensors
 from mjforage.learning.training.grounds import Ground, common_shapes
 from mjforage.learning.training.hyperparameters import Hyperparameters
@@ -93,6 +94,7 @@ class Trainer:
     Attributes
     ----------
     hyperparameters, seed, device : as given
+    setup : of the first scenario
     grounds : the scenarios; rounds take them in turn
     shapes : of one agent's pictures
     round : the one under way
@@ -130,16 +132,11 @@ class Trainer:
             reward=labelled(hyperparameters.reward),
         )
         self.hyperparameters, self.seed, self.device = hyperparameters, seed, device
-        options = [
-            EnvironmentOptions(
-                scenario, observation=hyperparameters.observation, reward=hyperparameters.reward
-            )
-            for scenario in scenarios
-        ]
-        about = hyperparameters.num_envs, hyperparameters.vary
-        self.grounds = [Ground(each, *about) for each in options]
-        self.shapes = common_shapes(self.grounds)
-        fleet = self.grounds[0].setup.fleet
+        home = self._ground(scenarios[0])
+        self.setup = home.setup
+        self.grounds = [home, *(ground_on(each, self._ground) for each in scenarios[1:])]
+        self.shapes = common_shapes([each for ground in self.grounds for each in ground.examples])
+        fleet = self.setup.fleet
         self.agents = dict(zip(TEAMS, (fleet.discoverers, fleet.collectors), strict=True))
         _check_memory(self.shapes, self.agents, hyperparameters)
         self.learners = {
@@ -157,6 +154,11 @@ class Trainer:
         self.progress, self.clock = Progress(), Clock()
         self._booked = time.perf_counter()
 
+    def _ground(self, scenario: Scenario) -> Ground:
+        told = self.hyperparameters
+        options = EnvironmentOptions(scenario, observation=told.observation, reward=told.reward)
+        return Ground(options, told.num_envs, told.vary)
+
     @property
     def networks(self) -> "dict[str, DuelingNetwork]":
         """Team -> network to use: the target, a moving average, steadier than the online one."""
@@ -173,7 +175,8 @@ class Trainer:
         progress, num_envs = self.progress, self.hyperparameters.num_envs
         numbers = np.arange(progress.episodes, progress.episodes + num_envs)
         keys = episode_keys(self.seed, numbers)
-        self.round = self.grounds[progress.rounds % len(self.grounds)].round(keys)
+        turn, number = divmod(progress.rounds, len(self.grounds))
+        self.round = self.grounds[number].round(keys, turn)
         self.round.start(keys)
         taught = self._teach()
         returns = np.zeros((num_envs, self.round.agents))
@@ -305,7 +308,7 @@ class Trainer:
 
     def evaluate(self) -> Row:
         """Scores on held-out episodes, without exploration; `rank` is better when lower."""
-        setup, hyperparameters = self.grounds[0].setup, self.hyperparameters
+        setup, hyperparameters = self.setup, self.hyperparameters
         mission = Mission(setup)
         mission.reset(HELD_OUT, np.arange(hyperparameters.evaluate_episodes))
         scorer = Scorer(mission, [METRICS.find(key) for key in SCORES])

@@ -14,6 +14,7 @@ only obstacles turn, here the policy `wanderer`. `levy` walks true Lévy lengths
 
 from dataclasses import dataclass, field, replace
 
+from mjforage.core.harbours import is_harbour
 from mjforage.core.map_files import is_shipped_map
 from mjforage.core.scenario_file import load_scenario, scenario_to_tree
 from mjforage.runs.run_info import RunInfo
@@ -220,11 +221,12 @@ def published_for(run: RunInfo, policy: str) -> Published | None:
 
 
 def elsewhere(run: RunInfo) -> str:
-    """What a label says where the paper's map is another than the run's: ours, as shipped.
+    """What a label says where the paper's map is another than the run's: ours.
 
     Nothing on a user's map: it may be the paper's, which is not ours to ship, so nobody knows.
     """
-    return ELSEWHERE if is_shipped_map(run.map.name) else ""
+    name = run.map.name
+    return ELSEWHERE if is_shipped_map(name) or is_harbour(name) else ""
 
 
 def comparable(run: RunInfo) -> bool:

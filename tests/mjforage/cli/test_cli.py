@@ -16,6 +16,7 @@ from rich.console import Console
 from graph_planner.policies import policy_names
 from mjforage import __version__
 from mjforage.cli import console
+from mjforage.core.maps import load_map
 from mjforage.core.mission_metrics import chosen_metrics
 from mjforage.core.scenario_file import preset_names
 from mjforage.view.report import terminal_table
@@ -202,6 +203,10 @@ def test_the_default_folder_has_the_name_of_the_scenario(
         (["render", "nowhere", "-o", "a.png"], "nowhere/run.json: file is missing"),
         (["render", "nowhere"], "--output"),
         (["maps", "nowhere"], "map 'nowhere': no such file or shipped map"),
+        (["maps", "harbour:comb:7"], "no kind 'comb'; give harbour:KIND:SEED or harbour:KIND:SEED"),
+        (["maps", "harbours:0-2", "-o", "a.csv"], "picture a.csv: unknown kind; give"),
+        ([*EVALUATE, "--map", "harbours:0-2"], "give one, such as harbour:combs:0"),
+        (["train", "ddqn", "--updates", "1", "--also", "comb-port:harbours:2-0"], "FIRST-LAST"),
         (["maps", "comb_port", "-o", "nowhere/a.png"], "nowhere/a.png: cannot be written"),
         (["bench", "--jsn", "a"], "--jsn. Did you mean --json?"),
     ],
@@ -293,6 +298,34 @@ def test_one_map_is_checked_and_drawn(command: Callable[..., Any]) -> None:
     assert (outcome.code, outcome.out) == (0, "port.csv: 2 x 2, 3 nodes\n")
     with Image.open("port.png") as image:
         assert image.width > 100
+
+
+def test_generated_harbours_are_drawn_and_written(command: Callable[..., Any]) -> None:
+    outcome = command("maps", "harbour:combs:7:30x44", "-o", "port.csv")
+    assert outcome.code == 0
+    again = command("maps", "port.csv")
+    assert outcome.out.split(": ")[1] == again.out.split(": ")[1]
+    assert (load_map("port.csv").navigable == load_map("harbour:combs:7:30x44").navigable).all()
+    assert len(command("maps", "harbours:0-6", "-o", "sheet.png").out.splitlines()) == 7
+    with Image.open("sheet.png") as image:
+        assert image.width > 400
+
+
+def test_a_generated_harbour_is_a_map_like_any(
+    command: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Starts of the scenario's own map do not hold there: they are drawn."""
+    monkeypatch.setattr("mjforage.view.report.write_report", lambda folder: folder / "report.html")
+    outcome = command(
+        *("evaluate", "comb-port", "--policy", "greedy", "--episodes", 1, "--out", "run"),
+        *("--map", "harbour:bays:3:30x40", "--set", "horizon=3"),
+    )
+    assert (outcome.code, outcome.err) == (0, "")
+    info = json.loads(Path("run/run.json").read_text())
+    assert info["scenario"]["map"]["file"] == info["map"]["name"] == "harbour:bays:3:30x40"
+    assert info["scenario"]["map"]["starts"] == []
+    cells = load_map("harbour:bays:3:30x40").navigable
+    assert info["map"]["navigable"] == ["".join("01"[int(c)] for c in row) for row in cells]
 
 
 def test_version_and_help(command: Callable[..., Any]) -> None:

@@ -206,7 +206,8 @@ def test_rounds_take_scenarios_in_turn(tmp_path: Path) -> None:
     for _ in range(2):
         trainer.play_round()
         nodes.add(len(trainer.round.games[0].setup.graph))
-    assert nodes == {len(one.setup.graph) for one in trainer.grounds} and len(nodes) == 2
+    assert nodes == {len(Setup.of(one.scenario).graph) for one in trainer.grounds}
+    assert len(nodes) == 2
     train(scenario(), hyperparameters(), tmp_path, also=[other], updates=1)
     with pytest.raises(UserError, match=r"also is .* there and .* here"):
         train(scenario(), hyperparameters(), tmp_path, updates=1)

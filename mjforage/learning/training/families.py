@@ -1,0 +1,78 @@
+"""A scenario on a family of generated harbours: every turn is played on the next of them.
+
+A harbour's game is built when its turn comes and dropped after it, so that memory does not grow
+with the family; the graphs of the last few stay with `navigation_graph`.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from graph_planner.randomness import UInt64Array
+from mjforage.core.harbours import family, is_family
+from mjforage.core.scenario import Scenario
+from mjforage.learning.environments.options import EnvironmentOptions
+from mjforage.learning.training.grounds import Ground, common_shapes
+from mjforage.learning.training.rounds import Round
+
+Make = Callable[[Scenario], Ground]
+
+
+class FamilyGround:
+    """A scenario of a training run on harbours in turn.
+
+    Attributes
+    ----------
+    scenario : as given; its map names the family
+    notes : what tells the maps and rules that are played on from others
+    examples : what is played on the first harbour and on the last
+    """
+
+    def __init__(self, scenario: Scenario, make: Make) -> None:
+        """Prepare.
+
+        Parameters
+        ----------
+        scenario : whose map is a family, such as `harbours:0-39`
+        make : what plays a scenario on one map
+
+        Raises
+        ------
+        UserError
+            If the family's name is not well formed, or the scenario fits on none of its harbours.
+        """
+        self.scenario, self._make = scenario, make
+        self._scenarios = [
+            replace(scenario, map=replace(scenario.map, file=name))
+            for name in family(scenario.map.file)
+        ]
+        self.notes: list[dict[str, Any]] = []
+        for each in self._scenarios:  # all are tried now, not hours later
+            self.notes += make(each).notes
+        ends = self._scenarios[:1] + self._scenarios[1:][-1:]
+        self.examples: list[EnvironmentOptions] = [
+            options for each in ends for options in make(each).options
+        ]
+
+    def round(self, keys: UInt64Array, turn: int) -> Round:
+        """One episode of each key (env,), not yet started, on the harbour whose turn it is.
+
+        Raises
+        ------
+        UserError
+            If the observation's arrays have not the same shapes there.
+        """
+        ground = self._make(self._scenarios[turn % len(self._scenarios)])
+        common_shapes([*self.examples[:1], *ground.options[:1]])
+        return ground.round(keys)
+
+
+def ground_on(scenario: Scenario, make: Make) -> Ground | FamilyGround:
+    """What rounds of a scenario are played on: its map, or its family of harbours in turn.
+
+    Raises
+    ------
+    UserError
+        As `Ground` and `FamilyGround`.
+    """
+    return FamilyGround(scenario, make) if is_family(scenario.map.file) else make(scenario)

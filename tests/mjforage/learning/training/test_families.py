@@ -1,0 +1,89 @@
+"""Training on families of generated harbours: whose turn it is, what is kept, resuming, errors."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from mjforage.core.errors import UserError
+from mjforage.core.scenario import Scenario
+from mjforage.core.scenario_file import load_scenario
+from mjforage.learning.training.hyperparameters import Hyperparameters, changed
+from mjforage.learning.training.run import train
+from mjforage.learning.training.trainer import Trainer
+
+TINY = {"num_envs": 3, "capacity": 1000, "batch": 16, "warmup": 20, "evaluate_episodes": 2}
+
+
+def scenario() -> Scenario:
+    return load_scenario("comb-port", ("horizon=8",))
+
+
+def on(reference: str) -> Scenario:
+    return replace(scenario(), map=replace(scenario().map, file=reference, starts=None))
+
+
+def told(**changes: object) -> Hyperparameters:
+    return changed(Hyperparameters(), TINY | changes)
+
+
+def test_each_turn_takes_the_next_harbour() -> None:
+    trainer = Trainer([scenario(), on("harbours:5-7")], told(), seed=3)
+    names = []
+    for _ in range(10):
+        trainer.play_round()
+        (game,) = trainer.round.games
+        names.append(game.setup.grid.name)
+    assert names[::2] == ["comb_port"] * 5
+    kinds = [name.split(":")[1:3] for name in names[1::2]]
+    assert kinds == [
+        ["combs", "5"],
+        ["basins", "6"],
+        ["channels", "7"],
+        ["combs", "5"],
+        *kinds[1:2],
+    ]
+    notes = [note["map"] for ground in trainer.grounds for note in ground.notes]
+    assert len(set(notes)) == len(notes) == 4
+
+
+def test_values_are_drawn_on_harbours_too() -> None:
+    linked = replace(on("harbours:5-6"), link=replace(scenario().link, model="disk"))
+    home = load_scenario("comb-port", ("horizon=8", "link.model=disk"))
+    trainer = Trainer([home, linked], told(**{"vary.link.range_m": [16, 1e6]}), seed=3)
+    trainer.play_round()
+    trainer.play_round()
+    assert {game.setup.grid.name.split(":")[1] for game in trainer.round.games} == {"combs"}
+    assert {game.setup.scenario.link.range_m for game in trainer.round.games} <= {16, 1e6}
+
+
+@pytest.mark.every_capability
+def test_n_and_m_updates_are_n_stop_resume_m(tmp_path: Path) -> None:
+    """Whose turn it is follows from the number of the round, whenever the run was stopped."""
+    also = [on("harbours:5-9")]
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    train(scenario(), told(), whole, also=also, seed=3, updates=40)
+    stopped = train(scenario(), told(), parts, also=also, seed=3, updates=20)
+    assert stopped.progress.rounds % 2 == 0 and stopped.progress.rounds < 10
+    train(scenario(), told(), parts, also=also, seed=3, updates=40)
+    one, other = ((f / "weights.safetensors").read_bytes() for f in (whole, parts))
+    assert one == other
+    with pytest.raises(UserError, match=r"harbours:5-9.* there and .*harbours:5-8"):
+        train(scenario(), told(), parts, also=[on("harbours:5-8")], seed=3, updates=40)
+
+
+@pytest.mark.parametrize(
+    ("first", "also", "words"),
+    [
+        ("harbours:0-3", "comb_port", "several maps, .* such as harbour:combs:0"),
+        ("comb_port", "harbours:3-0", "expected harbours:FIRST-LAST"),
+    ],
+)
+def test_a_family_that_cannot_be_is_refused(first: str, also: str, words: str) -> None:
+    with pytest.raises(UserError, match=words):
+        Trainer([on(first), on(also)], told())
+
+
+def test_arrays_of_the_maps_size_are_refused_at_once() -> None:
+    with pytest.raises(UserError, match=r"fleets or arrays differ; .* egocentric"):
+        Trainer([scenario(), on("harbours:0-1")], told(observation="paper"))
