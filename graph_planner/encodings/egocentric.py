@@ -8,27 +8,31 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
+from graph_planner.compiled import kernel
+from graph_planner.encodings.chart import COARSE, REACH, Chart
 from graph_planner.encodings.encoder import (
     TOP,
     TRAIL,
     Levels,
     Shapes,
     encoder,
-    item_level,
     remember_places,
     trail_level,
 )
+from graph_planner.encodings.masks import legal_ends
 from graph_planner.encodings.move_features import MOVE_FEATURES, describe_moves
-from graph_planner.encodings.samples import Distances
+from graph_planner.encodings.samples import MOST_SAMPLES, Distances
 from graph_planner.encodings.shared_fields import (
+    AGAIN,
     AGAIN_RADIUS,
-    COARSE,
-    REACH,
-    Chart,
+    IDLENESS,
+    ITEMS,
+    WAY,
     Fields,
+    paint_coarse,
     remember_items,
     share_fields,
+    way_level,
 )
 from graph_planner.geodesics import FAR, Int32Array, Workspace
 from graph_planner.navigation import STAY
@@ -41,40 +45,31 @@ SELF = (
     *("collects", "time", "known nodes", "unseen share", "energy left", "number in team"),
     *("way to items", "way to unseen", "team size", "others", "moves", "radius"),
 )
-WAY_LEVELS = 2.0  # levels per node of distance: 0 from 127.5 nodes on
-
-
-@inlined
-def _way_level(distance: float) -> int:
-    """Level of a distance [node]: less the farther, 0 where there is no way."""
-    return int(max(0.0, TOP - WAY_LEVELS * distance)) if distance < FAR else 0
 
 
 @kernel
 def _paint_crop(
-    e: int,
     a: int,
-    seen: Observation,
+    agent_node: Int32Array,
     arrays: TaskArrays,
     framed: Int32Array,
-    fields: Fields,
+    levels: NDArray[np.uint32],
     trail: Int32Array,
     crop: Levels,
 ) -> None:
     """The neighbourhood of one agent, (channel, SIDE, SIDE), north up."""
     rows, cols, collects = arrays.rows, arrays.cols, arrays.collects
-    belief, agent_node = seen.belief[e], seen.agent_node[e]
-    idle, way, again = fields.idle, fields.way, fields.again
     top, left = rows[agent_node[a]], cols[agent_node[a]]  # the frame adds REACH
+    land = levels.size - 1
     for i in range(SIDE):
         for j in range(SIDE):
-            node = framed[top + i, left + j]
-            wet = node >= 0
-            crop[0, i, j] = TOP if wet else 0
-            crop[1, i, j] = np.uint8(TOP * idle[node]) if wet else 0
-            crop[2, i, j] = item_level(belief[node]) if wet else 0
-            crop[3, i, j] = _way_level(way[node]) if wet else 0
-            crop[4, i, j] = np.uint8(TOP * again[node]) if wet else 0
+            node = np.uint64(framed[np.uint64(top + i), np.uint64(left + j)])
+            four = levels[node]
+            crop[0, i, j] = TOP if node < land else 0
+            crop[1, i, j] = four >> IDLENESS & TOP
+            crop[2, i, j] = four >> ITEMS & TOP
+            crop[3, i, j] = four >> WAY & TOP
+            crop[4, i, j] = four >> AGAIN & TOP
     crop[5:] = 0
     for other in range(agent_node.size):
         i, j = rows[agent_node[other]] - top + REACH, cols[agent_node[other]] - left + REACH
@@ -89,23 +84,14 @@ def _paint_crop(
 
 
 @kernel
-def _paint_globe(
+def _paint_agents(
     a: int,
     agent_node: Int32Array,
     collects: NDArray[np.bool_],
-    chart: Chart,
-    fields: Fields,
+    coarse: Int32Array,
     globe: Levels,
 ) -> None:
-    """The whole map in COARSE x COARSE cells, (channel, COARSE^2)."""
-    cell_nodes, water, coarse = chart.cell_nodes, chart.water, chart.coarse
-    cell_idle, cell_items, cell_again = fields.cell_idle, fields.cell_items, fields.cell_again
-    for cell in range(water.size):
-        nodes = max(1, cell_nodes[cell])
-        globe[0, cell] = water[cell]
-        globe[1, cell] = np.uint8(TOP * min(1.0, cell_idle[cell] / nodes))
-        globe[2, cell] = item_level(cell_items[cell])
-        globe[3, cell] = np.uint8(TOP * min(1.0, cell_again[cell] / nodes))
+    """Who is where on the whole map: the last three channels (channel, COARSE^2)."""
     globe[4:] = 0
     for other in range(agent_node.size):
         channel = 4 if other == a else (6 if collects[other] else 5)
@@ -137,8 +123,8 @@ def _paint_self(
     share = seen.energy_left[e, a] / energy if energy < FAR else 1.0
     out[4] = np.uint8(TOP * min(1.0, max(0.0, share)))
     out[5] = TOP * number // team
-    out[6] = _way_level(fields.way[node])
-    out[7] = _way_level(fields.unseen_way[a, STAY])
+    out[6] = way_level(fields.way[node])
+    out[7] = way_level(fields.unseen_way[a, STAY])
     out[8] = min(TOP, 32 * team)
     out[9] = min(TOP, 32 * (collects.size - team))
     out[10] = min(TOP, 32 * arrays.moves[a])
@@ -177,14 +163,22 @@ def _look_around(
     """Fill the pictures of all agents in some rows (chosen,)."""
     crop, globe, moves, own = out
     trail, near_item, collects = memory.trail, memory.near_item, arrays.collects
+    framed, coarse, levels, energy_left = chart.framed, chart.coarse, fields.levels, seen.energy_left
+    ends, there = np.empty(9, np.int32), np.empty(MOST_SAMPLES, np.float32)
     for e in rows:
         count = share_fields(e, seen, arrays, chart, near_item[e], fields, distances)
-        nodes = seen.agent_node[e]
+        nodes, known = seen.agent_node[e], seen.known[e, : seen.n_known[e]]
+        paint_coarse(known, seen.belief[e], chart, fields, globe[e, 0])
         for a in range(nodes.size):
-            _paint_crop(e, a, seen, arrays, chart.framed, fields, trail[e], crop[e, a])
-            _paint_globe(a, nodes, collects, chart, fields, globe[e, a])
+            if a > 0:
+                globe[e, a, :4] = globe[e, 0, :4]
+            _paint_agents(a, nodes, collects, coarse, globe[e, a])
+            _paint_crop(a, nodes, arrays, framed, levels, trail[e], crop[e, a])
             _paint_self(e, a, seen, arrays, count, fields, own[e, a])
-            describe_moves(e, a, seen, arrays, chart, fields, distances, moves[e, a])
+            legal_ends(arrays, a, nodes[a], energy_left[e, a], ends)
+            describe_moves(
+                e, a, seen, arrays, chart, fields, distances, ends, there, moves[e, a]
+            )
 
 
 @encoder("egocentric")
@@ -238,7 +232,8 @@ class Egocentric:
 
     def __init__(self, task: Task) -> None:
         self._task = task
-        self._chart, self._fields = Chart.of(task), Fields.of(task)
+        self._chart = Chart.of(task)
+        self._fields = Fields.of(task, self._chart)
         self._around = task.graph.views((AGAIN_RADIUS,))
         self._distances = Distances(task.graph.distance_rows, Workspace.of(len(task.graph)))
 

@@ -36,6 +36,25 @@ def legal_of_agent(
 
 
 @kernel
+def legal_ends(
+    arrays: TaskArrays, agent: int, node: int, energy: float, ends: Int32Array
+) -> None:
+    """Where each move of an agent ends that is legal whatever the others choose; -1: illegal.
+
+    Parameters
+    ----------
+    node : where it is
+    energy : distance that it can still travel [node]
+    ends : (9,) filled
+    """
+    table, number, rows, cols = arrays.targets, arrays.stride_number[agent], arrays.rows, arrays.cols
+    for move in range(9):
+        end = table[number, node, move]
+        steps = max(abs(rows[end] - rows[node]), abs(cols[end] - cols[node]))
+        ends[move] = end if end >= 0 and move_length(move, steps) <= energy else -1
+
+
+@kernel
 def _legal(
     arrays: TaskArrays,
     agent_node: Int32Array,
@@ -43,12 +62,15 @@ def _legal(
     out: NDArray[np.bool_],
 ) -> None:
     """Legal moves of all agents of a batch."""
-    nobody = np.empty(0, np.int64)
+    ends = np.empty(9, np.int32)
     for e in range(agent_node.shape[0]):
         for a in range(agent_node.shape[1]):
-            out[e, a] = legal_of_agent(
-                arrays, nobody, NOBODY, a, agent_node[e, a], energy_left[e, a]
-            )
+            legal_ends(arrays, a, agent_node[e, a], energy_left[e, a], ends)
+            found = False
+            for move in range(9):
+                out[e, a, move] = ends[move] >= 0
+                found |= ends[move] >= 0
+            out[e, a, STAY] |= not found
 
 
 def legal_moves(

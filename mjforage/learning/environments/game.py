@@ -124,7 +124,7 @@ class Game:
         """(env, agent, 9) 1 where a move is legal whatever the others choose."""
         seen = self.mission.observation
         legal = legal_moves(self.setup.task, seen.agent_node, seen.energy_left)
-        return legal.astype(np.int8)
+        return legal.view(np.int8)
 
     def see(self, envs: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
         """Levels (env, agent, ...) of the observation; live, only `envs` are of this moment.
