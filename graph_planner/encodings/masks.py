@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.moves import free_move, move_length
 from graph_planner.navigation import STAY
@@ -35,23 +35,26 @@ def legal_of_agent(
     return legal
 
 
-@kernel
-def legal_ends(
-    arrays: TaskArrays, agent: int, node: int, energy: float, ends: Int32Array
-) -> None:
-    """Where each move of an agent ends that is legal whatever the others choose; -1: illegal.
+@inlined
+def legal_end(
+    targets: Int32Array,
+    number: int,
+    rows: Int32Array,
+    cols: Int32Array,
+    node: int,
+    move: int,
+    energy: float,
+) -> int:
+    """Where a move ends that is legal whatever the others choose; -1 if it is not.
 
     Parameters
     ----------
-    node : where it is
+    targets, number, rows, cols : see `TaskArrays`, the number being this agent's
     energy : distance that it can still travel [node]
-    ends : (9,) filled
     """
-    table, number, rows, cols = arrays.targets, arrays.stride_number[agent], arrays.rows, arrays.cols
-    for move in range(9):
-        end = table[number, node, move]
-        steps = max(abs(rows[end] - rows[node]), abs(cols[end] - cols[node]))
-        ends[move] = end if end >= 0 and move_length(move, steps) <= energy else -1
+    end = targets[number, node, move]
+    steps = max(abs(rows[end] - rows[node]), abs(cols[end] - cols[node]))
+    return end if end >= 0 and move_length(move, steps) <= energy else -1
 
 
 @kernel
@@ -62,14 +65,14 @@ def _legal(
     out: NDArray[np.bool_],
 ) -> None:
     """Legal moves of all agents of a batch."""
-    ends = np.empty(9, np.int32)
+    targets, number, rows, cols = arrays.targets, arrays.stride_number, arrays.rows, arrays.cols
     for e in range(agent_node.shape[0]):
         for a in range(agent_node.shape[1]):
-            legal_ends(arrays, a, agent_node[e, a], energy_left[e, a], ends)
-            found = False
+            node, energy, found = agent_node[e, a], energy_left[e, a], False
             for move in range(9):
-                out[e, a, move] = ends[move] >= 0
-                found |= ends[move] >= 0
+                legal = legal_end(targets, number[a], rows, cols, node, move, energy) >= 0
+                out[e, a, move] = legal
+                found |= legal
             out[e, a, STAY] |= not found
 
 

@@ -28,7 +28,8 @@ from numpy.typing import NDArray
 from graph_planner.compiled import inlined, kernel
 from graph_planner.encodings.chart import Chart
 from graph_planner.encodings.encoder import TOP, Levels, item_level
-from graph_planner.encodings.samples import Distances, distances_from, measure
+from graph_planner.encodings.masks import legal_end
+from graph_planner.encodings.samples import Distances, measure, row_from
 from graph_planner.encodings.shared_fields import Fields
 from graph_planner.geodesics import FAR, Float32Array, Int32Array
 from graph_planner.navigation import STAY
@@ -44,6 +45,7 @@ FADING = 0.85  # estimate: half is left after four nodes
 
 
 _POWERS = np.power(FADING, np.arange(40)).astype(np.float64)
+_PARTS = np.float32(2.0**23)  # of a node, which distances are multiples of
 
 
 @inlined
@@ -53,32 +55,27 @@ def _changed(gain: float, per_unit: float) -> int:
 
 
 @kernel
-def _mean_gain(here: Float32Array, there: Float32Array, size: int) -> float:
-    """By how much nearer the first `size` places are in `there` than in `here`, on average [node].
+def _mean_gain(
+    here: Float32Array, table: Float32Array, row: int, nodes: Int32Array, size: int
+) -> float:
+    """By how much nearer the first `size` nodes are in a row of the table than `here` (place,).
 
-    Four sums side by side: in one, every addition would wait for the one before. They give the
-    same: a difference is a multiple of 2^-23, as distances are 0 or at least 1, and a double holds
-    the sum of 96 such exactly.
+    On average [node]. The sum is one of whole numbers, which can be formed side by side: distances
+    are 0 or at least 1, and so float32 multiples of 2^-23.
     """
-    first, second, third, fourth = 0.0, 0.0, 0.0, 0.0
-    whole = size - size % 4
-    for i in range(0, whole, 4):
-        k = np.uint64(i)
-        first += here[k] - there[k]
-        second += here[k + np.uint64(1)] - there[k + np.uint64(1)]
-        third += here[k + np.uint64(2)] - there[k + np.uint64(2)]
-        fourth += here[k + np.uint64(3)] - there[k + np.uint64(3)]
-    for i in range(whole, size):
-        first += here[i] - there[i]
-    return float((first + second + third + fourth) / max(1, size))
+    total = 0
+    for i in range(size):
+        nearer = here[i] - table[row, np.uint64(nodes[i])]
+        total += np.int64(nearer * _PARTS)
+    return float(total / 2.0**23 / max(1, size))
 
 
 @kernel
-def _nearest(row: Float32Array, nodes: Int32Array, size: int) -> float:
-    """Distance (node,) to the nearest of the first `size` nodes, or inf."""
+def _nearest(table: Float32Array, row: int, nodes: Int32Array, size: int) -> float:
+    """Distance, in a row of a table, to the nearest of the first `size` nodes, or inf."""
     shortest = np.float32(np.inf)
     for i in range(size):
-        distance = row[np.uint64(nodes[i])]
+        distance = table[row, np.uint64(nodes[i])]
         shortest = distance if distance < shortest else shortest
     return np.float64(shortest)
 
@@ -106,59 +103,68 @@ def _idleness_in_view(first: int, end: int, nodes: Int32Array, idle: NDArray[np.
 @kernel
 def describe_moves(
     e: int,
-    agent: int,
     seen: Observation,
     arrays: TaskArrays,
     chart: Chart,
     fields: Fields,
     distances: Distances,
-    ends: Int32Array,
     there: Float32Array,
     out: Levels,
 ) -> None:
-    """Fill the features (9, feature) of one agent's moves in row e.
+    """Fill the features (agent, 9, feature) of all agents' moves in row e.
 
     Parameters
     ----------
-    ends : (9,) where each move ends, -1 if it is illegal
     there : (MOST_SAMPLES,) memory
     """
-    neighbours, belief, node = arrays.neighbours, seen.belief[e], seen.agent_node[e, agent]
-    idle, way, unseen_way = fields.idle, fields.way, fields.unseen_way[agent]
+    neighbours, belief, agent_node = arrays.neighbours, seen.belief[e], seen.agent_node[e]
+    targets, number, energy = arrays.targets, arrays.stride_number, seen.energy_left[e]
+    rows, cols, radius_number = arrays.rows, arrays.cols, arrays.radius_number
+    idle, way, unseen_way = fields.idle, fields.way, fields.unseen_way
     items, unseen, due = fields.some_items, fields.some_unseen, fields.some_due
     item_nodes, unseen_nodes, due_nodes = items.nodes, unseen.nodes, due.nodes
-    item_here, unseen_here, due_here = items.here[agent], unseen.here[agent], due.here[agent]
     n_items, n_unseen, n_due = items.size[0], unseen.size[0], due.size[0]
-    own_items, own_due = items.own[agent], due.own[agent]
-    n_own_items, n_own_due = items.owned[agent], due.owned[agent]
-    own_item_way, own_due_way = items.own_way[agent], due.own_way[agent]
-    radius, start, nodes = arrays.radius_number[agent], chart.views.start, chart.views.nodes
-    disc, attraction = chart.disc[radius], _attraction(item_here, n_items)
-    out[:] = 0
-    for move in range(9):
-        end = ends[move]
-        if end < 0:
-            continue
-        in_view = _idleness_in_view(start[radius, end], start[radius, end + 1], nodes, idle)
-        out[move, 0] = TOP
-        out[move, 1] = item_level(belief[end])
-        out[move, 3] = np.uint8(TOP * min(1.0, in_view / disc))
-        if move == STAY:  # nothing comes nearer
-            for feature in (2, 4, 5, 6, 7, 8, 9, 10):
-                out[move, feature] = MIDDLE
-            continue
-        out[move, 2] = _changed(way[node] - way[end] if way[node] < FAR else 0.0, PER_NODE)
-        gain = unseen_way[STAY] - unseen_way[move] if unseen_way[STAY] < FAR else 0.0
-        out[move, 4] = _changed(gain, PER_NODE)
-        row = distances_from(distances, neighbours, end)
-        measure(row, item_nodes, n_items, there)
-        out[move, 5] = _changed(_mean_gain(item_here, there, n_items), PER_NODE)
-        out[move, 8] = _changed(_attraction(there, n_items) - attraction, PER_ATTRACTION)
-        gain = own_item_way - _nearest(row, own_items, n_own_items) if n_own_items else 0.0
-        out[move, 7] = _changed(gain, PER_NODE)
-        measure(row, unseen_nodes, n_unseen, there)
-        out[move, 6] = _changed(_mean_gain(unseen_here, there, n_unseen), PER_NODE)
-        measure(row, due_nodes, n_due, there)
-        out[move, 9] = _changed(_mean_gain(due_here, there, n_due), PER_NODE)
-        gain = own_due_way - _nearest(row, own_due, n_own_due) if n_own_due else 0.0
-        out[move, 10] = _changed(gain, PER_NODE)
+    own_items, own_due, n_own_items, n_own_due = items.own, due.own, items.owned, due.owned
+    own_item_way, own_due_way = items.own_way, due.own_way
+    item_here, unseen_here, due_here = items.here, unseen.here, due.here
+    start, nodes, disc = chart.views.start, chart.views.nodes, chart.disc
+    table, whole = distances.rows.distance, arrays.distances.shape[0] > 0
+    for a in range(agent_node.size):
+        node, radius = agent_node[a], radius_number[a]
+        attraction = _attraction(item_here[a], n_items)
+        for move in range(9):
+            end = legal_end(targets, number[a], rows, cols, node, move, energy[a])
+            if end < 0:
+                for feature in range(len(MOVE_FEATURES)):
+                    out[a, move, feature] = 0
+                continue
+            in_view = _idleness_in_view(start[radius, end], start[radius, end + 1], nodes, idle)
+            out[a, move, 0] = TOP
+            out[a, move, 1] = item_level(belief[end])
+            out[a, move, 3] = np.uint8(TOP * min(1.0, in_view / disc[radius]))
+            if move == STAY:  # nothing comes nearer
+                for feature in (2, 4, 5, 6, 7, 8, 9, 10):
+                    out[a, move, feature] = MIDDLE
+                continue
+            gain = way[node] - way[end] if way[node] < FAR else 0.0
+            out[a, move, 2] = _changed(gain, PER_NODE)
+            gain = unseen_way[a, STAY] - unseen_way[a, move] if unseen_way[a, STAY] < FAR else 0.0
+            out[a, move, 4] = _changed(gain, PER_NODE)
+            row = row_from(distances, whole, neighbours, end)
+            gain = _mean_gain(item_here[a], table, row, item_nodes, n_items)
+            out[a, move, 5] = _changed(gain, PER_NODE)
+            gain = _mean_gain(unseen_here[a], table, row, unseen_nodes, n_unseen)
+            out[a, move, 6] = _changed(gain, PER_NODE)
+            gain = 0.0
+            if n_own_items[a] > 0:
+                gain = own_item_way[a] - _nearest(table, row, own_items[a], n_own_items[a])
+            out[a, move, 7] = _changed(gain, PER_NODE)
+            measure(table, row, item_nodes, n_items, there)
+            gain = _attraction(there, n_items) - attraction
+            out[a, move, 8] = _changed(gain, PER_ATTRACTION)
+            gain = _mean_gain(due_here[a], table, row, due_nodes, n_due)
+            out[a, move, 9] = _changed(gain, PER_NODE)
+            gain = 0.0
+            if n_own_due[a] > 0:
+                gain = own_due_way[a] - _nearest(table, row, own_due[a], n_own_due[a])
+            out[a, move, 10] = _changed(gain, PER_NODE)

@@ -11,7 +11,7 @@ from graph_planner.geodesics import (
     Float32Array,
     Int32Array,
     Workspace,
-    distances_of,
+    filled_row,
 )
 from graph_planner.task import TaskArrays
 
@@ -26,6 +26,8 @@ class Sample(NamedTuple):
     own: Int32Array  # (agent, MOST_SAMPLES) the nodes to which no other of its kind is nearer
     owned: Int32Array  # (agent,) how many are each one's own
     own_way: Float32Array  # (agent,) distance of each agent from the nearest of them, or inf
+    nearest: Int32Array  # (MOST_SAMPLES,) memory: the nearest agent of a kind, or -1
+    shortest: Float32Array  # (MOST_SAMPLES,) memory: its distance [node]
     size: Int32Array  # (1,) how many nodes there are
 
     @classmethod
@@ -37,6 +39,8 @@ class Sample(NamedTuple):
             np.zeros((agents, MOST_SAMPLES), np.int32),
             np.zeros(agents, np.int32),
             np.zeros(agents, np.float32),
+            np.zeros(MOST_SAMPLES, np.int32),
+            np.zeros(MOST_SAMPLES, np.float32),
             np.zeros(1, np.int32),
         )
 
@@ -49,9 +53,14 @@ class Distances(NamedTuple):
 
 
 @inlined
-def distances_from(distances: Distances, neighbours: Int32Array, node: int) -> Float32Array:
-    """(node,) distances of all nodes from one [node]; the next call may overwrite them."""
-    return distances_of(distances.rows, neighbours, node, distances.workspace)
+def row_from(distances: Distances, whole: bool, neighbours: Int32Array, node: int) -> int:
+    """Row of `distances.rows.distance` with those from a node; the next call may overwrite it.
+
+    Parameters
+    ----------
+    whole : whether there is a row for every node: theirs, and no time is lost to asking
+    """
+    return node if whole else filled_row(distances.rows, neighbours, node, distances.workspace)
 
 
 @kernel
@@ -64,10 +73,12 @@ def choose_evenly(candidates: Int32Array, count: int, sample: Sample) -> None:
 
 
 @kernel
-def measure(row: Float32Array, nodes: Int32Array, size: int, out: Float32Array) -> None:
-    """Pick the distances of the first `size` nodes from a row (node,) into `out` (place,)."""
+def measure(
+    table: Float32Array, row: int, nodes: Int32Array, size: int, out: Float32Array
+) -> None:
+    """Pick the distances of the first `size` nodes from a row of a table into `out` (place,)."""
     for i in range(size):
-        out[i] = row[np.uint64(nodes[i])]
+        out[i] = table[row, np.uint64(nodes[i])]
 
 
 @kernel
@@ -79,17 +90,23 @@ def share_out(collects: NDArray[np.bool_], sample: Sample) -> None:
     collects : (agent,) which of the two kinds each is of
     """
     nodes, here, own, owned = sample.nodes, sample.here, sample.own, sample.owned
-    own_way = sample.own_way
-    owned[:] = 0
+    own_way, nearest, shortest, size = sample.own_way, sample.nearest, sample.shortest, sample.size[0]
     own_way[:] = np.float32(np.inf)
-    for i in range(sample.size[0]):
-        for kind in (False, True):
-            nearest, shortest = -1, np.float32(np.inf)
-            for a in range(collects.size):
-                closer = (collects[a] == kind) & (here[a, i] < shortest)
-                nearest = a if closer else nearest
-                shortest = here[a, i] if closer else shortest
-            if nearest >= 0:
-                own[nearest, owned[nearest]] = nodes[i]
-                owned[nearest] += 1
-                own_way[nearest] = min(own_way[nearest], shortest)
+    for kind in (False, True):
+        for i in range(size):
+            nearest[i], shortest[i] = -1, np.float32(np.inf)
+        for a in range(collects.size):
+            if collects[a] == kind:
+                for i in range(size):
+                    closer = here[a, i] < shortest[i]
+                    nearest[i] = a if closer else nearest[i]
+                    shortest[i] = here[a, i] if closer else shortest[i]
+        for a in range(collects.size):
+            if collects[a] == kind:
+                count = np.uint64(0)
+                for i in range(size):
+                    mine = nearest[i] == a
+                    own[a, count] = nodes[i]
+                    count += np.uint64(1) if mine else np.uint64(0)
+                    own_way[a] = shortest[i] if mine and shortest[i] < own_way[a] else own_way[a]
+                owned[a] = count

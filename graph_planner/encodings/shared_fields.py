@@ -12,14 +12,21 @@ from graph_planner.encodings.samples import (
     Distances,
     Sample,
     choose_evenly,
-    distances_from,
     measure,
+    row_from,
     share_out,
 )
-from graph_planner.encodings.unseen import Unseen, list_nodes, ways_to_unseen
-from graph_planner.geodesics import FAR, Float32Array, Int32Array, Workspace, spread
+from graph_planner.encodings.unseen import Unseen, list_nodes, nearest_is_itself
+from graph_planner.geodesics import (
+    FAR,
+    Float32Array,
+    Int32Array,
+    Workspace,
+    distances_to_nearest,
+    spread,
+)
 from graph_planner.navigation import STAY
-from graph_planner.seeking import possible_targets
+from graph_planner.seeking import longest_move, possible_targets
 from graph_planner.task import Observation, Task, TaskArrays
 from graph_planner.visibility import NodeLists
 
@@ -161,15 +168,21 @@ def _level(
 
 
 @kernel
-def paint_coarse(
-    known: Int32Array, belief: NDArray[np.int16], chart: Chart, fields: Fields, globe: Levels
+def _paint_coarse(
+    known: Int32Array,
+    belief: NDArray[np.int16],
+    chart: Chart,
+    idle: NDArray[np.float64],
+    again: NDArray[np.float64],
+    cell_items: NDArray[np.int64],
+    globe: Levels,
 ) -> None:
     """The whole map in COARSE x COARSE cells: the first four channels (channel, COARSE^2).
 
     Sums go through the nodes of a cell in ascending order, as rounding depends on it.
     """
-    idle, again, cell_items, coarse = fields.idle, fields.again, fields.cell_items, chart.coarse
-    start, nodes, wet, water = chart.start, chart.nodes, chart.wet, chart.water
+    coarse, start, nodes = chart.coarse, chart.start, chart.nodes
+    wet, water = chart.wet, chart.water
     for i in range(wet.size):
         cell, first, end = wet[i], start[i], start[i + 1]
         sum_idle, sum_again = 0.0, 0.0
@@ -179,8 +192,8 @@ def paint_coarse(
             sum_again += again[node]
         globe[0, cell] = water[i]
         globe[1, cell] = np.uint8(TOP * min(1.0, sum_idle / (end - first)))
+        globe[2, cell] = 0
         globe[3, cell] = np.uint8(TOP * min(1.0, sum_again / (end - first)))
-    globe[2] = 0
     for node in known:
         cell_items[coarse[node]] = 0
     for node in known:
@@ -197,32 +210,40 @@ def share_fields(
     near_item: NDArray[np.bool_],
     fields: Fields,
     distances: Distances,
+    globe: Levels,
 ) -> int:
     """Fill the fields of row e; the number of unseen nodes.
 
     Parameters
     ----------
     near_item : (node,) see `remember_items`
+    globe : (channel, COARSE^2) whose first four channels are filled
     """
     idle, again, way, targets = fields.idle, fields.again, fields.way, fields.targets
     items, some_unseen, some_due = fields.some_items, fields.some_unseen, fields.some_due
-    agent_node, known = seen.agent_node[e], seen.known[e, : seen.n_known[e]]
+    agent_node, belief, known = seen.agent_node[e], seen.belief[e], seen.known[e, : seen.n_known[e]]
     neighbours, table, unseen = arrays.neighbours, arrays.distances, fields.unseen
     _age(seen.step[e] - 1, seen.last_seen[e], arrays.forgetting, near_item, idle, again)
     _ways(neighbours, table, known, distances.workspace, way)
-    _level(idle, again, way, known, seen.belief[e], fields.levels)
-    count, on_edge, due = list_nodes(idle, again, chart, unseen)
+    _level(idle, again, way, known, belief, fields.levels)
+    _paint_coarse(known, belief, chart, idle, again, fields.cell_items, globe)
+    count, on_edge, due = list_nodes(idle, again, chart.place, chart.width, unseen)
     possible_targets(arrays, agent_node, targets)
     targets[:, STAY] = agent_node
-    edge = unseen.edge[:on_edge]
-    ways_to_unseen(arrays, edge, idle, agent_node, targets, distances, fields.unseen_way)
+    edge, slack = unseen.edge[:on_edge], longest_move(arrays.moves)
+    distances_to_nearest(
+        neighbours, table, edge, agent_node, targets, slack, distances.workspace, fields.unseen_way
+    )
+    nearest_is_itself(idle, targets, fields.unseen_way)
     choose_evenly(known, known.size, items)
     choose_evenly(unseen.nodes, count, some_unseen)
     choose_evenly(unseen.due, due, some_due)
+    rows, whole = distances.rows.distance, table.shape[0] > 0
     for a in range(agent_node.size):
-        row = distances_from(distances, neighbours, agent_node[a])
-        for sample in (items, some_unseen, some_due):
-            measure(row, sample.nodes, sample.size[0], sample.here[a])
+        row = row_from(distances, whole, neighbours, agent_node[a])
+        measure(rows, row, items.nodes, items.size[0], items.here[a])
+        measure(rows, row, some_unseen.nodes, some_unseen.size[0], some_unseen.here[a])
+        measure(rows, row, some_due.nodes, some_due.size[0], some_due.here[a])
     share_out(arrays.collects, items)
     share_out(arrays.collects, some_due)
     return count

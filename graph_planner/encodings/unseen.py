@@ -6,11 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
-from graph_planner.encodings.chart import Chart
-from graph_planner.encodings.samples import Distances
-from graph_planner.geodesics import Int32Array, distances_to_nearest
-from graph_planner.seeking import longest_move
-from graph_planner.task import TaskArrays
+from graph_planner.geodesics import Int32Array
 
 DUE = 0.5  # from this much on a node is due to be looked at again
 
@@ -33,56 +29,52 @@ class Unseen(NamedTuple):
 
 @kernel
 def list_nodes(
-    idle: NDArray[np.float64], again: NDArray[np.float64], chart: Chart, unseen: Unseen
+    idle: NDArray[np.float64],
+    again: NDArray[np.float64],
+    place: Int32Array,
+    width: int,
+    unseen: Unseen,
 ) -> tuple[int, int, int]:
     """Fill the lists of `Unseen`; how many unseen nodes there are, on their edge, and due.
+
+    A shortest way from a seen node to the nearest unseen one leads over seen nodes only, so it ends
+    on the edge: who asks for that distance need not look at the others.
 
     Parameters
     ----------
     idle, again : (node,) see `Fields`
+    place, width : see `Chart`
     """
-    place, width, seen, beside = chart.place, chart.width, unseen.seen, unseen.beside
-    nodes, edge, due = unseen.nodes, unseen.edge, unseen.due
+    nodes, edge, due, seen, beside = unseen
     for node in range(idle.size):
         seen[np.uint64(place[node])] = idle[node] < 1.0
     for i in range(1, seen.size - 1):
         beside[i] = seen[i - 1] | seen[i] | seen[i + 1]
-    count, on_edge, n_due = 0, 0, 0
+    one = np.uint64(1)
+    count, on_edge, n_due = np.uint64(0), np.uint64(0), np.uint64(0)
     for node in range(idle.size):  # without a branch
-        middle = place[node]
-        north, south = np.uint64(middle - width), np.uint64(middle + width)
-        near = beside[north] | beside[np.uint64(middle)] | beside[south]
+        middle = np.uint64(place[node])
+        north, south = middle - np.uint64(width), middle + np.uint64(width)
+        near = beside[north] | beside[middle] | beside[south]
         fresh = idle[node] >= 1.0
         nodes[count] = edge[on_edge] = due[n_due] = node
-        count += fresh
-        on_edge += fresh & (near > 0)
-        n_due += again[node] >= DUE
-    return count, on_edge, n_due
+        count += one if fresh else np.uint64(0)
+        on_edge += np.uint64(near) if fresh else np.uint64(0)
+        n_due += one if again[node] >= DUE else np.uint64(0)
+    return int(count), int(on_edge), int(n_due)
 
 
 @kernel
-def ways_to_unseen(
-    arrays: TaskArrays,
-    edge: Int32Array,
-    idle: NDArray[np.float64],
-    agent_node: Int32Array,
-    targets: Int32Array,
-    distances: Distances,
-    out: NDArray[np.float64],
+def nearest_is_itself(
+    idle: NDArray[np.float64], targets: Int32Array, out: NDArray[np.float64]
 ) -> None:
-    """Distance of possible targets (agent, 9) to the nearest unseen node [node]; inf without any.
-
-    A shortest way from a seen node to the nearest unseen one leads over seen nodes only, so it ends
-    on the edge of the unseen: only that is searched.
+    """Put 0 where a target (agent, 9) is unseen itself into distances to the nearest unseen node.
 
     Parameters
     ----------
-    edge : (chosen,) unseen nodes beside a seen cell
+    out : (agent, 9) those to the nearest on the edge [node]
     """
-    slack = longest_move(arrays.moves)
-    neighbours, table, workspace = arrays.neighbours, arrays.distances, distances.workspace
-    distances_to_nearest(neighbours, table, edge, agent_node, targets, slack, workspace, out)
-    for a in range(agent_node.size):
+    for a in range(targets.shape[0]):
         for move in range(9):
             if targets[a, move] >= 0 and idle[targets[a, move]] >= 1.0:
                 out[a, move] = 0.0
