@@ -100,7 +100,7 @@ def _idleness_in_view(first: int, end: int, nodes: Int32Array, idle: NDArray[np.
     return total
 
 
-@kernel
+@inlined
 def describe_moves(
     e: int,
     seen: Observation,

@@ -201,7 +201,7 @@ def _paint_coarse(
         globe[2, coarse[node]] = item_level(cell_items[coarse[node]])
 
 
-@kernel
+@inlined
 def share_fields(
     e: int,
     seen: Observation,
