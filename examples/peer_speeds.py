@@ -1,7 +1,7 @@
 """How fast vector environments of multi-agent libraries step on one core, with random actions.
 
-    XLA_FLAGS="--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1" OMP_NUM_THREADS=1 \
-        taskset -c 0 python examples/peer_speeds.py
+    XLA_FLAGS="--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1" \
+        OMP_NUM_THREADS=1 taskset -c 0 python examples/peer_speeds.py
 
 Measures what is installed: mjforage, Jumanji (https://github.com/instadeepai/jumanji), JaxMARL
 (https://github.com/FLAIROX/JaxMARL), VMAS (https://github.com/proroklab/VectorizedMultiAgentSimulator).
@@ -12,6 +12,7 @@ The tasks differ: the table tells what a learner has to wait for, not which libr
 """
 
 import statistics
+import sys
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -66,7 +67,8 @@ def jumanji() -> Iterator[tuple[str, int, Work]]:
         agents = int(env.action_spec.shape[0])
 
         def step(state: Any, key: Any, env: Any = env) -> tuple[Any, Any]:
-            return env.step(state, _drawn(env.action_spec, key))
+            state, given = env.step(state, _drawn(env.action_spec, key))
+            return state, given
 
         yield f"jumanji {name}", agents, _scanned(env.reset, step)
 
@@ -108,9 +110,11 @@ def _scanned(reset: Callable[[Any], Any], step: Callable[[Any, Any], Any]) -> Wo
 
     def play(state: Any, key: Any) -> tuple[Any, Any]:
         def one(state: Any, key: Any) -> tuple[Any, Any]:
-            return jax.vmap(step)(state, jax.random.split(key, BATCH))
+            state, given = jax.vmap(step)(state, jax.random.split(key, BATCH))
+            return state, given
 
-        return jax.lax.scan(one, state, jax.random.split(key, STEPS))
+        state, given = jax.lax.scan(one, state, jax.random.split(key, STEPS))
+        return state, given
 
     keys = jax.random.split(jax.random.PRNGKey(0), BATCH)
     state, _ = jax.vmap(reset)(keys)
@@ -134,17 +138,22 @@ def vmas() -> Iterator[tuple[str, int, Work]]:
         yield f"vmas {name}", len(env.agents), work
 
 
+def _say(line: str) -> None:
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()
+
+
 def main() -> None:
     """Print a table."""
-    print("| environment | agents | environment steps per CPU second | agent observations |")
-    print("|---|---|---|---|")
+    _say("| environment | agents | environment steps per CPU second | agent observations |")
+    _say("|---|---|---|---|")
     for library in (ours, jumanji, jaxmarl, vmas):
         try:
             for name, agents, work in library():
                 found = rate(work)
-                print(f"| {name} | {agents} | {found:,.0f} | {agents * found:,.0f} |", flush=True)
+                _say(f"| {name} | {agents} | {found:,.0f} | {agents * found:,.0f} |")
         except ImportError as error:
-            print(f"| {library.__name__} | | is not installed ({error}) | |", flush=True)
+            _say(f"| {library.__name__} | | is not installed ({error}) | |")
 
 
 if __name__ == "__main__":

@@ -167,9 +167,7 @@ class DistanceRows(NamedTuple):
 
 
 @kernel
-def filled_row(
-    rows: DistanceRows, neighbours: Int32Array, node: int, workspace: Workspace
-) -> int:
+def filled_row(rows: DistanceRows, neighbours: Int32Array, node: int, workspace: Workspace) -> int:
     """Which row has the distances from a node, searched where they are not kept; asking for another
     node may overwrite it.
     """

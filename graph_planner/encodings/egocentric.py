@@ -172,7 +172,12 @@ def _look_around(
     """Fill the pictures of all agents in some rows (chosen,)."""
     crop, globe, moves, own = out
     trail, near_item, collects = memory.trail, memory.near_item, arrays.collects
-    framed, coarse, levels, energy_left = chart.framed, chart.coarse, fields.levels, seen.energy_left
+    framed, coarse, levels, energy_left = (
+        chart.framed,
+        chart.coarse,
+        fields.levels,
+        seen.energy_left,
+    )
     way, unseen_way, there = fields.way, fields.unseen_way, np.empty(MOST_SAMPLES, np.float32)
     step, agent_node, n_known = seen.step, seen.agent_node, seen.n_known
     for e in rows:

@@ -63,7 +63,7 @@ def _mean_gain(
     On average [node]. The sum is one of whole numbers, which can be formed side by side: distances
     are 0 or at least 1, and so float32 multiples of 2^-23.
     """
-    total = 0
+    total = np.int64(0)
     for i in range(size):
         nearer = here[i] - table[row, np.uint64(nodes[i])]
         total += np.int64(nearer * _PARTS)

@@ -13,7 +13,6 @@ from graph_planner.geodesics import (
     Workspace,
     filled_row,
 )
-from graph_planner.task import TaskArrays
 
 MOST_SAMPLES = 96
 
@@ -73,9 +72,7 @@ def choose_evenly(candidates: Int32Array, count: int, sample: Sample) -> None:
 
 
 @kernel
-def measure(
-    table: Float32Array, row: int, nodes: Int32Array, size: int, out: Float32Array
-) -> None:
+def measure(table: Float32Array, row: int, nodes: Int32Array, size: int, out: Float32Array) -> None:
     """Pick the distances of the first `size` nodes from a row of a table into `out` (place,)."""
     for i in range(size):
         out[i] = table[row, np.uint64(nodes[i])]
@@ -90,7 +87,12 @@ def share_out(collects: NDArray[np.bool_], sample: Sample) -> None:
     collects : (agent,) which of the two kinds each is of
     """
     nodes, here, own, owned = sample.nodes, sample.here, sample.own, sample.owned
-    own_way, nearest, shortest, size = sample.own_way, sample.nearest, sample.shortest, sample.size[0]
+    own_way, nearest, shortest, size = (
+        sample.own_way,
+        sample.nearest,
+        sample.shortest,
+        sample.size[0],
+    )
     own_way[:] = np.float32(np.inf)
     for kind in (False, True):
         for i in range(size):

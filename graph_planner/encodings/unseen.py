@@ -23,8 +23,13 @@ class Unseen(NamedTuple):
     @classmethod
     def of(cls, nodes: int, places: int) -> "Unseen":
         """Memory for a map of so many nodes, and so many places with its frame."""
-        lists = (np.zeros(nodes, np.int32) for _ in range(3))
-        return cls(*lists, np.zeros(places, np.uint8), np.zeros(places, np.uint8))
+        return cls(
+            np.zeros(nodes, np.int32),
+            np.zeros(nodes, np.int32),
+            np.zeros(nodes, np.int32),
+            np.zeros(places, np.uint8),
+            np.zeros(places, np.uint8),
+        )
 
 
 @kernel

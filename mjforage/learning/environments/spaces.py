@@ -27,8 +27,7 @@ def picture_space(
     """
     high, kind = (1.0, np.float32) if dtype == "float32" else (TOP, np.uint8)
     boxes: dict[str, spaces.Space[NDArray[Any]]] = {
-        name: spaces.Box(0, high, (*lead, *shape), kind)  # type: ignore[arg-type]
-        for name, shape in shapes.items()
+        name: spaces.Box(0, high, (*lead, *shape), kind) for name, shape in shapes.items()
     }
     space = spaces.Dict({**boxes, MASK: spaces.Box(0, 1, (*lead, 9), np.int8)})
     return cast("spaces.Space[Pictures]", space)

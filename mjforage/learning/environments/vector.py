@@ -36,7 +36,7 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         observation comes at once; the last of the old episode is `info["final_obs"]`), or
         `DISABLED` (nothing starts again but by `reset(options={"reset_mask": chosen})`)
     copy : whether every observation is in memory of its own; otherwise the next `step` or `reset`
-        overwrites it, which is quicker
+        may overwrite it, which is quicker
     """
 
     metadata: ClassVar[dict[str, Any]] = METADATA | {"render_modes": MODES}  # type: ignore[misc]

@@ -70,12 +70,11 @@ class RewardTerms:
         """
         self._task, self._workspace = task, Workspace.of(len(task.graph))
         self._terms = {name: create_term(name) for name in names}
-        self._before: Before | None = None
         self._theirs = {name for name, term in self._terms.items() if not is_ours(type(term))}
 
     def before(self, mission: Mission) -> None:
         """Take a copy of what the next state is compared with; call before every step."""
-        self._before = Before.of(mission, self._before)
+        self._before: Before = Before.of(mission, getattr(self, "_before", None))
 
     def after(self, mission: Mission, played: NDArray[np.bool_]) -> dict[str, Amounts]:
         """Terms of the step just made: name -> (episode, agent), 0 for episodes not played.
@@ -85,7 +84,6 @@ class RewardTerms:
         UserError
             If a term of a user gives an array of another shape, or a number that is not finite.
         """
-        assert self._before is not None, "before comes first"
         step = Step(mission, self._before, self._task, self._workspace)
         found = {name: term(step) for name, term in self._terms.items()}
         for name in self._theirs:

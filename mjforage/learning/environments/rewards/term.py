@@ -1,6 +1,6 @@
 """What a term of the reward is: a class that gives a number per agent after every step."""
 
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +26,16 @@ class Before(NamedTuple):
     def of(cls, mission: Mission, memory: "Before | None" = None) -> "Before":
         """A copy of what the next state is compared with; in memory of its size if there is any."""
         known = mission.knowledge
-        live = known.belief, known.last_seen, mission.state.agent_node, known.known, known.n_known
+        live: tuple[NDArray[Any], ...] = (
+            known.belief,
+            known.last_seen,
+            mission.state.agent_node,
+            known.known,
+            known.n_known,
+        )
         if memory is None or memory.belief.shape != known.belief.shape:
-            return cls(*(array.copy() for array in live))
+            return cls._make(array.copy() for array in live)
+        own: NDArray[Any]
         for own, array in zip(memory, live, strict=True):
             np.copyto(own, array)
         return memory
