@@ -57,8 +57,8 @@ def learning_speeds() -> dict[str, float]:
 
     `env_obs_steps_per_core_s_<kind>`: agent observations; `env_steps_per_core_s_<how>`: environment
     steps of 64 sub-environments with egocentric observations, by how these are handed out;
-    `ddqn_updates_per_s`: updates of one team's network, draw and priorities included; `ddqn_share_<part>`: of the time of training on
-    the published scenario.
+    `ddqn_updates_per_s`: updates of one team's network, draw and priorities included;
+    `ddqn_share_<part>`: of the time of training on the published scenario.
     """
     figures = _environment_speeds()
     trainer = Trainer([load_scenario("published")], changed(Hyperparameters(), SMALL))

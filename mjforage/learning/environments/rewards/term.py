@@ -35,8 +35,8 @@ class Before(NamedTuple):
         )
         if memory is None or memory.belief.shape != known.belief.shape:
             return cls._make(array.copy() for array in live)
-        own: NDArray[Any]
-        for own, array in zip(memory, live, strict=True):
+        kept: tuple[NDArray[Any], ...] = memory
+        for own, array in zip(kept, live, strict=True):
             np.copyto(own, array)
         return memory
 
