@@ -167,16 +167,24 @@ class DistanceRows(NamedTuple):
 
 
 @kernel
+def filled_row(rows: DistanceRows, neighbours: Int32Array, node: int, workspace: Workspace) -> int:
+    """Which row has the distances from a node, searched where they are not kept; asking for another
+    node may overwrite it.
+    """
+    number, missing = row_of(rows.kept, node)
+    if missing:
+        source = np.empty(1, np.int32)
+        source[0] = node
+        _fill(rows.distance[number], neighbours, source, workspace)
+    return number
+
+
+@kernel
 def distances_of(
     rows: DistanceRows, neighbours: Int32Array, node: int, workspace: Workspace
 ) -> Float32Array:
     """Distances (node,) from a node; asking for another's may overwrite them."""
-    number, missing = row_of(rows.kept, node)
-    row: Float32Array = rows.distance[number]
-    if missing:
-        source = np.empty(1, np.int32)
-        source[0] = node
-        _fill(row, neighbours, source, workspace)
+    row: Float32Array = rows.distance[filled_row(rows, neighbours, node, workspace)]
     return row
 
 

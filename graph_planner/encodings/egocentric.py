@@ -8,29 +8,31 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
+from graph_planner.compiled import kernel
+from graph_planner.encodings.chart import COARSE, REACH, Chart
 from graph_planner.encodings.encoder import (
     TOP,
     TRAIL,
     Levels,
     Shapes,
     encoder,
-    item_level,
     remember_places,
     trail_level,
 )
 from graph_planner.encodings.move_features import MOVE_FEATURES, describe_moves
-from graph_planner.encodings.samples import Distances
+from graph_planner.encodings.samples import MOST_SAMPLES, Distances
 from graph_planner.encodings.shared_fields import (
+    AGAIN,
     AGAIN_RADIUS,
-    COARSE,
-    REACH,
-    Chart,
+    IDLENESS,
+    ITEMS,
+    WAY,
     Fields,
     remember_items,
     share_fields,
+    way_level,
 )
-from graph_planner.geodesics import FAR, Int32Array, Workspace
+from graph_planner.geodesics import FAR, Float32Array, Int32Array, Workspace
 from graph_planner.navigation import STAY
 from graph_planner.task import Observation, Task, TaskArrays
 
@@ -41,108 +43,101 @@ SELF = (
     *("collects", "time", "known nodes", "unseen share", "energy left", "number in team"),
     *("way to items", "way to unseen", "team size", "others", "moves", "radius"),
 )
-WAY_LEVELS = 2.0  # levels per node of distance: 0 from 127.5 nodes on
-
-
-@inlined
-def _way_level(distance: float) -> int:
-    """Level of a distance [node]: less the farther, 0 where there is no way."""
-    return int(max(0.0, TOP - WAY_LEVELS * distance)) if distance < FAR else 0
 
 
 @kernel
-def _paint_crop(
-    e: int,
-    a: int,
-    seen: Observation,
+def _paint_crops(
+    agent_node: Int32Array,
     arrays: TaskArrays,
     framed: Int32Array,
-    fields: Fields,
+    levels: NDArray[np.uint32],
     trail: Int32Array,
-    crop: Levels,
+    crops: Levels,
 ) -> None:
-    """The neighbourhood of one agent, (channel, SIDE, SIDE), north up."""
+    """The neighbourhood of each agent (agent, channel, SIDE, SIDE), north up."""
     rows, cols, collects = arrays.rows, arrays.cols, arrays.collects
-    belief, agent_node = seen.belief[e], seen.agent_node[e]
-    idle, way, again = fields.idle, fields.way, fields.again
-    top, left = rows[agent_node[a]], cols[agent_node[a]]  # the frame adds REACH
-    for i in range(SIDE):
-        for j in range(SIDE):
-            node = framed[top + i, left + j]
-            wet = node >= 0
-            crop[0, i, j] = TOP if wet else 0
-            crop[1, i, j] = np.uint8(TOP * idle[node]) if wet else 0
-            crop[2, i, j] = item_level(belief[node]) if wet else 0
-            crop[3, i, j] = _way_level(way[node]) if wet else 0
-            crop[4, i, j] = np.uint8(TOP * again[node]) if wet else 0
-    crop[5:] = 0
-    for other in range(agent_node.size):
-        i, j = rows[agent_node[other]] - top + REACH, cols[agent_node[other]] - left + REACH
-        if other != a and 0 <= i < SIDE and 0 <= j < SIDE:
-            crop[6 if collects[other] else 5, i, j] = TOP
-    for k in range(TRAIL - 1, -1, -1):
-        node = trail[a, k]
-        if node >= 0:
-            i, j = rows[node] - top + REACH, cols[node] - left + REACH
-            if 0 <= i < SIDE and 0 <= j < SIDE:
-                crop[7, i, j] = trail_level(k)
+    land, agents = levels.size - 1, agent_node.size
+    for a in range(agents):
+        top, left, crop = rows[agent_node[a]], cols[agent_node[a]], crops[a]
+        for i in range(SIDE):  # the frame adds REACH
+            for j in range(SIDE):
+                node = framed[np.uint64(top + i), np.uint64(left + j)]
+                four = levels[np.uint64(node)]
+                crop[0, i, j] = TOP if node < land else 0
+                crop[1, i, j] = four >> IDLENESS & TOP
+                crop[2, i, j] = four >> ITEMS & TOP
+                crop[3, i, j] = four >> WAY & TOP
+                crop[4, i, j] = four >> AGAIN & TOP
+        crop[5:] = 0
+        for other in range(agents):
+            i, j = rows[agent_node[other]] - top + REACH, cols[agent_node[other]] - left + REACH
+            if other != a and 0 <= i < SIDE and 0 <= j < SIDE:
+                crop[6 if collects[other] else 5, i, j] = TOP
+        for k in range(TRAIL - 1, -1, -1):
+            node = trail[a, k]
+            if node >= 0:
+                i, j = rows[node] - top + REACH, cols[node] - left + REACH
+                if 0 <= i < SIDE and 0 <= j < SIDE:
+                    crop[7, i, j] = trail_level(k)
 
 
 @kernel
-def _paint_globe(
-    a: int,
-    agent_node: Int32Array,
-    collects: NDArray[np.bool_],
-    chart: Chart,
-    fields: Fields,
-    globe: Levels,
+def _paint_globes(
+    agent_node: Int32Array, collects: NDArray[np.bool_], coarse: Int32Array, globe: Levels
 ) -> None:
-    """The whole map in COARSE x COARSE cells, (channel, COARSE^2)."""
-    cell_nodes, water, coarse = chart.cell_nodes, chart.water, chart.coarse
-    cell_idle, cell_items, cell_again = fields.cell_idle, fields.cell_items, fields.cell_again
-    for cell in range(water.size):
-        nodes = max(1, cell_nodes[cell])
-        globe[0, cell] = water[cell]
-        globe[1, cell] = np.uint8(TOP * min(1.0, cell_idle[cell] / nodes))
-        globe[2, cell] = item_level(cell_items[cell])
-        globe[3, cell] = np.uint8(TOP * min(1.0, cell_again[cell] / nodes))
-    globe[4:] = 0
-    for other in range(agent_node.size):
-        channel = 4 if other == a else (6 if collects[other] else 5)
-        globe[channel, coarse[agent_node[other]]] = TOP
+    """The whole map of each agent (agent, channel, COARSE^2), of which the first has four channels.
+
+    The others get a copy of these; the last three are who is where.
+    """
+    agents, channels, cells = globe.shape
+    for a in range(agents):
+        for channel in range(channels):
+            for cell in range(cells):
+                globe[a, channel, cell] = globe[0, channel, cell] if channel < 4 else 0
+        for other in range(agents):
+            channel = 4 if other == a else (6 if collects[other] else 5)
+            globe[a, channel, coarse[agent_node[other]]] = TOP
 
 
 @kernel
-def _paint_self(
-    e: int,
-    a: int,
-    seen: Observation,
+def _describe_selves(
+    agent_node: Int32Array,
+    energy_left: NDArray[np.float64],
+    past: tuple[int, int],
     arrays: TaskArrays,
     unseen: int,
-    fields: Fields,
+    way: Float32Array,
+    unseen_way: NDArray[np.float64],
     out: Levels,
 ) -> None:
-    """What an agent knows of itself and the time, in the order of `SELF`."""
-    collects, node, horizon = arrays.collects, seen.agent_node[e, a], arrays.horizon
-    radius, energy = arrays.radius[a], arrays.energy[a]
-    number, team = 0, 0
-    for other in range(collects.size):
-        if collects[other] == collects[a]:
-            number += other < a
-            team += 1
-    out[0] = TOP if collects[a] else 0
-    out[1] = min(TOP, TOP * (seen.step[e] - 1) // horizon)
-    out[2] = min(TOP, 2 * seen.n_known[e])
-    out[3] = TOP * unseen // fields.idle.size
-    share = seen.energy_left[e, a] / energy if energy < FAR else 1.0
-    out[4] = np.uint8(TOP * min(1.0, max(0.0, share)))
-    out[5] = TOP * number // team
-    out[6] = _way_level(fields.way[node])
-    out[7] = _way_level(fields.unseen_way[a, STAY])
-    out[8] = min(TOP, 32 * team)
-    out[9] = min(TOP, 32 * (collects.size - team))
-    out[10] = min(TOP, 32 * arrays.moves[a])
-    out[11] = min(TOP, int(16 * radius))
+    """What each agent knows of itself and the time (agent, entry), in the order of `SELF`.
+
+    Parameters
+    ----------
+    past : decisions taken, and nodes at which items are known
+    unseen, way, unseen_way : how many nodes are unseen, and see `Fields`
+    """
+    collects, horizon, moves = arrays.collects, arrays.horizon, arrays.moves
+    radius, energy, agents = arrays.radius, arrays.energy, agent_node.size
+    for a in range(agents):
+        number, team = 0, 0
+        for other in range(agents):
+            if collects[other] == collects[a]:
+                number += other < a
+                team += 1
+        out[a, 0] = TOP if collects[a] else 0
+        out[a, 1] = min(TOP, TOP * past[0] // horizon)
+        out[a, 2] = min(TOP, 2 * past[1])
+        out[a, 3] = TOP * unseen // way.size
+        share = energy_left[a] / energy[a] if energy[a] < FAR else 1.0
+        out[a, 4] = np.uint8(TOP * min(1.0, max(0.0, share)))
+        out[a, 5] = TOP * number // team
+        out[a, 6] = way_level(np.float64(way[agent_node[a]]))
+        out[a, 7] = way_level(unseen_way[a, STAY])
+        out[a, 8] = min(TOP, 32 * team)
+        out[a, 9] = min(TOP, 32 * (agents - team))
+        out[a, 10] = min(TOP, 32 * moves[a])
+        out[a, 11] = min(TOP, int(16 * radius[a]))
 
 
 class Memory(NamedTuple):
@@ -177,14 +172,21 @@ def _look_around(
     """Fill the pictures of all agents in some rows (chosen,)."""
     crop, globe, moves, own = out
     trail, near_item, collects = memory.trail, memory.near_item, arrays.collects
+    framed, coarse, levels, energy_left = (
+        chart.framed,
+        chart.coarse,
+        fields.levels,
+        seen.energy_left,
+    )
+    way, unseen_way, there = fields.way, fields.unseen_way, np.empty(MOST_SAMPLES, np.float32)
+    step, agent_node, n_known = seen.step, seen.agent_node, seen.n_known
     for e in rows:
-        count = share_fields(e, seen, arrays, chart, near_item[e], fields, distances)
-        nodes = seen.agent_node[e]
-        for a in range(nodes.size):
-            _paint_crop(e, a, seen, arrays, chart.framed, fields, trail[e], crop[e, a])
-            _paint_globe(a, nodes, collects, chart, fields, globe[e, a])
-            _paint_self(e, a, seen, arrays, count, fields, own[e, a])
-            describe_moves(e, a, seen, arrays, chart, fields, distances, moves[e, a])
+        count = share_fields(e, seen, arrays, chart, near_item[e], fields, distances, globe[e, 0])
+        nodes, past = agent_node[e], (step[e] - 1, n_known[e])
+        _paint_globes(nodes, collects, coarse, globe[e])
+        _paint_crops(nodes, arrays, framed, levels, trail[e], crop[e])
+        _describe_selves(nodes, energy_left[e], past, arrays, count, way, unseen_way, own[e])
+        describe_moves(e, seen, arrays, chart, fields, distances, there, moves[e])
 
 
 @encoder("egocentric")
@@ -238,7 +240,8 @@ class Egocentric:
 
     def __init__(self, task: Task) -> None:
         self._task = task
-        self._chart, self._fields = Chart.of(task), Fields.of(task)
+        self._chart = Chart.of(task)
+        self._fields = Fields.of(task, self._chart)
         self._around = task.graph.views((AGAIN_RADIUS,))
         self._distances = Distances(task.graph.distance_rows, Workspace.of(len(task.graph)))
 

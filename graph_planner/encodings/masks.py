@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.moves import free_move, move_length
 from graph_planner.navigation import STAY
@@ -35,6 +35,28 @@ def legal_of_agent(
     return legal
 
 
+@inlined
+def legal_end(
+    targets: Int32Array,
+    number: int,
+    rows: Int32Array,
+    cols: Int32Array,
+    node: int,
+    move: int,
+    energy: float,
+) -> int:
+    """Where a move ends that is legal whatever the others choose; -1 if it is not.
+
+    Parameters
+    ----------
+    targets, number, rows, cols : see `TaskArrays`, the number being this agent's
+    energy : distance that it can still travel [node]
+    """
+    end = targets[number, node, move]
+    steps = max(abs(rows[end] - rows[node]), abs(cols[end] - cols[node]))
+    return end if end >= 0 and move_length(move, steps) <= energy else -1
+
+
 @kernel
 def _legal(
     arrays: TaskArrays,
@@ -43,12 +65,15 @@ def _legal(
     out: NDArray[np.bool_],
 ) -> None:
     """Legal moves of all agents of a batch."""
-    nobody = np.empty(0, np.int64)
+    targets, number, rows, cols = arrays.targets, arrays.stride_number, arrays.rows, arrays.cols
     for e in range(agent_node.shape[0]):
         for a in range(agent_node.shape[1]):
-            out[e, a] = legal_of_agent(
-                arrays, nobody, NOBODY, a, agent_node[e, a], energy_left[e, a]
-            )
+            node, energy, found = agent_node[e, a], energy_left[e, a], False
+            for move in range(9):
+                legal = legal_end(targets, number[a], rows, cols, node, move, energy) >= 0
+                out[e, a, move] = legal
+                found |= legal
+            out[e, a, STAY] |= not found
 
 
 def legal_moves(

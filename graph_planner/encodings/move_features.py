@@ -26,11 +26,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import inlined, kernel
+from graph_planner.encodings.chart import Chart
 from graph_planner.encodings.encoder import TOP, Levels, item_level
-from graph_planner.encodings.samples import Distances, Sample, distances_from
-from graph_planner.encodings.shared_fields import Chart, Fields
-from graph_planner.geodesics import FAR, Float32Array
-from graph_planner.moves import free_move, move_length
+from graph_planner.encodings.masks import legal_end
+from graph_planner.encodings.samples import Distances, measure, row_from
+from graph_planner.encodings.shared_fields import Fields
+from graph_planner.geodesics import FAR, Float32Array, Int32Array
 from graph_planner.navigation import STAY
 from graph_planner.task import Observation, TaskArrays
 
@@ -43,6 +44,10 @@ MIDDLE, PER_NODE, PER_ATTRACTION = 128, 40.0, 32.0
 FADING = 0.85  # estimate: half is left after four nodes
 
 
+_POWERS = np.power(FADING, np.arange(40)).astype(np.float64)
+_PARTS = np.float32(2.0**23)  # of a node, which distances are multiples of
+
+
 @inlined
 def _changed(gain: float, per_unit: float) -> int:
     """Level of a gain: more than the middle is nearer, or more."""
@@ -50,84 +55,116 @@ def _changed(gain: float, per_unit: float) -> int:
 
 
 @kernel
-def _mean_gain(here: Float32Array, there: Float32Array, sample: Sample) -> float:
-    """By how much nearer `there` is to the sample than `here`, on average [node]."""
-    nodes, count = sample.nodes, sample.size[0]
+def _mean_gain(
+    here: Float32Array, table: Float32Array, row: int, nodes: Int32Array, size: int
+) -> float:
+    """By how much nearer the first `size` nodes are in a row of the table than `here` (place,).
+
+    On average [node]. The sum is one of whole numbers, which can be formed side by side: distances
+    are 0 or at least 1, and so float32 multiples of 2^-23.
+    """
+    total = np.int64(0)
+    for i in range(size):
+        nearer = here[i] - table[row, np.uint64(nodes[i])]
+        total += np.int64(nearer * _PARTS)
+    return float(total / 2.0**23 / max(1, size))
+
+
+@kernel
+def _nearest(table: Float32Array, row: int, nodes: Int32Array, size: int) -> float:
+    """Distance, in a row of a table, to the nearest of the first `size` nodes, or inf."""
+    shortest = np.float32(np.inf)
+    for i in range(size):
+        distance = table[row, np.uint64(nodes[i])]
+        shortest = distance if distance < shortest else shortest
+    return np.float64(shortest)
+
+
+@kernel
+def _attraction(distances: Float32Array, size: int) -> float:
+    """Sum of `FADING` to the power of each of the first `size` distances, rounded down."""
     total = 0.0
-    for i in range(count):
-        total += here[nodes[i]] - there[nodes[i]]
-    return float(total / max(1, count))
-
-
-@kernel
-def _own_node(row: Float32Array, kind: int, agent: int, sample: Sample) -> float:
-    """Distance to the nearest node of the sample that is this agent's, or inf."""
-    nodes, nearest, shortest = sample.nodes, sample.nearest, np.inf
-    for i in range(sample.size[0]):
-        if nearest[kind, i] == agent:
-            shortest = min(shortest, np.float64(row[nodes[i]]))
-    return shortest
-
-
-@kernel
-def _attraction(row: Float32Array, powers: NDArray[np.float64], sample: Sample) -> float:
-    """Sum of `FADING` to the power of each distance, rounded down, from a row of distances."""
-    nodes, total = sample.nodes, 0.0
-    for i in range(sample.size[0]):
-        distance = int(row[nodes[i]])
-        if distance < powers.size:
-            total += powers[distance]
+    for i in range(size):
+        distance = int(distances[i])
+        if distance < _POWERS.size:
+            total += _POWERS[distance]
     return total
 
 
-_POWERS = np.power(FADING, np.arange(40)).astype(np.float64)
-
-
 @kernel
+def _idleness_in_view(first: int, end: int, nodes: Int32Array, idle: NDArray[np.float64]) -> float:
+    """Sum of idleness of a list of nodes, in its order, on which rounding depends."""
+    total = 0.0
+    for i in range(first, end):
+        total += idle[np.uint64(nodes[i])]
+    return total
+
+
+@inlined
 def describe_moves(
     e: int,
-    agent: int,
     seen: Observation,
     arrays: TaskArrays,
     chart: Chart,
     fields: Fields,
     distances: Distances,
+    there: Float32Array,
     out: Levels,
 ) -> None:
-    """Fill the features (9, feature) of one agent's moves in row e."""
-    neighbours, moves, belief = arrays.neighbours, arrays.moves, seen.belief[e]
-    node, energy = seen.agent_node[e, agent], seen.energy_left[e, agent]
-    idle, way, unseen_way = fields.idle, fields.way, fields.unseen_way[agent]
+    """Fill the features (agent, 9, feature) of all agents' moves in row e.
+
+    Parameters
+    ----------
+    there : (MOST_SAMPLES,) memory
+    """
+    neighbours, belief, agent_node = arrays.neighbours, seen.belief[e], seen.agent_node[e]
+    targets, number, energy = arrays.targets, arrays.stride_number, seen.energy_left[e]
+    rows, cols, radius_number = arrays.rows, arrays.cols, arrays.radius_number
+    idle, way, unseen_way = fields.idle, fields.way, fields.unseen_way
     items, unseen, due = fields.some_items, fields.some_unseen, fields.some_due
-    radius, start, nodes = arrays.radius_number[agent], chart.views.start, chart.views.nodes
-    nobody, kind, disc = np.empty(0, np.int64), int(arrays.collects[agent]), chart.disc[radius]
-    here = distances_from(distances, neighbours, node).copy()
-    here_item = _own_node(here, kind, agent, items)
-    here_due = _own_node(here, kind, agent, due)
-    here_attraction = _attraction(here, _POWERS, items)
-    out[:] = 0
-    for move in range(9):
-        end, steps = free_move(
-            neighbours, nobody, -1, node, move, moves[agent], arrays.stay, arrays.shorten
-        )
-        if end < 0 or move_length(move, steps) > energy:
-            continue
-        in_view = 0.0
-        for i in range(start[radius, end], start[radius, end + 1]):
-            in_view += idle[nodes[i]]
-        out[move, 0] = TOP
-        out[move, 1] = item_level(belief[end])
-        out[move, 2] = _changed(way[node] - way[end] if way[node] < FAR else 0.0, PER_NODE)
-        out[move, 3] = np.uint8(TOP * min(1.0, in_view / disc))
-        gain = unseen_way[STAY] - unseen_way[move] if unseen_way[STAY] < FAR else 0.0
-        out[move, 4] = _changed(gain, PER_NODE)
-        there = distances_from(distances, neighbours, end)
-        out[move, 5] = _changed(_mean_gain(here, there, items), PER_NODE)
-        out[move, 6] = _changed(_mean_gain(here, there, unseen), PER_NODE)
-        gain = here_item - _own_node(there, kind, agent, items) if here_item < FAR else 0.0
-        out[move, 7] = _changed(gain, PER_NODE)
-        gain = _attraction(there, _POWERS, items) - here_attraction
-        out[move, 8] = _changed(gain, PER_ATTRACTION)
-        out[move, 9] = _changed(_mean_gain(here, there, due), PER_NODE)
-        gain = here_due - _own_node(there, kind, agent, due) if here_due < FAR else 0.0
-        out[move, 10] = _changed(gain, PER_NODE)
+    item_nodes, unseen_nodes, due_nodes = items.nodes, unseen.nodes, due.nodes
+    n_items, n_unseen, n_due = items.size[0], unseen.size[0], due.size[0]
+    own_items, own_due, n_own_items, n_own_due = items.own, due.own, items.owned, due.owned
+    own_item_way, own_due_way = items.own_way, due.own_way
+    item_here, unseen_here, due_here = items.here, unseen.here, due.here
+    start, nodes, disc = chart.views.start, chart.views.nodes, chart.disc
+    table, whole = distances.rows.distance, arrays.distances.shape[0] > 0
+    for a in range(agent_node.size):
+        node, radius = agent_node[a], radius_number[a]
+        attraction = _attraction(item_here[a], n_items)
+        for move in range(9):
+            end = legal_end(targets, number[a], rows, cols, node, move, energy[a])
+            if end < 0:
+                for feature in range(len(MOVE_FEATURES)):
+                    out[a, move, feature] = 0
+                continue
+            in_view = _idleness_in_view(start[radius, end], start[radius, end + 1], nodes, idle)
+            out[a, move, 0] = TOP
+            out[a, move, 1] = item_level(belief[end])
+            out[a, move, 3] = np.uint8(TOP * min(1.0, in_view / disc[radius]))
+            if move == STAY:  # nothing comes nearer
+                for feature in (2, 4, 5, 6, 7, 8, 9, 10):
+                    out[a, move, feature] = MIDDLE
+                continue
+            gain = way[node] - way[end] if way[node] < FAR else 0.0
+            out[a, move, 2] = _changed(gain, PER_NODE)
+            gain = unseen_way[a, STAY] - unseen_way[a, move] if unseen_way[a, STAY] < FAR else 0.0
+            out[a, move, 4] = _changed(gain, PER_NODE)
+            row = row_from(distances, whole, neighbours, end)
+            gain = _mean_gain(item_here[a], table, row, item_nodes, n_items)
+            out[a, move, 5] = _changed(gain, PER_NODE)
+            gain = _mean_gain(unseen_here[a], table, row, unseen_nodes, n_unseen)
+            out[a, move, 6] = _changed(gain, PER_NODE)
+            gain = 0.0
+            if n_own_items[a] > 0:
+                gain = own_item_way[a] - _nearest(table, row, own_items[a], n_own_items[a])
+            out[a, move, 7] = _changed(gain, PER_NODE)
+            measure(table, row, item_nodes, n_items, there)
+            gain = _attraction(there, n_items) - attraction
+            out[a, move, 8] = _changed(gain, PER_ATTRACTION)
+            gain = _mean_gain(due_here[a], table, row, due_nodes, n_due)
+            out[a, move, 9] = _changed(gain, PER_NODE)
+            gain = 0.0
+            if n_own_due[a] > 0:
+                gain = own_due_way[a] - _nearest(table, row, own_due[a], n_own_due[a])
+            out[a, move, 10] = _changed(gain, PER_NODE)

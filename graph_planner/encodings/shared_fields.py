@@ -5,9 +5,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
-from graph_planner.encodings.encoder import TOP, Levels
-from graph_planner.encodings.samples import Distances, Sample, take_sample
+from graph_planner.compiled import inlined, kernel
+from graph_planner.encodings.chart import COARSE, Chart
+from graph_planner.encodings.encoder import TOP, Levels, item_level
+from graph_planner.encodings.samples import (
+    Distances,
+    Sample,
+    choose_evenly,
+    measure,
+    row_from,
+    share_out,
+)
+from graph_planner.encodings.unseen import Unseen, list_nodes, nearest_is_itself
 from graph_planner.geodesics import (
     FAR,
     Float32Array,
@@ -21,106 +30,47 @@ from graph_planner.seeking import longest_move, possible_targets
 from graph_planner.task import Observation, Task, TaskArrays
 from graph_planner.visibility import NodeLists
 
-REACH = 7  # nodes to each side in the crop
-COARSE = 16  # cells per side of the coarse map
 MOST_ROWS = 300  # of the table of distances that are compared; beyond it a search is quicker
 # Nodes to look at again are those to which an item that was believed near them may have drifted
-# unseen. The three numbers are estimates.
+# unseen. The three numbers are estimates; DUE is in `unseen`.
 AGAIN_RADIUS = 4.0  # how far from the believed item [node]
 AGAIN_GROWTH = 4.0  # seeing one again counts in full from idleness 1 / AGAIN_GROWTH on
-DUE = 0.5  # from this level on it is due
-
-
-class Chart(NamedTuple):
-    """The map as the kernels here read it."""
-
-    framed: Int32Array  # (row + 2 REACH, column + 2 REACH) node of each cell, -1 on land
-    coarse: Int32Array  # (node,) cell of the coarse map
-    cell_nodes: Int32Array  # (COARSE^2,) nodes in each
-    water: Levels  # (COARSE^2,) level of the share of water
-    views: NodeLists
-    disc: NDArray[np.int64]  # (radius,) nodes in view on open water
-
-    @classmethod
-    def of(cls, task: Task) -> "Chart":
-        """The chart of a task's map."""
-        graph = task.graph
-        height, width = graph.shape
-        coarse = (graph.rows * COARSE // height) * COARSE + graph.cols * COARSE // width
-        cells = np.arange(height)[:, None] * COARSE // height * COARSE
-        cells = cells + np.arange(width)[None, :] * COARSE // width
-        area = np.bincount(cells.reshape(-1), minlength=COARSE**2)
-        nodes = np.bincount(coarse, minlength=COARSE**2)
-        discs = graph.discs(task.view_radii)
-        return cls(
-            framed=np.pad(graph.node_of_cell, REACH, constant_values=-1),
-            coarse=coarse.astype(np.int32),
-            cell_nodes=nodes.astype(np.int32),
-            water=(TOP * nodes // np.maximum(area, 1)).astype(np.uint8),
-            views=task.views,
-            disc=np.diff(discs.start, axis=1).max(axis=1).astype(np.int64),
-        )
+WAY_LEVELS = 2.0  # levels per node of distance: 0 from 127.5 nodes on
+IDLENESS, ITEMS, WAY, AGAIN = 0, 8, 16, 24  # where a node's levels stand in its 32 bits
 
 
 class Fields(NamedTuple):
     """What all agents of a row share; scratch memory, written for every row."""
 
     idle: NDArray[np.float64]  # (node,) idleness
+    again: NDArray[np.float64]  # (node,) 0-1: items were believed near, and it is long unseen
     way: Float32Array  # (node,) distance to the nearest known item [node], or inf
+    levels: NDArray[np.uint32]  # (node + 1,) four levels of each in 8 bits; of land, the last: 0
     targets: Int32Array  # (agent, 9) where moves would end, -1 if illegal; the last: its own node
     unseen_way: NDArray[np.float64]  # (agent, 9) from there to the nearest unseen node, or inf
-    unseen: Int32Array  # (node,) the first `n` are the nodes of idleness 1
-    again: NDArray[np.float64]  # (node,) 0-1: items were believed near, and it is long unseen
-    due: Int32Array  # (node,) the first `n` are nodes to look at again
-    cell_idle: NDArray[np.float64]  # (COARSE^2,) sum of idleness
-    cell_again: NDArray[np.float64]  # (COARSE^2,) sum of `again`
+    unseen: Unseen
     cell_items: NDArray[np.int64]  # (COARSE^2,) believed items
     some_items: Sample  # of the known nodes
     some_unseen: Sample  # of the nodes of idleness 1
     some_due: Sample  # of the nodes to look at again
 
     @classmethod
-    def of(cls, task: Task) -> "Fields":
+    def of(cls, task: Task, chart: Chart) -> "Fields":
         """Memory for a task."""
         nodes, agents = len(task.graph), len(task.fleet)
         return cls(
             idle=np.zeros(nodes),
+            again=np.zeros(nodes),
             way=np.zeros(nodes, np.float32),
+            levels=np.zeros(nodes + 1, np.uint32),
             targets=np.zeros((agents, 9), np.int32),
             unseen_way=np.zeros((agents, 9)),
-            unseen=np.zeros(nodes, np.int32),
-            again=np.zeros(nodes),
-            due=np.zeros(nodes, np.int32),
-            cell_idle=np.zeros(COARSE**2),
-            cell_again=np.zeros(COARSE**2),
+            unseen=Unseen.of(nodes, chart.places),
             cell_items=np.zeros(COARSE**2, np.int64),
-            some_items=Sample.empty(),
-            some_unseen=Sample.empty(),
-            some_due=Sample.empty(),
+            some_items=Sample.empty(agents),
+            some_unseen=Sample.empty(agents),
+            some_due=Sample.empty(agents),
         )
-
-
-@kernel
-def _ways(
-    neighbours: Int32Array,
-    table: Float32Array,
-    known: Int32Array,
-    workspace: Workspace,
-    way: Float32Array,
-) -> None:
-    """Distance of every node to the nearest known item: from the table, or by a search."""
-    way[:] = np.float32(np.inf)
-    if table.shape[0] > 0 and known.size <= MOST_ROWS:
-        for item in known:
-            row = table[item]
-            for node in range(way.size):
-                way[node] = row[node] if row[node] < way[node] else way[node]
-        return
-    distance, touched = workspace.distance, workspace.touched
-    count = spread(neighbours, known, np.empty(0, np.int32), workspace)
-    for i in range(count):
-        way[touched[i]] = np.float32(distance[touched[i]])
-        distance[touched[i]] = FAR
 
 
 @kernel
@@ -151,7 +101,107 @@ def remember_items(
                     near_item[e, nodes[k]] = True
 
 
+@inlined
+def way_level(distance: float) -> int:
+    """Level of a distance [node]: less the farther, 0 where there is no way."""
+    level = TOP - WAY_LEVELS * distance
+    return int(level if level > 0.0 else 0.0)
+
+
 @kernel
+def _age(
+    now: int,
+    last_seen: NDArray[np.int16],
+    forgetting: float,
+    near_item: NDArray[np.bool_],
+    idle: NDArray[np.float64],
+    again: NDArray[np.float64],
+) -> None:
+    """Idleness of every node, and how much it is to be looked at again."""
+    for node in range(idle.size):
+        age = (now - np.int64(last_seen[node])) * forgetting
+        idleness = 1.0 if age > 1.0 else age
+        grown = AGAIN_GROWTH * idleness
+        idle[node] = idleness
+        again[node] = (1.0 if grown > 1.0 else grown) if near_item[node] else 0.0
+
+
+@kernel
+def _ways(
+    neighbours: Int32Array,
+    table: Float32Array,
+    known: Int32Array,
+    workspace: Workspace,
+    way: Float32Array,
+) -> None:
+    """Distance of every node to the nearest known item: from the table, or by a search."""
+    way[:] = np.float32(np.inf)
+    if table.shape[0] > 0 and known.size <= MOST_ROWS:
+        for item in known:
+            row = table[item]
+            for node in range(way.size):
+                way[node] = row[node] if row[node] < way[node] else way[node]
+        return
+    distance, touched = workspace.distance, workspace.touched
+    count = spread(neighbours, known, np.empty(0, np.int32), workspace)
+    for i in range(count):
+        way[touched[i]] = np.float32(distance[touched[i]])
+        distance[touched[i]] = FAR
+
+
+@kernel
+def _level(
+    idle: NDArray[np.float64],
+    again: NDArray[np.float64],
+    way: Float32Array,
+    known: Int32Array,
+    belief: NDArray[np.int16],
+    levels: NDArray[np.uint32],
+) -> None:
+    """The four levels of every node in one number."""
+    for node in range(idle.size):
+        number = np.uint32(TOP * idle[node]) << IDLENESS
+        number |= np.uint32(way_level(np.float64(way[node]))) << WAY
+        levels[node] = number | np.uint32(TOP * again[node]) << AGAIN
+    for node in known:
+        levels[node] |= np.uint32(item_level(belief[node])) << ITEMS
+
+
+@kernel
+def _paint_coarse(
+    known: Int32Array,
+    belief: NDArray[np.int16],
+    chart: Chart,
+    idle: NDArray[np.float64],
+    again: NDArray[np.float64],
+    cell_items: NDArray[np.int64],
+    globe: Levels,
+) -> None:
+    """The whole map in COARSE x COARSE cells: the first four channels (channel, COARSE^2).
+
+    Sums go through the nodes of a cell in ascending order, as rounding depends on it.
+    """
+    coarse, start, nodes = chart.coarse, chart.start, chart.nodes
+    wet, water = chart.wet, chart.water
+    for i in range(wet.size):
+        cell, first, end = wet[i], start[i], start[i + 1]
+        sum_idle, sum_again = 0.0, 0.0
+        for k in range(first, end):
+            node = np.uint64(nodes[np.uint64(k)])
+            sum_idle += idle[node]
+            sum_again += again[node]
+        globe[0, cell] = water[i]
+        globe[1, cell] = np.uint8(TOP * min(1.0, sum_idle / (end - first)))
+        globe[2, cell] = 0
+        globe[3, cell] = np.uint8(TOP * min(1.0, sum_again / (end - first)))
+    for node in known:
+        cell_items[coarse[node]] = 0
+    for node in known:
+        cell_items[coarse[node]] += belief[node]
+        globe[2, coarse[node]] = item_level(cell_items[coarse[node]])
+
+
+@inlined
 def share_fields(
     e: int,
     seen: Observation,
@@ -160,45 +210,40 @@ def share_fields(
     near_item: NDArray[np.bool_],
     fields: Fields,
     distances: Distances,
+    globe: Levels,
 ) -> int:
     """Fill the fields of row e; the number of unseen nodes.
 
     Parameters
     ----------
     near_item : (node,) see `remember_items`
+    globe : (channel, COARSE^2) whose first four channels are filled
     """
-    idle, unseen, coarse = fields.idle, fields.unseen, chart.coarse
-    again, due, cell_again = fields.again, fields.due, fields.cell_again
-    cell_idle, cell_items = fields.cell_idle, fields.cell_items
-    last_seen, belief, now = seen.last_seen[e], seen.belief[e], seen.step[e] - 1
-    forgetting = arrays.forgetting
-    cell_idle[:] = 0.0
-    cell_again[:] = 0.0
-    cell_items[:] = 0
-    count, n_due = 0, 0
-    for node in range(idle.size):
-        idle[node] = min(1.0, (now - np.int64(last_seen[node])) * forgetting)
-        again[node] = min(1.0, AGAIN_GROWTH * idle[node]) if near_item[node] else 0.0
-        cell_idle[coarse[node]] += idle[node]
-        cell_again[coarse[node]] += again[node]
-        cell_items[coarse[node]] += belief[node]
-        if idle[node] >= 1.0:
-            unseen[count] = node
-            count += 1
-        if again[node] >= DUE:
-            due[n_due] = node
-            n_due += 1
-    neighbours, table, targets = arrays.neighbours, arrays.distances, fields.targets
-    agent_node, known = seen.agent_node[e], seen.known[e, : seen.n_known[e]]
-    workspace = distances.workspace
-    _ways(neighbours, table, known, workspace, fields.way)
+    idle, again, way, targets = fields.idle, fields.again, fields.way, fields.targets
+    items, some_unseen, some_due = fields.some_items, fields.some_unseen, fields.some_due
+    agent_node, belief, known = seen.agent_node[e], seen.belief[e], seen.known[e, : seen.n_known[e]]
+    neighbours, table, unseen = arrays.neighbours, arrays.distances, fields.unseen
+    _age(seen.step[e] - 1, seen.last_seen[e], arrays.forgetting, near_item, idle, again)
+    _ways(neighbours, table, known, distances.workspace, way)
+    _level(idle, again, way, known, belief, fields.levels)
+    _paint_coarse(known, belief, chart, idle, again, fields.cell_items, globe)
+    count, on_edge, due = list_nodes(idle, again, chart.place, chart.width, unseen)
     possible_targets(arrays, agent_node, targets)
     targets[:, STAY] = agent_node
-    slack = longest_move(arrays.moves)
+    edge, slack = unseen.edge[:on_edge], longest_move(arrays.moves)
     distances_to_nearest(
-        neighbours, table, unseen[:count], agent_node, targets, slack, workspace, fields.unseen_way
+        neighbours, table, edge, agent_node, targets, slack, distances.workspace, fields.unseen_way
     )
-    take_sample(known, agent_node, arrays, distances, fields.some_items)
-    take_sample(unseen[:count], agent_node, arrays, distances, fields.some_unseen)
-    take_sample(due[:n_due], agent_node, arrays, distances, fields.some_due)
+    nearest_is_itself(idle, targets, fields.unseen_way)
+    choose_evenly(known, known.size, items)
+    choose_evenly(unseen.nodes, count, some_unseen)
+    choose_evenly(unseen.due, due, some_due)
+    rows, whole = distances.rows.distance, table.shape[0] > 0
+    for a in range(agent_node.size):
+        row = row_from(distances, whole, neighbours, agent_node[a])
+        measure(rows, row, items.nodes, items.size[0], items.here[a])
+        measure(rows, row, some_unseen.nodes, some_unseen.size[0], some_unseen.here[a])
+        measure(rows, row, some_due.nodes, some_due.size[0], some_due.here[a])
+    share_out(arrays.collects, items)
+    share_out(arrays.collects, some_due)
     return count

@@ -1,6 +1,7 @@
 """Speeds of environments and training for `mjforage bench`, per CPU second of one core."""
 
 import time
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -14,13 +15,20 @@ STEPS = 150
 ROUNDS = 2
 UPDATES = 40
 OBSERVATIONS = ("paper", "egocentric")
+MORE_ENVS = 64
+HANDED_OUT: dict[str, dict[str, Any]] = {
+    "float32": {},
+    "float32_reused": {"copy": False},
+    "uint8": {"dtype": "uint8"},
+    "uint8_reused": {"dtype": "uint8", "copy": False},
+}
 SMALL = {"num_envs": 8, "warmup": 500, "explore_updates": 100}
 
 
-def _observed_per_s(kind: str) -> float:
-    """Agent observations of the vector environment with random actions."""
+def _env_steps_per_s(num_envs: int, **options: Any) -> tuple[float, int]:
+    """Environment steps of the vector environment with random actions, and its agents."""
     env = gymnasium.make_vec(
-        "mjforage/Foraging-v0", num_envs=ENVS, scenario="published", observation=kind
+        "mjforage/Foraging-v0", num_envs=num_envs, scenario="published", **options
     )
     env.reset(seed=0)
     shape = env.action_space.shape or ()
@@ -31,17 +39,28 @@ def _observed_per_s(kind: str) -> float:
         env.step(action)
     spent = time.process_time() - started
     env.close()
-    return float(STEPS * actions[0].size / spent)
+    return float(STEPS * num_envs / spent), shape[-1]
+
+
+def _environment_speeds() -> dict[str, float]:
+    figures = {}
+    for kind in OBSERVATIONS:
+        steps, agents = _env_steps_per_s(ENVS, observation=kind)
+        figures[f"env_obs_steps_per_core_s_{kind}"] = steps * agents
+    for name, options in HANDED_OUT.items():
+        figures[f"env_steps_per_core_s_{name}"], _ = _env_steps_per_s(MORE_ENVS, **options)
+    return figures
 
 
 def learning_speeds() -> dict[str, float]:
     """Key -> number.
 
-    `env_obs_steps_per_core_s_<kind>`: agent observations; `ddqn_updates_per_s`: updates of one
-    team's network, draw and priorities included; `ddqn_share_<part>`: of the time of training on
-    the published scenario.
+    `env_obs_steps_per_core_s_<kind>`: agent observations; `env_steps_per_core_s_<how>`: environment
+    steps of 64 sub-environments with egocentric observations, by how these are handed out;
+    `ddqn_updates_per_s`: updates of one team's network, draw and priorities included;
+    `ddqn_share_<part>`: of the time of training on the published scenario.
     """
-    figures = {f"env_obs_steps_per_core_s_{kind}": _observed_per_s(kind) for kind in OBSERVATIONS}
+    figures = _environment_speeds()
     trainer = Trainer([load_scenario("published")], changed(Hyperparameters(), SMALL))
     trainer.play_round()  # compiles, and fills the replay
     for part in trainer.clock.seconds:

@@ -205,6 +205,8 @@ def _memories(large: tuple[tuple[int, int], int]) -> dict[str, float]:
 def _learning_unit(key: str) -> str:
     if "obs_steps" in key:
         return "agent observations per CPU second of one core, environment included"
+    if "env_steps" in key:
+        return "environment steps per CPU second of one core, observations included"
     if "updates" in key:
         return "updates of one team's network per CPU second of one core"
     return "of the time of training"

@@ -12,9 +12,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
+import gymnasium
 import numba
 import numpy as np
 
+import mjforage  # noqa: F401  registers the environments
 from graph_planner.policies import create_policy
 from mjforage.core.mission import Mission
 from mjforage.core.scenario_file import load_scenario
@@ -25,6 +27,7 @@ from mjforage.runs.evaluate import evaluate
 HASHES = 1_000_000
 EVALUATED = 400  # episodes of a call
 HORIZON = 20  # decisions with hulls
+ENV_STEPS = 50  # of the vector environment in a call
 
 
 def _hash(count: int) -> np.uint64:
@@ -76,11 +79,25 @@ def _hulls() -> Callable[[], float]:
     return work
 
 
+def _environment(num_envs: int) -> Callable[[], float]:
+    """The vector environment with egocentric observations and random actions."""
+    env: Any = gymnasium.make_vec("mjforage/Foraging-v0", num_envs=num_envs, scenario="comb-port")
+    actions = np.random.default_rng(0).integers(0, 9, (ENV_STEPS, *env.action_space.shape))
+
+    def work() -> float:
+        env.reset(seed=0)
+        for action in actions:
+            env.step(action)
+        return float(num_envs * ENV_STEPS)
+
+    return work
+
+
 NAMES = (
     "hashing",
     *("random, 400 episodes", "random, 100 episodes", "random, 1 episode"),
     *("greedy, 400 episodes", "greedy, 100 episodes", "levy, 100 episodes"),
-    *("evaluate", "physics"),
+    *("environment, 64 episodes", "evaluate", "physics"),
 )
 """Workloads: a policy and the episodes of its batch at graph level, or one of the others."""
 
@@ -88,6 +105,8 @@ NAMES = (
 def _made(name: str) -> Callable[[], float]:
     """A piece of work, which returns how many steps (or hashes) it was."""
     policy, _, batch = name.partition(", ")
+    if policy == "environment":
+        return _environment(int(batch.split()[0]))
     if batch:
         return _steps(policy, int(batch.split()[0]))
     return _hulls() if name == "physics" else {"hashing": _hashing, "evaluate": _evaluation}[name]

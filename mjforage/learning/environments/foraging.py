@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from mjforage.learning.environments.checks import checked_moves
 from mjforage.learning.environments.options import EnvironmentArguments
 from mjforage.learning.environments.single import METADATA, SingleEnvironment, summed
-from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, values
+from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, shown
 
 
 class ForagingEnv(SingleEnvironment, gymnasium.Env[Pictures, NDArray[np.int64]]):
@@ -43,7 +43,7 @@ class ForagingEnv(SingleEnvironment, gymnasium.Env[Pictures, NDArray[np.int64]])
     def __init__(self, **arguments: Unpack[EnvironmentArguments]) -> None:
         SingleEnvironment.__init__(self, arguments)
         agents = self._game.agents
-        self.observation_space = picture_space(self._game.shapes, (agents,))
+        self.observation_space = picture_space(self._game.shapes, (agents,), self._dtype)
         self.action_space = gymnasium.spaces.MultiDiscrete([9] * agents)
 
     def reset(
@@ -52,14 +52,14 @@ class ForagingEnv(SingleEnvironment, gymnasium.Env[Pictures, NDArray[np.int64]])
         """Start the next episode; with a seed, the first one of that seed."""
         super().reset(seed=seed)
         self._start(seed, self.np_random)
-        return self._observed(), self._game.facts()
+        return self._observed(), self._game.fact()
 
     def step(self, action: NDArray[np.int64]) -> tuple[Pictures, float, bool, bool, dict[str, Any]]:
         """One decision of the fleet; raises `UserError` where the action is not of its space."""
         moves = checked_moves(action, (self._game.agents,))
         reward, ended, late, info = summed(self._play(moves))
-        return self._observed(), reward, ended, late, self._game.facts() | info
+        return self._observed(), reward, ended, late, self._game.fact() | info
 
     def _observed(self) -> Pictures:
-        seen: Pictures = {name: values(level) for name, level in self._seen().items()}
+        seen: Pictures = {name: shown(level, self._dtype) for name, level in self._seen().items()}
         return {**seen, MASK: self._game.masks[0]}

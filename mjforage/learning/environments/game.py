@@ -1,6 +1,7 @@
 """A batch of episodes that start and end on their own: what all foraging environments view."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,10 +102,11 @@ class Game:
         """
         mission, played = self.mission, self.mission.active.copy()
         wanted = preferences.argmax(axis=-1) if wanted is None else wanted
-        taken = mission.decide(preferences).direction
-        illegal = ((taken != wanted) & played[:, None]).sum(axis=1)
         self._terms.before(mission)
         mission.advance(preferences)
+        assert mission.moves is not None, "a mission that has advanced has moved"
+        taken = mission.moves.direction
+        illegal = ((taken != wanted) & played[:, None]).sum(axis=1)
         raw = self._terms.after(mission, played)
         terms = {name: self._weights[name] * value for name, value in raw.items()}
         rewards = sum(terms.values(), np.zeros(taken.shape))
@@ -124,7 +126,7 @@ class Game:
         """(env, agent, 9) 1 where a move is legal whatever the others choose."""
         seen = self.mission.observation
         legal = legal_moves(self.setup.task, seen.agent_node, seen.energy_left)
-        return legal.astype(np.int8)
+        return legal.view(np.int8)
 
     def see(self, envs: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
         """Levels (env, agent, ...) of the observation; live, only `envs` are of this moment.
@@ -141,14 +143,16 @@ class Game:
             for name, level in self._encoder.see(held, rows).items()
         }
 
-    def facts(self, env: int = 0) -> dict[str, float]:
-        """Shares of a sub-environment's items discovered and removed so far [%], and its step."""
-        entries, total = self.mission.ledger.entries, self.n_items[env]
-        return {
-            "step": int(self.mission.step[env]),
-            "pta_d": 100.0 * int((entries.t_discovered[env] >= 0).sum()) / int(total),
-            "pta_c": 100.0 * int((entries.t_collected[env] >= 0).sum()) / int(total),
-        }
+    def facts(self) -> dict[str, NDArray[Any]]:
+        """Steps (env,) made, and shares (env,) of items discovered and removed so far [%]."""
+        entries, shares = self.mission.ledger.entries, {}
+        for name, when in (("pta_d", entries.t_discovered), ("pta_c", entries.t_collected)):
+            shares[name] = 100.0 * np.count_nonzero(when >= 0, axis=1) / self.n_items
+        return {"step": self.mission.step.astype(np.int64), **shares}
+
+    def fact(self) -> dict[str, float]:
+        """The same of the first sub-environment, as plain numbers."""
+        return {name: values[0].item() for name, values in self.facts().items()}
 
 
 class Episodes:

@@ -10,6 +10,7 @@ from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 from mjforage.learning.environments.rewards import PUBLISHED, checked_weights
+from mjforage.learning.environments.spaces import DTYPES
 from mjforage.physics.worlds import WORLDS
 
 
@@ -23,6 +24,7 @@ class EnvironmentArguments(TypedDict, total=False):
     map: str | None
     set: Sequence[str]
     render_mode: str | None
+    dtype: str
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,7 @@ class EnvironmentOptions:
     reward : reference to a term -> weight, see `rewards`; absent: the published weights
     map : replaces the scenario's grid: a name, generated harbour, CSV or image
     set : overrides KEY=VALUE of the scenario
+    dtype : "float32", values in [0, 1], or "uint8", levels that a learner divides by 255 itself
 
     Raises
     ------
@@ -51,12 +54,15 @@ class EnvironmentOptions:
     map: str | None = None
     set: Sequence[str] = ()
     render_mode: str | None = None
+    dtype: str = "float32"
     setup: Setup = field(init=False)
     weights: dict[str, float] = field(init=False)
 
     def __post_init__(self) -> None:
         if self.world not in WORLDS:
             raise UserError(f"world = {self.world!r}: unknown; choose {', '.join(WORLDS)}")
+        if self.dtype not in DTYPES:
+            raise UserError(f"dtype = {self.dtype!r}: unknown; choose {', '.join(DTYPES)}")
         object.__setattr__(self, "observation", encoder_label(self.observation))
         scenario = self.scenario
         if isinstance(scenario, str):

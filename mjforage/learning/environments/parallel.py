@@ -13,7 +13,7 @@ from mjforage.core.errors import UserError
 from mjforage.learning.environments.checks import checked_moves, checked_started
 from mjforage.learning.environments.options import EnvironmentArguments
 from mjforage.learning.environments.single import METADATA, SingleEnvironment
-from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, values
+from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, shown
 from mjforage.learning.environments.state import Picture, state_of, state_space
 
 
@@ -50,7 +50,7 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Pictures, int]):  
     ) -> dict[str, tuple[gymnasium.spaces.Space[Pictures], gymnasium.spaces.Discrete]]:
         shapes = self._game.shapes
         return {
-            agent: (picture_space(shapes), gymnasium.spaces.Discrete(9))
+            agent: (picture_space(shapes, (), self._dtype), gymnasium.spaces.Discrete(9))
             for agent in self.possible_agents
         }
 
@@ -123,13 +123,13 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Pictures, int]):  
         return chosen
 
     def _observed(self, agents: list[str]) -> tuple[dict[str, Pictures], dict[str, dict[str, Any]]]:
-        levels, masks, facts = self._seen(), self._game.masks[0], self._game.facts()
+        levels, masks, facts = self._seen(), self._game.masks[0], self._game.fact()
         observations: dict[str, Pictures] = {}
         infos: dict[str, dict[str, Any]] = {}
         nothing = {f"reward/{name}": 0.0 for name in self._game.options.weights}
         for i, agent in enumerate(self.possible_agents):
             if agent in agents:
-                seen: Pictures = {name: values(level[i]) for name, level in levels.items()}
+                seen: Pictures = {n: shown(level[i], self._dtype) for n, level in levels.items()}
                 observations[agent] = {**seen, MASK: masks[i].copy()}
                 infos[agent] = {**nothing, **facts}
         return observations, infos

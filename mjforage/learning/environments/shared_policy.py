@@ -12,7 +12,7 @@ from mjforage.learning.environments.checks import checked_moves, checked_started
 from mjforage.learning.environments.game import CHOSEN, OTHERWISE_STAY
 from mjforage.learning.environments.options import EnvironmentArguments
 from mjforage.learning.environments.single import METADATA, SingleEnvironment, summed
-from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, values
+from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, shown
 
 
 class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Pictures, np.int64]):
@@ -37,7 +37,7 @@ class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Pictures, np.int64]):
         SingleEnvironment.__init__(self, arguments)
         self._claimed = np.zeros(len(self._game.setup.graph), np.int64)
         self._round = 0
-        self.observation_space = picture_space(self._game.shapes)
+        self.observation_space = picture_space(self._game.shapes, (), self._dtype)
         self.action_space = gymnasium.spaces.Discrete(9)
 
     def reset(
@@ -90,8 +90,9 @@ class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Pictures, np.int64]):
         self._claimed[target] = self._round
 
     def _info(self) -> dict[str, Any]:
-        return {"agent": self._turn, **self._game.facts()}
+        return {"agent": self._turn, **self._game.fact()}
 
     def _observed(self) -> Pictures:
-        seen: Pictures = {name: values(level[self._turn]) for name, level in self._levels.items()}
+        turn, dtype = self._turn, self._dtype
+        seen: Pictures = {name: shown(level[turn], dtype) for name, level in self._levels.items()}
         return {**seen, MASK: self.action_masks().astype(np.int8)}

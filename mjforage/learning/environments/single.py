@@ -28,7 +28,7 @@ class SingleEnvironment:
 
     def __init__(self, arguments: EnvironmentArguments) -> None:
         options = EnvironmentOptions(**arguments)
-        self.render_mode = options.render_mode
+        self.render_mode, self._dtype = options.render_mode, options.dtype
         self._game = Game(options)
         self._episodes = Episodes()
         self._picture = Picture() if options.render_mode else None

@@ -18,7 +18,7 @@ from mjforage.learning.environments.options import EnvironmentArguments, Environ
 from mjforage.learning.environments.pictures import Picture
 from mjforage.learning.environments.screen import check_mode
 from mjforage.learning.environments.single import METADATA
-from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, values
+from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, shown, values
 
 MODES = ["rgb_array"]
 
@@ -35,6 +35,8 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         and returns the new episode's first observation, with reward 0), `SAME_STEP` (the new first
         observation comes at once; the last of the old episode is `info["final_obs"]`), or
         `DISABLED` (nothing starts again but by `reset(options={"reset_mask": chosen})`)
+    copy : whether every observation is in memory of its own; otherwise the next `step` or `reset`
+        may overwrite it, which is quicker
     """
 
     metadata: ClassVar[dict[str, Any]] = METADATA | {"render_modes": MODES}  # type: ignore[misc]
@@ -43,6 +45,7 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         self,
         num_envs: int = 1,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        copy: bool = True,
         **arguments: Unpack[EnvironmentArguments],
     ) -> None:
         if num_envs < 1:
@@ -59,8 +62,10 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         self._episodes = [Episodes() for _ in range(num_envs)]
         self._ended = np.zeros(num_envs, np.bool_)
         self._pictures = [Picture(env) for _, env in self._where] if self.render_mode else []
-        agents = self._games[0].agents
-        self.single_observation_space = picture_space(self._games[0].shapes, (agents,))
+        agents, shapes = self._games[0].agents, self._games[0].shapes
+        self._dtype, self._copy = options.dtype, copy
+        self._values: dict[str, NDArray[np.float32]] = {}  # of the last observation, to be reused
+        self.single_observation_space = picture_space(shapes, (agents,), options.dtype)
         self.single_action_space = spaces.MultiDiscrete([9] * agents)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -118,12 +123,12 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         moves = checked_moves(actions, (self.num_envs, self._games[0].agents), "actions")
         again = self._ended.copy() if self.autoreset_mode is AutoresetMode.NEXT_STEP else None
         parts = self._play(moves)
-        rewards = np.concatenate([part.rewards.sum(axis=1) for part in parts])
-        terminated = np.concatenate([part.terminated for part in parts])
-        truncated = np.concatenate([part.truncated for part in parts])
-        info: dict[str, Any] = {"illegal": np.concatenate([part.illegal for part in parts])}
+        rewards = _joined([part.rewards.sum(axis=1) for part in parts])
+        terminated = _joined([part.terminated for part in parts])
+        truncated = _joined([part.truncated for part in parts])
+        info: dict[str, Any] = {"illegal": _joined([part.illegal for part in parts])}
         for name in parts[0].terms:
-            info[f"reward/{name}"] = np.concatenate([p.terms[name].sum(axis=1) for p in parts])
+            info[f"reward/{name}"] = _joined([part.terms[name].sum(axis=1) for part in parts])
         self._ended |= terminated | truncated
         if again is not None and again.any():
             self._start(np.flatnonzero(again), [None] * self.num_envs)
@@ -132,7 +137,7 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         info |= self._facts()
         over = terminated | truncated
         if self.autoreset_mode is AutoresetMode.SAME_STEP and over.any():
-            info |= {"final_obs": self._observed(), "_final_obs": over.copy()}
+            info |= {"final_obs": self._observed(True), "_final_obs": over.copy()}
             info |= {"final_info": self._facts(), "_final_info": over.copy()}
             self._start(np.flatnonzero(over), [None] * self.num_envs)
         return self._observed(), rewards, terminated, truncated, info
@@ -164,16 +169,31 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
             if self._pictures:
                 self._pictures[i].see(self._games[self._where[i][0]].mission)
 
-    def _observed(self) -> Pictures:
+    def _observed(self, copy: bool = False) -> Pictures:
+        """Of all sub-environments; in new memory if `copy`, or if the user wants it always."""
         parts = [game.see(np.arange(game.num_envs)) for game in self._games]
-        seen: Pictures = {
-            name: values(np.concatenate([part[name] for part in parts])) for name in parts[0]
-        }
-        return {**seen, MASK: np.concatenate([game.masks for game in self._games])}
+        seen: Pictures = {}
+        for name in parts[0]:
+            seen[name] = self._shown(name, _joined([part[name] for part in parts]), copy)
+        return {**seen, MASK: _joined([game.masks for game in self._games])}
+
+    def _shown(self, name: str, levels: NDArray[np.uint8], copy: bool) -> NDArray[Any]:
+        if copy or self._copy:
+            return shown(levels, self._dtype)
+        if self._dtype == "uint8":
+            return levels
+        if name not in self._values:
+            self._values[name] = np.empty(levels.shape, np.float32)
+        return values(levels, self._values[name])
 
     def _facts(self) -> dict[str, Any]:
-        facts = [self._games[game].facts(env) for game, env in self._where]
-        return {name: np.array([fact[name] for fact in facts]) for name in facts[0]}
+        facts = [game.facts() for game in self._games]
+        return {name: _joined([fact[name] for fact in facts]) for name in facts[0]}
+
+
+def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
+    """What each game has, one after the other; that of a single game as it is."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def _checked_mode(mode: object) -> AutoresetMode:

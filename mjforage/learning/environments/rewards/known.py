@@ -74,7 +74,7 @@ class RewardTerms:
 
     def before(self, mission: Mission) -> None:
         """Take a copy of what the next state is compared with; call before every step."""
-        self._before = Before.of(mission)
+        self._before: Before = Before.of(mission, getattr(self, "_before", None))
 
     def after(self, mission: Mission, played: NDArray[np.bool_]) -> dict[str, Amounts]:
         """Terms of the step just made: name -> (episode, agent), 0 for episodes not played.

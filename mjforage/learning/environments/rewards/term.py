@@ -1,6 +1,6 @@
 """What a term of the reward is: a class that gives a number per agent after every step."""
 
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,16 +23,22 @@ class Before(NamedTuple):
     n_known: Int32Array  # (episode,)
 
     @classmethod
-    def of(cls, mission: Mission) -> "Before":
-        """A copy of what the next state is compared with."""
+    def of(cls, mission: Mission, memory: "Before | None" = None) -> "Before":
+        """A copy of what the next state is compared with; in memory of its size if there is any."""
         known = mission.knowledge
-        return cls(
-            known.belief.copy(),
-            known.last_seen.copy(),
-            mission.state.agent_node.copy(),
-            known.known.copy(),
-            known.n_known.copy(),
+        live: tuple[NDArray[Any], ...] = (
+            known.belief,
+            known.last_seen,
+            mission.state.agent_node,
+            known.known,
+            known.n_known,
         )
+        if memory is None or memory.belief.shape != known.belief.shape:
+            return cls._make(array.copy() for array in live)
+        kept: tuple[NDArray[Any], ...] = memory
+        for own, array in zip(kept, live, strict=True):
+            np.copyto(own, array)
+        return memory
 
 
 class Step(Once):
@@ -41,7 +47,7 @@ class Step(Once):
     Attributes
     ----------
     mission : Mission after the step; its arrays are live, and nobody writes to them
-    before : what was known before it, and where the agents were
+    before : what was known before it, and where the agents were; of this step only
     task : Task, the map and the fleet
     workspace : room for searches of the map
     """

@@ -11,37 +11,55 @@ from mjforage.learning.environments.rewards.term import Amounts, Step
 
 
 @kernel
-def _in_view(
+def _belief_changed(
     agent_node: Int32Array,
     views: NodeLists,
     radius_number: NDArray[np.int64],
-    worth: Amounts,
-    shared: bool,
+    before: NDArray[np.int16],
+    after: NDArray[np.int16],
     out: Amounts,
 ) -> None:
-    """Sum of what each node in view is worth (episode, node), by agent; maybe shared."""
+    """Sum of the changes (episode, node) in view, by agent, each shared by all who have it."""
     start, nodes = views.start, views.nodes
-    viewers = np.zeros(worth.shape[1], np.int64)
+    viewers = np.zeros(after.shape[1], np.int64)
     for e in range(agent_node.shape[0]):
-        if shared:
-            viewers[:] = 0
+        for add in (1, 0):
             for a in range(radius_number.size):
-                radius, node = radius_number[a], agent_node[e, a]
+                radius, node, total = radius_number[a], agent_node[e, a], 0.0
                 for i in range(start[radius, node], start[radius, node + 1]):
-                    viewers[nodes[i]] += 1
+                    seen = np.uint64(nodes[i])
+                    if add:
+                        viewers[seen] += 1
+                    elif after[e, seen] != before[e, seen]:
+                        total += np.abs(after[e, seen] - before[e, seen]) / viewers[seen]
+                out[e, a] = total
+        for a in range(radius_number.size):
+            radius, node = radius_number[a], agent_node[e, a]
+            for i in range(start[radius, node], start[radius, node + 1]):
+                viewers[np.uint64(nodes[i])] = 0
+
+
+@kernel
+def _idleness_ended(
+    agent_node: Int32Array,
+    views: NodeLists,
+    radius_number: NDArray[np.int64],
+    collects: NDArray[np.bool_],
+    step: Int32Array,
+    last_seen: NDArray[np.int16],
+    forgetting: float,
+    out: Amounts,
+) -> None:
+    """Sum of idleness before the look (episode, node) in view, by agent; 0 of those who collect."""
+    start, nodes = views.start, views.nodes
+    for e in range(agent_node.shape[0]):
         for a in range(radius_number.size):
             radius, node, total = radius_number[a], agent_node[e, a], 0.0
-            for i in range(start[radius, node], start[radius, node + 1]):
-                value = worth[e, nodes[i]]
-                total += value / viewers[nodes[i]] if shared else value
+            if not collects[a]:
+                for i in range(start[radius, node], start[radius, node + 1]):
+                    unseen_for = step[e] - np.int64(last_seen[e, np.uint64(nodes[i])])
+                    total += min(1.0, unseen_for * forgetting)
             out[e, a] = total
-
-
-def _seen(step: Step, worth: Amounts, shared: bool) -> Amounts:
-    task, agent_node = step.task, step.mission.state.agent_node
-    out = np.empty(agent_node.shape)
-    _in_view(agent_node, task.views, task.radius_number, worth, shared, out)
-    return out
 
 
 @reward("belief")
@@ -50,8 +68,11 @@ class BeliefChanged:
 
     def __call__(self, step: Step) -> Amounts:
         """(episode, agent) [item]."""
-        change = np.abs(step.mission.knowledge.belief - step.before.belief).astype(np.float64)
-        return _seen(step, change, shared=True)
+        task, at = step.task, step.mission.state.agent_node
+        beliefs = step.before.belief, step.mission.knowledge.belief
+        out = np.empty(at.shape)
+        _belief_changed(at, task.views, task.radius_number, *beliefs, out)
+        return out
 
 
 @reward("idleness")
@@ -60,7 +81,9 @@ class IdlenessEnded:
 
     def __call__(self, step: Step) -> Amounts:
         """(episode, agent) [node of idleness 1]."""
-        unseen_for = step.mission.step[:, None] - step.before.last_seen.astype(np.int64)
-        idle = np.minimum(1.0, unseen_for * step.task.forgetting)
-        looks = (~step.task.fleet.collects).astype(np.float64)
-        return _seen(step, idle, shared=False) * looks
+        task, at = step.task, step.mission.state.agent_node
+        about = task.views, task.radius_number, task.fleet.collects
+        out = np.empty(at.shape)
+        last_seen = step.before.last_seen
+        _idleness_ended(at, *about, step.mission.step, last_seen, task.forgetting, out)
+        return out

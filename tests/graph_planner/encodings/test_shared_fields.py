@@ -1,0 +1,136 @@
+"""What agents share in the egocentric encoding, against plain numpy over random states."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from graph_planner.encodings.chart import Chart
+from graph_planner.encodings.egocentric import Egocentric
+from graph_planner.encodings.masks import legal_moves, legal_of_agent
+from graph_planner.encodings.move_features import MIDDLE
+from graph_planner.encodings.samples import MOST_SAMPLES, Sample, choose_evenly, share_out
+from graph_planner.encodings.unseen import Unseen, list_nodes
+from graph_planner.fleet import Role
+from graph_planner.moves import MoveRules
+from graph_planner.navigation import STAY, navigation_graph
+from tests.graph_planner.charts import grid
+from tests.graph_planner.driver import observation_of, task_of
+
+HARBOUR = grid("..........", ".####.###.", "..........", ".#.#######", "..........", "...#....#.")
+GRAPH = navigation_graph(HARBOUR, 1.0, False)
+SCOUTS, FORAGERS = Role(2, 2, 4.0, False), Role(2, 1, 1.0, True)
+TASK = task_of(GRAPH, scouts=SCOUTS, foragers=FORAGERS)
+NODES, ROW = len(GRAPH), np.zeros(1, np.int64)
+seeds = st.integers(0, 2**32 - 1)
+
+
+@given(seeds, st.sampled_from([0.0, 0.1, 0.5, 0.9, 1.0]))
+def test_lists_of_unseen_nodes_and_of_their_edge(seed: int, share: float) -> None:
+    random = np.random.default_rng(seed)
+    fresh = random.random(NODES) < share
+    idle = np.where(fresh, 1.0, random.random(NODES) * 0.99)
+    again = random.choice([0.0, 0.49, 0.5, 1.0], NODES)
+    chart = Chart.of(TASK)
+    lists = Unseen.of(NODES, chart.places)
+    counts = list_nodes(idle, again, chart.place, chart.width, lists)
+    near = [
+        any(
+            not fresh[other]
+            and max(abs(GRAPH.rows[n] - GRAPH.rows[other]), abs(GRAPH.cols[n] - GRAPH.cols[other]))
+            == 1
+            for other in range(NODES)
+        )
+        for n in range(NODES)
+    ]
+    expected = fresh, fresh & np.array(near), again >= 0.5
+    for found, count, chosen in zip(
+        (lists.nodes, lists.edge, lists.due), counts, expected, strict=True
+    ):
+        assert found[:count].tolist() == np.flatnonzero(chosen).tolist()
+
+
+@given(seeds, st.sampled_from([0.05, 0.5, 0.95, 1.0]))
+def test_gains_towards_the_unseen_by_all_unseen_nodes(seed: int, share: float) -> None:
+    """The encoding searches only their edge."""
+    random = np.random.default_rng(seed)
+    fresh = random.random(NODES) < share
+    last_seen = np.where(fresh, -32768, 30).astype(np.int16)
+    nodes = random.choice(NODES, 4, replace=False)
+    cells = [(int(GRAPH.rows[n]), int(GRAPH.cols[n])) for n in nodes]
+    view = Egocentric(TASK)
+    view.reset(1)
+    moves = view.see(observation_of(TASK, cells, {}, last_seen, step=31), ROW)["moves"][0]
+    distance = GRAPH.distances
+    for a, node in enumerate(nodes):
+        for move in range(9):
+            end = TASK.arrays.targets[TASK.arrays.stride_number[a], node, move]
+            if end < 0:
+                assert not moves[a, move].any()
+                continue
+            gain = gains = 0.0
+            if fresh.any():
+                gain = distance[node, fresh].min() - distance[end, fresh].min()
+                gains = (distance[node, fresh] - distance[end, fresh]).mean()
+            assert moves[a, move, 4] == int(np.clip(MIDDLE + 40 * gain, 0, 255))
+            assert moves[a, move, 6] == pytest.approx(np.clip(MIDDLE + 40 * gains, 0, 255), abs=1)
+
+
+@given(seeds, st.integers(0, 3 * MOST_SAMPLES))
+def test_a_sample_is_shared_out_to_the_nearest_of_each_kind(seed: int, count: int) -> None:
+    random = np.random.default_rng(seed)
+    candidates = random.permutation(1000)[:count].astype(np.int32)
+    sample, collects = Sample.empty(5), np.array([False, True, False, True, True])
+    choose_evenly(candidates, count, sample)
+    size = sample.size[0]
+    assert size == min(count, MOST_SAMPLES)
+    assert sample.nodes[:size].tolist() == [candidates[i * count // size] for i in range(size)]
+    sample.here[:] = random.integers(0, 6, sample.here.shape)
+    sample.here[random.random(sample.here.shape) < 0.2] = np.inf
+    share_out(collects, sample)
+    for a in range(5):
+        kind = np.flatnonzero(collects == collects[a])
+        here = sample.here[:, :size]
+        first = kind[here[kind].argmin(axis=0)] == a  # the first of equals
+        own = first & np.isfinite(here[a])
+        assert sample.own[a, : sample.owned[a]].tolist() == sample.nodes[:size][own].tolist()
+        assert sample.own_way[a] == here[a][own].min(initial=np.inf)
+
+
+def test_the_coarse_map_is_the_mean_of_its_cells() -> None:
+    large = navigation_graph(np.ones((40, 33), np.bool_), 1.0, False)
+    task, random = task_of(large, scouts=SCOUTS, foragers=FORAGERS), np.random.default_rng(0)
+    last_seen = random.integers(-200, 60, len(large)).astype(np.int16)
+    known = {(0, 0): 3, (0, 1): 4, (39, 32): 11, (20, 20): 1}
+    view = Egocentric(task)
+    view.reset(1)
+    seen = observation_of(task, [(5, 5), (9, 9), (20, 3), (30, 30)], known, last_seen, step=61)
+    globe = view.see(seen, ROW)["globe"][0].reshape(4, 7, -1)
+    cell = (large.rows * 16 // 40) * 16 + large.cols * 16 // 33
+    idle = np.minimum(1.0, (60 - last_seen.astype(float)) / 135.0)
+    items = np.bincount(cell, seen.belief[0], 256)
+    for a in range(4):
+        assert (globe[a, 0] == 255).all()
+        mean = np.bincount(cell, idle) / np.bincount(cell)
+        np.testing.assert_allclose(globe[a, 1], 255 * mean, atol=1.0)
+        assert globe[a, 2].tolist() == (np.minimum(items, 10) * 255 // 10).tolist()
+        for kind, who in ((4, {a}), (5, {0, 1} - {a}), (6, {2, 3} - {a})):
+            cells = sorted(cell[seen.agent_node[0, b]] for b in who)
+            assert np.flatnonzero(globe[a, kind]).tolist() == cells
+        near = view._memory.near_item[0]
+        again = np.bincount(cell, np.minimum(1.0, 4 * idle) * near) / np.bincount(cell)
+        np.testing.assert_allclose(globe[a, 3], 255 * again, atol=1.0)
+
+
+@given(seeds, st.booleans(), st.booleans())
+def test_masks_of_a_batch_are_those_of_each_agent(seed: int, stay: bool, shorten: bool) -> None:
+    random = np.random.default_rng(seed)
+    task = task_of(GRAPH, MoveRules(stay, shorten), scouts=Role(2, 3, 4.0, False))
+    nodes = random.integers(0, NODES, (3, 2)).astype(np.int32)
+    energy = random.choice([0.0, 1.0, 1.2, 2.5, 3.0, np.inf], (3, 2))
+    found, nobody = legal_moves(task, nodes, energy), np.empty(0, np.int64)
+    for e in range(3):
+        for a in range(2):
+            one = legal_of_agent(task.arrays, nobody, -1, a, nodes[e, a], energy[e, a])
+            assert found[e, a].tolist() == one.tolist()
+    assert found[..., STAY].all() or not stay

@@ -1,0 +1,76 @@
+"""Levels instead of values, and observations in memory that is used again."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+
+import mjforage
+from mjforage.core.errors import UserError
+
+FEW = ("horizon=6", "items.mean=3", "items.std=1", "items.covariance_node2=4")
+NAMES = ("crop", "globe", "moves", "self")
+
+
+def batch(**options: Any) -> Any:
+    return gymnasium.make_vec("mjforage/Foraging-v0", num_envs=3, set=FEW, **options)
+
+
+def test_levels_are_the_values_times_255_in_every_environment() -> None:
+    ids = "mjforage/Foraging-v0", "mjforage/SharedPolicy-v0"
+    for name in ids:
+        plain, raw = (gymnasium.make(name, set=FEW, dtype=t) for t in ("float32", "uint8"))
+        values, levels = plain.reset(seed=1)[0], raw.reset(seed=1)[0]
+        assert raw.observation_space.contains(levels)
+        for array in NAMES:
+            assert levels[array].dtype == np.uint8 and values[array].dtype == np.float32
+            np.testing.assert_array_equal(levels[array] * np.float32(1 / 255), values[array])
+    several = mjforage.parallel_env(set=FEW, dtype="uint8")
+    observations, _ = several.reset(seed=1)
+    assert all(several.observation_space(a).contains(o) for a, o in observations.items())
+    with pytest.raises(UserError, match="dtype = 'float16': unknown; choose float32, uint8"):
+        gymnasium.make(ids[0], dtype="float16")
+
+
+@pytest.mark.parametrize("dtype", ["float32", "uint8"])
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_memory_that_is_used_again_shows_the_same(dtype: str, mode: AutoresetMode) -> None:
+    fresh, again = (batch(dtype=dtype, autoreset_mode=mode, copy=copy) for copy in (True, False))
+    random = np.random.default_rng(0)
+    first, _ = fresh.reset(seed=2)
+    kept = {name: first[name].copy() for name in NAMES}
+    (shown, _), shared = again.reset(seed=2), False
+    for _ in range(15):
+        actions = random.integers(0, 9, (3, 4))
+        one, *_, info = fresh.step(actions)
+        other, *_, same = again.step(actions)
+        assert again.observation_space.contains(other)
+        for name in NAMES:
+            np.testing.assert_array_equal(one[name], other[name])
+            shared |= np.shares_memory(other[name], shown[name])
+            assert not np.shares_memory(one[name], first[name])
+            if "final_obs" in info:
+                np.testing.assert_array_equal(info["final_obs"][name], same["final_obs"][name])
+                assert not np.shares_memory(same["final_obs"][name], other[name])
+        shown = other
+    assert shared
+    for name in NAMES:
+        np.testing.assert_array_equal(first[name], kept[name])
+
+
+def test_facts_of_a_batch_are_those_of_each_environment() -> None:
+    together = batch()
+    together.reset(seed=4)
+    alone = [gymnasium.make("mjforage/Foraging-v0", set=FEW) for _ in range(3)]
+    for i, env in enumerate(alone):
+        env.reset(seed=4 + i)
+    random = np.random.default_rng(1)
+    for _ in range(5):
+        actions = random.integers(0, 9, (3, 4))
+        facts = together.step(actions)[-1]
+        for i, env in enumerate(alone):
+            info = env.step(actions[i])[-1]
+            for name in ("step", "pta_d", "pta_c", "illegal"):
+                assert facts[name][i] == info[name]
