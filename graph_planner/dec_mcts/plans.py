@@ -63,12 +63,12 @@ def likeliest(plans: Plans, agent: int) -> Int32Array:
 
 
 @kernel
-def _same(plans: Plans, agent: int, plan: Int32Array, first: int) -> int:
-    """Number of a candidate with these actions (step,), from a number on; -1 if there is none."""
-    for c in range(first, plans.number[agent]):
-        if plans.length[agent, c] == plan.size:
-            if (plans.step[agent, c, : plan.size] == plan).all():
-                return c
+def _same(plans: Plans, agent: int, plan: Int32Array) -> int:
+    """Number of a candidate with these actions (step,), -1 if there is none."""
+    n = plan.size
+    for c in range(plans.number[agent]):
+        if plans.length[agent, c] == n and (plans.step[agent, c, :n] == plan).all():
+            return c
     return NONE
 
 
@@ -97,8 +97,8 @@ def take_candidates(plans: Plans, agent: int, tree: Tree) -> None:
         if mean[node] == np.inf or n == candidates:
             break
         plan = tree.plan[node, : tree.length[node]]
-        if _same(plans, agent, plan, 0) == NONE:
-            before = _same(old, 0, plan, 0)
+        if _same(plans, agent, plan) == NONE:
+            before = _same(old, 0, plan)
             plans.step[agent, n, : plan.size], plans.length[agent, n] = plan, plan.size
             plans.chance[agent, n] = old.chance[0, before] if before != NONE else fair
             plans.number[agent] = n + 1

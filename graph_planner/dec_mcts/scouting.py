@@ -102,9 +102,7 @@ def search_sweeps(
     for turn in range(effort.rounds):
         for s in range(n):
             shows = max(LEAST_MASS, most[scouts.kind[s]])
-            _plan_turn(
-                effort, scouts, s, shows, trees[s], plans, heard, sights, turn, key, step
-            )
+            _plan_turn(effort, scouts, s, shows, trees[s], plans, heard, sights, turn, key, step)
     for s in range(n):
         for move in range(9):
             legal = scouts.ends[scouts.kind[s], scouts.at[s], move] >= 0
@@ -157,7 +155,10 @@ class TreeScouting(Scouting):
         kinds = tuple(covers[i] for i in self._first)
         marks = kinds[0].decisions.shape[1]
         size = mass.size, marks
-        sights = self._sights.setdefault(size, sights_of(*size))
+        sights = self._sights.get(size)
+        if sights is None:
+            sights = sights_of(*size, self._search.look_discount)
+            self._sights[size] = sights
         at = agent_node[self.agents]
         scouts = Scouts(self._kind, at, self._ends_of, kinds, mass, np.zeros(marks))
         moment, mine = self._moment, np.empty((at.size, 9))

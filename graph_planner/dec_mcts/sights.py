@@ -10,15 +10,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.sweeps import Cover
+from graph_planner.belief_planner.sweeps import SEEN, Cover
 from graph_planner.belief_planner.ways import UNREACHED
-from graph_planner.compiled import kernel
+from graph_planner.compiled import inlined, kernel
 from graph_planner.dec_mcts.draws import draw
 from graph_planner.dec_mcts.plans import Plans, drawn_plan
 from graph_planner.dec_mcts.settings import Effort
 from graph_planner.dec_mcts.tree import NONE, Tree, back_up, step_down
 from graph_planner.geodesics import Int32Array
 from graph_planner.randomness import UInt64Array
+
+ROAM = 0.1  # of the largest view: what `roam` adds to a move of a rollout at most
+PULL = 0.25  # of the largest view: what a decision nearer to its landmark is worth to it
+LONGEST = 1024  # decisions after which a view is worth nothing
 
 
 class Scouts(NamedTuple):
@@ -42,13 +46,21 @@ class Sights(NamedTuple):
     left: NDArray[np.float64]  # (landmark,) mass that the others leave over
     elsewhere: NDArray[np.float64]  # (landmark,) worth of seeing it when one of them could
     rest: NDArray[np.float64]  # (landmark,) mass that the simulation leaves over too
+    fade: NDArray[np.float64]  # (decision,) worth of a view after so many decisions
 
 
-def sights_of(cells: int, landmarks: int) -> Sights:
-    """Scratch for so many cells."""
+def sights_of(cells: int, landmarks: int, discount: float) -> Sights:
+    """Scratch for so many cells; discount is the worth of a view a decision later."""
     stamps, marks = np.zeros((2, cells), np.int64), np.zeros((3, landmarks))
     token, worth = np.zeros(2, np.int64), np.zeros(cells)
-    return Sights(token, stamps[0], worth, stamps[1], marks[0], marks[1], marks[2])
+    fade = discount ** np.arange(LONGEST, dtype=np.float64)
+    return Sights(token, stamps[0], worth, stamps[1], marks[0], marks[1], marks[2], fade)
+
+
+@inlined
+def faded(fade: NDArray[np.float64], decisions: int) -> float:
+    """Worth of what can be seen in so many decisions, but not in none; 0 if never."""
+    return float(fade[max(1, decisions)]) if decisions < LONGEST else 0.0
 
 
 @kernel
@@ -77,6 +89,7 @@ def sample_sights(
             continue
         cover, c = scouts.covers[scouts.kind[g]], drawn_plan(plans, g, draw(state))
         start, cells, landmark = cover.start, cover.cells, cover.landmark
+        decisions, fade = cover.decisions, sights.fade
         worth, end = 1.0, scouts.at[g]
         for i in range(plans.length[g, c] if c != NONE else 0):
             end = scouts.ends[scouts.kind[g], end, plans.step[g, c, i]]
@@ -91,10 +104,8 @@ def sample_sights(
                 elif worth > earliest[cell]:
                     earliest[cell] = worth
         for mark in range(left.size):
-            decisions = cover.decisions[end, mark]
-            if decisions != UNREACHED:
-                then = worth * effort.look_discount ** float(max(1, decisions))
-                elsewhere[mark] = max(elsewhere[mark], then)
+            then = worth * faded(fade, int(decisions[end, mark]))
+            elsewhere[mark] = max(elsewhere[mark], then)
 
 
 @kernel
@@ -124,21 +135,19 @@ def seen_from(
 
 
 @kernel
-def left_unseen(effort: Effort, cover: Cover, end: int, worth: float, sights: Sights) -> float:
+def left_unseen(cover: Cover, end: int, worth: float, sights: Sights) -> float:
     """How much sooner, in worth, what is left could be seen by one who ends in a node."""
-    value = 0.0
-    for mark in range(sights.rest.size):
-        decisions = cover.decisions[end, mark]
-        if decisions != UNREACHED and sights.rest[mark] > 1e-9:
-            then = worth * effort.look_discount ** float(max(1, decisions))
-            value += sights.rest[mark] * max(0.0, then - sights.elsewhere[mark])
+    value, decisions, fade = 0.0, cover.decisions, sights.fade
+    rest, elsewhere = sights.rest, sights.elsewhere
+    for mark in range(rest.size):
+        if rest[mark] > SEEN:
+            then = worth * faded(fade, int(decisions[end, mark]))
+            value += rest[mark] * max(0.0, then - elsewhere[mark])
     return value
 
 
 @kernel
-def sweep_value(
-    effort: Effort, scouts: Scouts, s: int, plan: Int32Array, sights: Sights
-) -> float:
+def sweep_value(effort: Effort, scouts: Scouts, s: int, plan: Int32Array, sights: Sights) -> float:
     """Utility of a sequence of moves (step,) of a scout."""
     kind, end, worth, value = scouts.kind[s], scouts.at[s], 1.0, 0.0
     cover = scouts.covers[kind]
@@ -147,21 +156,19 @@ def sweep_value(
     for move in plan:
         end, worth = scouts.ends[kind, end, move], worth * effort.look_discount
         value += seen_from(scouts, cover, end, worth, sights, True)
-    return value + left_unseen(effort, cover, end, worth, sights)
+    return value + left_unseen(cover, end, worth, sights)
 
 
 @kernel
-def _drawn_mark(
-    effort: Effort, cover: Cover, end: int, sights: Sights, state: UInt64Array
-) -> int:
+def _drawn_mark(cover: Cover, end: int, sights: Sights, state: UInt64Array) -> int:
     """A landmark to head for, drawn by the mass left there and how soon; -1 if none is left."""
-    best, chosen = 0.0, NONE
-    for mark in range(sights.rest.size):
-        decisions = cover.decisions[end, mark]
-        if decisions == UNREACHED or sights.rest[mark] <= 1e-9:
+    best, chosen, decisions, fade = 0.0, NONE, cover.decisions, sights.fade
+    rest, elsewhere = sights.rest, sights.elsewhere
+    for mark in range(rest.size):
+        if decisions[end, mark] == UNREACHED or rest[mark] <= SEEN:
             continue
-        worth = effort.look_discount ** float(max(1, decisions)) - sights.elsewhere[mark]
-        pull = sights.rest[mark] * max(1e-6, worth) * draw(state)
+        worth = faded(fade, int(decisions[end, mark])) - elsewhere[mark]
+        pull = rest[mark] * max(1e-6, worth) * draw(state)
         if pull > best:
             best, chosen = pull, mark
     return chosen
@@ -181,14 +188,15 @@ def _next_move(
 ) -> int:
     """The move that a rollout makes: about the one that shows most, or that nears its landmark."""
     cover, best, chosen = scouts.covers[kind], -np.inf, NONE
+    ends, decisions, roam = scouts.ends[kind, end], cover.decisions, effort.roam
     for move in range(9):
-        target = scouts.ends[kind, end, move]
+        target = ends[move]
         if target < 0:
             continue
         score = seen_from(scouts, cover, target, worth, sights, False) / (most * worth)
-        score += effort.roam * 0.1 * draw(state)
+        score += ROAM * roam * draw(state)
         if mark != NONE:
-            score -= 0.25 * float(cover.decisions[target, mark])
+            score -= PULL * float(decisions[target, mark])
         if score > best:
             best, chosen = score, move
     return chosen
@@ -217,11 +225,11 @@ def simulate_sweep(
     path, plan = np.zeros(longest + 1, np.int64), np.empty(longest, np.int32)
     sights.token[1] += 1
     sights.rest[:] = sights.left
-    mark, inside, passed = _drawn_mark(effort, cover, end, sights, state), True, 1
+    mark, inside, passed = _drawn_mark(cover, end, sights, state), True, 1
     for n in range(longest):
         worth *= effort.look_discount
-        if mark != NONE and (cover.decisions[end, mark] == 0 or sights.rest[mark] <= 1e-9):
-            mark = _drawn_mark(effort, cover, end, sights, state)
+        if mark != NONE and (cover.decisions[end, mark] == 0 or sights.rest[mark] <= SEEN):
+            mark = _drawn_mark(cover, end, sights, state)
         move = _next_move(effort, scouts, kind, end, worth, mark, most, sights, state)
         if move == NONE:
             plan = plan[:n]
@@ -235,5 +243,5 @@ def simulate_sweep(
                 path[passed], move, passed = node, tree.action[node], passed + 1
         plan[n], end = move, scouts.ends[kind, end, move]
         value += seen_from(scouts, cover, end, worth, sights, True)
-    value += left_unseen(effort, cover, end, worth, sights)
+    value += left_unseen(cover, end, worth, sights)
     back_up(tree, path[:passed], plan, value, now, effort.forget)

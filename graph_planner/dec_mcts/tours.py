@@ -36,9 +36,10 @@ def claims_of(stops: int) -> Claims:
 
 
 @kernel
-def _way(legs: Legs, f: int, at: int, stop: int) -> float:
-    """Decisions from a forager's last stop, -1 where it started, to a stop."""
-    return legs.first[f, stop] if at < 0 else legs.between[legs.kind[f], at, stop]
+def _ways_from(legs: Legs, f: int, at: int) -> NDArray[np.float64]:
+    """(stop,) decisions from a forager's last stop, -1 where it started."""
+    ways: NDArray[np.float64] = legs.first[f] if at < 0 else legs.between[legs.kind[f], at]
+    return ways
 
 
 @kernel
@@ -58,36 +59,40 @@ def sample_claims(
     heard : (forager,) chance that each does what it is taken to do
     claims : filled
     """
-    claims.worth[:], claims.amount[:], claims.later[:] = 0.0, 0.0, 0.0
-    pace = -np.log(effort.discount)
+    first, amounts, later = claims.worth, claims.amount, claims.later
+    weight, pace = legs.weight, -np.log(effort.discount)
+    first[:], amounts[:], later[:] = 0.0, 0.0, 0.0
     for g in range(legs.kind.size):
         if g == forager or draw(state) >= heard[g]:
             continue
-        c, clock, at, room = drawn_plan(plans, g, draw(state)), 0.0, NONE, legs.room[g]
-        for i in range(plans.length[g, c] if c != NONE else 0):
-            stop = plans.step[g, c, i]
-            clock += _way(legs, g, at, stop)
-            at, worth, amount = stop, np.exp(-pace * clock), min(room, legs.weight[stop])
-            if worth > claims.worth[stop]:
-                claims.worth[stop], claims.amount[stop] = worth, amount
+        c, clock, room, lasts = drawn_plan(plans, g, draw(state)), 0.0, legs.room[g], legs.lasts[g]
+        ways = _ways_from(legs, g, NONE)
+        for stop in plans.step[g, c, : plans.length[g, c] if c != NONE else 0]:
+            clock += ways[stop]
+            ways, worth, amount = (
+                _ways_from(legs, g, stop),
+                np.exp(-pace * clock),
+                min(room, weight[stop]),
+            )
+            if worth > first[stop]:
+                first[stop], amounts[stop] = worth, amount
             room -= amount
         if room <= 0.0:
             continue
-        for stop in range(legs.weight.size):
-            there = clock + _way(legs, g, at, stop)
-            if there <= legs.lasts[g]:
-                claims.later[stop] = max(claims.later[stop], np.exp(-pace * there))
+        for stop in range(weight.size):
+            if clock + ways[stop] <= lasts:
+                later[stop] = max(later[stop], np.exp(-pace * (clock + ways[stop])))
 
 
 @kernel
-def gain_of(claims: Claims, stop: int, there: float, worth: float, room: float) -> float:
+def gain_of(first: float, amount: float, there: float, worth: float, room: float) -> float:
     """What the fleet gains if a stop with so many items is met when an item has some worth.
 
     Parameters
     ----------
+    first, amount : worth of an item when another comes first, 0 if nobody does, and what it takes
     there : items at the stop; room : items that can be taken
     """
-    first, amount = claims.worth[stop], claims.amount[stop]
     if worth <= first:
         return max(0.0, min(room, there - amount)) * worth
     taken = min(room, there)
@@ -110,18 +115,18 @@ def _next_stop(
 
     The ratio rule of W. E. Smith, "Various optimizers for single-stage production", 1956.
     """
-    best, chosen, pace = np.inf, NONE, -np.log(effort.discount)
-    for stop in range(legs.weight.size):
-        if visited[stop]:
+    best, chosen, pace, roam = np.inf, NONE, -np.log(effort.discount), effort.roam
+    weight, ways, lasts = legs.weight, _ways_from(legs, f, at), legs.lasts[f]
+    first, amount = claims.worth, claims.amount
+    for stop in range(weight.size):
+        way = ways[stop]
+        if visited[stop] or way >= FAR or clock + way > lasts or way >= best * weight[stop]:
             continue
-        way = _way(legs, f, at, stop)
-        if way >= FAR or clock + way > legs.lasts[f]:
-            continue
-        rank = way / legs.weight[stop] * (1.0 + effort.roam * draw(state))
+        rank = way / weight[stop] * (1.0 + roam * draw(state))
         if rank < best:
-            if claims.worth[stop] > 0.0:
+            if first[stop] > 0.0:
                 worth = np.exp(-pace * (clock + way))
-                if gain_of(claims, stop, legs.weight[stop], worth, room) <= 0.0:
+                if gain_of(first[stop], amount[stop], weight[stop], worth, room) <= 0.0:
                     continue
             best, chosen = rank, stop
     return chosen
@@ -138,14 +143,13 @@ def left_over(
     claims: Claims,
 ) -> float:
     """How much sooner, in worth, what is not visited could be met by one who ends there."""
-    value, pace = 0.0, -np.log(effort.discount)
+    value, pace, lasts = 0.0, -np.log(effort.discount), legs.lasts[f]
+    weight, ways, first, later = legs.weight, _ways_from(legs, f, at), claims.worth, claims.later
     for stop in range(visited.size):
-        if visited[stop]:
-            continue
-        there = clock + _way(legs, f, at, stop)
-        if there <= legs.lasts[f]:
-            sooner = np.exp(-pace * there) - max(claims.worth[stop], claims.later[stop])
-            value += legs.weight[stop] * max(0.0, sooner)
+        there = clock + ways[stop]
+        if not visited[stop] and there <= lasts:
+            sooner = np.exp(-pace * there) - max(first[stop], later[stop])
+            value += weight[stop] * max(0.0, sooner)
     return value
 
 
@@ -155,9 +159,10 @@ def tour_value(effort: Effort, legs: Legs, f: int, plan: Int32Array, claims: Cla
     visited, pace = np.zeros(legs.weight.size, np.bool_), -np.log(effort.discount)
     clock, at, room, value = 0.0, NONE, legs.room[f], 0.0
     for stop in plan:
-        clock += _way(legs, f, at, stop)
-        value += gain_of(claims, stop, legs.weight[stop], np.exp(-pace * clock), room)
-        room -= min(room, legs.weight[stop])
+        clock += _ways_from(legs, f, at)[stop]
+        worth, there = np.exp(-pace * clock), legs.weight[stop]
+        value += gain_of(claims.worth[stop], claims.amount[stop], there, worth, room)
+        room -= min(room, there)
         at, visited[stop] = stop, True
     return value + (left_over(effort, legs, f, at, clock, visited, claims) if room > 0.0 else 0.0)
 
@@ -193,7 +198,7 @@ def simulate_tour(
             inside = node != NONE and not added
             if node != NONE:
                 path[passed], stop, passed = node, tree.action[node], passed + 1
-        clock += _way(legs, f, at, stop)
+        clock += _ways_from(legs, f, at)[stop]
         at, plan[n], visited[stop], n = stop, stop, True, n + 1
         room -= min(room, legs.weight[stop])
     utility = tour_value(effort, legs, f, plan[:n], claims)

@@ -1,9 +1,9 @@
-"""Decentralised Monte-Carlo tree search: each plans for itself, and tells the others what it may do.
+"""Decentralised Monte-Carlo tree search: each agent plans for itself, and tells the others of it.
 
 G. Best, O. M. Cliff, T. Patten, R. R. Mettu and R. Fitch, "Dec-MCTS: Decentralized planning for
 multi-robot active perception", International Journal of Robotics Research 38(2-3), 2019. What is
 believed of items is what the policy `belief` believes; the searches are those of
-`graph_planner.dec_mcts`. Over a link a holder plays the others' searches itself, from what it knows.
+`graph_planner.dec_mcts`. Over a link a holder plays the others' searches too, from what it knows.
 """
 
 import numpy as np
@@ -47,7 +47,7 @@ class DecMctsPolicy:
         samples: int = 8,
         discount: float = 0.97,
         look_discount: float = 0.97,
-        explore: float = 0.3,
+        explore: float = 0.1,
         forget: float = 0.995,
         heat: float = 0.1,
         cool: float = 0.6,
