@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from graph_planner.dec_mcts.moment import Moment
 from graph_planner.errors import UserError
@@ -21,16 +22,21 @@ def lake(rows: int, cols: int) -> NavigationGraph:
     return navigation_graph(np.ones((rows, cols), np.bool_), 1.0, False)
 
 
+def just_seen(nodes: int, step: int) -> NDArray[np.int16]:
+    """When the nodes of a map were last seen, if all are in view: nothing is left unseen."""
+    return np.full(nodes, step - 1, np.int16)
+
+
 def test_foragers_share_out_what_is_known() -> None:
     task = task_of(lake(1, 11), foragers=foragers(2))
-    seen = observation_of(task, [(0, 5), (0, 4)], {(0, 1): 1, (0, 9): 1}, step=5)
+    seen = observation_of(task, [(0, 5), (0, 4)], {(0, 1): 1, (0, 9): 1}, just_seen(11, 5), 5)
     moves = preferences("dec-mcts", task, seen)[0].argmax(axis=1)
     assert moves.tolist() == [E, W]
 
 
 def test_who_was_not_heard_of_for_long_is_not_left_the_items() -> None:
     task = task_of(lake(1, 21), foragers=foragers(2))
-    seen = observation_of(task, [(0, 10), (0, 14)], {(0, 7): 1, (0, 16): 3}, step=90)
+    seen = observation_of(task, [(0, 10), (0, 14)], {(0, 7): 1, (0, 16): 3}, just_seen(21, 90), 90)
     first = preferences("dec-mcts", task, seen)[0].argmax(axis=1)
     seen.agent_seen[0, 1] = 0
     later = preferences("dec-mcts(trust=2)", task, seen)[0].argmax(axis=1)
