@@ -9,7 +9,8 @@ from graph_planner.errors import UserError
 from graph_planner.fleet import Role
 from graph_planner.navigation import NavigationGraph, navigation_graph
 from graph_planner.policies import create_policy
-from tests.graph_planner.driver import observation_of, preferences, task_of
+from graph_planner.task import Observation
+from tests.graph_planner.driver import FREE, observation_of, preferences, task_of
 
 N, NE, E, SE, S, SW, W, NW = range(8)
 
@@ -73,7 +74,7 @@ def test_scouts_look_where_something_is_to_be_seen() -> None:
     ],
 )
 def test_any_fleet_is_answered_for(teams: dict[str, Role], cells: int) -> None:
-    task = task_of(lake(4, 9), **teams)
+    task = task_of(lake(4, 9), FREE, 150, **teams)
     seen = observation_of(task, [(1, c) for c in range(cells)], {(2, 5): 2, (0, 7): 1}, step=4)
     seen.room_left[0, -1] = 0  # who is full stays, if it collects
     got = preferences("dec-mcts(rounds=2, simulations=8)", task, seen)
@@ -87,7 +88,7 @@ def test_draws_hang_on_the_episode_and_the_step() -> None:
     policy.reset(task, seen.keys)
     together = policy.act(seen).copy()
     policy.reset(task, seen.keys[1:2])
-    alone = policy.act(type(seen)(*(part[1:2] for part in seen)))
+    alone = policy.act(Observation._make(part[1:2] for part in seen))
     np.testing.assert_array_equal(together[1:2], alone)
 
 
