@@ -72,14 +72,15 @@ def test_bounds_of_children_are_discounted() -> None:
 
 
 def test_little_tried_children_are_tried_again() -> None:
-    for explore, expected in ((0.0, 1), (3.0, 2)):
+    """Bounds of 0.5 + 0.3 R sqrt(ln 10 / 9) and 0.4 + 0.3 R sqrt(ln 10) are equal at R = 0.33."""
+    for spread, expected in ((0.2, 1), (0.5, 2)):
         tree = tree_of(10, 3)
-        step_down(tree, 0, 7, 0, explore, 1.0)
-        tree.visits[:2], tree.total[1] = 9.0, 9.0
-        step_down(tree, 0, 8, 0, explore, 1.0)
-        tree.visits[0], tree.visits[2], tree.total[2] = 10.0, 1.0, 0.2
-        tree.bounds[:] = 0.0, 1.0
-        assert step_down(tree, 0, 8, 0, explore, 1.0)[0] == expected
+        step_down(tree, 0, 7, 0, 0.3, 1.0)
+        tree.visits[:2], tree.total[1] = 9.0, 4.5
+        step_down(tree, 0, 8, 0, 0.3, 1.0)
+        tree.visits[0], tree.visits[2], tree.total[2] = 10.0, 1.0, 0.4
+        tree.bounds[:] = 0.0, spread
+        assert step_down(tree, 0, 8, 0, 0.3, 1.0)[0] == expected
 
 
 def test_children_are_added_as_the_root_of_the_simulations() -> None:
@@ -122,7 +123,7 @@ def test_the_best_of_the_tree_join_the_likeliest_of_before() -> None:
     tree, plans = tree_of(10, 2), plans_of(1, 3, 2)
     plans.number[0], plans.length[0], plans.chance[0] = 2, 1, [0.25, 0.75, 0.0]
     plans.step[0, :2, 0] = 5, 6
-    for now, (action, utility) in enumerate([(0, 0.2), (1, 0.9), (2, 0.5)]):
+    for now, (action, utility) in enumerate([(0, 0.2), (1, 0.9), (2, 0.5), (6, 0.95)]):
         node, _ = step_down(tree, 0, action, now, 0.0, 1.0)
         if tree.action[node] != action:  # not yet wide enough
             tree.visits[0] = 99.0
@@ -176,6 +177,7 @@ def test_what_does_not_fit_is_left_to_the_other() -> None:
     sample_claims(EFFORT, legs, plans, 0, ALL, begin(KEY, 0, 0), claims)
     value = tour_value(EFFORT, legs, 0, np.zeros(1, np.int32), claims)
     assert value == pytest.approx(2.0 * GAMMA**3)  # and the other has its two as before
+    assert not claims.later.any()  # the other is full then
     legs.weight[0] = 3.0
     value = tour_value(EFFORT, legs, 0, np.zeros(1, np.int32), claims)
     assert value == pytest.approx(2.0 * GAMMA**3 - GAMMA**6)  # one less for the other
