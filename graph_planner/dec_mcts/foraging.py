@@ -30,7 +30,7 @@ _TURNS = 1 << 20  # where the indices of draws begin
 
 
 @kernel
-def _plan_turn(
+def plan_turn(
     effort: Effort,
     legs: Legs,
     forager: int,
@@ -79,7 +79,7 @@ def search_tours(
     trees = [tree_of(nodes, longest) for _ in range(foragers)]
     for turn in range(effort.rounds):
         for f in range(foragers):
-            _plan_turn(effort, legs, f, trees[f], plans, heard, turn, key, step)
+            plan_turn(effort, legs, f, trees[f], plans, heard, turn, key, step)
     target = np.full(foragers, NOWHERE, np.int64)
     for f in range(foragers):
         if plans.number[f]:

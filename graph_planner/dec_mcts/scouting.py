@@ -41,7 +41,7 @@ def _most_in_view(scouts: Scouts, kind: int) -> float:
 
 
 @kernel
-def _plan_turn(
+def plan_turn(
     effort: Effort,
     scouts: Scouts,
     scout: int,
@@ -102,7 +102,7 @@ def search_sweeps(
     for turn in range(effort.rounds):
         for s in range(n):
             shows = max(LEAST_MASS, most[scouts.kind[s]])
-            _plan_turn(effort, scouts, s, shows, trees[s], plans, heard, sights, turn, key, step)
+            plan_turn(effort, scouts, s, shows, trees[s], plans, heard, sights, turn, key, step)
     for s in range(n):
         for move in range(9):
             legal = scouts.ends[scouts.kind[s], scouts.at[s], move] >= 0

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from graph_planner.belief_planner.routes import Legs
 from graph_planner.belief_planner.sweeps import Cover
 from graph_planner.dec_mcts.draws import begin
-from graph_planner.dec_mcts.foraging import search_tours
+from graph_planner.dec_mcts.foraging import plan_turn, search_tours
 from graph_planner.dec_mcts.plans import (
     Plans,
     drawn_plan,
@@ -17,8 +17,8 @@ from graph_planner.dec_mcts.plans import (
     take_candidates,
 )
 from graph_planner.dec_mcts.settings import Effort
-from graph_planner.dec_mcts.sights import Scouts, sample_sights, sights_of, sweep_value
-from graph_planner.dec_mcts.tours import claims_of, sample_claims, tour_value
+from graph_planner.dec_mcts.sights import Scouts, faded, sample_sights, sights_of, sweep_value
+from graph_planner.dec_mcts.tours import claims_of, gain_of, sample_claims, tour_value
 from graph_planner.dec_mcts.tree import back_up, step_down, tree_of
 from graph_planner.randomness import bits, mix, to_uniform
 
@@ -183,6 +183,18 @@ def test_what_does_not_fit_is_left_to_the_other() -> None:
     assert value == pytest.approx(2.0 * GAMMA**3 - GAMMA**6)  # one less for the other
 
 
+def test_who_comes_later_takes_what_is_left() -> None:
+    assert gain_of(0.8, 2.0, 5.0, 0.5, 2.0) == pytest.approx(2.0 * 0.5)
+    assert gain_of(0.8, 2.0, 3.0, 0.5, 2.0) == pytest.approx(1.0 * 0.5)
+    assert gain_of(0.8, 2.0, 2.0, 0.5, 2.0) == 0.0
+
+
+def test_rollouts_go_by_decisions_per_item() -> None:
+    legs = on_a_line([0.0], [1.0, -2.0], [1.0, 5.0], 99.0)
+    effort = EFFORT._replace(rounds=1, simulations=1, roam=0.0)
+    assert search_tours(effort, legs, ALL[:1], KEY, 1).tolist() == [1]
+
+
 def test_mates_that_are_not_heard_of_are_not_counted_on() -> None:
     legs = on_a_line([0.0, 9.0], [3.0], [1.0], 2.0)
     plans, claims = plans_of(2, 3, 1), claims_of(1)
@@ -192,6 +204,26 @@ def test_mates_that_are_not_heard_of_are_not_counted_on() -> None:
         sample_claims(EFFORT, legs, plans, 0, np.array([1.0, 0.25]), state, claims)
         met += claims.worth[0] > 0.0
     assert 70 < met < 130
+
+
+@pytest.mark.parametrize(
+    ("heat", "cool", "turn", "settled"),
+    [(1e-3, 1.0, 0, True), (1e3, 1.0, 1, False), (1e3, 1e-6, 0, False), (1e3, 1e-6, 1, True)],
+)
+def test_distributions_cool_from_round_to_round(
+    heat: float, cool: float, turn: int, settled: bool
+) -> None:
+    legs = on_a_line([4.0], [0.0, 1.0, 8.0, 9.0], [1.0, 1.0, 1.0, 2.0], 99.0)
+    plans, tree = plans_of(1, EFFORT.candidates, 4), tree_of(200, 4)
+    effort = EFFORT._replace(heat=heat, cool=cool)
+    plan_turn(effort, legs, 0, tree, plans, ALL[:1], turn, KEY, 1)
+    assert plans.number[0] > 1
+    assert (plans.chance[0].max() > 0.8) == settled
+
+
+def test_a_view_takes_a_decision() -> None:
+    fade = sights_of(1, 1, GAMMA).fade
+    assert [faded(fade, d) for d in (0, 1, 2, 65535)] == [GAMMA, GAMMA, GAMMA**2, 0.0]
 
 
 def test_tours_share_out_the_stops() -> None:
@@ -212,9 +244,11 @@ def corridor(scouts: list[int], mass: NDArray[np.float64]) -> Scouts:
     start = np.concatenate(([0], np.cumsum([len(one) for one in lists])))
     nodes = np.arange(n)
     away = np.maximum(0, np.abs(nodes[:, None] - nodes) - 1).astype(np.uint16)
-    cover = Cover(start, np.concatenate(lists).astype(np.int32), nodes.astype(np.int32), away)
+    landmark = np.where(nodes == 3, 0, nodes).astype(np.int32)  # cell 3 belongs to cell 0's
+    cover = Cover(start, np.concatenate(lists).astype(np.int32), landmark, away)
     at, kind = np.array(scouts, np.int32), np.zeros(len(scouts), np.int64)
-    return Scouts(kind, at, ends, (cover,), mass, mass.copy())
+    total: NDArray[np.float64] = np.bincount(landmark, mass, minlength=n).astype(np.float64)
+    return Scouts(kind, at, ends, (cover,), mass, total)
 
 
 def test_a_sweep_is_worth_what_the_fleet_sees_sooner() -> None:
