@@ -73,6 +73,66 @@ class Scratch(NamedTuple):
 
 
 @kernel
+def gather_legs(
+    items: Floating,
+    shore: Shore,
+    ways: tuple[Ways, ...],
+    able: Able,
+    agent_node: Int32Array,
+    agent_yaw: NDArray[np.float64],
+    drift_rc: NDArray[np.float64],
+    stay: bool,
+    taking: Taking,
+    found: Stops,
+) -> Legs:
+    """Put items into stops `found`, and list how far they are for those who are able.
+
+    Parameters
+    ----------
+    agent_node, agent_yaw : (agent,) where they are, and their heading [rad]
+    drift_rc : (2,) [node/step]
+    stay, taking : see `Effort`
+    """
+    kind, agents, at = able.kind, able.agents, agent_node[able.agents]
+    gather_stops(items, shore, ways, kind, at, drift_rc[0], drift_rc[1], taking, found)
+    n = found.number[0]
+    first, between = decisions_between(found, ways, kind, at, stay)
+    if n:
+        add_pickup(taking, shore, found, agents, at, agent_yaw[agents], first, between)
+    return Legs(found.weight[:n], first, between, kind, able.room, able.lasts)
+
+
+@kernel
+def follow_routes(
+    items: Floating,
+    shore: Shore,
+    ways: tuple[Ways, ...],
+    able: Able,
+    agent_node: Int32Array,
+    first: NDArray[np.float64],
+    target: NDArray[np.int64],
+    scratch: Scratch,
+    preferences: NDArray[np.float64],
+) -> None:
+    """Overwrite the rows of preferences (agent, 9) of those who are able by the way to their stops.
+
+    Parameters
+    ----------
+    first : (forager, stop) decisions, as in `Legs`
+    target : (forager,) stop, `NOWHERE` for those that go to the nearest
+    """
+    kind, found, worth = able.kind, scratch.found, scratch.worth
+    for i in range(items.number[0]):
+        _, _, node = settled(shore, items.row[i], items.col[i])
+        worth[node] += items.weight[i]
+    for f in range(target.size):
+        goal = target[f] if target[f] != NOWHERE else _nearest(first, f)
+        at, row = agent_node[able.agents[f]], preferences[able.agents[f]]
+        towards(ways[kind[f]], at, found.node[goal], worth, row)
+    worth[:] = 0.0
+
+
+@kernel
 def plan_routes(
     items: Floating,
     shore: Shore,
@@ -89,34 +149,22 @@ def plan_routes(
 
     Parameters
     ----------
-    agent_node, agent_yaw : (agent,) where they are, and their heading [rad]
-    drift_rc : (2,) [node/step]
+    agent_node, agent_yaw, drift_rc : see `gather_legs`
 
     Returns
     -------
     Number of stops; with none nothing is written
     """
-    kind, found, worth = able.kind, scratch.found, scratch.worth
-    at = agent_node[able.agents]
-    gather_stops(items, shore, ways, kind, at, drift_rc[0], drift_rc[1], effort.taking, found)
-    n = found.number[0]
-    if n == 0 or at.size == 0:
+    about = items, shore, ways, able, agent_node
+    stay, taking, found = effort.stay, effort.taking, scratch.found
+    legs = gather_legs(*about, agent_yaw, drift_rc, stay, taking, found)
+    n = legs.weight.size
+    if n == 0 or able.agents.size == 0:
         return 0
-    first, between = decisions_between(found, ways, kind, at, effort.stay)
-    agents = able.agents
-    add_pickup(effort.taking, shore, found, agents, at, agent_yaw[agents], first, between)
+    target = np.full(able.agents.size, NOWHERE, np.int64)
     if effort.joint:
-        legs = Legs(found.weight[:n], first, between, kind, able.room, able.lasts)
         target = search_routes(legs, effort.beam, effort.choices, effort.depth)
-    else:
-        target = np.full(at.size, NOWHERE, np.int64)
-    for i in range(items.number[0]):
-        _, _, node = settled(shore, items.row[i], items.col[i])
-        worth[node] += items.weight[i]
-    for f in range(at.size):
-        goal = target[f] if target[f] != NOWHERE else _nearest(first, f)
-        towards(ways[kind[f]], at[f], found.node[goal], worth, preferences[able.agents[f]])
-    worth[:] = 0.0
+    follow_routes(*about, legs.first, target, scratch, preferences)
     return int(n)
 
 
@@ -165,18 +213,20 @@ class Foraging:
         lasts = np.maximum(1.0, energy_left[agents] / self._node_per_decision[chosen])
         lasts += self._effort.taking.first.max()  # which takes no way
         able = Able(agents, group.kind[chosen], _items(room_left[agents]), lasts)
-        return plan_routes(
-            self.items,
-            self.shore,
-            group.ways,
-            able,
-            agent_node,
-            agent_yaw,
-            drift_rc,
-            self._effort,
-            self._scratch,
-            preferences,
-        )
+        return self._plan(able, agent_node, agent_yaw, drift_rc, preferences)
+
+    def _plan(
+        self,
+        able: Able,
+        agent_node: Int32Array,
+        agent_yaw: NDArray[np.float64],
+        drift_rc: NDArray[np.float64],
+        preferences: NDArray[np.float64],
+    ) -> int:
+        """As `send`, for those who are able."""
+        about = self.items, self.shore, self.group.ways, able, agent_node
+        effort, scratch = self._effort, self._scratch
+        return plan_routes(*about, agent_yaw, drift_rc, effort, scratch, preferences)
 
     def able(
         self, room_left: NDArray[np.int64], energy_left: NDArray[np.float64]

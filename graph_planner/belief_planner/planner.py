@@ -43,12 +43,6 @@ class Lookers(NamedTuple):
     blocks: list[BlockCover]
     group: Group
 
-    @classmethod
-    def of(cls, task: Task, settings: BeliefSettings, agents: NDArray[np.int64]) -> "Lookers":
-        """Of some agents of a task."""
-        blocks = [hotspot_cover(task, int(a), settings) for a in agents]
-        return cls(Scouting(task, settings, agents), blocks, Group.of(task, agents))
-
 
 class BeliefPlanner:
     """Beliefs and plans of a batch of rows; `believing` makes what it believes."""
@@ -59,11 +53,11 @@ class BeliefPlanner:
             settings = replace(settings, drift_node_per_step=0.0)
         self.settings, self._task = settings, task
         self.beliefs = believing(task, settings, keys)
-        self._foragers = Foraging(task, settings)
+        self._foragers = self._foraging(settings)
         # Without scouts, foragers look around when they know of nothing to collect.
         self._lone = task.fleet.discoverers.size == 0
         lookers = task.fleet.collectors if self._lone else task.fleet.discoverers
-        self._scouts = Lookers.of(task, settings, lookers)
+        self._scouts = self._lookers(lookers)
         self._alone: dict[int, Lookers] = {}  # foragers that have looked for themselves
         self._touch = Touch(task, settings, episodes)
         self._landmarks, self._belongs = landmarks_of(graph)
@@ -71,6 +65,20 @@ class BeliefPlanner:
         self._viewed, self._news = np.zeros(episodes, np.int64), np.zeros(episodes, np.int64)
         self._vain = np.zeros(episodes, np.bool_)
         self._preferences = np.zeros((episodes, len(task.fleet), 9))
+
+    def _foraging(self, settings: BeliefSettings) -> Foraging:
+        """Who searches for those who collect."""
+        return Foraging(self._task, settings)
+
+    def _scouting(self, settings: BeliefSettings, agents: NDArray[np.int64]) -> Scouting:
+        """Who searches for those who look."""
+        return Scouting(self._task, settings, agents)
+
+    def _lookers(self, agents: NDArray[np.int64]) -> Lookers:
+        """Some agents of the task as those who look around."""
+        task, settings = self._task, self.settings
+        blocks = [hotspot_cover(task, int(a), settings) for a in agents]
+        return Lookers(self._scouting(settings, agents), blocks, Group.of(task, agents))
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9)."""
@@ -133,7 +141,7 @@ class BeliefPlanner:
         """Let a forager search for the hotspot by itself."""
         if agent not in self._alone:
             itself = np.array([agent], np.int64)
-            self._alone[agent] = Lookers.of(self._task, self.settings, itself)
+            self._alone[agent] = self._lookers(itself)
         (cover, block), scouting = self._alone[agent].blocks[0], self._alone[agent].scouting
         chance = self.beliefs.spots.chance[e, 0] * self._touch.part(seen, e)
         mass = _summed(block, chance, cover.landmark.size)

@@ -1,0 +1,157 @@
+"""Those who collect plan by turns: each against the distributions over the others' tours."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_planner.foraging import (
+    Able,
+    Foraging,
+    Scratch,
+    follow_routes,
+    gather_legs,
+)
+from graph_planner.belief_planner.routes import NOWHERE, Legs
+from graph_planner.belief_planner.shore import Shore
+from graph_planner.belief_planner.stops import Floating
+from graph_planner.belief_planner.taking import Taking
+from graph_planner.belief_planner.ways import Ways
+from graph_planner.belief_settings import BeliefSettings
+from graph_planner.compiled import kernel
+from graph_planner.dec_mcts.draws import begin
+from graph_planner.dec_mcts.moment import Moment
+from graph_planner.dec_mcts.plans import Plans, likeliest, plans_of, shift_chances, take_candidates
+from graph_planner.dec_mcts.settings import Effort
+from graph_planner.dec_mcts.tours import claims_of, sample_claims, simulate_tour, tour_value
+from graph_planner.dec_mcts.tree import Tree, tree_of
+from graph_planner.geodesics import Int32Array
+from graph_planner.task import Task
+
+_TURNS = 1 << 20  # where the indices of draws begin
+
+
+@kernel
+def plan_turn(
+    effort: Effort,
+    legs: Legs,
+    forager: int,
+    tree: Tree,
+    plans: Plans,
+    heard: NDArray[np.float64],
+    turn: int,
+    key: np.uint64,
+    step: int,
+) -> None:
+    """One agent's turn in a round: its tree grows, and its distribution with it."""
+    state = begin(key, _TURNS + turn * legs.kind.size + forager, step)
+    claims = claims_of(legs.weight.size)
+    for s in range(effort.simulations):
+        sample_claims(effort, legs, plans, forager, heard, state, claims)
+        now = turn * effort.simulations + s
+        simulate_tour(effort, legs, forager, tree, claims, now, state)
+    take_candidates(plans, forager, tree)
+    n = plans.number[forager]
+    value, spread = np.zeros(n), tree.bounds[1] - tree.bounds[0]
+    for _ in range(effort.samples):
+        sample_claims(effort, legs, plans, forager, heard, state, claims)
+        for c in range(n):
+            plan = plans.step[forager, c, : plans.length[forager, c]]
+            value[c] += tour_value(effort, legs, forager, plan, claims) / effort.samples
+    heat = effort.heat * effort.cool**turn * spread
+    if n > 1 and heat > 0.0:
+        shift_chances(plans.chance[forager, :n], value, heat, effort.rate)
+
+
+@kernel
+def search_tours(
+    effort: Effort, legs: Legs, heard: NDArray[np.float64], key: np.uint64, step: int
+) -> NDArray[np.int64]:
+    """The stop that each forager goes to first (forager,), `NOWHERE` where it has no plan.
+
+    Parameters
+    ----------
+    heard : (forager,) chance that each does what it is taken to do
+    key, step : of the draws
+    """
+    foragers, n = legs.first.shape
+    longest = min(effort.depth, n)
+    plans = plans_of(foragers, effort.candidates, longest)
+    nodes = effort.rounds * effort.simulations + 1
+    trees = [tree_of(nodes, longest) for _ in range(foragers)]
+    for turn in range(effort.rounds):
+        for f in range(foragers):
+            plan_turn(effort, legs, f, trees[f], plans, heard, turn, key, step)
+    target = np.full(foragers, NOWHERE, np.int64)
+    for f in range(foragers):
+        if plans.number[f]:
+            tour = likeliest(plans, f)
+            if tour.size:
+                target[f] = tour[0]
+    return target
+
+
+@kernel
+def _plan_tours(
+    items: Floating,
+    shore: Shore,
+    ways: tuple[Ways, ...],
+    able: Able,
+    agent_node: Int32Array,
+    agent_yaw: NDArray[np.float64],
+    drift_rc: NDArray[np.float64],
+    stay: bool,
+    taking: Taking,
+    scratch: Scratch,
+    preferences: NDArray[np.float64],
+    effort: Effort,
+    heard: NDArray[np.float64],
+    key: np.uint64,
+    step: int,
+) -> int:
+    """As `plan_routes`, by `search_tours`."""
+    found = scratch.found
+    about = items, shore, ways, able, agent_node
+    legs = gather_legs(*about, agent_yaw, drift_rc, stay, taking, found)
+    n = legs.weight.size
+    if n == 0 or able.agents.size == 0:
+        return 0
+    target = search_tours(effort, legs, heard[able.agents], key, step)
+    follow_routes(*about, legs.first, target, scratch, preferences)
+    return int(n)
+
+
+class TreeForaging(Foraging):
+    """Those who collect, each by its own tree."""
+
+    def __init__(
+        self, task: Task, settings: BeliefSettings, effort: Effort, moment: Moment
+    ) -> None:
+        super().__init__(task, settings)
+        self._search, self._moment, self._stay = effort, moment, task.rules.stay
+        self._taking = Taking.of(task)
+
+    def _plan(
+        self,
+        able: Able,
+        agent_node: Int32Array,
+        agent_yaw: NDArray[np.float64],
+        drift_rc: NDArray[np.float64],
+        preferences: NDArray[np.float64],
+    ) -> int:
+        moment = self._moment
+        return _plan_tours(
+            self.items,
+            self.shore,
+            self.group.ways,
+            able,
+            agent_node,
+            agent_yaw,
+            drift_rc,
+            self._stay,
+            self._taking,
+            self._scratch,
+            preferences,
+            self._search,
+            moment.heard,
+            moment.key,
+            moment.step,
+        )

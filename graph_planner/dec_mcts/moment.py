@@ -1,0 +1,33 @@
+"""The decision at hand, as the searches need to know of it."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.randomness import Stream, stream_key
+from graph_planner.task import Observation
+
+
+@dataclass
+class Moment:
+    """Whose row is decided, when, and how far its team-mates are to be counted on.
+
+    Attributes
+    ----------
+    key, step : of the draws
+    heard : (agent,) chance that each does what it is taken to do: half of it every `trust`
+        decisions for which it was not heard of
+    """
+
+    trust: float
+    key: np.uint64 = np.uint64(0)  # noqa: RUF009  a number
+    step: int = 0
+    heard: NDArray[np.float64] = field(default_factory=lambda: np.ones(0))
+
+    def is_of(self, seen: Observation, e: int) -> None:
+        """Take over a row of an observation."""
+        self.key = np.uint64(stream_key(seen.keys[e], Stream.POLICY))
+        self.step = int(seen.step[e])
+        age = np.maximum(0, self.step - 1 - seen.agent_seen[e])
+        self.heard = 0.5 ** (age / self.trust)

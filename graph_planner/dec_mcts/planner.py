@@ -1,0 +1,33 @@
+"""The belief planner's knowledge and habits, with searches by trees in the place of its own."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_planner.foraging import Foraging
+from graph_planner.belief_planner.planner import BeliefPlanner
+from graph_planner.belief_planner.scouting import Scouting
+from graph_planner.belief_settings import BeliefSettings
+from graph_planner.dec_mcts.foraging import TreeForaging
+from graph_planner.dec_mcts.moment import Moment
+from graph_planner.dec_mcts.scouting import TreeScouting
+from graph_planner.dec_mcts.settings import Effort
+from graph_planner.randomness import UInt64Array
+from graph_planner.task import Observation, Task
+
+
+class TreePlanner(BeliefPlanner):
+    """Beliefs and plans of a batch of rows, by decentralised Monte-Carlo tree search."""
+
+    def __init__(self, task: Task, keys: UInt64Array, effort: Effort) -> None:
+        self._effort, self._moment = effort, Moment(effort.trust)
+        super().__init__(task, keys)
+
+    def _foraging(self, settings: BeliefSettings) -> Foraging:
+        return TreeForaging(self._task, settings, self._effort, self._moment)
+
+    def _scouting(self, settings: BeliefSettings, agents: NDArray[np.int64]) -> Scouting:
+        return TreeScouting(self._task, settings, agents, self._effort, self._moment)
+
+    def _decide(self, seen: Observation, e: int) -> None:
+        self._moment.is_of(seen, e)
+        super()._decide(seen, e)

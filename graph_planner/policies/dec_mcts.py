@@ -1,0 +1,115 @@
+"""Decentralised Monte-Carlo tree search: each agent plans for itself, and tells the others of it.
+
+G. Best, O. M. Cliff, T. Patten, R. R. Mettu and R. Fitch, "Dec-MCTS: Decentralized planning for
+multi-robot active perception", International Journal of Robotics Research 38(2-3), 2019. What is
+believed of items is what the policy `belief` believes; the searches are those of
+`graph_planner.dec_mcts`. Over a link a holder plays the others' searches too, from what it knows.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.dec_mcts.planner import TreePlanner
+from graph_planner.dec_mcts.settings import Effort
+from graph_planner.errors import UserError
+from graph_planner.policies.registry import register
+from graph_planner.randomness import UInt64Array
+from graph_planner.task import Observation, Task
+
+
+@register("dec-mcts")
+class DecMctsPolicy:
+    """Decentralised tree search: agents plan by turns against distributions of the others' plans.
+
+    Parameters
+    ----------
+    rounds : in which agents plan and exchange distributions, in each decision
+    simulations : of each agent in a round
+    candidates : sequences in a distribution
+    samples : of the others' sequences by which a distribution is updated in a round
+    discount : worth of an item that is met a decision later
+    look_discount : worth of a view that is had a decision later
+    explore : factor of the confidence bound
+    forget : worth of a simulation one simulation later (discounted bounds)
+    heat : temperature of the distributions at first, in ranges of the utility
+    cool : factor of the temperature from round to round
+    rate : of the gradient steps of the distributions
+    roam : how much rollouts differ from the greedy one
+    depth : most stops, or moves, in a sequence
+    trust : decisions unheard of after which a team-mate is counted on half of the time
+    """
+
+    def __init__(
+        self,
+        rounds: int = 4,
+        simulations: int = 48,
+        candidates: int = 8,
+        samples: int = 8,
+        discount: float = 0.97,
+        look_discount: float = 0.97,
+        explore: float = 0.1,
+        forget: float = 0.995,
+        heat: float = 0.1,
+        cool: float = 0.6,
+        rate: float = 0.3,
+        roam: float = 0.5,
+        depth: int = 10,
+        trust: float = 20.0,
+    ) -> None:
+        counts = {
+            "rounds": rounds,
+            "simulations": simulations,
+            "candidates": candidates,
+            "samples": samples,
+            "depth": depth,
+        }
+        for name, value in counts.items():
+            if value < 1:
+                raise UserError(f"dec-mcts: {name} {value} is too small; give 1 or more")
+        shares = {
+            "discount": discount,
+            "look_discount": look_discount,
+            "forget": forget,
+            "cool": cool,
+            "rate": rate,
+        }
+        for name, share in shares.items():
+            if not 0.0 < share <= 1.0:
+                raise UserError(f"dec-mcts: {name} {share} is no share; give above 0 to 1")
+        for name, share in {"discount": discount, "look_discount": look_discount}.items():
+            if share == 1.0:
+                raise UserError(f"dec-mcts: {name} {share} is too large; give less than 1")
+        for name, share in {"explore": explore, "roam": roam}.items():
+            if share < 0.0:
+                raise UserError(f"dec-mcts: {name} {share} is negative; give 0 or more")
+        for name, share in {"heat": heat, "trust": trust}.items():
+            if share <= 0.0:
+                raise UserError(f"dec-mcts: {name} {share} is too small; give more than 0")
+        self._effort = Effort(
+            rounds,
+            simulations,
+            candidates,
+            samples,
+            float(discount),
+            float(look_discount),
+            float(explore),
+            float(forget),
+            float(heat),
+            float(cool),
+            float(rate),
+            float(roam),
+            depth,
+            float(trust),
+        )
+
+    def reset(self, task: Task, keys: UInt64Array) -> None:
+        """Get ready for a batch of episodes (episode,)."""
+        self.planner = TreePlanner(task, keys, self._effort)
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        """Preferences (episode, agent, 9)."""
+        return self.planner.act(observation)
+
+    def forecast(self) -> NDArray[np.float64]:
+        """(row, node) items expected, known and unseen ones, as of the last answer."""
+        return self.planner.beliefs.forecast()
