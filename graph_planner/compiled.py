@@ -48,8 +48,8 @@ class _Cache(FunctionCache):
         index._data_name_pattern = f"{head}.{sources[:12]}.{{number{number}"
 
 
-def _compiled(function: F, inline: str) -> F:
-    dispatcher = cast(Any, numba).njit(fastmath=False, nogil=True, inline=inline)(function)
+def _compiled(function: F, inline: str, fastmath: object = False) -> F:
+    dispatcher = cast(Any, numba).njit(fastmath=fastmath, nogil=True, inline=inline)(function)
     dispatcher._cache = _Cache(dispatcher.py_func)
     return cast(F, dispatcher)
 
@@ -119,3 +119,16 @@ class prepared(Generic[T]):  # noqa: N801  what it makes is called like a functi
 def inlined(function: F) -> F:
     """Compile a helper that is pasted into its callers, for innermost loops passing arrays."""
     return _compiled(function, "always")
+
+
+def rough(function: F) -> F:
+    """Compile a sum whose terms may be added in any order, which processors do several at a time.
+
+    Its last bits depend on the processor: compare it with a margin (`MARGIN`), and only to skip
+    what an exact sum would skip as well.
+    """
+    return _compiled(function, "never", {"reassoc", "contract"})
+
+
+MARGIN = 1.0 - 1e-9
+"""What a rough sum of terms of one sign is multiplied by to be no larger than the exact one."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from graph_planner.belief_planner.beam import free_slot, insert, limit
 from graph_planner.belief_planner.stops import FAR
-from graph_planner.compiled import inlined, kernel
+from graph_planner.compiled import MARGIN, inlined, kernel, rough
 
 NOWHERE = -1
 NOBODY = -1
@@ -62,13 +62,18 @@ class Steps(NamedTuple):
 
 
 class Outlook(NamedTuple):
-    """The stops that a state has not visited, in ascending order, for the forager that is next."""
+    """The stops as a state sees them, for the forager that is next."""
 
-    stop: NDArray[np.int64]  # (open,)
-    weight: NDArray[np.float64]  # (open,)
-    arrival: NDArray[np.float64]  # (open,) decision in which it could be there
-    others: NDArray[np.float64]  # (open,) decision in which the first of the others could
-    rank: NDArray[np.float64]  # (open,) decisions per item from where it is, inf if out of reach
+    weight: NDArray[np.float64]  # (stop,) items there; 0 if visited
+    arrival: NDArray[np.float64]  # (stop,) decision in which it could be there
+    others: NDArray[np.float64]  # (stop,) decision in which the first of the others could, or FAR
+
+
+class Ranking(NamedTuple):
+    """Which stops are best from where a forager is, by decisions per item; filled on demand."""
+
+    known: NDArray[np.bool_]  # (place,) places: where foragers start, then (kind, stop)
+    stops: NDArray[np.int64]  # (place, stop) the best first
 
 
 @inlined
@@ -112,9 +117,14 @@ def _steps(beam: int) -> Steps:
 
 @kernel
 def _outlook(stops: int) -> Outlook:
-    """Room for the open stops of a state."""
-    open_, empty = np.zeros(stops, np.int64), np.zeros((4, stops))
-    return Outlook(open_, empty[0], empty[1], empty[2], empty[3])
+    """Room for the stops as a state sees them."""
+    return Outlook(np.zeros(stops), np.zeros(stops), np.zeros(stops))
+
+
+@kernel
+def _ranking(places: int, stops: int) -> Ranking:
+    """Nothing ranked yet."""
+    return Ranking(np.zeros(places, np.bool_), np.zeros((places, stops), np.int64))
 
 
 @inlined
@@ -127,65 +137,92 @@ def _first_free(clock: NDArray[np.float64], s: int) -> int:
     return f
 
 
-@inlined
-def _soonest(
-    clock: NDArray[np.float64],
-    at: NDArray[np.int64],
-    first: NDArray[np.float64],
-    between: NDArray[np.float64],
-    kind: NDArray[np.int64],
-    lasts: NDArray[np.float64],
-    s: int,
-    f: int,
-    j: int,
-) -> float:
-    """Decision in which stop `j` could be met first by a forager of state `s` other than `f`."""
-    nearest = FAR
-    for g in range(clock.shape[1]):
-        if g != f and clock[s, g] < FAR:
-            way = first[g, j] if at[s, g] < 0 else between[kind[g], at[s, g], j]
-            if clock[s, g] + way <= lasts[g]:
-                nearest = min(nearest, clock[s, g] + way)
-    return nearest
+@kernel
+def _see(
+    worth: NDArray[np.float64],
+    visited: np.uint64,
+    way: NDArray[np.float64],
+    clock: float,
+    outlook: Outlook,
+) -> None:
+    """Fill an outlook but for what the others can do: ways (stop,) begin where the forager is."""
+    weight, arrival, others = outlook.weight, outlook.arrival, outlook.others
+    for j in range(worth.size):
+        weight[j] = worth[j] if (visited >> np.uint64(j)) & _ONE == 0 else 0.0
+        arrival[j] = clock + way[j]
+        others[j] = FAR
+
+
+@kernel
+def _see_another(
+    way: NDArray[np.float64], clock: float, lasts: float, others: NDArray[np.float64]
+) -> None:
+    """Lower the decisions (stop,) in which others could be there by those of one of them."""
+    for j in range(others.size):
+        there = clock + way[j]
+        others[j] = there if there <= lasts and there < others[j] else others[j]
+
+
+@kernel
+def _rank(
+    ranking: Ranking, place: int, way: NDArray[np.float64], worth: NDArray[np.float64]
+) -> NDArray[np.int64]:
+    """(stop,) the stops by decisions per item from a place from which the ways (stop,) are."""
+    if not ranking.known[place]:
+        ranking.known[place] = True
+        ranking.stops[place] = np.argsort(way / worth, kind="mergesort")
+    return ranking.stops[place]
 
 
 @inlined
-def _choose(rank: NDArray[np.float64], n: int, chosen: NDArray[np.int64]) -> int:
-    """Fill `chosen` with those of least rank of the first `n`, the best first; their number."""
-    number, worst = 0, np.inf
-    for i in range(n):
-        if rank[i] < worst:
-            number = insert(chosen, rank, number, i)
-            worst = limit(chosen, rank, number)
+def _choose(
+    ranked: NDArray[np.int64],
+    weight: NDArray[np.float64],
+    way: NDArray[np.float64],
+    arrival: NDArray[np.float64],
+    lasts: float,
+    chosen: NDArray[np.int64],
+) -> int:
+    """Fill `chosen` with the best stops that are open and within reach; their number."""
+    number = 0
+    for j in ranked:
+        if weight[j] > 0.0 and way[j] < FAR and arrival[j] <= lasts:
+            chosen[number] = j
+            number += 1
+            if number == chosen.size:
+                break
     return number
+
+
+@rough
+def _rest_roughly(
+    weight: NDArray[np.float64], others: NDArray[np.float64], free: float, way: NDArray[np.float64]
+) -> float:
+    """`_rest` without its price, to some digits."""
+    total = 0.0
+    for j in range(weight.size):
+        own = free + way[j]
+        total += weight[j] * (own if own < others[j] else others[j])
+    return total
 
 
 @inlined
 def _rest(
     weight: NDArray[np.float64],
     others: NDArray[np.float64],
-    stop: NDArray[np.int64],
-    n: int,
-    chosen: int,
     free: float,
     way: NDArray[np.float64],
     price: float,
-    enough: float,
 ) -> float:
-    """A price plus, for every open stop but the chosen one, its weight by when it can be met first.
+    """A price plus, for every stop, its weight by when it can be met first.
 
     Parameters
     ----------
-    weight, others, stop, n : of an `Outlook`
-    chosen : the forager's next stop, as a number among the open ones
-    free, way : the decision in which it is free there, and (stop,) its ways from there
-    enough : a price of this or more is as good as any, so the sum is broken off there
+    weight, others : of an `Outlook`
+    free, way : the decision in which the forager is free, and (stop,) its ways from there
     """
-    for i in range(n):
-        if i != chosen:
-            price += weight[i] * min(others[i], free + way[stop[i]])
-            if price >= enough:
-                break
+    for j in range(weight.size):
+        price += weight[j] * min(others[j], free + way[j])
     return price
 
 
@@ -208,6 +245,7 @@ def _grow(
     states: States,
     number: int,
     outlook: Outlook,
+    ranking: Ranking,
     chosen: NDArray[np.int64],
     steps: Steps,
 ) -> tuple[int, bool]:
@@ -216,57 +254,59 @@ def _grow(
     Parameters
     ----------
     number : states
-    outlook, chosen : scratch for the open stops of a state, and the best of them
+    outlook, chosen : scratch for the stops as a state sees them, and the best of them
+    ranking : of the stops from every place
 
     Returns
     -------
     Steps kept, and whether any of the routes could go on
     """
     worth, first, between, kind = legs.weight, legs.first, legs.between, legs.kind
-    clock, at, visited, room, lasts = (
-        states.clock,
-        states.at,
-        states.visited,
-        states.room,
-        legs.lasts,
-    )
-    stop, weight, arrival = outlook.stop, outlook.weight, outlook.arrival
-    others, rank = outlook.others, outlook.rank
-    order, cost, names = steps.order, steps.cost, steps.name
+    clock, at, visited, room = states.clock, states.at, states.visited, states.room
+    weight, arrival, others = outlook.weight, outlook.arrival, outlook.others
+    order, cost, names, lasts = steps.order, steps.cost, steps.name, legs.lasts
     parents, whos, goals, frees = steps.parent, steps.who, steps.stop, steps.free
-    kept, goes_on = 0, False
+    kept, goes_on, everything = 0, False, ~np.uint64(0) >> np.uint64(64 - worth.size)
     for s in range(number):
-        f, n = _first_free(clock, s), 0
-        if clock[s, f] < FAR:
-            for j in range(worth.size):
-                if not visited[s] & (_ONE << np.uint64(j)):
-                    way = first[f, j] if at[s, f] < 0 else between[kind[f], at[s, f], j]
-                    stop[n], weight[n], arrival[n] = j, worth[j], clock[s, f] + way
-                    others[n] = _soonest(clock, at, first, between, kind, lasts, s, f, j)
-                    rank[n] = way / weight[n] if way < FAR and arrival[n] <= lasts[f] else np.inf
-                    n += 1
-        complete = n == 0
+        f, stops = _first_free(clock, s), 0
+        complete = clock[s, f] >= FAR or visited[s] == everything
+        if not complete:
+            here = at[s, f]
+            way = first[f] if here < 0 else between[kind[f], here]
+            _see(worth, visited[s], way, clock[s, f], outlook)
+            place = f if here < 0 else kind.size + kind[f] * worth.size + here
+            ranked = _rank(ranking, place, way, worth)
+            stops = _choose(ranked, weight, way, arrival, lasts[f], chosen)
+            for g in range(clock.shape[1]):
+                if g != f and clock[s, g] < FAR:
+                    way = first[g] if at[s, g] < 0 else between[kind[g], at[s, g]]
+                    _see_another(way, clock[s, g], lasts[g], others)
         goes_on = goes_on or not complete
         held = states.mark[s]  # the marks of those who stay where they are
         if not complete and at[s, f] >= 0:
             held -= _mark(at[s, f], kind[f])
-        stops = _choose(rank, n, chosen)
         for c in range(stops + (1 if complete or stops == 0 or clock.shape[1] > 1 else 0)):
-            i, j, free, paid, met, who = NOWHERE, NOWHERE, FAR, states.paid[s], visited[s], f
-            mark = held + _RETIRED
+            j, free, paid, met, who = NOWHERE, FAR, states.paid[s], visited[s], f
+            mark, weight_there = held + _RETIRED, 0.0
             if complete:
                 who, mark = NOBODY, held
             elif c < stops:
-                i = chosen[c]
-                j, taken = stop[i], min(weight[i], room[s, f])
-                paid += taken * arrival[i]
-                paid += (weight[i] - taken) * others[i]
-                free = arrival[i] if room[s, f] > weight[i] else FAR
+                j = chosen[c]
+                weight_there, taken = weight[j], min(weight[j], room[s, f])
+                paid += taken * arrival[j]
+                paid += (weight_there - taken) * others[j]
+                free = arrival[j] if room[s, f] > weight_there else FAR
                 met |= _ONE << np.uint64(j)
                 mark = held + _mark(j, kind[f])
             name, enough = mark + met * _ODD, limit(order, cost, kept)
-            price, way_on = states.cost[s] if complete else paid, between[kind[f], max(j, 0)]
-            price = _rest(weight, others, stop, n, i, free, way_on, price, enough)
+            price = states.cost[s]
+            if not complete:
+                way_on = between[kind[f], max(j, 0)]
+                weight[max(j, 0)] -= weight_there  # it is not among the rest
+                price = paid + MARGIN * _rest_roughly(weight, others, free, way_on)
+                if price < enough:
+                    price = _rest(weight, others, free, way_on, paid)
+                weight[max(j, 0)] += weight_there
             if price < enough and not _has_twin(names, cost, kept, name, price):
                 slot = free_slot(order, kept)
                 cost[slot], names[slot] = price, name
@@ -319,8 +359,9 @@ def search_routes(legs: Legs, beam: int, choices: int, depth: int) -> NDArray[np
         return np.full(foragers, NOWHERE, np.int64)
     states, after, number = _states(beam, legs.room), _states(beam, legs.room), 1
     steps, outlook, chosen = _steps(beam), _outlook(n), np.empty(choices, np.int64)
+    ranking = _ranking(foragers + legs.between.shape[0] * n, n)
     for _ in range(min(depth, n + foragers)):
-        kept, goes_on = _grow(legs, states, number, outlook, chosen, steps)
+        kept, goes_on = _grow(legs, states, number, outlook, ranking, chosen, steps)
         if not goes_on:
             break
         _follow(legs, states, steps, kept, after)

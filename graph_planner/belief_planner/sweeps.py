@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from graph_planner.belief_planner.beam import free_slot, insert, limit
 from graph_planner.belief_planner.ways import UNREACHED, UInt16Array
-from graph_planner.compiled import inlined, kernel
+from graph_planner.compiled import MARGIN, inlined, kernel, rough
 from graph_planner.geodesics import Int32Array
 
 LONGEST = 400.0  # decisions charged for what nobody can reach
@@ -135,6 +135,20 @@ def _rest(
     return price
 
 
+@rough
+def _rest_roughly(
+    k: int, decisions: UInt16Array, left: NDArray[np.float64], elsewhere: NDArray[np.float64]
+) -> float:
+    """`_rest` without its price, to some digits, of the decisions (landmark,) from the end."""
+    total = 0.0
+    for mark in range(left.size):
+        there = decisions[mark]
+        steps = LONGEST if there == UNREACHED else float(k + max(1, int(there)))
+        mass = left[mark] if left[mark] > SEEN else 0.0
+        total += mass * (steps if steps < elsewhere[mark] else elsewhere[mark])
+    return total
+
+
 @inlined
 def _has_twin(
     node: Int32Array, k: int, cost: NDArray[np.float64], kept: int, end: int, price: float
@@ -183,11 +197,15 @@ def _prolong(
                 if mass[cell] > 0.0 and stamp[cell] != token[0]:
                     got += mass[cell]
                     rest[landmark[cell]] -= mass[cell]
-            paid = plans.paid[s] + got * k
+            paid, enough = plans.paid[s] + got * k, limit(order, cost, kept)
+            if k > 1:
+                price = paid + MARGIN * _rest_roughly(k, decisions[end], rest, elsewhere)
+                if price >= enough:
+                    continue
             price = _rest(k, decisions, end, rest, elsewhere, paid)
             if k == 1:
                 first[move] = -price
-            if price >= limit(order, cost, kept) or _has_twin(node, k, cost, kept, end, price):
+            if price >= enough or _has_twin(node, k, cost, kept, end, price):
                 continue
             slot = free_slot(order, kept)
             cost[slot], longer.paid[slot], longer.left[slot] = price, paid, rest
