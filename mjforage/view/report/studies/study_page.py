@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from mjforage.runs.variants import COMPLETE
 from mjforage.view.page import embedded, set_page, style
 from mjforage.view.page.picture import Picture, house_style
 from mjforage.view.page.table import Table
@@ -71,7 +70,7 @@ def scene_sections(logs: StudyLogs) -> list[Section]:
 def clearing_section(logs: StudyLogs) -> Section:
     """Whether the map was cleared in the scenario as it is, and what horizon would do."""
     table = clearing_table(logs.whole)
-    words = f"Of the variant “{logs.title(COMPLETE)}”."
+    words = f"Of the variant “{logs.title(logs.first)}”."
     if table is None:
         return Section(CLEARING, TITLE, f"{words} Every policy cleared the map every time.")
     return Section(CLEARING, TITLE, words, [table])
