@@ -84,7 +84,7 @@ def performance_profile(
     Raises
     ------
     ValueError
-        values of another shape than strata, a direction that is neither 1 nor -1, or as `bootstrap`.
+        values and strata differ in shape, better is neither 1 nor -1, or as `bootstrap`.
     """
     runs, tau = statistics.defined(values), np.asarray(thresholds, dtype=np.float64)
     labels = np.asarray(strata)

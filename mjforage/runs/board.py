@@ -43,11 +43,11 @@ def board(
         reasons = {name: _why_not(name, one) for name in wanted}
         missing = {name: why for name, why in reasons.items() if why}
         players = tuple(name for name in reasons if name not in missing)
-        for name, why in missing.items() if policies or not players else ():
-            raise UserError(f"course {one.name}: {why}")
+        if missing and (policies or not players):
+            raise UserError(f"course {one.name}: {next(iter(missing.values()))}")
         left_out += [LeftOut(name, one.name, why) for name, why in missing.items()]
-        setup, worlds = one.setup, (one.world,)
-        variants.append(Variant(one.name, one.name, setup.scenario, players, setup.grid, worlds))
+        about = one.setup.scenario, players, one.setup.grid, (one.world,)
+        variants.append(Variant(one.name, one.name, *about))
     worlds = tuple(dict.fromkeys(one.world for one in courses))
     return Study(
         "board",

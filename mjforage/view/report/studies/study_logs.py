@@ -54,7 +54,8 @@ class StudyLogs:
     @property
     def worlds(self) -> tuple[str, ...]:
         """Worlds in which any variant is played."""
-        return tuple(dict.fromkeys(world for run in self.runs.values() for world in run.worlds))
+        own = (world for one in self.info.variants.values() for world in one.worlds)
+        return tuple(dict.fromkeys((*self.info.worlds, *own)))
 
     @property
     def options(self) -> Mapping[str, Any]:
