@@ -66,7 +66,7 @@ def page_text(logs: StudyLogs, sections: Sequence[Section], page: Path) -> str:
         trim_blocks=True,
         keep_trailing_newline=True,
     )
-    return template.render(
+    text: str = template.render(
         command=command_of(logs),
         commit=info.commit,
         enough=ENOUGH,
@@ -77,6 +77,7 @@ def page_text(logs: StudyLogs, sections: Sequence[Section], page: Path) -> str:
         started=info.started,
         versions=", ".join(f"{name} {number}" for name, number in logs.base.versions.items()),
     )
+    return text
 
 
 def _section(section: Section, page: Path) -> str:
