@@ -194,7 +194,7 @@ def test_one_command_computes_and_draws_the_board_and_another_writes_its_page(
     assert command("report", folder, "--page", page).code == 0
     assert (folder / "report.html").read_bytes() == first
     text = page.read_text()
-    for words in ("# The board", "A small run of 3 episodes", "comb-port-on-open\\_bay", "| greedy"):
+    for words in ("# The board", "small run of 3 episodes", "comb-port-on-open\\_bay", "| greedy"):
         assert words in text, words
     assert str(tmp_path) not in text, "no path of this machine"
     shown = {path.name for path in page.parent.glob("*.png")}

@@ -27,7 +27,7 @@ def courses_table(board: Board) -> Table:
         cells = (run.name, map_words(run), board.world(course), str(link.get("model", "ideal")))
         rows.append(Row(course, cells, values=(None,) * len(cells)))
     columns = ("rules", "map", "world", "link")
-    return Table("courses", "Courses", columns, tuple(rows), head="course")
+    return Table("courses", "Courses", columns, tuple(rows), head="course", wordy=True)
 
 
 def _absent(logs: StudyLogs) -> Table | None:
@@ -40,17 +40,20 @@ def _absent(logs: StudyLogs) -> Table | None:
         for (policy, reason), courses in reasons.items()
     )
     title = "Policies that could not play"
-    return Table("left-out", title, ("courses", "reason"), rows) if rows else None
+    return Table("left-out", title, ("courses", "reason"), rows, wordy=True) if rows else None
 
 
-def _together(board: Board, standing: Standing) -> Section:
-    drawn = [profiles_picture(board), frontier_picture(standing)]
+def _together(standing: Standing) -> list[Section]:
     words = (
         f"`{CEILING}` is shown where items are and how they drift: a bound, and not ranked. All "
         "policies of a course play the same episodes. Nobody is left out for doing badly."
     )
+    drawn = [profiles_picture(standing.board), frontier_picture(standing)]
     pictures = [one for one in drawn if one is not None]
-    return Section("together", "All courses", words, [overall_table(standing)], pictures)
+    return [
+        Section("together", "All courses", words, [overall_table(standing)]),
+        Section("curves", "Profiles, and what decisions cost", "", (), pictures),
+    ]
 
 
 def sections(logs: StudyLogs) -> list[Section]:
@@ -60,13 +63,14 @@ def sections(logs: StudyLogs) -> list[Section]:
     means = (
         f"Mean ± 1.96 SEM over the episodes. {MARKED} Decision: CPU time that the policy takes to "
         "decide for the whole fleet once, in the batches of episodes in which it was asked (up to "
-        "50, with hulls 10), without its first call; where agents know different things every one "
-        f"decides for all of them. Energy: {board.metrics[-1].definition}."
+        "50, with hulls 10), without its first call; ≤ where all chunks are a worker's first of "
+        "that policy, which load and compile. Where agents know different things every one decides "
+        f"for all of them. Energy: {board.metrics[-1].definition}."
     )
     absent = _absent(logs)
     who = [policies_table(board), *([absent] if absent else [])]
     return [
-        _together(board, standing),
+        *_together(standing),
         Section("courses", "Courses", "", [courses_table(board)]),
         Section(
             "scores", "Course by course", means, [course_table(board, c) for c in board.courses]

@@ -27,7 +27,7 @@ from mjforage.view.report.text_tables import policy_name
 
 COLUMNS = 3  # panels beside one another
 THRESHOLDS = 101
-TAIL = 0.02  # of the runs, at either end, that lie beyond the axis of thresholds
+TAIL = 0.1  # of the runs, the worst, that lie beyond the axis of thresholds
 MARKS = 5  # on a line
 SHOWN = ("pta_c", "nt90")  # scores of the frontier, beside the normalised one
 
@@ -61,13 +61,13 @@ def _pooled(board: Board, policy: str, score: str) -> tuple[FloatArray, FloatArr
     return np.concatenate(found), np.concatenate(labels)
 
 
-def _thresholds(runs: Sequence[FloatArray]) -> FloatArray | None:
-    """(threshold,) from the worst to the best of the runs, but for their tails."""
+def _thresholds(runs: Sequence[FloatArray], better: int) -> FloatArray | None:
+    """(threshold,) upwards over all runs that have a value, but for the tail of the worst."""
     known = np.concatenate(runs)
     known = known[~np.isnan(known)]
     if not known.size:
         return None
-    low, high = np.quantile(known, [TAIL, 1 - TAIL])
+    low, high = np.quantile(known, [TAIL, 1.0] if better > 0 else [0.0, 1 - TAIL])
     aside = 0.0 if high > low else 0.5
     return np.linspace(low - aside, high + aside, THRESHOLDS)
 
@@ -75,7 +75,7 @@ def _thresholds(runs: Sequence[FloatArray]) -> FloatArray | None:
 def _profiles(axes: Axes, board: Board, metric: Description) -> None:
     playing = [one for one in board.policies if all(one in board.players(c) for c in board.shared)]
     runs = {policy: _pooled(board, policy, metric.key) for policy in playing}
-    tau = _thresholds([values for values, _ in runs.values()])
+    tau = _thresholds([values for values, _ in runs.values()], metric.better)
     axes.set_ylim(-0.02, 1.02)
     if tau is None:
         undefined(axes, mathtext(metric.label), "is undefined")
@@ -110,7 +110,7 @@ def profiles_picture(board: Board) -> Picture | None:
         "at least as good as τ; a line that lies above another is better at that τ. Bands: "
         "pointwise bootstrap 95 % intervals, episodes resampled within courses (Agarwal et al., "
         "NeurIPS 2021). A run without a score counts as worse than every τ. The axes leave out "
-        f"{100 * TAIL:g} % of all runs at either end."
+        f"the worst {100 * TAIL:g} % of all runs."
     )
     return Picture("profiles", "Performance profiles", caption, figure, wide=True)
 
@@ -123,7 +123,7 @@ def _quality(standing: Standing, key: str) -> FloatArray:
 def _frontier(axes: Axes, standing: Standing, key: str) -> list[str]:
     """Draw a panel; return who is on its front, the cheapest first."""
     board = standing.board
-    cost = np.array([board.mean_decision_ms(policy) for policy in board.policies])
+    cost = np.array([board.mean_decision(policy).ms for policy in board.policies])
     found = [standing.number(row) for row in _quality(standing, key)]
     better = describe(key).better if key else 1
     worth = better * np.array([one.value for one in found])
@@ -163,7 +163,7 @@ def _frontier(axes: Axes, standing: Standing, key: str) -> list[str]:
 def frontier_picture(standing: Standing) -> Picture | None:
     """Quality against the time of a decision; None where nobody's was measured."""
     board = standing.board
-    if not any(np.isfinite(board.mean_decision_ms(policy)) for policy in board.ranked):
+    if not any(np.isfinite(board.mean_decision(policy).ms) for policy in board.ranked):
         return None
     keys = ("", *SHOWN) if standing.used else SHOWN
     with house_style():

@@ -1,11 +1,13 @@
 """The board as one Markdown page for the documentation, with two figures beside it."""
 
+import io
 import shlex
 from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 
 import jinja2
+from PIL import Image
 
 from mjforage.core.errors import UserError
 from mjforage.core.whole_files import write_bytes
@@ -16,6 +18,7 @@ from mjforage.view.report.studies import board
 from mjforage.view.report.studies.study_logs import StudyLogs, load_study
 from mjforage.view.report.studies.study_page import Section
 
+COLOURS = 128  # of a figure
 ENOUGH = 100  # episodes of a board that is meant to be read
 
 
@@ -35,9 +38,18 @@ def write_board_page(folder: Path, page: Path) -> Path:
     for name, picture in pictures.items():
         with house_style():
             content = png_bytes(picture.figure)
-        write_bytes(page.with_name(_file(page, name)), content)
+        write_bytes(page.with_name(_file(page, name)), _smaller(content))
     write_bytes(page, page_text(logs, sections, page).encode("utf-8"))
     return page
+
+
+def _smaller(content: bytes) -> bytes:
+    """A PNG with few colours: a third of the bytes, for a page that is kept in a repository."""
+    buffer = io.BytesIO()
+    with Image.open(io.BytesIO(content)) as image:
+        few = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        few.save(buffer, "PNG", optimize=True)
+    return buffer.getvalue()
 
 
 def _file(page: Path, picture: str) -> str:

@@ -65,4 +65,4 @@ def policies_table(board: Board) -> Table:
         colour = style.looks(board.policies)[policy].colour
         rows.append(Row(head, cells, colour, values=(None,) * len(cells)))
     columns = ("what it is", "training", "described in")
-    return Table("policies", "The policies", columns, tuple(rows))
+    return Table("policies", "The policies", columns, tuple(rows), wordy=True)

@@ -89,17 +89,49 @@ class Board:
         """The best there, and those not told from it."""
         return best_and_alike(self.competing(cell), describe(cell.score).better)
 
-    def decision_ms(self, course: str, policy: str) -> float:
-        """CPU time of the policy per decision for the whole fleet [ms]; NaN if not measured."""
+    @cached_property
+    def _began(self) -> dict[tuple[str, str, str], float]:
+        """Call, worker and policy -> when its first chunk of that policy began."""
+        found: dict[tuple[str, str, str], float] = {}
+        for one in (cost for costs in self.logs.costs.values() for cost in costs):
+            key = (one.started, one.worker, one.policy)
+            found[key] = min(one.began_s, found.get(key, one.began_s))
+        return found
+
+    def decision(self, course: str, policy: str) -> "Decision":
+        """CPU time of the policy per decision for the whole fleet.
+
+        A worker's first chunk of a policy also loads and compiles: it counts where there is no
+        other alone.
+        """
         world = self.world(course)
         chunks = [c for c in self.logs.costs[course] if (c.world, c.policy) == (world, policy)]
-        decisions = sum(one.decisions for one in chunks)
-        return 1000 * sum(one.decide_s for one in chunks) / decisions if decisions else np.nan
+        began = self._began
+        warm = [c for c in chunks if c.began_s > began[c.started, c.worker, c.policy]]
+        decisions = sum(one.decisions for one in warm or chunks)
+        if not decisions:
+            return Decision(np.nan)
+        return Decision(1000 * sum(one.decide_s for one in warm or chunks) / decisions, not warm)
 
-    def mean_decision_ms(self, policy: str) -> float:
-        """Geometric mean of the same over the courses that all play; NaN if one is not measured."""
-        each = np.array([self.decision_ms(course, policy) for course in self.shared])
-        return float(np.exp(np.log(each).mean())) if each.size and (each > 0).all() else np.nan
+    def mean_decision(self, policy: str) -> "Decision":
+        """Geometric mean of the same over the courses that all play, those that were warm if any.
+
+        Undefined if one of them was not measured.
+        """
+        found = [self.decision(course, policy) for course in self.shared]
+        used = [one for one in found if not one.at_most] or found
+        each = np.array([one.ms for one in used])
+        if not each.size or not (each > 0).all():
+            return Decision(np.nan)
+        return Decision(float(np.exp(np.log(each).mean())), used[0].at_most)
+
+
+@dataclass(frozen=True)
+class Decision:
+    """CPU time of a decision for the whole fleet."""
+
+    ms: float  # NaN if not measured
+    at_most: bool = False  # loading and compiling are in it
 
 
 def draws_of(board: Board, course: str) -> FloatArray:

@@ -5,6 +5,7 @@ import numpy as np
 from metrics import bootstrap, iqm
 from mjforage.core.mission_metrics import describe
 from mjforage.view.page import style
+from mjforage.view.page.picture import joined
 from mjforage.view.page.table import NOTHING, Number, Row, Table
 from mjforage.view.report.best_marks import FEWEST, LEVEL, against_best, best
 from mjforage.view.report.differences import SEED, Difference, p_text
@@ -12,6 +13,7 @@ from mjforage.view.report.studies.board_scores import (
     SCORES,
     Board,
     Cell,
+    Decision,
     Standing,
     mean_ranks,
 )
@@ -48,11 +50,12 @@ def _columns(board: Board) -> tuple[tuple[str, ...], tuple[str, ...], tuple[int,
     return labels, units, tuple(m.better for m in found)
 
 
-def short(value: float) -> str:
-    """Three digits of a positive number that may be of any size."""
-    if np.isnan(value):
+def time_cell(spent: Decision) -> str:
+    """Three digits of a time of any size; an upper bound where loading is in it."""
+    if np.isnan(spent.ms):
         return NOTHING
-    return number(value, max(0, 2 - int(np.floor(np.log10(value)))) if value > 0 else 0)
+    digits = max(0, 2 - int(np.floor(np.log10(spent.ms)))) if spent.ms > 0 else 0
+    return ("≤ " if spent.at_most else "") + number(spent.ms, digits)
 
 
 def course_table(board: Board, course: str) -> Table:
@@ -61,21 +64,21 @@ def course_table(board: Board, course: str) -> Table:
     rows = []
     for policy in board.players(course):
         entries = [board.logs.entry(board.player(course, policy), key) for key in SCORES]
-        spent, run = board.decision_ms(course, policy), board.logs.runs[course]
+        spent, run = board.decision(course, policy), board.logs.runs[course]
         pairs = list(zip(entries, board.metrics, strict=True))
         rows.append(
             Row(
                 _head(board, policy),
-                (*(plus_minus(entry, m.digits) for entry, m in pairs), short(spent)),
+                (*(plus_minus(entry, m.digits) for entry, m in pairs), time_cell(spent)),
                 _colour(board, policy),
                 best=frozenset(i for i, found in enumerate(winners) if policy in found),
-                values=(*map(in_full, entries), Number(spent)),
+                values=(*map(in_full, entries), Number(spent.ms)),
                 also=(*(in_minutes(run, m, entry) for entry, m in pairs), ""),
             )
         )
     labels, units, better = _columns(board)
     return Table(
-        f"course-{course}",
+        f"course-{course.replace('@', '-')}",
         course,
         (*labels, DECISION),
         tuple(rows),
@@ -184,29 +187,25 @@ def overall_table(standing: Standing) -> Table:
     ranks = mean_ranks(board)
     winners = {cell: board.winners(cell) for cell in board.cells}
     judged = {cell for cell, found in winners.items() if found}
+    shown = [key for key in SCORES if _used(standing, key)]
     rows = []
     for policy in _by_score(standing):
         place = board.policies.index(policy)
         numbers = [standing.number(standing.overall[place])]
-        numbers += [standing.number(row) for row in standing.scores[place]]
+        numbers += [standing.number(standing.scores[place, SCORES.index(key)]) for key in shown]
         played = [one for one in board.courses if policy in board.players(one)]
         own = [cell for cell in judged if cell.course in played]
         won = sum(policy in winners[cell] for cell in own)
-        bound, spent = policy in board.logs.bounds, board.mean_decision_ms(policy)
+        bound, spent = policy in board.logs.bounds, board.mean_decision(policy)
+        rank = ranks.get(policy, np.nan)
         cells = [interval_cell(one, 2) for one in numbers]
-        cells += [
-            NOTHING if bound else f"{won} of {len(own)}",
-            number(ranks.get(policy, np.nan), 1),
-        ]
-        cells += [short(spent), str(len(played))]
-        values = (
-            *numbers,
-            Number(np.nan if bound else won),
-            *map(Number, (ranks.get(policy, np.nan), spent, len(played))),
-        )
+        cells += [NOTHING if bound else f"{won} of {len(own)}", number(rank, 1)]
+        cells += [time_cell(spent), str(len(played))]
+        rest = (np.nan if bound else won, rank, spent.ms, len(played))
+        values = (*numbers, *map(Number, rest))
         head, colour = _head(board, policy), _colour(board, policy)
         rows.append(Row(head, tuple(cells), colour, values=values))
-    labels, _, _ = _columns(board)
+    labels = [describe(key).label for key in shown]
     columns = ("all scores", *labels, "best", "rank", DECISION, "courses")
     units = ("", *("",) * len(labels), "cells", "mean", DECISION_UNIT, "")
     better = (1, *(1,) * len(labels), 1, -1, -1, 0)
@@ -224,6 +223,16 @@ def _by_score(standing: Standing) -> list[str]:
     return sorted(board.policies, key=lambda one: (one in board.logs.bounds, -first[one]))
 
 
+def _nowhere(standing: Standing) -> str:
+    """The scores that no cell of which is in the normalised ones."""
+    absent = [m.label for m in standing.board.metrics if not _used(standing, m.key)]
+    return f"; {joined(absent)} in none" if absent else ""
+
+
+def _used(standing: Standing, key: str) -> bool:
+    return any(cell.score == key for cell in standing.used)
+
+
 def _overall_note(standing: Standing, judged: int) -> str:
     board = standing.board
     return (
@@ -232,8 +241,9 @@ def _overall_note(standing: Standing, judged: int) -> str:
         f"courses, the same ones for all policies). Of the {len(board.cells)} cells of a course "
         f"and a score {len(standing.used)} are in it: those of the {len(board.shared)} courses "
         "that all policies play in which `oracle` is better than `random` (paired t-test at the "
-        f"level {LEVEL:g}). Best: cells in which the policy is best or not told from it, of the "
-        f"{judged} in which some policy is told from the best. Rank: mean of the ranks by means, "
-        "bounds aside. Decision: geometric mean over those courses of the CPU time that the policy "
-        "takes to decide for the whole fleet, in batches, without its first call."
+        f"level {LEVEL:g}){_nowhere(standing)}. Best: cells in which the policy is best or not "
+        f"told from it, of the {judged} in which some policy is told from the best. Rank: mean of "
+        "the ranks by means, bounds aside. Decision: geometric mean over those courses of the CPU "
+        "time that the policy takes to decide for the whole fleet, in batches, without its first "
+        "call; ≤ where loading and compiling are in it."
     )
