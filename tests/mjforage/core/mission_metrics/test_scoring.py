@@ -86,12 +86,12 @@ def test_an_episode_is_cleared_only_when_its_last_item_is_removed(setup: Setup) 
 
 
 def test_energy_per_item_is_the_way_until_the_end_over_what_was_removed(setup: Setup) -> None:
-    """Ways of 10, 2, 0, 3 and 6.5 after 10 steps for 2 items; after 4 steps 5 for none."""
+    """Ways of 10, 2, 0, 3 and 6.5 after 5 steps for 2 items; after 4 steps 5 for none."""
     log = log_by_hand(setup)
     log.energy = np.zeros((2, 11, 5), np.float32)
-    log.energy[0, 10], log.energy[0, 5] = [10.0, 2.0, 0.0, 3.0, 6.5], 1.0
+    log.energy[0, 5], log.energy[0, 4] = [10.0, 2.0, 0.0, 3.0, 6.5], 1.0  # nothing after the end
     log.energy[1, 4] = 1.0
-    log.n_items, log.length = np.array([4, 4], np.int32), np.array([10, 4], np.int32)
+    log.n_items, log.length = np.array([4, 4], np.int32), np.array([5, 4], np.int32)
     for name in ("t_discovered", "discovered_by", "t_collected", "collected_by"):
         setattr(log, name, np.concatenate([getattr(log, name), np.full((1, 5), -1, np.int16)]))
     scores = score(Batch(log, setup.fleet, 10, {}), [METRICS.find("energy_per_item")])
