@@ -30,10 +30,18 @@ Definition"; statistics over episodes come beside them.
 | bootstrap interval, summary | `bootstrap`, `summarise` | |
 | two policies compared | `paired_difference`, `paired_p`, `probability_of_improvement` | |
 | several comparisons at once | `holm` | |
+| several tasks at once | `normalised`, `resampled_means`, `performance_profile` | |
+| quality against cost | `pareto_front` | |
 
 Bad arguments raise ValueError. Undefined values are NaN and are left out of the statistics.
 """
 
+from metrics.aggregation import (
+    normalised,
+    pareto_front,
+    performance_profile,
+    resampled_means,
+)
 from metrics.calibration import (
     BINS,
     base_rate,
@@ -127,15 +135,19 @@ __all__ = [
     "mean_dsl",
     "mean_idleness",
     "model_error",
+    "normalised",
     "nt",
     "paired_contribution",
     "paired_difference",
     "paired_p",
+    "pareto_front",
+    "performance_profile",
     "position_age",
     "probability_of_improvement",
     "pta",
     "pta_series",
     "reliability",
+    "resampled_means",
     "resolution",
     "sem",
     "sensitivity_slope",

@@ -8,6 +8,7 @@ import cyclopts
 from rich.logging import RichHandler
 
 from mjforage.cli import (  # they add their commands
+    boarding,
     drawing,
     hulls,
     lists,
@@ -22,6 +23,7 @@ from mjforage.cli.console import app, errors
 from mjforage.core.errors import UserError, printable
 
 __all__ = [
+    "boarding",
     "drawing",
     "hulls",
     "lists",

@@ -203,6 +203,7 @@ def report(
     out: Path | None = None,
     tables: str = "",
     figures: str = "",
+    page: Path | None = None,
 ) -> None:
     """Draw tables, figures and report.html again, from the logs of a run or study alone.
 
@@ -223,10 +224,13 @@ def report(
     figures
         Write every figure of one run or study into figures/ in these formats: pdf,png,svg; letters
         stay text.
+    page
+        Write a board (`mjforage study board`) as one Markdown page here too, its figures beside it.
     """
     from mjforage.core.errors import UserError
     from mjforage.view.report import Exports, write_pair, write_report
     from mjforage.view.report.studies import is_study, write_study_report
+    from mjforage.view.report.studies.board_page import write_board_page
 
     wanted = Exports.of(tables, figures)
     if len(others) > 1:
@@ -235,6 +239,8 @@ def report(
         raise UserError(f"--out {out}: is for a page on two runs; name two run folders")
     if others and (tables or figures):
         raise UserError("--tables and --figures: are of one run or study; name one folder")
+    if page is not None and (others or not is_study(folder)):
+        raise UserError(f"--page {page}: is for a board; name the folder of one")
     for one in (folder, *others) if others else ():
         if is_study(one):
             raise UserError(f"{one}: holds a study; name two runs, such as those in its variants/")
@@ -242,6 +248,8 @@ def report(
         if others:
             path = write_pair(folder, others[0], out)
         elif is_study(folder):
+            if page is not None:
+                write_board_page(folder, page)
             path = write_study_report(folder, wanted)
         else:
             path = write_report(folder, wanted)

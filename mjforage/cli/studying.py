@@ -14,7 +14,7 @@ from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
 
 if TYPE_CHECKING:
     from mjforage.core.scenario import Scenario
-    from mjforage.runs.study import Variant
+    from mjforage.runs.study import Study, Variant
 
 study = cyclopts.App(
     name="study", help="Studies: many variants of a scenario on the same episodes, in one report."
@@ -272,10 +272,9 @@ def _play(
     from mjforage.core.scenario_file import load_scenario
     from mjforage.core.setup import Setup
     from mjforage.runs.identity import pinned
-    from mjforage.runs.study import Study, run_study
-    from mjforage.view.report.studies import write_study_report
+    from mjforage.runs.study import Study
 
-    workers = by.workers
+    by.workers  # noqa: B018  what is wrong with them is said first
     players, overrides = with_options("policy", policies, choice.set)
     setup = pinned(Setup.of(load_scenario(scenario, overrides, choice.map)))
     variants = varied(setup.scenario, players)
@@ -283,13 +282,26 @@ def _play(
     plan = Study(kind, setup, variants, worlds, episodes, seed, options, tuple(choice.metric))
     folder = choice.out or Path("runs") / f"{setup.scenario.name}-{kind}"
 
-    def begin() -> None:
-        output.print(
-            f"{kind} study of {setup.scenario.name} on map {setup.grid.name}: "
-            f"{len(variants)} variants, {episodes} episodes each"
-        )
+    words = f"{kind} study of {setup.scenario.name} on map {setup.grid.name}"
+    carry_out(plan, folder, words, by, again)
 
-    with bar(f"study {kind}", "episodes") as shown:
+
+def carry_out(plan: "Study", folder: Path, words: str, by: Computing, again: Resuming) -> None:
+    """Compute a study and draw its report.
+
+    Parameters
+    ----------
+    words : what it is, said before the first episode
+    """
+    from mjforage.runs.study import run_study
+    from mjforage.view.report.studies import write_study_report
+
+    workers = by.workers
+
+    def begin() -> None:
+        output.print(f"{words}: {len(plan.variants)} variants, {plan.episodes} episodes each")
+
+    with bar(f"study {plan.kind}", "episodes") as shown:
         run_study(plan, folder, workers=workers, progress=shown, begin=begin, resume=again.resume)
     with working("drawing the report"):
         path = write_study_report(folder)

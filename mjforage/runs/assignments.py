@@ -32,6 +32,7 @@ from mjforage.core.whole_files import write_bytes, writing
 from mjforage.physics.worlds import create_mission
 from mjforage.runs import cluster
 from mjforage.runs.costs import Cost, Invocation
+from mjforage.runs.decision_time import Watch, watched
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.identity import code_of, policy_code, run_code, versions
 from mjforage.runs.kept import replay_file
@@ -233,7 +234,8 @@ def run_chunk(assignment: Assignment, chunk: Chunk) -> str | None:
         outside = bool(outside_class(chunk.policy))  # ours are known to read only
         shared = digest(setup.task) if outside else b""
         scorer = Scorer(mission, chosen_metrics(assignment.metrics))
-        mission.run(create_policy(chunk.policy), (scorer,))
+        watch = Watch()
+        mission.run(watched(create_policy(chunk.policy), watch, chunk.count), (scorer,))
         if outside and digest(setup.task) != shared:
             _setup.cache_clear()  # others are not to play on with it
             return (
@@ -252,6 +254,8 @@ def run_chunk(assignment: Assignment, chunk: Chunk) -> str | None:
             began_s,
             f"{socket.gethostname()}-{os.getpid()}",
             **asdict(assignment.invocation),
+            decide_s=watch.cpu_s,
+            decisions=watch.decisions,
         )
         run.write(chunk, tables, cost)
         for number in set(assignment.kept) & set(episodes.tolist()):

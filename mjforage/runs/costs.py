@@ -47,6 +47,10 @@ class Cost:
     """Who computed: processes, local dask cluster, ..."""
     workers: int
     """Workers when the command was given."""
+    decide_s: Annotated[float, Note("unit", "s")] = 0.0
+    """Of `cpu_s`, what the policy took to decide, without its first call; 0 if not measured."""
+    decisions: int = 0
+    """Decisions for the whole fleet made in `decide_s`."""
 
     @classmethod
     def of(cls, data: object, where: str) -> "Cost":

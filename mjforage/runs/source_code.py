@@ -8,6 +8,7 @@ play are never reached.
 
 import ast
 import hashlib
+import subprocess
 import sys
 import sysconfig
 import uuid
@@ -42,6 +43,22 @@ class Code(NamedTuple):
             dict(sorted({**self.files, **other.files}.items())),
             dict(sorted({**self.versions, **other.versions}.items())),
         )
+
+
+@lru_cache(maxsize=1)
+def commit() -> str:
+    """Commit of our source, with `-dirty` if files that it has were changed since.
+
+    Empty where the source lies in no repository of its own, or git is missing.
+    """
+    if not (_ROOT / ".git").exists():
+        return ""
+    asked = ["git", "-C", str(_ROOT), "describe", "--always", "--dirty", "--exclude=*"]
+    try:
+        told = subprocess.run([*asked, "--abbrev=12"], capture_output=True, text=True, check=False)
+    except OSError:
+        return ""
+    return told.stdout.strip()
 
 
 def decisive_code(modules: Iterable[str], whole: Iterable[str] = ()) -> Code:

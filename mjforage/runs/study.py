@@ -6,12 +6,13 @@ together, so that workers pass from one to the next without a break.
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 from graph_planner.policies.registry import policy_label
 from mjforage.core.errors import UserError
+from mjforage.core.maps import GridMap
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import scenario_to_tree
 from mjforage.core.schema import OPEN, check
@@ -23,6 +24,7 @@ from mjforage.runs.kept import FIRST, KEPT
 from mjforage.runs.lock import claimed
 from mjforage.runs.resuming import Resume, open_folder, set_aside
 from mjforage.runs.run_info import REMEDY, read_json
+from mjforage.runs.source_code import commit
 from mjforage.runs.workers import Workers
 
 IDENTITY = ("kind", "scenario", "variants", "worlds", "episodes", "seed", "options")
@@ -30,12 +32,32 @@ IDENTITY = ("kind", "scenario", "variants", "worlds", "episodes", "seed", "optio
 
 @dataclass(frozen=True)
 class Variant:
-    """One scenario of a study and who plays it."""
+    """One scenario of a study and who plays it, where it is not the study's in map or worlds."""
 
     name: str  # of its run folder
     title: str  # in tables
     scenario: Scenario
     policies: tuple[str, ...]
+    grid: GridMap | None = None  # None: the study's
+    worlds: tuple[str, ...] = ()  # none: the study's
+
+    @property
+    def info(self) -> dict[str, Any]:
+        """What `study.json` says of it."""
+        told = {"title": self.title, "policies": [policy_label(one) for one in self.policies]}
+        return told | ({"worlds": list(self.worlds)} if self.worlds else {})
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A policy that does not play a variant."""
+
+    policy: str
+    """Its name."""
+    variant: str
+    """What it would have played."""
+    reason: str
+    """Why it cannot."""
 
 
 @dataclass(frozen=True)
@@ -44,12 +66,14 @@ class Study:
 
     Attributes
     ----------
-    kind : names its report: parts, ablation, corruption, paper, communication or sensing
-    setup : scenario and map that the variants vary; all share the map
-    variants : in the order in which they are computed
-    worlds, episodes, seed : the same for all variants, so that episodes can be paired
+    kind : names its report: parts, ablation, corruption, paper, communication, sensing or board
+    setup : scenario and map that the variants vary
+    variants : in the order in which they are computed, the scenario as it is first
+    worlds : of the variants that name none
+    episodes, seed : the same for all variants, so that episodes can be paired
     options : what the report must know besides
     metrics : `package.module:Class` of metrics to take beside those that are known
+    left_out : who was to play and cannot; no part of what a study is
     """
 
     kind: str
@@ -60,6 +84,7 @@ class Study:
     seed: int = 0
     options: Mapping[str, Any] = field(default_factory=dict)
     metrics: tuple[str, ...] = ()
+    left_out: tuple[LeftOut, ...] = ()
 
     @property
     def info(self) -> dict[str, Any]:
@@ -67,19 +92,14 @@ class Study:
         return provenance() | {
             "kind": self.kind,
             "scenario": scenario_to_tree(self.setup.scenario),
-            "variants": {
-                variant.name: {"title": variant.title, "policies": _labels(variant)}
-                for variant in self.variants
-            },
+            "variants": {variant.name: variant.info for variant in self.variants},
             "worlds": list(self.worlds),
             "episodes": self.episodes,
             "seed": self.seed,
             "options": dict(self.options),
+            "commit": commit(),
+            "left_out": [asdict(one) for one in self.left_out],
         }
-
-
-def _labels(variant: Variant) -> list[str]:
-    return [policy_label(policy) for policy in variant.policies]
 
 
 @dataclass(frozen=True)
@@ -90,6 +110,8 @@ class VariantInfo:
     """What it is called in tables."""
     policies: tuple[str, ...]
     """Who plays it."""
+    worlds: tuple[str, ...] = ()
+    """Worlds in which it is played; none: those of the study."""
 
 
 @dataclass(frozen=True)
@@ -103,19 +125,23 @@ class StudyInfo:
     started: str
     """When it was given, ISO 8601."""
     kind: str
-    """Which study: parts, ablation, corruption, paper, communication or sensing."""
+    """Which study: parts, ablation, corruption, paper, communication, sensing or board."""
     scenario: Mapping[str, Any]
-    """The whole scenario, defaults included."""
+    """The whole scenario of the first variant, defaults included."""
     variants: Mapping[str, VariantInfo]
     """Variants by the names of their folders."""
     worlds: tuple[str, ...]
-    """Worlds in which every variant is played."""
+    """Worlds of the variants that name none."""
     episodes: int
     """Episodes per variant, world and policy."""
     seed: int
     """Seed of every variant."""
     options: Mapping[str, Any]
     """What the study was told besides."""
+    commit: str = ""
+    """Commit of the source, with `-dirty` if it was changed; empty where it is in no repository."""
+    left_out: tuple[LeftOut, ...] = ()
+    """Policies that were to play a variant and cannot."""
 
 
 @dataclass(frozen=True)
@@ -240,7 +266,7 @@ def run_study(
 
 
 def _plan(study: Study, variant: Variant, folder: Path) -> Run:
-    setup = Setup(variant.scenario, study.setup.grid)
+    setup = Setup(variant.scenario, variant.grid or study.setup.grid)
     try:
         return Run.plan(
             setup,
@@ -248,7 +274,7 @@ def _plan(study: Study, variant: Variant, folder: Path) -> Run:
             variant_folder(folder, variant.name),
             episodes=study.episodes,
             seed=study.seed,
-            worlds=study.worlds,
+            worlds=variant.worlds or study.worlds,
             metrics=study.metrics,
             kept=KEPT if variant is study.variants[0] else FIRST,
         )

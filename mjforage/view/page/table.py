@@ -51,6 +51,7 @@ class Table:
     stacked: bool = False  # intervals stand below their numbers, for wide tables
     head: str = "policy"  # what the heads of the rows are
     better: tuple[int, ...] = ()  # of the columns' metrics, as of a row
+    wordy: bool = False  # cells are words, which may have several lines, and no numbers
 
 
 def groups(rows: Sequence[Row]) -> list[tuple[Row, list[Row]]]:

@@ -89,7 +89,10 @@ def _unrounded(value: float) -> str:
 def markdown_text(table: Table) -> str:
     """A table as Markdown with pipes, as GitHub and pandoc read it; what is best in bold."""
     heads = [_markdown(table.head), *map(_markdown, labels(table))]
-    lines = [_piped(heads), _piped([":--", *["--:"] * len(table.columns)])]
+    lines = [
+        _piped(heads),
+        _piped([":--", *[":--" if table.wordy else "--:"] * len(table.columns)]),
+    ]
     for first, rows in groups(table.rows):
         if first.group:
             lines.append(_piped([f"**{_markdown(first.group)}**", *[""] * len(table.columns)]))

@@ -1,10 +1,17 @@
 """Which policies of a world are best in a metric, by a test rather than by their rounded means."""
 
+from collections.abc import Mapping
+from typing import TypeVar
+
 import numpy as np
+from numpy.typing import NDArray
 
 from metrics import holm, paired_p
 from mjforage.core.mission_metrics import Description
 from mjforage.view.report.run_logs import RunLogs, Series
+
+FloatArray = NDArray[np.float64]
+Name = TypeVar("Name")
 
 LEVEL = 0.05
 FEWEST = 10  # episodes that a pair needs to be judged
@@ -31,16 +38,41 @@ def best_of(logs: RunLogs, metric: Description) -> set[Series]:
 
 def _best_of_world(logs: RunLogs, metric: Description, world: str) -> set[Series]:
     players = [(world, policy) for policy in logs.policies if policy not in logs.run.bounds]
-    values = {one: logs.scalar(one, metric.key) for one in players}
+    return best_and_alike({one: logs.scalar(one, metric.key) for one in players}, metric.better)
+
+
+def best(values: Mapping[Name, FloatArray], better: int) -> Name | None:
+    """Whose mean is best; None where none is defined.
+
+    Parameters
+    ----------
+    values : (episode,) of each, NaN = undefined
+    better : 1 more, -1 less is better
+    """
     means = {one: float(np.nanmean(x)) for one, x in values.items() if np.isfinite(x).any()}
-    if len(means) < 2:
-        return set()
-    top = max(means, key=lambda one: metric.better * means[one])
-    others = [one for one in means if one != top]
-    pairs = [int(np.isfinite(values[one] - values[top]).sum()) for one in others]
+    return max(means, key=lambda one: better * means[one]) if means else None
+
+
+def against_best(values: Mapping[Name, FloatArray], better: int) -> dict[Name, float]:
+    """P-values of all others against the best by paired t-tests, corrected for each other by Holm.
+
+    Of those that are defined in some episode; arguments as of `best`.
+    """
+    top = best(values, better)
+    others = [one for one, x in values.items() if one != top and np.isfinite(x).any()]
+    if top is None:
+        return {}
     corrected = holm([float(paired_p(values[one], values[top])) for one in others])
-    judged = zip(others, pairs, corrected, strict=True)
-    alike = {one for one, n, p in judged if n >= FEWEST and p >= LEVEL}
-    if max(pairs) < FEWEST or len(alike) == len(others):
+    return dict(zip(others, corrected.tolist(), strict=True))
+
+
+def best_and_alike(values: Mapping[Name, FloatArray], better: int) -> set[Name]:
+    """The best mean and those not told from it; none where all are alike or episodes too few."""
+    top, p = best(values, better), against_best(values, better)
+    if top is None or not p:
+        return set()
+    pairs = {one: int(np.isfinite(values[one] - values[top]).sum()) for one in p}
+    alike = {one for one in p if pairs[one] >= FEWEST and p[one] >= LEVEL}
+    if max(pairs.values()) < FEWEST or len(alike) == len(p):
         return set()
     return {top, *alike}

@@ -176,7 +176,7 @@ def test_a_fleet_without_foragers_removes_nothing(evaluate_small: Small, tmp_pat
     run = evaluate_small(tmp_path / "run", overrides=["team.foragers.count=0"])
     frames = tables(run)
     rows = frames["episodes"]
-    missing = {"throughput", "gini_foragers", "co_foragers", "csr", "dsl"}
+    missing = {"throughput", "gini_foragers", "co_foragers", "csr", "dsl", "energy_per_item"}
     assert undefined(rows) == missing | OF_LINKS | OF_FORECASTS
     assert (rows["pta_c"] == 0).all()
     assert frames["items"]["t_collected"].null_count() == frames["items"].height

@@ -12,6 +12,7 @@ from mjforage.view.report.exports import NOTHING_ELSE, Exports, export
 from mjforage.view.report.report_page import definition_notes
 from mjforage.view.report.studies import (
     ablation,
+    board,
     communication,
     corruption,
     paper,
@@ -37,6 +38,7 @@ PAGES = {
     "paper": paper.sections,
     "communication": communication.sections,
     "sensing": sensing.sections,
+    "board": board.sections,
 }
 """Kind of study -> what makes the sections of its page."""
 
@@ -70,7 +72,7 @@ def write_study_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:
     if logs.kind in LIKE_PAPER:
         sections, notes = referred(sections), [NOTE, *notes]
     text = render(logs, sections, notes)
-    tables = [table for section in sections for table in section.tables]
+    tables = [table for section in sections for table in section.numbers]
     pictures = [picture for section in sections for picture in section.pictures]
     export(folder, tables, pictures, wanted)
     write_bytes(target, text.encode("utf-8"))

@@ -14,7 +14,6 @@ from mjforage.core.errors import UserError
 from mjforage.runs.costs import Cost, load_costs
 from mjforage.runs.run_info import RunInfo, again, load_run, read_json
 from mjforage.runs.study import StudyInfo, load_study_info, variant_folder
-from mjforage.runs.variants import COMPLETE
 from mjforage.view.report.run_logs import (
     RunLogs,
     Summaries,
@@ -54,8 +53,9 @@ class StudyLogs:
 
     @property
     def worlds(self) -> tuple[str, ...]:
-        """Worlds of every variant."""
-        return self.info.worlds
+        """Worlds in which any variant is played."""
+        own = (world for one in self.info.variants.values() for world in one.worlds)
+        return tuple(dict.fromkeys((*self.info.worlds, *own)))
 
     @property
     def options(self) -> Mapping[str, Any]:
@@ -68,14 +68,19 @@ class StudyLogs:
         return frozenset(policy for run in self.runs.values() for policy in run.bounds)
 
     @property
+    def first(self) -> str:
+        """The variant that is the scenario as it is."""
+        return next(iter(self.info.variants))
+
+    @property
     def base(self) -> RunInfo:
         """The run of the scenario as it is."""
-        return self.runs[COMPLETE]
+        return self.runs[self.first]
 
     @cached_property
     def whole(self) -> RunLogs:
         """All logs of that run."""
-        return load_logs(variant_folder(self.folder, COMPLETE))
+        return load_logs(variant_folder(self.folder, self.first))
 
     def title(self, variant: str) -> str:
         """Variant in words."""

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from mjforage.runs.variants import COMPLETE
 from mjforage.view.page import embedded, set_page, style
 from mjforage.view.page.picture import Picture, house_style
 from mjforage.view.page.table import Table
@@ -30,6 +29,12 @@ class Section:
     words: str = ""
     tables: Sequence[Table] = ()
     pictures: Sequence[Picture] = ()
+    folded: Sequence[Table] = ()  # after the pictures, closed where they are long
+
+    @property
+    def numbers(self) -> Sequence[Table]:
+        """All tables."""
+        return [*self.tables, *self.folded]
 
 
 def _option(key: str, value: Any) -> str:
@@ -39,21 +44,45 @@ def _option(key: str, value: Any) -> str:
     return f"{key.replace('_', ' ')} {value}"
 
 
+def heading(logs: StudyLogs) -> str:
+    """What is studied: the scenario, unless the variants are of several."""
+    return f"{logs.base.name}: {logs.kind}" if len(_names(logs)) == 1 else logs.kind.capitalize()
+
+
+def _names(logs: StudyLogs) -> list[str]:
+    """Scenarios of the variants."""
+    return list(dict.fromkeys(run.name for run in logs.runs.values()))
+
+
+def maps(logs: StudyLogs) -> list[str]:
+    """Names of the maps of the variants."""
+    return list(dict.fromkeys(run.map.name for run in logs.runs.values()))
+
+
+def _what(logs: StudyLogs) -> list[tuple[str, str]]:
+    """Scenario and map, or those of all variants."""
+    names, run = _names(logs), logs.base
+    scenario = ("Scenario", run.name) if len(names) == 1 else ("Scenarios", ", ".join(names))
+    if len(maps(logs)) == 1:
+        return [scenario, ("Map", map_words(run))]
+    return [scenario, ("Maps", ", ".join(maps(logs)))]
+
+
 def facts(logs: StudyLogs) -> list[tuple[str, str]]:
     """What was run, as pairs of a term and its value."""
     run, info = logs.base, logs.info
     policies = style.ordered(policy for one in logs.runs.values() for policy in one.policies)
     options = ", ".join(_option(key, value) for key, value in logs.options.items())
     pairs = [
-        ("Scenario", run.name),
-        ("Map", map_words(run)),
-        ("Horizon", horizon_words(run)),
+        *_what(logs),
+        ("Horizon", " or ".join(dict.fromkeys(map(horizon_words, logs.runs.values())))),
         ("Worlds", ", ".join(logs.worlds)),
         ("Policies", ", ".join(policies)),
         ("Variants", str(len(logs.runs))),
         ("Episodes", f"{info.episodes} for each variant, policy and world, seed {info.seed}"),
         ("Options", options),
         ("Started", info.started),
+        ("Commit", info.commit),
         ("Versions", ", ".join(f"{name} {number}" for name, number in run.versions.items())),
     ]
     return [(term, value) for term, value in pairs if value]
@@ -71,7 +100,7 @@ def scene_sections(logs: StudyLogs) -> list[Section]:
 def clearing_section(logs: StudyLogs) -> Section:
     """Whether the map was cleared in the scenario as it is, and what horizon would do."""
     table = clearing_table(logs.whole)
-    words = f"Of the variant “{logs.title(COMPLETE)}”."
+    words = f"Of the variant “{logs.title(logs.first)}”."
     if table is None:
         return Section(CLEARING, TITLE, f"{words} Every policy cleared the map every time.")
     return Section(CLEARING, TITLE, words, [table])
@@ -97,12 +126,15 @@ def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -
                 "title": section.title,
                 "words": section.words,
                 "tables": section.tables,
+                "folded": section.folded,
                 "wide": [figure for figure in figures if figure.wide],
                 "narrow": [figure for figure in figures if not figure.wide],
             }
         )
     content: dict[str, Any] = {
         "logs": logs,
+        "heading": heading(logs),
+        "maps": maps(logs),
         "facts": facts(logs),
         "variants": [
             (name, logs.title(name), ", ".join(run.policies)) for name, run in logs.runs.items()

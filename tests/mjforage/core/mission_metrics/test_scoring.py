@@ -85,6 +85,20 @@ def test_an_episode_is_cleared_only_when_its_last_item_is_removed(setup: Setup) 
     assert scores.scalars["cleared"].tolist() == [0.0, 1.0]
 
 
+def test_energy_per_item_is_the_way_until_the_end_over_what_was_removed(setup: Setup) -> None:
+    """Ways of 10, 2, 0, 3 and 6.5 after 5 steps for 2 items; after 4 steps 5 for none."""
+    log = log_by_hand(setup)
+    log.energy = np.zeros((2, 11, 5), np.float32)
+    log.energy[0, 5], log.energy[0, 4] = [10.0, 2.0, 0.0, 3.0, 6.5], 1.0  # nothing after the end
+    log.energy[1, 4] = 1.0
+    log.n_items, log.length = np.array([4, 4], np.int32), np.array([5, 4], np.int32)
+    for name in ("t_discovered", "discovered_by", "t_collected", "collected_by"):
+        setattr(log, name, np.concatenate([getattr(log, name), np.full((1, 5), -1, np.int16)]))
+    scores = score(Batch(log, setup.fleet, 10, {}), [METRICS.find("energy_per_item")])
+    assert scores.scalars["energy_per_item"][0] == pytest.approx(21.5 / 2)
+    assert np.isnan(scores.scalars["energy_per_item"][1])
+
+
 def test_columns_keep_their_order_and_others_come_after() -> None:
     assert [one.key for one in chosen_metrics()][: len(BY_HAND)] == list(BY_HAND)
 

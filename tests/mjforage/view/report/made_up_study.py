@@ -20,22 +20,33 @@ Values = Mapping[tuple[str, str, str], NDArray[np.float64]]
 """Variant, policy and metric -> (episode,)."""
 
 
-def made_up_study(folder: Path, variants: Mapping[str, Sequence[str]], episodes: int) -> StudyLogs:
-    """A study at graph level: name of a variant -> who plays it. All variants are alike."""
+def made_up_study(
+    folder: Path,
+    variants: Mapping[str, Sequence[str]],
+    episodes: int,
+    kind: str = "communication",
+    **more: object,
+) -> StudyLogs:
+    """A study at graph level: name of a variant -> who plays it. All variants are alike.
+
+    Parameters
+    ----------
+    more : other keys of `study.json`
+    """
     for name, policies in variants.items():
         variant_folder(folder, name).parent.mkdir(parents=True, exist_ok=True)
         build(variant_folder(folder, name), Plan(tuple(policies), episodes=episodes))
     info = {
         "command": "mjforage study",
         "started": "2025-01-01T12:00:00+00:00",
-        "kind": "communication",
+        "kind": kind,
         "scenario": {"name": "comb-port"},
         "variants": {n: {"title": f"is {n}", "policies": list(p)} for n, p in variants.items()},
         "worlds": ["graph"],
         "episodes": episodes,
         "seed": 0,
         "options": {},
-    }
+    } | more
     (folder / "study.json").write_text(json.dumps(info))
     summaries = {
         name: json.loads((variant_folder(folder, name) / "summary.json").read_text())

@@ -1,0 +1,114 @@
+"""Courses: a scenario on a map in a world, each in one word such as `comb-port@physics`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from graph_planner.references import file_label
+from mjforage.core.errors import UserError
+from mjforage.core.scenario import Scenario
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
+from mjforage.physics.worlds import WORLDS
+from mjforage.runs.identity import pinned
+
+USUAL = (
+    *("comb-port", "published", "open-bay", "channels", "comb-port-weather", "comb-port-radio"),
+    *("comb-port@physics", "comb-port-weather@physics"),
+)
+"""Courses of the board unless others are named."""
+RULES = "comb-port"  # of courses on a map
+USUAL_WORLD = "graph"
+
+
+@dataclass(frozen=True)
+class Course:
+    """A scenario with its map, in one world.
+
+    Attributes
+    ----------
+    name : of a folder, and how it is spelled in tables
+    """
+
+    name: str
+    setup: Setup
+    world: str
+
+
+def _parted(text: str) -> tuple[str, str, str]:
+    """What a course is of, its world, and how the world is spelled after a name.
+
+    Raises
+    ------
+    UserError
+        If there is no such world.
+    """
+    start, sign, world = text.rpartition("@")
+    if not sign:
+        return text, USUAL_WORLD, ""
+    if world not in WORLDS:
+        raise UserError(f"course {text}: no world {world!r}; after the @ give {', '.join(WORLDS)}")
+    return start, world, "" if world == USUAL_WORLD else f"@{world}"
+
+
+def course(text: str, overrides: Sequence[str] = ()) -> Course:
+    """A course of a scenario.
+
+    Parameters
+    ----------
+    text : SCENARIO or SCENARIO@WORLD: name of a preset or path of a TOML file, in the graph world
+        unless another is named
+    overrides : `KEY=VALUE`, as of `load_scenario`
+
+    Raises
+    ------
+    UserError
+        If the scenario or world is unknown or cannot be used.
+    """
+    reference, world, end = _parted(text)
+    scenario = load_scenario(reference, overrides)
+    return Course(file_label(scenario.name) + end, pinned(Setup.of(scenario)), world)
+
+
+def course_on(text: str, overrides: Sequence[str] = ()) -> Course:
+    """A course by the rules of `RULES` on another map, with the starts beside it or a random one.
+
+    Parameters
+    ----------
+    text : MAP or MAP@WORLD: name, CSV or image
+    overrides : as of `course`
+
+    Raises
+    ------
+    UserError
+        If the map or world is unknown or cannot be used.
+    """
+    file, world, end = _parted(text)
+    scenario = _without_starts(load_scenario(RULES, overrides, file))
+    setup = pinned(Setup.of(scenario))
+    return Course(file_label(f"{RULES}-on-{setup.grid.name}") + end, setup, world)
+
+
+def _without_starts(scenario: Scenario) -> Scenario:
+    """Without the starts of `RULES`, which are of its own map; others were asked for and stay."""
+    if scenario.map.starts != load_scenario(RULES).map.starts:
+        return scenario
+    return replace(scenario, map=replace(scenario.map, starts=None))
+
+
+def courses_of(
+    scenarios: Sequence[str], maps: Sequence[str], overrides: Sequence[str] = ()
+) -> tuple[Course, ...]:
+    """Courses of scenarios, the usual ones if none is named, then of maps.
+
+    Raises
+    ------
+    UserError
+        As `course` and `course_on`, or if two are the same.
+    """
+    named = scenarios or USUAL
+    found = [course(one, overrides) for one in named] + [course_on(one, overrides) for one in maps]
+    names = [one.name for one in found]
+    for name in names:
+        if names.count(name) > 1:
+            raise UserError(f"course {name}: given twice; give it once")
+    return tuple(found)

@@ -1,0 +1,87 @@
+"""What a policy's decisions take, without what the mission around them does.
+
+Nothing that is simulated hangs on it: a watched policy is asked and answers as it would be.
+"""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.policies import Bound, Policy
+from graph_planner.randomness import UInt64Array
+from graph_planner.task import Observation, Task, Truth
+
+
+@dataclass
+class Watch:
+    """Time of the decisions of a batch, but for the first, which loads and compiles.
+
+    Attributes
+    ----------
+    cpu_s : processor time of this process in `reveal` and `act`
+    decisions : fleet decisions made in that time: one per episode that is not over and step
+    """
+
+    clock: Callable[[], float] = time.process_time
+    cpu_s: float = 0.0
+    decisions: int = 0
+    _calls: int = 0
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Count the time of what is done within."""
+        before = self.clock()
+        yield
+        if self._calls:
+            self.cpu_s += self.clock() - before
+
+    def decided(self, episodes: int) -> None:
+        """Note that so many episodes were decided for."""
+        if self._calls:
+            self.decisions += episodes
+        self._calls += 1
+
+
+class _Watched:
+    """A policy that is timed; all else of it shows through."""
+
+    def __init__(self, policy: Policy, watch: Watch, episodes: int) -> None:
+        self._policy, self._watch, self._episodes = policy, watch, episodes
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._policy, name)
+
+    def reset(self, task: Task, keys: UInt64Array) -> None:
+        self._holders = max(1, keys.size // self._episodes)
+        self._policy.reset(task, keys)
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        with self._watch.running():
+            answer = self._policy.act(observation)
+        self._watch.decided(int(np.count_nonzero(observation.active)) // self._holders)
+        return answer
+
+
+class _WatchedBound(_Watched):
+    def reveal(self, truth: Truth) -> None:
+        assert isinstance(self._policy, Bound)
+        with self._watch.running():
+            self._policy.reveal(truth)
+
+
+def watched(policy: Policy, watch: Watch, episodes: int) -> Policy:
+    """The policy, timed by a watch.
+
+    Parameters
+    ----------
+    episodes : of its batch; a policy that decides for every holder has a row for each
+    """
+    kind = _WatchedBound if isinstance(policy, Bound) else _Watched
+    made = type(type(policy).__name__, (kind,), {})  # messages name the class
+    timed: Policy = made(policy, watch, episodes)
+    return timed

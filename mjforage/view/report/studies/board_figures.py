@@ -1,0 +1,184 @@
+"""Figures of the board: performance profiles, and quality against the time of a decision."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter
+
+from metrics import pareto_front, performance_profile
+from mjforage.core.mission_metrics import Description, describe
+from mjforage.view.page import style
+from mjforage.view.page.picture import (
+    WIDE_IN,
+    Picture,
+    canvas,
+    house_style,
+    joined,
+    mathtext,
+    undefined,
+)
+from mjforage.view.report.differences import SEED
+from mjforage.view.report.studies.board_scores import SCORES, Board, FloatArray, Standing
+from mjforage.view.report.text_tables import policy_name
+
+COLUMNS = 3  # panels beside one another
+THRESHOLDS = 101
+TAIL = 0.1  # of the runs, the worst, that lie beyond the axis of thresholds
+MARKS = 5  # on a line
+SHOWN = ("pta_c", "nt90")  # scores of the frontier, beside the normalised one
+
+
+def _legend(figure: Figure, board: Board) -> None:
+    """All policies in one block above the panels."""
+    handles = [
+        Line2D(
+            [],
+            [],
+            color=look.colour,
+            marker=look.marker,
+            markersize=5.5,
+            label=policy_name(name, board.logs.bounds),
+        )
+        for name, look in style.looks(board.policies).items()
+    ]
+    figure.legend(
+        handles=handles, loc="outside upper left", ncols=7, columnspacing=1.3, handlelength=1.8
+    )
+
+
+def _label(metric: Description) -> str:
+    return mathtext(metric.label) + (f"  [{metric.unit}]" if metric.unit else "")
+
+
+def _pooled(board: Board, policy: str, score: str) -> tuple[FloatArray, FloatArray]:
+    """(run,) a score in every run of the courses that all play, and the number of its course."""
+    found = [board.values(course, policy, score) for course in board.shared]
+    labels = [np.full(len(one), place, float) for place, one in enumerate(found)]
+    return np.concatenate(found), np.concatenate(labels)
+
+
+def _thresholds(runs: Sequence[FloatArray], better: int) -> FloatArray | None:
+    """(threshold,) upwards over all runs that have a value, but for the tail of the worst."""
+    known = np.concatenate(runs)
+    known = known[~np.isnan(known)]
+    if not known.size:
+        return None
+    low, high = np.quantile(known, [TAIL, 1.0] if better > 0 else [0.0, 1 - TAIL])
+    aside = 0.0 if high > low else 0.5
+    return np.linspace(low - aside, high + aside, THRESHOLDS)
+
+
+def _profiles(axes: Axes, board: Board, metric: Description) -> None:
+    playing = [one for one in board.policies if all(one in board.players(c) for c in board.shared)]
+    runs = {policy: _pooled(board, policy, metric.key) for policy in playing}
+    tau = _thresholds([values for values, _ in runs.values()], metric.better)
+    axes.set_ylim(-0.02, 1.02)
+    if tau is None:
+        undefined(axes, mathtext(metric.label), "is undefined")
+        return
+    for number, (policy, look) in enumerate(style.looks(playing).items()):
+        values, tasks = runs[policy]
+        found = performance_profile(values, tau, metric.better, SEED, strata=tasks)
+        axes.fill_between(tau, found.low, found.high, color=look.colour, alpha=0.12, linewidth=0)
+        stride = THRESHOLDS // MARKS
+        places = (number * stride // len(playing), stride)
+        line: dict[str, Any] = {"marker": look.marker, "markersize": 4.5, "markevery": places}
+        axes.plot(tau, found.value, color=look.colour, linewidth=1.5, **line)
+    axes.set_xlim(tau[0], tau[-1])
+    axes.set_xlabel(f"{_label(metric)} {'≥' if metric.better > 0 else '≤'} τ")
+
+
+def profiles_picture(board: Board) -> Picture | None:
+    """A panel per score, a line per policy; None where no course is played by all."""
+    if not board.shared:
+        return None
+    lines = -(-len(SCORES) // COLUMNS)
+    with house_style():
+        figure = canvas(WIDE_IN, 0.9 + 2.9 * lines)
+        grid = figure.subplots(lines, COLUMNS, sharey=True, squeeze=False)
+        for axes, metric in zip(grid.flat, board.metrics, strict=True):
+            _profiles(axes, board, metric)
+        for axes in grid[:, 0]:
+            axes.set_ylabel("share of runs")
+        _legend(figure, board)
+    caption = (
+        "Share of the runs (every episode of the courses that all policies play) whose score is "
+        "at least as good as τ; a line that lies above another is better at that τ. Bands: "
+        "pointwise bootstrap 95 % intervals, episodes resampled within courses (Agarwal et al., "
+        "NeurIPS 2021). A run without a score counts as worse than every τ. The axes leave out "
+        f"the worst {100 * TAIL:g} % of all runs."
+    )
+    return Picture("profiles", "Performance profiles", caption, figure, wide=True)
+
+
+def _quality(standing: Standing, key: str) -> FloatArray:
+    """(policy, 1 + resample) what the frontier shows of a score, or of all of them."""
+    return standing.overall if key == "" else standing.raw[:, SCORES.index(key)]
+
+
+def _frontier(axes: Axes, standing: Standing, key: str) -> list[str]:
+    """Draw a panel; return who is on its front, the cheapest first."""
+    board = standing.board
+    cost = np.array([board.mean_decision(policy).ms for policy in board.policies])
+    found = [standing.number(row) for row in _quality(standing, key)]
+    better = describe(key).better if key else 1
+    worth = better * np.array([one.value for one in found])
+    competing = np.array([policy in board.ranked for policy in board.policies])
+    front = np.zeros(len(cost), np.bool_)
+    front[competing] = pareto_front(cost[competing], worth[competing])
+    order = [place for place in np.argsort(cost) if front[place]]
+    axes.step(
+        cost[order],
+        [found[place].value for place in order],
+        where="post",
+        color=style.MUTED,
+        linewidth=1.0,
+        linestyle="--",
+        zorder=1,
+    )
+    for place, look in enumerate(style.looks(board.policies).values()):
+        one = found[place]
+        if np.isnan([cost[place], one.value]).any():
+            continue
+        axes.plot([cost[place]] * 2, [one.low, one.high], color=look.colour, linewidth=1.4)
+        face = look.colour if competing[place] else "white"
+        dot: dict[str, Any] = {"markerfacecolor": face, "markersize": 7, "zorder": 3}
+        axes.plot(cost[place], one.value, look.marker, color=look.colour, **dot)
+        if front[place]:
+            ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgecolor": style.INK}
+            axes.plot(cost[place], one.value, "o", markersize=13, zorder=2, **ring)
+    axes.set_xscale("log")
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.set_xlabel("CPU time of a fleet decision  [ms]")
+    axes.set_ylabel(_label(describe(key)) if key else "normalised score")
+    if better < 0:
+        axes.invert_yaxis()
+    return [board.policies[place] for place in order]
+
+
+def frontier_picture(standing: Standing) -> Picture | None:
+    """Quality against the time of a decision; None where nobody's was measured."""
+    board = standing.board
+    if not any(np.isfinite(board.mean_decision(policy).ms) for policy in board.ranked):
+        return None
+    keys = ("", *SHOWN) if standing.used else SHOWN
+    with house_style():
+        figure = canvas(WIDE_IN, 4.3)
+        grid = figure.subplots(1, len(keys), squeeze=False)[0]
+        fronts = {key: _frontier(axes, standing, key) for axes, key in zip(grid, keys, strict=True)}
+        _legend(figure, board)
+    named = "; ".join(
+        f"{describe(key).label if key else 'normalised score'}: {joined(front)}"
+        for key, front in fronts.items()
+    )
+    caption = (
+        "Means over the courses that all policies play, of the time the geometric mean; up is "
+        "better in every panel. Bars: bootstrap 95 % intervals, episodes resampled within courses. "
+        "Ringed and joined: the Pareto front, those that no policy beats in both; bounds (hollow) "
+        f"aside. On it, the fastest first: {named}."
+    )
+    return Picture("frontier", "Quality against the time of a decision", caption, figure, wide=True)

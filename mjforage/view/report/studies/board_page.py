@@ -1,0 +1,106 @@
+"""The board as one Markdown page for the documentation, with two figures beside it."""
+
+import io
+import shlex
+from collections.abc import Sequence
+from importlib import resources
+from pathlib import Path
+
+import jinja2
+from PIL import Image
+
+from mjforage.core.errors import UserError
+from mjforage.core.whole_files import write_bytes
+from mjforage.view.page.picture import Picture, house_style, png_bytes
+from mjforage.view.page.table_files import markdown_text
+from mjforage.view.report.differences import FEWEST
+from mjforage.view.report.studies import board
+from mjforage.view.report.studies.study_logs import StudyLogs, load_study
+from mjforage.view.report.studies.study_page import Section
+
+COLOURS = 128  # of a figure
+ENOUGH = 100  # episodes of a board that is meant to be read
+
+
+def write_board_page(folder: Path, page: Path) -> Path:
+    """Write the Markdown page of the board in a folder, and its figures as PNG beside it.
+
+    Raises
+    ------
+    UserError
+        If the folder holds no finished board, or a file cannot be written.
+    """
+    logs = load_study(folder)
+    if logs.kind != "board":
+        raise UserError(f"--page {page}: is for a board; {folder} holds a study of {logs.kind}")
+    sections = board.sections(logs)
+    pictures = {one.name: one for section in sections for one in section.pictures}
+    for name, picture in pictures.items():
+        with house_style():
+            content = png_bytes(picture.figure)
+        write_bytes(page.with_name(_file(page, name)), _smaller(content))
+    write_bytes(page, page_text(logs, sections, page).encode("utf-8"))
+    return page
+
+
+def _smaller(content: bytes) -> bytes:
+    """A PNG with few colours: a third of the bytes, for a page that is kept in a repository."""
+    buffer = io.BytesIO()
+    with Image.open(io.BytesIO(content)) as image:
+        few = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        few.save(buffer, "PNG", optimize=True)
+    return buffer.getvalue()
+
+
+def _file(page: Path, picture: str) -> str:
+    return f"{page.stem}-{picture}.png"
+
+
+def command_of(logs: StudyLogs) -> str:
+    """The command that made the study, without the folder that it was given."""
+    words = shlex.split(logs.info.command)
+    places = {place + end for place, word in enumerate(words) if word == "--out" for end in (0, 1)}
+    kept = [
+        word
+        for place, word in enumerate(words)
+        if place not in places and not word.startswith("--out=")
+    ]
+    return shlex.join(kept)
+
+
+def page_text(logs: StudyLogs, sections: Sequence[Section], page: Path) -> str:
+    """The page."""
+    info = logs.info
+    frame = resources.files("mjforage.view").joinpath("report", "board.md.j2")
+    template = jinja2.Template(
+        frame.read_text(encoding="utf-8"),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        keep_trailing_newline=True,
+    )
+    text: str = template.render(
+        command=command_of(logs),
+        commit=info.commit,
+        enough=ENOUGH,
+        episodes=info.episodes,
+        fewest=FEWEST,
+        sections="\n\n".join(_section(section, page) for section in sections),
+        seed=info.seed,
+        started=info.started,
+        versions=", ".join(f"{name} {number}" for name, number in logs.base.versions.items()),
+    )
+    return text
+
+
+def _section(section: Section, page: Path) -> str:
+    parts = [f"## {section.title}", *([section.words] if section.words else [])]
+    parts += [markdown_text(table).strip() for table in section.tables]
+    parts += [_figure(picture, page) for picture in section.pictures]
+    for table in section.folded:
+        summary = f"<details><summary>{len(table.rows)} rows</summary>"
+        parts += [summary, markdown_text(table).strip(), "</details>"]
+    return "\n\n".join(parts)
+
+
+def _figure(picture: Picture, page: Path) -> str:
+    return f"![{picture.title}]({_file(page, picture.name)})\n\n{picture.caption}"

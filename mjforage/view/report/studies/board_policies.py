@@ -1,0 +1,68 @@
+"""What each policy of a board is, and what it was given: training, weights, its page."""
+
+import re
+from functools import lru_cache
+
+from graph_planner.policies.registry import policy_files, policy_names, policy_summary
+from graph_planner.references import parse_reference
+from mjforage.core.assets import models_folder
+from mjforage.core.errors import UserError
+from mjforage.view.page import style
+from mjforage.view.page.table import NOTHING, Row, Table
+from mjforage.view.report.studies.board_scores import Board
+from mjforage.view.report.text_tables import policy_name
+
+WEIGHTS = "models/weights/README.md"
+_ROW = re.compile(r"^\| `(?P<file>[^`]+\.safetensors)` \| (?P<cells>.+) \|$", re.MULTILINE)
+
+
+@lru_cache(maxsize=1)
+def training() -> dict[str, str]:
+    """Weight file -> how it was made, as the table in the weights' README says.
+
+    Its columns are the file, how it was made, what on, updates and episodes.
+    """
+    path = models_folder() / "weights" / "README.md"
+    if not path.is_file():
+        return {}
+    found = {}
+    for row in _ROW.finditer(path.read_text(encoding="utf-8")):
+        cells = [cell.strip() for cell in row["cells"].split(" | ")]
+        if len(cells) == 4:
+            how, where, updates, episodes = cells
+            found[row["file"]] = f"{how}; on {where}; {updates} updates, {episodes} episodes"
+    return found
+
+
+def page_of(policy: str) -> str:
+    """A policy's page in the documentation, from the top of the source; "" without one."""
+    name = f"docs/policies/{policy}.md"
+    return name if (models_folder().parent / name).is_file() else ""
+
+
+def given(policy: str) -> tuple[str, str]:
+    """What a policy was given, and where it is described; "" for what is not known here."""
+    name = parse_reference(policy, "policy").name
+    try:
+        files = [path.name for path in policy_files(policy)]
+    except UserError:
+        files = []
+    told = [training().get(file, file) for file in files]
+    own = page_of(name)
+    shipped = WEIGHTS if any(file in training() for file in files) else ""
+    return "; ".join(told), own or shipped
+
+
+def policies_table(board: Board) -> Table:
+    """A row per policy that plays."""
+    rows = []
+    for policy in board.policies:
+        name = parse_reference(policy, "policy").name
+        what = policy_summary(name) if name in policy_names() else ""
+        trained, page = given(policy)
+        cells = (what or NOTHING, trained or NOTHING, f"`{page}`" if page else NOTHING)
+        head = policy_name(policy, board.logs.bounds)
+        colour = style.looks(board.policies)[policy].colour
+        rows.append(Row(head, cells, colour, values=(None,) * len(cells)))
+    columns = ("what it is", "training", "described in")
+    return Table("policies", "The policies", columns, tuple(rows), wordy=True)
