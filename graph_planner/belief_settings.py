@@ -78,3 +78,8 @@ class BeliefSettings:
             items_sd=max(0.5 * self.items, self.items_sd),
             drift_node_per_step=2.0 * self.drift_node_per_step,
         )
+
+    def in_force(self) -> "BeliefSettings":
+        """As `widened`, and without drift where it is taken as zero."""
+        settings = self.widened()
+        return settings if settings.wind else replace(settings, drift_node_per_step=0.0)

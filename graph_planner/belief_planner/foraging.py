@@ -168,17 +168,67 @@ def plan_routes(
     return int(n)
 
 
-class Foraging:
-    """Those who collect: given items and a drift, where each goes now."""
+class Collecting:
+    """Those who collect, the items that they know of, and what keeps each from collecting.
+
+    Attributes
+    ----------
+    group : who they are, and the ways of each
+    shore : where items drift
+    items : what there is to collect, filled by others
+    taking : how long collecting takes
+    """
 
     def __init__(self, task: Task, settings: BeliefSettings) -> None:
         self.group = Group.of(task, task.fleet.collectors)
         self.shore = shore_of(task.graph, task.walls)
         self.items = floating(max(4096, 5 * int(settings.items)))
-        nodes, members = len(task.graph), max(1, self.group.agents.size)
-        self._scratch, self._nothing = Scratch(stops(MOST, nodes), np.zeros(nodes)), np.zeros(nodes)
+        self.taking = Taking.of(task)
+        self._nothing = np.zeros(len(task.graph))
         self._node_per_decision = USUAL_STEP * task.fleet.moves[self.group.agents]
-        taking = Taking.of(task)
+
+    def able(
+        self, room_left: NDArray[np.int64], energy_left: NDArray[np.float64]
+    ) -> NDArray[np.bool_]:
+        """Which foragers (forager,) can still collect, by what every agent (agent,) has left."""
+        agents = self.group.agents
+        return (room_left[agents] > 0) & (energy_left[agents] >= 1.0)
+
+    def able_now(self, room_left: NDArray[np.int64], energy_left: NDArray[np.float64]) -> Able:
+        """Those foragers, with room and the decisions that their energy lasts for; as `able`."""
+        group, chosen = self.group, self.able(room_left, energy_left)
+        agents = group.agents[chosen]
+        lasts = np.maximum(1.0, energy_left[agents] / self._node_per_decision[chosen])
+        lasts += self.taking.first.max(initial=0.0)  # which takes no way
+        return Able(agents, group.kind[chosen], _items(room_left[agents]), lasts)
+
+    def is_able(
+        self, agent: int, room_left: NDArray[np.int64], energy_left: NDArray[np.float64]
+    ) -> bool:
+        """Whether one forager can still collect."""
+        return bool((self.able(room_left, energy_left) & (self.group.agents == agent)).any())
+
+    def hold(
+        self,
+        agent_node: Int32Array,
+        room_left: NDArray[np.int64],
+        energy_left: NDArray[np.float64],
+        preferences: NDArray[np.float64],
+    ) -> None:
+        """Let those foragers stay where they are that can collect no more; see `able`."""
+        for f in np.flatnonzero(~self.able(room_left, energy_left)):
+            agent, ways = self.group.agents[f], self.group.ways[self.group.kind[f]]
+            node = agent_node[agent]
+            towards(ways, node, node, self._nothing, preferences[agent])
+
+
+class Foraging(Collecting):
+    """Those who collect: given items and a drift, where each goes now."""
+
+    def __init__(self, task: Task, settings: BeliefSettings) -> None:
+        super().__init__(task, settings)
+        nodes, members = len(task.graph), max(1, self.group.agents.size)
+        self._scratch, taking = Scratch(stops(MOST, nodes), np.zeros(nodes)), self.taking
         self._effort = (
             Effort(task.rules.stay, settings.joint, 6, 5, 8 * members, taking)
             if settings.fast
@@ -208,11 +258,7 @@ class Foraging:
         -------
         Number of stops; with none nothing is written
         """
-        group, chosen = self.group, self.able(room_left, energy_left)
-        agents = group.agents[chosen]
-        lasts = np.maximum(1.0, energy_left[agents] / self._node_per_decision[chosen])
-        lasts += self._effort.taking.first.max()  # which takes no way
-        able = Able(agents, group.kind[chosen], _items(room_left[agents]), lasts)
+        able = self.able_now(room_left, energy_left)
         return self._plan(able, agent_node, agent_yaw, drift_rc, preferences)
 
     def _plan(
@@ -227,29 +273,3 @@ class Foraging:
         about = self.items, self.shore, self.group.ways, able, agent_node
         effort, scratch = self._effort, self._scratch
         return plan_routes(*about, agent_yaw, drift_rc, effort, scratch, preferences)
-
-    def able(
-        self, room_left: NDArray[np.int64], energy_left: NDArray[np.float64]
-    ) -> NDArray[np.bool_]:
-        """Which foragers (forager,) can still collect, by what every agent (agent,) has left."""
-        agents = self.group.agents
-        return (room_left[agents] > 0) & (energy_left[agents] >= 1.0)
-
-    def is_able(
-        self, agent: int, room_left: NDArray[np.int64], energy_left: NDArray[np.float64]
-    ) -> bool:
-        """Whether one forager can still collect."""
-        return bool((self.able(room_left, energy_left) & (self.group.agents == agent)).any())
-
-    def hold(
-        self,
-        agent_node: Int32Array,
-        room_left: NDArray[np.int64],
-        energy_left: NDArray[np.float64],
-        preferences: NDArray[np.float64],
-    ) -> None:
-        """Let those foragers stay where they are that can collect no more; see `send`."""
-        for f in np.flatnonzero(~self.able(room_left, energy_left)):
-            agent, ways = self.group.agents[f], self.group.ways[self.group.kind[f]]
-            node = agent_node[agent]
-            towards(ways, node, node, self._nothing, preferences[agent])

@@ -1,6 +1,5 @@
 """The belief planner for a batch: what everybody does about what is believed (`beliefs`)."""
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,26 +13,16 @@ from graph_planner.belief_planner.move_preferences import towards
 from graph_planner.belief_planner.scouting import Scouting
 from graph_planner.belief_planner.touch import NOBODY, Touch
 from graph_planner.belief_planner.waiting import approach, regrets
+from graph_planner.belief_planner.wanted import list_items, summed, worth_seeing
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.geodesics import Int32Array
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task
 
-PROBABLE = 40  # nodes of unseen items that foragers may go to
-LEAST = 0.02  # unseen items worth a forager's thought
-AGE_SHARE = 0.02  # what seeing a known item again is worth, per step unseen [item]
-GHOST_SHARE = 0.02  # what seeing an outdated belief again is worth, per step unseen [item]
 AHEAD = 6  # steps by which foragers' regret is judged
 CALM = 1.0  # worth of finding a hotspot by which they lose nothing yet
-FAILED = 0.2  # what an item counts where a hull gave it up a while ago
-OLDEST = 30.0  # steps unseen after which those shares stop growing
 MOST_SEEN = 0.6  # share of the nodes after which the first hotspot should have shown
 PATIENCE = 12  # decisions of searching for the first hotspot without seeing a new node
-
-
-def _summed(place: Int32Array, value: NDArray[np.float64], size: int) -> NDArray[np.float64]:
-    """(size,) sum of the values at each place."""
-    return np.bincount(place, value, minlength=size).astype(np.float64)
 
 
 class Lookers(NamedTuple):
@@ -48,9 +37,7 @@ class BeliefPlanner:
     """Beliefs and plans of a batch of rows; `believing` makes what it believes."""
 
     def __init__(self, task: Task, keys: UInt64Array, believing: type[Beliefs] = Beliefs) -> None:
-        settings, graph, episodes = task.belief.widened(), task.graph, keys.size
-        if not settings.wind:
-            settings = replace(settings, drift_node_per_step=0.0)
+        settings, graph, episodes = task.belief.in_force(), task.graph, keys.size
         self.settings, self._task = settings, task
         self.beliefs = believing(task, settings, keys)
         self._foragers = self._foraging(settings)
@@ -91,7 +78,8 @@ class BeliefPlanner:
     def _decide(self, seen: Observation, e: int) -> None:
         at, yaw, preferences = seen.agent_node[e], seen.agent_yaw[e], self._preferences[e]
         sighted = self.beliefs.spots.number[e] > 0
-        self._list_items(e, int(seen.step[e]) - 1, sighted)
+        about = self.beliefs, self.settings, self._task.graph
+        list_items(*about, e, int(seen.step[e]) - 1, self._foragers.items)
         room, energy, busy = seen.room_left[e], seen.energy_left[e], False
         holder = int(seen.holder[e])  # whose move alone counts, unless it is nobody's
         if holder == NOBODY or self._task.fleet.collects[holder]:
@@ -112,7 +100,7 @@ class BeliefPlanner:
         """Let the scouts go where most is worth seeing."""
         at, scouting = seen.agent_node[e], self._scouts.scouting
         if sighted or not self.settings.hotspot:
-            scouting.look(at, self._worth_seeing(seen, e), preferences)
+            scouting.look(at, worth_seeing(self.beliefs, self.settings, seen, e), preferences)
         elif self._in_vain(seen, e):
             scouting.look(at, neglected(seen, e), preferences)
         else:
@@ -144,7 +132,7 @@ class BeliefPlanner:
             self._alone[agent] = self._lookers(itself)
         (cover, block), scouting = self._alone[agent].blocks[0], self._alone[agent].scouting
         chance = self.beliefs.spots.chance[e, 0] * self._touch.part(seen, e)
-        mass = _summed(block, chance, cover.landmark.size)
+        mass = summed(block, chance, cover.landmark.size)
         self._touch.passed(e, cover, int(seen.agent_node[e, agent]), mass)
         scouting.look(seen.agent_node[e], mass, self._preferences[e], [cover])
 
@@ -174,29 +162,11 @@ class BeliefPlanner:
             return
         group = self._foragers.group
         if group.agents.size and self.settings.preposition:
-            mass = _summed(self._belongs, chance, self._landmarks.size)
+            mass = summed(self._belongs, chance, self._landmarks.size)
             regret = regrets(group.ways, self._landmarks, mass, group.kind, at[group.agents], AHEAD)
             chance = chance * (CALM + regret)[self._belongs]
-        mass = _summed(lookers.blocks[0].block, chance, 1)
+        mass = summed(lookers.blocks[0].block, chance, 1)
         lookers.scouting.look(at, mass, preferences, [b.cover for b in lookers.blocks])
-
-    def _list_items(self, e: int, now: int, sighted: bool) -> None:
-        """Tracks, and the nodes where most unseen items are expected, as things to collect."""
-        beliefs, items = self.beliefs, self._foragers.items
-        tracks, expected = beliefs.tracks, beliefs.expected[e]
-        n = int(tracks.number[e])
-        items.row[:n], items.col[:n] = tracks.row[e, :n], tracks.col[e, :n]
-        failed = beliefs.later[e, tracks.node[e, :n]] > now
-        items.weight[:n] = np.where(failed, FAILED, 1.0) * tracks.real[e, :n]
-        if sighted and self.settings.hotspot:
-            best = np.argsort(-expected, kind="stable")[:PROBABLE]
-            best = best[expected[best] > LEAST]
-            m = best.size
-            items.row[n : n + m] = self._task.graph.rows[best]
-            items.col[n : n + m] = self._task.graph.cols[best]
-            items.weight[n : n + m] = expected[best]
-            n += m
-        items.number[0] = n
 
     def _wait(
         self, at: Int32Array, e: int, sighted: bool, preferences: NDArray[np.float64]
@@ -205,27 +175,10 @@ class BeliefPlanner:
         group = self._foragers.group
         sighted = sighted or not self.settings.hotspot
         field = self.beliefs.expected[e] if sighted else self.beliefs.spots.chance[e, 0]
-        mass = _summed(self._belongs, field, self._landmarks.size)
+        mass = summed(self._belongs, field, self._landmarks.size)
         for f, agent in enumerate(group.agents):
             ways = group.ways[group.kind[f]]
             if self.settings.preposition and mass.sum() > 0:
                 approach(ways, self._landmarks, mass, at[agent], preferences[agent])
             else:
                 towards(ways, at[agent], at[agent], self._nothing, preferences[agent])
-
-    def _worth_seeing(self, seen: Observation, e: int) -> NDArray[np.float64]:
-        """What seeing each node is worth to the fleet (node,) [item]."""
-        now = int(seen.step[e]) - 1
-        mass: NDArray[np.float64] = self.beliefs.expected[e].copy()
-        if not self.settings.refresh:
-            return mass
-        tracks = self.beliefs.tracks
-        n = int(tracks.number[e])
-        age = np.minimum(OLDEST, now - tracks.seen[e, :n])
-        mass += _summed(tracks.node[e, :n], AGE_SHARE * age, mass.size)
-        known = seen.known[e, : seen.n_known[e]]
-        tracked = np.zeros(mass.size, np.bool_)
-        tracked[tracks.node[e, :n]] = True
-        age = np.minimum(OLDEST, now - seen.last_seen[e, known].astype(np.float64))
-        mass[known] += np.where(tracked[known], 0.0, GHOST_SHARE * age)
-        return mass

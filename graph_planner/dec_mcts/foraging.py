@@ -127,7 +127,6 @@ class TreeForaging(Foraging):
     ) -> None:
         super().__init__(task, settings)
         self._search, self._moment, self._stay = effort, moment, task.rules.stay
-        self._taking = Taking.of(task)
 
     def _plan(
         self,
@@ -147,7 +146,7 @@ class TreeForaging(Foraging):
             agent_yaw,
             drift_rc,
             self._stay,
-            self._taking,
+            self.taking,
             self._scratch,
             preferences,
             self._search,

@@ -1,0 +1,66 @@
+"""Online greedy with reassignment: foragers meet drifting items where they will be.
+
+Heine, "Team Orienteering with Moving Targets": pairs of an agent and an item are made in the order
+of reward over time to meet, anew at every decision (`meeting`). Drift and unseen items are believed
+as the belief planner believes them, scouts look where most is expected (`tracking_team`).
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.errors import UserError
+from graph_planner.geodesics import Int32Array
+from graph_planner.meeting import Sea, assign
+from graph_planner.policies.registry import register
+from graph_planner.randomness import UInt64Array
+from graph_planner.task import Observation, Task
+from graph_planner.tracking_team import TrackingTeam
+
+
+@register("ogr")
+class OgrPolicy:
+    """Pairs of forager and drifting item by reward over time to meet, made anew every decision.
+
+    Parameters
+    ----------
+    near : decisions by which the reward of items around an item falls to 1/e; 0: they count nothing
+    urgency : exponent of the time in a ratio; larger: nearer items first
+    ahead : items that a forager is given at most in one decision
+    patience : added to the time of a scout's way in its bids; larger: it goes farther [decision]
+    """
+
+    def __init__(
+        self, near: float = 0.0, urgency: float = 1.0, ahead: int = 6, patience: float = 4.0
+    ) -> None:
+        for name, value in {"near": near, "urgency": urgency}.items():
+            if value < 0:
+                raise UserError(f"ogr: {name} {value} is negative; give 0 or more")
+        if ahead < 1:
+            raise UserError(f"ogr: ahead {ahead} is too small; give 1 or more")
+        if patience <= 0:
+            raise UserError(f"ogr: patience {patience} is too small; give more than 0")
+        self._ratio, self._patience = (float(near), float(urgency), int(ahead)), float(patience)
+
+    def reset(self, task: Task, keys: UInt64Array) -> None:
+        """Get ready for a batch of episodes (episode,)."""
+        self._team = TrackingTeam(task, keys, self._patience)
+        self._rules = task.rules.stay, float(task.horizon)
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        """Preferences (episode, agent, 9): down the way to where each meets what it is given."""
+        return self._team.act(observation, self._give_goals)
+
+    def forecast(self) -> NDArray[np.float64]:
+        """(row, node) items expected, known and unseen ones, as of the last answer."""
+        return self._team.beliefs.forecast()
+
+    def _give_goals(self, seen: Observation, e: int, goals: Int32Array) -> None:
+        collecting = self._team.collecting
+        able, group = collecting.able_now(seen.room_left[e], seen.energy_left[e]), collecting.group
+        if not able.agents.size:
+            return
+        drift = self._team.beliefs.wind.mean[e]
+        sea = Sea(collecting.shore, group.ways, drift, collecting.taking, *self._rules)
+        found = np.empty(able.agents.size, np.int32)
+        assign(sea, able, seen.agent_node[e][able.agents], collecting.items, *self._ratio, found)
+        goals[np.isin(group.agents, able.agents)] = found
