@@ -171,7 +171,8 @@ def _rank(
     if not ranking.known[place]:
         ranking.known[place] = True
         ranking.stops[place] = np.argsort(way / worth, kind="mergesort")
-    return ranking.stops[place]
+    ranked: NDArray[np.int64] = ranking.stops[place]
+    return ranked
 
 
 @inlined
