@@ -24,6 +24,7 @@ def bench(
     json_file: Annotated[Path | None, Parameter(name="--json")] = None,
     against: Path | None = None,
     slices: int = 9,
+    decisions: Annotated[bool, Parameter(negative="")] = False,
 ) -> None:
     """Measure speeds on this machine, in CPU seconds of one core.
 
@@ -36,12 +37,20 @@ def bench(
         is the way to compare two states of the code on a machine with other work to do.
     slices
         Slices of each side and workload, with --against.
+    decisions
+        Only what every policy takes to decide once for a fleet of 4, 16 and 64 agents.
     """
     from mjforage.core.whole_files import write_json
 
     if json_file is not None and not json_file.parent.is_dir():
         raise UserError(f"--json {json_file}: cannot be written, no folder {json_file.parent}")
-    found = _measured() if against is None else _compared(against, slices)
+    if decisions and against is not None:
+        raise UserError(f"--decisions, --against {against}: give one of them")
+    found: object
+    if decisions:
+        found = _decided()
+    else:
+        found = _measured() if against is None else _compared(against, slices)
     if json_file is not None:
         write_json(json_file, found)
 
@@ -56,6 +65,22 @@ def _measured() -> "Figures":
         table.add_row(key, _rounded(float(figure["value"])), str(figure["unit"]))
     output.print(table)
     return figures
+
+
+def _decided() -> list[dict[str, float | str]]:
+    from mjforage.bench.decisions import FLEETS, decision_times
+
+    with errors.status("measuring") as status:
+        times = decision_times(progress=lambda name: status.update(f"measuring {name}"))
+    table = Table("policy", *(f"{agents} agents [ms]" for agents in FLEETS))
+    rows: dict[str, list[str]] = {}
+    for one in times:
+        words = one.reason or f"{one.ms:.3g} ({one.low:.3g} to {one.high:.3g})"
+        rows.setdefault(one.policy, []).append(words)
+    for policy, cells in rows.items():
+        table.add_row(policy, *cells)
+    output.print(table)
+    return [asdict(one) for one in times]
 
 
 def _compared(other: Path, slices: int) -> list[dict[str, float | str]]:
