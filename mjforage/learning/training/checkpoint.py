@@ -21,7 +21,7 @@ from mjforage.learning.training.files import save_tensors
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.trainer import Progress, Trainer
 
-FORMAT = "mjforage training checkpoint 3"
+FORMAT = "mjforage training checkpoint 4"
 _NOTE = "mjforage"
 REMEDY = "remove it or give another --out"
 

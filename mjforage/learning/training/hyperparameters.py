@@ -42,8 +42,6 @@ class Hyperparameters:
     """Decisions of an update."""
     learning_rate: Annotated[float, Within(0, 1)] = 3e-4
     """Of the optimiser; the paper has 1e-4."""
-    rate_updates: Annotated[int, Within(1, 1_000_000_000)] = 30_000
-    """Updates over which the learning rate falls to a tenth, in a straight line."""
     capacity: Annotated[int, Within(1000, 10_000_000)] = 60_000
     """Decisions in the replay of each team."""
     priority: Annotated[float, Within(0, 1)] = 0.6
@@ -52,6 +50,9 @@ class Hyperparameters:
     """Exponent beta by which the replay corrects for that."""
     target_rate: Annotated[float, Within(0, 1)] = 0.005
     """Share by which the target network follows at each update."""
+    averaging: Annotated[float, Within(0, 1000)] = 1.0
+    """Exponent eta of the average of weights that is evaluated and saved: after n updates they are
+    n / (eta + 2) updates old on average."""
     updates_per_step: Annotated[float, Within(1e-3, 1000)] = 1.0
     """Updates of each team's network per step of the whole batch of episodes."""
     warmup: Annotated[int, Within(0, 10_000_000)] = 4000

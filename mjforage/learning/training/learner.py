@@ -3,8 +3,13 @@
 Double DQN: van Hasselt, Guez and Silver (2016); dueling network: Wang et al. (2016); prioritised
 replay: Schaul et al. (2016); large margin for shown moves: Hester et al. (2018). Action masks act
 before both argmaxes: that of the policy and that of the target.
+
+Steps of one size leave the weights swinging for ever, and values with them by more than two moves
+often differ. What is played in the end is therefore the average of the weights over the run, the
+later ones counting more: polynomial-decay averaging (Shamir and Zhang, ICML 2013).
 """
 
+import copy
 from collections.abc import Mapping
 from typing import Any
 
@@ -19,6 +24,7 @@ from graph_planner.q_network import DuelingNetwork
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.replay_memory import Batch, ReplayMemory
 
+NETWORKS = ("online", "target", "average")
 GRADIENT_LIMIT = 10.0  # norm of a step's gradients at most; an estimate
 
 
@@ -35,10 +41,13 @@ def lead_lacking(values: Tensor, shown: Tensor, margin: float) -> Tensor:
 
 
 class Learner:
-    """Online and target network, optimiser and replay of one team.
+    """Online and target network, their average, optimiser and replay of one team.
 
     Attributes
     ----------
+    online : what each update changes
+    target : follows it, and values what comes next
+    average : of the online network's weights over the run: what is evaluated and saved
     updates : how often it has learned
     """
 
@@ -62,9 +71,9 @@ class Learner:
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)
             self.online = DuelingNetwork(shapes).to(self._device)
-            self.target = DuelingNetwork(shapes).to(self._device)
-        self.target.load_state_dict(self.online.state_dict())
-        self.target.requires_grad_(False)
+        self.target, self.average = copy.deepcopy(self.online), copy.deepcopy(self.online)
+        for follower in (self.target, self.average):
+            follower.requires_grad_(False)
         self.optimiser = torch.optim.Adam(self.online.parameters(), hyperparameters.learning_rate)
         self.memory = ReplayMemory(
             shapes, streams, hyperparameters.capacity, hyperparameters.n_step, hyperparameters.gamma
@@ -99,13 +108,12 @@ class Learner:
             )
             loss = (weights * losses).mean()
             self.optimiser.zero_grad(set_to_none=True)
-            self.optimiser.param_groups[0]["lr"] = self._rate
             loss.backward()  # type: ignore[no-untyped-call]
             torch.nn.utils.clip_grad_norm_(self.online.parameters(), GRADIENT_LIMIT)
             self.optimiser.step()
+            self.updates += 1
             self._follow()
         errors: NDArray[np.float32] = error.detach().cpu().numpy()
-        self.updates += 1
         facts = {
             "loss": float(loss.detach()),
             "value": float(chosen.detach().mean()),
@@ -113,17 +121,17 @@ class Learner:
         }
         return facts, errors
 
-    @property
-    def _rate(self) -> float:
-        """Learning rate now."""
-        gone = min(1.0, self.updates / self.hyperparameters.rate_updates)
-        return self.hyperparameters.learning_rate * (1.0 - 0.9 * gone)
-
     @torch.no_grad()
     def _follow(self) -> None:
-        """The target network comes a step nearer."""
-        for mine, its in zip(self.target.parameters(), self.online.parameters(), strict=True):
-            mine.lerp_(its, self.hyperparameters.target_rate)
+        """The target network comes a step nearer, and the average takes in the online weights."""
+        eta = self.hyperparameters.averaging
+        share = min(1.0, (eta + 1.0) / (self.updates + eta))
+        for follower, part in (
+            (self.target, self.hyperparameters.target_rate),
+            (self.average, share),
+        ):
+            for mine, its in zip(follower.parameters(), self.online.parameters(), strict=True):
+                mine.lerp_(its, part)
 
     def _tensor(self, array: NDArray[Any]) -> Tensor:
         return torch.from_numpy(array).to(self._device)
@@ -134,7 +142,8 @@ class Learner:
     def tensors(self) -> dict[str, Tensor]:
         """Everything that later updates depend on, for a checkpoint; `restore` takes it back."""
         state: dict[str, Tensor] = {}
-        for name, network in (("online", self.online), ("target", self.target)):
+        for name in NETWORKS:
+            network: DuelingNetwork = getattr(self, name)
             state |= {f"{name}.{key}": value for key, value in network.state_dict().items()}
         for i, moments in self.optimiser.state_dict()["state"].items():
             state |= {f"optimiser.{i}.{key}": value for key, value in moments.items()}
@@ -153,8 +162,8 @@ class Learner:
                 if name.startswith(prefix)
             }
 
-        self.online.load_state_dict(part("online."))
-        self.target.load_state_dict(part("target."))
+        for name in NETWORKS:
+            getattr(self, name).load_state_dict(part(f"{name}."))
         moments: dict[int, dict[str, Tensor]] = {}
         for name, value in part("optimiser.").items():
             i, key = name.split(".")

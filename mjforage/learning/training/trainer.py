@@ -161,8 +161,8 @@ class Trainer:
 
     @property
     def networks(self) -> "dict[str, DuelingNetwork]":
-        """Team -> network to use: the target, a moving average, steadier than the online one."""
-        return {team: learner.target for team, learner in self.learners.items()}
+        """Team -> network to play: the average over the run, without the swings of the last."""
+        return {team: learner.average for team, learner in self.learners.items()}
 
     def book_time(self) -> None:
         """Add the time since the last call, or since this process began, to the run's."""

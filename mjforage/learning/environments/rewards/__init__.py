@@ -8,7 +8,7 @@
 | belief | a change of the belief map by one item in view; shared where views overlap |
 | idleness | a node of idleness 1 that came into view (agents that do not collect) |
 | distance | one node of geodesic distance to the nearest known item; 0 if none is known |
-| approach | one node nearer to the nearest item that was known before the move |
+| approach | one node nearer to the nearest item known before the move (agents that collect) |
 | blocked | a decision without a legal move |
 | time | a decision of an episode that is not over |
 

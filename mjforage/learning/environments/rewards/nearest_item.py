@@ -55,10 +55,15 @@ class Distance:
 
 @reward("approach")
 class Approach:
-    """By how much the nearest item known before the move has come nearer."""
+    """By how much the nearest item known before the move has come nearer to one that collects.
+
+    A scout would earn it by staying with known items, one after the other as they are collected,
+    instead of searching for others.
+    """
 
     def __call__(self, step: Step) -> Amounts:
         """(episode, agent) [node]."""
         old = step.before
         before = _nearest(step, old.known, old.n_known, old.agent_node)
-        return before - _nearest(step, old.known, old.n_known, step.mission.state.agent_node)
+        gain = before - _nearest(step, old.known, old.n_known, step.mission.state.agent_node)
+        return gain * step.task.fleet.collects

@@ -68,7 +68,7 @@ def test_terms_by_their_definitions(setup: Setup) -> None:
                     "belief": (change[view] / viewers[view]).sum(),
                     "idleness": 0.0 if fleet.collects[a] else idle[view].sum(),
                     "distance": nearest,
-                    "approach": gain,
+                    "approach": gain if fleet.collects[a] else 0.0,
                     "time": float((mission.state.item_node[e] >= 0).any()),
                 }
                 for name, value in expected.items():
