@@ -24,11 +24,12 @@ from mjforage.core.scenario_file import load_scenario
 from mjforage.core.schema import check, json_schema
 from mjforage.core.setup import Setup
 from mjforage.learning.training import run
+from mjforage.learning.training.algorithm import Progress, save_weights
 from mjforage.learning.training.checkpoint import TrainingInfo, save_checkpoint
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.run import train
-from mjforage.learning.training.trainer import Progress, Trainer, save_weights
+from mjforage.learning.training.trainer import Trainer
 from mjforage.runs.lock import claimed
 
 TINY = {
