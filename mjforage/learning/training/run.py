@@ -1,8 +1,8 @@
 """`mjforage train`: a run in a folder, from its checkpoint if there is one, to its end.
 
 Folder: `training.json` (command, algorithm, scenario, hyperparameters, seed, versions),
-`training.parquet`, `evaluations.parquet`, `tensorboard/`, `checkpoint.safetensors`, `weights.safetensors` (latest) and
-`best.safetensors` (of the best evaluation).
+`training.parquet`, `evaluations.parquet`, `tensorboard/`, `checkpoint.safetensors`,
+`weights.safetensors` (latest) and `best.safetensors` (of the best evaluation).
 """
 
 import time
@@ -147,7 +147,8 @@ def _facts(trainer: Algorithm[Any]) -> dict[str, object]:
     told = trainer.hyperparameters
     teachers = [one for one in (getattr(told, "teacher", ""),) if one]
     code = decisive_code(["mjforage.learning.training.algorithm"], WHOLE)
-    found = [type(trainer), encoder_class(told.observation), *map(term_class, told.reward)]
+    found: list[Callable[..., Any]] = [type(trainer), encoder_class(told.observation)]
+    found += map(term_class, told.reward)
     code = code.joined(policy_code(teachers)).joined(code_of(found))
     return {
         "command": provenance()["command"],

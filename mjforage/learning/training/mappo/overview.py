@@ -35,7 +35,7 @@ def _items(mission: Mission) -> NDArray[np.uint8]:
     env, item = np.nonzero(at >= 0)
     np.add.at(counts, (env, cell[at[env, item]]), 1)
     levels = np.minimum(counts, MOST_ITEMS) * TOP // MOST_ITEMS
-    return levels.astype(np.uint8).reshape(-1, COARSE, COARSE)
+    return np.asarray(levels, np.uint8).reshape(-1, COARSE, COARSE)
 
 
 def _facts(game: Game) -> NDArray[np.uint8]:

@@ -134,7 +134,8 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
             preferences[taught] = theirs[taught]
         outcome = self.clock("environment", lambda: self.round.play(preferences))
         share = self.hyperparameters.shared
-        own, mean = outcome.rewards, outcome.rewards.mean(axis=1, keepdims=True)
+        own: NDArray[np.float64] = outcome.rewards
+        mean = own.mean(axis=1, keepdims=True)
         paid = ((1.0 - share) * own + share * mean)[envs].astype(np.float32)
         ends = outcome.terminated[envs]
         rollout.add(envs, seen, legal, shown[envs], moves, chances, paid, values, ends)

@@ -140,7 +140,7 @@ class Updates:
             found = []
             for _ in range(told.epochs):
                 order = torch.from_numpy(random.permutation(len(data)))
-                for rows in order.split(told.batch):
+                for rows in torch.split(order, told.batch):
                     found.append(self._update(data[rows], taught))
         return found
 
@@ -162,7 +162,7 @@ class Updates:
     def _update(self, batch: TensorDict, taught: bool) -> dict[str, float]:
         self._schedule()
         found = self._taught(batch) if taught else self.loss(batch)
-        loss = sum(found[name] for name in LOSSES if name in found)
+        loss = torch.stack([found[name] for name in LOSSES if name in found]).sum()
         self.optimiser.zero_grad(set_to_none=True)
         loss.backward()
         for part in (self.actors, self.critic):
