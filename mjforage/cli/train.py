@@ -72,7 +72,7 @@ def train(
     from mjforage.core.scenario_file import load_scenario
     from mjforage.learning.training.algorithms import find_algorithm
     from mjforage.learning.training.hyperparameters import changed
-    from mjforage.learning.training.run import train as run
+    from mjforage.learning.training.run import train_with
 
     teachers, set = with_options("policy", [teacher] if teacher else [], set)
     chosen = load_scenario(scenario, set, map)
@@ -92,11 +92,11 @@ def train(
             elif hours is not None:
                 shown(row["seconds"] / 60, 60 * hours)
 
-        run(
+        train_with(
+            made,
             chosen,
             hyperparameters,
             folder,
-            made,
             also=[_other(text) for text in also],
             seed=seed,
             hours=hours,

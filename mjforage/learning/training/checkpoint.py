@@ -19,8 +19,6 @@ from mjforage.core.scenario_file import scenario_to_tree
 from mjforage.core.schema import OPEN, check
 from mjforage.learning.training.algorithm import Algorithm, Progress
 from mjforage.learning.training.files import save_tensors
-from mjforage.learning.training.hyperparameters import Hyperparameters
-from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
 
 FORMAT = "mjforage training checkpoint 3"
 _NOTE = "mjforage"
@@ -41,7 +39,8 @@ class TrainingInfo:
     """The whole scenario, defaults included."""
     also: tuple[Mapping[str, Any], ...]
     """Scenarios that rounds take in turn with the first."""
-    hyperparameters: Hyperparameters | MappoHyperparameters
+    hyperparameters: Mapping[str, Any]
+    """All that the algorithm was told, defaults included."""
     seed: int
     """Seed of the run."""
     device: str

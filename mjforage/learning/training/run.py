@@ -8,7 +8,7 @@ Folder: `training.json` (command, algorithm, scenario, hyperparameters, seed, ve
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypedDict, TypeVar, Unpack
 
 import torch
 
@@ -18,7 +18,7 @@ from mjforage.core.scenario import Scenario
 from mjforage.learning.environments.rewards import term_class
 from mjforage.learning.training.algorithm import Algorithm, Row, save_weights
 from mjforage.learning.training.checkpoint import identity, restore_checkpoint, save_checkpoint
-from mjforage.learning.training.hyperparameters import CommonHyperparameters
+from mjforage.learning.training.hyperparameters import CommonHyperparameters, Hyperparameters
 from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.trainer import Trainer
 from mjforage.runs.identity import code_of, policy_code, provenance, versions, weight_hashes
@@ -34,11 +34,30 @@ Report = Callable[[str, Row], None]
 Made = TypeVar("Made", bound=Algorithm[Any])
 
 
+class Told(TypedDict, total=False):
+    """How a run goes on, see `train_with`."""
+
+    also: Sequence[Scenario]
+    seed: int
+    hours: float | None
+    updates: int | None
+    device: str
+    report: Report
+    resume: Resume
+
+
 def train(
+    scenario: Scenario, hyperparameters: Hyperparameters, folder: Path, **told: Unpack[Told]
+) -> Trainer:
+    """Train the Double DQN, see `train_with`."""
+    return train_with(Trainer, scenario, hyperparameters, folder, **told)
+
+
+def train_with(
+    algorithm: type[Made],
     scenario: Scenario,
     hyperparameters: CommonHyperparameters,
     folder: Path,
-    algorithm: type[Made] = Trainer,  # type: ignore[assignment]  # a default of a type variable
     *,
     also: Sequence[Scenario] = (),
     seed: int = 0,
@@ -56,7 +75,6 @@ def train(
     Parameters
     ----------
     hyperparameters : of the algorithm's `settings`
-    algorithm : what trains; the Double DQN unless another is given
     also : scenarios that rounds take in turn with the first
     folder : of the run; a run of the same scenario, hyperparameters, seed and device in it goes on
     hours, updates : where to stop; at least one

@@ -35,7 +35,7 @@ def _items(mission: Mission) -> NDArray[np.uint8]:
     env, item = np.nonzero(at >= 0)
     np.add.at(counts, (env, cell[at[env, item]]), 1)
     levels = np.minimum(counts, MOST_ITEMS) * TOP // MOST_ITEMS
-    return np.asarray(levels, np.uint8).reshape(-1, COARSE, COARSE)
+    return np.asarray(levels.reshape(-1, COARSE, COARSE), np.uint8)
 
 
 def _facts(game: Game) -> NDArray[np.uint8]:
@@ -53,4 +53,5 @@ def _facts(game: Game) -> NDArray[np.uint8]:
         drift[:, 1],
     )
     shares = np.clip(np.stack(columns, axis=1), 0.0, 1.0)
-    return (TOP * shares).astype(np.uint8)
+    levels: NDArray[np.uint8] = (TOP * shares).astype(np.uint8)
+    return levels

@@ -164,7 +164,7 @@ class Updates:
         found = self._taught(batch) if taught else self.loss(batch)
         loss = torch.stack([found[name] for name in LOSSES if name in found]).sum()
         self.optimiser.zero_grad(set_to_none=True)
-        loss.backward()
+        loss.backward()  # type: ignore[no-untyped-call]
         for part in (self.actors, self.critic):
             torch.nn.utils.clip_grad_norm_(part.parameters(), self.told.gradient_limit)
         self.optimiser.step()

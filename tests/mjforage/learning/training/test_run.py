@@ -152,7 +152,8 @@ def test_what_a_run_leaves_behind(finished: tuple[Path, Trainer]) -> None:
     }
     facts = json.loads((folder / "training.json").read_text())
     jsonschema.validate(facts, json_schema(TrainingInfo))
-    assert check(TrainingInfo, facts, "").hyperparameters == trainer.hyperparameters
+    found = check(TrainingInfo, facts, "").hyperparameters
+    assert check(Hyperparameters, found, "") == trainer.hyperparameters
     assert facts["seed"] == 3 and facts["hyperparameters"]["num_envs"] == 3
     rows = pl.read_parquet(folder / "training.parquet")
     assert rows.height == trainer.progress.rounds

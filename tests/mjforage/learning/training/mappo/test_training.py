@@ -25,11 +25,16 @@ from mjforage.learning.training.hyperparameters import changed
 from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
 from mjforage.learning.training.mappo.overview import overview
 from mjforage.learning.training.mappo.trainer import MappoTrainer
-from mjforage.learning.training.run import train
+from mjforage.learning.training.run import train, train_with
 
 TINY = {
-    "num_envs": 3, "batch": 16, "epochs": 1, "evaluate_every": 2, "evaluate_episodes": 2,
-    "teacher": "greedy", "teacher_updates": 3,
+    "num_envs": 3,
+    "batch": 16,
+    "epochs": 1,
+    "evaluate_every": 2,
+    "evaluate_episodes": 2,
+    "teacher": "greedy",
+    "teacher_updates": 3,
 }
 
 
@@ -42,7 +47,7 @@ def told(**changes: object) -> MappoHyperparameters:
 
 
 def run(folder: Path, updates: int, **more: Any) -> MappoTrainer:
-    return train(scenario(), told(), folder, MappoTrainer, seed=3, updates=updates, **more)
+    return train_with(MappoTrainer, scenario(), told(), folder, seed=3, updates=updates, **more)
 
 
 @pytest.fixture(scope="module")

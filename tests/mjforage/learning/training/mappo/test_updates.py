@@ -88,8 +88,12 @@ def played() -> Decisions:
         rollout.add(
             rows,
             {"x": np.zeros((2, 1, 3), np.uint8)},
-            *(none, none, np.zeros(column, np.int64), np.zeros(column, np.float32)),
-            *(np.float32(array).reshape(column) for array in (rewards, values)),
+            none,
+            none,
+            np.zeros(column, np.int64),
+            np.zeros(column, np.float32),
+            np.array(rewards, np.float32).reshape(column),
+            np.array(values, np.float32).reshape(column),
             np.array(over),
         )
 
