@@ -10,7 +10,7 @@ BIN := $(VENV)/bin
 CAPABILITIES := default avx2 avx512
 LEARNING := tests/mjforage/learning tests/graph_planner/test_weights.py
 
-POLICIES := belief oracle auction ogr orienteering dec-mcts greedy levy lawnmower wanderer pso random ddqn ddqn-reward ddqn-link
+POLICIES := belief oracle auction ogr orienteering dec-mcts greedy levy lawnmower wanderer pso random ddqn ddqn-reward ddqn-link mappo
 
 .PHONY: demo test types kernels capabilities mutants pages install clean
 .DEFAULT_GOAL := demo

@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from graph_planner.q_network import MOVES, DuelingNetwork
+from graph_planner.q_network import MOVES, MoveNetwork
 
 BLOCK = 32  # rows; a last, shorter block is padded with zeros
 
@@ -26,9 +26,7 @@ def one_thread() -> Iterator[None]:
         torch.set_num_threads(before)
 
 
-def values_of(
-    network: DuelingNetwork, levels: Mapping[str, NDArray[np.uint8]]
-) -> NDArray[np.float32]:
+def values_of(network: MoveNetwork, levels: Mapping[str, NDArray[np.uint8]]) -> NDArray[np.float32]:
     """(row, 9) values of levels (row, ...)."""
     rows = next(iter(levels.values())).shape[0]
     device = next(network.parameters()).device

@@ -17,9 +17,12 @@ from graph_planner.task import Task
 if TYPE_CHECKING:
     from torch import Tensor
 
-    from graph_planner.q_network import DuelingNetwork
+    from graph_planner.q_network import MoveNetwork
 
-FORMAT = "mjforage dueling q-network 1"
+Q_NETWORK = "mjforage dueling q-network 1"
+ACTOR = "mjforage actor 1"
+KINDS = {Q_NETWORK: "DuelingNetwork", ACTOR: "MoveNetwork"}
+"""Format of a file -> class of `graph_planner.q_network` that its weights are of."""
 TEAMS = ("scout", "forager")
 """Networks of a file: for agents that do not collect, and for those that do."""
 
@@ -41,11 +44,13 @@ class WeightsHeader:
     encoding : reference to an observation encoder
     shapes : of the arrays that the networks read
     grounds : maps and rules that they were trained on, see `ground_note`; empty: not known
+    format : of `KINDS`: what the networks give for a move
     """
 
     encoding: str
     shapes: Shapes
     grounds: tuple[Mapping[str, Any], ...] = ()
+    format: str = Q_NETWORK
 
 
 def ground_note(task: Task) -> dict[str, Any]:
@@ -94,11 +99,12 @@ def read_header(path: Path) -> WeightsHeader:
             f"weights {path}: not a safetensors file; give one that `mjforage train` wrote"
         )
     notes = _notes(header.get("__metadata__"))
-    encoding = notes.get("perception")
-    if notes.get("format") != FORMAT or not isinstance(encoding, str):
+    encoding, kind = notes.get("perception"), notes.get("format")
+    if not isinstance(kind, str) or kind not in KINDS or not isinstance(encoding, str):
         raise WeightsError(
-            f"weights {path}: format {notes.get('format')!r}, perception {encoding!r}; expected "
-            f"{FORMAT!r} and {', '.join(ENCODERS.names())} or package.module:Class"
+            f"weights {path}: format {kind!r}, perception {encoding!r}; expected "
+            f"{' or '.join(map(repr, KINDS))} and {', '.join(ENCODERS.names())} or "
+            "package.module:Class"
         )
     try:
         encoder_class(encoding)
@@ -112,7 +118,7 @@ def read_header(path: Path) -> WeightsHeader:
             "not what `mjforage train` writes; get the file again"
         )
     arrays = {name: tuple(shape) for name, shape in shapes.items()}
-    return WeightsHeader(encoding, arrays, tuple(grounds))
+    return WeightsHeader(encoding, arrays, tuple(grounds), kind)
 
 
 def _parsed(text: Any) -> Any:
@@ -148,10 +154,10 @@ def header_note(header: WeightsHeader) -> tuple[str, str]:
     """The header as an entry of safetensors metadata: key, and JSON text in a fixed order."""
     facts = asdict(header)
     facts["perception"] = facts.pop("encoding")  # as files have named it from the first
-    return _NOTE, json.dumps({"format": FORMAT, **facts}, sort_keys=True)
+    return _NOTE, json.dumps(facts, sort_keys=True)
 
 
-def load_networks(path: Path, task: Task) -> "dict[str, DuelingNetwork]":
+def load_networks(path: Path, task: Task) -> "dict[str, MoveNetwork]":
     """Team -> network with the file's weights, for a task; none for a team that it has not.
 
     Raises
@@ -163,7 +169,7 @@ def load_networks(path: Path, task: Task) -> "dict[str, DuelingNetwork]":
     from safetensors import SafetensorError
     from safetensors.torch import load_file
 
-    from graph_planner.q_network import DuelingNetwork
+    from graph_planner import q_network
 
     header = read_header(path)
     _check_fit(path, header, task)
@@ -172,7 +178,8 @@ def load_networks(path: Path, task: Task) -> "dict[str, DuelingNetwork]":
     except SafetensorError as error:
         raise WeightsError(f"weights {path}: damaged ({error}); get the file again") from error
     held = {name.partition(".")[0] for name in tensors}
-    networks = {team: DuelingNetwork(header.shapes) for team in TEAMS if team in held}
+    made: type[MoveNetwork] = getattr(q_network, KINDS[header.format])
+    networks = {team: made(header.shapes) for team in TEAMS if team in held}
     for team, agents in zip(TEAMS, (task.fleet.discoverers, task.fleet.collectors), strict=True):
         if agents.size and team not in networks:
             raise WeightsError(
@@ -206,7 +213,7 @@ def _check_fit(path: Path, header: WeightsHeader, task: Task) -> None:
 
 
 def _check_tensors(
-    path: Path, tensors: "Mapping[str, Tensor]", networks: "Mapping[str, DuelingNetwork]"
+    path: Path, tensors: "Mapping[str, Tensor]", networks: "Mapping[str, MoveNetwork]"
 ) -> None:
     """Refuse tensors that are missing, unknown, of another shape or type, or not finite or huge."""
     wanted = {

@@ -1,4 +1,4 @@
-"""The Double DQN: shipped weights, a network per team (paper, "Experimental Study")."""
+"""Policies by weights, a network per team, and the Double DQN's (paper, "Experimental Study")."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -8,18 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.encodings import create_encoder, encoder_class
+from graph_planner.errors import WeightsError
 from graph_planner.policies.registry import plays_weights, register
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task
-from graph_planner.weights import TEAMS, load_networks, read_header, shipped_weights
+from graph_planner.weights import Q_NETWORK, TEAMS, load_networks, read_header, shipped_weights
 
 if TYPE_CHECKING:
-    from graph_planner.q_network import DuelingNetwork
+    from graph_planner.q_network import MoveNetwork
 
 
 @plays_weights
 class QPolicy:
-    """Values of a weight file's networks as preferences.
+    """What a weight file's networks give for each move, as preferences: values, or logits.
 
     Raises
     ------
@@ -31,7 +32,7 @@ class QPolicy:
         self._path = path
         self.files = (path,)
         self._header = read_header(path)
-        self._networks: dict[str, DuelingNetwork] = {}
+        self._networks: dict[str, MoveNetwork] = {}
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
@@ -46,11 +47,11 @@ class QPolicy:
         """The encoder that the weights were made for."""
         return (encoder_class(self._header.encoding),)
 
-    def _load(self, task: Task) -> "dict[str, DuelingNetwork]":
+    def _load(self, task: Task) -> "dict[str, MoveNetwork]":
         return load_networks(self._path, task)  # and thereby torch
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
-        """Values (episode, agent, 9) of all moves."""
+        """Values or logits (episode, agent, 9) of all moves."""
         from graph_planner.inference import values_of
 
         rows = np.flatnonzero(observation.active)
@@ -65,12 +66,24 @@ class QPolicy:
 
 
 class ShippedPolicy(QPolicy):
-    """A `QPolicy` with weights that ship."""
+    """A `QPolicy` with weights that ship.
+
+    Raises
+    ------
+    WeightsError
+        As `QPolicy`, and if the file holds networks of another algorithm.
+    """
 
     weights: ClassVar[str]  # name of the file in `models/weights`
+    kind: ClassVar[str] = Q_NETWORK  # of `graph_planner.weights.KINDS`
 
     def __init__(self) -> None:
         super().__init__(shipped_weights(self.weights))
+        if self._header.format != self.kind:
+            raise WeightsError(
+                f"weights {self._path}: format {self._header.format!r}, expected {self.kind!r}; "
+                "get the file again"
+            )
 
 
 @register("ddqn-reward")

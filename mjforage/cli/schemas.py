@@ -16,6 +16,8 @@ def schemas_of_files() -> Mapping[str, tuple[str, Any]]:
     from mjforage.core.capture import Capture
     from mjforage.core.scenario import Scenario
     from mjforage.learning.training.checkpoint import TrainingInfo
+    from mjforage.learning.training.hyperparameters import Hyperparameters
+    from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
     from mjforage.physics.scene import DebrisClass
     from mjforage.physics.vessels import Vessel
     from mjforage.runs.costs import Costs
@@ -31,6 +33,8 @@ def schemas_of_files() -> Mapping[str, tuple[str, Any]]:
         "costs": ("`costs.json` of a run folder", Costs),
         "study": ("`study.json` of a study folder", StudyInfo),
         "training": ("`training.json` of a training folder", TrainingInfo),
+        "ddqn": ("`--learning` of `mjforage train ddqn`", Hyperparameters),
+        "mappo": ("`--learning` of `mjforage train mappo`", MappoHyperparameters),
     }
 
 

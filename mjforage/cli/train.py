@@ -1,9 +1,9 @@
-"""Commands that train policies."""
+"""The command that trains policies."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from cyclopts import App, Parameter
+from cyclopts import Parameter
 
 from mjforage.cli.console import app, bar, errors, output
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn
@@ -11,16 +11,15 @@ from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
     from mjforage.core.scenario import Scenario
-    from mjforage.learning.training.trainer import Row
-
-train = App(name="train", help="Train policies.", help_format="plaintext")
-app.command(train)
+    from mjforage.learning.training.algorithm import Row
 
 Pairs = Annotated[tuple[str, ...], Parameter(negative="")]
 
 
-@train.command
-def ddqn(
+@app.command
+def train(
+    algorithm: str,
+    /,
     *,
     scenario: str = "published",
     hours: float | None = None,
@@ -35,10 +34,13 @@ def ddqn(
     again: GoingOn = SAME_ONLY,
     out: Path | None = None,
 ) -> None:
-    """Train the Double DQN; the same command resumes a run that was stopped.
+    """Train a policy; the same command resumes a run that was stopped.
 
     Parameters
     ----------
+    algorithm
+        ddqn (Double DQN), mappo (multi-agent PPO; pip install 'mjforage[mappo]'), or MODULE:CLASS
+        of your own.
     scenario
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     hours
@@ -60,24 +62,26 @@ def ddqn(
         reward.MODULE:CLASS=1 or observation=MODULE:CLASS of your own; repeatable.
     teacher
         Policy that shows moves at first, as --policy of evaluate; give also --learning
-        teacher_updates=N.
+        teacher_updates=N. For ddqn.
     device
         auto, cpu or cuda; a run stays on the kind of device where it began.
     out
-        Folder of the run; default runs/ddqn-SCENARIO.
+        Folder of the run; default runs/ALGORITHM-SCENARIO.
     """
     from graph_planner.references import with_options
     from mjforage.core.scenario_file import load_scenario
-    from mjforage.learning.training.hyperparameters import Hyperparameters, changed
-    from mjforage.learning.training.run import train as run
+    from mjforage.learning.training.algorithms import find_algorithm
+    from mjforage.learning.training.hyperparameters import changed
+    from mjforage.learning.training.run import train_with
 
     teachers, set = with_options("policy", [teacher] if teacher else [], set)
     chosen = load_scenario(scenario, set, map)
     changes = dict(_pair(text) for text in learning)
     if teachers:
         changes["teacher"] = teachers[0]
-    hyperparameters = changed(Hyperparameters(), changes)
-    folder = out or Path("runs") / f"ddqn-{chosen.name}"
+    made = find_algorithm(algorithm)
+    hyperparameters = changed(made.settings(), changes)
+    folder = out or Path("runs") / f"{algorithm.rpartition(':')[2]}-{chosen.name}"
     unit = "updates" if updates is not None else "minutes"
     with bar("train", unit) as shown:
 
@@ -88,7 +92,8 @@ def ddqn(
             elif hours is not None:
                 shown(row["seconds"] / 60, 60 * hours)
 
-        run(
+        train_with(
+            made,
             chosen,
             hyperparameters,
             folder,
@@ -146,5 +151,5 @@ def _report(table: str, row: "Row") -> None:
     elif errors.is_terminal:
         errors.print(
             f"round {row['rounds']:.0f}: {row['updates']:.0f} updates, PTA_C {row['pta_c']:.1f} %, "
-            f"loss {row['loss']:.4f}, exploring {row['explore']:.2f}"
+            f"loss {row['loss']:.4f}"
         )

@@ -16,7 +16,7 @@ from graph_planner.policies.ddqn import QPolicy
 from graph_planner.q_network import DuelingNetwork
 from graph_planner.task import Task
 from graph_planner.weights import (
-    FORMAT,
+    Q_NETWORK,
     TEAMS,
     WeightsHeader,
     ground_note,
@@ -104,7 +104,7 @@ def header_file(path: Path, metadata: object) -> Path:
     return path
 
 
-OLD = {"format": FORMAT, "perception": "paper"}
+OLD = {"format": Q_NETWORK, "perception": "paper"}
 
 
 @pytest.mark.parametrize(

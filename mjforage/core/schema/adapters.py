@@ -3,7 +3,7 @@
 pydantic is imported where a file is read or described, not with the package: it takes 0.2 s.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
 from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -100,4 +100,14 @@ def json_schema(schema: Any) -> Tree:
     root: Tree = found["items"]
     if "$ref" in root:
         root = tables.pop(root["$ref"].rpartition("/")[2])
+    _inherit(schema, root.get("properties", {}))
     return root | ({"$defs": tables} if tables else {})
+
+
+def _inherit(schema: Any, fields: Tree) -> None:
+    """Add the sentences of fields that a base has: pydantic reads those of the class alone."""
+    bases: list[Any] = [each for each in getattr(schema, "__mro__", ())[1:] if is_dataclass(each)]
+    for base in bases:
+        for name, field in json_schema(base)["properties"].items():
+            if "description" in field:
+                fields[name].setdefault("description", field["description"])

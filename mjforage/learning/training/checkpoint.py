@@ -17,9 +17,8 @@ from safetensors import SafetensorError, safe_open
 from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import scenario_to_tree
 from mjforage.core.schema import OPEN, check
+from mjforage.learning.training.algorithm import Algorithm, Progress
 from mjforage.learning.training.files import save_tensors
-from mjforage.learning.training.hyperparameters import Hyperparameters
-from mjforage.learning.training.trainer import Progress, Trainer
 
 FORMAT = "mjforage training checkpoint 4"
 _NOTE = "mjforage"
@@ -34,11 +33,14 @@ class TrainingInfo:
 
     command: str
     """The command that made the folder."""
+    algorithm: str
+    """The class that trained."""
     scenario: Mapping[str, Any]
     """The whole scenario, defaults included."""
     also: tuple[Mapping[str, Any], ...]
     """Scenarios that rounds take in turn with the first."""
-    hyperparameters: Hyperparameters
+    hyperparameters: Mapping[str, Any]
+    """All that the algorithm was told, defaults included."""
     seed: int
     """Seed of the run."""
     device: str
@@ -57,10 +59,12 @@ class _Notes:
     random: Mapping[str, Any]
 
 
-def identity(trainer: Trainer) -> dict[str, Any]:
+def identity(trainer: Algorithm[Any]) -> dict[str, Any]:
     """What two runs must share for one to go on where the other stopped."""
     first, *others = (ground.scenario for ground in trainer.grounds)
+    made = type(trainer)
     return {
+        "algorithm": f"{made.__module__}:{made.__qualname__}",
         "scenario": scenario_to_tree(first),
         "also": [scenario_to_tree(scenario) for scenario in others],
         "hyperparameters": trainer.hyperparameters.tree(),
@@ -69,7 +73,7 @@ def identity(trainer: Trainer) -> dict[str, Any]:
     }
 
 
-def save_checkpoint(trainer: Trainer, path: Path) -> None:
+def save_checkpoint(trainer: Algorithm[Any], path: Path) -> None:
     """Write a checkpoint through a temporary file.
 
     Raises
@@ -77,21 +81,16 @@ def save_checkpoint(trainer: Trainer, path: Path) -> None:
     UserError
         If it cannot be written.
     """
-    tensors = {
-        f"{team}.{name}": value
-        for team, learner in trainer.learners.items()
-        for name, value in learner.tensors().items()
-    }
     notes = {
         "format": FORMAT,
         "identity": identity(trainer),
         "progress": dataclasses.asdict(trainer.progress),
         "random": trainer.random.bit_generator.state,
     }
-    save_tensors(path, tensors, (_NOTE, json.dumps(notes, sort_keys=True)))
+    save_tensors(path, trainer.tensors(), (_NOTE, json.dumps(notes, sort_keys=True)))
 
 
-def restore_checkpoint(trainer: Trainer, path: Path) -> None:
+def restore_checkpoint(trainer: Algorithm[Any], path: Path) -> None:
     """Bring a fresh trainer to where a checkpoint was written.
 
     Raises
@@ -116,10 +115,7 @@ def restore_checkpoint(trainer: Trainer, path: Path) -> None:
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
     except (OSError, ValueError, RecursionError, AttributeError, SafetensorError) as error:
         raise UserError(f"checkpoint {path}: cannot be read ({error}); {REMEDY}") from error
-    for team, learner in trainer.learners.items():
-        start = f"{team}."
-        own = {n.removeprefix(start): v for n, v in tensors.items() if n.startswith(start)}
-        learner.restore(own)
+    trainer.restore(tensors)
     trainer.progress = notes.progress
     trainer.random = np.random.Generator(np.random.PCG64())
     trainer.random.bit_generator.state = notes.random

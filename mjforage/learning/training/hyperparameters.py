@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 from graph_planner.fields import Within, source
 from mjforage.core.errors import UserError
@@ -27,13 +27,39 @@ REWARD = MappingProxyType(
 
 
 @dataclass(frozen=True)
-class Hyperparameters:
-    """Hyper-parameters; the paper's where it states them (scenario section 3)."""
+class CommonHyperparameters:
+    """What every algorithm can be told."""
 
     observation: str = "egocentric"
     """Observation that networks read."""
     num_envs: Annotated[int, Within(1, 4096)] = 16
     """Episodes side by side in a round."""
+    evaluate_every: Annotated[int, Within(1, 1_000_000_000)] = 2000
+    """Updates between two evaluations."""
+    evaluate_episodes: Annotated[int, Within(1, 100_000)] = 48
+    """Episodes of an evaluation."""
+    reward: Mapping[str, float] = field(default_factory=lambda: REWARD)
+    """Weight of each term of the reward."""
+    vary: Mapping[str, tuple[Any, ...]] = field(default_factory=lambda: MappingProxyType({}))
+    """Keys of the scenario, each with values: an episode draws one of each, all equally likely."""
+
+    def __post_init__(self) -> None:
+        check_fields(self, WHERE)
+        checked_weights(self.reward)
+
+    def tree(self) -> dict[str, Any]:
+        """As plain values."""
+        plain = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        return plain | {"reward": dict(self.reward), "vary": dict(self.vary)}
+
+
+Told = TypeVar("Told", bound=CommonHyperparameters)
+
+
+@dataclass(frozen=True)
+class Hyperparameters(CommonHyperparameters):
+    """Hyper-parameters of the Double DQN; the paper's where it states them (scenario section 3)."""
+
     gamma: Annotated[float, Within(0, 1), source("paper")] = 0.99
     """Discount per step."""
     n_step: Annotated[int, Within(1, 50)] = 3
@@ -71,36 +97,27 @@ class Hyperparameters:
     """By how much a shown move has to be better than the others (Hester et al. 2018)."""
     margin_weight: Annotated[float, Within(0, 100)] = 3.0
     """Weight of the shown moves' loss."""
-    evaluate_every: Annotated[int, Within(1, 1_000_000_000)] = 2000
-    """Updates between two evaluations."""
-    evaluate_episodes: Annotated[int, Within(1, 100_000)] = 48
-    """Episodes of an evaluation."""
-    reward: Mapping[str, float] = field(default_factory=lambda: REWARD)
-    """Weight of each term of the reward."""
-    vary: Mapping[str, tuple[Any, ...]] = field(default_factory=lambda: MappingProxyType({}))
-    """Keys of the scenario, each with values: an episode draws one of each, all equally likely."""
 
     def __post_init__(self) -> None:
-        check_fields(self, WHERE)
+        super().__post_init__()
         if self.warmup > self.capacity:
             raise UserError(
                 f"warmup = {self.warmup}: the replay holds only capacity = {self.capacity} "
                 "decisions; give less, or more capacity"
             )
-        if bool(self.teacher) != bool(self.teacher_updates):
-            raise UserError(
-                f"teacher = {self.teacher!r}, teacher_updates = {self.teacher_updates}: give both, "
-                "such as --teacher belief --learning teacher_updates=6000, or neither"
-            )
-        checked_weights(self.reward)
-
-    def tree(self) -> dict[str, Any]:
-        """As plain values."""
-        plain = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
-        return plain | {"reward": dict(self.reward), "vary": dict(self.vary)}
+        check_teacher(self.teacher, self.teacher_updates)
 
 
-def changed(hyperparameters: Hyperparameters, changes: Mapping[str, Any]) -> Hyperparameters:
+def check_teacher(teacher: str, updates: int) -> None:
+    """Refuse a teacher without time to teach, and the other way round."""
+    if bool(teacher) != bool(updates):
+        raise UserError(
+            f"teacher = {teacher!r}, teacher_updates = {updates}: give both, "
+            "such as --teacher belief --learning teacher_updates=6000, or neither"
+        )
+
+
+def changed(hyperparameters: Told, changes: Mapping[str, Any]) -> Told:
     """Hyperparameters with some values replaced; `reward.TERM` and `vary.KEY` replace one entry.
 
     Raises
@@ -115,4 +132,4 @@ def changed(hyperparameters: Hyperparameters, changes: Mapping[str, Any]) -> Hyp
             tree[table][key] = value
         else:
             tree[name] = value
-    return check(Hyperparameters, tree, WHERE)
+    return check(type(hyperparameters), tree, WHERE)

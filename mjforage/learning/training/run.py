@@ -1,13 +1,14 @@
-"""`mjforage train ddqn`: a run in a folder, from its checkpoint if there is one, to its end.
+"""`mjforage train`: a run in a folder, from its checkpoint if there is one, to its end.
 
-Folder: `training.json` (command, scenario, hyperparameters, seed, versions), `training.parquet`,
-`evaluations.parquet`, `tensorboard/`, `checkpoint.safetensors`, `weights.safetensors` (latest) and
-`best.safetensors` (of the best evaluation).
+Folder: `training.json` (command, algorithm, scenario, hyperparameters, seed, versions),
+`training.parquet`, `evaluations.parquet`, `tensorboard/`, `checkpoint.safetensors`,
+`weights.safetensors` (latest) and `best.safetensors` (of the best evaluation).
 """
 
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any, TypedDict, TypeVar, Unpack
 
 import torch
 
@@ -15,25 +16,47 @@ from graph_planner.encodings import encoder_class
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Scenario
 from mjforage.learning.environments.rewards import term_class
+from mjforage.learning.training.algorithm import Algorithm, Row, save_weights
 from mjforage.learning.training.checkpoint import identity, restore_checkpoint, save_checkpoint
-from mjforage.learning.training.hyperparameters import Hyperparameters
+from mjforage.learning.training.hyperparameters import CommonHyperparameters, Hyperparameters
 from mjforage.learning.training.logs import Logs
-from mjforage.learning.training.trainer import Row, Trainer, save_weights
+from mjforage.learning.training.trainer import Trainer
 from mjforage.runs.identity import code_of, policy_code, provenance, versions, weight_hashes
 from mjforage.runs.lock import claimed
 from mjforage.runs.resuming import CODE, Resume, open_folder, set_aside
 from mjforage.runs.source_code import WHOLE, decisive_code
 
 CHECKPOINT_S = 300.0  # between two checkpoints
-IDENTITY = ("seed", "device", "hyperparameters", "scenario", "also", "weights", *CODE)
+IDENTITY = ("algorithm", "seed", "device", "hyperparameters", "scenario", "also", "weights", *CODE)
 """Keys of `training.json` in which two runs must agree for one to go on where the other stopped."""
 
 Report = Callable[[str, Row], None]
+Made = TypeVar("Made", bound=Algorithm[Any])
+
+
+class Told(TypedDict, total=False):
+    """How a run goes on, see `train_with`."""
+
+    also: Sequence[Scenario]
+    seed: int
+    hours: float | None
+    updates: int | None
+    device: str
+    report: Report
+    resume: Resume
 
 
 def train(
+    scenario: Scenario, hyperparameters: Hyperparameters, folder: Path, **told: Unpack[Told]
+) -> Trainer:
+    """Train the Double DQN, see `train_with`."""
+    return train_with(Trainer, scenario, hyperparameters, folder, **told)
+
+
+def train_with(
+    algorithm: type[Made],
     scenario: Scenario,
-    hyperparameters: Hyperparameters,
+    hyperparameters: CommonHyperparameters,
     folder: Path,
     *,
     also: Sequence[Scenario] = (),
@@ -43,7 +66,7 @@ def train(
     device: str = "auto",
     report: Report = lambda table, row: None,
     resume: Resume = "same",
-) -> Trainer:
+) -> Made:
     """Train until the run has lasted so long, or its networks have had so many updates.
 
     Both count from the run's beginning, over all processes that worked on it. The end of a round is
@@ -51,6 +74,7 @@ def train(
 
     Parameters
     ----------
+    hyperparameters : of the algorithm's `settings`
     also : scenarios that rounds take in turn with the first
     folder : of the run; a run of the same scenario, hyperparameters, seed and device in it goes on
     hours, updates : where to stop; at least one
@@ -65,7 +89,7 @@ def train(
         folder holds another run or is being written.
     """
     _check_ends(hours, updates)
-    trainer = Trainer([scenario, *also], hyperparameters, seed, _device(device))
+    trainer = algorithm([scenario, *also], hyperparameters, seed, _device(device))
     if resume == "fresh":
         set_aside(folder, "training")
     open_folder(folder, "training", _facts(trainer), IDENTITY, resume == "accept-code-change")
@@ -75,7 +99,7 @@ def train(
 
 
 def _go_on(
-    trainer: Trainer, folder: Path, hours: float | None, updates: int | None, report: Report
+    trainer: Algorithm[Any], folder: Path, hours: float | None, updates: int | None, report: Report
 ) -> None:
     """Rounds from the folder's checkpoint, if there is one, to the end."""
     checkpoint, hyperparameters = folder / "checkpoint.safetensors", trainer.hyperparameters
@@ -115,7 +139,7 @@ def _check_ends(hours: float | None, updates: int | None) -> None:
             raise UserError(f"train: --{name} {value}: give a positive number")
 
 
-def _over(trainer: Trainer, hours: float | None, updates: int | None) -> bool:
+def _over(trainer: Algorithm[Any], hours: float | None, updates: int | None) -> bool:
     progress = trainer.progress
     late = hours is not None and progress.seconds >= 3600.0 * hours
     return late or (updates is not None and progress.updates >= updates)
@@ -136,12 +160,13 @@ def _device(name: str) -> str:
     return ("cuda" if torch.cuda.is_available() else "cpu") if name == "auto" else name
 
 
-def _facts(trainer: Trainer) -> dict[str, object]:
+def _facts(trainer: Algorithm[Any]) -> dict[str, object]:
     """Content of `training.json`."""
     told = trainer.hyperparameters
-    teachers = [told.teacher] if told.teacher else []
-    code = decisive_code(["mjforage.learning.training.trainer"], WHOLE)
-    found = [encoder_class(told.observation), *map(term_class, told.reward)]
+    teachers = [one for one in (getattr(told, "teacher", ""),) if one]
+    code = decisive_code(["mjforage.learning.training.algorithm"], WHOLE)
+    found: list[Callable[..., Any]] = [type(trainer), encoder_class(told.observation)]
+    found += map(term_class, told.reward)
     code = code.joined(policy_code(teachers)).joined(code_of(found))
     return {
         "command": provenance()["command"],

@@ -1,36 +1,22 @@
-"""The training loop: rounds of whole episodes side by side, with updates in between.
+"""The Double DQN's training: rounds of whole episodes side by side, with updates in between.
 
 A run can be stopped and resumed between rounds, when no episode is under way; the same rounds give
 the same weights whatever happened between them.
 """
 
-import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from torch import Tensor
 
-from graph_planner.encodings import Shapes, encoder_label
-from graph_planner.policies.ddqn import QPolicy
-from graph_planner.policies.registry import check_policies
-from graph_planner.randomness import episode_keys
-from graph_planner.task import Task
-from graph_planner.weights import TEAMS, WeightsHeader, header_note
-from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission
-from mjforage.core.mission_metrics import METRICS, Scorer
+from graph_planner.encodings import Shapes
 from mjforage.core.scenario import Scenario
-from mjforage.core.schema import OPEN
 from mjforage.core.sizes import check_memory
-from mjforage.learning.environments.options import EnvironmentOptions
-from mjforage.learning.environments.rewards import labelled
-from mjforage.learning.training.families import ground_on
-from mjforage.learning.training.files import save_tensors
-from mjforage.learning.training.grounds import Ground, common_shapes
+from mjforage.learning.training.algorithm import Algorithm, Row, teacher_label
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.learner import Learner
 from mjforage.learning.training.replay_memory import FINAL, NOTHING, PLAYED, memory_bytes
@@ -39,69 +25,17 @@ from mjforage.learning.training.rounds import Played
 if TYPE_CHECKING:
     from graph_planner.q_network import DuelingNetwork
 
-HELD_OUT = 1 << 40  # seed of evaluation episodes; training seeds are smaller
-SCORES = ("pta_d", "pta_c", "nt50", "nt90", "csr", "rmse_columns", "length")
 
-Row = dict[str, float]
-
-
-class LearnersPolicy(QPolicy):
-    """The networks of a run in training, without exploration."""
-
-    def __init__(self, networks: "dict[str, DuelingNetwork]", encoding: str) -> None:
-        self._header = WeightsHeader(encoding, {})
-        self._trained = networks
-
-    def _load(self, task: Task) -> "dict[str, DuelingNetwork]":
-        return self._trained
-
-
-@dataclass
-class Progress:
-    """How far a run has come."""
-
-    __pydantic_config__ = OPEN | {"allow_inf_nan": True}  # `best` before an evaluation
-
-    rounds: int = 0
-    episodes: int = 0
-    decisions: int = 0  # steps of all episodes
-    updates: int = 0  # of each team's network
-    due: float = 0.0  # updates that steps have earned
-    seconds: float = 0.0  # since the start of the run, over all processes that worked on it
-    evaluated: int = 0  # updates at the last evaluation that was due
-    best: float = float("inf")  # of the evaluations' `rank`
-
-
-@dataclass
-class Clock:
-    """CPU seconds by what they went into."""
-
-    seconds: dict[str, float] = field(
-        default_factory=lambda: dict.fromkeys(("environment", "network", "replay", "teacher"), 0.0)
-    )
-
-    def __call__(self, part: str, work: Callable[[], Any]) -> Any:
-        """Do work and book its time."""
-        started = time.process_time()
-        result = work()
-        self.seconds[part] += time.process_time() - started
-        return result
-
-
-class Trainer:
+class Trainer(Algorithm[Hyperparameters]):
     """One training run.
 
     Attributes
     ----------
-    hyperparameters, seed, device : as given
-    setup : of the first scenario
-    grounds : the scenarios; rounds take them in turn
-    shapes : of one agent's pictures
-    round : the one under way
     learners : team of `TEAMS` -> its learner; a team without agents has none
-    progress : how far it has come
-    clock : where the time went
     """
+
+    settings = Hyperparameters
+    learned = ("loss", "value", "error")
 
     def __init__(
         self,
@@ -121,65 +55,32 @@ class Trainer:
         UserError
             If a scenario, a setting or the seed is not valid, or fleets or arrays differ.
         """
-        if not 0 <= seed < HELD_OUT:
-            raise UserError(f"seed {seed}: out of range; give 0 to {HELD_OUT - 1}")
-        if hyperparameters.teacher:
-            teacher = check_policies([hyperparameters.teacher])[0]
-            hyperparameters = replace(hyperparameters, teacher=teacher)
-        hyperparameters = replace(
-            hyperparameters,
-            observation=encoder_label(hyperparameters.observation),
-            reward=labelled(hyperparameters.reward),
-        )
-        self.hyperparameters, self.seed, self.device = hyperparameters, seed, device
-        home = self._ground(scenarios[0])
-        self.setup = home.setup
-        self.grounds = [home, *(ground_on(each, self._ground) for each in scenarios[1:])]
-        self.shapes = common_shapes([each for ground in self.grounds for each in ground.examples])
-        fleet = self.setup.fleet
-        self.agents = dict(zip(TEAMS, (fleet.discoverers, fleet.collectors), strict=True))
+        teacher = teacher_label(hyperparameters.teacher)
+        hyperparameters = replace(hyperparameters, teacher=teacher)
+        super().__init__(scenarios, hyperparameters, seed, device)
         _check_memory(self.shapes, self.agents, hyperparameters)
         self.learners = {
             team: Learner(
                 self.shapes,
                 hyperparameters.num_envs * ids.size,
-                hyperparameters,
+                self.hyperparameters,
                 seed + i,
                 device,
             )
             for i, (team, ids) in enumerate(self.agents.items())
             if ids.size
         }
-        self.random = np.random.Generator(np.random.PCG64(seed))
-        self.progress, self.clock = Progress(), Clock()
-        self._booked = time.perf_counter()
-
-    def _ground(self, scenario: Scenario) -> Ground:
-        told = self.hyperparameters
-        options = EnvironmentOptions(scenario, observation=told.observation, reward=told.reward)
-        return Ground(options, told.num_envs, told.vary)
 
     @property
     def networks(self) -> "dict[str, DuelingNetwork]":
         """Team -> network to play: the average over the run, without the swings of the last."""
         return {team: learner.average for team, learner in self.learners.items()}
 
-    def book_time(self) -> None:
-        """Add the time since the last call, or since this process began, to the run's."""
-        now = time.perf_counter()
-        self.progress.seconds += now - self._booked
-        self._booked = now
-
     def play_round(self) -> Row:
         """Play one episode in every sub-environment to its end, and learn on the way."""
-        progress, num_envs = self.progress, self.hyperparameters.num_envs
-        numbers = np.arange(progress.episodes, progress.episodes + num_envs)
-        keys = episode_keys(self.seed, numbers)
-        turn, number = divmod(progress.rounds, len(self.grounds))
-        self.round = self.grounds[number].round(keys, turn)
-        self.round.start(keys)
-        taught = self._teach()
-        returns = np.zeros((num_envs, self.round.agents))
+        self.start_round()
+        taught = self.teach(self.hyperparameters.teacher, self.hyperparameters.teacher_updates)
+        returns = np.zeros((self.round.num_envs, self.round.agents))
         learned: list[dict[str, float]] = []
         while self.round.active.any():
             outcome = self._step(taught)
@@ -188,41 +89,22 @@ class Trainer:
         self._open(np.where(self._present, FINAL, NOTHING))
         for learner in self.learners.values():
             learner.memory.finish()
-        progress.rounds += 1
-        progress.episodes += num_envs
-        progress.decisions += int(self.round.steps.sum())
-        self.book_time()
-        return self._row(returns, learned)
+        return self.end_round(returns, learned) | {"explore": self._explore}
 
-    def _row(self, returns: NDArray[np.float64], learned: list[dict[str, float]]) -> Row:
-        row: Row = {
-            **self._come("rounds", "episodes", "updates", "seconds"),
-            "explore": self._explore,
-            "pta_c": 100.0 * self.round.collected,
-            "length": float(self.round.steps.mean()),
+    def tensors(self) -> dict[str, Tensor]:
+        """Networks, optimisers and replays of both teams."""
+        return {
+            f"{team}.{name}": value
+            for team, learner in self.learners.items()
+            for name, value in learner.tensors().items()
         }
-        for team, ids in self.agents.items():
-            if ids.size:
-                row[f"return_{team}"] = float(returns[:, ids].mean())
-        for name in ("loss", "value", "error"):
-            found = [entry[name] for entry in learned]
-            row[name] = float(np.mean(found)) if found else float("nan")
-        return row
 
-    def _come(self, *names: str) -> Row:
-        """How far the run has come, by the names of `Progress`."""
-        return {name: float(getattr(self.progress, name)) for name in names}
-
-    def _teach(self) -> NDArray[np.bool_] | None:
-        """The sub-environments (env,) that the teacher plays; None once its time is over."""
-        hyperparameters, left = self.hyperparameters, 0.0
-        if hyperparameters.teacher and self.progress.updates < hyperparameters.teacher_updates:
-            left = 1.0 - self.progress.updates / hyperparameters.teacher_updates
-        taught = self.random.random(hyperparameters.num_envs) < left
-        if left == 0.0:
-            return None
-        self.round.teach(hyperparameters.teacher)
-        return taught
+    def restore(self, state: Mapping[str, Tensor]) -> None:
+        """Take back what `tensors` gave."""
+        for team, learner in self.learners.items():
+            start = f"{team}."
+            own = {n.removeprefix(start): v for n, v in state.items() if n.startswith(start)}
+            learner.restore(own)
 
     def _step(self, taught: NDArray[np.bool_] | None) -> Played:
         clock = self.clock
@@ -306,19 +188,6 @@ class Trainer:
         clock("replay", lambda: replay.reprioritise(batch.rows, errors, hyperparameters.priority))
         return dict(facts)
 
-    def evaluate(self) -> Row:
-        """Scores on held-out episodes, without exploration; `rank` is better when lower."""
-        setup, hyperparameters = self.setup, self.hyperparameters
-        mission = Mission(setup)
-        mission.reset(HELD_OUT, np.arange(hyperparameters.evaluate_episodes))
-        scorer = Scorer(mission, [METRICS.find(key) for key in SCORES])
-        mission.run(LearnersPolicy(self.networks, hyperparameters.observation), (scorer,))
-        scores = scorer.scores().scalars
-        row = {name: _mean(scores[name]) for name in SCORES}
-        row["rank"] = row["nt50"] + row["nt90"] + (100.0 - row["pta_c"]) / 20.0
-        self.book_time()
-        return self._come("rounds", "updates", "seconds") | row
-
 
 def _check_memory(
     shapes: Shapes, agents: dict[str, NDArray[np.int64]], chosen: Hyperparameters
@@ -335,27 +204,3 @@ def _check_memory(
         wanted,
         "give less capacity, or fewer environments",
     )
-
-
-def _mean(values: NDArray[np.float64]) -> float:
-    """Mean of the defined values; NaN without any."""
-    defined = values[np.isfinite(values)]
-    return float(defined.mean()) if defined.size else float("nan")
-
-
-def save_weights(trainer: Trainer, path: Path) -> None:
-    """Write the networks as a weight file that policies can read; none for a team without agents.
-
-    Raises
-    ------
-    UserError
-        If it cannot be written.
-    """
-    tensors = {
-        f"{team}.{name}": value.detach().cpu().contiguous()
-        for team, network in trainer.networks.items()
-        for name, value in network.state_dict().items()
-    }
-    notes = tuple(note for ground in trainer.grounds for note in ground.notes)
-    header = WeightsHeader(trainer.hyperparameters.observation, trainer.shapes, notes)
-    save_tensors(path, tensors, header_note(header))

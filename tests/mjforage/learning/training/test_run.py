@@ -24,11 +24,12 @@ from mjforage.core.scenario_file import load_scenario
 from mjforage.core.schema import check, json_schema
 from mjforage.core.setup import Setup
 from mjforage.learning.training import run
+from mjforage.learning.training.algorithm import Progress, save_weights
 from mjforage.learning.training.checkpoint import TrainingInfo, save_checkpoint
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.run import train
-from mjforage.learning.training.trainer import Progress, Trainer, save_weights
+from mjforage.learning.training.trainer import Trainer
 from mjforage.runs.lock import claimed
 
 TINY = {
@@ -151,7 +152,8 @@ def test_what_a_run_leaves_behind(finished: tuple[Path, Trainer]) -> None:
     }
     facts = json.loads((folder / "training.json").read_text())
     jsonschema.validate(facts, json_schema(TrainingInfo))
-    assert check(TrainingInfo, facts, "").hyperparameters == trainer.hyperparameters
+    found = check(TrainingInfo, facts, "").hyperparameters
+    assert check(Hyperparameters, found, "") == trainer.hyperparameters
     assert facts["seed"] == 3 and facts["hyperparameters"]["num_envs"] == 3
     rows = pl.read_parquet(folder / "training.parquet")
     assert rows.height == trainer.progress.rounds

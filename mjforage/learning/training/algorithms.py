@@ -1,0 +1,39 @@
+"""The training algorithms by name, ours and `package.module:Class` of a user."""
+
+from typing import Any
+
+from graph_planner.extensions import Table
+from mjforage.core.errors import UserError
+from mjforage.learning.training.algorithm import Algorithm
+from mjforage.learning.training.mappo.trainer import MappoTrainer
+from mjforage.learning.training.trainer import Trainer
+
+ALGORITHMS: Table[type[Algorithm[Any]]] = Table("algorithm", "mjforage.algorithms")
+"""Subclasses of `Algorithm`; installed packages bring theirs by entry points."""
+
+ALGORITHMS.register("ddqn")(Trainer)
+ALGORITHMS.register("mappo")(MappoTrainer)
+
+
+def find_algorithm(name: str) -> type[Algorithm[Any]]:
+    """The class of an algorithm.
+
+    Parameters
+    ----------
+    name : ddqn, mappo, a name of an installed package, or `package.module:Class`
+
+    Raises
+    ------
+    UserError
+        If there is none of that name (the message offers the nearest), it cannot be imported, or
+        it is no `Algorithm` with `settings`.
+    """
+    found = ALGORITHMS.find(name)
+    if not (
+        isinstance(found, type) and issubclass(found, Algorithm) and hasattr(found, "settings")
+    ):
+        raise UserError(
+            f"algorithm {name}: is no mjforage.learning.training.algorithm.Algorithm with "
+            "settings; make it a subclass"
+        )
+    return found

@@ -1,0 +1,57 @@
+"""What the central critic is shown beside what the agents see: where the items are, and drift.
+
+For training alone: no agent and no shipped network reads it.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.encodings.chart import COARSE
+from graph_planner.encodings.encoder import MOST_ITEMS, TOP
+from mjforage.core.mission import Mission
+from mjforage.learning.environments.game import Game
+from mjforage.learning.training.rounds import Round
+
+OVERVIEW = {"truth.items": (1, COARSE, COARSE), "truth.facts": (5,)}
+"""Arrays of an episode, uint8 levels: items that are left in each of the map's coarse cells; shares
+of items left, of items left but found, of decisions taken, and drift south and east."""
+
+
+def overview(played: Round) -> dict[str, NDArray[np.uint8]]:
+    """Arrays (env, ...) of `OVERVIEW` of all episodes of a round, as they are now."""
+    out = {n: np.zeros((played.num_envs, *s), np.uint8) for n, s in OVERVIEW.items()}
+    for game, envs in zip(played.games, played.envs, strict=True):
+        out["truth.items"][envs, 0] = _items(game.mission)
+        out["truth.facts"][envs] = _facts(game)
+    return out
+
+
+def _items(mission: Mission) -> NDArray[np.uint8]:
+    """(env, COARSE, COARSE) items left in each cell."""
+    graph, at = mission.setup.graph, mission.truth.item_node
+    height, width = graph.shape
+    cell = (graph.rows * COARSE // height) * COARSE + graph.cols * COARSE // width
+    counts = np.zeros((len(at), COARSE**2), np.int64)
+    env, item = np.nonzero(at >= 0)
+    np.add.at(counts, (env, cell[at[env, item]]), 1)
+    levels = np.minimum(counts, MOST_ITEMS) * TOP // MOST_ITEMS
+    return np.asarray(levels.reshape(-1, COARSE, COARSE), np.uint8)
+
+
+def _facts(game: Game) -> NDArray[np.uint8]:
+    """(env, 5) the last array of `OVERVIEW`."""
+    mission = game.mission
+    left = (mission.truth.item_node >= 0).sum(axis=1)
+    found = (mission.ledger.entries.t_discovered >= 0).sum(axis=1)
+    gone = (mission.ledger.entries.t_collected >= 0).sum(axis=1)
+    drift = np.clip(0.5 + 0.5 * mission.truth.drift_rc, 0.0, 1.0)
+    columns = (
+        left / game.n_items,
+        (found - gone) / game.n_items,
+        mission.step / game.setup.scenario.horizon,
+        drift[:, 0],
+        drift[:, 1],
+    )
+    shares = np.clip(np.stack(columns, axis=1), 0.0, 1.0)
+    levels: NDArray[np.uint8] = (TOP * shares).astype(np.uint8)
+    return levels

@@ -1,0 +1,193 @@
+"""Whole runs of multi-agent PPO, tiny ones, and its weights as a policy."""
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pytest
+import torch
+
+from graph_planner.errors import WeightsError
+from graph_planner.policies.ddqn import QPolicy
+from graph_planner.policies.mappo import MappoPolicy
+from graph_planner.weights import ACTOR, read_header
+from mjforage.core.errors import UserError
+from mjforage.core.mission import Mission
+from mjforage.core.scenario import Scenario
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
+from mjforage.learning.training.hyperparameters import changed
+from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
+from mjforage.learning.training.mappo.overview import overview
+from mjforage.learning.training.mappo.trainer import MappoTrainer
+from mjforage.learning.training.run import train, train_with
+
+TINY = {
+    "num_envs": 3,
+    "batch": 16,
+    "epochs": 1,
+    "evaluate_every": 2,
+    "evaluate_episodes": 2,
+    "teacher": "greedy",
+    "teacher_updates": 3,
+}
+
+
+def scenario() -> Scenario:
+    return load_scenario("published", ("horizon=12",))
+
+
+def told(**changes: object) -> MappoHyperparameters:
+    return changed(MappoHyperparameters(), TINY | changes)
+
+
+def run(folder: Path, updates: int, **more: Any) -> MappoTrainer:
+    return train_with(MappoTrainer, scenario(), told(), folder, seed=3, updates=updates, **more)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, MappoTrainer]:
+    folder = tmp_path_factory.mktemp("mappo") / "run"
+    return folder, run(folder, 12)
+
+
+def test_n_and_m_updates_are_n_stop_resume_m(
+    finished: tuple[Path, MappoTrainer], tmp_path: Path
+) -> None:
+    run(tmp_path / "run", 6)
+    resumed = run(tmp_path / "run", 12)
+    first, second = finished[1].tensors(), resumed.tensors()
+    assert first.keys() == second.keys()
+    for name, value in first.items():
+        assert torch.equal(value, second[name]), name
+    assert resumed.progress.updates == finished[1].progress.updates >= 12
+    rows = pl.read_parquet(tmp_path / "run" / "training.parquet")
+    whole = pl.read_parquet(finished[0] / "training.parquet")
+    assert rows.drop("seconds").equals(whole.drop("seconds"), null_equal=True)
+
+
+def test_training_changes_every_weight_and_tells_what_it_did(
+    finished: tuple[Path, MappoTrainer],
+) -> None:
+    fresh = MappoTrainer([scenario()], told(), seed=3).tensors()
+    after = finished[1].tensors()
+    same = [n for n, v in fresh.items() if n.startswith(("actors", "critic")) and v.numel() > 1]
+    assert not [name for name in same if torch.equal(fresh[name], after[name])]
+    rows = pl.read_parquet(finished[0] / "training.parquet")
+    assert rows["loss_taught"][0] > 0.0 and rows["loss_taught"].is_nan()[-1]
+    assert rows["loss_objective"].is_nan()[0] and not rows["loss_objective"].is_nan()[-1]
+    assert rows["loss_critic"].is_not_nan().all()
+
+
+def test_the_critic_alone_is_shown_where_items_are() -> None:
+    trainer = MappoTrainer([scenario()], told(), seed=0)
+    trainer.start_round()
+    found, mission = overview(trainer.round), trainer.round.games[0].mission
+    graph, counts = mission.setup.graph, np.zeros((3, 16, 16))
+    height, width = graph.shape
+    for env, item in np.argwhere(mission.truth.item_node >= 0):
+        node = mission.truth.item_node[env, item]
+        counts[env, graph.rows[node] * 16 // height, graph.cols[node] * 16 // width] += 1
+    expected = np.floor(25.5 * np.minimum(counts, 10))
+    np.testing.assert_array_equal(found["truth.items"][:, 0], expected)
+    assert (counts > 10).any() and (found["truth.facts"][:, 2] == 0).all()
+    assert (found["truth.facts"][:, 0] == 255).all()
+    assert not set(trainer.shapes) & set(found)
+
+
+def test_rewards_are_an_agents_own_or_the_fleets(monkeypatch: pytest.MonkeyPatch) -> None:
+    paid = {}
+    for shared in (0.0, 1.0):
+        trainer = MappoTrainer([scenario()], told(shared=shared, teacher="", teacher_updates=0))
+        learn = trainer.updates.learn
+        monkeypatch.setattr(
+            trainer.updates, "learn", lambda round, *a, s=shared: paid.update({s: round}) or []
+        )
+        trainer.play_round()
+        assert learn is not None
+    own, mean = paid[0.0].rewards, paid[1.0].rewards
+    assert (own != own[:, :1]).any()
+    np.testing.assert_allclose(mean, np.repeat(own.mean(axis=1, keepdims=True), 4, 1), rtol=1e-5)
+
+
+def test_weights_are_a_policy_without_torchrl(
+    finished: tuple[Path, MappoTrainer], tmp_path: Path
+) -> None:
+    """Without TorchRL they are played, and training says what is missing."""
+    shutil.copy(finished[0] / "best.safetensors", tmp_path / "mine.safetensors")
+    assert read_header(tmp_path / "mine.safetensors").format == ACTOR
+    text = """
+import sys
+sys.modules["torchrl"] = sys.modules["tensordict"] = None
+from mjforage.cli import main
+words = ["evaluate", "published", "--set", "horizon=8", "--episodes", "2", "--policy", "mine"]
+try:
+    main([*words, "--out", "run"])
+except SystemExit as end:
+    assert not end.code, end
+try:
+    main(["train", "mappo", "--updates", "1", "--out", "none"])
+except SystemExit as end:
+    sys.exit(end.code)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", text], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert (tmp_path / "run" / "summary.json").is_file(), done.stderr
+    assert done.returncode == 2
+    assert "train mappo: torchrl is not installed; pip install 'mjforage[mappo]'" in " ".join(
+        done.stderr.split()
+    ) or "train mappo: tensordict is not installed" in " ".join(done.stderr.split())
+
+
+def test_weights_of_another_kind_are_refused(
+    finished: tuple[Path, MappoTrainer], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    actor = finished[0] / "best.safetensors"
+    mission = Mission(Setup.of(scenario()))
+    mission.reset(0, np.arange(1))
+    mission.run(QPolicy(actor))
+    (tmp_path / "weights").mkdir()
+    monkeypatch.setattr("graph_planner.weights._PLACES", (tmp_path,))
+    data = actor.read_bytes().replace(b"mjforage actor 1", b"mjforage actor 9")
+    (tmp_path / "weights" / "mappo.safetensors").write_bytes(data)
+    with pytest.raises(WeightsError, match=r"format 'mjforage actor 9', .* expected .*actor 1'"):
+        MappoPolicy()
+    trained = train(scenario(), changed_ddqn(), tmp_path / "ddqn", updates=1)
+    assert trained.weights_kind != ACTOR
+    shutil.copy(tmp_path / "ddqn/best.safetensors", tmp_path / "weights/mappo.safetensors")
+    with pytest.raises(WeightsError, match=r"q-network 1', expected 'mjforage actor 1'"):
+        MappoPolicy()
+
+
+def changed_ddqn() -> Any:
+    from mjforage.learning.training.hyperparameters import Hyperparameters
+
+    small = {"num_envs": 2, "batch": 8, "warmup": 8, "capacity": 1000, "evaluate_episodes": 1}
+    return changed(Hyperparameters(), small)
+
+
+def test_settings_and_devices_are_checked(refused: Callable[..., str], tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="gae = 2 is out of range"):
+        told(gae=2)
+    with pytest.raises(UserError, match="teacher = 'greedy', teacher_updates = 0: give both"):
+        told(teacher_updates=0)
+    with pytest.raises(UserError, match="mappo trains on the CPU; use --device cpu"):
+        MappoTrainer([scenario()], told(), device="cuda")
+    words = ("--updates", 1, "--out", tmp_path / "run")
+    assert "unknown key n_step" in refused("train", "mappo", "--learning", "n_step=3", *words)
+    assert "algorithm mapo: unknown; did you mean mappo" in refused("train", "mapo", *words)
+    assert "is no mjforage" in refused("train", "json:JSONDecoder", *words)
+
+
+def test_a_folder_is_one_algorithms(finished: tuple[Path, MappoTrainer], tmp_path: Path) -> None:
+    shutil.copytree(finished[0], tmp_path / "copy")
+    with pytest.raises(
+        UserError, match=r"algorithm is .*MappoTrainer.* there and .*Trainer.* here"
+    ):
+        train(scenario(), changed_ddqn(), tmp_path / "copy", seed=3, updates=1)
