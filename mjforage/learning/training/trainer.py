@@ -21,7 +21,6 @@ from graph_planner.randomness import episode_keys
 from graph_planner.task import Task
 from graph_planner.weights import TEAMS, WeightsHeader, header_note
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import METRICS, Scorer
 from mjforage.core.scenario import Scenario
 from mjforage.core.schema import OPEN
@@ -32,9 +31,11 @@ from mjforage.learning.training.families import ground_on
 from mjforage.learning.training.files import save_tensors
 from mjforage.learning.training.grounds import Ground, common_shapes
 from mjforage.learning.training.hyperparameters import Hyperparameters
+from mjforage.learning.training.initial_weights import begin_with
 from mjforage.learning.training.learner import Learner
 from mjforage.learning.training.replay_memory import FINAL, NOTHING, PLAYED, memory_bytes
 from mjforage.learning.training.rounds import Played
+from mjforage.physics.worlds import create_mission
 
 if TYPE_CHECKING:
     from graph_planner.q_network import DuelingNetwork
@@ -150,13 +151,15 @@ class Trainer:
             for i, (team, ids) in enumerate(self.agents.items())
             if ids.size
         }
+        if hyperparameters.initial:
+            begin_with(self.learners, hyperparameters, self.setup.task)
         self.random = np.random.Generator(np.random.PCG64(seed))
         self.progress, self.clock = Progress(), Clock()
         self._booked = time.perf_counter()
 
     def _ground(self, scenario: Scenario) -> Ground:
         told = self.hyperparameters
-        options = EnvironmentOptions(scenario, observation=told.observation, reward=told.reward)
+        options = EnvironmentOptions(scenario, told.world, told.observation, told.reward)
         return Ground(options, told.num_envs, told.vary)
 
     @property
@@ -309,7 +312,7 @@ class Trainer:
     def evaluate(self) -> Row:
         """Scores on held-out episodes, without exploration; `rank` is better when lower."""
         setup, hyperparameters = self.setup, self.hyperparameters
-        mission = Mission(setup)
+        mission = create_mission(setup, hyperparameters.world)
         mission.reset(HELD_OUT, np.arange(hyperparameters.evaluate_episodes))
         scorer = Scorer(mission, [METRICS.find(key) for key in SCORES])
         mission.run(LearnersPolicy(self.networks, hyperparameters.observation), (scorer,))
