@@ -72,11 +72,10 @@ def test_the_first_evaluation_is_that_of_the_weights(tmp_path: Path) -> None:
 def test_weights_are_a_policys_or_a_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "deep").mkdir()
-    for path in ("mine.safetensors", "deep/mine.safetensors"):
-        shutil.copy(shipped_weights("ddqn"), path)
-    saved = []
+    for copy in ("mine.safetensors", "deep/mine.safetensors"):
+        shutil.copy(shipped_weights("ddqn"), copy)
+    saved, path = [], tmp_path / "out"
     for initial in ("ddqn", "mine", "mine.safetensors", "deep/mine.safetensors"):
-        path = tmp_path / "out"
         save_weights(Trainer([scenario()], told(initial=initial)), path)
         saved.append(path.read_bytes())
     assert len(set(saved)) == 1
@@ -121,7 +120,7 @@ def test_a_run_goes_on_with_the_same_weights_only(
     for name, value in tensors(one).items():
         assert torch.equal(value, tensors(other)[name]), name
     evaluated = pl.read_parquet(tmp_path / "parts" / "evaluations.parquet")
-    assert evaluated["updates"].to_list().count(0) == 1
+    assert evaluated["updates"][0] == 0 and evaluated["updates"].is_unique().all()
     facts = json.loads(Path("parts/training.json").read_text())
     digest = facts["weights"]["mine.safetensors"]
     assert len(digest) == 16 and facts["hyperparameters"]["initial"] == "mine.safetensors"
