@@ -22,6 +22,8 @@ def train(
     /,
     *,
     scenario: str = "published",
+    world: str | None = None,
+    initial: Annotated[str, Parameter(name="--from")] = "",
     hours: float | None = None,
     updates: int | None = None,
     seed: int = 0,
@@ -43,6 +45,11 @@ def train(
         of your own.
     scenario
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
+    world
+        World of episodes and evaluations: graph (the default) or physics, or a world between.
+    initial
+        Policy, such as ddqn, or FILE.safetensors whose weights the networks begin with; they are
+        evaluated first. Give also how much to explore, such as --learning explore_from=0.1.
     hours
         Stop after the round of episodes in which the run has lasted so long, evaluations included.
     updates
@@ -77,8 +84,8 @@ def train(
     teachers, set = with_options("policy", [teacher] if teacher else [], set)
     chosen = load_scenario(scenario, set, map)
     changes = dict(_pair(text) for text in learning)
-    if teachers:
-        changes["teacher"] = teachers[0]
+    told = {"teacher": "".join(teachers), "initial": initial, "world": world}
+    changes |= {name: value for name, value in told.items() if value}
     made = find_algorithm(algorithm)
     hyperparameters = changed(made.settings(), changes)
     folder = out or Path("runs") / f"{algorithm.rpartition(':')[2]}-{chosen.name}"

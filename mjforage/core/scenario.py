@@ -105,6 +105,33 @@ class Weather:
     """Peak speed of a harbour circulation between the quays, positive counter-clockwise."""
 
 
+_PAYLOADS = source("Heron bare, 28 of 36 kg; Otter with 45 kg of payload, 100 of 80 kg")
+_RULES = source("estimate; the Otter's are rules of thumb, 1.5 m sideways and 1.7 I in yaw")
+_SWAY = source("Heron, linear_sway: published 40 to 100, the file has 70")
+_WORN = source("Heron: 22 to 24 N measured on a worn boat, nominal 33.6 N")
+_AREAS = source("estimate, as all areas are")
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Factors on the numbers of all hulls, within what the sources of `models/vessels` leave open.
+
+    Controllers do not know them: they go by the numbers of the vessels' files. Another hull that
+    its controllers know is a vessel file of its own.
+    """
+
+    mass: Annotated[float, Within(0.78, 1.25), _PAYLOADS] = 1.0
+    """Of mass and yaw inertia of the rigid body."""
+    added_mass: Annotated[float, Within(0.5, 1.5), _RULES] = 1.0
+    """Of the added mass of all axes."""
+    drag: Annotated[float, Within(0.57, 1.43), _SWAY] = 1.0
+    """Of linear, quadratic and cross-flow drag of all axes; not of what items aboard add."""
+    thrust: Annotated[float, Within(0.65, 1.0), _WORN] = 1.0
+    """Of the thrust of a propeller at any speed; of the highest thrust of other thrusters."""
+    windage: Annotated[float, Within(0.5, 2.0), _AREAS] = 1.0
+    """Of the areas that the wind meets."""
+
+
 @dataclass(frozen=True)
 class Physics:
     """How the MuJoCo world carries decisions out."""
@@ -123,6 +150,7 @@ class Physics:
     """`fast`: Euler with forces averaged over the step; `reference`: Runge-Kutta of order 4."""
     step_s: Annotated[float, Within(1e-3, 0.1, "s")] | None = None
     """Time step of the integrator, by default 0.1 s of `fast` and 0.02 s of `reference`."""
+    scale: Annotated[Scale, Later()] = Scale()
 
 
 _Chance = Annotated[float, Within(0, 1)]

@@ -253,12 +253,18 @@ def load_vessel(name_or_path: str | Path) -> Vessel:
     path = vessel_path(name_or_path)
     where = f"vessel {path.stem}"
     vessel = check(Vessel, read_toml(path, where), where, name=path.stem)
-    _check(vessel, where)
+    check_vessel(vessel, where)
     return vessel
 
 
-def _check(vessel: Vessel, where: str) -> None:
-    """What no single range can say: inertia, damping and thrust belong together."""
+def check_vessel(vessel: Vessel, where: str) -> None:
+    """What no single range can say: inertia, damping and thrust belong together.
+
+    Raises
+    ------
+    UserError
+        If no body can have these parameters.
+    """
     least = vessel.mass_kg * vessel.cog_x_m**2
     if vessel.inertia_z_kgm2 <= least:
         raise UserError(

@@ -9,6 +9,7 @@ from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import lru_cache
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 from graph_planner.extensions import Place, is_ours
@@ -96,7 +97,17 @@ def run_hash(info: Mapping[str, Any]) -> str:
     text = canonical_json(
         [info["scenario"], info["map"], compared, info["code"], info.get("hulls")]
     )
+    return text_hash(text)
+
+
+def text_hash(text: str) -> str:
+    """16 hexadecimal digits that tell one text from others."""
     return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def files_hash(paths: Iterable[Path]) -> str:
+    """16 hexadecimal digits that tell what is in the files, one after the other, from others."""
+    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:16]
 
 
 def provenance() -> dict[str, str]:
@@ -145,11 +156,7 @@ def _captures(setup: Setup, worlds: Sequence[str]) -> dict[str, Any]:
 def weight_hashes(policies: Sequence[str]) -> dict[str, str]:
     """Hash of the files that every policy's moves hang on: they change under the same name."""
     found = {name: policy_files(name) for name in policies}
-    return {
-        name: hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:16]
-        for name, paths in found.items()
-        if paths
-    }
+    return {name: files_hash(paths) for name, paths in found.items() if paths}
 
 
 def run_info(

@@ -39,7 +39,7 @@ class Game:
 
         Parameters
         ----------
-        num_envs : episodes side by side; more than one in the graph world only
+        num_envs : episodes side by side; beyond the graph world they are started together
 
         Raises
         ------
@@ -51,7 +51,8 @@ class Game:
         self.setup.check_memory(num_envs)
         self.agents = len(self.setup.fleet)
         self.mission = create_mission(self.setup, options.world)
-        self._spare = Mission(self.setup) if num_envs > 1 else None
+        graph = options.world == "graph"
+        self._spare = Mission(self.setup) if graph and num_envs > 1 else None
         self._weights = options.weights
         self._terms = RewardTerms(self.setup.task, self._weights)
         self._encoder = create_encoder(options.observation, self.setup.task)
@@ -61,7 +62,7 @@ class Game:
     def start(self, envs: NDArray[np.int64], keys: UInt64Array) -> None:
         """Start episodes of the given keys in sub-environments (env,); the first time in all."""
         if self._spare is None or not self.started or envs.size == self.num_envs:
-            assert envs.size == self.num_envs, "all sub-environments are started at first"
+            assert envs.size == self.num_envs, "all sub-environments are started together"
             self.mission.start(keys)
             self._encoder.reset(self.num_envs * self.mission.exchange.holders)
             self.n_items = self.mission.initial.n_items.copy()

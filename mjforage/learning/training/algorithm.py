@@ -20,7 +20,6 @@ from graph_planner.randomness import episode_keys
 from graph_planner.task import Task
 from graph_planner.weights import Q_NETWORK, TEAMS, WeightsHeader, header_note
 from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import METRICS, Scorer
 from mjforage.core.scenario import Scenario
 from mjforage.core.schema import OPEN
@@ -31,6 +30,7 @@ from mjforage.learning.training.files import save_tensors
 from mjforage.learning.training.grounds import Ground, common_shapes
 from mjforage.learning.training.hyperparameters import CommonHyperparameters
 from mjforage.learning.training.rounds import Round
+from mjforage.physics.worlds import create_mission
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -149,7 +149,7 @@ class Algorithm(Generic[Told]):
 
     def _ground(self, scenario: Scenario) -> Ground:
         told = self.hyperparameters
-        options = EnvironmentOptions(scenario, observation=told.observation, reward=told.reward)
+        options = EnvironmentOptions(scenario, told.world, told.observation, told.reward)
         return Ground(options, told.num_envs, told.vary)
 
     @property
@@ -241,7 +241,7 @@ class Algorithm(Generic[Told]):
     def evaluate(self) -> Row:
         """Scores on held-out episodes, without exploration; `rank` is better when lower."""
         setup, hyperparameters = self.setup, self.hyperparameters
-        mission = Mission(setup)
+        mission = create_mission(setup, hyperparameters.world)
         mission.reset(HELD_OUT, np.arange(hyperparameters.evaluate_episodes))
         scorer = Scorer(mission, [METRICS.find(key) for key in SCORES])
         mission.run(LearnersPolicy(self.networks, hyperparameters.observation), (scorer,))

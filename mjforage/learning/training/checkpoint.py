@@ -7,7 +7,7 @@ generator are JSON in the file's header, so a checkpoint is whole or absent.
 import dataclasses
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +47,10 @@ class TrainingInfo:
     """Kind of device that it runs on."""
     versions: Mapping[str, str]
     """Versions of what decides the numbers."""
+    weights: Mapping[str, str] = field(default_factory=dict)
+    """Hash of the weights of the teacher, and of those that the networks began with."""
+    hulls: str = ""
+    """Hash of the hulls, debris and capture models; absent in the graph world."""
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from mjforage.learning.environments.game import Game
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.hyperparameters import WHERE
 from mjforage.learning.training.rounds import Round
+from mjforage.physics.worlds import create_mission
 
 MOST = 256  # variants of a scenario: each is read and checked before training begins
 
@@ -70,7 +71,8 @@ class Ground:
         Raises
         ------
         UserError
-            If a variant is not valid, or there is not the memory for so many episodes.
+            If a variant is not valid or cannot be run in the world, or there is not the memory for
+            so many episodes.
         """
         self.setup, self.options, self._num_envs = options.setup, [options], num_envs
         self.scenario = self.setup.scenario
@@ -80,6 +82,9 @@ class Ground:
                 replace(options, scenario=scenario) for scenario in variants(self.scenario, vary)
             ]
         self.examples, self._varied = self.options, bool(vary)
+        if options.world != "graph":  # what a world refuses is said now, not hours later
+            for each in self.options:
+                create_mission(each.setup, each.world)
 
     @property
     def notes(self) -> list[dict[str, Any]]:

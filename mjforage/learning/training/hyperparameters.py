@@ -32,6 +32,10 @@ class CommonHyperparameters:
 
     observation: str = "egocentric"
     """Observation that networks read."""
+    world: str = "graph"
+    """World in which episodes and evaluations are played: graph or physics, or one between."""
+    initial: str = ""
+    """Policy, or FILE.safetensors, whose weights the networks begin with; empty: random ones."""
     num_envs: Annotated[int, Within(1, 4096)] = 16
     """Episodes side by side in a round."""
     evaluate_every: Annotated[int, Within(1, 1_000_000_000)] = 2000

@@ -79,6 +79,11 @@ class Learner:
             shapes, streams, hyperparameters.capacity, hyperparameters.n_step, hyperparameters.gamma
         )
 
+    @property
+    def networks(self) -> tuple[DuelingNetwork, ...]:
+        """The one that learns and those that follow it."""
+        return self.online, self.target, self.average
+
     def values(self, levels: Mapping[str, NDArray[np.uint8]]) -> NDArray[np.float32]:
         """(row, 9) values of pictures (row, ...)."""
         return values_of(self.online, levels)

@@ -15,19 +15,34 @@ import torch
 from graph_planner.encodings import encoder_class
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Scenario
+from mjforage.core.scenario_file import canonical_json
 from mjforage.learning.environments.rewards import term_class
 from mjforage.learning.training.algorithm import Algorithm, Row, save_weights
 from mjforage.learning.training.checkpoint import identity, restore_checkpoint, save_checkpoint
 from mjforage.learning.training.hyperparameters import CommonHyperparameters, Hyperparameters
+from mjforage.learning.training.initial_weights import initial_file
 from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.trainer import Trainer
-from mjforage.runs.identity import code_of, policy_code, provenance, versions, weight_hashes
+from mjforage.runs.identity import (
+    code_of,
+    files_hash,
+    hull_facts,
+    policy_code,
+    provenance,
+    run_code,
+    text_hash,
+    versions,
+    weight_hashes,
+)
 from mjforage.runs.lock import claimed
 from mjforage.runs.resuming import CODE, Resume, open_folder, set_aside
 from mjforage.runs.source_code import WHOLE, decisive_code
 
 CHECKPOINT_S = 300.0  # between two checkpoints
-IDENTITY = ("algorithm", "seed", "device", "hyperparameters", "scenario", "also", "weights", *CODE)
+IDENTITY = (
+    *("algorithm", "seed", "device", "hyperparameters", "scenario", "also", "weights", "hulls"),
+    *CODE,
+)
 """Keys of `training.json` in which two runs must agree for one to go on where the other stopped."""
 
 Report = Callable[[str, Row], None]
@@ -106,6 +121,8 @@ def _go_on(
     if checkpoint.is_file():
         restore_checkpoint(trainer, checkpoint)
     logs, progress = Logs(folder, trainer.progress), trainer.progress
+    if hyperparameters.initial and not progress.rounds:
+        _evaluate(trainer, folder, logs, report)
     saved = time.perf_counter()
     while not _over(trainer, hours, updates):
         row = trainer.play_round()
@@ -114,14 +131,9 @@ def _go_on(
         over = _over(trainer, hours, updates)
         due = progress.updates >= hyperparameters.evaluate_every + progress.evaluated
         if due or over:
-            found = trainer.evaluate()
-            logs.add("evaluations", found)
-            report("evaluations", found)
+            _evaluate(trainer, folder, logs, report)
             if due:
                 progress.evaluated = progress.updates
-            if found["rank"] < progress.best:
-                progress.best = found["rank"]
-                save_weights(trainer, folder / "best.safetensors")
         if over or time.perf_counter() - saved > CHECKPOINT_S:
             logs.write()  # first: what is younger than the checkpoint is dropped, not missed
             save_weights(trainer, folder / "weights.safetensors")
@@ -129,6 +141,16 @@ def _go_on(
             save_checkpoint(trainer, checkpoint)
             saved = time.perf_counter()
     logs.close()
+
+
+def _evaluate(trainer: Algorithm[Any], folder: Path, logs: Logs, report: Report) -> None:
+    """Scores of the networks as they are; they are kept if none were better."""
+    found, progress = trainer.evaluate(), trainer.progress
+    logs.add("evaluations", found)
+    report("evaluations", found)
+    if found["rank"] < progress.best:
+        progress.best = found["rank"]
+        save_weights(trainer, folder / "best.safetensors")
 
 
 def _check_ends(hours: float | None, updates: int | None) -> None:
@@ -168,10 +190,24 @@ def _facts(trainer: Algorithm[Any]) -> dict[str, object]:
     found: list[Callable[..., Any]] = [type(trainer), encoder_class(told.observation)]
     found += map(term_class, told.reward)
     code = code.joined(policy_code(teachers)).joined(code_of(found))
+    weights, hulls = weight_hashes(teachers), {}
+    if told.initial:
+        weights |= {told.initial: files_hash([initial_file(told.initial)])}
+    if told.world != "graph":
+        code = code.joined(run_code([], [told.world], []))
+        hulls = {"hulls": _hulls(trainer)}
     return {
         "command": provenance()["command"],
         **identity(trainer),
-        "weights": weight_hashes(teachers),
+        "weights": weights,
+        **hulls,
         "versions": versions(code),
         "code": code.files,
     }
+
+
+def _hulls(trainer: Algorithm[Any]) -> str:
+    """Hash of the hulls, debris and capture models that are played with."""
+    worlds = [trainer.hyperparameters.world]
+    played = [each.setup for ground in trainer.grounds for each in ground.examples]
+    return text_hash(canonical_json([hull_facts(setup, worlds) for setup in played]))

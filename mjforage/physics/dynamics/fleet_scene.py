@@ -10,14 +10,15 @@ from graph_planner.navigation import NavigationGraph
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Physics
 from mjforage.core.vessel_files import hull_names
+from mjforage.physics.scaled_vessels import scaled
 from mjforage.physics.scene import Scene, build_scene, load_debris
 from mjforage.physics.vessels import Vessel, load_vessel
 
 POOL = 8  # bodies for items near hulls, at first
 
 
-def fleet_vessels(fleet: Fleet, choice: Physics) -> tuple[Vessel, ...]:
-    """(agent,) the hull of every agent.
+def known_vessels(fleet: Fleet, choice: Physics) -> tuple[Vessel, ...]:
+    """(agent,) the hull of every agent as its file has it, which is what controllers know.
 
     Raises
     ------
@@ -25,6 +26,17 @@ def fleet_vessels(fleet: Fleet, choice: Physics) -> tuple[Vessel, ...]:
         If there is no such vessel.
     """
     return tuple(load_vessel(name) for name in hull_names(fleet, choice))
+
+
+def fleet_vessels(fleet: Fleet, choice: Physics) -> tuple[Vessel, ...]:
+    """(agent,) the hull of every agent as it moves, with the scenario's factors.
+
+    Raises
+    ------
+    UserError
+        If there is no such vessel, or no body can have its parameters.
+    """
+    return tuple(scaled(vessel, choice.scale) for vessel in known_vessels(fleet, choice))
 
 
 def item_choices(choice: Physics) -> NDArray[np.int64]:

@@ -29,6 +29,7 @@ from mjforage.physics.dynamics.fleet_scene import (
     fleet_scene,
     fleet_vessels,
     item_choices,
+    known_vessels,
 )
 from mjforage.physics.dynamics.item_bodies import (
     draw_classes,
@@ -90,7 +91,7 @@ class MujocoDynamics:
                 "enter no mouth; set physics.capture=node or physics.items=bodies"
             )
         self._scene = fleet_scene(graph, self._vessels, tuple(fleet.names))
-        self._helms = [helm_of(vessel) for vessel in self._vessels]
+        self._helms = [helm_of(vessel) for vessel in known_vessels(fleet, self._choice)]
         self._chart = Chart(graph.navigable, graph.pitch_m)
         self._water = Water(self._chart.land, graph.pitch_m)
         period, latency = scenario.sensors.pickup_period_s, scenario.sensors.pickup_latency_s

@@ -1,0 +1,69 @@
+"""Weights that a training begins with: those of a policy, or of any file that `train` wrote."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from torch.nn import Module
+
+from graph_planner.encodings import encoder_label
+from graph_planner.policies.registry import policy_files
+from graph_planner.task import Task
+from graph_planner.weights import load_networks, read_header
+from mjforage.core.errors import UserError
+from mjforage.learning.training.hyperparameters import CommonHyperparameters
+
+SUFFIX = ".safetensors"
+
+
+def initial_file(reference: str) -> Path:
+    """The one weight file that a policy plays, or the file that is named.
+
+    Raises
+    ------
+    UserError
+        If the policy is not known, or plays no such file.
+    """
+    if reference.endswith(SUFFIX):
+        return Path(reference)
+    files = policy_files(reference)
+    if len(files) != 1 or files[0].suffix != SUFFIX:
+        raise UserError(
+            f"--from {reference}: plays no weights; give a policy that does, such as ddqn, or "
+            f"FILE{SUFFIX}"
+        )
+    return files[0]
+
+
+def begin_with(
+    modules: Mapping[str, Sequence[Module]], told: CommonHyperparameters, task: Task, kind: str
+) -> None:
+    """Give networks the weights that are named; optimisers are new.
+
+    Parameters
+    ----------
+    modules : team -> its networks
+    kind : of the weight files that the algorithm writes, in `graph_planner.weights.KINDS`
+
+    Raises
+    ------
+    UserError
+        If they are of another kind or observation, or not what the policies that play them would
+        take: see `load_networks`.
+    """
+    path = initial_file(told.initial)
+    header = read_header(path)
+    if header.format != kind:
+        raise UserError(
+            f"--from {told.initial}: weights of the kind {header.format}, but this algorithm "
+            f"trains {kind}; give others"
+        )
+    encoding = encoder_label(header.encoding)
+    if encoding != told.observation:
+        raise UserError(
+            f"--from {told.initial}: weights of the {encoding} observation, but this training has "
+            f"{told.observation}; give --learning observation={encoding}, or other weights"
+        )
+    networks = load_networks(path, task)
+    for team, own in modules.items():
+        for module in own:
+            module.load_state_dict(networks[team].state_dict())

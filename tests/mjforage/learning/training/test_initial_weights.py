@@ -1,0 +1,149 @@
+"""Trainings that begin with existing weights: what they begin with, what is refused."""
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pytest
+import torch
+
+from graph_planner.errors import UserError
+from graph_planner.policies import create_policy
+from graph_planner.weights import load_networks, shipped_weights
+from mjforage.core.mission import Mission
+from mjforage.core.mission_metrics import METRICS, Scorer
+from mjforage.core.scenario import Scenario
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
+from mjforage.learning.training.algorithm import HELD_OUT, save_weights
+from mjforage.learning.training.hyperparameters import Hyperparameters, changed
+from mjforage.learning.training.run import train
+from mjforage.learning.training.trainer import Trainer
+
+TINY = {
+    "num_envs": 2,
+    "capacity": 1000,
+    "batch": 16,
+    "warmup": 20,
+    "evaluate_every": 1000,
+    "evaluate_episodes": 3,
+}
+
+
+def scenario(*changes: str) -> Scenario:
+    return load_scenario("comb-port", ("horizon=12", *changes))
+
+
+def told(**changes: object) -> Hyperparameters:
+    return changed(Hyperparameters(), TINY | {"initial": "ddqn"} | changes)
+
+
+def test_all_networks_begin_with_the_weights_and_optimisers_anew() -> None:
+    trainer = Trainer([scenario()], told())
+    shipped = load_networks(shipped_weights("ddqn"), Setup.of(scenario()).task)
+    for team, learner in trainer.learners.items():
+        parts = [part for part in vars(learner).values() if isinstance(part, torch.nn.Module)]
+        assert len(parts) >= 2
+        for part in parts:
+            for name, value in shipped[team].state_dict().items():
+                assert torch.equal(part.state_dict()[name], value), f"{team}.{name}"
+        assert all(value.requires_grad for value in learner.online.parameters())
+        assert not learner.optimiser.state_dict()["state"]
+        assert learner.updates == 0
+
+
+def test_the_first_evaluation_is_that_of_the_weights(tmp_path: Path) -> None:
+    """Before any update: of the policy that plays them, the best until a better one is found."""
+    train(scenario(), told(), tmp_path, updates=1)
+    first = pl.read_parquet(tmp_path / "evaluations.parquet").row(0, named=True)
+    assert first["updates"] == first["rounds"] == 0
+    mission = Mission(Setup.of(scenario()))
+    mission.reset(HELD_OUT, np.arange(3))
+    scorer = Scorer(mission, [METRICS.find(key) for key in ("pta_d", "pta_c")])
+    mission.run(create_policy("ddqn"), (scorer,))
+    for name, values in scorer.scores().scalars.items():
+        assert first[name] == pytest.approx(values.mean()), name
+    assert first["pta_d"] > 0.0
+    assert (tmp_path / "best.safetensors").is_file()
+
+
+def test_weights_are_a_policys_or_a_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "deep").mkdir()
+    for copy in ("mine.safetensors", "deep/mine.safetensors"):
+        shutil.copy(shipped_weights("ddqn"), copy)
+    saved, path = [], tmp_path / "out"
+    for initial in ("ddqn", "mine", "mine.safetensors", "deep/mine.safetensors"):
+        save_weights(Trainer([scenario()], told(initial=initial)), path)
+        saved.append(path.read_bytes())
+    assert len(set(saved)) == 1
+    save_weights(Trainer([scenario()], told(initial="ddqn-link")), path)
+    assert path.read_bytes() != saved[0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"initial": "greedy"}, "--from greedy: plays no weights; give a policy that does"),
+        ({"initial": "ddqm"}, "policy ddqm: unknown; did you mean ddqn"),
+        ({"initial": "none.safetensors"}, "weights none.safetensors: cannot be read"),
+        ({"observation": "paper"}, "--from ddqn: weights of the egocentric observation, but this"),
+        ({"initial": "bad.safetensors"}, "weights bad.safetensors: not a safetensors file"),
+        ({"initial": "small.safetensors"}, "weights small.safetensors: none for a scout"),
+    ],
+)
+def test_weights_that_do_not_fit_are_refused(
+    changes: dict[str, object], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("bad.safetensors").write_bytes(b"none")
+    alone = scenario("team.scouts.count=0", "map.starts=[]")
+    save_weights(Trainer([alone], told(initial="")), Path("small.safetensors"))
+    with pytest.raises(UserError, match=words):
+        train(scenario(), told(**changes), tmp_path / "run", updates=1)
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_run_goes_on_with_the_same_weights_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(shipped_weights("ddqn"), "mine.safetensors")
+    chosen = told(initial="mine.safetensors")
+    for folder, ends in (("whole", (16,)), ("parts", (4, 16))):
+        for updates in ends:
+            train(scenario(), chosen, tmp_path / folder, seed=3, updates=updates)
+    one, other = (Path(name, "checkpoint.safetensors") for name in ("whole", "parts"))
+    assert tensors(one).keys() == tensors(other).keys()
+    for name, value in tensors(one).items():
+        assert torch.equal(value, tensors(other)[name]), name
+    evaluated = pl.read_parquet(tmp_path / "parts" / "evaluations.parquet")
+    assert evaluated["updates"][0] == 0 and evaluated["updates"].is_unique().all()
+    facts = json.loads(Path("parts/training.json").read_text())
+    digest = facts["weights"]["mine.safetensors"]
+    assert len(digest) == 16 and facts["hyperparameters"]["initial"] == "mine.safetensors"
+    with pytest.raises(UserError, match=r"hyperparameters.initial is .* there and .ddqn. here"):
+        train(scenario(), told(), tmp_path / "parts", seed=3, updates=20)
+    shutil.copy(shipped_weights("ddqn-link"), "mine.safetensors")
+    with pytest.raises(UserError, match=rf"weights.mine.safetensors is .{digest}. there and"):
+        train(scenario(), chosen, tmp_path / "parts", seed=3, updates=20)
+
+
+def tensors(path: Path) -> dict[str, torch.Tensor]:
+    from safetensors.torch import load_file
+
+    return dict(load_file(path))
+
+
+def test_the_command_line_begins_with_weights(
+    command: Callable[..., object], tmp_path: Path
+) -> None:
+    words = [f"--learning={key}={value}" for key, value in TINY.items()]
+    first = ("train", "ddqn", "--scenario", "comb-port", "--set", "horizon=6", "--updates", 1)
+    done = command(*first, "--from", "ddqn", "--out", tmp_path / "run", *words)
+    assert done.code == 0, done  # type: ignore[attr-defined]
+    facts = json.loads((tmp_path / "run" / "training.json").read_text())["hyperparameters"]
+    assert (facts["initial"], facts["world"]) == ("ddqn", "graph")

@@ -1,0 +1,164 @@
+"""Hulls with a scenario's factors: which numbers they change, by how much, and who knows of it."""
+
+from dataclasses import asdict, fields, replace
+from typing import Any
+
+import pytest
+
+from mjforage.core.errors import UserError
+from mjforage.core.scenario import Scale
+from mjforage.core.scenario_file import (
+    load_scenario,
+    scenario_from_tree,
+    scenario_to_tree,
+    with_values,
+)
+from mjforage.core.setup import Setup
+from mjforage.core.vessel_files import vessel_names
+from mjforage.physics.dynamics import mujoco_dynamics
+from mjforage.physics.hydrodynamics.parameters import pack
+from mjforage.physics.hydrodynamics.thruster import thrust
+from mjforage.physics.hydrodynamics.water_load import damping
+from mjforage.physics.hydrodynamics.wind_load import wind_force
+from mjforage.physics.scaled_vessels import scaled
+from mjforage.physics.vessels import ForceThruster, Vessel, load_vessel
+from mjforage.physics.worlds import create_mission
+from mjforage.runs.identity import hull_facts
+
+AXES = ("surge", "sway", "yaw")
+CHANGED = {
+    "mass": {"mass_kg", "inertia_z_kgm2"},
+    "added_mass": {f"added_mass_{axis}" for axis in ("surge_kg", "sway_kg", "yaw_kgm2")},
+    "drag": {f"{part}_{axis}" for part in ("linear", "quadratic") for axis in AXES}
+    | {"crossflow.coefficient"},
+    "thrust": {
+        *("thruster.k_ahead", "thruster.k_astern"),
+        *("thruster.max_ahead_newton", "thruster.max_astern_newton"),
+    },
+    "windage": {"windage.area_front_m2", "windage.area_side_m2"},
+}
+
+
+def numbers(vessel: Vessel) -> dict[str, float]:
+    """Every number of a vessel by its key."""
+    found: dict[str, float] = {}
+    for key, value in asdict(vessel).items():
+        inside = value.items() if isinstance(value, dict) else [("", value)]
+        for name, number in inside:
+            if isinstance(number, float):
+                found[f"{key}.{name}" if name else key] = number
+    return found
+
+
+@pytest.mark.parametrize("name", vessel_names())
+def test_factors_of_one_are_the_vessel_to_the_bit(name: str) -> None:
+    vessel = load_vessel(name)
+    assert scaled(vessel, Scale()) == vessel
+    assert repr(scaled(vessel, Scale())) == repr(vessel)
+
+
+@pytest.mark.parametrize("name", vessel_names())
+@pytest.mark.parametrize("key", [one.name for one in fields(Scale)])
+def test_a_factor_changes_its_numbers_and_no_others(name: str, key: str) -> None:
+    vessel, factor = load_vessel(name), 0.9
+    before, after = numbers(vessel), numbers(scaled(vessel, replace(Scale(), **{key: factor})))
+    for number, value in before.items():
+        expected = factor * value if number in CHANGED[key] else value
+        assert after[number] == pytest.approx(expected, rel=1e-12), number
+
+
+def test_every_factor_has_a_test() -> None:
+    assert set(CHANGED) == {one.name for one in fields(Scale)}
+
+
+def test_forces_by_hand() -> None:
+    """The scout's drag at 1.5 m/s ahead, 17.3 u^2; the forager's thrust; the wind from ahead."""
+    scout, forager = load_vessel("scout"), load_vessel("forager")
+    drag = pack(scaled(scout, Scale(drag=1.2)))
+    assert damping(drag, 1.5, 0.0, 0.0)[0] == pytest.approx(-1.2 * 17.3 * 1.5**2)
+    sideways = [damping(pack(scaled(forager, Scale(drag=d))), 0.0, 0.4, 0.0)[1] for d in (1.0, 1.2)]
+    assert sideways[1] == pytest.approx(1.2 * sideways[0])
+    weak = pack(scaled(forager, Scale(thrust=0.7)))
+    assert thrust(weak, 50.0) == pytest.approx(0.7 * 0.01108 * 50.0**2)
+    assert thrust(weak, -50.0) == pytest.approx(-0.7 * 0.006445 * 50.0**2)
+    worn = pack(scaled(scout, Scale(thrust=0.7)))
+    assert (thrust(worn, 99.0), thrust(worn, 5.0)) == pytest.approx((0.7 * 33.6, 5.0))
+    load = wind_force(pack(scaled(forager, Scale(windage=1.5))), -8.0, 0.0)
+    assert load[0] == pytest.approx(-0.5 * 1.224 * 1.5 * 0.45 * 0.55 * 8.0**2)
+
+
+def spied(monkeypatch: pytest.MonkeyPatch, scale: dict[str, float]) -> dict[str, list[Any]]:
+    """What the MuJoCo world is built of, and what its controllers are told."""
+    heard: dict[str, list[Any]] = {"fleet_scene": [], "helm_of": [], "pack_fleet": []}
+    for name, found in heard.items():
+        original = getattr(mujoco_dynamics, name)
+
+        def spy(*given: Any, original: Any = original, found: list[Any] = found) -> Any:
+            found.append(original(*given))
+            return found[-1]
+
+        monkeypatch.setattr(mujoco_dynamics, name, spy)
+    values = {f"physics.scale.{key}": value for key, value in scale.items()}
+    create_mission(Setup.of(with_values(load_scenario("comb-port"), values, "")), "physics")
+    return heard
+
+
+def test_hulls_in_mujoco_are_scaled_and_their_controllers_do_not_know(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plain = spied(monkeypatch, {})
+    monkeypatch.undo()
+    heavy = spied(monkeypatch, {"mass": 1.2, "drag": 1.3})
+    for team, mass in (("scouts", 36.0), ("foragers", 80.0)):
+        names = [name for name in heavy["fleet_scene"][0].names if name.startswith(team[:-1])]
+        assert names
+        for name in names:
+            body = heavy["fleet_scene"][0].model.body(f"{name}/hull")
+            assert body.mass[0] == pytest.approx(1.2 * mass)
+    assert heavy["pack_fleet"][0]["mass"] == pytest.approx(1.2 * plain["pack_fleet"][0]["mass"])
+    drag = [one["pack_fleet"][0]["linear_sway"] for one in (plain, heavy)]
+    assert drag[1] == pytest.approx(1.3 * drag[0])
+    assert heavy["helm_of"] == plain["helm_of"]
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("mass", 1.3, "physics.scale.mass = 1.3 is out of range; give 0.78 to 1.25"),
+        ("mass", 0.7, "is out of range; give 0.78 to 1.25"),
+        ("added_mass", 1.6, "is out of range; give 0.5 to 1.5"),
+        ("drag", 0.5, "is out of range; give 0.57 to 1.43"),
+        ("thrust", 1.1, "is out of range; give 0.65 to 1"),
+        ("windage", 2.1, "is out of range; give 0.5 to 2"),
+        ("mas", 1.0, "unknown key physics.scale.mas; did you mean"),
+    ],
+)
+def test_factors_beyond_the_sources_are_refused(key: str, value: float, words: str) -> None:
+    with pytest.raises(UserError, match=words):
+        load_scenario("comb-port", (f"physics.scale.{key}={value}",))
+
+
+def test_a_thrust_below_the_dead_zone_is_refused() -> None:
+    """The scout has 19.9 N astern, of which 0.7 are 13.93."""
+    vessel = load_vessel("scout")
+    assert isinstance(vessel.thruster, ForceThruster)
+    numb = replace(vessel, thruster=replace(vessel.thruster, dead_zone_newton=15.0))
+    with pytest.raises(UserError, match=r"vessel scout with physics.scale: thruster.dead_zone"):
+        scaled(numb, Scale(thrust=0.7))
+
+
+def test_scenarios_without_factors_are_as_they_were() -> None:
+    plain = load_scenario("comb-port")
+    assert "scale" not in scenario_to_tree(plain)["physics"]
+    heavy = with_values(plain, {"physics.scale.mass": 1.2}, "here")
+    tree = scenario_to_tree(heavy)
+    assert tree["physics"]["scale"]["mass"] == 1.2
+    assert scenario_from_tree(tree, "") == heavy
+    assert with_values(heavy, {"physics.scale.mass": 1.0}, "") == plain
+
+
+def test_runs_say_with_which_hulls_they_were() -> None:
+    heavy = load_scenario("comb-port", ("physics.scale.mass=1.2",))
+    vessels = hull_facts(Setup.of(heavy), ["graph", "physics"])["vessels"]
+    assert vessels["forager"]["mass_kg"] == pytest.approx(96.0)
+    assert vessels["scout"]["mass_kg"] == pytest.approx(43.2)
