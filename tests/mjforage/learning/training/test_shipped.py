@@ -14,7 +14,7 @@ from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 
-SHIPPED = ("ddqn", "ddqn-reward", "ddqn-link")
+SHIPPED = ("ddqn", "ddqn-reward", "ddqn-link", "mappo")
 PAPER = {"pta_d": 99.41, "pta_c": 98.68, "csr": 0.946}
 """The paper's learned policy: more is better."""
 PAPER_LOW = {"nt50": 0.281, "nt90": 0.512, "rmse_columns": 0.0010}
