@@ -1,8 +1,9 @@
 """Meeting items that drift: when and where, and who meets which by ratios of pairs.
 
-The online greedy with reassignment of Heine, "Team Orienteering with Moving Targets": of all pairs
-of an agent and an item the one with the largest ratio of reward to the time until they meet is
-made, then the next; made anew at every decision, an item changes hands when a better pair appears.
+Online greedy with reassignment, the idea of Heine, "Team Orienteering with Moving Targets" (from a
+summary of it): of all pairs of an agent and an item the one with the largest ratio of reward to the
+time until they meet is made, then the next; made anew at every decision, an item changes hands when
+a better pair appears.
 """
 
 from typing import NamedTuple

@@ -1,8 +1,9 @@
 """Online greedy with reassignment: foragers meet drifting items where they will be.
 
-Heine, "Team Orienteering with Moving Targets": pairs of an agent and an item are made in the order
-of reward over time to meet, anew at every decision (`meeting`). Drift and unseen items are believed
-as the belief planner believes them, scouts look where most is expected (`tracking_team`).
+Pairs of an agent and an item are made in the order of reward over time to meet, anew at every
+decision (`meeting`): the idea of Heine, "Team Orienteering with Moving Targets", from a summary of
+it. Drift and unseen items are believed as the belief planner believes them, scouts look where most
+is expected (`tracking_team`).
 """
 
 import numpy as np

@@ -118,7 +118,7 @@ def test_the_average_learns_the_values_of_a_chain(seed: int) -> None:
     """Every pair of moves is played five times: no seed decides what there is to learn from.
 
     Steps have one size, so the last weights swing, by other amounts with every set of instructions
-    of the processor; their average does not: 24 seeds, with each of three sets, came within 0.05.
+    of the processor; their average does not: 12 seeds, with each of two sets, came within 0.04.
     """
     one = learner(seed, batch=32, target_rate=0.1)
     random = np.random.default_rng(seed)
