@@ -3,7 +3,7 @@
 pydantic is imported where a file is read or described, not with the package: it takes 0.2 s.
 """
 
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass
 from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -107,7 +107,7 @@ def json_schema(schema: Any) -> Tree:
 def _inherit(schema: Any, fields: Tree) -> None:
     """Add the sentences of fields that a base has: pydantic reads those of the class alone."""
     for base in getattr(schema, "__mro__", ())[1:]:
-        if is_dataclass(base):
+        if hasattr(base, "__dataclass_fields__"):
             for name, field in json_schema(base)["properties"].items():
                 if "description" in field:
                     fields[name].setdefault("description", field["description"])
