@@ -60,14 +60,15 @@ def test_every_block_runs(folder: Path, command: Callable[..., Any]) -> None:
         elif kind == "toml":
             entry_points = tomllib.loads(text)["project"]["entry-points"]
             assert set(entry_points) == {
-                f"mjforage.{what}" for what in ("policies", "metrics", "rewards", "observations")
+                f"mjforage.{what}"
+                for what in ("policies", "metrics", "rewards", "observations", "algorithms")
             }
             named = {value for group in entry_points.values() for value in group.values()}
         else:
             for line in text.splitlines():
                 if not missing(line):
                     carried_out(line, command)
-    assert (kinds.count("python"), kinds.count("toml"), kinds.count("")) == (8, 1, 5)
+    assert (kinds.count("python"), kinds.count("toml"), kinds.count("")) == (9, 1, 6)
     for value in named:
         module_name, _, path = value.partition(":")
         assert hasattr(sys.modules[module_name], path), value
