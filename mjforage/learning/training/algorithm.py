@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from graph_planner.q_network import MoveNetwork
 
 HELD_OUT = 1 << 40  # seed of evaluation episodes; training seeds are smaller
+TRAINED = 1 << 41  # added to training seeds: `evaluate` with the same seed plays other episodes
 SCORES = ("pta_d", "pta_c", "nt50", "nt90", "csr", "rmse_columns", "length")
 
 Row = dict[str, float]
@@ -177,7 +178,7 @@ class Algorithm(Generic[Told]):
         """Start the next episodes, on the scenario whose turn it is."""
         progress, num_envs = self.progress, self.hyperparameters.num_envs
         numbers = np.arange(progress.episodes, progress.episodes + num_envs)
-        keys = episode_keys(self.seed, numbers)
+        keys = episode_keys(TRAINED + self.seed, numbers)
         turn, number = divmod(progress.rounds, len(self.grounds))
         self.round = self.grounds[number].round(keys, turn)
         self.round.start(keys)

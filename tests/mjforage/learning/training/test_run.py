@@ -17,6 +17,7 @@ from safetensors import safe_open
 
 from graph_planner.errors import WeightsError
 from graph_planner.policies.ddqn import QPolicy
+from graph_planner.randomness import episode_keys
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Mission
 from mjforage.core.scenario import Scenario
@@ -24,7 +25,7 @@ from mjforage.core.scenario_file import load_scenario
 from mjforage.core.schema import check, json_schema
 from mjforage.core.setup import Setup
 from mjforage.learning.training import run
-from mjforage.learning.training.algorithm import Progress, save_weights
+from mjforage.learning.training.algorithm import HELD_OUT, Progress, save_weights
 from mjforage.learning.training.checkpoint import TrainingInfo, save_checkpoint
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.logs import Logs
@@ -72,6 +73,16 @@ def assert_same(one: Trainer, other: Trainer) -> None:
 def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Trainer]:
     folder = tmp_path_factory.mktemp("train") / "run"
     return folder, train(scenario(), hyperparameters(), folder, seed=3, updates=40)
+
+
+def test_no_evaluation_plays_what_was_trained_on() -> None:
+    """`evaluate --seed 3` has other episodes than `train --seed 3`, and than its evaluations."""
+    trainer = Trainer([scenario()], hyperparameters(), seed=3)
+    trainer.start_round()
+    trained = set(trainer.round.games[0].mission.keys.tolist())
+    for seed in (3, HELD_OUT):
+        evaluated = set(episode_keys(seed, np.arange(64)).tolist())
+        assert trained and not trained & evaluated
 
 
 @pytest.mark.every_capability
