@@ -61,6 +61,31 @@ def cheapest(weight: F64, first: F64, between: F64) -> tuple[float, set[tuple[in
     return best, targets
 
 
+def test_a_single_choice_is_the_stop_of_fewest_decisions_per_item() -> None:
+    """A tenth of an item one decision away is 10 per item, one in three decisions is 3."""
+    weight, first = np.array([0.1, 1.0]), np.array([[1.0, 3.0]])
+    assert routes(weight, first, np.full((1, 2, 2), 2.0), 1, 1, 2).tolist() == [1]
+    # two kinds of foragers rank the stops from a stop by ways of their own
+    between = np.array([[[9.0, 1.0, 9.0]] * 3, [[9.0, 9.0, 1.0]] * 3])
+    legs = Legs(
+        np.ones(3),
+        np.array([[1.0, 50.0, 50.0], [50.0, 50.0, 50.0]]),
+        between,
+        np.array([0, 1]),
+        np.full(2, np.inf),
+        np.array([100.0, 0.0]),
+    )
+    assert search_routes(legs, 4, 1, 3).tolist() == [0, NOWHERE]
+
+
+def test_who_cannot_get_there_is_not_counted_on() -> None:
+    """The second forager is beside stop 1 without energy: the first goes there before stop 0."""
+    weight, first = np.array([1.0, 1.5]), np.array([[1.0, 1.0], [11.0, 1.0]])
+    between = np.full((1, 2, 2), 10.0)
+    assert routes(weight, first, between, 1, 2, 3, lasts=[100.0, 0.5]).tolist() == [1, NOWHERE]
+    assert routes(weight, first, between, 1, 2, 3, lasts=[100.0, 9.0])[0] == 0
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_a_wide_beam_finds_the_best_joint_route(seed: int) -> None:
     """Points in the plane: the first stops are those of some route of the least cost."""
