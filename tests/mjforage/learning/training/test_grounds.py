@@ -17,6 +17,7 @@ from mjforage.core.scenario_file import load_scenario, with_values
 from mjforage.core.setup import Setup
 from mjforage.learning.environments.game import Game
 from mjforage.learning.environments.options import EnvironmentOptions
+from mjforage.learning.training.algorithm import TRAINED
 from mjforage.learning.training.grounds import Ground, variants
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
@@ -55,7 +56,7 @@ def test_values_are_drawn_alike_often_and_by_the_episode_alone() -> None:
 def test_what_is_stored_is_what_each_agent_knew() -> None:
     """Every agent's pictures are of its own row of a mission that plays the same episode alone."""
     one = trainer(**VARY)
-    keys = episode_keys(3, np.arange(6))
+    keys = episode_keys(TRAINED + 3, np.arange(6))
     one.play_round()
     assert len(one.round.games) > 1
     differ = 0
@@ -112,7 +113,7 @@ def test_a_teacher_knows_what_each_agent_knows() -> None:
     one.play_round()  # all of it is the teacher's
     for game, envs in zip(one.round.games, one.round.envs, strict=True):
         mission = Mission(game.setup)
-        mission.start(episode_keys(3, np.arange(6))[envs])
+        mission.start(episode_keys(TRAINED + 3, np.arange(6))[envs])
         mission.run(create_policy("greedy"))
         np.testing.assert_array_equal(mission.state.agent_node, game.mission.state.agent_node)
 
