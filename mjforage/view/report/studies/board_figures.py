@@ -147,7 +147,7 @@ def _frontier(axes: Axes, standing: Standing, key: str) -> list[str]:
         axes.plot([cost[place]] * 2, [one.low, one.high], color=look.colour, linewidth=1.4)
         face = look.colour if competing[place] else "white"
         dot: dict[str, Any] = {"markerfacecolor": face, "markersize": 7, "zorder": 3}
-        axes.plot(cost[place], one.value, look.marker, color=look.colour, **dot)
+        axes.plot(cost[place], one.value, **look.dots, **dot)
         if front[place]:
             ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgecolor": style.INK}
             axes.plot(cost[place], one.value, "o", markersize=13, zorder=2, **ring)
