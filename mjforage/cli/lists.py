@@ -53,7 +53,7 @@ def maps(
     ----------
     map
         Name of a shipped map, harbour:KIND:SEED[:ROWSxCOLUMNS] for a generated one,
-        harbours:FIRST-LAST for several, or path of a CSV file or image.
+        harbours:[KIND:]FIRST-LAST for several, or path of a CSV file or image.
     output_file
         What to write: a picture, for example port.png, or the map itself as port.csv.
     """

@@ -1,8 +1,9 @@
 """Generated harbours: maps that are functions of a kind, a seed and a size, and so need no file.
 
 ``harbour:combs:7`` is one of a size that its seed decides, ``harbour:combs:7:60x46`` one of 60 rows
-and 46 columns, ``harbours:0-39`` those of seeds 0 to 39, each kind in turn. By convention seeds
-below 1000 are for training, 1000 to 1009 are held back for judging.
+and 46 columns, ``harbours:0-39`` those of seeds 0 to 39, each kind in turn, and
+``harbours:channels:0-39`` those of one kind. By convention seeds below 1000 are for training, 1000
+to 1009 are held back for judging.
 """
 
 from functools import lru_cache
@@ -82,21 +83,24 @@ def harbour(reference: str) -> Harbour:
 
 
 def family(reference: str) -> list[str]:
-    """References of a family's harbours: of every seed the next kind, by the seed itself.
+    """References of a family's harbours: of its kind, or of every seed the next, by the seed itself.
 
     Raises
     ------
     UserError
-        If it is not FIRST-LAST in ascending order, or names too many.
+        If it is not [KIND:]FIRST-LAST in ascending order, names too many, or no kind.
     """
-    first, _, last = reference.removeprefix(MANY).partition("-")
+    kind, _, seeds = reference.removeprefix(MANY).rpartition(":")
+    first, _, last = seeds.partition("-")
     low, high = _whole(first), _whole(last)
     if low is None or high is None or not low <= high < low + MOST_OF_A_FAMILY:
         raise UserError(
-            f"map {reference!r}: expected harbours:FIRST-LAST, seeds in ascending order and at "
-            f"most {MOST_OF_A_FAMILY} of them, for example harbours:0-39"
+            f"map {reference!r}: expected harbours:FIRST-LAST or harbours:KIND:FIRST-LAST, seeds in "
+            f"ascending order and at most {MOST_OF_A_FAMILY} of them, for example harbours:0-39"
         )
-    kinds = list(KINDS)
+    if kind and kind not in KINDS:
+        raise UserError(f"map {reference!r}: no kind {kind!r}; give one of {', '.join(KINDS)}")
+    kinds = [kind] if kind else list(KINDS)
     return [f"{ONE}{kinds[seed % len(kinds)]}:{seed}" for seed in range(low, high + 1)]
 
 

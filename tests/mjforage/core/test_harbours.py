@@ -214,6 +214,7 @@ def test_a_family_has_each_kind_in_turn_by_the_seed_alone() -> None:
     found = family("harbours:3-12")
     assert found == [f"harbour:{kinds[seed % 5]}:{seed}" for seed in range(3, 13)]
     assert family("harbours:7-7") == ["harbour:channels:7"]
+    assert family("harbours:islands:5-6") == ["harbour:islands:5", "harbour:islands:6"]
 
 
 @pytest.mark.parametrize(
@@ -236,6 +237,8 @@ def test_a_family_has_each_kind_in_turn_by_the_seed_alone() -> None:
         ("harbours:9-3", "expected harbours:FIRST-LAST"),
         ("harbours:0-1000", "at most 1000 of them"),
         ("harbours:5", "expected harbours:FIRST-LAST"),
+        ("harbours:fjords:0-3", "no kind 'fjords'; give one of combs"),
+        ("harbours:combs:3", "expected harbours:FIRST-LAST"),
     ],
 )
 def test_a_bad_name_is_one_line_with_the_remedy(reference: str, words: str) -> None:
