@@ -83,7 +83,7 @@ def harbour(reference: str) -> Harbour:
 
 
 def family(reference: str) -> list[str]:
-    """References of a family's harbours: of its kind, or of every seed the next, by the seed itself.
+    """References of a family's harbours, one of each seed: all of its kind, or the kinds in turn.
 
     Raises
     ------
@@ -95,8 +95,8 @@ def family(reference: str) -> list[str]:
     low, high = _whole(first), _whole(last)
     if low is None or high is None or not low <= high < low + MOST_OF_A_FAMILY:
         raise UserError(
-            f"map {reference!r}: expected harbours:FIRST-LAST or harbours:KIND:FIRST-LAST, seeds in "
-            f"ascending order and at most {MOST_OF_A_FAMILY} of them, for example harbours:0-39"
+            f"map {reference!r}: expected harbours:FIRST-LAST or harbours:KIND:FIRST-LAST, seeds "
+            f"in ascending order and at most {MOST_OF_A_FAMILY} of them, such as harbours:0-39"
         )
     if kind and kind not in KINDS:
         raise UserError(f"map {reference!r}: no kind {kind!r}; give one of {', '.join(KINDS)}")
