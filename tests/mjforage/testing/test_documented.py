@@ -1,10 +1,11 @@
-"""All blocks of docs/extending.md run, in its order, in an empty folder."""
+"""The how-to pages on parts of a user's own: every block runs, in its order, in an empty folder."""
 
 import importlib
 import os
 import re
 import runpy
 import shlex
+import subprocess
 import sys
 import tomllib
 from collections.abc import Callable, Iterator
@@ -13,8 +14,9 @@ from typing import Any
 
 import pytest
 
-PAGE = (Path(__file__).parents[3] / "docs" / "extending.md").read_text()
-BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+HOWTO = Path(__file__).parents[3] / "docs" / "howto"
+PAGES = ("policy", "metric", "reward", "algorithm")
+BLOCK = re.compile(r"^(<!-- not run[^\n]*\n)?```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LIBRARIES = {"my_ppo": "stable_baselines3", "my_torchrl": "tensordict"}
 
 
@@ -24,8 +26,14 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     path = list(sys.path)
     yield tmp_path
     sys.path[:] = path
-    for name in [name for name in sys.modules if name.startswith(("my_", "test_mine"))]:
+    for name in [name for name in sys.modules if name.startswith(("my_", "check_mine"))]:
         del sys.modules[name]
+
+
+def blocks(page: str) -> list[tuple[str, str]]:
+    """(kind, text) of the blocks that are run."""
+    found = BLOCK.findall((HOWTO / f"{page}.md").read_text("utf-8"))
+    return [(kind, text) for skipped, kind, text in found if not skipped]
 
 
 def missing(text: str) -> bool:
@@ -34,41 +42,59 @@ def missing(text: str) -> bool:
     return any(importlib.util.find_spec(library) is None for library in needed)
 
 
-def carried_out(line: str, command: Callable[..., Any]) -> None:
-    first, *rest = shlex.split(line)
-    if first == "python":
-        runpy.run_path(rest[0], run_name="__main__")
+def carried_out(text: str, command: Callable[..., Any]) -> None:
+    """A block of the shell; commands of ours and scripts in this process, which is quicker."""
+    lines = text.splitlines()
+    if any("<<" in line for line in lines):
+        subprocess.run(["bash", "-e", "-c", text], check=True)
         return
-    assert first == "mjforage", line
-    done = command(*rest)
-    assert done.code == 0, (line, done)
-
-
-def test_every_block_runs(folder: Path, command: Callable[..., Any]) -> None:
-    kinds = []
-    for kind, text in BLOCKS:
-        kinds.append(kind)
-        if kind == "python":
-            name = text.split("\n", 1)[0].removeprefix("# ").removesuffix(".py")
-            (folder / f"{name}.py").write_text(text)
-            if not missing(name):
-                sys.path.append(os.fspath(folder))
-                module = importlib.import_module(name)
-                sys.path.remove(os.fspath(folder))
-                for test in [v for n, v in vars(module).items() if n.startswith("test_")]:
-                    test()
-        elif kind == "toml":
-            entry_points = tomllib.loads(text)["project"]["entry-points"]
-            assert set(entry_points) == {
-                f"mjforage.{what}"
-                for what in ("policies", "metrics", "rewards", "observations", "algorithms")
-            }
-            named = {value for group in entry_points.values() for value in group.values()}
+    for first, *rest in map(shlex.split, lines):
+        if first == "mjforage":
+            done = command(*rest)
+            assert done.code == 0, (rest, done)
+        elif first == "python" and rest[0] != "-c":
+            runpy.run_path(rest[0], run_name="__main__")
+        elif first == "python":
+            exec(rest[1], {})
         else:
-            for line in text.splitlines():
-                if not missing(line):
-                    carried_out(line, command)
-    assert (kinds.count("python"), kinds.count("toml"), kinds.count("")) == (9, 1, 6)
-    for value in named:
-        module_name, _, path = value.partition(":")
-        assert hasattr(sys.modules[module_name], path), value
+            subprocess.run([first, *rest], check=True)
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_block_runs(page: str, folder: Path, command: Callable[..., Any]) -> None:
+    ran = [kind for kind, text in blocks(page) if not missing(text)]
+    for kind, text in blocks(page):
+        if missing(text):
+            continue
+        if kind == "sh":
+            carried_out(text, command)
+            continue
+        assert kind == "python", kind
+        name = text.split("\n", 1)[0].removeprefix("# ")
+        assert name.endswith(".py"), f"{page}: the first line of a Python block names its file"
+        (folder / name).write_text(text)
+        assert f"`{name}`" in (HOWTO / f"{page}.md").read_text("utf-8"), name
+    assert {"python", "sh"} <= set(ran)
+
+
+def test_entry_points_name_what_the_pages_have(folder: Path) -> None:
+    named, groups = set(), set()
+    for page in PAGES:
+        text = (HOWTO / f"{page}.md").read_text("utf-8")
+        groups |= set(re.findall(r'entry-points\."mjforage\.(\w+)"', text))
+        named |= set(re.findall(r'\w = "(my_\w+:\w+)"', text))
+        for kind, source in blocks(page):
+            if kind == "python":
+                (folder / source.split("\n", 1)[0].removeprefix("# ")).write_text(source)
+    sys.path.append(os.fspath(folder))
+    for module, _, path in (value.partition(":") for value in named):
+        assert hasattr(importlib.import_module(module), path), path
+    assert groups == {"policies", "metrics", "rewards", "observations", "algorithms"}
+    assert len(named) == len(groups)
+
+
+def test_the_project_file_is_one(folder: Path) -> None:
+    text = next(t for kind, t in blocks("policy") if kind == "sh" and "pyproject.toml" in t)
+    subprocess.run(["bash", "-e", "-c", text], check=True)
+    project = tomllib.loads((folder / "pyproject.toml").read_text())["project"]
+    assert project["entry-points"]["mjforage.policies"] == {"homing": "my_policies:Homing"}
