@@ -5,7 +5,7 @@ the first test that asks for it.
 """
 
 import json
-from collections.abc import Generator
+from collections.abc import Iterator
 from pathlib import Path
 
 import psutil
@@ -28,20 +28,24 @@ def spent() -> float:
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_setup(item: pytest.Item) -> Generator[None, None, None]:
+def pytest_runtest_setup(item: pytest.Item) -> Iterator[None]:
     """Take the time of fixtures."""
     before = spent()
-    yield
-    item.user_properties.append(("setup_s", round(spent() - before, 3)))
+    try:
+        yield
+    finally:
+        item.user_properties.append(("setup_s", round(spent() - before, 3)))
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
+def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
     """Take the time of the test."""
     before = spent()
-    yield
-    item.user_properties.append(("call_s", round(spent() - before, 3)))
-    item.user_properties.append(("slow", item.get_closest_marker("slow") is not None))
+    try:
+        yield
+    finally:
+        item.user_properties.append(("call_s", round(spent() - before, 3)))
+        item.user_properties.append(("slow", item.get_closest_marker("slow") is not None))
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
