@@ -280,6 +280,7 @@ def test_the_page_says_who_could_not_play_and_why(made: StudyLogs) -> None:
 def test_what_weights_were_given_is_what_their_readme_says() -> None:
     shipped = {f"{name}.safetensors" for name in ("ddqn", "ddqn-reward", "ddqn-link")}
     assert shipped <= set(training())
+    assert not any("](" in told for told in training().values()), "a link of another folder"
     assert given("ddqn-reward") == (
         "from reward alone; on `published`; 2,170 updates, 256 episodes",
         "models/weights/README.md",
