@@ -17,7 +17,7 @@ from graph_planner.belief_planner.wanted import list_items, summed, worth_seeing
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.geodesics import Int32Array
 from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task
+from graph_planner.task import Observation, Task, plain
 
 AHEAD = 6  # steps by which foragers' regret is judged
 CALM = 1.0  # worth of finding a hotspot by which they lose nothing yet
@@ -69,6 +69,7 @@ class BeliefPlanner:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9)."""
+        observation = plain(observation)
         for e in np.flatnonzero(observation.active).tolist():
             self._touch.note(observation, e)
             self.beliefs.learn(observation, e)
