@@ -19,7 +19,7 @@ from graph_planner.belief_planner.move_preferences import towards
 from graph_planner.belief_planner.routes import NOWHERE
 from graph_planner.belief_planner.touch import NOBODY
 from graph_planner.belief_planner.waiting import approach
-from graph_planner.belief_planner.wanted import list_items, summed, worth_seeing
+from graph_planner.belief_planner.wanted import Wanted, summed
 from graph_planner.belief_planner.ways import UNREACHED, Ways, search_on
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import FAR, Int32Array
@@ -92,6 +92,7 @@ class TrackingTeam:
         self._settings, self._task, graph = task.belief.in_force(), task, task.graph
         self.beliefs = Beliefs(task, self._settings, keys)
         self.collecting = Collecting(task, self._settings)
+        self._wanted = Wanted(self.beliefs, self._settings, self.collecting.shore)
         fleet = task.fleet
         self._lone = fleet.discoverers.size == 0
         self._lookers = Group.of(task, fleet.collectors if self._lone else fleet.discoverers)
@@ -107,8 +108,7 @@ class TrackingTeam:
         for e in np.flatnonzero(observation.active).tolist():
             self.beliefs.learn(observation, e)
             now, goals = int(observation.step[e]) - 1, self._goals
-            about = self.beliefs, self._settings, self._task.graph
-            list_items(*about, e, now, self.collecting.items)
+            self._wanted.list_items(e, now, self.collecting.items)
             goals[:] = NOWHERE
             holder = int(observation.holder[e])  # whose move alone counts, unless it is nobody's
             collects = holder == NOBODY or bool(self._task.fleet.collects[holder])
@@ -152,7 +152,7 @@ class TrackingTeam:
         who = lookers.agents[free]
         if not who.size:
             return
-        worth = worth_seeing(self.beliefs, self._settings, seen, e) + _LEAST
+        worth = self._wanted.worth_seeing(seen, e) + _LEAST
         kinds = lookers.kind[free]
         about = arrays, views, lookers.ways, kinds, self._patience
         won = _share_views(*about, at, energy, who, worth.copy())

@@ -196,9 +196,7 @@ def settle_losses(store: Store, e: int, now: int, sighted: Int32Array) -> Int32A
 
 
 @kernel
-def expect(
-    store: Store, seen: Observation, e: int, nodes: Int32Array, sighted: Int32Array
-) -> None:
+def expect(store: Store, seen: Observation, e: int, nodes: Int32Array, sighted: Int32Array) -> None:
     """Bring the hotspots, and unseen items expected, up to date.
 
     Parameters
