@@ -177,7 +177,8 @@ def next_routes(legs: Legs, route: Route, choices: int) -> list[Route]:
         return [route]
 
     def way(g: int, at: int) -> F64:
-        return legs.first[g] if at < 0 else legs.between[legs.kind[g], at]
+        row: F64 = legs.first[g] if at < 0 else legs.between[legs.kind[g], at]
+        return row
 
     mine, others = way(f, route.at[f]), np.full(n, FAR)
     for g in range(foragers):

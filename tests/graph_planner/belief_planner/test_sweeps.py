@@ -85,7 +85,7 @@ def test_illegal_moves_are_never_preferred() -> None:
 def plainly_swept(mass: NDArray[np.float64], at: int, beam: int, depth: int) -> list[int]:
     """Nodes of the best plan by a beam search over lists, with all that each place shows."""
     marks = COVER.decisions.shape[1]
-    left = np.bincount(COVER.landmark, mass, marks)
+    left = np.bincount(COVER.landmark, mass, marks).astype(np.float64)
     kept: list[tuple[float, float, list[int], frozenset[int], NDArray[np.float64]]]
     kept = [(0.0, 0.0, [at], frozenset(), left)]
     for k in range(1, depth + 1):
@@ -141,7 +141,7 @@ def test_covers_list_what_a_move_newly_shows(ragged_coast: NavigationGraph) -> N
     ends = ways_of(ragged_coast, 2, True, True).ends
 
     def cells_of(v: int) -> list[int]:
-        return cover.cells[cover.start[v] : cover.start[v + 1]].tolist()
+        return [int(c) for c in cover.cells[cover.start[v] : cover.start[v + 1]]]
 
     for v in (0, 57, len(ragged_coast) - 1):
         before = cells_of(v)
