@@ -252,7 +252,7 @@ class Collecting:
         self.items = floating(max(4096, 5 * int(settings.items)))
         self.taking = Taking.of(task)
         agents, kind = self.group.agents, self.group.kind
-        step = USUAL_STEP * task.fleet.moves[agents].astype(np.float64)
+        step = (USUAL_STEP * task.fleet.moves[agents]).astype(np.float64)
         self._members = Members(agents, kind, step, float(self.taking.first.max(initial=0.0)))
         nothing = np.zeros(len(task.graph))
         self._hold = prepared(_hold, self._members, self.group.ways, nothing)

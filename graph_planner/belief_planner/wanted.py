@@ -80,7 +80,8 @@ def _worth_seeing(
     tracks: Tracks, expected: NDArray[np.float64], refresh: bool, seen: Observation, e: int
 ) -> NDArray[np.float64]:
     """As `Wanted.worth_seeing`."""
-    now, mass = seen.step[e] - 1, expected[e].copy()
+    now = seen.step[e] - 1
+    mass: NDArray[np.float64] = expected[e].copy()
     if not refresh:
         return mass
     again, tracked = np.zeros(mass.size), np.zeros(mass.size, np.bool_)
