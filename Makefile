@@ -1,7 +1,8 @@
 # `make demo`: the paper's two baselines at graph level and in MuJoCo, with a report and a film.
 # `make quick`: the tests that take about a minute on two free cores.
-# `make test`: all tests and checks of the sources.
+# `make test`: all tests and checks of the sources, and the site.
 # `make dist`: a wheel and an sdist in dist/, checked, installed elsewhere and used.
+# `make docs`: the site, under build/site; open build/site/index.html. `make links`: its links to other sites.
 # `make pages`: whether report pages can be read and worked by everybody, in headless Chromium.
 # `make mutants`: whether every single fault of the physics is noticed; half an hour.
 PYTHON ?= python3
@@ -14,7 +15,7 @@ LEARNING := tests/mjforage/learning tests/graph_planner/test_weights.py
 
 POLICIES := belief oracle auction ogr orienteering dec-mcts greedy levy lawnmower wanderer pso random ddqn ddqn-reward ddqn-link mappo
 
-.PHONY: demo quick test types kernels capabilities mutants dist pages install clean
+.PHONY: demo quick test types kernels capabilities mutants dist docs links pages install clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.installed: pyproject.toml constraints.txt
@@ -24,6 +25,10 @@ $(VENV)/.installed: pyproject.toml constraints.txt
 
 $(VENV)/.installed-dev: $(VENV)/.installed
 	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	touch $@
+
+$(VENV)/.installed-docs: $(VENV)/.installed-dev
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[dev,docs]'
 	touch $@
 
 install: $(VENV)/.installed
@@ -43,6 +48,7 @@ test: $(VENV)/.installed-dev
 	$(MAKE) --jobs 2 types kernels
 	$(BIN)/pytest -n 2 --dist worksteal
 	$(MAKE) capabilities
+	$(MAKE) docs
 
 types: $(VENV)/.installed-dev
 	$(BIN)/mypy
@@ -68,6 +74,17 @@ dist: $(VENV)/.installed-dev
 	PIP_CONSTRAINT=$(CURDIR)/constraints.txt $(BIN)/python -m build
 	$(BIN)/twine check --strict dist/*
 	$(BIN)/python -m tests.packaging $(TRY)
+
+SPHINX := $(BIN)/python -m sphinx --nitpicky --fail-on-warning --keep-going --quiet --doctree-dir build/doctrees
+
+# Everything is read anew, so that a page that is gone leaves nothing behind.
+docs: $(VENV)/.installed-docs
+	rm -rf build/site
+	$(SPHINX) --fresh-env --builder html docs build/site
+	$(BIN)/python -m tests.site build/site
+
+links: $(VENV)/.installed-docs
+	$(SPHINX) --builder linkcheck docs build/links
 
 # Chromium and npm are not Python's: on Debian `chromium` and `npm`.
 pages: $(VENV)/.installed-dev

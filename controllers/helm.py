@@ -39,8 +39,8 @@ class Tuning:
 class Helm:
     """The numbers of one hull that controllers need.
 
-    Inertia includes added mass; drag is (linear + quadratic |v|) v along each axis. The thrust of
-    one side is k c |c|^(exponent - 1) of the command c, with a k for each way, and nothing inside
+    Inertia includes added mass; drag is `(linear + quadratic |v|) v` along each axis. The thrust of
+    one side is `k c |c|^(exponent - 1)` of the command c, with a k for each way, and nothing inside
     the dead zone.
     """
 

@@ -25,7 +25,7 @@ def contributions(handled_by: ArrayLike, agents: ArrayLike) -> IntArray:
 
 
 def gini(contribution: ArrayLike) -> FloatArray:
-    """Gini index of contributions, paper "Gini": sum_ij |c_i - c_j| / (2 n^2 mean(c)).
+    """Gini index of contributions, paper "Gini": `sum_ij |c_i - c_j| / (2 n^2 mean(c))`.
 
     The double sum is taken over the sorted gaps: the k-th gap parts k agents from n - k.
 

@@ -43,8 +43,8 @@ class Encoder(Protocol):
 
         Returns
         -------
-        name -> (episode, agent, *shape) uint8; live arrays, in which other episodes keep what they
-        had. Looking twice at one step changes nothing.
+        name -> `(episode, agent, *shape)` uint8; live arrays, in which other episodes keep what
+        they had. Looking twice at one step changes nothing.
         """
         ...
 

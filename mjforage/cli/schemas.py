@@ -1,6 +1,7 @@
-"""The command that writes what editors and the documentation know of our files."""
+"""The command that writes what editors and the documentation know of our files and commands."""
 
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,9 @@ from typing import Any
 from mjforage.cli.console import app, print_list
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
-_NOTE = "<!-- Written by `mjforage schemas --pages docs/reference`; edit the dataclass instead. -->"
+_NOTE = "<!-- Written by `mjforage schemas --pages docs/reference`; edit the {} instead. -->"
+_STARTED_AS = re.compile(r"^(mjforage [\w ]*\w) -m \S+", re.MULTILINE)  # usage under `python -m`
+COMMANDS = "command-line"  # name of the page of all commands
 
 
 def schemas_of_files() -> Mapping[str, tuple[str, Any]]:
@@ -47,7 +50,7 @@ def schemas(*, out: Path | None = None, pages: Path | None = None) -> None:
     out
         Folder for a JSON Schema of each, from which editors complete and check.
     pages
-        Folder for a reference page of each, in Markdown.
+        Folder for a reference page of each, and of all commands, in Markdown.
     """
     from mjforage.core.schema import page
     from mjforage.core.whole_files import write_bytes
@@ -57,8 +60,10 @@ def schemas(*, out: Path | None = None, pages: Path | None = None) -> None:
         if out is not None:
             write_bytes(out / f"{name}.json", schema_text(name, schema).encode())
         if pages is not None:
-            text = f"{_NOTE}\n# Keys of {words}\n\n{page(schema)}"
+            text = f"{_NOTE.format('dataclass')}\n# Keys of {words}\n\n{page(schema)}"
             write_bytes(pages / f"{name}.md", text.encode())
+    if pages is not None:
+        write_bytes(pages / f"{COMMANDS}.md", commands_page().encode())
     if out is None and pages is None:
         print_list(
             (name, words.replace("`", "")) for name, (words, _) in schemas_of_files().items()
@@ -71,3 +76,13 @@ def schema_text(name: str, schema: Any) -> str:
 
     head = {"$schema": _DIALECT, "title": f"mjforage {name}"}
     return json.dumps(head | {**json_schema(schema), **head}, indent=1) + "\n"
+
+
+def commands_page() -> str:
+    """The reference page of all commands and flags, as the commands themselves say it."""
+    text = app.generate_docs(output_format="markdown", usage_name="mjforage")
+    _, separator, commands = text.partition("\n**Commands**:\n")
+    if not separator:
+        raise ValueError("cyclopts' page has another form: no list of commands")
+    told = _STARTED_AS.sub("\\1", commands.rstrip())
+    return f"{_NOTE.format('docstring of the command')}\n# Command line\n{told}\n"

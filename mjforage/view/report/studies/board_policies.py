@@ -13,6 +13,7 @@ from mjforage.view.report.studies.board_scores import Board
 from mjforage.view.report.text_tables import policy_name
 
 WEIGHTS = "models/weights/README.md"
+_PAGE = re.compile(r" \(\[[^\]]+\]\([^)]+\)\)")  # a link in parentheses, true in its folder only
 _ROW = re.compile(r"^\| `(?P<file>[^`]+\.safetensors)` \| (?P<cells>.+) \|$", re.MULTILINE)
 
 
@@ -20,14 +21,14 @@ _ROW = re.compile(r"^\| `(?P<file>[^`]+\.safetensors)` \| (?P<cells>.+) \|$", re
 def training() -> dict[str, str]:
     """Weight file -> how it was made, as the table in the weights' README says.
 
-    Its columns are the file, how it was made, what on, updates and episodes.
+    Its columns are the file, how it was made, what on, updates and episodes; links are left out.
     """
     path = models_folder() / "weights" / "README.md"
     if not path.is_file():
         return {}
     found = {}
     for row in _ROW.finditer(path.read_text(encoding="utf-8")):
-        cells = [cell.strip() for cell in row["cells"].split(" | ")]
+        cells = [cell.strip() for cell in _PAGE.sub("", row["cells"]).split(" | ")]
         if len(cells) == 4:
             how, where, updates, episodes = cells
             found[row["file"]] = f"{how}; on {where}; {updates} updates, {episodes} episodes"
