@@ -60,8 +60,9 @@ def test_the_service_has_the_pythons_of_the_classifiers() -> None:
     start = "Programming Language :: Python :: "
     asked = [c.removeprefix(start) for c in PROJECT["classifiers"] if c.startswith(f"{start}3.")]
     jobs = yaml(".github/workflows/ci.yml")["jobs"]
-    for name in ("test", "dist"):
-        assert jobs[name]["strategy"]["matrix"]["python"] == asked
+    ran = {name: jobs[name]["strategy"]["matrix"]["python"] for name in ("test", "dist")}
+    assert ran["dist"] == asked
+    assert set(ran["test"]) < set(asked), "all of them: the comment in ci.yml is out of date"
 
 
 def test_caches_hang_on_files_that_are_there() -> None:
