@@ -19,12 +19,12 @@ from graph_planner.belief_planner.move_preferences import towards
 from graph_planner.belief_planner.routes import NOWHERE
 from graph_planner.belief_planner.touch import NOBODY
 from graph_planner.belief_planner.waiting import approach
-from graph_planner.belief_planner.wanted import list_items, summed, worth_seeing
+from graph_planner.belief_planner.wanted import Wanted, summed
 from graph_planner.belief_planner.ways import UNREACHED, Ways, search_on
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import FAR, Int32Array
 from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task, TaskArrays
+from graph_planner.task import Observation, Task, TaskArrays, plain
 from graph_planner.visibility import NodeLists
 
 _LEAST = 1e-9  # what a node is worth at least, so that there is somewhere to go
@@ -92,6 +92,7 @@ class TrackingTeam:
         self._settings, self._task, graph = task.belief.in_force(), task, task.graph
         self.beliefs = Beliefs(task, self._settings, keys)
         self.collecting = Collecting(task, self._settings)
+        self._wanted = Wanted(self.beliefs, self._settings, self.collecting.shore)
         fleet = task.fleet
         self._lone = fleet.discoverers.size == 0
         self._lookers = Group.of(task, fleet.collectors if self._lone else fleet.discoverers)
@@ -103,11 +104,11 @@ class TrackingTeam:
 
     def act(self, observation: Observation, give_goals: Goals) -> NDArray[np.float64]:
         """Preferences (row, agent, 9), the goals of foragers given row by row."""
+        observation = plain(observation)
         for e in np.flatnonzero(observation.active).tolist():
             self.beliefs.learn(observation, e)
             now, goals = int(observation.step[e]) - 1, self._goals
-            about = self.beliefs, self._settings, self._task.graph
-            list_items(*about, e, now, self.collecting.items)
+            self._wanted.list_items(e, now, self.collecting.items)
             goals[:] = NOWHERE
             holder = int(observation.holder[e])  # whose move alone counts, unless it is nobody's
             collects = holder == NOBODY or bool(self._task.fleet.collects[holder])
@@ -151,7 +152,7 @@ class TrackingTeam:
         who = lookers.agents[free]
         if not who.size:
             return
-        worth = worth_seeing(self.beliefs, self._settings, seen, e) + _LEAST
+        worth = self._wanted.worth_seeing(seen, e) + _LEAST
         kinds = lookers.kind[free]
         about = arrays, views, lookers.ways, kinds, self._patience
         won = _share_views(*about, at, energy, who, worth.copy())

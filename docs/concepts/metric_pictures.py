@@ -57,7 +57,8 @@ def note(axes: Axes, text: str, at: tuple[float, float], colour: str = INK, **mo
 
 def arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], colour: str) -> None:
     """An arrow with two heads."""
-    axes.annotate("", end, start, arrowprops={"arrowstyle": "<->", "color": colour})
+    style = {"arrowstyle": "<->", "color": colour, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", end, start, arrowprops=style)
 
 
 def progress() -> Figure:

@@ -63,6 +63,50 @@ def _until_seen(
     return np.ascontiguousarray(rows.T)
 
 
+@kernel
+def _fresh(
+    ends: Int32Array, start: NDArray[np.int64], cells: Int32Array, seen: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], Int32Array]:
+    """Lists of the cells that are seen after a move and not before it, as in `Cover`.
+
+    Parameters
+    ----------
+    ends : (node, 9) where moves end
+    start, cells : see `Cover`
+    seen : (cell,) scratch, all negative
+    """
+    fresh_start = np.zeros(ends.size + 1, np.int64)
+    for fills in range(2):  # counts first
+        fresh = np.empty(fresh_start[-1], np.int32)
+        n = 0
+        for v in range(ends.shape[0]):
+            for i in range(start[v], start[v + 1]):
+                seen[cells[i]] = v + fills * ends.shape[0]
+            for move in range(9):
+                end = ends[v, move]
+                if end >= 0:
+                    for i in range(start[end], start[end + 1]):
+                        if seen[cells[i]] != v + fills * ends.shape[0]:
+                            if fills:
+                                fresh[n] = cells[i]
+                            n += 1
+                fresh_start[9 * v + move + 1] = n
+    return fresh_start, fresh
+
+
+def _cover(
+    ways: Ways,
+    start: NDArray[np.int64],
+    cells: Int32Array,
+    landmark: Int32Array,
+    wanted: Int32Array,
+) -> Cover:
+    """The cover of who moves by `ways`; the cells (landmark,) that tell when a landmark is seen."""
+    decisions = _until_seen(ways, start, cells, wanted)
+    fresh = _fresh(ways.ends, start, cells, np.full(landmark.size, -1, np.int64))
+    return Cover(start, cells, landmark, decisions, *fresh)
+
+
 @lru_cache(maxsize=32)
 def view_cover(
     graph: NavigationGraph,
@@ -83,7 +127,7 @@ def view_cover(
     marks, belongs = landmarks_of(graph)
     ways = ways_of(graph, moves, stay, shorten)
     start = lists.start[radius]
-    return Cover(start, lists.nodes, belongs, _until_seen(ways, start, lists.nodes, marks))
+    return _cover(ways, start, lists.nodes, belongs, marks)
 
 
 class BlockCover(NamedTuple):
@@ -174,8 +218,7 @@ def _block_cover(
     landmark = np.zeros(found.size, np.int32)
     landmark[block[::-1]] = belongs[::-1]
     ways = ways_of(graph, moves, stay, shorten)
-    cover = Cover(start, cells, landmark, _until_seen(ways, start, cells, block[marks]))
-    return BlockCover(cover, block)
+    return BlockCover(_cover(ways, start, cells, landmark, block[marks]), block)
 
 
 LEAST_SHAPE = 0.02  # of the number of items: a deviation of seven times its mean

@@ -22,17 +22,12 @@ from graph_planner.belief_planner.stops import (
 from graph_planner.belief_planner.taking import Taking
 from graph_planner.belief_planner.ways import Ways
 from graph_planner.belief_settings import BeliefSettings
-from graph_planner.compiled import kernel
+from graph_planner.compiled import kernel, prepared
 from graph_planner.fleet import UNLIMITED
 from graph_planner.geodesics import Int32Array
 from graph_planner.task import Task
 
 USUAL_STEP = 1.2  # length of a decision over the nodes it moves: between 1 and sqrt 2 [node]
-
-
-def _items(room: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Room as a number of items, inf if it has no end."""
-    return np.where(room == UNLIMITED, np.inf, room.astype(np.float64))
 
 
 @kernel
@@ -52,6 +47,57 @@ class Able(NamedTuple):
     kind: NDArray[np.int64]  # (forager,) which of the ways it moves by
     room: NDArray[np.float64]  # (forager,) items, inf if any number
     lasts: NDArray[np.float64]  # (forager,) decisions that its energy is good for
+
+
+class Members(NamedTuple):
+    """Collectors, and what tells how far they come."""
+
+    agents: NDArray[np.int64]  # (forager,) indices in the fleet
+    kind: NDArray[np.int64]  # (forager,) which of the ways it moves by
+    step: NDArray[np.float64]  # (forager,) usual length of a decision [node]
+    longest: float  # decisions that collecting takes at most, in which no way is made
+
+
+@kernel
+def is_able(members: Members, f: int, room_left: NDArray[np.int64], energy: float) -> bool:
+    """Whether a forager can still collect, by what every agent (agent,) has room for [item] and its
+    energy [node].
+    """
+    return bool((room_left[members.agents[f]] > 0) & (energy >= 1.0))
+
+
+@kernel
+def able_now(
+    members: Members, room_left: NDArray[np.int64], energy_left: NDArray[np.float64]
+) -> Able:
+    """Those who can still collect, by what every agent (agent,) has left [item, node]."""
+    agents, n = members.agents, 0
+    which, room, lasts = np.empty(agents.size, np.int64), np.empty(agents.size), members.step.copy()
+    for f in range(agents.size):
+        left, energy = room_left[agents[f]], energy_left[agents[f]]
+        if is_able(members, f, room_left, energy):
+            which[n], room[n] = f, np.inf if left == UNLIMITED else float(left)
+            lasts[n] = max(1.0, energy / members.step[f]) + members.longest
+            n += 1
+    return Able(agents[which[:n]], members.kind[which[:n]], room[:n], lasts[:n])
+
+
+@kernel
+def _hold(
+    members: Members,
+    ways: tuple[Ways, ...],
+    nothing: NDArray[np.float64],
+    agent_node: Int32Array,
+    room_left: NDArray[np.int64],
+    energy_left: NDArray[np.float64],
+    preferences: NDArray[np.float64],
+) -> None:
+    """As `Collecting.hold`; what is passed on the way (node,) is worth nothing."""
+    for f in range(members.agents.size):
+        agent = members.agents[f]
+        if not is_able(members, f, room_left, energy_left[agent]):
+            node = agent_node[agent]
+            towards(ways[members.kind[f]], node, node, nothing, preferences[agent])
 
 
 class Effort(NamedTuple):
@@ -168,6 +214,27 @@ def plan_routes(
     return int(n)
 
 
+@kernel
+def _send(
+    members: Members,
+    shore: Shore,
+    ways: tuple[Ways, ...],
+    effort: Effort,
+    scratch: Scratch,
+    items: Floating,
+    agent_node: Int32Array,
+    agent_yaw: NDArray[np.float64],
+    drift_rc: NDArray[np.float64],
+    room_left: NDArray[np.int64],
+    energy_left: NDArray[np.float64],
+    preferences: NDArray[np.float64],
+) -> int:
+    """As `Foraging.send`."""
+    able = able_now(members, room_left, energy_left)
+    about = items, shore, ways, able, agent_node
+    return plan_routes(*about, agent_yaw, drift_rc, effort, scratch, preferences)
+
+
 class Collecting:
     """Those who collect, the items that they know of, and what keeps each from collecting.
 
@@ -184,29 +251,22 @@ class Collecting:
         self.shore = shore_of(task.graph, task.walls)
         self.items = floating(max(4096, 5 * int(settings.items)))
         self.taking = Taking.of(task)
-        self._nothing = np.zeros(len(task.graph))
-        self._node_per_decision = USUAL_STEP * task.fleet.moves[self.group.agents]
-
-    def able(
-        self, room_left: NDArray[np.int64], energy_left: NDArray[np.float64]
-    ) -> NDArray[np.bool_]:
-        """Which foragers (forager,) can still collect, by what every agent (agent,) has left."""
-        agents = self.group.agents
-        return (room_left[agents] > 0) & (energy_left[agents] >= 1.0)
+        agents, kind = self.group.agents, self.group.kind
+        step = (USUAL_STEP * task.fleet.moves[agents]).astype(np.float64)
+        self._members = Members(agents, kind, step, float(self.taking.first.max(initial=0.0)))
+        nothing = np.zeros(len(task.graph))
+        self._hold = prepared(_hold, self._members, self.group.ways, nothing)
+        self._able_now = prepared(able_now, self._members)
 
     def able_now(self, room_left: NDArray[np.int64], energy_left: NDArray[np.float64]) -> Able:
-        """Those foragers, with room and the decisions that their energy lasts for; as `able`."""
-        group, chosen = self.group, self.able(room_left, energy_left)
-        agents = group.agents[chosen]
-        lasts = np.maximum(1.0, energy_left[agents] / self._node_per_decision[chosen])
-        lasts += self.taking.first.max(initial=0.0)  # which takes no way
-        return Able(agents, group.kind[chosen], _items(room_left[agents]), lasts)
+        """Those foragers that can still collect, by what every agent (agent,) has left."""
+        return self._able_now(room_left, energy_left)
 
     def is_able(
         self, agent: int, room_left: NDArray[np.int64], energy_left: NDArray[np.float64]
     ) -> bool:
         """Whether one forager can still collect."""
-        return bool((self.able(room_left, energy_left) & (self.group.agents == agent)).any())
+        return bool((self.able_now(room_left, energy_left).agents == agent).any())
 
     def hold(
         self,
@@ -215,11 +275,8 @@ class Collecting:
         energy_left: NDArray[np.float64],
         preferences: NDArray[np.float64],
     ) -> None:
-        """Let those foragers stay where they are that can collect no more; see `able`."""
-        for f in np.flatnonzero(~self.able(room_left, energy_left)):
-            agent, ways = self.group.agents[f], self.group.ways[self.group.kind[f]]
-            node = agent_node[agent]
-            towards(ways, node, node, self._nothing, preferences[agent])
+        """Let those foragers stay where they are that can collect no more."""
+        self._hold(agent_node, room_left, energy_left, preferences)
 
 
 class Foraging(Collecting):
@@ -229,11 +286,13 @@ class Foraging(Collecting):
         super().__init__(task, settings)
         nodes, members = len(task.graph), max(1, self.group.agents.size)
         self._scratch, taking = Scratch(stops(MOST, nodes), np.zeros(nodes)), self.taking
-        self._effort = (
+        effort = (
             Effort(task.rules.stay, settings.joint, 6, 5, 8 * members, taking)
             if settings.fast
             else Effort(task.rules.stay, settings.joint, 32, 10, 14 * members, taking)
         )
+        about = self._members, self.shore, self.group.ways, effort, self._scratch
+        self._send = prepared(_send, *about)
 
     def send(
         self,
@@ -258,18 +317,5 @@ class Foraging(Collecting):
         -------
         Number of stops; with none nothing is written
         """
-        able = self.able_now(room_left, energy_left)
-        return self._plan(able, agent_node, agent_yaw, drift_rc, preferences)
-
-    def _plan(
-        self,
-        able: Able,
-        agent_node: Int32Array,
-        agent_yaw: NDArray[np.float64],
-        drift_rc: NDArray[np.float64],
-        preferences: NDArray[np.float64],
-    ) -> int:
-        """As `send`, for those who are able."""
-        about = self.items, self.shore, self.group.ways, able, agent_node
-        effort, scratch = self._effort, self._scratch
-        return plan_routes(*about, agent_yaw, drift_rc, effort, scratch, preferences)
+        left = room_left, energy_left
+        return self._send(self.items, agent_node, agent_yaw, drift_rc, *left, preferences)

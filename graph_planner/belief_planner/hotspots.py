@@ -28,6 +28,7 @@ FOREIGN = 2e-4  # below this chance a sighting belongs to another hotspot of tho
 STRANGE = 1e-5  # and below this one to a hotspot beyond them
 SPARE = 2  # hotspots that may show beyond those assumed
 REFUTING = 3  # sightings by which such a hotspot is believed in
+LEAST_LOG = -80.0  # no hotspot is less likely than that, against the likeliest
 NEGLIGIBLE = 1e-3  # hypotheses of the drift with less weight are let go
 STALE = 0.8  # starts are worked out again when the drift's estimate moved them so far [node]
 
@@ -143,8 +144,9 @@ def _add_start(
     if fit < STRANGE and many < spots.sighted.shape[1]:
         best = many
     spots.sighted[e, best] += 1
+    stray = np.log(STRAY)  # of most nodes: a logarithm is dear
     for c in range(chances.size):
-        spots.log_starts[e, best, c] += np.log(STRAY + chances[c])
+        spots.log_starts[e, best, c] += np.log(STRAY + chances[c]) if chances[c] > 0.0 else stray
     _normalise(spots.log_starts[e, best], spots.chance[e, best])  # the next is held against it
 
 
@@ -152,8 +154,9 @@ def _add_start(
 def _normalise(log_weight: NDArray[np.float64], chance: NDArray[np.float64]) -> None:
     """Chances that add up to 1, from logarithms of their weights."""
     top = log_weight.max()
+    least = np.exp(LEAST_LOG)  # of most nodes: an exponential is dear
     for c in range(chance.size):
-        chance[c] = np.exp(max(-80.0, log_weight[c] - top))
+        chance[c] = np.exp(log_weight[c] - top) if log_weight[c] - top > LEAST_LOG else least
     chance /= chance.sum()
 
 

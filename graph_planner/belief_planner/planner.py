@@ -11,13 +11,14 @@ from graph_planner.belief_planner.foraging import Foraging
 from graph_planner.belief_planner.group import Group
 from graph_planner.belief_planner.move_preferences import towards
 from graph_planner.belief_planner.scouting import Scouting
+from graph_planner.belief_planner.shore import shore_of
 from graph_planner.belief_planner.touch import NOBODY, Touch
 from graph_planner.belief_planner.waiting import approach, regrets
-from graph_planner.belief_planner.wanted import list_items, summed, worth_seeing
+from graph_planner.belief_planner.wanted import Wanted, summed
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.geodesics import Int32Array
 from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task
+from graph_planner.task import Observation, Task, plain
 
 AHEAD = 6  # steps by which foragers' regret is judged
 CALM = 1.0  # worth of finding a hotspot by which they lose nothing yet
@@ -41,6 +42,7 @@ class BeliefPlanner:
         self.settings, self._task = settings, task
         self.beliefs = believing(task, settings, keys)
         self._foragers = self._foraging(settings)
+        self._wanted = Wanted(self.beliefs, settings, shore_of(graph, task.walls))
         # Without scouts, foragers look around when they know of nothing to collect.
         self._lone = task.fleet.discoverers.size == 0
         lookers = task.fleet.collectors if self._lone else task.fleet.discoverers
@@ -69,6 +71,7 @@ class BeliefPlanner:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9)."""
+        observation = plain(observation)
         for e in np.flatnonzero(observation.active).tolist():
             self._touch.note(observation, e)
             self.beliefs.learn(observation, e)
@@ -78,8 +81,7 @@ class BeliefPlanner:
     def _decide(self, seen: Observation, e: int) -> None:
         at, yaw, preferences = seen.agent_node[e], seen.agent_yaw[e], self._preferences[e]
         sighted = self.beliefs.spots.number[e] > 0
-        about = self.beliefs, self.settings, self._task.graph
-        list_items(*about, e, int(seen.step[e]) - 1, self._foragers.items)
+        self._wanted.list_items(e, int(seen.step[e]) - 1, self._foragers.items)
         room, energy, busy = seen.room_left[e], seen.energy_left[e], False
         holder = int(seen.holder[e])  # whose move alone counts, unless it is nobody's
         if holder == NOBODY or self._task.fleet.collects[holder]:
@@ -100,7 +102,7 @@ class BeliefPlanner:
         """Let the scouts go where most is worth seeing."""
         at, scouting = seen.agent_node[e], self._scouts.scouting
         if sighted or not self.settings.hotspot:
-            scouting.look(at, worth_seeing(self.beliefs, self.settings, seen, e), preferences)
+            scouting.look(at, self._wanted.worth_seeing(seen, e), preferences)
         elif self._in_vain(seen, e):
             scouting.look(at, neglected(seen, e), preferences)
         else:

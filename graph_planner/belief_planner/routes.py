@@ -341,6 +341,17 @@ def _follow(legs: Legs, states: States, steps: Steps, kept: int, after: States) 
 
 
 @kernel
+def _begin_alike(states: States, number: int) -> bool:
+    """Whether all of some states have the same first stops, which none that follows can change."""
+    clock, begun = states.clock, states.begun
+    for i in range(number):
+        for f in range(begun.shape[1]):
+            if begun[i, f] != begun[0, f] or (begun[i, f] < 0 and clock[i, f] < FAR):
+                return False
+    return True
+
+
+@kernel
 def search_routes(legs: Legs, beam: int, choices: int, depth: int) -> NDArray[np.int64]:
     """The stop that each forager goes to first in the best joint route found.
 
@@ -368,5 +379,7 @@ def search_routes(legs: Legs, beam: int, choices: int, depth: int) -> NDArray[np
         _follow(legs, states, steps, kept, after)
         number = kept
         states, after = after, states
+        if _begin_alike(states, number):
+            break
     begun: NDArray[np.int64] = states.begun[0].copy()
     return begun

@@ -26,6 +26,8 @@ class Cover(NamedTuple):
     cells: Int32Array  # `cells[start[v]:start[v + 1]]`
     landmark: Int32Array  # (cell,) the landmark that a cell belongs to
     decisions: UInt16Array  # (node, landmark) until the landmark is seen
+    fresh_start: NDArray[np.int64]  # (9 node + 1,) cells seen after a move, and not before it:
+    fresh: Int32Array  # `fresh[fresh_start[9 * v + m]:fresh_start[9 * v + m + 1]]`
 
 
 class Sight(NamedTuple):
@@ -64,6 +66,7 @@ class Trail(NamedTuple):
 
     node: Int32Array  # (decision + 1, slot) where it was then
     parent: NDArray[np.int64]  # (decision + 1, slot) its slot one decision before
+    shown: NDArray[np.int64]  # (decision + 1, slot) see `_in_view`
 
 
 class Search(NamedTuple):
@@ -91,22 +94,28 @@ def _plans(beam: int, marks: int) -> Plans:
 
 
 @inlined
+def _in_view(k: int, node: int, end: int, move: int) -> int:
+    """The list of what the k-th decision of a plan shows: all that is seen from the end of the
+    first one, ~ its node; what is new in a later one, its place in `Cover.fresh_start`.
+    """
+    return ~end if k == 1 else 9 * node + move
+
+
+@inlined
 def _stamp_seen(
-    start: NDArray[np.int64],
-    cells: Int32Array,
-    node: Int32Array,
-    parent: NDArray[np.int64],
-    k: int,
-    slot: int,
-    token: int,
-    stamp: NDArray[np.int64],
+    cover: Cover, trail: Trail, k: int, slot: int, token: int, stamp: NDArray[np.int64]
 ) -> None:
     """Stamp the cells that a plan of `k` decisions has seen on its way: see `Trail`, `Sight`."""
+    start, cells, fresh_start, fresh = cover.start, cover.cells, cover.fresh_start, cover.fresh
     for level in range(k, 0, -1):
-        v = node[level, slot]
-        for i in range(start[v], start[v + 1]):
-            stamp[cells[i]] = token
-        slot = parent[level, slot]
+        v = trail.shown[level, slot]
+        if v < 0:
+            for i in range(start[~v], start[~v + 1]):
+                stamp[cells[i]] = token
+        else:
+            for i in range(fresh_start[v], fresh_start[v + 1]):
+                stamp[fresh[i]] = token
+        slot = trail.parent[level, slot]
 
 
 @inlined
@@ -178,21 +187,24 @@ def _prolong(
     -------
     Plans kept
     """
-    start, cells, landmark = search.cover.start, search.cover.cells, search.cover.landmark
+    cover, trail, landmark = search.cover, search.trail, search.cover.landmark
+    start, cells = (cover.start, cover.cells) if k == 1 else (cover.fresh_start, cover.fresh)
     decisions, ends, mass = search.cover.decisions, search.ends, search.mass
     elsewhere, token, stamp = search.elsewhere, search.sight.token, search.sight.stamp
     node, parent, rest = search.trail.node, search.trail.parent, search.rest
     left, order, cost, kept = plans.left, longer.order, longer.cost, 0
     for s in plans.order[:number]:
         token[0] += 1
-        _stamp_seen(start, cells, node, parent, k - 1, s, token[0], stamp)
+        _stamp_seen(cover, trail, k - 1, s, token[0], stamp)
         for move in range(9):
             end = ends[node[k - 1, s], move]
             if end < 0:
                 continue
-            rest[:] = left[s]
-            got = 0.0
-            for i in range(start[end], start[end + 1]):
+            for mark in range(rest.size):
+                rest[mark] = left[s, mark]
+            got, shown = 0.0, _in_view(k, node[k - 1, s], end, move)
+            place = end if k == 1 else shown
+            for i in range(start[place], start[place + 1]):
                 cell = cells[i]
                 if mass[cell] > 0.0 and stamp[cell] != token[0]:
                     got += mass[cell]
@@ -210,9 +222,18 @@ def _prolong(
             slot = free_slot(order, kept)
             cost[slot], longer.paid[slot], longer.left[slot] = price, paid, rest
             longer.begun[slot] = plans.begun[s] if k > 1 else move
-            node[k, slot], parent[k, slot] = end, s
+            node[k, slot], parent[k, slot], trail.shown[k, slot] = end, s, shown
             kept = insert(order, cost, kept, slot)
     return kept
+
+
+@kernel
+def _begin_alike(plans: Plans, number: int) -> bool:
+    """Whether all of some plans have the same first move."""
+    alike = True
+    for slot in plans.order[:number]:
+        alike &= plans.begun[slot] == plans.begun[plans.order[0]]
+    return bool(alike)
 
 
 @kernel
@@ -224,6 +245,7 @@ def search_sweep(
     elsewhere: NDArray[np.float64],
     beam: int,
     depth: int,
+    whole: bool,
     scratch: Sight,
     preferences: NDArray[np.float64],
     path: Int32Array,
@@ -238,15 +260,17 @@ def search_sweep(
     mass : (cell,) what seeing each cell is worth, 0 for what need not be seen
     elsewhere : (landmark,) decisions in which another agent could see each landmark
     beam, depth : plans kept, decisions planned
+    whole : whether the path is wanted, else the search ends once all plans begin alike
     preferences : (9,) filled; -inf where illegal
-    path : (depth,) nodes of the best plan, filled
+    path : (depth,) nodes of the best plan so far, filled
 
     Returns
     -------
     Decisions in the plan
     """
     marks = elsewhere.size
-    trail = Trail(np.empty((depth + 1, beam), np.int32), np.zeros((depth + 1, beam), np.int64))
+    each = (depth + 1, beam)
+    trail = Trail(np.empty(each, np.int32), np.zeros(each, np.int64), np.zeros(each, np.int64))
     trail.node[0, 0] = at
     search = Search(ends, cover, mass, elsewhere, scratch, trail, np.empty(marks))
     plans, longer = _plans(beam, marks), _plans(beam, marks)
@@ -261,6 +285,8 @@ def search_sweep(
             break
         number, length = kept, k
         plans, longer = longer, plans
+        if not whole and _begin_alike(plans, number):
+            break
     if length == 0:
         return 0
     slot = plans.order[0]

@@ -4,10 +4,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.beliefs import Beliefs
+from graph_planner.belief_planner.shore import Shore
 from graph_planner.belief_planner.stops import Floating
+from graph_planner.belief_planner.tracks import Tracks
 from graph_planner.belief_settings import BeliefSettings
+from graph_planner.compiled import kernel, prepared
 from graph_planner.geodesics import Int32Array
-from graph_planner.navigation import NavigationGraph
 from graph_planner.task import Observation
 
 PROBABLE = 40  # nodes of unseen items that foragers may go to
@@ -23,52 +25,97 @@ def summed(place: Int32Array, value: NDArray[np.float64], size: int) -> NDArray[
     return np.bincount(place, value, minlength=size).astype(np.float64)
 
 
-def list_items(
-    beliefs: Beliefs,
-    settings: BeliefSettings,
-    graph: NavigationGraph,
+@kernel
+def likeliest(expected: NDArray[np.float64], best: NDArray[np.int64]) -> int:
+    """Fill `best` with the nodes of more than `LEAST` items, most first, then the lower number.
+
+    Returns
+    -------
+    How many they are: as many as `best` has room for, at most
+    """
+    number = 0
+    for node in range(expected.size):
+        items = expected[node]
+        if items <= LEAST or (number == best.size and items <= expected[best[number - 1]]):
+            continue
+        place = min(number, best.size - 1)
+        while place > 0 and expected[best[place - 1]] < items:
+            best[place] = best[place - 1]
+            place -= 1
+        best[place] = node
+        number = min(number + 1, best.size)
+    return number
+
+
+@kernel
+def _list_items(
+    tracks: Tracks,
+    expected: NDArray[np.float64],
+    later: NDArray[np.int64],
+    shore: Shore,
+    sightings: NDArray[np.int64],
+    hotspot: bool,
     e: int,
     now: int,
     items: Floating,
 ) -> None:
-    """Fill `items` with tracks, and with the nodes where most unseen items are expected.
-
-    Parameters
-    ----------
-    e : row of the beliefs
-    now : step that they are of
-    """
-    tracks, expected = beliefs.tracks, beliefs.expected[e]
-    n = int(tracks.number[e])
-    items.row[:n], items.col[:n] = tracks.row[e, :n], tracks.col[e, :n]
-    failed = beliefs.later[e, tracks.node[e, :n]] > now
-    items.weight[:n] = np.where(failed, FAILED, 1.0) * tracks.real[e, :n]
-    if beliefs.spots.number[e] > 0 and settings.hotspot:
-        best = np.argsort(-expected, kind="stable")[:PROBABLE]
-        best = best[expected[best] > LEAST]
-        m = best.size
-        items.row[n : n + m] = graph.rows[best]
-        items.col[n : n + m] = graph.cols[best]
-        items.weight[n : n + m] = expected[best]
-        n += m
+    """As `Wanted.list_items`; sightings (row,) so far, `hotspot` as in the settings."""
+    n = tracks.number[e]
+    for i in range(n):
+        items.row[i], items.col[i] = tracks.row[e, i], tracks.col[e, i]
+        failed = later[e, tracks.node[e, i]] > now
+        items.weight[i] = (FAILED if failed else 1.0) * tracks.real[e, i]
+    if sightings[e] > 0 and hotspot:
+        best = np.empty(PROBABLE, np.int64)
+        for k in range(likeliest(expected[e], best)):
+            node = best[k]
+            items.row[n], items.col[n] = shore.rows[node], shore.cols[node]
+            items.weight[n] = expected[e, node]
+            n += 1
     items.number[0] = n
 
 
-def worth_seeing(
-    beliefs: Beliefs, settings: BeliefSettings, seen: Observation, e: int
+@kernel
+def _worth_seeing(
+    tracks: Tracks, expected: NDArray[np.float64], refresh: bool, seen: Observation, e: int
 ) -> NDArray[np.float64]:
-    """What seeing each node (node,) is worth to the fleet in a row [item]."""
-    now = int(seen.step[e]) - 1
-    mass: NDArray[np.float64] = beliefs.expected[e].copy()
-    if not settings.refresh:
+    """As `Wanted.worth_seeing`."""
+    now = seen.step[e] - 1
+    mass: NDArray[np.float64] = expected[e].copy()
+    if not refresh:
         return mass
-    tracks = beliefs.tracks
-    n = int(tracks.number[e])
-    age = np.minimum(OLDEST, now - tracks.seen[e, :n])
-    mass += summed(tracks.node[e, :n], AGE_SHARE * age, mass.size)
-    known = seen.known[e, : seen.n_known[e]]
-    tracked = np.zeros(mass.size, np.bool_)
-    tracked[tracks.node[e, :n]] = True
-    age = np.minimum(OLDEST, now - seen.last_seen[e, known].astype(np.float64))
-    mass[known] += np.where(tracked[known], 0.0, GHOST_SHARE * age)
+    again, tracked = np.zeros(mass.size), np.zeros(mass.size, np.bool_)
+    for i in range(tracks.number[e]):
+        again[tracks.node[e, i]] += AGE_SHARE * min(OLDEST, float(now - tracks.seen[e, i]))
+        tracked[tracks.node[e, i]] = True
+    mass += again
+    for k in range(seen.n_known[e]):
+        node = seen.known[e, k]
+        if not tracked[node]:
+            mass[node] += GHOST_SHARE * min(OLDEST, float(now - seen.last_seen[e, node]))
     return mass
+
+
+class Wanted:
+    """What is wanted of the beliefs of a batch of rows."""
+
+    def __init__(self, beliefs: Beliefs, settings: BeliefSettings, shore: Shore) -> None:
+        believed = beliefs.tracks, beliefs.expected
+        sightings = beliefs.spots.number
+        about = *believed, beliefs.later, shore, sightings, settings.hotspot
+        self._list_items = prepared(_list_items, *about)
+        self._worth_seeing = prepared(_worth_seeing, *believed, settings.refresh)
+
+    def list_items(self, e: int, now: int, items: Floating) -> None:
+        """Fill `items` with tracks, and with the nodes where most unseen items are expected.
+
+        Parameters
+        ----------
+        e : row of the beliefs
+        now : step that they are of
+        """
+        self._list_items(e, now, items)
+
+    def worth_seeing(self, seen: Observation, e: int) -> NDArray[np.float64]:
+        """What seeing each node (node,) is worth to the fleet in a row of a plain observation."""
+        return self._worth_seeing(seen, e)

@@ -126,20 +126,22 @@ class TreeForaging(Foraging):
         super().__init__(task, settings)
         self._search, self._moment, self._stay = effort, moment, task.rules.stay
 
-    def _plan(
+    def send(
         self,
-        able: Able,
         agent_node: Int32Array,
         agent_yaw: NDArray[np.float64],
         drift_rc: NDArray[np.float64],
+        room_left: NDArray[np.int64],
+        energy_left: NDArray[np.float64],
         preferences: NDArray[np.float64],
     ) -> int:
+        """As the belief planner's, by trees."""
         moment = self._moment
         return _plan_tours(
             self.items,
             self.shore,
             self.group.ways,
-            able,
+            self.able_now(room_left, energy_left),
             agent_node,
             agent_yaw,
             drift_rc,

@@ -25,7 +25,7 @@ from graph_planner.belief_planner.stops import floating
 from graph_planner.belief_planner.told import ToldBeliefs
 from graph_planner.policies.registry import register
 from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task, Truth
+from graph_planner.task import Observation, Task, Truth, plain
 
 
 @register("oracle")
@@ -52,7 +52,7 @@ class OraclePolicy:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9)."""
-        truth = self._truth
+        truth, observation = self._truth, plain(observation)
         if self.apart:
             beliefs = self._planner.beliefs
             assert isinstance(beliefs, ToldBeliefs)

@@ -1,4 +1,6 @@
 import itertools
+from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 import pytest
@@ -136,6 +138,118 @@ def test_a_narrow_beam_counts_on_the_other_forager() -> None:
         best = cheapest(weight, first, between)[1]
         found += tuple(routes(weight, first, between, 2, 3, 40).tolist()) in best
     assert found >= 62
+
+
+T = TypeVar("T")
+Twin = tuple[frozenset[int], tuple[tuple[int, int], ...], int]
+
+
+@dataclass(frozen=True)
+class Route:
+    """A joint route as a plain object: what the search keeps in arrays."""
+
+    clock: tuple[float, ...]
+    room: tuple[float, ...]
+    at: tuple[int, ...]
+    begun: tuple[int, ...]
+    visited: frozenset[int]
+    retired: frozenset[int]
+    paid: float
+    cost: float
+
+    def twin(self, kind: NDArray[np.int64]) -> Twin:
+        """What two routes have alike when one of them is enough."""
+        held = [
+            (j, int(kind[f])) for f, j in enumerate(self.at) if j >= 0 and f not in self.retired
+        ]
+        return self.visited, tuple(sorted(held)), len(self.retired)
+
+
+def put(values: tuple[T, ...], f: int, value: T) -> tuple[T, ...]:
+    return (*values[:f], value, *values[f + 1 :])
+
+
+def next_routes(legs: Legs, route: Route, choices: int) -> list[Route]:
+    """All that the search tries from a route, in its order."""
+    n, foragers = legs.weight.size, legs.kind.size
+    f = min(range(foragers), key=lambda g: route.clock[g])
+    if route.clock[f] >= FAR or len(route.visited) == n:
+        return [route]
+
+    def way(g: int, at: int) -> F64:
+        row: F64 = legs.first[g] if at < 0 else legs.between[legs.kind[g], at]
+        return row
+
+    mine, others = way(f, route.at[f]), np.full(n, FAR)
+    for g in range(foragers):
+        if g != f and route.clock[g] < FAR:
+            there = route.clock[g] + way(g, route.at[g])
+            others = np.where(there <= legs.lasts[g], np.minimum(others, there), others)
+    arrival = route.clock[f] + mine
+    stops = [
+        int(j)
+        for j in np.argsort(mine / legs.weight, kind="stable")
+        if j not in route.visited and mine[j] < FAR and arrival[j] <= legs.lasts[f]
+    ][:choices]
+    found = []
+    for j in [*stops, NOWHERE] if not stops or foragers > 1 else stops:
+        paid, free, visited, retired = route.paid, FAR, route.visited, route.retired
+        begun, at, room = route.begun, route.at, route.room
+        if j == NOWHERE:
+            retired = retired | {f}
+        else:
+            taken = min(legs.weight[j], room[f])
+            paid = paid + taken * arrival[j]
+            paid = paid + (legs.weight[j] - taken) * others[j]
+            free = arrival[j] if room[f] > legs.weight[j] else FAR
+            visited = visited | {j}
+            begun = put(begun, f, j) if begun[f] < 0 else begun
+            at, room = put(at, f, j), put(room, f, room[f] - legs.weight[j])
+        cost, on = paid, legs.between[legs.kind[f], max(j, 0)]
+        for k in range(n):
+            weight = 0.0 if k in visited else legs.weight[k]
+            cost = cost + weight * min(others[k], free + on[k])
+        clock = put(route.clock, f, free)
+        found.append(Route(clock, room, at, begun, visited, retired, paid, cost))
+    return found
+
+
+def plainly_searched(legs: Legs, beam: int, choices: int, depth: int) -> list[int]:
+    """`search_routes` by lists: to the full depth, every price exact, nothing ranked in advance."""
+    foragers = legs.kind.size
+    zero, nowhere = (0.0,) * foragers, (NOWHERE,) * foragers
+    empty = frozenset[int]()
+    kept = [Route(zero, tuple(legs.room), nowhere, nowhere, empty, empty, 0.0, 0.0)]
+    for _ in range(min(depth, legs.weight.size + foragers)):
+        after: list[Route] = []
+        for route in kept:
+            for other in next_routes(legs, route, choices):
+                twin = other.twin(legs.kind)
+                alike = any(r.twin(legs.kind) == twin and r.cost <= other.cost for r in after)
+                if not alike and (len(after) < beam or other.cost < after[-1].cost):
+                    after = sorted([*after, other], key=lambda r: r.cost)[:beam]
+        kept = after
+    return [int(j) for j in kept[0].begun]
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_the_search_is_a_plain_beam_search(seed: int) -> None:
+    """With kinds of foragers that differ, room and energy that end, and stops out of reach."""
+    rng = np.random.default_rng(seed)
+    foragers, n = 1 + seed % 3, int(rng.integers(2, 9))
+    kind = rng.integers(0, 2, foragers)
+    between = rng.integers(1, 20, (2, n, n)).astype(float)
+    between[rng.random(between.shape) < 0.1] = FAR
+    legs = Legs(
+        rng.choice([0.25, 0.5, 1.0, 3.0], n),
+        rng.integers(1, 30, (foragers, n)).astype(float),
+        between,
+        kind,
+        rng.choice([1.0, 2.0, 4.0, np.inf], foragers),
+        rng.choice([12.0, 40.0, np.inf], foragers),
+    )
+    effort = int(rng.integers(1, 7)), int(rng.integers(1, 4)), 30
+    assert search_routes(legs, *effort).tolist() == plainly_searched(legs, *effort)
 
 
 def test_foragers_share_two_groups_instead_of_both_going_for_the_nearer() -> None:

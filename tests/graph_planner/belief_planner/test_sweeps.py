@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.covers import hotspot_cover, landmarks_of, view_cover
@@ -22,6 +23,7 @@ def swept(
     elsewhere: NDArray[np.float64] | None = None,
     cover: Cover = COVER,
     beam: int = 24,
+    whole: bool = True,
 ) -> tuple[NDArray[np.float64], list[tuple[int, int]]]:
     """Preferences and the planned cells."""
     marks = cover.decisions.shape[1]
@@ -29,7 +31,8 @@ def swept(
     preferences, path = np.zeros(9), np.zeros(depth, np.int32)
     at = int(SEA.node_of_cell[start])
     scratch = sight(mass.size)
-    n = search_sweep(ENDS, cover, at, mass, others, beam, depth, scratch, preferences, path)
+    effort = beam, depth, whole
+    n = search_sweep(ENDS, cover, at, mass, others, *effort, scratch, preferences, path)
     return preferences, [(int(SEA.rows[v]), int(SEA.cols[v])) for v in path[:n]]
 
 
@@ -77,6 +80,75 @@ def test_mass_that_another_scout_sees_sooner_does_not_pull() -> None:
 def test_illegal_moves_are_never_preferred() -> None:
     preferences, _ = swept(mass_at((5, 5)), start=(0, 0))
     assert np.isneginf(preferences[[N, NE, SW, W, NW]]).all()
+
+
+def plainly_swept(mass: NDArray[np.float64], at: int, beam: int, depth: int) -> list[int]:
+    """Nodes of the best plan by a beam search over lists, with all that each place shows."""
+    marks = COVER.decisions.shape[1]
+    left = np.bincount(COVER.landmark, mass, marks).astype(np.float64)
+    kept: list[tuple[float, float, list[int], frozenset[int], NDArray[np.float64]]]
+    kept = [(0.0, 0.0, [at], frozenset(), left)]
+    for k in range(1, depth + 1):
+        after: list[tuple[float, float, list[int], frozenset[int], NDArray[np.float64]]] = []
+        for _, paid, nodes, seen, before in kept:
+            for end in ENDS[nodes[-1]][ENDS[nodes[-1]] >= 0].tolist():
+                cells = COVER.cells[COVER.start[end] : COVER.start[end + 1]]
+                fresh = [int(c) for c in cells if int(c) not in seen]
+                rest, got = before.copy(), 0.0
+                for cell in fresh:
+                    got += mass[cell]
+                    rest[COVER.landmark[cell]] -= mass[cell]
+                price = paid + got * k
+                for mark in np.flatnonzero(rest > 1e-9):
+                    price += rest[mark] * (k + max(1, int(COVER.decisions[end, mark])))
+                twin = any(
+                    other[2][-1] == end and abs(other[0] - price) <= 1e-9 * price for other in after
+                )
+                if not twin and (len(after) < beam or price < after[-1][0]):
+                    plan = price, paid + got * k, [*nodes, end], seen | set(fresh), rest
+                    after = sorted([*after, plan], key=lambda one: one[0])[:beam]
+        kept = after
+    return kept[0][2][1:]
+
+
+def scattered(seed: int) -> NDArray[np.float64]:
+    """Mass on a fifth of the nodes near (20, 20)."""
+    rng = np.random.default_rng(seed)
+    near = np.maximum(np.abs(SEA.rows - 20), np.abs(SEA.cols - 20)) <= 9
+    return np.where(near & (rng.random(len(SEA)) < 0.2), rng.uniform(0.0, 1.0, len(SEA)), 0.0)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_search_is_a_plain_beam_search(seed: int) -> None:
+    mass, at = scattered(seed), int(SEA.node_of_cell[20, 20])
+    _, path = swept(mass, beam=5, depth=6)
+    nodes = plainly_swept(mass, at, 5, 6)
+    assert path == [(int(SEA.rows[v]), int(SEA.cols[v])) for v in nodes]
+
+
+def test_a_search_that_ends_early_begins_as_the_whole_one_does() -> None:
+    paths = []
+    for seed in range(30):
+        whole, _ = swept(scattered(seed), beam=4)
+        early, path = swept(scattered(seed), beam=4, whole=False)
+        np.testing.assert_array_equal(early, whole)
+        paths.append(len(path))
+    assert min(paths) < 8  # it does end early
+
+
+def test_covers_list_what_a_move_newly_shows(ragged_coast: NavigationGraph) -> None:
+    cover = view_cover(ragged_coast, (1.0, 4.0), 1, 2, True, True)
+    ends = ways_of(ragged_coast, 2, True, True).ends
+
+    def cells_of(v: int) -> list[int]:
+        return [int(c) for c in cover.cells[cover.start[v] : cover.start[v + 1]]]
+
+    for v in (0, 57, len(ragged_coast) - 1):
+        before = cells_of(v)
+        for move in range(9):
+            first, last = cover.fresh_start[9 * v + move : 9 * v + move + 2]
+            after = cells_of(ends[v, move]) if ends[v, move] >= 0 else []
+            assert cover.fresh[first:last].tolist() == [c for c in after if c not in before]
 
 
 def test_landmarks_are_spread_out_and_share_the_nodes() -> None:

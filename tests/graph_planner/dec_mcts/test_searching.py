@@ -245,7 +245,8 @@ def corridor(scouts: list[int], mass: NDArray[np.float64]) -> Scouts:
     nodes = np.arange(n)
     away = np.maximum(0, np.abs(nodes[:, None] - nodes) - 1).astype(np.uint16)
     landmark = np.where(nodes == 3, 0, nodes).astype(np.int32)  # cell 3 belongs to cell 0's
-    cover = Cover(start, np.concatenate(lists).astype(np.int32), landmark, away)
+    nothing = np.zeros(0, np.int64), np.zeros(0, np.int32)
+    cover = Cover(start, np.concatenate(lists).astype(np.int32), landmark, away, *nothing)
     at, kind = np.array(scouts, np.int32), np.zeros(len(scouts), np.int64)
     total: NDArray[np.float64] = np.bincount(landmark, mass, minlength=n).astype(np.float64)
     return Scouts(kind, at, ends, (cover,), mass, total)

@@ -35,3 +35,8 @@ def test_every_section_of_metrics_has_picture_equation_and_limits() -> None:
         picture = re.findall(r"^!\[[^\]]+\]\(([\w-]+\.svg)\)$", before, re.MULTILINE)[-1]
         assert (FOLDER / picture).is_file(), picture
         assert "$$" in after and "Cannot say:" in after, after[:200]
+
+
+def test_all_pictures_are_on_the_page() -> None:
+    shown = re.findall(r"\]\((metrics-\w+\.svg)\)", PAGE)
+    assert sorted(shown) == sorted(file.name for file in FOLDER.glob("metrics-*.svg"))

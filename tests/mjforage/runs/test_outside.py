@@ -208,13 +208,13 @@ def test_the_first_policy_of_the_pages_runs_as_it_stands(folder: Path, start: St
     name = block.split("`")[1]
     assert source.startswith(f"# {name}\n") and "--jobs 2" in given
     (folder / name).write_text(source)
-    short = ("--episodes", 2, "--set", "horizon=4", "--out", "run")
-    process = start(
-        *shlex.split(given), *short, before=NO_REPORT + "import sys; sys.path.remove('')"
-    )
+    arguments = shlex.split(given.replace("--episodes 20", "--episodes 2 --set horizon=4"))
+    assert "horizon=4" in arguments
+    process = start(*arguments, before=NO_REPORT + "import sys; sys.path.remove('')")
     out, err = process.communicate(timeout=600)
     assert process.returncode == 0, err
-    assert name.removesuffix(".py") in out and len(info(folder / "run")["policies"]) == 2
+    run = folder / arguments[-1]
+    assert name.removesuffix(".py") in out and len(info(run)["policies"]) == 2
 
 
 def test_a_policy_of_the_script_itself_needs_one_process(tmp_path: Path) -> None:

@@ -1,0 +1,247 @@
+"""A row's beliefs brought up to date as one kernel; `beliefs` says in which order and why.
+
+In Python the two dozen calls of a decision took longer than what they do.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.belief_planner import hotspots as hs
+from graph_planner.belief_planner import misses as ms
+from graph_planner.belief_planner import reconciling as rc
+from graph_planner.belief_planner import stragglers as st
+from graph_planner.belief_planner import tracks as tr
+from graph_planner.belief_planner import wind as wd
+from graph_planner.belief_planner.cloud import Cloud
+from graph_planner.belief_planner.routes import NOWHERE
+from graph_planner.belief_planner.shore import Shore
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import Int32Array
+from graph_planner.randomness import UInt64Array
+from graph_planner.task import UNREACHABLE, Observation
+from graph_planner.visibility import NodeLists
+
+REAL, REAL_LATE = 0.1, 0.5  # worth of items given up, with many and with few tracks left
+FEW = 15  # with so few tracks left, stragglers are simulated one by one
+LATE = 8.0  # and no more than so many unseen items expected otherwise
+LATER = 6  # steps for which an item counts less where a hull gave up
+
+
+class Assumed(NamedTuple):
+    """What the settings and the task say."""
+
+    advection: bool
+    wind: bool
+    particles: bool
+    hotspot: bool
+    at_once: bool  # whether foragers take all there is in their node
+    false_rate: float  # items per node and step that are seen and are none
+    least: float  # unseen items that may be anywhere
+    spread: float  # standard deviation of a hotspot per axis [node]
+    tries: int  # particles of unseen items tried in one decision
+
+
+class Eyes(NamedTuple):
+    """From where who sees what."""
+
+    foragers: NDArray[np.int64]  # (forager,) indices in the fleet
+    radius_number: NDArray[np.int64]  # (agent,)
+    views: NodeLists
+    neighbours: Int32Array  # (node, 8)
+
+
+class Store(NamedTuple):
+    """All that is believed of a batch, and scratch."""
+
+    assumed: Assumed
+    eyes: Eyes
+    tracks: tr.Tracks
+    wind: wd.Wind
+    spots: hs.Hotspots
+    stragglers: st.Stragglers  # with `misses`
+    shore: Shore
+    cloud: Cloud
+    ways: tr.Ended  # empty between decisions
+    lost: tr.Lost
+    scratch: rc.Scratch
+    keys: UInt64Array  # (row,) of the policy's random stream
+    axis: NDArray[np.float64]  # (value,) drifts per axis that the hypotheses combine
+    expected: NDArray[np.float64]  # (row, node) unseen items
+    later: NDArray[np.int64]  # (row, node) step until which hulls fail there
+    taken: NDArray[np.int64]  # (row, forager) items
+    had_room: NDArray[np.bool_]  # (row, forager) before the step just made
+
+
+@kernel
+def wander_of(store: Store, e: int) -> float:
+    """How uncertain an unseen track gets [node/step]."""
+    return float(2.0 * store.wind.deviation[e].max() + 0.05)
+
+
+@kernel
+def begin(store: Store, seen: Observation, e: int) -> Int32Array:
+    """Move tracks on into the step just made; nodes (forager,) of those that took all there was,
+    `NOWHERE` for others.
+    """
+    now, assumed, foragers = seen.step[e] - 1, store.assumed, store.eyes.foragers
+    store.ways.number[0], store.lost.number[0] = 0, 0
+    foragers_at = np.full(foragers.size, np.int32(NOWHERE), np.int32)
+    for f in range(foragers.size):
+        agent = foragers[f]
+        if store.had_room[e, f] and assumed.at_once and seen.agent_seen[e, agent] == now:
+            foragers_at[f] = seen.agent_node[e, agent]
+        store.had_room[e, f] = seen.room_left[e, agent] > 0
+    if now > 0:
+        tracks, shore, drift = store.tracks, store.shore, store.wind.mean[e]
+        tr.collect(tracks, shore, e, now, foragers_at, store.ways, store.lost)
+        if assumed.advection:
+            tr.carry(tracks, shore, e, drift[0], drift[1])
+    return foragers_at
+
+
+@kernel
+def remember(
+    store: Store,
+    e: int,
+    step: int,
+    last_seen: NDArray[np.int16],
+    at: Int32Array,
+    who: NDArray[np.int64],
+    foragers_at: Int32Array,
+) -> None:
+    """Keep a view of a step: of agents (look,) at their nodes (look,)."""
+    eyes, shore = store.eyes, store.shore
+    looking = ms.Looking(at, eyes.radius_number[who], eyes.views, shore.rows, shore.cols)
+    ms.look_at(store.stragglers.misses, e, step, last_seen, looking)
+    st.remember(store.stragglers, e, step, last_seen, foragers_at)
+
+
+@kernel
+def catch_of(store: Store, seen: Observation, e: int) -> rc.Catch:
+    """What foragers took in the step just made, and where one gave up."""
+    now, foragers = seen.step[e] - 1, store.eyes.foragers
+    many = 0 if store.assumed.at_once else foragers.size
+    at, caught = np.empty(many, np.int32), np.empty(many, np.int64)
+    for f in range(foragers.size):
+        agent = foragers[f]
+        node, taken = seen.agent_node[e, agent], seen.taken[e, agent]
+        if many:
+            at[f], caught[f] = node, taken - store.taken[e, f]
+        store.taken[e, f] = taken
+        if seen.agent_seen[e, agent] == now and seen.pickup[e, agent] == UNREACHABLE:
+            store.later[e, node] = now + LATER
+    return rc.Catch(at, caught)
+
+
+@kernel
+def settle(store: Store, seen: Observation, e: int, foragers_at: Int32Array) -> Int32Array:
+    """Make tracks, drift and losses agree with what is in view; nodes of new items (sighting,)."""
+    now, assumed, tracks, shore = seen.step[e] - 1, store.assumed, store.tracks, store.shore
+    who = np.flatnonzero(seen.agent_seen[e] == now)
+    last_seen = seen.last_seen[e]
+    remember(store, e, now, last_seen, seen.agent_node[e][who], who, foragers_at)
+    misses = store.stragglers.misses
+    doubts = rc.Doubts(misses, assumed.false_rate, store.expected[e], assumed.least)
+    new = rc.reconcile(
+        tracks,
+        shore,
+        store.eyes.neighbours,
+        e,
+        rc.View(now, seen.belief[e], last_seen),
+        wander_of(store, e),
+        catch_of(store, seen, e),
+        doubts,
+        store.scratch,
+        store.ways,
+        store.lost,
+    )
+    if assumed.wind:
+        wd.settle(store.wind, shore, e, store.ways)
+        wd.estimate(store.wind, tracks, shore, e)
+    n = tracks.number[e]
+    sighted = tracks.node[e, n - new : n].copy()
+    if assumed.false_rate > 0.0:
+        retract(store, e)
+    return settle_losses(store, e, now, sighted) if assumed.particles else sighted
+
+
+@kernel
+def retract(store: Store, e: int) -> None:
+    """Take back the first sightings of tracks that were given up.
+
+    They were of nothing, or else the item will be sighted again, and would count twice. To take
+    back but those that were unlikely, and never of what a forager may have taken, was worse:
+    `docs/sensing.md`.
+    """
+    lost, spots = store.lost, store.spots
+    for i in range(lost.number[0]):
+        hs.retract(spots, store.cloud, store.shore, e, lost.born_node[i], lost.born[i])
+
+
+@kernel
+def settle_losses(store: Store, e: int, now: int, sighted: Int32Array) -> Int32Array:
+    """Take in what was lost and found; those of the new sightings that are really new."""
+    particles, shore, key, lost = store.stragglers, store.shore, store.keys[e], store.lost
+    if particles.number[e]:
+        new = np.empty(sighted.size, np.bool_)
+        for i in range(sighted.size):
+            new[i] = not st.find(particles, shore, e, sighted[i])
+        sighted = sighted[new]
+        st.advance(particles, shore, key, e, now)
+    for i in range(lost.number[0]):
+        st.lose(particles, store.wind, shore, key, e, lost.node[i], lost.step[i], now)
+    return sighted
+
+
+@kernel
+def expect(store: Store, seen: Observation, e: int, nodes: Int32Array, sighted: Int32Array) -> None:
+    """Bring the hotspots, and unseen items expected, up to date.
+
+    Parameters
+    ----------
+    nodes : (hypothesis, node) where an item of each start is now
+    sighted : (sighting,) nodes of new items
+    """
+    now, spots, wind, expected = seen.step[e] - 1, store.spots, store.wind, store.expected[e]
+    misses = store.stragglers.misses
+    hs.weigh(store.axis, wind.grid, wind.chance[e], spots.share[e])
+    hs.look(spots, e, nodes, misses.factor)
+    if sighted.size:
+        drift = wind.mean[e]
+        hs.sight(spots, store.cloud, store.shore, e, now, sighted, drift[0], drift[1])
+    if not store.assumed.hotspot:
+        return
+    hs.expect(spots, store.cloud, e, nodes, expected)
+    if store.assumed.particles and spots.number[e]:
+        expect_stragglers(store, e, now)
+    if ms.is_certain(misses):
+        for node in range(expected.size):
+            if seen.last_seen[e, node] == now:
+                expected[node] = 0.0
+
+
+@kernel
+def expect_stragglers(store: Store, e: int, now: int) -> None:
+    """Replace what is expected by particles once little is left, and add what was lost."""
+    particles, spots, expected = store.stragglers, store.spots, store.expected[e]
+    total, real = 0.0, REAL
+    if store.tracks.number[e] <= FEW and expected.sum() < LATE:
+        about = particles, spots, store.wind, store.shore, store.keys[e]
+        st.try_more(*about, e, now, store.assumed.spread, store.assumed.tries)
+        expected[:] = 0.0
+        total, real = spots.total[e], REAL_LATE
+    st.expect_stragglers(particles, store.shore, e, total, real, expected)
+
+
+@kernel
+def learn(store: Store, seen: Observation, e: int, nodes: Int32Array) -> None:
+    """All of that, for a row that hears of no late look.
+
+    Parameters
+    ----------
+    nodes : (hypothesis, node) where an item of each start is now
+    """
+    foragers_at = begin(store, seen, e)
+    expect(store, seen, e, nodes, settle(store, seen, e, foragers_at))
