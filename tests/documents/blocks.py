@@ -16,7 +16,7 @@ from pathlib import Path
 
 REPOSITORY = Path(__file__).parents[2]
 SHELL = "sh"
-LANGUAGES = (SHELL, "python", "toml", "text", "json", "csv", "bibtex", "mermaid")
+LANGUAGES = (SHELL, "python", "toml", "text", "json", "csv", "bibtex", "console")
 
 _FENCE = re.compile(
     r"^(?P<indent> *)```(?P<language>[^\n`]*)\n(?P<text>.*?)^(?P=indent)```$",

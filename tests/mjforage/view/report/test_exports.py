@@ -13,32 +13,38 @@ from mjforage.core.mission_metrics import describe
 from mjforage.view.report import Exports, write_report
 from mjforage.view.report.best_marks import best_of
 from mjforage.view.report.run_logs import RunLogs, load_logs
+from tests.mjforage.view.report.made_up_episodes import Plan
+from tests.mjforage.view.report.made_up_runs import build
 
 MakeRun = Callable[..., Path]
 
 
-def test_tables_and_figures_are_written_in_the_formats_wanted(make_run: MakeRun) -> None:
-    folder = make_run()
-    write_report(folder, Exports.of("latex, csv,markdown", "pdf,svg"))
-    tables = {path.name for path in (folder / "tables").iterdir()}
-    assert {
-        f"{name}.{kind}" for name in ("headline", "table-2") for kind in ("tex", "csv", "md")
-    } <= tables
-    drawn = (folder / "figures" / "pta.svg").read_text(encoding="utf-8")
-    assert re.search(r"<text[^>]*>greedy</text>", drawn)
-    pdf = (folder / "figures" / "pta.pdf").read_bytes()
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, bytes]]:
+    """File name -> content of all formats, written twice from the same logs."""
+    folder, found = build(tmp_path_factory.mktemp("written") / "run", Plan()), []
+    for _ in range(2):
+        write_report(folder, Exports.of("latex, csv,markdown", "pdf,png,svg"))
+        files = [*(folder / "tables").iterdir(), *(folder / "figures").iterdir()]
+        found.append({path.name: path.read_bytes() for path in files})
+    return found
+
+
+def test_tables_and_figures_are_written_in_the_formats_wanted(
+    written: list[dict[str, bytes]],
+) -> None:
+    kinds = ("tex", "csv", "md")
+    assert {f"{name}.{kind}" for name in ("headline", "table-2") for kind in kinds} <= set(
+        written[0]
+    )
+    assert re.search(r"<text[^>]*>greedy</text>", written[0]["pta.svg"].decode())
+    pdf = written[0]["pta.pdf"]
     assert (pdf.startswith(b"%PDF") and b"/CIDFontType2" in pdf) or b"/TrueType" in pdf
     assert b"/Type3" not in pdf
 
 
-def test_the_same_logs_give_the_same_files(make_run: MakeRun) -> None:
-    folder = make_run()
-    found = []
-    for _ in range(2):
-        write_report(folder, Exports.of("latex,csv,markdown", "pdf,png,svg"))
-        files = [*(folder / "tables").iterdir(), *(folder / "figures").iterdir()]
-        found.append({path.name: path.read_bytes() for path in files})
-    assert found[0] == found[1]
+def test_the_same_logs_give_the_same_files(written: list[dict[str, bytes]]) -> None:
+    assert written[0] == written[1]
 
 
 def test_without_them_figures_are_outlines_and_no_pdf_is_made(make_run: MakeRun) -> None:
