@@ -39,7 +39,6 @@ default_role = "code"  # our docstrings mark names with single backticks
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
 python_use_unqualified_type_names = True
-python_maximum_signature_line_length = 80
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False
 
@@ -51,6 +50,7 @@ html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sourcelink = False
 html_show_sphinx = False
+html_show_search_summary = False  # scripts may not read pages that were opened as files
 html_last_updated_fmt = None  # the same pages give the same bytes
 html_sidebars = {"start": [], "gallery": [], "contributing": [], "changelog": []}
 html_context = {"default_mode": "auto"}
