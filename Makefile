@@ -1,5 +1,7 @@
 # `make demo`: the paper's two baselines at graph level and in MuJoCo, with a report and a film.
-# `make test`: everything CI runs.
+# `make quick`: the tests that take about a minute on two free cores.
+# `make test`: all tests and checks of the sources, and the site.
+# `make dist`: a wheel and an sdist in dist/, checked, installed elsewhere and used.
 # `make docs`: the site, under build/site; open build/site/index.html. `make links`: its links to other sites.
 # `make pages`: whether report pages can be read and worked by everybody, in headless Chromium.
 # `make mutants`: whether every single fault of the physics is noticed; half an hour.
@@ -13,7 +15,7 @@ LEARNING := tests/mjforage/learning tests/graph_planner/test_weights.py
 
 POLICIES := belief oracle auction ogr orienteering dec-mcts greedy levy lawnmower wanderer pso random ddqn ddqn-reward ddqn-link mappo
 
-.PHONY: demo test types kernels capabilities mutants docs links pages install clean
+.PHONY: demo quick test types kernels capabilities mutants dist docs links pages install clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.installed: pyproject.toml constraints.txt
@@ -34,6 +36,10 @@ install: $(VENV)/.installed
 demo: $(VENV)/.installed
 	$(BIN)/mjforage compare comb-port --policy greedy --policy levy --episodes 20 --jobs 2 --out runs/demo
 	$(BIN)/mjforage render runs/demo --world physics --policy greedy --duration 600 --fps 15 --width 960 --height 540 -o runs/demo/port.mp4
+
+# The mark `slow` is set by measured CPU time; every run of tests names those that lack it.
+quick: $(VENV)/.installed-dev
+	$(BIN)/pytest -n 2 --dist worksteal -m 'not slow'
 
 test: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
@@ -61,6 +67,13 @@ capabilities: $(VENV)/.installed-dev
 
 mutants: $(VENV)/.installed-dev
 	$(BIN)/python -m tests.mutants --out docs/mutants.md
+
+# TRY="--python python3.12" installs the declared dependencies too, for that interpreter.
+dist: $(VENV)/.installed-dev
+	rm -rf dist
+	PIP_CONSTRAINT=$(CURDIR)/constraints.txt $(BIN)/python -m build
+	$(BIN)/twine check --strict dist/*
+	$(BIN)/python -m tests.packaging $(TRY)
 
 SPHINX := $(BIN)/python -m sphinx --nitpicky --fail-on-warning --keep-going --quiet --doctree-dir build/doctrees
 

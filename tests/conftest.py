@@ -14,6 +14,8 @@ from functools import cache
 import pytest
 from hypothesis import settings
 
+pytest_plugins = ["tests.cpu_seconds"]
+
 settings.register_profile("mjforage", deadline=None, derandomize=True)
 settings.load_profile("mjforage")
 

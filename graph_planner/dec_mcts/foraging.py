@@ -19,7 +19,7 @@ from graph_planner.belief_settings import BeliefSettings
 from graph_planner.compiled import kernel
 from graph_planner.dec_mcts.draws import begin
 from graph_planner.dec_mcts.moment import Moment
-from graph_planner.dec_mcts.plans import Plans, likeliest, plans_of, shift_chances, take_candidates
+from graph_planner.dec_mcts.plans import Plans, end_turn, likeliest, plans_of, take_candidates
 from graph_planner.dec_mcts.settings import Effort
 from graph_planner.dec_mcts.tours import claims_of, sample_claims, simulate_tour, tour_value
 from graph_planner.dec_mcts.tree import Tree, tree_of
@@ -50,15 +50,13 @@ def plan_turn(
         simulate_tour(effort, legs, forager, tree, claims, now, state)
     take_candidates(plans, forager, tree)
     n = plans.number[forager]
-    value, spread = np.zeros(n), tree.bounds[1] - tree.bounds[0]
+    value = np.zeros(n)
     for _ in range(effort.samples):
         sample_claims(effort, legs, plans, forager, heard, state, claims)
         for c in range(n):
             plan = plans.step[forager, c, : plans.length[forager, c]]
             value[c] += tour_value(effort, legs, forager, plan, claims) / effort.samples
-    heat = effort.heat * effort.cool**turn * spread
-    if n > 1 and heat > 0.0:
-        shift_chances(plans.chance[forager, :n], value, heat, effort.rate)
+    end_turn(effort, plans, forager, tree.bounds[1] - tree.bounds[0], turn, value)
 
 
 @kernel

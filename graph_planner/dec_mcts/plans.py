@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
+from graph_planner.dec_mcts.settings import Effort
 from graph_planner.dec_mcts.tree import NONE, Tree
 from graph_planner.geodesics import Int32Array
 
@@ -124,3 +125,19 @@ def shift_chances(
         pull = (value[c] - mean) / heat - entropy - np.log(chance[c])
         chance[c] = max(_LEAST, chance[c] + rate * chance[c] * pull)
     chance /= chance.sum()
+
+
+@kernel
+def end_turn(
+    effort: Effort, plans: Plans, agent: int, spread: float, turn: int, value: NDArray[np.float64]
+) -> None:
+    """Shift an agent's distribution towards its better plans, the colder the later its turn.
+
+    Parameters
+    ----------
+    spread : of the utilities in its tree
+    value : (candidate,) mean utility of each, over what the others may do
+    """
+    n, heat = plans.number[agent], effort.heat * effort.cool**turn * spread
+    if n > 1 and heat > 0.0:
+        shift_chances(plans.chance[agent, :n], value, heat, effort.rate)

@@ -9,7 +9,7 @@ from graph_planner.belief_settings import BeliefSettings
 from graph_planner.compiled import kernel
 from graph_planner.dec_mcts.draws import begin
 from graph_planner.dec_mcts.moment import Moment
-from graph_planner.dec_mcts.plans import Plans, likeliest, plans_of, shift_chances, take_candidates
+from graph_planner.dec_mcts.plans import Plans, end_turn, likeliest, plans_of, take_candidates
 from graph_planner.dec_mcts.settings import Effort
 from graph_planner.dec_mcts.sights import (
     Scouts,
@@ -62,15 +62,13 @@ def plan_turn(
         simulate_sweep(effort, scouts, scout, most, tree, sights, now, state)
     take_candidates(plans, scout, tree)
     n = plans.number[scout]
-    value, spread = np.zeros(n), tree.bounds[1] - tree.bounds[0]
+    value = np.zeros(n)
     for _ in range(effort.samples):
         sample_sights(effort, scouts, plans, scout, heard, state, sights)
         for c in range(n):
             plan = plans.step[scout, c, : plans.length[scout, c]]
             value[c] += sweep_value(effort, scouts, scout, plan, sights) / effort.samples
-    heat = effort.heat * effort.cool**turn * spread
-    if n > 1 and heat > 0.0:
-        shift_chances(plans.chance[scout, :n], value, heat, effort.rate)
+    end_turn(effort, plans, scout, tree.bounds[1] - tree.bounds[0], turn, value)
 
 
 @kernel
@@ -141,14 +139,7 @@ class TreeScouting(Scouting):
         preferences: NDArray[np.float64],
         covers: list[Cover] | None = None,
     ) -> None:
-        """Overwrite the scouts' rows of preferences (agent, 9).
-
-        Parameters
-        ----------
-        agent_node : (agent,)
-        mass : (cell,) what seeing each cell is worth
-        covers : one per scout; plain sight if not given
-        """
+        """As `Scouting.look`, but mass stays as it is."""
         if not self.agents.size:
             return
         covers = covers or self.covers

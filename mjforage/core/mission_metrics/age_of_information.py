@@ -12,7 +12,7 @@ class AgeOfInformation(Metric):
     """Mean over the navigable nodes of the steps since a look that the holder has heard saw them,
     T if none; mean over the holders, time mean.
 
-    `docs/communication.md`. Without a link one holder hears all looks.
+    `docs/concepts/metrics.md`. Without a link one holder hears all looks.
     """
 
     key, label, unit, better, digits = "aoi", "AoI", "steps", -1, 2

@@ -80,7 +80,7 @@ class Handover(Metric):
     """Steps from an item's discovery until a collector has heard a look, made since, that shows
     items in its node, or has taken it, over T; mean over the items discovered, never = T.
 
-    `docs/communication.md`. Undefined without a link.
+    `docs/concepts/metrics.md`. Undefined without a link.
     """
 
     key, label, better, top = "handover", "Handover", -1, None

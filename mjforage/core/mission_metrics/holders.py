@@ -42,7 +42,7 @@ class PositionAge(OfHolders):
     """Steps since the newest position that an agent has heard of a team-mate, mean over both, time
     mean.
 
-    `docs/communication.md`. What it knows of itself does not count.
+    `docs/concepts/metrics.md`. What it knows of itself does not count.
     """
 
     key, label, unit, digits = "position_age", "PA", "steps", 2
@@ -60,7 +60,7 @@ class Disagreement(OfHolders):
     """RMSE between the maps of two holders, both smoothed as for RMSE; mean over the pairs, time
     mean.
 
-    `docs/communication.md`.
+    `docs/concepts/metrics.md`.
     """
 
     key, label, unit, digits = "disagreement", "Disagreement", "items/node", 4

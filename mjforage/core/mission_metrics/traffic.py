@@ -14,7 +14,7 @@ from mjforage.core.mission_metrics.metric import Batch, FloatArray, Metric, Mome
 class Contact(Metric):
     """Pairs of agents in reach of each other, of all; time mean.
 
-    `docs/communication.md`. In reach is also a pair whose link is bad now, and loses all.
+    `docs/concepts/metrics.md`. In reach is also a pair whose link is bad now, and loses all.
     """
 
     key, label, better, compared, top = "contact", "Contact", 1, False, 1.0

@@ -45,17 +45,7 @@ class Trainer(Algorithm[Hyperparameters]):
         seed: int = 0,
         device: str = "cpu",
     ) -> None:
-        """Prepare a run.
-
-        Parameters
-        ----------
-        scenarios : rounds take them in turn; evaluations are of the first
-
-        Raises
-        ------
-        UserError
-            If a scenario, a setting or the seed is not valid, or fleets or arrays differ.
-        """
+        """As `Algorithm`, which see; also refused: a teacher unknown, replays beyond memory."""
         teacher = teacher_label(hyperparameters.teacher)
         hyperparameters = replace(hyperparameters, teacher=teacher)
         super().__init__(scenarios, hyperparameters, seed, device)

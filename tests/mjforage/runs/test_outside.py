@@ -5,7 +5,6 @@ import json
 import shlex
 import subprocess
 import sys
-import textwrap
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -200,14 +199,14 @@ def test_a_study_takes_it(folder: Path) -> None:
     assert len(list(folder.glob("study.before-*"))) == 1
 
 
-def test_the_readmes_policy_runs_as_it_stands(folder: Path, start: Start) -> None:
+def test_the_first_policy_of_the_pages_runs_as_it_stands(folder: Path, start: Start) -> None:
     """Its file pasted, its command with two processes, on short episodes."""
-    readme = (Path(__file__).parents[3] / "README.md").read_text()
-    block = readme.split("**A policy**", 1)[1]
-    source = textwrap.dedent(block.split("```python\n", 1)[1].split("```", 1)[0])
-    given = block.split("```\n  mjforage ", 1)[1].split("\n", 1)[0]
-    name = block.split(" `")[1].split("`")[0]
-    assert name.endswith(".py") and "--jobs 2" in given
+    page = (Path(__file__).parents[3] / "docs" / "start.md").read_text()
+    block = page.split("## A policy of your own", 1)[1]
+    source = block.split("```python\n", 1)[1].split("```", 1)[0]
+    given = block.split("```sh\nmjforage ", 1)[1].split("\n", 1)[0]
+    name = block.split("`")[1]
+    assert source.startswith(f"# {name}\n") and "--jobs 2" in given
     (folder / name).write_text(source)
     short = ("--episodes", 2, "--set", "horizon=4", "--out", "run")
     process = start(

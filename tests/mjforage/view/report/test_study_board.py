@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from graph_planner.policies import policy_names
 from mjforage.runs.costs import Cost
-from mjforage.view.page.style import policy_colour
+from mjforage.view.page.style import looks, policy_colour
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report.studies import board as page
 from mjforage.view.report.studies.board_figures import frontier_picture, profiles_picture
@@ -245,6 +246,17 @@ def test_the_frontier_names_who_is_on_it_and_where_less_is_better_it_is_turned(
     assert nt90.yaxis_inverted() and not score.yaxis_inverted()
     assert score.get_xscale() == "log"
     assert frontier_picture(Standing.of(Board(made))) is None, "no time was measured"
+
+
+def test_every_policy_has_a_marker_that_can_be_drawn(tmp_path: Path) -> None:
+    """A glyph for a marker is no format string of matplotlib."""
+    names = tuple(policy_names())
+    logs = made_up_study(tmp_path / "study", {"bay": names}, 3, "board")
+    costs = {"bay": tuple(cost("bay", who, 1.0, 1.0 + place) for place, who in enumerate(names))}
+    drawn = frontier_picture(Standing.of(Board(replace(logs, costs=costs))))
+    assert drawn is not None
+    marks = {str(line.get_marker()) for axes in drawn.figure.axes for line in axes.lines}
+    assert marks >= {look.marker for look in looks(names).values()}
 
 
 def test_without_random_or_the_oracle_there_is_no_normalised_score(tmp_path: Path) -> None:

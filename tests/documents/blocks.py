@@ -1,0 +1,88 @@
+"""Fenced blocks of the Markdown pages: their language, their text and what a comment says of them.
+
+A comment on the line before a fence, which no reader sees, says what is to be done with the block:
+
+    <!-- long -->                         over a minute: run by `python -m tests.documents`
+    <!-- not run by the tests: REASON --> needs what no test has, such as several machines
+
+Every fence names its language: what is `sh` or `python` is run, others are data. A block whose first line is a
+comment with a file's name, `# my_policies.py`, is that file.
+"""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+REPOSITORY = Path(__file__).parents[2]
+SHELL = "sh"
+LANGUAGES = (SHELL, "python", "toml", "text", "json", "csv", "bibtex", "mermaid")
+
+_FENCE = re.compile(
+    r"^(?P<indent> *)```(?P<language>[^\n`]*)\n(?P<text>.*?)^(?P=indent)```$",
+    re.MULTILINE | re.DOTALL,
+)
+_MARK = re.compile(r"<!-- (?P<mark>long|not run by the tests: \S.*) -->")
+_FILE = re.compile(r"# (?P<name>[\w-]+\.\w+)\n")
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block of a page."""
+
+    page: str  # from the repository's folder
+    line: int  # of its opening fence, from 1
+    language: str
+    text: str
+    mark: str = ""  # `long`, or `not run by the tests: REASON`
+
+    def __str__(self) -> str:
+        return f"{self.page}:{self.line}"
+
+    @property
+    def long(self) -> bool:
+        """Whether it takes over a minute."""
+        return self.mark == "long"
+
+    @property
+    def runs(self) -> bool:
+        """Whether it is run by the tests."""
+        return not self.mark
+
+    @property
+    def file(self) -> str | None:
+        """Name of the file that it is, by its first line."""
+        found = _FILE.match(self.text)
+        return found["name"] if found else None
+
+
+def pages() -> list[str]:
+    """Return the pages whose blocks are run: README.md and all in docs/, built ones left out."""
+    found = sorted((REPOSITORY / "docs").rglob("*.md"))
+    docs = [page.relative_to(REPOSITORY) for page in found]
+    return ["README.md", *(str(p) for p in docs if not any(x.startswith("_") for x in p.parts))]
+
+
+def blocks(page: str, text: str | None = None) -> list[Block]:
+    """Return the blocks of a page in order.
+
+    Parameters
+    ----------
+    page : path from the repository's folder
+    text : what stands on it, by default what the file holds
+    """
+    text = (REPOSITORY / page).read_text("utf-8") if text is None else text
+    found = []
+    for fence in _FENCE.finditer(text):
+        above = text[: fence.start()].rstrip().rpartition("\n")[2].strip()
+        mark = _MARK.fullmatch(above)
+        indent = re.compile(rf"^{fence['indent']}", re.MULTILINE)
+        found.append(
+            Block(
+                page,
+                text.count("\n", 0, fence.start()) + 1,
+                fence["language"].strip(),
+                indent.sub("", fence["text"]),
+                mark["mark"] if mark else "",
+            )
+        )
+    return found

@@ -1,0 +1,152 @@
+"""Runs and their reports, begun again, spoilt, or of another command."""
+
+import json
+import shutil
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import polars as pl
+import pytest
+from rich.console import Console
+
+from graph_planner.policies import policy_names
+from mjforage.core.mission_metrics import chosen_metrics
+from mjforage.view.report import terminal_table
+from tests.mjforage.cli.short_runs import EVALUATE, Refused
+
+pytestmark = pytest.mark.usefixtures("here")
+
+
+def test_a_pipe_gets_the_whole_table(reported: tuple[Path, list[str]]) -> None:
+    folder, lines = reported
+    assert lines[0] == (
+        "comb-port on map comb_port (62 x 46, 1297 nodes; scouts reach 100%, foragers reach 100% "
+        "of them)"
+    )
+    assert lines[-1] == f"report: {folder / 'report.html'}"
+    table = "\n".join(lines[1:-1])
+    assert "…" not in table
+    assert "\x1b" not in table
+    for word in ("PTA D", "NT 50", "Throughput", "CSR", "Length", "[steps]", "lawnmower", "± "):
+        assert word in table
+    mean = json.loads((folder / "summary.json").read_text())["graph"]["greedy"]["pta_d"]["mean"]
+    assert f"{mean:.2f}" in table
+
+
+def test_the_table_fits_a_terminal_of_80_columns() -> None:
+    widest = dict.fromkeys((one.key for one in chosen_metrics()), 1.0) | {
+        "pta_d": 100.0,
+        "pta_c": 100.0,
+        "length": 150.0,
+    }
+    entries = {
+        key: {"mean": mean, "sem": 0.2 * mean, "ci95": [0.0, mean], "iqm": mean, "n": 100}
+        for key, mean in widest.items()
+    }
+    summary = {"graph": dict.fromkeys(policy_names(), entries)}
+    console = Console(width=80, file=sys.stdout)
+    with console.capture() as captured:
+        console.print(terminal_table(summary))
+    assert "…" not in captured.get()
+    with console.capture() as captured:
+        console.print(terminal_table(summary), width=60)
+    assert "…" in captured.get()
+
+
+def test_the_same_command_again_says_the_same(
+    command: Callable[..., Any], reported: tuple[Path, list[str]], folder: Path
+) -> None:
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    outcome = command(*EVALUATE, "--policy", "lawnmower", "--out", folder)
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out.splitlines()[2:-1] == reported[1][2:-1]
+    assert {p: p.read_bytes() for p in folder.rglob("*") if p.is_file()} == before
+
+
+def test_report_from_logs_alone_has_the_same_bytes(
+    command: Callable[..., Any], folder: Path
+) -> None:
+    html, figures = folder / "report.html", folder / "figures"
+    before = html.read_bytes()
+    html.unlink()
+    shutil.rmtree(figures)
+    outcome = command("report", folder)
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out == f"report: {html}\n"
+    assert html.read_bytes() == before
+    assert any(figures.glob("*.png"))
+
+
+def test_a_report_that_cannot_be_written_is_one_line(refused: Refused, folder: Path) -> None:
+    (folder / "report.html").unlink()
+    (folder / "report.html").mkdir()
+    message = refused(*EVALUATE, "--policy", "lawnmower", "--out", folder)
+    assert message.startswith(f"mjforage: {folder / 'report.html'}: cannot be written")
+    assert (folder / "summary.json").is_file()
+
+
+@pytest.mark.parametrize("table", ["episodes", "steps", "items", "agents"])
+@pytest.mark.parametrize("content", [b"", b"PAR1 truncated", None])
+def test_a_spoilt_table_is_one_line_and_stays(
+    table: str, content: bytes | None, refused: Refused, folder: Path
+) -> None:
+    path = folder / f"{table}.parquet"
+    if content is None:
+        pl.DataFrame({"price": [1.0]}).write_parquet(path)
+    else:
+        path.write_bytes(content)
+    before = path.read_bytes()
+    assert str(path) in refused(*EVALUATE, "--policy", "lawnmower", "--out", folder)
+    assert str(path) in refused("report", folder)
+    assert path.read_bytes() == before
+
+
+def test_a_spoilt_table_moved_away_is_made_again(
+    command: Callable[..., Any], folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("mjforage.view.report.write_report", lambda folder: folder / "report.html")
+    path = folder / "steps.parquet"
+    whole, summary = path.read_bytes(), (folder / "summary.json").read_bytes()
+    path.unlink()
+    assert command(*EVALUATE, "--policy", "lawnmower", "--out", folder).code == 0
+    assert path.read_bytes() == whole
+    assert (folder / "summary.json").read_bytes() == summary
+
+
+def test_another_run_in_the_folder_is_one_line(refused: Refused, folder: Path) -> None:
+    message = refused(*EVALUATE, "--policy", "lawnmower", "--seed", 3, "--out", folder)
+    assert (
+        f"{folder}: holds another run: seed is 0 there and 3 here; give --fresh to keep that "
+        "folder aside and begin anew, or choose another --out" in message
+    )
+
+
+def test_the_default_folder_has_the_name_of_the_scenario(
+    command: Callable[..., Any], here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("mjforage.view.report.write_report", lambda folder: folder / "report.html")
+    assert command(*EVALUATE, "--set", "name=[bold]x").code == 0
+    assert (here / "runs" / "[bold]x" / "summary.json").is_file()
+
+
+def test_an_error_of_the_system_is_one_line(
+    refused: Refused, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(28, "No space left on device", "cache.nbi")
+
+    monkeypatch.setattr("mjforage.view.report.write_report", fail)
+    assert "cache.nbi: No space left on device; free some space" in refused("report", ".")
+
+
+def test_a_fault_of_ours_is_not_hidden(
+    command: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("mjforage.view.report.write_report", fail)
+    with pytest.raises(ZeroDivisionError):
+        command("report", ".")

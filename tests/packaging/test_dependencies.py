@@ -1,0 +1,83 @@
+"""What the packages import is declared: always needed, or in an extra."""
+
+import ast
+import sys
+import tomllib
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+import pytest
+
+from tests.packaging.contents import PACKAGES, REPOSITORY
+
+PROJECT = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
+UNDECLARED = {
+    "tensordict": "comes with torchrl, which declares it",
+}
+NO_IMPORT = {"tensorboard": "torch.utils.tensorboard imports it", "pyopengl": "imported as OpenGL"}
+
+
+def name_of(requirement: str) -> str:
+    """The distribution of a requirement, as in `numpy>=2.1`."""
+    letters = [c if c.isalnum() or c in "-_." else " " for c in requirement]
+    return "".join(letters).split()[0].lower().replace("_", "-")
+
+
+def imported(tree: ast.Module) -> set[str]:
+    """Top-level names that a module imports anywhere."""
+    found = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            found.add(node.module.split(".")[0])
+    return found
+
+
+@pytest.fixture(scope="module")
+def needed() -> dict[str, str]:
+    """Distribution -> a file that imports it; those of Python itself and ours left out."""
+    owners, found = packages_distributions(), {}
+    for file in (file for name in PACKAGES for file in sorted((REPOSITORY / name).rglob("*.py"))):
+        names = imported(ast.parse(file.read_text("utf-8")))
+        for name in names - set(sys.stdlib_module_names) - set(PACKAGES):
+            owner = owners.get(name, [name])[0].lower().replace("_", "-")
+            found[owner] = str(file.relative_to(REPOSITORY))
+    return found
+
+
+def test_whatever_is_imported_is_declared(needed: dict[str, str]) -> None:
+    extras = PROJECT["optional-dependencies"]
+    declared = {name_of(line) for line in PROJECT["dependencies"]}
+    declared |= {name_of(line) for key in extras if key != "dev" for line in extras[key]}
+    missing = {name: file for name, file in needed.items() if name not in declared}
+    assert missing.keys() == UNDECLARED.keys(), missing
+
+
+def test_whatever_is_declared_is_imported(needed: dict[str, str]) -> None:
+    declared = {name_of(line) for line in PROJECT["dependencies"]}
+    assert declared - needed.keys() - NO_IMPORT.keys() == set()
+
+
+def test_an_import_in_a_function_counts() -> None:
+    assert imported(ast.parse("def f():\n    from a.b import c\n    import d.e\n")) == {"a", "d"}
+
+
+def test_constraints_have_every_requirement() -> None:
+    lines = (REPOSITORY / "constraints.txt").read_text("utf-8").splitlines()
+    fixed = {name_of(line) for line in lines if line and not line.startswith("#")}
+    extras = PROJECT["optional-dependencies"].values()
+    asked = {name_of(line) for part in (PROJECT["dependencies"], *extras) for line in part}
+    assert asked - fixed == set()
+
+
+def test_classifiers_name_the_pythons_that_are_asked_for() -> None:
+    start = "Programming Language :: Python :: 3."
+    minors = [int(c.removeprefix(start)) for c in PROJECT["classifiers"] if c.startswith(start)]
+    assert PROJECT["requires-python"] == f">=3.{min(minors)}"
+    assert minors == list(range(min(minors), max(minors) + 1))
+
+
+def test_packages_are_typed() -> None:
+    for name in PACKAGES:
+        assert Path(REPOSITORY, name, "py.typed").is_file()

@@ -1,0 +1,112 @@
+"""Install a wheel into an environment of its own, outside of the checkout, and use it there."""
+
+import os
+import subprocess
+import sys
+import sysconfig
+import venv
+from collections.abc import Sequence
+from pathlib import Path
+
+from tests.packaging.contents import PACKAGES, REPOSITORY
+
+USES = (
+    ("mjforage", "--help"),
+    ("mjforage", "evaluate", "comb-port", "--policy", "ddqn", "--episodes", "2", "--out", "run"),
+    ("mjforage", "report", "run"),
+    ("mjforage", "maps", "harbour:combs:7", "-o", "harbour.png"),
+    ("mjforage", "schemas", "--out", "schemas"),
+)
+"""Commands, each after those before it."""
+
+MADE = ("run/report.html", "harbour.png", "schemas/scenario.json")
+
+EXTRAS = ("distributed", "ortools", "tensordict", "torchrl")
+"""Modules that an installation without extras lacks."""
+
+IMPORTS = f"""
+import importlib, importlib.metadata, pkgutil, sys
+import gymnasium
+for name in {PACKAGES}:
+    package = importlib.import_module(name)
+    assert package.__file__.startswith(sys.prefix), f"{{name}} comes from {{package.__file__}}"
+    for found in pkgutil.walk_packages(package.__path__, f"{{name}}."):
+        if not found.name.endswith(".__main__"):
+            try:
+                importlib.import_module(found.name)
+            except ModuleNotFoundError as error:
+                if error.name not in {EXTRAS}:
+                    raise
+environment = gymnasium.make("mjforage/Foraging-v0", scenario="comb-port")
+environment.reset(seed=1)
+environment.step(environment.action_space.sample())
+facts = importlib.metadata.metadata("mjforage")
+assert facts["License-Expression"] == "Apache-2.0", facts["License-Expression"]
+"""
+
+
+class FailedError(RuntimeError):
+    """A command that did not end well, with what it said."""
+
+
+def run(command: Sequence[str], folder: Path) -> None:
+    """Run a command in a folder, without what this process is told about Python.
+
+    Raises
+    ------
+    FailedError
+        If its exit code is not 0, with the last lines of what it said.
+    """
+    kept = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "VIRTUAL_ENV"))}
+    done = subprocess.run(
+        command, cwd=folder, env=kept, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+    if done.returncode:
+        said = "\n".join(done.stdout.splitlines()[-25:])
+        raise FailedError(f"{' '.join(command)}: exit code {done.returncode}\n{said}")
+
+
+def sharing(place: Path) -> Path:
+    """Make an environment that finds the libraries of this one, but not this checkout.
+
+    The path files of a folder that a path file adds are not read: an editable install of the
+    checkout, which is such a file, does not come with the libraries.
+    """
+    venv.create(place, with_pip=True)
+    inside = {"base": str(place), "platbase": str(place)}
+    packages = Path(sysconfig.get_path("purelib", "venv", inside))
+    (packages / "libraries.pth").write_text(f"{sysconfig.get_path('purelib')}\n")
+    return place / "bin"
+
+
+def complete(place: Path, python: str) -> Path:
+    """Make an environment of an interpreter that has nothing but pip."""
+    run([python, "-m", "venv", os.fspath(place)], REPOSITORY)
+    return place / "bin"
+
+
+def try_wheel(wheel: Path, folder: Path, python: str | None) -> None:
+    """Install a wheel and use it in an empty folder.
+
+    Parameters
+    ----------
+    folder : an empty folder outside of the checkout
+    python : an interpreter, to install all dependencies from the index as well, within
+        constraints.txt; none to share those of the environment that runs this
+
+    Raises
+    ------
+    FailedError
+        If a command fails, or something that it should have made is not there.
+    """
+    place = folder / "environment"
+    place_bin = complete(place, python) if python else sharing(place)
+    how = ["-c", os.fspath(REPOSITORY / "constraints.txt")] if python else ["--no-deps"]
+    run([f"{place_bin}/python", "-m", "pip", "install", "--quiet", *how, os.fspath(wheel)], folder)
+    for command in USES:
+        sys.stdout.write(f"dist: {' '.join(command)}\n")
+        sys.stdout.flush()
+        run([f"{place_bin}/{command[0]}", *command[1:]], folder)
+    run([f"{place_bin}/python", "-c", IMPORTS], folder)
+    if missing := [name for name in MADE if not (folder / name).is_file()]:
+        raise FailedError(f"made no {', '.join(missing)}")
