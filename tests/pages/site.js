@@ -33,6 +33,7 @@ let failed = pages.length === 0;
 for (const width of WIDTHS) {
   for (const scheme of SCHEMES) {
     const { page, wrong } = await opened(browser, width, scheme);
+    page.setDefaultNavigationTimeout(0); // a busy machine is no fault of a page
     page.on("request", (one) => {
       if (!/^(file|data|blob):/.test(one.url())) wrong.push(`network: ${one.url()}`);
     });
