@@ -37,7 +37,7 @@ demo: $(VENV)/.installed
 	$(BIN)/mjforage compare comb-port --policy greedy --policy levy --episodes 20 --jobs 2 --out runs/demo
 	$(BIN)/mjforage render runs/demo --world physics --policy greedy --duration 600 --fps 15 --width 960 --height 540 -o runs/demo/port.mp4
 
-# The mark `slow` is set by measured CPU time; every run of tests names those that lack it.
+# `slow` is what stands in tests/slow.txt: `$(BIN)/pytest -n 2 --measure` writes it anew.
 quick: $(VENV)/.installed-dev
 	$(BIN)/pytest -n 2 --dist worksteal -m 'not slow'
 

@@ -1,21 +1,64 @@
-"""CPU seconds of each test, its processes included, and which tests want the mark `slow`.
+"""CPU seconds of each test, its processes included, and which tests `make quick` leaves out.
 
-CPU time, because wall time on a busy machine says nothing of a test. A fixture's time stands with
-the first test that asks for it.
+`tests/slow.txt` names the tests that take more than `BOUND_S`; they have the mark `slow`. It is
+written by `pytest --measure`, from what that run measured: `pytest -n 2 --measure` for all. Every
+run names tests that are not in it and took more than twice the bound, so that it does not go stale.
+
+CPU time, because wall time on a busy machine says nothing of a test; no result depends on it. A
+fixture's time stands with the first test that asks for it.
 """
 
-import json
-from collections.abc import Iterator
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 import psutil
 import pytest
 
-BOUND_S = 1.0
-"""What a test may take, its fixtures counted, without the mark `slow` [CPU s]."""
+BOUND_S = 0.3
+"""What a test may take, its fixtures counted, to be quick [CPU s]."""
+
+LIST = Path(__file__).with_name("slow.txt")
+HEAD = f"""# Tests above {BOUND_S} CPU seconds, which `make quick` leaves out.
+# Written by `pytest --measure`, which mends what it runs: one line for a test, all its parameters.
+"""
+MEASURED = "cpu_s"
 
 
-def spent() -> float:
+def name_of(nodeid: str) -> str:
+    """Return a test's name without its parameters."""
+    return nodeid.partition("[")[0]
+
+
+def listed() -> frozenset[str]:
+    """Return the names of slow tests."""
+    lines = LIST.read_text("utf-8").splitlines() if LIST.exists() else []
+    return frozenset(line for line in lines if line and not line.startswith("#"))
+
+
+def renewed(before: Iterable[str], measured: Mapping[str, float]) -> list[str]:
+    """Return the list after a run.
+
+    Parameters
+    ----------
+    before : names of slow tests until now
+    measured : name -> most that a test of that name took [CPU s]; others keep their place
+    """
+    kept = {name for name in before if name not in measured and stands(name)}
+    return sorted(kept | {name for name, spent in measured.items() if spent > BOUND_S})
+
+
+def stands(name: str) -> bool:
+    """Whether there is a test of that name, by the text of its file."""
+    path, _, function = name.partition("::")
+    file = LIST.parent.parent / path
+    function = function.rpartition("::")[2] or function
+    return file.is_file() and bool(
+        re.search(rf"^\s*def {function}\(", file.read_text("utf-8"), re.MULTILINE)
+    )
+
+
+def spent_s() -> float:
     """Return the CPU time of this process, of its children and of those that ended [s]."""
     here = psutil.Process()
     total = 0.0
@@ -27,39 +70,55 @@ def spent() -> float:
     return total
 
 
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_setup(item: pytest.Item) -> Iterator[None]:
-    """Take the time of fixtures."""
-    before = spent()
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Take the option `--measure`."""
+    parser.addoption("--measure", action="store_true", help=f"renew tests/{LIST.name}")
+
+
+@pytest.hookimpl(tryfirst=True)  # before `-m` chooses
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Give the mark `slow` to what the list names."""
+    slow = listed()
+    for item in items:
+        if name_of(item.nodeid) in slow:
+            item.add_marker("slow")
+
+
+def _timed(item: pytest.Item) -> Iterator[None]:
+    before = spent_s()
     try:
         yield
     finally:
-        item.user_properties.append(("setup_s", round(spent() - before, 3)))
+        item.user_properties.append((MEASURED, spent_s() - before))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_setup(item: pytest.Item) -> Iterator[None]:
+    """Take the time of fixtures."""
+    yield from _timed(item)
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
     """Take the time of the test."""
-    before = spent()
-    try:
-        yield
-    finally:
-        item.user_properties.append(("call_s", round(spent() - before, 3)))
-        item.user_properties.append(("slow", item.get_closest_marker("slow") is not None))
-
-
-def pytest_addoption(parser: pytest.Parser) -> None:
-    """Take the option `--cpu-seconds FILE`."""
-    parser.addoption("--cpu-seconds", metavar="FILE", help="write CPU seconds of each test (JSON)")
+    yield from _timed(item)
 
 
 def pytest_terminal_summary(
     terminalreporter: pytest.TerminalReporter, config: pytest.Config
 ) -> None:
-    """Write the times, and name tests above the bound that have no mark."""
-    found = {}
-    for report in (report for reports in terminalreporter.stats.values() for report in reports):
+    """Renew the list if asked to, and name what is far above the bound and not in it."""
+    measured: dict[str, float] = {}
+    for report in (one for kind in terminalreporter.stats.values() for one in kind):
         if getattr(report, "when", None) == "call":
-            found[report.nodeid] = dict(report.user_properties)
-    if file := config.getoption("--cpu-seconds"):
-        Path(file).write_text(json.dumps(found, indent=0))
+            spent = sum(value for key, value in report.user_properties if key == MEASURED)
+            name = name_of(report.nodeid)
+            measured[name] = max(measured.get(name, 0.0), spent)
+    if config.getoption("--measure"):
+        LIST.write_text(HEAD + "".join(f"{name}\n" for name in renewed(listed(), measured)))
+    slow = listed()
+    late = {n: spent for n, spent in measured.items() if n not in slow and spent > 2 * BOUND_S}
+    if late:
+        terminalreporter.section(f"not in tests/{LIST.name} (pytest --measure mends it)")
+    for name, spent in sorted(late.items(), key=lambda item: -item[1])[:30]:
+        terminalreporter.write_line(f"{spent:6.1f} CPU s  {name}")

@@ -15,18 +15,17 @@ from pathlib import Path
 
 from tests.documents.blocks import REPOSITORY, SHELL, Block, blocks, pages
 
-PROGRAM = """#!/bin/sh
-exec "$PYTHON_OF_DOCUMENTS" -m mjforage "$@"
-"""
+PROGRAMS = {"mjforage": "-m mjforage", "python": ""}
+"""Name -> what this Python is given to be it."""
 
 
 def surroundings(folder: Path) -> dict[str, str]:
-    """Make a command `mjforage` of this checkout in a folder, and return what finds it."""
+    """Make commands of this checkout in a folder, and return what finds them."""
     place = folder / ".bin"
     place.mkdir()
-    (place / "mjforage").write_text(PROGRAM)
-    (place / "mjforage").chmod(0o755)
-    (place / "python").symlink_to(sys.executable)
+    for name, given in PROGRAMS.items():
+        (place / name).write_text(f'#!/bin/sh\nexec "$PYTHON_OF_DOCUMENTS" {given} "$@"\n')
+        (place / name).chmod(0o755)
     path = f"{place}{os.pathsep}{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     told = {"PYTHONPATH": os.fspath(REPOSITORY), "PYTHON_OF_DOCUMENTS": sys.executable}
     return {**os.environ, **told, "PATH": path}

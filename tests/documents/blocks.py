@@ -2,11 +2,12 @@
 
 A comment on the line before a fence, which no reader sees, says what is to be done with the block:
 
-    <!-- long -->                         over a minute: run by `python -m tests.documents`
+    <!-- long -->                         over a minute: run by `python -m tests.documents`;
+                                          how long, if said, follows: `<!-- long: an hour -->`
     <!-- not run by the tests: REASON --> needs what no test has, such as several machines
 
-Every fence names its language: what is `sh` or `python` is run, others are data. A block whose first line is a
-comment with a file's name, `# my_policies.py`, is that file.
+Every fence names its language: what is `sh` or `python` is run, others are data. A
+block whose first line is a comment with a file's name, `# my_policies.py`, is that file.
 """
 
 import re
@@ -15,13 +16,13 @@ from pathlib import Path
 
 REPOSITORY = Path(__file__).parents[2]
 SHELL = "sh"
-LANGUAGES = (SHELL, "python", "toml", "text", "json", "csv", "bibtex", "mermaid")
+LANGUAGES = (SHELL, "python", "toml", "text", "json", "csv", "bibtex", "console")
 
 _FENCE = re.compile(
     r"^(?P<indent> *)```(?P<language>[^\n`]*)\n(?P<text>.*?)^(?P=indent)```$",
     re.MULTILINE | re.DOTALL,
 )
-_MARK = re.compile(r"<!-- (?P<mark>long|not run by the tests: \S.*) -->")
+_MARK = re.compile(r"<!-- (?P<mark>long(: \S.*)?|not run by the tests: \S.*) -->")
 _FILE = re.compile(r"# (?P<name>[\w-]+\.\w+)\n")
 
 
@@ -33,7 +34,7 @@ class Block:
     line: int  # of its opening fence, from 1
     language: str
     text: str
-    mark: str = ""  # `long`, or `not run by the tests: REASON`
+    mark: str = ""  # `long`, `long: HOW LONG`, or `not run by the tests: REASON`
 
     def __str__(self) -> str:
         return f"{self.page}:{self.line}"
@@ -41,7 +42,7 @@ class Block:
     @property
     def long(self) -> bool:
         """Whether it takes over a minute."""
-        return self.mark == "long"
+        return self.mark.startswith("long")
 
     @property
     def runs(self) -> bool:

@@ -55,13 +55,18 @@ def test_blocks_have_lines_languages_marks_and_files() -> None:
     ]
 
 
+def test_a_mark_may_say_how_long() -> None:
+    (block,) = blocks("page.md", "<!-- long: two hours -->\n```sh\nls\n```\n")
+    assert block.long and not block.runs
+
+
 def test_a_mark_with_a_slip_is_none() -> None:
     (block,) = blocks("page.md", "<!-- too long -->\n```sh\nls\n```\n")
     assert block.runs
 
 
 def test_pages_are_those_that_are_written() -> None:
-    assert {"README.md", "docs/extending.md", "docs/policies/mappo.md"} <= set(pages())
+    assert {"README.md", "docs/start.md", "docs/policies/mappo.md"} <= set(pages())
     assert not [page for page in pages() if "/_" in page]
 
 
@@ -96,9 +101,8 @@ def test_numbers_are_cut_but_never_raised() -> None:
 def test_long_blocks_run_after_what_they_need(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    page = (
-        "```python\n# mine.py\nprint(2 + 3)\n```\n\n<!-- long -->\n```sh\npython mine.py | cat\n```\n"
-    )
+    module = "```python\n# mine.py\nprint(2 + 3)\n```\n"
+    page = f"{module}\n<!-- long -->\n```sh\npython mine.py | cat\n```\n"
     monkeypatch.setattr(long_blocks, "blocks", lambda name: blocks(name, page))
     assert long_blocks.run_page("page.md", tmp_path) == []
     assert capfd.readouterr().out.splitlines()[0] == "5"

@@ -5,35 +5,35 @@ from pathlib import Path
 import numpy as np
 import pytest
 from safetensors import safe_open
-from torch import from_numpy
+from safetensors.numpy import save_file
 
 from graph_planner.weights import shipped_weights
-from mjforage.learning.training.files import save_tensors
 from tests.packaging.rounding import DROPPED, round_file, rounded
 
-ROUNDED = ("ddqn-link", "mappo")
+ROUNDED = ("ddqn-reward", "mappo")
 
 
 @pytest.mark.parametrize("name", ROUNDED)
 def test_it_ships_rounded(name: str) -> None:
     with safe_open(shipped_weights(name), "np") as file:
-        for tensor in (file.get_tensor(key) for key in file.keys()):  # noqa: SIM118
+        for tensor in (file.get_tensor(key) for key in list(file.keys())):
             assert not (tensor.view(np.uint32) % 2**DROPPED).any()
 
 
 def test_rounding_is_to_the_nearest() -> None:
     values = np.random.default_rng(1).normal(size=1000).astype(np.float32)
     error = np.abs(rounded(values) / values - 1.0)
-    assert 2.0**-18 < error.max() <= 2.0**-16
+    assert 2.0**-16 < error.max() <= 2.0**-14
     np.testing.assert_array_equal(rounded(rounded(values)), rounded(values))
     np.testing.assert_array_equal(rounded(-values), -rounded(values))
-    assert rounded(np.float32([0.0, 1.0, -2.5])).tolist() == [0.0, 1.0, -2.5]
+    exact = np.array([0.0, 1.0, -2.5], np.float32)
+    assert rounded(exact).tolist() == exact.tolist()
 
 
 def test_a_file_keeps_its_names_shapes_and_note(tmp_path: Path) -> None:
     path = tmp_path / "some.safetensors"
     tensors = {"a": np.full((2, 3), np.pi, np.float32), "b": np.ones(4, np.float32)}
-    save_tensors(path, {name: from_numpy(t) for name, t in tensors.items()}, ("note", "text"))
+    save_file(tensors, path, metadata={"note": "text"})
     round_file(path)
     with safe_open(path, "np") as file:
         assert file.metadata() == {"note": "text"}

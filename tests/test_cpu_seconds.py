@@ -1,0 +1,61 @@
+"""The list of slow tests: names that are there, and what a run does to it."""
+
+from pathlib import Path
+
+import pytest
+
+from tests import cpu_seconds
+from tests.cpu_seconds import BOUND_S, LIST, listed, renewed, stands
+
+HERE = "tests/test_cpu_seconds.py"
+MINE = f"{HERE}::test_every_name_is_of_a_test"
+OTHER = f"{HERE}::test_a_run_mends_what_it_ran"
+
+pytest_plugins = ["pytester"]
+
+
+def test_every_name_is_of_a_test() -> None:
+    assert [name for name in listed() if not stands(name)] == []
+    assert listed() == frozenset(renewed(listed(), {})), "the list is sorted and whole"
+
+
+def test_names_that_are_none_do_not_stand() -> None:
+    assert stands(MINE)
+    assert not stands(f"{HERE}::test_every_name")
+    assert not stands("tests/test_none.py::test_every_name_is_of_a_test")
+
+
+def test_a_run_mends_what_it_ran() -> None:
+    gone = f"{HERE}::test_that_was_renamed"
+    assert renewed([MINE, gone], {}) == [MINE]
+    assert renewed([MINE], {MINE: BOUND_S, OTHER: 2 * BOUND_S}) == [OTHER]
+    assert renewed([MINE], {OTHER: 0.0}) == [MINE]
+
+
+def test_a_listed_test_is_left_out_and_an_unlisted_one_named(
+    pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    held = tmp_path / LIST.name
+    held.write_text("# head\ntest_made.py::test_slow\n")
+    monkeypatch.setattr(cpu_seconds, "LIST", held)
+    monkeypatch.setattr(cpu_seconds, "BOUND_S", -1.0)
+    pytester.makepyfile(
+        test_made="""
+        import pytest
+
+        @pytest.mark.parametrize("n", [1, 2])
+        def test_slow(n):
+            pass
+
+        def test_other():
+            pass
+        """
+    )
+    options = ("-p", "no:cacheprovider", "-W", "ignore")
+    told = pytester.inline_run(*options, "-m", "not slow", plugins=[cpu_seconds])
+    told.assertoutcome(passed=1)
+    pytester.inline_run(*options, "--measure", plugins=[cpu_seconds])
+    assert held.read_text().splitlines()[2:] == [
+        "test_made.py::test_other",
+        "test_made.py::test_slow",
+    ]
