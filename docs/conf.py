@@ -54,7 +54,7 @@ html_last_updated_fmt = None  # the same pages give the same bytes
 html_sidebars = {"start": [], "gallery": [], "contributing": [], "changelog": []}
 html_context = {"default_mode": "auto"}
 html_theme_options = {
-    "header_links_before_dropdown": 8,
+    "header_links_before_dropdown": 7,
     "navigation_with_keys": False,
     "show_toc_level": 2,
     "navigation_depth": 3,

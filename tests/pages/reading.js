@@ -23,7 +23,8 @@ export const overflow = (page) => page.evaluate(() => {
 export const small = (page) => page.evaluate((least) => {
   const own = (node) => [...node.childNodes].some((one) => one.nodeType === 3 && one.data.trim());
   const found = [...document.querySelectorAll("body *")].filter((node) => (
-    node.checkVisibility() && own(node) && parseFloat(getComputedStyle(node).fontSize) < least));
+    node.checkVisibility() && own(node) && !node.closest("math") // whose indices are small
+    && parseFloat(getComputedStyle(node).fontSize) < least));
   return [...new Set(found.map((node) => (
     `<${node.localName} class="${node.className}"> at ${getComputedStyle(node).fontSize}`)))];
 }, SMALLEST_PX);
