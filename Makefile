@@ -3,7 +3,7 @@
 # `make test`: all tests and checks of the sources, and the site.
 # `make dist`: a wheel and an sdist in dist/, checked, installed elsewhere and used.
 # `make docs`: the site, under build/site; open build/site/index.html. `make links`: its links to other sites.
-# `make pages`: whether report pages can be read and worked by everybody, in headless Chromium.
+# `make pages`: whether report pages and the site can be read and worked by everybody, in headless Chromium.
 # `make mutants`: whether every single fault of the physics is noticed; half an hour.
 PYTHON ?= python3
 VENV := .venv
@@ -87,7 +87,7 @@ links: $(VENV)/.installed-docs
 	$(SPHINX) --builder linkcheck docs build/links
 
 # Chromium and npm are not Python's: on Debian `chromium` and `npm`.
-pages: $(VENV)/.installed-dev
+pages: $(VENV)/.installed-dev docs
 	npm install --prefix tests/pages --no-package-lock --no-audit --no-fund
 	rm -rf $(VENV)/pages
 	$(BIN)/mjforage compare comb-port --policy greedy --policy levy --episodes 2 \
@@ -99,6 +99,7 @@ pages: $(VENV)/.installed-dev
 	$(BIN)/mjforage report $(VENV)/pages/run $(VENV)/pages/other --out $(VENV)/pages/both
 	node tests/pages/check.js $(VENV)/pages/run/report.html $(VENV)/pages/study/report.html \
 		$(VENV)/pages/both/report.html
+	node tests/pages/site.js build/site
 
 clean:
 	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis

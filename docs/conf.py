@@ -3,7 +3,7 @@
 A page is Markdown that a plain viewer of the checkout shows as well. Links are paths of the
 checkout: to another page (`../physics.md#limits`), or to any file of the repository
 (`../models/scenarios/comb-port.toml`), which the site then holds a copy of. A page of this folder
-joins the site by the toctree of its section's `index.md`, most by a pattern.
+joins the site by the toctree of its section, in `index.md`; one that is in none is an error.
 """
 
 import sys
@@ -28,7 +28,6 @@ extensions = [
 exclude_patterns = ["_site"]
 nitpicky = True
 nitpick_ignore_regex = [("py:.*", ".*")]  # names in annotations, of libraries and of ours
-suppress_warnings = ["toc.not_readable"]  # pages that are being written; to go once they are here
 
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 4
@@ -39,7 +38,6 @@ default_role = "code"  # our docstrings mark names with single backticks
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
 python_use_unqualified_type_names = True
-python_maximum_signature_line_length = 80
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False
 
@@ -51,11 +49,12 @@ html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sourcelink = False
 html_show_sphinx = False
+html_show_search_summary = False  # scripts may not read pages that were opened as files
 html_last_updated_fmt = None  # the same pages give the same bytes
 html_sidebars = {"start": [], "gallery": [], "contributing": [], "changelog": []}
 html_context = {"default_mode": "auto"}
 html_theme_options = {
-    "header_links_before_dropdown": 8,
+    "header_links_before_dropdown": 7,
     "navigation_with_keys": False,
     "show_toc_level": 2,
     "navigation_depth": 3,

@@ -15,7 +15,7 @@ def inline(self: HTML5Translator, node: nodes.math) -> None:
 
 def block(self: HTML5Translator, node: nodes.math_block) -> None:
     """An equation of its own, which a narrow window scrolls."""
-    self.body.append(self.starttag(node, "div", CLASS="equation"))
+    self.body.append(self.starttag(node, "div", CLASS="equation", tabindex="0"))
     self.body.append(tex2mathml(node.astext().strip(), as_block=True))
     self.body.append("</div>\n")
     raise nodes.SkipNode

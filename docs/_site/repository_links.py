@@ -1,8 +1,8 @@
 """Links to Markdown files that lie outside docs/ and are pages of the site.
 
-Such a file is included by a page of this folder. In a checkout a link to it names the file; on the
-site it leads to that page. Links to other files of the repository need no rule: the site holds
-copies of them.
+A page that is nothing but an `{include}` of such a file has its text, with its links. In a checkout
+a link to the file names the file; on the site it leads to that page. Links to other files of the
+repository need no rule: the site holds copies of them.
 """
 
 import os
@@ -19,19 +19,27 @@ PAGES = {  # file of the repository -> page of the site that has its text
     "CONTRIBUTING.md": "contributing",
     "models/weights/README.md": "policies/weights",
 }
-_TARGET = re.compile(r"\]\((?P<path>[^()\s:#]+\.md)(?=[#)])")
+_TARGET = re.compile(r"\]\((?P<path>[^()\s:#]+)(?=[#)])")
+_INCLUDE = re.compile(r"```\{include\} (?P<path>\S+)\n```\s*")
 
 
 def to_pages(app: Sphinx, name: str, content: list[str]) -> None:
     """Turn such links of a page that is about to be parsed, in place."""
-    folder = Path(app.env.doc2path(name)).parent
+    folder = base = Path(app.env.doc2path(name)).parent
+    if included := _INCLUDE.fullmatch(content[0]):
+        file = (folder / included["path"]).resolve()
+        app.env.note_dependency(os.fspath(file))
+        content[0], base = file.read_text(encoding="utf-8"), file.parent
 
     def turned(match: re.Match[str]) -> str:
-        path = (folder / match["path"]).resolve()
-        page = PAGES.get(os.path.relpath(path, ROOT).replace(os.sep, "/"))
-        return f"](/{page}.md" if page else match[0]
+        there = (base / match["path"]).resolve()
+        page = PAGES.get(os.path.relpath(there, ROOT).replace(os.sep, "/"))
+        path = os.path.relpath(there, folder).replace(os.sep, "/")
+        if page:
+            return f"](/{page}.md"
+        return f"]({path}" if included else match[0]
 
-    content[:] = [_TARGET.sub(turned, text) for text in content]
+    content[0] = _TARGET.sub(turned, content[0])
 
 
 def setup(app: Sphinx) -> ExtensionMetadata:

@@ -1,42 +1,11 @@
 // node check.js PAGE.html...: opens pages in headless Chromium as a phone and a desk do, light and
 // dark, and says what is wrong. CHROMIUM names the browser if it is not `chromium` on the PATH.
-import { execFileSync } from "node:child_process";
-import { readFileSync } from "node:fs";
-import { createRequire } from "node:module";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
-import { chromium } from "playwright-core";
+import { launched, opened, overflow, SCHEMES, small, violations, WIDTHS } from "./reading.js";
 import { replay } from "./replay.js";
 
-const WIDTHS = [1280, 390];
-const SCHEMES = ["light", "dark"];
-const SMALLEST_PX = 12;
 const MOST_STOPS = 2000; // of the tab key on a page
-const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-
-const overflow = (page) => page.evaluate(() => {
-  const more = document.documentElement.scrollWidth - document.documentElement.clientWidth;
-  const heads = [...document.querySelectorAll("thead th")];
-  const out = heads.filter((head) => head.checkVisibility() && head.scrollWidth > head.clientWidth + 1);
-  return [
-    ...(more > 0 ? [`${more} px wider than the window`] : []),
-    ...out.map((head) => `words out of a head: ${head.textContent}`),
-  ];
-});
-
-const small = (page) => page.evaluate((least) => {
-  const own = (node) => [...node.childNodes].some((one) => one.nodeType === 3 && one.data.trim());
-  const found = [...document.querySelectorAll("body *")].filter((node) => (
-    node.checkVisibility() && own(node) && parseFloat(getComputedStyle(node).fontSize) < least));
-  return [...new Set(found.map((node) => (
-    `<${node.localName} class="${node.className}"> at ${getComputedStyle(node).fontSize}`)))];
-}, SMALLEST_PX);
-
-const violations = async (page) => {
-  await page.evaluate(axe);
-  return page.evaluate(async () => (await globalThis.axe.run()).violations.map((one) => (
-    `${one.id} (${one.impact}), ${one.nodes.length} times: ${one.nodes[0].html.slice(0, 160)}`)));
-};
 
 /* Stops of the tab key, in their order: whether each comes after the one before, and where it is. */
 const stops = async (page) => {
@@ -109,26 +78,19 @@ const sorting = (page) => page.evaluate(() => {
 const CHECKS = { overflow, "small print": small, axe: violations, "tab order": tabs, sorting, replay };
 
 const check = async (browser, file, width, scheme) => {
-  const viewport = { width, height: width < 600 ? 844 : 800 };
-  const context = await browser.newContext({ viewport, colorScheme: scheme });
-  const page = await context.newPage();
-  const wrong = [];
-  page.on("console", (said) => said.type() === "error" && wrong.push(`console: ${said.text()}`));
-  page.on("pageerror", (error) => wrong.push(`script: ${error}`));
+  const { page, wrong } = await opened(browser, width, scheme);
   await page.goto(pathToFileURL(resolve(file)).href);
   await page.evaluate(() => document.querySelectorAll("details").forEach((one) => { one.open = true; }));
   await page.waitForTimeout(500); // until what watches sizes has had its turn
   for (const [name, found] of Object.entries(CHECKS)) {
     wrong.push(...(await found(page)).map((words) => `${name}: ${words}`));
   }
-  await context.close();
+  await page.context().close();
   return wrong;
 };
 
 const files = process.argv.slice(2);
-const executablePath = process.env.CHROMIUM
-  || execFileSync("which", ["chromium"], { encoding: "utf8" }).trim();
-const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
+const browser = await launched();
 let failed = files.length === 0;
 for (const file of files) {
   for (const width of WIDTHS) {
