@@ -60,7 +60,7 @@ def test_gains_towards_the_unseen_by_all_unseen_nodes(seed: int, share: float) -
     view = Egocentric(TASK)
     view.reset(1)
     moves = view.see(observation_of(TASK, cells, {}, last_seen, step=31), ROW)["moves"][0]
-    distance = GRAPH.distances
+    distance = GRAPH.distances.astype(np.float64)  # gains are differences of these in float64
     for a, node in enumerate(nodes):
         for move in range(9):
             end = TASK.arrays.targets[TASK.arrays.stride_number[a], node, move]
