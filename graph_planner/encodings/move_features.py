@@ -81,7 +81,7 @@ def _nearest(there: Float32Array, nodes: Int32Array, size: int) -> float:
 @inlined
 def _pull(distance: np.float32) -> float:
     """`FADING` to the power of a distance, which is rounded down; 0 from 40 nodes on."""
-    return _PULLS[np.uint64(min(distance, np.float32(_PULLS.size - 1)))]
+    return float(_PULLS[np.uint64(min(distance, np.float32(_PULLS.size - 1)))])
 
 
 @kernel
