@@ -12,6 +12,7 @@ from graph_planner.visibility import NodeLists
 
 REACH = 7  # nodes to each side in the crop
 COARSE = 16  # cells per side of the coarse map
+WORD = 8  # places that are looked at at once, a byte each
 
 
 class Chart(NamedTuple):
@@ -19,12 +20,15 @@ class Chart(NamedTuple):
 
     framed: Int32Array  # (row + 2 REACH, column + 2 REACH) node of each cell, on land their number
     place: Int32Array  # (node,) its place in a map with a frame of one cell, all in one axis
+    water_at: Levels  # (place,) 1 on water; some more than the map has, to fill the last word
+    node_at: Int32Array  # (place,) the node there, 0 on land
     width: int  # columns of that map
     coarse: Int32Array  # (node,) cell of the coarse map
     wet: Int32Array  # (wet cell,) cells of the coarse map with water
     start: Int32Array  # (wet cell + 1,) where the nodes of each begin in `nodes`
     nodes: Int32Array  # (node,) by wet cells, ascending in each
     water: Levels  # (wet cell,) level of the share of water
+    extent: Int32Array  # (COARSE^2,) nodes of each cell
     views: NodeLists
     disc: NDArray[np.int64]  # (radius,) nodes in view on open water
 
@@ -40,20 +44,22 @@ class Chart(NamedTuple):
         wet, nodes = np.unique(coarse, return_counts=True)
         node_of_cell = np.where(graph.navigable, graph.node_of_cell, len(graph))
         discs = graph.discs(task.view_radii)
+        place = ((graph.rows + 1) * (width + 2) + graph.cols + 1).astype(np.int32)
+        places = -(-(height + 2) * (width + 2) // WORD) * WORD
+        water_at, node_at = np.zeros(places, np.uint8), np.zeros(places, np.int32)
+        water_at[place], node_at[place] = 1, np.arange(len(graph))
         return cls(
             framed=np.pad(node_of_cell, REACH, constant_values=len(graph)).astype(np.int32),
-            place=((graph.rows + 1) * (width + 2) + graph.cols + 1).astype(np.int32),
+            place=place,
+            water_at=water_at,
+            node_at=node_at,
             width=width + 2,
             coarse=coarse.astype(np.int32),
             wet=wet.astype(np.int32),
             start=np.concatenate(([0], np.cumsum(nodes))).astype(np.int32),
             nodes=np.argsort(coarse, kind="stable").astype(np.int32),
             water=(TOP * nodes // area[wet]).astype(np.uint8),
+            extent=np.bincount(coarse, minlength=COARSE**2).astype(np.int32),
             views=task.views,
             disc=np.diff(discs.start, axis=1).max(axis=1).astype(np.int64),
         )
-
-    @property
-    def places(self) -> int:
-        """Cells of the map with a frame of one cell."""
-        return int(self.place[-1]) + self.width + 2

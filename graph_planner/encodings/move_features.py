@@ -29,7 +29,7 @@ from graph_planner.compiled import inlined, kernel
 from graph_planner.encodings.chart import Chart
 from graph_planner.encodings.encoder import TOP, Levels, item_level
 from graph_planner.encodings.masks import legal_end
-from graph_planner.encodings.samples import Distances, measure, row_from
+from graph_planner.encodings.samples import Distances, row_from
 from graph_planner.encodings.shared_fields import Fields
 from graph_planner.geodesics import FAR, Float32Array, Int32Array
 from graph_planner.navigation import STAY
@@ -44,7 +44,7 @@ MIDDLE, PER_NODE, PER_ATTRACTION = 128, 40.0, 32.0
 FADING = 0.85  # estimate: half is left after four nodes
 
 
-_POWERS = np.power(FADING, np.arange(40)).astype(np.float64)
+_PULLS = np.append(np.power(FADING, np.arange(40.0)), 0.0)  # of an item, by its distance [node]
 _PARTS = np.float32(2.0**23)  # of a node, which distances are multiples of
 
 
@@ -55,39 +55,50 @@ def _changed(gain: float, per_unit: float) -> int:
 
 
 @kernel
-def _mean_gain(
-    here: Float32Array, table: Float32Array, row: int, nodes: Int32Array, size: int
-) -> float:
-    """By how much nearer the first `size` nodes are in a row of the table than `here` (place,).
+def _mean_gain(here: Float32Array, there: Float32Array, nodes: Int32Array, size: int) -> float:
+    """By how much nearer the first `size` nodes are in `there` (node,) than in `here` (place,).
 
     On average [node]. The sum is one of whole numbers, which can be formed side by side: distances
     are 0 or at least 1, and so float32 multiples of 2^-23.
     """
     total = np.int64(0)
     for i in range(size):
-        nearer = here[i] - table[row, np.uint64(nodes[i])]
+        nearer = here[i] - there[np.uint64(nodes[i])]
         total += np.int64(nearer * _PARTS)
     return float(total / 2.0**23 / max(1, size))
 
 
 @kernel
-def _nearest(table: Float32Array, row: int, nodes: Int32Array, size: int) -> float:
-    """Distance, in a row of a table, to the nearest of the first `size` nodes, or inf."""
+def _nearest(there: Float32Array, nodes: Int32Array, size: int) -> float:
+    """Distance, in `there` (node,), to the nearest of the first `size` nodes, or inf."""
     shortest = np.float32(np.inf)
     for i in range(size):
-        distance = table[row, np.uint64(nodes[i])]
+        distance = there[np.uint64(nodes[i])]
         shortest = distance if distance < shortest else shortest
     return np.float64(shortest)
 
 
+@inlined
+def _pull(distance: np.float32) -> float:
+    """`FADING` to the power of a distance, which is rounded down; 0 from 40 nodes on."""
+    return float(_PULLS[np.uint64(min(distance, np.float32(_PULLS.size - 1)))])
+
+
 @kernel
-def _attraction(distances: Float32Array, size: int) -> float:
-    """Sum of `FADING` to the power of each of the first `size` distances, rounded down."""
+def _attraction(there: Float32Array, nodes: Int32Array, size: int) -> float:
+    """Sum of the pulls of the first `size` nodes at their distances in `there` (node,)."""
     total = 0.0
     for i in range(size):
-        distance = int(distances[i])
-        if distance < _POWERS.size:
-            total += _POWERS[distance]
+        total += _pull(there[np.uint64(nodes[i])])
+    return total
+
+
+@kernel
+def _attraction_here(here: Float32Array, size: int) -> float:
+    """Sum of the pulls at the first `size` distances (place,)."""
+    total = 0.0
+    for i in range(size):
+        total += _pull(here[i])
     return total
 
 
@@ -107,20 +118,20 @@ def describe_moves(
     arrays: TaskArrays,
     chart: Chart,
     fields: Fields,
+    way: Float32Array,
     distances: Distances,
-    there: Float32Array,
     out: Levels,
 ) -> None:
     """Fill the features (agent, 9, feature) of all agents' moves in row e.
 
     Parameters
     ----------
-    there : (MOST_SAMPLES,) memory
+    way : (node,) of `Ways`
     """
     neighbours, belief, agent_node = arrays.neighbours, seen.belief[e], seen.agent_node[e]
     targets, number, energy = arrays.targets, arrays.stride_number, seen.energy_left[e]
     rows, cols, radius_number = arrays.rows, arrays.cols, arrays.radius_number
-    idle, way, unseen_way = fields.idle, fields.way, fields.unseen_way
+    idle, unseen_way = fields.idle, fields.unseen_way
     items, unseen, due = fields.some_items, fields.some_unseen, fields.some_due
     item_nodes, unseen_nodes, due_nodes = items.nodes, unseen.nodes, due.nodes
     n_items, n_unseen, n_due = items.size[0], unseen.size[0], due.size[0]
@@ -131,7 +142,7 @@ def describe_moves(
     table, whole = distances.rows.distance, arrays.distances.shape[0] > 0
     for a in range(agent_node.size):
         node, radius = agent_node[a], radius_number[a]
-        attraction = _attraction(item_here[a], n_items)
+        attraction = _attraction_here(item_here[a], n_items)
         for move in range(9):
             end = legal_end(targets, number[a], rows, cols, node, move, energy[a])
             if end < 0:
@@ -150,21 +161,20 @@ def describe_moves(
             out[a, move, 2] = _changed(gain, PER_NODE)
             gain = unseen_way[a, STAY] - unseen_way[a, move] if unseen_way[a, STAY] < FAR else 0.0
             out[a, move, 4] = _changed(gain, PER_NODE)
-            row = row_from(distances, whole, neighbours, end)
-            gain = _mean_gain(item_here[a], table, row, item_nodes, n_items)
+            there = table[row_from(distances, whole, neighbours, end)]
+            gain = _mean_gain(item_here[a], there, item_nodes, n_items)
             out[a, move, 5] = _changed(gain, PER_NODE)
-            gain = _mean_gain(unseen_here[a], table, row, unseen_nodes, n_unseen)
+            gain = _mean_gain(unseen_here[a], there, unseen_nodes, n_unseen)
             out[a, move, 6] = _changed(gain, PER_NODE)
             gain = 0.0
             if n_own_items[a] > 0:
-                gain = own_item_way[a] - _nearest(table, row, own_items[a], n_own_items[a])
+                gain = own_item_way[a] - _nearest(there, own_items[a], n_own_items[a])
             out[a, move, 7] = _changed(gain, PER_NODE)
-            measure(table, row, item_nodes, n_items, there)
-            gain = _attraction(there, n_items) - attraction
+            gain = _attraction(there, item_nodes, n_items) - attraction
             out[a, move, 8] = _changed(gain, PER_ATTRACTION)
-            gain = _mean_gain(due_here[a], table, row, due_nodes, n_due)
+            gain = _mean_gain(due_here[a], there, due_nodes, n_due)
             out[a, move, 9] = _changed(gain, PER_NODE)
             gain = 0.0
             if n_own_due[a] > 0:
-                gain = own_due_way[a] - _nearest(table, row, own_due[a], n_own_due[a])
+                gain = own_due_way[a] - _nearest(there, own_due[a], n_own_due[a])
             out[a, move, 10] = _changed(gain, PER_NODE)

@@ -67,8 +67,13 @@ def choose_evenly(candidates: Int32Array, count: int, sample: Sample) -> None:
     """Choose evenly among the first `count` candidates (candidate,)."""
     nodes, size = sample.nodes, min(count, MOST_SAMPLES)
     sample.size[0] = size
+    every, more = count // max(1, size), count % max(1, size)
+    place, rest = np.uint64(0), 0  # of i * count / size: divisions would take longer
     for i in range(size):
-        nodes[i] = candidates[np.uint64(i * count // size)]
+        nodes[i] = candidates[place]
+        place, rest = place + np.uint64(every), rest + more
+        if rest >= size:
+            place, rest = place + np.uint64(1), rest - size
 
 
 @kernel

@@ -17,25 +17,22 @@ from graph_planner.encodings.samples import (
     share_out,
 )
 from graph_planner.encodings.unseen import Unseen, list_nodes, nearest_is_itself
+from graph_planner.encodings.ways import Ways, find_ways, way_level
 from graph_planner.geodesics import (
-    FAR,
     Float32Array,
     Int32Array,
-    Workspace,
     distances_to_nearest,
-    spread,
 )
 from graph_planner.navigation import STAY
 from graph_planner.seeking import longest_move, possible_targets
 from graph_planner.task import Observation, Task, TaskArrays
 from graph_planner.visibility import NodeLists
 
-MOST_ROWS = 300  # of the table of distances that are compared; beyond it a search is quicker
 # Nodes to look at again are those to which an item that was believed near them may have drifted
-# unseen. The three numbers are estimates; DUE is in `unseen`.
+# unseen. The three numbers are estimates.
 AGAIN_RADIUS = 4.0  # how far from the believed item [node]
 AGAIN_GROWTH = 4.0  # seeing one again counts in full from idleness 1 / AGAIN_GROWTH on
-WAY_LEVELS = 2.0  # levels per node of distance: 0 from 127.5 nodes on
+DUE = 0.5  # from this much on a node is due to be looked at again
 IDLENESS, ITEMS, WAY, AGAIN = 0, 8, 16, 24  # where a node's levels stand in its 32 bits
 
 
@@ -43,13 +40,14 @@ class Fields(NamedTuple):
     """What all agents of a row share; scratch memory, written for every row."""
 
     idle: NDArray[np.float64]  # (node,) idleness
-    again: NDArray[np.float64]  # (node,) 0-1: items were believed near, and it is long unseen
-    way: Float32Array  # (node,) distance to the nearest known item [node], or inf
+    again: NDArray[np.float64]  # (place,) of `Nearby.nodes`: 0-1, the more the longer unseen
+    due: Int32Array  # (node,) nodes to look at again
     levels: NDArray[np.uint32]  # (node + 1,) four levels of each in 8 bits; of land, the last: 0
     targets: Int32Array  # (agent, 9) where moves would end, -1 if illegal; the last: its own node
     unseen_way: NDArray[np.float64]  # (agent, 9) from there to the nearest unseen node, or inf
     unseen: Unseen
     cell_items: NDArray[np.int64]  # (COARSE^2,) believed items
+    cell_again: NDArray[np.float64]  # (COARSE^2,) sum of `again`; 0 between looks
     some_items: Sample  # of the known nodes
     some_unseen: Sample  # of the nodes of idleness 1
     some_due: Sample  # of the nodes to look at again
@@ -61,110 +59,116 @@ class Fields(NamedTuple):
         return cls(
             idle=np.zeros(nodes),
             again=np.zeros(nodes),
-            way=np.zeros(nodes, np.float32),
+            due=np.zeros(nodes, np.int32),
             levels=np.zeros(nodes + 1, np.uint32),
             targets=np.zeros((agents, 9), np.int32),
             unseen_way=np.zeros((agents, 9)),
-            unseen=Unseen.of(nodes, chart.places),
+            unseen=Unseen.of(nodes, chart.water_at.size),
             cell_items=np.zeros(COARSE**2, np.int64),
+            cell_again=np.zeros(COARSE**2),
             some_items=Sample.empty(agents),
             some_unseen=Sample.empty(agents),
             some_due=Sample.empty(agents),
         )
 
 
+class Nearby(NamedTuple):
+    """Where items have been believed in the present episode of every row, and all around."""
+
+    believed: NDArray[np.bool_]  # (row, node) an item was believed there once
+    marked: NDArray[np.bool_]  # (row, node) or near it
+    nodes: Int32Array  # (row, node) the marked ones, ascending
+    size: Int32Array  # (row,) how many of them there are
+
+    @classmethod
+    def none_yet(cls, rows: int, nodes: int) -> "Nearby":
+        """Of so many rows, on a map of so many nodes."""
+        return cls(
+            np.zeros((rows, nodes), np.bool_),
+            np.zeros((rows, nodes), np.bool_),
+            np.zeros((rows, nodes), np.int32),
+            np.zeros(rows, np.int32),
+        )
+
+
 @kernel
 def remember_items(
-    rows: NDArray[np.int64],
-    seen: Observation,
-    around: NodeLists,
-    believed: NDArray[np.bool_],
-    near_item: NDArray[np.bool_],
+    rows: NDArray[np.int64], seen: Observation, around: NodeLists, nearby: Nearby
 ) -> None:
-    """Mark the surroundings of every node at which an item has ever been believed.
-
-    Parameters
-    ----------
-    believed, near_item : (row, node) the nodes themselves, and all around them; written
-    """
+    """Mark the surroundings of every node at which an item has ever been believed."""
     step, known, n_known = seen.step, seen.known, seen.n_known
-    start, nodes = around.start, around.nodes
+    believed, marked, nodes, size = nearby
+    start, those_around = around.start, around.nodes
     for e in rows:
         if step[e] <= 1:
-            believed[e] = False
-            near_item[e] = False
+            believed[e], marked[e], size[e] = False, False, 0
+        more = False
         for i in range(n_known[e]):
             node = known[e, i]
             if not believed[e, node]:
-                believed[e, node] = True
+                believed[e, node] = more = True
                 for k in range(start[0, node], start[0, node + 1]):
-                    near_item[e, nodes[k]] = True
-
-
-@inlined
-def way_level(distance: float) -> int:
-    """Level of a distance [node]: less the farther, 0 where there is no way."""
-    level = TOP - WAY_LEVELS * distance
-    return int(level if level > 0.0 else 0.0)
-
-
-@kernel
-def _age(
-    now: int,
-    last_seen: NDArray[np.int16],
-    forgetting: float,
-    near_item: NDArray[np.bool_],
-    idle: NDArray[np.float64],
-    again: NDArray[np.float64],
-) -> None:
-    """Idleness of every node, and how much it is to be looked at again."""
-    for node in range(idle.size):
-        age = (now - np.int64(last_seen[node])) * forgetting
-        idleness = 1.0 if age > 1.0 else age
-        grown = AGAIN_GROWTH * idleness
-        idle[node] = idleness
-        again[node] = (1.0 if grown > 1.0 else grown) if near_item[node] else 0.0
-
-
-@kernel
-def _ways(
-    neighbours: Int32Array,
-    table: Float32Array,
-    known: Int32Array,
-    workspace: Workspace,
-    way: Float32Array,
-) -> None:
-    """Distance of every node to the nearest known item: from the table, or by a search."""
-    way[:] = np.float32(np.inf)
-    if table.shape[0] > 0 and known.size <= MOST_ROWS:
-        for item in known:
-            row = table[item]
-            for node in range(way.size):
-                way[node] = row[node] if row[node] < way[node] else way[node]
-        return
-    distance, touched = workspace.distance, workspace.touched
-    count = spread(neighbours, known, np.empty(0, np.int32), workspace)
-    for i in range(count):
-        way[touched[i]] = np.float32(distance[touched[i]])
-        distance[touched[i]] = FAR
+                    marked[e, those_around[k]] = True
+        if more:
+            found = np.flatnonzero(marked[e])
+            size[e] = found.size
+            nodes[e, : found.size] = found
 
 
 @kernel
 def _level(
-    idle: NDArray[np.float64],
-    again: NDArray[np.float64],
+    now: int,
+    last_seen: NDArray[np.int16],
+    forgetting: float,
     way: Float32Array,
-    known: Int32Array,
-    belief: NDArray[np.int16],
+    idle: NDArray[np.float64],
     levels: NDArray[np.uint32],
 ) -> None:
-    """The four levels of every node in one number."""
+    """Idleness of every node, and its levels of idleness and way in one number."""
     for node in range(idle.size):
-        number = np.uint32(TOP * idle[node]) << IDLENESS
-        number |= np.uint32(way_level(np.float64(way[node]))) << WAY
-        levels[node] = number | np.uint32(TOP * again[node]) << AGAIN
-    for node in known:
-        levels[node] |= np.uint32(item_level(belief[node])) << ITEMS
+        age = (now - np.int64(last_seen[node])) * forgetting
+        idleness = 1.0 if age > 1.0 else age
+        idle[node] = idleness
+        number = np.uint32(TOP * idleness) << IDLENESS
+        levels[node] = number | np.uint32(way_level(np.float64(way[node]))) << WAY
+
+
+@kernel
+def _look_again(
+    nodes: Int32Array,
+    idle: NDArray[np.float64],
+    chart: Chart,
+    fields: Fields,
+    globe: Levels,
+) -> int:
+    """What is to be looked at again of the nodes near items of before; how many nodes are due.
+
+    Fills `again` and `due`, that level of each node, and channel 3 of the coarse map.
+
+    Parameters
+    ----------
+    nodes : (place,) of `Nearby`. Sums go through them in this order, on which rounding depends
+    globe : (channel, COARSE^2)
+    """
+    again, due, levels, cell_again = fields.again, fields.due, fields.levels, fields.cell_again
+    coarse, extent, wet = chart.coarse, chart.extent, chart.wet
+    n_due = 0
+    for i in range(nodes.size):
+        node = nodes[i]
+        grown = AGAIN_GROWTH * idle[node]
+        again[i] = 1.0 if grown > 1.0 else grown
+        levels[node] |= np.uint32(TOP * again[i]) << AGAIN
+        cell_again[coarse[node]] += again[i]
+        due[n_due] = node
+        n_due += again[i] >= DUE
+    for cell in wet:
+        globe[3, cell] = 0
+    for node in nodes:
+        cell = coarse[node]
+        if cell_again[cell] > 0.0:
+            globe[3, cell] = np.uint8(TOP * min(1.0, cell_again[cell] / extent[cell]))
+            cell_again[cell] = 0.0
+    return n_due
 
 
 @kernel
@@ -173,11 +177,10 @@ def _paint_coarse(
     belief: NDArray[np.int16],
     chart: Chart,
     idle: NDArray[np.float64],
-    again: NDArray[np.float64],
     cell_items: NDArray[np.int64],
     globe: Levels,
 ) -> None:
-    """The whole map in COARSE x COARSE cells: the first four channels (channel, COARSE^2).
+    """The whole map in COARSE x COARSE cells: the first three channels (channel, COARSE^2).
 
     Sums go through the nodes of a cell in ascending order, as rounding depends on it.
     """
@@ -185,15 +188,12 @@ def _paint_coarse(
     wet, water = chart.wet, chart.water
     for i in range(wet.size):
         cell, first, end = wet[i], start[i], start[i + 1]
-        sum_idle, sum_again = 0.0, 0.0
+        total = 0.0
         for k in range(first, end):
-            node = np.uint64(nodes[np.uint64(k)])
-            sum_idle += idle[node]
-            sum_again += again[node]
+            total += idle[np.uint64(nodes[np.uint64(k)])]
         globe[0, cell] = water[i]
-        globe[1, cell] = np.uint8(TOP * min(1.0, sum_idle / (end - first)))
+        globe[1, cell] = np.uint8(TOP * min(1.0, total / (end - first)))
         globe[2, cell] = 0
-        globe[3, cell] = np.uint8(TOP * min(1.0, sum_again / (end - first)))
     for node in known:
         cell_items[coarse[node]] = 0
     for node in known:
@@ -207,27 +207,32 @@ def share_fields(
     seen: Observation,
     arrays: TaskArrays,
     chart: Chart,
-    near_item: NDArray[np.bool_],
+    nearby: Nearby,
+    ways: Ways,
     fields: Fields,
     distances: Distances,
     globe: Levels,
 ) -> int:
-    """Fill the fields of row e; the number of unseen nodes.
+    """Fill the fields of row e, and its ways; the number of unseen nodes.
 
     Parameters
     ----------
-    near_item : (node,) see `remember_items`
     globe : (channel, COARSE^2) whose first four channels are filled
     """
-    idle, again, way, targets = fields.idle, fields.again, fields.way, fields.targets
+    idle, levels, targets = fields.idle, fields.levels, fields.targets
     items, some_unseen, some_due = fields.some_items, fields.some_unseen, fields.some_due
     agent_node, belief, known = seen.agent_node[e], seen.belief[e], seen.known[e, : seen.n_known[e]]
     neighbours, table, unseen = arrays.neighbours, arrays.distances, fields.unseen
-    _age(seen.step[e] - 1, seen.last_seen[e], arrays.forgetting, near_item, idle, again)
-    _ways(neighbours, table, known, distances.workspace, way)
-    _level(idle, again, way, known, belief, fields.levels)
-    _paint_coarse(known, belief, chart, idle, again, fields.cell_items, globe)
-    count, on_edge, due = list_nodes(idle, again, chart.place, chart.width, unseen)
+    now, forgetting = seen.step[e] - 1, arrays.forgetting
+    find_ways(e, known, neighbours, table, distances.workspace, ways)
+    _level(now, seen.last_seen[e], forgetting, ways.distance[e], idle, levels)
+    for node in known:
+        levels[node] |= np.uint32(item_level(belief[node])) << ITEMS
+    _paint_coarse(known, belief, chart, idle, fields.cell_items, globe)
+    due = _look_again(nearby.nodes[e, : nearby.size[e]], idle, chart, fields, globe)
+    count, on_edge = list_nodes(
+        idle, chart.place, chart.water_at, chart.node_at, chart.width, unseen
+    )
     possible_targets(arrays, agent_node, targets)
     targets[:, STAY] = agent_node
     edge, slack = unseen.edge[:on_edge], longest_move(arrays.moves)
@@ -237,7 +242,7 @@ def share_fields(
     nearest_is_itself(idle, targets, fields.unseen_way)
     choose_evenly(known, known.size, items)
     choose_evenly(unseen.nodes, count, some_unseen)
-    choose_evenly(unseen.due, due, some_due)
+    choose_evenly(fields.due, due, some_due)
     rows, whole = distances.rows.distance, table.shape[0] > 0
     for a in range(agent_node.size):
         row = row_from(distances, whole, neighbours, agent_node[a])

@@ -1,4 +1,4 @@
-"""Nodes of idleness 1, called unseen, those to look at again, and the ways to the unseen ones."""
+"""Nodes of idleness 1, called unseen, and the ways to them."""
 
 from typing import NamedTuple
 
@@ -6,67 +6,75 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
+from graph_planner.encodings.chart import WORD
 from graph_planner.geodesics import Int32Array
-
-DUE = 0.5  # from this much on a node is due to be looked at again
 
 
 class Unseen(NamedTuple):
     """Lists of nodes of a row; scratch memory. `list_nodes` tells how many entries count."""
 
-    nodes: Int32Array  # (node,) of idleness 1
-    edge: Int32Array  # (node,) those of them beside a cell of less
-    due: Int32Array  # (node,) nodes to look at again
-    seen: NDArray[np.uint8]  # (place,) 1 where idleness is less than 1, see `Chart.place`
-    beside: NDArray[np.uint8]  # (place,) 1 there and to the left and right of it
+    nodes: Int32Array  # (node + 1,) of idleness 1
+    edge: Int32Array  # (node + WORD,) those of them beside a cell of less
+    fresh: NDArray[np.uint8]  # (place,) 1 at nodes of idleness 1, see `Chart.place`
+    seen: NDArray[np.uint8]  # (place,) 1 at all others
+    beside: NDArray[np.uint8]  # (place,) 1 there and to the left and right of them
+    near: NDArray[np.uint8]  # (place,) 1 on the edge
 
     @classmethod
     def of(cls, nodes: int, places: int) -> "Unseen":
         """Memory for a map of so many nodes, and so many places with its frame."""
-        return cls(
-            np.zeros(nodes, np.int32),
-            np.zeros(nodes, np.int32),
-            np.zeros(nodes, np.int32),
-            np.zeros(places, np.uint8),
-            np.zeros(places, np.uint8),
-        )
+        maps = (np.zeros(places, np.uint8) for _ in range(4))
+        return cls(np.zeros(nodes + 1, np.int32), np.zeros(nodes + WORD, np.int32), *maps)
+
+
+@kernel
+def _list_edge(water_at: NDArray[np.uint8], node_at: Int32Array, width: int, unseen: Unseen) -> int:
+    """Fill the list of the edge from `fresh`; how many nodes are on it."""
+    edge, fresh, seen = unseen.edge, unseen.fresh, unseen.seen
+    beside, near = unseen.beside, unseen.near
+    for i in range(fresh.size):
+        seen[i] = water_at[i] ^ fresh[i]
+    for i in range(1, fresh.size - 1):
+        beside[i] = seen[i - 1] | seen[i] | seen[i + 1]
+    north, south = beside[: -2 * width], beside[2 * width :]
+    middle, here, out = beside[width:-width], fresh[width:-width], near[width:-width]
+    for i in range(out.size):
+        out[i] = (north[i] | middle[i] | south[i]) & here[i]
+    words, on_edge = near.view(np.uint64), np.uint64(0)
+    for word in range(words.size):
+        if words[word]:  # most of them are 0
+            for i in range(WORD * word, WORD * word + WORD):
+                edge[on_edge] = node_at[i]
+                on_edge += np.uint64(near[i])
+    return int(on_edge)
 
 
 @kernel
 def list_nodes(
     idle: NDArray[np.float64],
-    again: NDArray[np.float64],
     place: Int32Array,
+    water_at: NDArray[np.uint8],
+    node_at: Int32Array,
     width: int,
     unseen: Unseen,
-) -> tuple[int, int, int]:
-    """Fill the lists of `Unseen`; how many unseen nodes there are, on their edge, and due.
+) -> tuple[int, int]:
+    """Fill the lists of `Unseen`; how many unseen nodes there are, and how many on their edge.
 
     A shortest way from a seen node to the nearest unseen one leads over seen nodes only, so it ends
     on the edge: who asks for that distance need not look at the others.
 
     Parameters
     ----------
-    idle, again : (node,) see `Fields`
-    place, width : see `Chart`
+    idle : (node,) see `Fields`
+    place, water_at, node_at, width : see `Chart`
     """
-    nodes, edge, due, seen, beside = unseen
-    for node in range(idle.size):
-        seen[np.uint64(place[node])] = idle[node] < 1.0
-    for i in range(1, seen.size - 1):
-        beside[i] = seen[i - 1] | seen[i] | seen[i + 1]
-    one = np.uint64(1)
-    count, on_edge, n_due = np.uint64(0), np.uint64(0), np.uint64(0)
+    nodes, fresh, count = unseen.nodes, unseen.fresh, np.uint64(0)
     for node in range(idle.size):  # without a branch
-        middle = np.uint64(place[node])
-        north, south = middle - np.uint64(width), middle + np.uint64(width)
-        near = beside[north] | beside[middle] | beside[south]
-        fresh = idle[node] >= 1.0
-        nodes[count] = edge[on_edge] = due[n_due] = node
-        count += one if fresh else np.uint64(0)
-        on_edge += np.uint64(near) if fresh else np.uint64(0)
-        n_due += one if again[node] >= DUE else np.uint64(0)
-    return int(count), int(on_edge), int(n_due)
+        new = np.uint8(idle[node] >= 1.0)
+        fresh[np.uint64(place[node])] = new
+        nodes[count] = node
+        count += np.uint64(new)
+    return int(count), _list_edge(water_at, node_at, width, unseen)
 
 
 @kernel

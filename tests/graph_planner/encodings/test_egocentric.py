@@ -163,8 +163,9 @@ def test_nodes_to_look_at_again_are_where_items_were_and_nobody_has_looked_since
     lost = view.see(observation_of(task, cells, {}, last_seen, step=61), ROW)  # it is not there
     moves = lost["moves"][0, 0].copy()
     node = {name: graph.node_of_cell[rc] for name, rc in (("near", (0, 1)), ("far", (0, 9)))}
-    assert view._memory.near_item[0, node["near"]] and not view._memory.near_item[0, node["far"]]
-    assert not view._memory.near_item[0, graph.node_of_cell[2, 2]]  # the pier hides it
+    marked = view._memory.nearby.marked[0]
+    assert marked[node["near"]] and not marked[node["far"]]
+    assert not marked[graph.node_of_cell[2, 2]]  # the pier hides it
     crop = view.see(observation_of(task, [(0, 3), *cells[1:]], {}, last_seen, step=62), ROW)["crop"]
     assert crop[0, 0, 4, REACH, REACH - 2] == 255  # idle for longer than a quarter of 0.9 T
     assert crop[0, 0, 4, REACH, REACH - 1] == int(255 * 4 * 31 / 135)

@@ -10,6 +10,7 @@ from graph_planner.encodings.egocentric import Egocentric
 from graph_planner.encodings.masks import legal_moves, legal_of_agent
 from graph_planner.encodings.move_features import MIDDLE
 from graph_planner.encodings.samples import MOST_SAMPLES, Sample, choose_evenly, share_out
+from graph_planner.encodings.shared_fields import AGAIN_RADIUS
 from graph_planner.encodings.unseen import Unseen, list_nodes
 from graph_planner.fleet import Role
 from graph_planner.moves import MoveRules
@@ -30,10 +31,10 @@ def test_lists_of_unseen_nodes_and_of_their_edge(seed: int, share: float) -> Non
     random = np.random.default_rng(seed)
     fresh = random.random(NODES) < share
     idle = np.where(fresh, 1.0, random.random(NODES) * 0.99)
-    again = random.choice([0.0, 0.49, 0.5, 1.0], NODES)
     chart = Chart.of(TASK)
-    lists = Unseen.of(NODES, chart.places)
-    counts = list_nodes(idle, again, chart.place, chart.width, lists)
+    lists = Unseen.of(NODES, chart.water_at.size)
+    for other in (np.ones(NODES), np.zeros(NODES), idle):  # nothing is left of those before
+        counts = list_nodes(other, chart.place, chart.water_at, chart.node_at, chart.width, lists)
     near = [
         any(
             not fresh[other]
@@ -43,10 +44,8 @@ def test_lists_of_unseen_nodes_and_of_their_edge(seed: int, share: float) -> Non
         )
         for n in range(NODES)
     ]
-    expected = fresh, fresh & np.array(near), again >= 0.5
-    for found, count, chosen in zip(
-        (lists.nodes, lists.edge, lists.due), counts, expected, strict=True
-    ):
+    expected = fresh, fresh & np.array(near)
+    for found, count, chosen in zip((lists.nodes, lists.edge), counts, expected, strict=True):
         assert found[:count].tolist() == np.flatnonzero(chosen).tolist()
 
 
@@ -61,7 +60,7 @@ def test_gains_towards_the_unseen_by_all_unseen_nodes(seed: int, share: float) -
     view = Egocentric(TASK)
     view.reset(1)
     moves = view.see(observation_of(TASK, cells, {}, last_seen, step=31), ROW)["moves"][0]
-    distance = GRAPH.distances
+    distance = GRAPH.distances.astype(np.float64)  # gains are differences of these in float64
     for a, node in enumerate(nodes):
         for move in range(9):
             end = TASK.arrays.targets[TASK.arrays.stride_number[a], node, move]
@@ -105,7 +104,10 @@ def test_the_coarse_map_is_the_mean_of_its_cells() -> None:
     view = Egocentric(task)
     view.reset(1)
     seen = observation_of(task, [(5, 5), (9, 9), (20, 3), (30, 30)], known, last_seen, step=61)
-    globe = view.see(seen, ROW)["globe"][0].reshape(4, 7, -1)
+    first = {name: levels.copy() for name, levels in view.see(seen, ROW).items()}
+    for name, levels in view.see(seen, ROW).items():
+        np.testing.assert_array_equal(levels, first[name])
+    globe = first["globe"][0].reshape(4, 7, -1)
     cell = (large.rows * 16 // 40) * 16 + large.cols * 16 // 33
     idle = np.minimum(1.0, (60 - last_seen.astype(float)) / 135.0)
     items = np.bincount(cell, seen.belief[0], 256)
@@ -117,9 +119,36 @@ def test_the_coarse_map_is_the_mean_of_its_cells() -> None:
         for kind, who in ((4, {a}), (5, {0, 1} - {a}), (6, {2, 3} - {a})):
             cells = sorted(cell[seen.agent_node[0, b]] for b in who)
             assert np.flatnonzero(globe[a, kind]).tolist() == cells
-        near = view._memory.near_item[0]
+        near = view._memory.nearby.marked[0]
         again = np.bincount(cell, np.minimum(1.0, 4 * idle) * near) / np.bincount(cell)
         np.testing.assert_allclose(globe[a, 3], 255 * again, atol=1.0)
+
+
+def test_nodes_near_items_of_before_are_due_once_they_are_idle() -> None:
+    random = np.random.default_rng(1)
+    last_seen = random.integers(-100, 60, NODES).astype(np.int16)
+    cells = [(0, 0), (0, 1), (2, 5), (4, 9)]
+    view = Egocentric(TASK)
+    view.reset(1)
+    for known in ({(4, 4): 1}, {(4, 4): 1, (0, 6): 2}, {(2, 0): 1}):  # all are remembered
+        view.see(observation_of(TASK, cells, known, last_seen, step=61), ROW)
+    marked, nearby = view._memory.nearby.marked[0], view._memory.nearby
+    assert nearby.nodes[0, : nearby.size[0]].tolist() == np.flatnonzero(marked).tolist()
+    for node in np.flatnonzero(marked):
+        assert (
+            min(
+                np.hypot(GRAPH.rows[node] - row, GRAPH.cols[node] - col)
+                for row, col in ((4, 4), (0, 6), (2, 0))
+            )
+            <= AGAIN_RADIUS
+        )
+    idle = np.minimum(1.0, (60 - last_seen.astype(float)) / 135.0)
+    due = np.flatnonzero(marked & (4 * idle >= 0.5))
+    sample = view._fields.some_due
+    assert 0 < due.size < marked.sum()
+    assert sample.nodes[: sample.size[0]].tolist() == due.tolist()
+    view.see(observation_of(TASK, cells, {}, last_seen, step=1), ROW)  # another episode
+    assert sample.size[0] == 0 and nearby.size[0] == 0
 
 
 @given(seeds, st.booleans(), st.booleans())

@@ -1,0 +1,92 @@
+"""How far every node is from the nearest known item, found again only where others are known."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from graph_planner.compiled import inlined, kernel
+from graph_planner.encodings.encoder import TOP
+from graph_planner.geodesics import FAR, Float32Array, Int32Array, Workspace, spread
+
+MOST_ROWS = 300  # of the table of distances that are compared; beyond it a search is quicker
+WAY_LEVELS = 2.0  # levels per node of distance: 0 from 127.5 nodes on
+
+
+class Ways(NamedTuple):
+    """Distances, and what they were found from: they stand as long as that is the same."""
+
+    distance: Float32Array  # (row, node) to the nearest known item [node], or inf
+    known: Int32Array  # (row, MOST_ROWS) the nodes with items
+    size: Int32Array  # (row,) how many; -1 if nothing stands
+
+    @classmethod
+    def none_yet(cls, rows: int, nodes: int) -> "Ways":
+        """Of so many rows, on a map of so many nodes."""
+        return cls(
+            np.zeros((rows, nodes), np.float32),
+            np.zeros((rows, MOST_ROWS), np.int32),
+            np.full(rows, -1, np.int32),
+        )
+
+
+@inlined
+def way_level(distance: float) -> int:
+    """Level of a distance [node]: less the farther, 0 where there is no way."""
+    level = TOP - WAY_LEVELS * distance
+    return int(level if level > 0.0 else 0.0)
+
+
+@kernel
+def _measure_ways(
+    neighbours: Int32Array,
+    table: Float32Array,
+    known: Int32Array,
+    workspace: Workspace,
+    way: Float32Array,
+) -> None:
+    """Distance of every node to the nearest known item: from the table, or by a search."""
+    way[:] = np.float32(np.inf)
+    if table.shape[0] > 0 and known.size <= MOST_ROWS:
+        for item in known:
+            row = table[item]
+            for node in range(way.size):
+                way[node] = row[node] if row[node] < way[node] else way[node]
+        return
+    distance, touched = workspace.distance, workspace.touched
+    count = spread(neighbours, known, np.empty(0, np.int32), workspace)
+    for i in range(count):
+        way[touched[i]] = np.float32(distance[touched[i]])
+        distance[touched[i]] = FAR
+
+
+@kernel
+def _stand(known: Int32Array, before: Int32Array) -> bool:
+    """Whether both lists (place,) are the same."""
+    same = True
+    for i in range(known.size):
+        same &= known[i] == before[i]
+    return same
+
+
+@kernel
+def find_ways(
+    e: int,
+    known: Int32Array,
+    neighbours: Int32Array,
+    table: Float32Array,
+    workspace: Workspace,
+    ways: Ways,
+) -> None:
+    """Bring row e of the distances up to date.
+
+    Parameters
+    ----------
+    known : (place,) nodes with items
+    neighbours, table : (node, 8); (node, node) distances or (0, 0). Always of the same map
+    """
+    distance, before, size = ways.distance, ways.known, ways.size
+    if size[e] == known.size and _stand(known, before[e]):
+        return
+    _measure_ways(neighbours, table, known, workspace, distance[e])
+    size[e] = known.size if known.size <= MOST_ROWS else -1
+    before[e, : max(0, size[e])] = known[: max(0, size[e])]

@@ -1,0 +1,75 @@
+"""Distances to known items, kept while they are the same: never those of others."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from graph_planner.encodings.move_features import FADING, _attraction, _attraction_here
+from graph_planner.encodings.ways import MOST_ROWS, Ways, find_ways, way_level
+from graph_planner.geodesics import Workspace
+from graph_planner.navigation import navigation_graph
+
+WATER = np.ones((20, 20), np.bool_)
+WATER[5, 3:] = WATER[12, :17] = False
+GRAPH = navigation_graph(WATER, 1.0, False)
+NODES = len(GRAPH)
+TABLE, NO_TABLE = GRAPH.distances, np.empty((0, 0), np.float32)
+
+
+def lists(random: np.random.Generator, count: int) -> list[NDArray[np.int32]]:
+    """Known nodes one look after the other: much the same, and not quite."""
+    found = [random.permutation(NODES)[: random.integers(0, 12)].astype(np.int32)]
+    while len(found) < count:
+        known = found[-1].copy()
+        change = random.integers(0, 6)
+        if change == 0 and known.size:
+            known[random.integers(known.size)] = random.integers(NODES)
+        elif change == 1:
+            known = known[:-1]
+        elif change == 2:
+            known = np.append(known, np.int32(random.integers(NODES)))
+        elif change == 3:
+            known = random.permutation(NODES)[: MOST_ROWS + 5].astype(np.int32)
+        elif change == 4:
+            known = known[:6]
+        found.append(known)
+    return found
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([TABLE, NO_TABLE]))
+def test_ways_are_those_to_the_items_known_now(seed: int, table: NDArray[np.float32]) -> None:
+    random = np.random.default_rng(seed)
+    ways, workspace = Ways.none_yet(2, NODES), Workspace.of(NODES)
+    for pair in zip(lists(random, 20), lists(random, 20), strict=True):
+        for e, known in enumerate(pair):
+            find_ways(e, known, GRAPH.neighbours, table, workspace, ways)
+        for e, known in enumerate(pair):
+            expected = TABLE[known].min(axis=0, initial=np.inf)
+            np.testing.assert_allclose(ways.distance[e], expected, rtol=1e-6)
+
+
+def test_ways_stand_while_the_same_items_are_known() -> None:
+    ways, workspace = Ways.none_yet(1, NODES), Workspace.of(NODES)
+    known = np.array([3, 77], np.int32)
+    find_ways(0, known, GRAPH.neighbours, TABLE, workspace, ways)
+    ways.distance[0, 0] = -1.0
+    find_ways(0, known.copy(), GRAPH.neighbours, TABLE, workspace, ways)
+    assert ways.distance[0, 0] == -1.0
+    assert (way_level(0.0), way_level(100.0), way_level(127.5), way_level(np.inf)) == (
+        255,
+        55,
+        0,
+        0,
+    )
+
+
+def test_items_attract_less_the_farther_they_are_and_not_at_all_from_40_nodes_on() -> None:
+    there = np.array([0.0, 0.5, 1.0, 2.9, 38.99, 39.5, 40.0, 41.0, 900.0, np.inf], np.float32)
+    near = np.floor(there[there < 40]).astype(int)
+    nodes = np.arange(there.size, dtype=np.int32)[::-1].copy()
+    assert _attraction(there, nodes, nodes.size) == pytest.approx((FADING**near).sum(), rel=1e-12)
+    assert _attraction_here(there, there.size) == pytest.approx((FADING**near).sum(), rel=1e-12)
+    assert _attraction_here(there, 2) == 2.0
+    assert _attraction(there, nodes, 4) == 0.0
