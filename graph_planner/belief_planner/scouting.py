@@ -10,6 +10,7 @@ from graph_planner.belief_planner.sweeps import (
     LONGEST,
     Cover,
     Sight,
+    lateness,
     search_sweep,
     sight,
     until_seen,
@@ -30,6 +31,7 @@ class Sweeper(NamedTuple):
     ends: tuple[Int32Array, ...]  # (node, 9) where their moves end
     beam: int  # plans kept
     depth: int  # decisions planned
+    late: NDArray[np.float64]  # see `lateness`
     sight: Sight
     path: Int32Array  # (decision,)
 
@@ -57,6 +59,7 @@ def _sweep(
             agent_node[agents[i]],
             mass,
             elsewhere,
+            sweeper.late,
             sweeper.beam,
             depth,
             i + 1 < scouts,
@@ -96,6 +99,7 @@ class Scouting:
         self._beam, self._depth = (6, 6) if settings.fast else (16, 10)
         if not settings.sweeps:
             self._beam, self._depth = 1, 1
+        self._late = lateness(settings.look_discount)
         self._sight = sight(len(graph))
         self._path = np.zeros(self._depth, np.int32)
         self._sweeps: dict[tuple[int, ...], prepared[None]] = {}  # by who has which cover
@@ -135,6 +139,7 @@ class Scouting:
             tuple(self._ends[i] for i in first),
             self._beam,
             self._depth,
+            self._late,
             self._sight,
             self._path,
         )

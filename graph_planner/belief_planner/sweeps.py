@@ -3,6 +3,10 @@
 Every cell of the search (a node to be seen, or a block of places where a hotspot may be) has a
 mass. A plan is judged by the sum over all masses of the decision in which each is seen; for mass
 that a plan leaves over, by when the scout, or another one, could see the landmark it belongs to.
+
+That sum is as small anywhere between two equal masses far apart: who comes nearer to one goes as
+far from the other, and what little can be seen nearby decides. Where later decisions weigh less
+(`lateness`), the sum is concave, and the way to one of the two is better than staying between.
 """
 
 from typing import NamedTuple
@@ -35,6 +39,17 @@ class Sight(NamedTuple):
 
     token: NDArray[np.int64]  # (1,)
     stamp: NDArray[np.int64]  # (cell,)
+
+
+def lateness(discount: float) -> NDArray[np.float64]:
+    """(decision,) what seeing a mass of 1 in each decision costs, 0 to `LONGEST`.
+
+    Parameters
+    ----------
+    discount : weight of a decision over that of the one before; 1: the cost is the decision
+    """
+    weights = discount ** np.arange(int(LONGEST))
+    return np.concatenate([np.zeros(1), np.cumsum(weights)])
 
 
 def sight(cells: int) -> Sight:
@@ -76,6 +91,7 @@ class Search(NamedTuple):
     cover: Cover
     mass: NDArray[np.float64]  # (cell,) not seen when it starts
     elsewhere: NDArray[np.float64]  # (landmark,) decisions in which another agent could see each
+    late: NDArray[np.float64]  # see `lateness`
     sight: Sight
     trail: Trail
     rest: NDArray[np.float64]  # (landmark,) scratch: mass that the plan at hand leaves
@@ -125,28 +141,34 @@ def _rest(
     end: int,
     left: NDArray[np.float64],
     elsewhere: NDArray[np.float64],
+    late: NDArray[np.float64],
     price: float,
 ) -> float:
-    """A price plus, for every landmark, the mass left times the decision in which it can be seen.
+    """A price plus, for every landmark, the mass left times the cost of when it can be seen.
 
     Parameters
     ----------
     k, end : decisions in the plan, and the node where it ends
     decisions : (node, landmark) from there until each is seen
     left, elsewhere : (landmark,) mass left, and decision in which another agent could see it
+    late : see `lateness`
     """
     for mark in range(left.size):
         if left[mark] > SEEN:
             steps = LONGEST
             if decisions[end, mark] != UNREACHED:
                 steps = float(k + max(1, int(decisions[end, mark])))
-            price += left[mark] * min(steps, elsewhere[mark])
+            price += left[mark] * late[int(min(steps, elsewhere[mark]))]
     return price
 
 
 @rough
 def _rest_roughly(
-    k: int, decisions: UInt16Array, left: NDArray[np.float64], elsewhere: NDArray[np.float64]
+    k: int,
+    decisions: UInt16Array,
+    left: NDArray[np.float64],
+    elsewhere: NDArray[np.float64],
+    late: NDArray[np.float64],
 ) -> float:
     """`_rest` without its price, to some digits, of the decisions (landmark,) from the end."""
     total = 0.0
@@ -154,7 +176,7 @@ def _rest_roughly(
         there = decisions[mark]
         steps = LONGEST if there == UNREACHED else float(k + max(1, int(there)))
         mass = left[mark] if left[mark] > SEEN else 0.0
-        total += mass * (steps if steps < elsewhere[mark] else elsewhere[mark])
+        total += mass * late[int(steps if steps < elsewhere[mark] else elsewhere[mark])]
     return total
 
 
@@ -190,7 +212,8 @@ def _prolong(
     cover, trail, landmark = search.cover, search.trail, search.cover.landmark
     start, cells = (cover.start, cover.cells) if k == 1 else (cover.fresh_start, cover.fresh)
     decisions, ends, mass = search.cover.decisions, search.ends, search.mass
-    elsewhere, token, stamp = search.elsewhere, search.sight.token, search.sight.stamp
+    elsewhere, late = search.elsewhere, search.late
+    token, stamp = search.sight.token, search.sight.stamp
     node, parent, rest = search.trail.node, search.trail.parent, search.rest
     left, order, cost, kept = plans.left, longer.order, longer.cost, 0
     for s in plans.order[:number]:
@@ -209,12 +232,12 @@ def _prolong(
                 if mass[cell] > 0.0 and stamp[cell] != token[0]:
                     got += mass[cell]
                     rest[landmark[cell]] -= mass[cell]
-            paid, enough = plans.paid[s] + got * k, limit(order, cost, kept)
+            paid, enough = plans.paid[s] + got * late[k], limit(order, cost, kept)
             if k > 1:
-                price = paid + MARGIN * _rest_roughly(k, decisions[end], rest, elsewhere)
+                price = paid + MARGIN * _rest_roughly(k, decisions[end], rest, elsewhere, late)
                 if price >= enough:
                     continue
-            price = _rest(k, decisions, end, rest, elsewhere, paid)
+            price = _rest(k, decisions, end, rest, elsewhere, late, paid)
             if k == 1:
                 first[move] = -price
             if price >= enough or _has_twin(node, k, cost, kept, end, price):
@@ -243,6 +266,7 @@ def search_sweep(
     at: int,
     mass: NDArray[np.float64],
     elsewhere: NDArray[np.float64],
+    late: NDArray[np.float64],
     beam: int,
     depth: int,
     whole: bool,
@@ -259,6 +283,7 @@ def search_sweep(
     at : its node
     mass : (cell,) what seeing each cell is worth, 0 for what need not be seen
     elsewhere : (landmark,) decisions in which another agent could see each landmark
+    late : what seeing a mass of 1 in each decision costs, see `lateness`
     beam, depth : plans kept, decisions planned
     whole : whether the path is wanted, else the search ends once all plans begin alike
     preferences : (9,) filled; -inf where illegal
@@ -272,7 +297,7 @@ def search_sweep(
     each = (depth + 1, beam)
     trail = Trail(np.empty(each, np.int32), np.zeros(each, np.int64), np.zeros(each, np.int64))
     trail.node[0, 0] = at
-    search = Search(ends, cover, mass, elsewhere, scratch, trail, np.empty(marks))
+    search = Search(ends, cover, mass, elsewhere, late, scratch, trail, np.empty(marks))
     plans, longer = _plans(beam, marks), _plans(beam, marks)
     for cell in range(mass.size):
         if mass[cell] > 0.0:

@@ -107,9 +107,10 @@ def test_rough_prices_are_prices() -> None:
         assert _rest_roughly(weight, others, 5.0, way) == pytest.approx(exact, rel=1e-12)
         decisions = rng.choice([0, 1, 20, int(UNREACHED)], (1, n)).astype(np.uint16)
         left, elsewhere = rng.choice([0.0, 1e-12, 1.5], n), rng.choice([2.0, 12.0, 400.0], n)
-        exact = sweeps._rest(4, decisions, 0, left, elsewhere, 0.0)
-        roughly = sweeps._rest_roughly(4, decisions[0], left, elsewhere)
-        assert roughly == pytest.approx(exact, rel=1e-12)
+        for late in map(sweeps.lateness, (1.0, 0.9)):
+            exact = sweeps._rest(4, decisions, 0, left, elsewhere, late, 0.0)
+            roughly = sweeps._rest_roughly(4, decisions[0], left, elsewhere, late)
+            assert roughly == pytest.approx(exact, rel=1e-12)
     assert 1.0 - 1e-6 < MARGIN < 1.0 - 1e-12
 
 

@@ -5,7 +5,14 @@ from numpy.typing import NDArray
 
 from graph_planner.belief_planner.covers import hotspot_cover
 from graph_planner.belief_planner.scouting import Scouting
-from graph_planner.belief_planner.sweeps import LONGEST, Cover, search_sweep, sight, until_seen
+from graph_planner.belief_planner.sweeps import (
+    LONGEST,
+    Cover,
+    lateness,
+    search_sweep,
+    sight,
+    until_seen,
+)
 from graph_planner.belief_planner.ways import ways_of
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.fleet import Role
@@ -23,7 +30,8 @@ TASK = task_of(
     glider=Role(1, 2, 4.0, False),
     tug=Role(1, 1, 1.0, True),
 )
-SETTINGS = BeliefSettings(fast=True)
+SETTINGS = BeliefSettings(fast=True, look_discount=0.9)
+LATE = lateness(0.9)
 BEAM, DEPTH = 6, 6  # of `fast`
 
 
@@ -39,7 +47,7 @@ def in_turn(scouting: Scouting, covers: list[Cover], at: Int32Array, mass: F64) 
                 until_seen(covers[j], ends_at[j], float(DEPTH * (j < i)), elsewhere)
         ends = ways_of(SEA, int(TASK.fleet.moves[agent]), True, True).ends
         scratch, row = sight(len(SEA)), preferences[agent]
-        about = elsewhere, BEAM, DEPTH, True, scratch, row, path
+        about = elsewhere, LATE, BEAM, DEPTH, True, scratch, row, path
         n = search_sweep(ends, covers[i], nodes[i], mass, *about)
         for node in path[:n]:
             mass[covers[i].cells[covers[i].start[node] : covers[i].start[node + 1]]] = 0.0

@@ -3,7 +3,14 @@ import pytest
 from numpy.typing import NDArray
 
 from graph_planner.belief_planner.covers import hotspot_cover, landmarks_of, view_cover
-from graph_planner.belief_planner.sweeps import LONGEST, Cover, search_sweep, sight, until_seen
+from graph_planner.belief_planner.sweeps import (
+    LONGEST,
+    Cover,
+    lateness,
+    search_sweep,
+    sight,
+    until_seen,
+)
 from graph_planner.belief_planner.ways import ways_of
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.fleet import Role
@@ -24,6 +31,7 @@ def swept(
     cover: Cover = COVER,
     beam: int = 24,
     whole: bool = True,
+    discount: float = 1.0,
 ) -> tuple[NDArray[np.float64], list[tuple[int, int]]]:
     """Preferences and the planned cells."""
     marks = cover.decisions.shape[1]
@@ -32,7 +40,8 @@ def swept(
     at = int(SEA.node_of_cell[start])
     scratch = sight(mass.size)
     effort = beam, depth, whole
-    n = search_sweep(ENDS, cover, at, mass, others, *effort, scratch, preferences, path)
+    late = lateness(discount)
+    n = search_sweep(ENDS, cover, at, mass, others, late, *effort, scratch, preferences, path)
     return preferences, [(int(SEA.rows[v]), int(SEA.cols[v])) for v in path[:n]]
 
 
@@ -82,12 +91,32 @@ def test_illegal_moves_are_never_preferred() -> None:
     assert np.isneginf(preferences[[N, NE, SW, W, NW]]).all()
 
 
-def plainly_swept(mass: NDArray[np.float64], at: int, beam: int, depth: int) -> list[int]:
+def test_between_two_equal_masses_far_apart_only_a_discount_makes_it_go_to_one() -> None:
+    """Beside the first step of a way is a crumb on the other side: it decides without discount."""
+    mass = mass_at((20, 40), (20, 0)) + 0.001 * mass_at((20, 17))
+    for start, discount, moves in (((20, 21), 1.0, (SW, W, NW)), ((20, 21), 0.9, (NE, E, SE))):
+        preferences, _ = swept(mass, start=start, depth=3, discount=discount)
+        assert int(preferences.argmax()) in moves
+
+
+@pytest.mark.parametrize("discount", [1.0, 0.97, 0.5])
+def test_lateness_is_the_sum_of_the_weights_of_all_decisions_until_then(discount: float) -> None:
+    late = lateness(discount)
+    assert late.size == LONGEST + 1 and late[0] == 0.0
+    for k in (1, 2, 7, 30):
+        assert late[k] == pytest.approx(sum(discount**i for i in range(k)))
+    if discount == 1.0:
+        np.testing.assert_array_equal(late, np.arange(LONGEST + 1))
+
+
+def plainly_swept(
+    mass: NDArray[np.float64], at: int, beam: int, depth: int, discount: float
+) -> list[int]:
     """Nodes of the best plan by a beam search over lists, with all that each place shows."""
     marks = COVER.decisions.shape[1]
     left = np.bincount(COVER.landmark, mass, marks).astype(np.float64)
     kept: list[tuple[float, float, list[int], frozenset[int], NDArray[np.float64]]]
-    kept = [(0.0, 0.0, [at], frozenset(), left)]
+    kept, late = [(0.0, 0.0, [at], frozenset(), left)], lateness(discount)
     for k in range(1, depth + 1):
         after: list[tuple[float, float, list[int], frozenset[int], NDArray[np.float64]]] = []
         for _, paid, nodes, seen, before in kept:
@@ -98,14 +127,14 @@ def plainly_swept(mass: NDArray[np.float64], at: int, beam: int, depth: int) -> 
                 for cell in fresh:
                     got += mass[cell]
                     rest[COVER.landmark[cell]] -= mass[cell]
-                price = paid + got * k
+                price = paid + got * late[k]
                 for mark in np.flatnonzero(rest > 1e-9):
-                    price += rest[mark] * (k + max(1, int(COVER.decisions[end, mark])))
+                    price += rest[mark] * late[k + max(1, int(COVER.decisions[end, mark]))]
                 twin = any(
                     other[2][-1] == end and abs(other[0] - price) <= 1e-9 * price for other in after
                 )
                 if not twin and (len(after) < beam or price < after[-1][0]):
-                    plan = price, paid + got * k, [*nodes, end], seen | set(fresh), rest
+                    plan = price, paid + got * late[k], [*nodes, end], seen | set(fresh), rest
                     after = sorted([*after, plan], key=lambda one: one[0])[:beam]
         kept = after
     return kept[0][2][1:]
@@ -118,11 +147,12 @@ def scattered(seed: int) -> NDArray[np.float64]:
     return np.where(near & (rng.random(len(SEA)) < 0.2), rng.uniform(0.0, 1.0, len(SEA)), 0.0)
 
 
+@pytest.mark.parametrize("discount", [1.0, 0.9])
 @pytest.mark.parametrize("seed", range(6))
-def test_the_search_is_a_plain_beam_search(seed: int) -> None:
+def test_the_search_is_a_plain_beam_search(seed: int, discount: float) -> None:
     mass, at = scattered(seed), int(SEA.node_of_cell[20, 20])
-    _, path = swept(mass, beam=5, depth=6)
-    nodes = plainly_swept(mass, at, 5, 6)
+    _, path = swept(mass, beam=5, depth=6, discount=discount)
+    nodes = plainly_swept(mass, at, 5, 6, discount)
     assert path == [(int(SEA.rows[v]), int(SEA.cols[v])) for v in nodes]
 
 
