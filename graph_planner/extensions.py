@@ -65,8 +65,8 @@ class Table(Generic[T]):
         return {entry.name: entry for entry in entry_points(group=self.group)}
 
     def names(self) -> list[str]:
-        """All names that are registered or installed, sorted."""
-        return sorted({*self._registered, *self._entries})
+        """All names that are registered or installed, sorted; `package.module:Name` is none."""
+        return sorted(name for name in {*self._registered, *self._entries} if ":" not in name)
 
     def has(self, name: str) -> bool:
         """Whether a name is registered or installed."""

@@ -74,6 +74,9 @@ def test_another_process_finds_it_by_its_place(folder: Path) -> None:
     other = boats()
     other.adopt("mine", Place("boats.reef:Reef", str(folder / "yard")))
     assert other.find("mine").__doc__ == "Around the reef."
+    before = other.names()
+    other.adopt("boats.reef:Reef", Place("boats.reef:Reef", str(folder / "yard")))
+    assert other.has("boats.reef:Reef") and other.names() == before
 
 
 def test_what_is_of_a_function_or_script_is_refused_with_the_remedy() -> None:
