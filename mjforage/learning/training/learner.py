@@ -96,15 +96,11 @@ class Learner:
         loss, mean value and mean size of the errors; and the errors (row,), the new priorities
         """
         moves, shown = self._tensor(batch.moves), self._tensor(batch.shown)
-        legal, weights = self._tensor(batch.legal), self._tensor(batch.weights)
-        rewards, discount = self._tensor(batch.rewards), self._tensor(batch.discount)
+        weights = self._tensor(batch.weights)
         with one_thread():
-            following = self._tensors(batch.following)
-            with torch.no_grad():
-                best = self.online(following).masked_fill(~legal, -torch.inf).argmax(dim=1)
-                hoped = self.target(following).gather(1, best[:, None])[:, 0]
-                goal = rewards + discount * hoped
-            values = self.online(self._tensors(batch.levels))
+            levels = self._tensors(batch.levels)
+            goal = self._goal(batch, levels, moves)
+            values = self.online(levels)
             chosen = values.gather(1, moves[:, None])[:, 0]
             error = chosen - goal
             losses = torch.nn.functional.smooth_l1_loss(chosen, goal, reduction="none")
@@ -125,6 +121,21 @@ class Learner:
             "error": float(np.abs(errors).mean()),
         }
         return facts, errors
+
+    @torch.no_grad()
+    def _goal(self, batch: Batch, levels: dict[str, Tensor], moves: Tensor) -> Tensor:
+        """(row,) what the values of the moves taken should be."""
+        following, legal = self._tensors(batch.following), self._tensor(batch.following_legal)
+        best = self.online(following).masked_fill(~legal, -torch.inf).argmax(dim=1)
+        hoped = self.target(following).gather(1, best[:, None])[:, 0]
+        goal = self._tensor(batch.rewards) + self._tensor(batch.discount) * hoped
+        alpha = self.hyperparameters.advantage_learning
+        return goal - alpha * self._behind(batch, levels, moves) if alpha else goal
+
+    def _behind(self, batch: Batch, levels: dict[str, Tensor], moves: Tensor) -> Tensor:
+        """(row,) by how much the move taken is behind the best, as the target network has it."""
+        values = self.target(levels).masked_fill(~self._tensor(batch.legal), -torch.inf)
+        return values.max(dim=1).values - values.gather(1, moves[:, None])[:, 0]
 
     @torch.no_grad()
     def _follow(self) -> None:

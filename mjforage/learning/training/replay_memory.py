@@ -26,12 +26,13 @@ class Batch(NamedTuple):
 
     rows: NDArray[np.int64]
     levels: dict[str, NDArray[np.uint8]]
+    legal: NDArray[np.bool_]  # (row, 9)
     moves: NDArray[np.int64]
     shown: NDArray[np.bool_]  # (row, 9) the teacher's moves; none where it was not asked
     rewards: NDArray[np.float32]  # discounted sum until the successor
     discount: NDArray[np.float32]  # of the successor's value; 0 where there is none
     following: dict[str, NDArray[np.uint8]]
-    legal: NDArray[np.bool_]  # (row, 9) of the successor
+    following_legal: NDArray[np.bool_]  # (row, 9)
     weights: NDArray[np.float32]  # importance
 
 
@@ -208,12 +209,13 @@ class ReplayMemory:
         return Batch(
             rows=rows,
             levels={name: level[rows] for name, level in self.levels.items()},
+            legal=self.legal[rows],
             moves=self.moves[rows].astype(np.int64),
             shown=self.shown[rows],
             rewards=sums,
             discount=discount,
             following={name: level[successor] for name, level in self.levels.items()},
-            legal=self.legal[successor],
+            following_legal=self.legal[successor],
             weights=(weights / weights.max()).astype(np.float32),
         )
 

@@ -27,20 +27,27 @@ def learner(seed: int = 0, **changes: object) -> Learner:
     return Learner(SHAPES, 1, hyperparameters, seed)
 
 
-def batch(legal: list[int], discount: float = 0.5, shown: tuple[int, ...] = ()) -> Batch:
-    mask = np.zeros((1, 9), np.bool_)
-    mask[0, legal] = True
+def batch(
+    following: list[int],
+    discount: float = 0.5,
+    shown: tuple[int, ...] = (),
+    legal: tuple[int, ...] = tuple(range(9)),
+) -> Batch:
+    """Legal moves before and after move 3, which earned 1."""
+    before, after = np.zeros((2, 1, 9), np.bool_)
+    before[0, list(legal)] = after[0, following] = True
     teacher = np.zeros((1, 9), np.bool_)
     teacher[0, list(shown)] = True
     return Batch(
         rows=np.zeros(1, np.int64),
         levels={"x": np.array([[255, 0]], np.uint8)},
+        legal=before,
         moves=np.array([3]),
         shown=teacher,
         rewards=np.ones(1, np.float32),
         discount=np.array([discount], np.float32),
         following={"x": np.array([[0, 255]], np.uint8)},
-        legal=mask,
+        following_legal=after,
         weights=np.ones(1, np.float32),
     )
 
@@ -67,6 +74,21 @@ def test_nothing_is_hoped_for_after_the_end() -> None:
     value = float(one.online({"x": torch.tensor([[255, 0]], dtype=torch.uint8)}).detach()[0, 3])
     _, errors = one.learn(batch([0], discount=0.0))
     assert errors[0] == pytest.approx(value - 1.0, abs=1e-5)
+
+
+@pytest.mark.parametrize("legal", [(3,), (3, 5, 8), tuple(range(9))])
+def test_advantage_learning_takes_off_what_the_move_is_behind(legal: tuple[int, ...]) -> None:
+    """Behind the best legal move, as the target network has it (Bellemare et al. 2016, eq. 9)."""
+    one = learner(advantage_learning=0.75)
+    with torch.no_grad():
+        for parameter in one.target.parameters():
+            parameter.mul_(3.0)
+    b = batch([0], discount=0.0, legal=legal)
+    here = {"x": torch.from_numpy(b.levels["x"])}
+    value, theirs = float(one.online(here).detach()[0, 3]), one.target(here)[0]
+    behind = float(theirs[list(legal)].max() - theirs[3])
+    _, errors = one.learn(b)
+    assert errors[0] == pytest.approx(value - (1.0 - 0.75 * behind), abs=1e-5)
 
 
 def test_the_target_follows_slowly() -> None:
@@ -131,6 +153,22 @@ def test_the_average_learns_the_values_of_a_chain(seed: int) -> None:
     assert values.argmax(axis=1).tolist() == [1, 2]
     assert values[1, 2] == pytest.approx(3.0, abs=0.1)
     assert values[0, 1] == pytest.approx(1.0 + 0.5 * 3.0, abs=0.1)
+
+
+def test_advantage_learning_widens_the_gaps_and_leaves_the_best() -> None:
+    """With alpha = 0.5 every move is twice as far behind the best, whose value stays."""
+    one = learner(0, batch=32, target_rate=0.1, advantage_learning=0.5)
+    random = np.random.default_rng(0)
+    play_chain(one, random.permutation(5 * list(itertools.product(range(9), repeat=2))))
+    for _ in range(800):
+        drawn = one.memory.draw(32, 0.5, random)
+        _, errors = one.learn(drawn)
+        one.memory.reprioritise(drawn.rows, errors, 0.6)
+    values = values_of(one.average, {"x": np.concatenate((FIRST, SECOND))})
+    best = np.array([2.5, 3.0])
+    expected = np.tile(-best[:, None], 9)  # 0 without advantage learning
+    expected[[0, 1], [1, 2]] = best
+    np.testing.assert_allclose(values, expected, atol=0.2)
 
 
 @pytest.mark.parametrize("eta", [0.0, 1.0, 3.0])
