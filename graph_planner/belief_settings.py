@@ -53,7 +53,7 @@ class BeliefSettings:
     """Whether foragers' routes are searched together, else each goes for its nearest item."""
     sweeps: bool = True
     """Whether scouts plan ahead, else each takes the move that shows most at once."""
-    look_discount: Annotated[Annotated[float, Within(0.5, 1)], Later()] = 1.0
+    look_discount: Annotated[Annotated[float, Within(0.5, 1)], Later(before=1.0)] = 0.9
     """How much a decision counts over the one before it in the time until unseen items are seen;
     below 1 scouts commit themselves to one of several places far apart, as is needed on large
     maps."""

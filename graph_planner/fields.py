@@ -63,7 +63,14 @@ class Above(GroupedMetadata):
 
 @dataclass(frozen=True)
 class Later:
-    """A key that is younger than files with its table: at its default no file needs to have it.
+    """A key that is younger than run folders with its table, which need not have it.
 
-    The canonical form of a scenario leaves it out there, so that older hashes stay.
+    The canonical form of a scenario leaves it out at the value that they were played with, so that
+    older hashes stay.
+
+    Attributes
+    ----------
+    before : that value; None where it is the key's default
     """
+
+    before: object = None

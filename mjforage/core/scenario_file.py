@@ -83,7 +83,7 @@ def load_scenario(
             _put(tree, ["map", "starts"], [], f"--map {map_file}")
     for override in overrides:
         _apply(tree, override)
-    return scenario_from_tree(tree, f"scenario {path.stem}")
+    return _checked(tree, f"scenario {path.stem}")
 
 
 def _start_paths(tree: Tree, folder: Path) -> None:
@@ -123,11 +123,11 @@ def _put(tree: Tree, parts: list[str], value: object, where: str) -> None:
 
 
 def scenario_from_tree(tree: Tree, where: str) -> Scenario:
-    """Check a nested dict against the schema.
+    """The scenario that `scenario_to_tree` gave as nested dicts, now or before keys were added.
 
     Parameters
     ----------
-    tree : as read from TOML or from the canonical JSON
+    tree : as read from a run folder
     where : what errors name first
 
     Raises
@@ -136,6 +136,22 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
         For an unknown or missing key, a wrong type, a value out of range, or tables that contradict
         each other.
     """
+    return _checked(_completed(tree), where)
+
+
+def _completed(tree: Tree) -> Tree:
+    """With the keys whose default has changed, at their old one, in tables without them."""
+    whole = dict(tree)
+    for name, schema in get_type_hints(Scenario).items():
+        if isinstance(table := whole.get(name), dict) and isinstance(schema, type):
+            marks = _later(schema).items()
+            old = {key: mark.before for key, mark in marks if mark.before is not None}
+            whole[name] = old | table
+    return whole
+
+
+def _checked(tree: Tree, where: str) -> Scenario:
+    """Check nested dicts, as read from TOML, against the schema."""
     scenario = check(Scenario, tree, where)
     name = scenario.name
     if not name.isprintable() or not name.strip(" .") or set(name) & set("/\\"):
@@ -232,16 +248,19 @@ def with_values(scenario: Scenario, values: Mapping[str, object], where: str) ->
 def scenario_to_tree(scenario: Scenario) -> Tree:
     """The scenario as nested dicts and lists; `scenario_from_tree` undoes it.
 
-    Every key is present, except those marked `Later` that are at their default: what a scenario
-    does not use leaves its hash as it was before that key existed.
+    Every key is present, except those marked `Later` at the value of the time before them: what a
+    scenario does not use leaves its hash as it was before that key existed.
     """
 
     def plain(value: object) -> object:
         if dataclasses.is_dataclass(value) and not isinstance(value, type):
-            entries = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
-            unused = _later(type(value)).items()
-            left_out = [name for name, default in unused if entries[name] == default]
-            return {name: plain(v) for name, v in entries.items() if name not in left_out}
+            marks = _later(type(value))
+            entries = {f: getattr(value, f.name) for f in dataclasses.fields(value)}
+            return {
+                f.name: plain(entry)
+                for f, entry in entries.items()
+                if f.name not in marks or entry != _before(f, marks[f.name])
+            }
         if isinstance(value, Mapping):
             return {name: plain(entry) for name, entry in value.items()}
         if isinstance(value, tuple):
@@ -251,15 +270,20 @@ def scenario_to_tree(scenario: Scenario) -> Tree:
     return cast(Tree, plain(scenario))
 
 
+def _before(key: "dataclasses.Field[Any]", mark: Later) -> object:
+    """The value that run folders without the key were played with."""
+    if mark.before is not None:
+        return mark.before
+    made = key.default_factory
+    return key.default if made is dataclasses.MISSING else made()
+
+
 @lru_cache(maxsize=64)
-def _later(schema: Any) -> dict[str, object]:
-    """Name -> default of a table's keys that are marked `Later`."""
+def _later(schema: type) -> dict[str, Later]:
+    """Name -> mark of a table's keys that are marked `Later`."""
     hints = get_type_hints(schema, include_extras=True)
-    return {
-        f.name: f.default if f.default_factory is dataclasses.MISSING else f.default_factory()
-        for f in dataclasses.fields(schema)
-        if any(isinstance(mark, Later) for mark in get_args(hints[f.name])[1:])
-    }
+    marks = {name: get_args(hint)[1:] for name, hint in hints.items()}
+    return {name: m for name, all_ in marks.items() for m in all_ if isinstance(m, Later)}
 
 
 def canonical_json(tree: object) -> str:
