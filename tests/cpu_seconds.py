@@ -21,9 +21,11 @@ import pytest
 BOUND_S = 0.3
 """What a test may take, its fixtures counted, to be quick [CPU s]."""
 
-HEAVY = ("torch", "torchrl", "tensordict", "safetensors.torch", "stable_baselines3")
-HEAVY += ("mjforage.learning.training", "mjforage.bench", "mjforage.cli.schemas")
-HEAVY += ("graph_planner.inference",)
+HEAVY = (
+    *("torch", "torchrl", "tensordict", "safetensors.torch", "stable_baselines3"),
+    *("mjforage.learning.training", "mjforage.bench", "mjforage.cli.schemas"),
+    "graph_planner.inference",
+)
 """Modules that take seconds to load, and ours that load them."""
 
 _IMPORTS = re.compile(rf"^(?:from|import) (?:{'|'.join(map(re.escape, HEAVY))})\b", re.MULTILINE)
