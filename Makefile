@@ -3,6 +3,7 @@
 # `make test`: all tests and checks of the sources, and the site.
 # `make dist`: a wheel and an sdist in dist/, checked, installed elsewhere and used.
 # `make docs`: the site, under build/site; open build/site/index.html. `make links`: its links to other sites.
+# `make gallery`: the films of docs/gallery.md, by the commands that stand there; a quarter of an hour.
 # `make pages`: whether report pages and the site can be read and worked by everybody, in headless Chromium.
 # `make mutants`: whether every single fault of the physics is noticed; half an hour.
 PYTHON ?= python3
@@ -15,7 +16,7 @@ LEARNING := tests/mjforage/learning tests/graph_planner/test_weights.py
 
 POLICIES := belief oracle auction ogr orienteering dec-mcts greedy levy lawnmower wanderer pso random ddqn ddqn-reward ddqn-link mappo
 
-.PHONY: demo quick test types kernels capabilities mutants dist docs links pages install clean
+.PHONY: demo quick test types kernels capabilities mutants dist docs links pages gallery install clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.installed: pyproject.toml constraints.txt
@@ -85,6 +86,12 @@ docs: $(VENV)/.installed-docs
 
 links: $(VENV)/.installed-docs
 	$(SPHINX) --builder linkcheck docs build/links
+
+# As the page has them; needs EGL, on Debian `libegl1 libegl-mesa0 libgl1-mesa-dri`.
+gallery: $(VENV)/.installed-dev
+	rm -rf build/gallery
+	$(BIN)/python -m tests.documents --keep build/gallery docs/gallery.md
+	cp build/gallery/docs-gallery/*.gif docs/gallery/
 
 # Chromium and npm are not Python's: on Debian `chromium` and `npm`.
 pages: $(VENV)/.installed-dev docs

@@ -24,6 +24,7 @@ extensions = [
     "math_ml",
     "docstrings",
     "repository_links",
+    "stills",
 ]
 exclude_patterns = ["_site"]
 nitpicky = True

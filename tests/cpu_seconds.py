@@ -4,6 +4,9 @@
 written by `pytest --measure`, from what that run measured: `pytest -n 2 --measure` for all. Every
 run names tests that are not in it and took more than twice the bound, so that it does not go stale.
 
+Tests of a file that imports one of `HEAVY` are slow too, whatever they do themselves: the first
+import takes seconds of each process. `-m 'not slow'` loads no file that has none but slow tests.
+
 CPU time, because wall time on a busy machine says nothing of a test; no result depends on it. A
 fixture's time stands with the first test that asks for it.
 """
@@ -17,6 +20,16 @@ import pytest
 
 BOUND_S = 0.3
 """What a test may take, its fixtures counted, to be quick [CPU s]."""
+
+HEAVY = (
+    *("torch", "torchrl", "tensordict", "safetensors.torch", "stable_baselines3"),
+    *("mjforage.learning.training", "mjforage.bench", "mjforage.cli.schemas"),
+    "graph_planner.inference",
+)
+"""Modules that take seconds to load, and ours that load them."""
+
+_IMPORTS = re.compile(rf"^(?:from|import) (?:{'|'.join(map(re.escape, HEAVY))})\b", re.MULTILINE)
+_TESTS = re.compile(r"^ *def (test_\w+)\(", re.MULTILINE)
 
 LIST = Path(__file__).with_name("slow.txt")
 HEAD = f"""# Tests above {BOUND_S} CPU seconds, which `make quick` leaves out.
@@ -58,6 +71,17 @@ def stands(name: str) -> bool:
     )
 
 
+def is_heavy(path: Path) -> bool:
+    """Whether a file of tests loads what takes seconds, by its text."""
+    return _IMPORTS.search(path.read_text("utf-8")) is not None
+
+
+def has_quick_tests(path: Path, name: str) -> bool:
+    """Whether a test file of that name in the list has tests that are not slow, by its text."""
+    slow = {one.rpartition("::")[2] for one in listed() if one.startswith(f"{name}::")}
+    return not is_heavy(path) and not set(_TESTS.findall(path.read_text("utf-8"))) <= slow
+
+
 def spent_s() -> float:
     """Return the CPU time of this process, of its children and of those that ended [s]."""
     here = psutil.Process()
@@ -75,12 +99,21 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--measure", action="store_true", help=f"renew tests/{LIST.name}")
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave out files of which `-m 'not slow'` would leave out everything, before they load."""
+    if config.option.markexpr != "not slow" or not collection_path.match("test_*.py"):
+        return None
+    name = collection_path.relative_to(config.rootpath).as_posix()
+    return None if has_quick_tests(collection_path, name) else True
+
+
 @pytest.hookimpl(tryfirst=True)  # before `-m` chooses
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Give the mark `slow` to what the list names."""
+    """Give the mark `slow` to what the list names, and to tests of heavy files."""
     slow = listed()
+    heavy = {path for path in {item.path for item in items} if is_heavy(path)}
     for item in items:
-        if name_of(item.nodeid) in slow:
+        if name_of(item.nodeid) in slow or item.path in heavy:
             item.add_marker("slow")
 
 

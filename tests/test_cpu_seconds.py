@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests import cpu_seconds
-from tests.cpu_seconds import BOUND_S, LIST, listed, renewed, stands
+from tests.cpu_seconds import BOUND_S, LIST, has_quick_tests, listed, renewed, stands
 
 HERE = "tests/test_cpu_seconds.py"
 MINE = f"{HERE}::test_every_name_is_of_a_test"
@@ -59,3 +59,19 @@ def test_a_listed_test_is_left_out_and_an_unlisted_one_named(
         "test_made.py::test_other",
         "test_made.py::test_slow",
     ]
+
+
+def test_files_with_none_but_slow_tests_are_not_loaded(
+    pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    held = tmp_path / LIST.name
+    held.write_text("test_all.py::test_slow\n")
+    monkeypatch.setattr(cpu_seconds, "LIST", held)
+    pytester.makepyfile(
+        test_all="raise AssertionError('loaded')\ndef test_slow(): pass\n",
+        test_heavy="raise AssertionError('loaded')\nimport torch\ndef test_quick(): pass\n",
+        test_other="def test_slow(): pass\n",
+    )
+    options = ("-p", "no:cacheprovider", "-W", "ignore", "-m", "not slow")
+    pytester.inline_run(*options, plugins=[cpu_seconds]).assertoutcome(passed=1)
+    assert not has_quick_tests(pytester.path / "test_heavy.py", "test_heavy.py")

@@ -38,3 +38,8 @@ def test_what_it_names_is_there() -> None:
         assert re.search(rf"^{target}:", makefile, re.M), target
     for path in re.findall(r"`((?:tests|mjforage|metrics|graph_planner|models)/[\w./-]+)`", TEXT):
         assert Path(REPOSITORY, path).exists(), path
+
+
+def test_the_house_is_drawn_on_this_page_alone() -> None:
+    for path in (REPOSITORY / "docs").rglob("*.md"):
+        assert "\nmjforage/core" not in path.read_text("utf-8"), path

@@ -12,7 +12,7 @@ class RemovedPerForager(Metric):
     Paper, "Primary metrics", Throughput.
     """
 
-    key, label, better, drawn = "throughput", "Throughput", 1, False
+    key, label, unit, better, drawn = "throughput", "Throughput", "items/step", 1, False
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,) [item/step]."""
@@ -24,7 +24,8 @@ class RemovedPerForager(Metric):
 class DiscoveredPerScout(Metric):
     """Items discovered per scout and step of the horizon."""
 
-    key, label, better, drawn = "throughput_scouts", "Throughput_scouts", 1, False
+    key, label, unit = "throughput_scouts", "Throughput_scouts", "items/step"
+    better, drawn = 1, False
     compared = False
 
     def value(self, batch: Batch) -> FloatArray:

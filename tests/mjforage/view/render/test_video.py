@@ -11,6 +11,7 @@ from PIL import Image as PilImage
 
 from mjforage.core.errors import UserError
 from mjforage.view.render import write_video
+from mjforage.view.render.gif import HELD, held
 
 HEIGHT, WIDTH = 48, 64
 
@@ -59,6 +60,15 @@ def test_gif_decodes_to_the_frames(tmp_path: Path) -> None:
             shown = np.asarray(film.convert("RGB"), np.int16)
             assert np.abs(shown - source).max() <= 12
     assert total_ms == 300
+
+
+def test_a_gif_holds_pixels_that_hardly_change_and_repaints_the_others() -> None:
+    """A pixel that creeps is repainted once it is off by more than `HELD`; one jumps at once."""
+    reds = [100, 100 + HELD, 100 + HELD + 1, 99, 255]
+    source = (np.array([[[red, 7, 7], [5, 5, 5]]], np.uint8) for red in reds)
+    found = [frame[0].tolist() for frame in held(source)]
+    shown = [100, 100, 100 + HELD + 1, 99, 255]
+    assert found == [[[red, 7, 7], [5, 5, 5]] for red in shown]
 
 
 def test_gif_renews_its_palette_when_colours_change(tmp_path: Path) -> None:
