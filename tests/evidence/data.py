@@ -76,7 +76,8 @@ def provenance() -> dict[str, Any]:
     git = ["git", "-C", str(REPOSITORY)]
     asked = [*git, "rev-parse", "--short=12", "HEAD"]
     commit = subprocess.run(asked, capture_output=True, text=True, check=False).stdout.strip()
-    changed = subprocess.run([*git, "diff", "--quiet", "HEAD", "--", *CODE], check=False).returncode
+    asked = [*git, "diff", "--quiet", "HEAD", "--", *CODE, ":!*.md"]
+    changed = subprocess.run(asked, check=False).returncode
     return {
         "mjforage": version("mjforage"),
         "commit": commit + ("-dirty" if changed else ""),

@@ -118,12 +118,13 @@ def _with_interval(cell: dict[str, float], digits: int) -> str:
 
 
 def _significant(cell: dict[str, float], digits: int) -> str:
-    """A mean and its range to so many digits; from 100 on, to the unit."""
+    """A mean and its range to so many digits; whole where there are no more before the point."""
     value, *ends = (
-        f"{one:,.0f}" if abs(one) >= 100 else f"{one:#.{digits}g}".replace("-", "−")
+        f"{one:,.0f}" if one == 0 or abs(one) >= 10 ** (digits - 1) else f"{one:#.{digits}g}"
         for one in (cell[key] for key in ("mean", "low", "high") if key in cell)
     )
-    return f"{value} ({' to '.join(ends)})" if ends else value
+    text = f"{value} ({' to '.join(ends)})" if ends else value
+    return text.replace("-", "−")
 
 
 def signed(value: float, digits: int) -> str:

@@ -4,10 +4,15 @@ import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from mjforage.cli.console import app
 from mjforage.core.errors import UserError
+from mjforage.core.mission_metrics import chosen_metrics
+from mjforage.core.scenario_file import load_scenario
+from mjforage.physics.worlds import WORLDS
 from mjforage.runs.resuming import Difference, refusal
 from tests.documents.blocks import blocks
 from tests.evidence import __main__ as making
@@ -24,7 +29,7 @@ from tests.evidence.piece import (
     interval,
     mean,
 )
-from tests.evidence.pieces import PIECES
+from tests.evidence.pieces import PIECES, worlds
 from tests.evidence.playing import Runs, place, plain
 
 TABLES = {name: piece for name, piece in PIECES.items() if piece.columns}
@@ -57,18 +62,35 @@ def test_data_are_of_pieces() -> None:
     assert sorted(path.stem for path in data.DATA.glob("*.json")) == sorted(PIECES)
 
 
-@pytest.mark.parametrize("piece", PIECES.values(), ids=str)
-def test_data_are_of_the_commands_of_today(piece: Piece) -> None:
+@pytest.mark.parametrize("name", PIECES)
+def test_data_are_of_the_commands_of_today(name: str) -> None:
+    piece = PIECES[name]
     content = data.load(piece)
     assert data.commands(content) == dict(piece.runs)
     assert all(len(row) == len(piece.columns) for row in content["rows"])
     assert bool(content["rows"]) == bool(piece.columns)
 
 
-@pytest.mark.parametrize("piece", [p for p in PIECES.values() if p.files], ids=str)
-def test_files_that_are_written_whole_are_as_they_were_written(piece: Piece) -> None:
+@pytest.mark.parametrize("name", [name for name, piece in PIECES.items() if piece.files])
+def test_files_that_are_written_whole_are_as_they_were_written(name: str) -> None:
+    piece = PIECES[name]
     told = data.load(piece)["files"]
     assert {name: data.digest(REPOSITORY / name) for name in piece.files} == told
+
+
+def test_settings_of_commands_are_of_scenarios() -> None:
+    """What would be refused hours after the start is refused here."""
+    settings = set()
+    for command in {command for piece in PIECES.values() for command in piece.runs.values()}:
+        _, bound, _ = app.parse_args(plain(command), exit_on_error=False, print_error=False)
+        given = bound.arguments
+        if "scenario" in given and "courses" not in given:
+            chosen = given.get("choice")
+            options = vars(chosen) if chosen else given
+            settings.add((given["scenario"], tuple(options.get("set", ())), options.get("map")))
+    assert len(settings) > 20
+    for scenario, overrides, where in settings:
+        load_scenario(scenario, overrides, where)
 
 
 def test_commands_of_regions_are_left_to_evidence() -> None:
@@ -167,3 +189,38 @@ def test_other_refusals_are_told(tmp_path: Path) -> None:
 def test_a_name_that_is_none_is_refused() -> None:
     with pytest.raises(SystemExit, match="smal unknown"):
         making.main(["smal"])
+
+
+class _Promised:
+    """A run that is not there: its command says what it would hold."""
+
+    def __init__(self, command: str) -> None:
+        _, bound, _ = app.parse_args(plain(command), exit_on_error=False, print_error=False)
+        given = bound.arguments
+        found = tuple(WORLDS) if "ladder" in given else ("graph", "physics")
+        self.info = SimpleNamespace(policies=tuple(given["policy"]), worlds=found)
+        self._known = {one.key for one in chosen_metrics()}
+
+    def values(self, policy: str, key: str, world: str = "graph") -> list[float]:
+        assert policy in self.info.policies and world in self.info.worlds and key in self._known
+        return [1.0, 2.0, 4.0]
+
+
+PLAYED = [
+    name
+    for name, piece in TABLES.items()
+    if next(iter(piece.runs.values())).split()[1] in ("evaluate", "compare")
+]
+
+
+@pytest.mark.parametrize("name", PLAYED)
+def test_rows_take_what_their_commands_make(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(worlds, "_fastest_touch", lambda run: 0.2)
+    piece = PIECES[name]
+    promised = {label: _Promised(command) for label, command in piece.runs.items()}
+    runs = Runs(dict.fromkeys(piece.runs, Path()))
+    runs._read = promised  # type: ignore[assignment]
+    runs.__dict__["only"] = next(iter(promised.values()))
+    rows = [list(row) for row in piece.rows(runs)]
+    assert {len(row) for row in rows} == {len(piece.columns)}
+    assert {row[0] for row in rows} == {row[0] for row in data.load(piece)["rows"]}

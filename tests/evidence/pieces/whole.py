@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from mjforage.physics.validation.finding import Measure, shown
+from mjforage.physics.validation.finding import Measure
 from mjforage.view.report.studies.board_page import write_board_page
-from tests.evidence.piece import REPOSITORY, Column, Piece, Row
+from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row
 from tests.evidence.playing import Runs
 
 BOARD = (
@@ -32,10 +32,10 @@ def _validation(runs: Runs) -> Iterator[Row]:
         worst = max(map(_measure, check["measures"]), key=lambda m: m.strain, default=None)
         head = [check["number"], f"`{check['name']}`"]
         if worst is None:
-            yield [*head, "", "", "", check["status"]]
+            yield [*head, None, None, None, None, check["status"]]
         else:
-            value = f"{shown(worst.value)} {worst.unit}".strip()
-            yield [*head, worst.what, value, worst.limit, check["status"]]
+            value: Cell = {"mean": worst.value} if math.isfinite(worst.value) else None
+            yield [*head, worst.what, value, worst.unit, worst.limit, check["status"]]
 
 
 def _measure(told: dict[str, Any]) -> Measure:
@@ -48,7 +48,10 @@ PIECES = (
     Piece(
         "validation",
         {"": "mjforage validate"},
-        tuple(map(Column, ("", "check", "measured", "", "limit", "result"))),
+        (
+            *(Column(""), Column("check"), Column("measured"), Column("value", 4, True)),
+            *(Column("unit"), Column("limit"), Column("result")),
+        ),
         _validation,
         minutes=2,
     ),
