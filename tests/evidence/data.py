@@ -46,7 +46,9 @@ def load(piece: Piece, folder: Path = DATA) -> Data:
 def save(piece: Piece, content: Data, folder: Path = DATA) -> None:
     """Write the data of a piece, a row of its table on a line."""
     rest = json.dumps({**content, "rows": None}, indent=1, ensure_ascii=False)
-    lines = ",\n".join("  " + json.dumps(row, ensure_ascii=False) for row in content["rows"])
+    lines = ",\n".join(
+        "  " + json.dumps(row, ensure_ascii=False, allow_nan=False) for row in content["rows"]
+    )
     text = rest.replace('"rows": null', f'"rows": [\n{lines}\n ]' if lines else '"rows": []')
     write_bytes(file_of(piece, folder), (text + "\n").encode())
 

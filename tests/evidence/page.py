@@ -10,7 +10,7 @@ import os
 import re
 from pathlib import Path
 
-from mjforage.view.report.text_tables import needed_digits, number
+from mjforage.view.report.text_tables import NOTHING, needed_digits, number
 from tests.documents.blocks import MADE, pages
 from tests.evidence.data import BY_HAND, Data
 from tests.evidence.piece import Cell, Column, Piece
@@ -102,7 +102,8 @@ def shown(cell: Cell, column: Column) -> str:
     if cell["gap"] == 0 and not cell.get("half"):
         return f"{number(cell['mean'], digits)} (0)" if "mean" in cell else "0"
     few = min(digits, needed_digits(cell.get("half", 0.0), digits))
-    difference = f"{signed(cell['gap'], few)} ± {number(cell.get('half', 0.0), few)}"
+    half = f" ± {number(cell['half'], few)}" if "half" in cell else ""
+    difference = signed(cell["gap"], few) + half
     return f"{number(cell['mean'], digits)} ({difference})" if "mean" in cell else difference
 
 
@@ -119,6 +120,8 @@ def _with_interval(cell: dict[str, float], digits: int) -> str:
 
 def _significant(cell: dict[str, float], digits: int) -> str:
     """A mean and its range to so many digits; whole where there are no more before the point."""
+    if "mean" not in cell:
+        return NOTHING
     value, *ends = (
         f"{one:,.0f}" if one == 0 or abs(one) >= 10 ** (digits - 1) else f"{one:#.{digits}g}"
         for one in (cell[key] for key in ("mean", "low", "high") if key in cell)

@@ -53,36 +53,36 @@ class Piece:
 
 def average(values: ArrayLike) -> Cell:
     """Mean of (episode,) values."""
-    return _finite(mean=metrics.mean(values), n=metrics.count(values))
+    return defined(mean=metrics.mean(values), n=metrics.count(values))
 
 
 def mean(values: ArrayLike) -> Cell:
     """Mean of (episode,) values, ± 1.96 SEM."""
     found = {"mean": metrics.mean(values), "half": metrics.half_width_95(values)}
-    return _finite(**found, n=metrics.count(values))
+    return defined(**found, n=metrics.count(values))
 
 
 def gap(values: ArrayLike, others: ArrayLike) -> Cell:
     """Mean of the differences of (episode,) values, entry by entry, ± 1.96 SEM."""
     differences = metrics.statistics.defined(values) - metrics.statistics.defined(others)
     found = {"gap": metrics.mean(differences), "half": metrics.half_width_95(differences)}
-    return _finite(**found, n=metrics.count(differences))
+    return defined(**found, n=metrics.count(differences))
 
 
 def beside(values: ArrayLike, others: ArrayLike) -> Cell:
     """Mean of (episode,) values, and what they differ from others, ± 1.96 SEM."""
     difference = gap(values, others)
     assert isinstance(difference, dict)
-    return {**_finite(mean=metrics.mean(values)), **difference}
+    return {**defined(mean=metrics.mean(values)), **difference}
 
 
 def interval(values: ArrayLike, others: ArrayLike) -> Cell:
     """Mean of the differences of (episode,) values, with its bootstrap 95 % interval."""
     found = metrics.paired_difference(values, others, 0)
-    return _finite(gap=found.value, low=found.low, high=found.high, n=found.n)
+    return defined(gap=found.value, low=found.low, high=found.high, n=found.n)
 
 
-def _finite(**numbers: ArrayLike) -> dict[str, float]:
+def defined(**numbers: ArrayLike) -> dict[str, float]:
     """Those numbers that are defined; counts stay whole."""
     found = {key: float(value) for key, value in numbers.items()}  # type: ignore[arg-type]
     return {

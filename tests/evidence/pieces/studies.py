@@ -9,7 +9,7 @@ from mjforage.view.page.picture import house_style, png_bytes
 from mjforage.view.report.studies import ablation, corruption
 from mjforage.view.report.studies import communication as communication_page
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
-from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row, average, interval
+from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row, average, defined, interval
 from tests.evidence.playing import Runs
 
 _PARTS = "mjforage study parts --seed 1"
@@ -114,14 +114,14 @@ def _ours(logs: StudyLogs, policy: str) -> dict[str, Cell]:
         fit = fits.of(team, WORLD, policy, key)
         assert fit is not None
         low, high = fit.intervals.slope
-        found[next(names)] = {"mean": float(fit.line.slope), "low": low, "high": high}
+        found[next(names)] = defined(mean=fit.line.slope, low=low, high=high)
     for team in _FLEETS:
         for key in ("pta_d", "pta_c"):
             entry = logs.entry(Player(f"{team}-less", WORLD, policy), key)
-            found[next(names)] = {"mean": entry.mean, "low": entry.low, "high": entry.high}
+            found[next(names)] = defined(mean=entry.mean, low=entry.low, high=entry.high)
     for team in _FLEETS:
         worth = ablation.contribution(logs, team, WORLD, policy, "pta_c")
-        found[next(names)] = {"mean": worth.value, "low": worth.low, "high": worth.high}
+        found[next(names)] = defined(mean=worth.value, low=worth.low, high=worth.high)
     return found
 
 
