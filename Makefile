@@ -5,6 +5,8 @@
 # `make docs`: the site, under build/site; open build/site/index.html. `make links`: its links to other sites.
 # `make gallery`: the films of docs/gallery.md, by the commands that stand there; a quarter of an hour.
 # `make pages`: whether report pages and the site can be read and worked by everybody, in headless Chromium.
+# `make evidence`: numbers of the pages made again, hours of them; ONLY="name name" JOBS=2 for some.
+# `make evidence-pages`: their tables drawn from docs/evidence/data.
 # `make mutants`: whether every single fault of the physics is noticed; half an hour.
 PYTHON ?= python3
 VENV := .venv
@@ -16,7 +18,7 @@ LEARNING := tests/mjforage/learning tests/graph_planner/test_weights.py
 
 POLICIES := belief oracle auction ogr orienteering dec-mcts greedy levy lawnmower wanderer pso random ddqn ddqn-reward ddqn-link mappo
 
-.PHONY: demo quick test types kernels capabilities mutants dist docs links pages gallery install clean
+.PHONY: demo quick test types kernels capabilities mutants evidence evidence-pages dist docs links pages gallery install clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.installed: pyproject.toml constraints.txt
@@ -68,6 +70,15 @@ capabilities: $(VENV)/.installed-dev
 
 mutants: $(VENV)/.installed-dev
 	$(BIN)/python -m tests.mutants --out docs/mutants.md
+
+# What was stopped goes on; without ONLY what is of this very code already is left out, and the long
+# blocks of pages that no piece runs come last.
+evidence: $(VENV)/.installed-dev
+	$(BIN)/python -m tests.evidence $(ONLY) --jobs $(or $(JOBS),1)
+	$(if $(ONLY),,$(BIN)/python -m tests.documents)
+
+evidence-pages: $(VENV)/.installed-dev
+	$(BIN)/python -m tests.evidence --pages
 
 # TRY="--python python3.12" installs the declared dependencies too, for that interpreter.
 dist: $(VENV)/.installed-dev

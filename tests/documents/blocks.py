@@ -5,6 +5,7 @@ A comment on the line before a fence, which no reader sees, says what is to be d
     <!-- long -->                         over a minute: run by `python -m tests.documents`;
                                           how long, if said, follows: `<!-- long: an hour -->`
     <!-- not run by the tests: REASON --> needs what no test has, such as several machines
+    <!-- run by make evidence -->         of a table that `python -m tests.evidence` draws
 
 Every fence names its language: what is `sh` or `python` is run, others are data. A
 block whose first line is a comment with a file's name, `# my_policies.py`, is that file.
@@ -22,7 +23,8 @@ _FENCE = re.compile(
     r"^(?P<indent> *)```(?P<language>[^\n`]*)\n(?P<text>.*?)^(?P=indent)```$",
     re.MULTILINE | re.DOTALL,
 )
-_MARK = re.compile(r"<!-- (?P<mark>long(: \S.*)?|not run by the tests: \S.*) -->")
+MADE = "run by make evidence"
+_MARK = re.compile(rf"<!-- (?P<mark>long(: \S.*)?|not run by the tests: \S.*|{MADE}) -->")
 _FILE = re.compile(r"# (?P<name>[\w-]+\.\w+)\n")
 
 
@@ -34,7 +36,7 @@ class Block:
     line: int  # of its opening fence, from 1
     language: str
     text: str
-    mark: str = ""  # `long`, `long: HOW LONG`, or `not run by the tests: REASON`
+    mark: str = ""  # `long`, `long: HOW LONG`, `not run by the tests: REASON`, or `MADE`
 
     def __str__(self) -> str:
         return f"{self.page}:{self.line}"

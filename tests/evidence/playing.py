@@ -1,0 +1,164 @@
+"""Run the commands of pieces, each once, and read what they leave."""
+
+import hashlib
+import json
+import shlex
+import sys
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+from numpy.typing import NDArray
+
+from mjforage.cli.console import app
+from mjforage.core.errors import UserError
+from mjforage.runs.run_info import RunInfo, load_run, read_json
+from mjforage.view.report.run_logs import load_episodes, scalar
+from mjforage.view.report.studies.study_logs import StudyLogs, load_study
+from tests.evidence.piece import REPOSITORY
+
+FRESH = "--fresh"
+"""What a folder whose code is another asks for, and what it is then given."""
+RUNS = REPOSITORY / "runs" / "evidence"
+FILE = "figures.json"  # of a command that makes no folder
+
+
+def plain(command: str) -> list[str]:
+    """Words of a command without its first, and without who computes, which changes no number."""
+    words = shlex.split(command)[1:]
+    if "--jobs" in words:
+        at = words.index("--jobs")
+        del words[at : at + 2]
+    return words
+
+
+def place(command: str, runs: Path = RUNS) -> Path:
+    """Folder of a command; two pieces that name the same command share it."""
+    words = plain(command)
+    digest = hashlib.sha256(shlex.join(words).encode()).hexdigest()[:8]
+    named = [word for word in words[:3] if word.replace("-", "").isalnum() and word[0] != "-"]
+    return runs / "-".join([*named, digest])
+
+
+def play(command: str, jobs: int = 1, runs: Path = RUNS) -> Path:
+    """Carry out what is missing of a command, and return its folder.
+
+    What other code has begun is kept aside and begun anew.
+
+    Raises
+    ------
+    UserError
+        As the command.
+    """
+    words, folder = plain(command), place(command, runs)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    if words[0] == "bench":
+        folder.mkdir(exist_ok=True)
+        _carry_out([*words, "--json", str(folder / FILE)])
+        return folder
+    words += ["--out", str(folder)]
+    words += [] if words[0] == "validate" else ["--jobs", str(jobs)]
+    words += ["--replay", "none"] if words[0] in ("evaluate", "compare") else []
+    try:
+        _carry_out(words)
+    except UserError as error:
+        if FRESH not in str(error):
+            raise
+        _carry_out([*words, FRESH])
+    except SystemExit as end:
+        if end.code:
+            raise UserError(f"{command}: failed; {folder} says what") from end
+    return folder
+
+
+def _carry_out(words: list[str]) -> None:
+    """Run a command of ours in this process, without the figures of its report."""
+    function, bound, _ = app.parse_args(words, exit_on_error=False, print_error=False)
+    with (
+        patch.object(sys, "argv", ["mjforage", *words]),
+        patch("mjforage.view.report.draw_figures", lambda logs: []),
+    ):
+        function(*bound.args, **bound.kwargs)
+
+
+class Run:
+    """A finished run folder: metrics of its episodes."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.info: RunInfo = load_run(folder / "run.json")
+        self._episodes = load_episodes(folder, self.info)
+
+    def values(self, policy: str, key: str, world: str | None = None) -> NDArray[Any]:
+        """A metric of a policy, in the run's first world if none is named: (episode,).
+
+        Raises
+        ------
+        KeyError
+            If the run has no such policy, world or metric.
+        """
+        world = self.info.worlds[0] if world is None else world
+        rows = self._episodes.filter(policy=policy, world=world)
+        if not rows.height or key not in rows.columns:
+            raise KeyError(f"{self.folder}: has no {key} of {policy} in {world}")
+        return scalar(rows, key)
+
+
+class Runs(Mapping[str, Run]):
+    """What the commands of a piece left, read when it is asked for."""
+
+    def __init__(self, folders: Mapping[str, Path]) -> None:
+        self.folders = dict(folders)
+        self._read: dict[str, Run] = {}
+
+    def __getitem__(self, label: str) -> Run:
+        if label not in self._read:
+            self._read[label] = Run(self.folders[label])
+        return self._read[label]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.folders)
+
+    def __len__(self) -> int:
+        return len(self.folders)
+
+    @property
+    def folder(self) -> Path:
+        """Folder of the only command."""
+        (folder,) = self.folders.values()
+        return folder
+
+    @cached_property
+    def only(self) -> Run:
+        """The only run."""
+        return Run(self.folder)
+
+    @cached_property
+    def study(self) -> StudyLogs:
+        """The only study."""
+        return load_study(self.folder)
+
+    def figures(self, file: str = FILE) -> Any:
+        """What the only command wrote as JSON, if it left no run."""
+        return json.loads((self.folder / file).read_text("utf-8"))
+
+
+def told(folder: Path) -> dict[str, Any]:
+    """Seed, episodes, hash and CPU minutes of what a folder holds; of a study its variants' sum.
+
+    Nothing of what is no run.
+    """
+    files = [*sorted(folder.glob("variants/*/run.json")), *folder.glob("run.json")]
+    if not files:
+        return {}
+    found = [read_json(file) for file in files]
+    hashes = [one["hash"] for one in found]
+    digest = hashlib.sha256("".join(hashes).encode()).hexdigest()[:16]
+    return {
+        "seed": found[0]["seed"],
+        "episodes": found[0]["episodes"],
+        "hash": hashes[0] if len(hashes) == 1 else digest,
+        "cpu_minutes": round(sum(one["timings"]["cpu_s"] for one in found) / 60, 1),
+    }
