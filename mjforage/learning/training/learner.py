@@ -127,14 +127,14 @@ class Learner:
         """(row,) what the values of the moves taken should be."""
         following, legal = self._tensors(batch.following), self._tensor(batch.following_legal)
         best = self.online(following).masked_fill(~legal, -torch.inf).argmax(dim=1)
-        hoped = self.target(following).gather(1, best[:, None])[:, 0]
+        hoped: Tensor = self.target(following).gather(1, best[:, None])[:, 0]
         goal = self._tensor(batch.rewards) + self._tensor(batch.discount) * hoped
         alpha = self.hyperparameters.advantage_learning
         return goal - alpha * self._behind(batch, levels, moves) if alpha else goal
 
     def _behind(self, batch: Batch, levels: dict[str, Tensor], moves: Tensor) -> Tensor:
         """(row,) by how much the move taken is behind the best, as the target network has it."""
-        values = self.target(levels).masked_fill(~self._tensor(batch.legal), -torch.inf)
+        values: Tensor = self.target(levels).masked_fill(~self._tensor(batch.legal), -torch.inf)
         return values.max(dim=1).values - values.gather(1, moves[:, None])[:, 0]
 
     @torch.no_grad()
