@@ -9,7 +9,13 @@ from graph_planner.encodings.chart import Chart
 from graph_planner.encodings.egocentric import Egocentric
 from graph_planner.encodings.masks import legal_moves, legal_of_agent
 from graph_planner.encodings.move_features import MIDDLE
-from graph_planner.encodings.samples import MOST_SAMPLES, Sample, choose_evenly, share_out
+from graph_planner.encodings.samples import (
+    MOST_SAMPLES,
+    Sample,
+    choose_evenly,
+    nearest_own,
+    share_out,
+)
 from graph_planner.encodings.shared_fields import AGAIN_RADIUS
 from graph_planner.encodings.unseen import Unseen, list_nodes
 from graph_planner.fleet import Role
@@ -84,16 +90,19 @@ def test_a_sample_is_shared_out_to_the_nearest_of_each_kind(seed: int, count: in
     size = sample.size[0]
     assert size == min(count, MOST_SAMPLES)
     assert sample.nodes[:size].tolist() == [candidates[i * count // size] for i in range(size)]
-    sample.here[:] = random.integers(0, 6, sample.here.shape)
-    sample.here[random.random(sample.here.shape) < 0.2] = np.inf
+    sample.far[:] = random.integers(0, 6, sample.far.shape)
+    sample.far[random.random(sample.far.shape) < 0.2] = np.inf
     share_out(collects, sample)
+    far = sample.far.reshape(5, 9, -1)[..., :size]
     for a in range(5):
         kind = np.flatnonzero(collects == collects[a])
-        here = sample.here[:, :size]
+        here = far[:, STAY]
         first = kind[here[kind].argmin(axis=0)] == a  # the first of equals
         own = first & np.isfinite(here[a])
-        assert sample.own[a, : sample.owned[a]].tolist() == sample.nodes[:size][own].tolist()
-        assert sample.own_way[a] == here[a][own].min(initial=np.inf)
+        assert (sample.nearest[int(collects[a]), :size] == a).tolist() == own.tolist()
+        for move in range(9):
+            shortest = nearest_own(sample, int(collects[a]), a, 9 * a + move)
+            assert shortest == far[a, move][own].min(initial=np.inf)
 
 
 def test_the_coarse_map_is_the_mean_of_its_cells() -> None:
