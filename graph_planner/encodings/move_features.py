@@ -122,7 +122,8 @@ def describe_moves(
         item_way = nearest_own(items, kind, a, here)
         due_way = nearest_own(due, kind, a, here)
         for move in range(9):
-            end, there = legal_end(targets, number[a], rows, cols, node, move, energy[a]), 9 * a + move
+            end = legal_end(targets, number[a], rows, cols, node, move, energy[a])
+            there = 9 * a + move
             if end < 0:
                 for feature in range(len(MOVE_FEATURES)):
                     out[a, move, feature] = 0

@@ -18,8 +18,15 @@ from graph_planner.navigation import navigation_graph
 from tests.graph_planner.charts import grid
 
 GRAPH = navigation_graph(
-    grid("..........", ".####.###.", "..........", ".#.#######", "..........", "##########", "...#...."
-         ".."),
+    grid(
+        "..........",
+        ".####.###.",
+        "..........",
+        ".#.#######",
+        "..........",
+        "##########",
+        "...#......",
+    ),
     1.0,
     False,
 )
