@@ -62,7 +62,7 @@ def kernel(function: F) -> F:
     return _compiled(function, "never")
 
 
-def _kind(value: object) -> object:
+def kinds_of(value: object) -> object:
     """What tells numba's types of values apart, found out a dozen times faster than those.
 
     Of numbers and arrays and tuples of such; of kernels as arguments it would not.
@@ -72,7 +72,7 @@ def _kind(value: object) -> object:
         layout = flags.c_contiguous, flags.f_contiguous, flags.writeable, flags.aligned
         return value.dtype, value.ndim, layout
     if isinstance(value, tuple):
-        return type(value), *map(_kind, value)
+        return type(value), *map(kinds_of, value)
     return type(value)
 
 
@@ -97,7 +97,7 @@ class prepared(Generic[T]):  # noqa: N801  what it makes is called like a functi
         if self._entry is not None:
             return self._entry(*self._fixed, *rest)
         arguments, dispatcher = (*self._fixed, *rest), cast(Any, self._function)
-        kinds = (self._function, *map(_kind, arguments))
+        kinds = (self._function, *map(kinds_of, arguments))
         self._entry = _entries.get(kinds)
         if self._entry is not None:
             return cast(T, self._entry(*arguments))

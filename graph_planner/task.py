@@ -86,17 +86,17 @@ class Task:
         """Growth of idleness per step: 1 / (0.9 T) (scenario section 1)."""
         return 1.0 / (0.9 * self.horizon)
 
-    @property
+    @cached_property
     def view_radii(self) -> tuple[float, ...]:
         """Distinct sensing radii of the fleet, ascending [node]."""
         return tuple(sorted(set(self.fleet.radius.tolist())))
 
-    @property
+    @cached_property
     def radius_number(self) -> NDArray[np.int64]:
         """(agent,) index of each agent's radius in `view_radii`."""
         return np.searchsorted(np.asarray(self.view_radii), self.fleet.radius).astype(np.int64)
 
-    @property
+    @cached_property
     def views(self) -> NodeLists:
         """Nodes seen from every node, for each of `view_radii`."""
         return self.graph.views(self.view_radii)

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.encodings.codes import Codes, distance_codes
 from graph_planner.encodings.encoder import TOP, Levels
 from graph_planner.geodesics import Int32Array
 from graph_planner.task import Task
@@ -31,6 +32,7 @@ class Chart(NamedTuple):
     extent: Int32Array  # (COARSE^2,) nodes of each cell
     views: NodeLists
     disc: NDArray[np.int64]  # (radius,) nodes in view on open water
+    codes: Codes  # of the distances between nodes
 
     @classmethod
     def of(cls, task: Task) -> "Chart":
@@ -62,4 +64,5 @@ class Chart(NamedTuple):
             extent=np.bincount(coarse, minlength=COARSE**2).astype(np.int32),
             views=task.views,
             disc=np.diff(discs.start, axis=1).max(axis=1).astype(np.int64),
+            codes=distance_codes(graph),
         )

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import kernel, kinds_of, prepared
 from graph_planner.encodings.chart import COARSE, REACH, Chart
 from graph_planner.encodings.encoder import (
     TOP,
@@ -36,6 +36,7 @@ from graph_planner.encodings.ways import Ways, way_level
 from graph_planner.geodesics import FAR, Float32Array, Int32Array, Workspace
 from graph_planner.navigation import STAY
 from graph_planner.task import Observation, Task, TaskArrays
+from graph_planner.visibility import NodeLists
 
 SIDE = 2 * REACH + 1
 CROP = ("water", "idleness", "belief", "way to items", "again", "scouts", "foragers", "trail")
@@ -172,14 +173,15 @@ class Pictures(NamedTuple):
 
 @kernel
 def _look_around(
-    rows: NDArray[np.int64],
-    seen: Observation,
     arrays: TaskArrays,
+    around: NodeLists,
     chart: Chart,
     memory: Memory,
     fields: Fields,
     distances: Distances,
     out: Pictures,
+    rows: NDArray[np.int64],
+    seen: Observation,
 ) -> None:
     """Fill the pictures of all agents in some rows (chosen,)."""
     crop, globe, moves, own = out
@@ -192,13 +194,15 @@ def _look_around(
     )
     way, unseen_way = ways.distance, fields.unseen_way
     step, agent_node, n_known = seen.step, seen.agent_node, seen.n_known
+    remember_places(rows, step, agent_node, memory.seen_at, trail)
+    remember_items(rows, seen, around, nearby)
     for e in rows:
         count = share_fields(e, seen, arrays, chart, nearby, ways, fields, distances, globe[e, 0])
         nodes, past = agent_node[e], (step[e] - 1, n_known[e])
         _paint_globes(nodes, collects, coarse, globe[e])
         _paint_crops(nodes, arrays, framed, levels, trail[e], crop[e])
         _describe_selves(nodes, energy_left[e], past, arrays, count, way[e], unseen_way, own[e])
-        describe_moves(e, seen, arrays, chart, fields, way[e], distances, moves[e])
+        describe_moves(e, seen, arrays, chart, fields, way[e], moves[e])
 
 
 @encoder("egocentric")
@@ -280,20 +284,14 @@ class Egocentric:
         crop = self._out["crop"].reshape(*lead, len(CROP), -1)
         globe = self._out["globe"].reshape(*lead, len(GLOBE), -1)
         self._pictures = Pictures(crop, globe, self._out["moves"], self._out["self"])
+        self._kinds: object = None  # of the arrays for which `_look` is prepared
 
     def see(self, seen: Observation, rows: NDArray[np.int64]) -> dict[str, Levels]:
         """Look at the episodes `rows` of the batch."""
-        memory = self._memory
-        remember_places(rows, seen.step, seen.agent_node, memory.seen_at, memory.trail)
-        remember_items(rows, seen, self._around, memory.nearby)
-        _look_around(
-            rows,
-            seen,
-            self._task.arrays,
-            self._chart,
-            memory,
-            self._fields,
-            self._distances,
-            self._pictures,
-        )
+        kinds = kinds_of((rows, seen))
+        if kinds != self._kinds:
+            about = self._task.arrays, self._around, self._chart, self._memory
+            memory = self._fields, self._distances, self._pictures
+            self._look, self._kinds = prepared(_look_around, *about, *memory), kinds
+        self._look(rows, seen)
         return self._out

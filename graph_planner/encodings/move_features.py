@@ -29,7 +29,7 @@ from graph_planner.compiled import inlined, kernel
 from graph_planner.encodings.chart import Chart
 from graph_planner.encodings.encoder import TOP, Levels, item_level
 from graph_planner.encodings.masks import legal_end
-from graph_planner.encodings.samples import Distances, row_from
+from graph_planner.encodings.samples import nearest_own
 from graph_planner.encodings.shared_fields import Fields
 from graph_planner.geodesics import FAR, Float32Array, Int32Array
 from graph_planner.navigation import STAY
@@ -55,27 +55,17 @@ def _changed(gain: float, per_unit: float) -> int:
 
 
 @kernel
-def _mean_gain(here: Float32Array, there: Float32Array, nodes: Int32Array, size: int) -> float:
-    """By how much nearer the first `size` nodes are in `there` (node,) than in `here` (place,).
+def _mean_gain(far: Float32Array, here: int, there: int, size: int) -> float:
+    """By how much nearer the first `size` nodes are in one row of `Sample.far` than in another.
 
     On average [node]. The sum is one of whole numbers, which can be formed side by side: distances
     are 0 or at least 1, and so float32 multiples of 2^-23.
     """
     total = np.int64(0)
     for i in range(size):
-        nearer = here[i] - there[np.uint64(nodes[i])]
+        nearer = far[here, i] - far[there, i]
         total += np.int64(nearer * _PARTS)
     return float(total / 2.0**23 / max(1, size))
-
-
-@kernel
-def _nearest(there: Float32Array, nodes: Int32Array, size: int) -> float:
-    """Distance, in `there` (node,), to the nearest of the first `size` nodes, or inf."""
-    shortest = np.float32(np.inf)
-    for i in range(size):
-        distance = there[np.uint64(nodes[i])]
-        shortest = distance if distance < shortest else shortest
-    return np.float64(shortest)
 
 
 @inlined
@@ -85,20 +75,11 @@ def _pull(distance: np.float32) -> float:
 
 
 @kernel
-def _attraction(there: Float32Array, nodes: Int32Array, size: int) -> float:
-    """Sum of the pulls of the first `size` nodes at their distances in `there` (node,)."""
+def _attraction(far: Float32Array, there: int, size: int) -> float:
+    """Sum of the pulls of the first `size` nodes at their distances in a row of `Sample.far`."""
     total = 0.0
     for i in range(size):
-        total += _pull(there[np.uint64(nodes[i])])
-    return total
-
-
-@kernel
-def _attraction_here(here: Float32Array, size: int) -> float:
-    """Sum of the pulls at the first `size` distances (place,)."""
-    total = 0.0
-    for i in range(size):
-        total += _pull(here[i])
+        total += _pull(far[there, i])
     return total
 
 
@@ -119,7 +100,6 @@ def describe_moves(
     chart: Chart,
     fields: Fields,
     way: Float32Array,
-    distances: Distances,
     out: Levels,
 ) -> None:
     """Fill the features (agent, 9, feature) of all agents' moves in row e.
@@ -128,23 +108,22 @@ def describe_moves(
     ----------
     way : (node,) of `Ways`
     """
-    neighbours, belief, agent_node = arrays.neighbours, seen.belief[e], seen.agent_node[e]
+    belief, agent_node, collects = seen.belief[e], seen.agent_node[e], arrays.collects
     targets, number, energy = arrays.targets, arrays.stride_number, seen.energy_left[e]
     rows, cols, radius_number = arrays.rows, arrays.cols, arrays.radius_number
     idle, unseen_way = fields.idle, fields.unseen_way
     items, unseen, due = fields.some_items, fields.some_unseen, fields.some_due
-    item_nodes, unseen_nodes, due_nodes = items.nodes, unseen.nodes, due.nodes
     n_items, n_unseen, n_due = items.size[0], unseen.size[0], due.size[0]
-    own_items, own_due, n_own_items, n_own_due = items.own, due.own, items.owned, due.owned
-    own_item_way, own_due_way = items.own_way, due.own_way
-    item_here, unseen_here, due_here = items.here, unseen.here, due.here
+    item_far, unseen_far, due_far = items.far, unseen.far, due.far
     start, nodes, disc = chart.views.start, chart.views.nodes, chart.disc
-    table, whole = distances.rows.distance, arrays.distances.shape[0] > 0
     for a in range(agent_node.size):
-        node, radius = agent_node[a], radius_number[a]
-        attraction = _attraction_here(item_here[a], n_items)
+        node, radius, here, kind = agent_node[a], radius_number[a], 9 * a + STAY, int(collects[a])
+        attraction = _attraction(item_far, here, n_items)
+        item_way = nearest_own(items, kind, a, here)
+        due_way = nearest_own(due, kind, a, here)
         for move in range(9):
             end = legal_end(targets, number[a], rows, cols, node, move, energy[a])
+            there = 9 * a + move
             if end < 0:
                 for feature in range(len(MOVE_FEATURES)):
                     out[a, move, feature] = 0
@@ -161,20 +140,12 @@ def describe_moves(
             out[a, move, 2] = _changed(gain, PER_NODE)
             gain = unseen_way[a, STAY] - unseen_way[a, move] if unseen_way[a, STAY] < FAR else 0.0
             out[a, move, 4] = _changed(gain, PER_NODE)
-            there = table[row_from(distances, whole, neighbours, end)]
-            gain = _mean_gain(item_here[a], there, item_nodes, n_items)
-            out[a, move, 5] = _changed(gain, PER_NODE)
-            gain = _mean_gain(unseen_here[a], there, unseen_nodes, n_unseen)
-            out[a, move, 6] = _changed(gain, PER_NODE)
-            gain = 0.0
-            if n_own_items[a] > 0:
-                gain = own_item_way[a] - _nearest(there, own_items[a], n_own_items[a])
+            out[a, move, 5] = _changed(_mean_gain(item_far, here, there, n_items), PER_NODE)
+            out[a, move, 6] = _changed(_mean_gain(unseen_far, here, there, n_unseen), PER_NODE)
+            gain = item_way - nearest_own(items, kind, a, there) if item_way < FAR else 0.0
             out[a, move, 7] = _changed(gain, PER_NODE)
-            gain = _attraction(there, item_nodes, n_items) - attraction
+            gain = _attraction(item_far, there, n_items) - attraction
             out[a, move, 8] = _changed(gain, PER_ATTRACTION)
-            gain = _mean_gain(due_here[a], there, due_nodes, n_due)
-            out[a, move, 9] = _changed(gain, PER_NODE)
-            gain = 0.0
-            if n_own_due[a] > 0:
-                gain = own_due_way[a] - _nearest(there, own_due[a], n_own_due[a])
+            out[a, move, 9] = _changed(_mean_gain(due_far, here, there, n_due), PER_NODE)
+            gain = due_way - nearest_own(due, kind, a, there) if due_way < FAR else 0.0
             out[a, move, 10] = _changed(gain, PER_NODE)

@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
+from graph_planner.compiled import kernel
+from graph_planner.encodings.codes import Codes
 from graph_planner.geodesics import (
     DistanceRows,
     Float32Array,
@@ -13,33 +14,30 @@ from graph_planner.geodesics import (
     Workspace,
     filled_row,
 )
+from graph_planner.navigation import STAY
 
 MOST_SAMPLES = 96
+_INF_BITS = np.float32(np.inf).view(np.int32)
 
 
 class Sample(NamedTuple):
     """Some nodes of interest; only the first `size` entries count."""
 
     nodes: Int32Array  # (MOST_SAMPLES,)
-    here: Float32Array  # (agent, MOST_SAMPLES) distance of each agent [node]
-    own: Int32Array  # (agent, MOST_SAMPLES) the nodes to which no other of its kind is nearer
-    owned: Int32Array  # (agent,) how many are each one's own
-    own_way: Float32Array  # (agent,) distance of each agent from the nearest of them, or inf
-    nearest: Int32Array  # (MOST_SAMPLES,) memory: the nearest agent of a kind, or -1
-    shortest: Float32Array  # (MOST_SAMPLES,) memory: its distance [node]
+    far: Float32Array  # (agent x 9, MOST_SAMPLES) distance of where each move ends, or inf [node]
+    bits: Int32Array  # the same memory: distances are not negative, so are ordered as their bits
+    nearest: Int32Array  # (2, MOST_SAMPLES) the nearest agent that does not collect, and that does
     size: Int32Array  # (1,) how many nodes there are
 
     @classmethod
     def empty(cls, agents: int) -> "Sample":
         """Memory for a sample."""
+        far = np.zeros((9 * agents, MOST_SAMPLES), np.float32)
         return cls(
             np.zeros(MOST_SAMPLES, np.int32),
-            np.zeros((agents, MOST_SAMPLES), np.float32),
-            np.zeros((agents, MOST_SAMPLES), np.int32),
-            np.zeros(agents, np.int32),
-            np.zeros(agents, np.float32),
-            np.zeros(MOST_SAMPLES, np.int32),
-            np.zeros(MOST_SAMPLES, np.float32),
+            far,
+            far.view(np.int32),
+            np.zeros((2, MOST_SAMPLES), np.int32),
             np.zeros(1, np.int32),
         )
 
@@ -49,17 +47,6 @@ class Distances(NamedTuple):
 
     rows: DistanceRows
     workspace: Workspace
-
-
-@inlined
-def row_from(distances: Distances, whole: bool, neighbours: Int32Array, node: int) -> int:
-    """Row of `distances.rows.distance` with those from a node; the next call may overwrite it.
-
-    Parameters
-    ----------
-    whole : whether there is a row for every node: theirs, and no time is lost to asking
-    """
-    return node if whole else filled_row(distances.rows, neighbours, node, distances.workspace)
 
 
 @kernel
@@ -77,43 +64,80 @@ def choose_evenly(candidates: Int32Array, count: int, sample: Sample) -> None:
 
 
 @kernel
-def measure(table: Float32Array, row: int, nodes: Int32Array, size: int, out: Float32Array) -> None:
-    """Pick the distances of the first `size` nodes from a row of a table into `out` (place,)."""
-    for i in range(size):
-        out[i] = table[row, np.uint64(nodes[i])]
+def _measure_by_code(codes: Codes, ends: Int32Array, sample: Sample) -> None:
+    """Fill `far` from the ends (agent x 9,) that are not -1."""
+    code, values, nodes, far = codes.code, codes.values, sample.nodes, sample.far
+    for k in range(ends.size):
+        if ends[k] >= 0:
+            end = np.uint64(ends[k])
+            for i in range(sample.size[0]):
+                far[k, i] = values[code[end, np.uint64(nodes[i])]]
+
+
+@kernel
+def measure(
+    neighbours: Int32Array,
+    codes: Codes,
+    targets: Int32Array,
+    distances: Distances,
+    samples: tuple[Sample, Sample, Sample],
+) -> None:
+    """Fill `far` of some samples.
+
+    Parameters
+    ----------
+    neighbours : (node, 8)
+    targets : (agent, 9) where moves end; of illegal ones, -1, nothing is to be read in `far`
+    distances : what is searched where there are no codes
+    """
+    rows = distances.rows.distance
+    ends = targets.copy().reshape(targets.size)
+    if codes.code.shape[0] > 0:
+        for sample in samples:
+            _measure_by_code(codes, ends, sample)
+        return
+    for k in range(ends.size):
+        if ends[k] >= 0:
+            row = filled_row(distances.rows, neighbours, ends[k], distances.workspace)
+            for sample in samples:
+                for i in range(sample.size[0]):
+                    sample.far[k, i] = rows[row, sample.nodes[i]]
 
 
 @kernel
 def share_out(collects: NDArray[np.bool_], sample: Sample) -> None:
     """Give every node of a measured sample to the nearest agent of each kind, the first of equals.
 
+    Where no agent of a kind gets, `nearest` is -1.
+
     Parameters
     ----------
     collects : (agent,) which of the two kinds each is of
     """
-    nodes, here, own, owned = sample.nodes, sample.here, sample.own, sample.owned
-    own_way, nearest, shortest, size = (
-        sample.own_way,
-        sample.nearest,
-        sample.shortest,
-        sample.size[0],
-    )
-    own_way[:] = np.float32(np.inf)
-    for kind in (False, True):
+    far, nearest, size = sample.far, sample.nearest, sample.size[0]
+    shortest = np.empty(MOST_SAMPLES, np.float32)
+    for kind in range(2):
         for i in range(size):
-            nearest[i], shortest[i] = -1, np.float32(np.inf)
+            nearest[kind, i], shortest[i] = -1, np.float32(np.inf)
         for a in range(collects.size):
             if collects[a] == kind:
+                here = np.uint64(9 * a + STAY)
                 for i in range(size):
-                    closer = here[a, i] < shortest[i]
-                    nearest[i] = a if closer else nearest[i]
-                    shortest[i] = here[a, i] if closer else shortest[i]
-        for a in range(collects.size):
-            if collects[a] == kind:
-                count = np.uint64(0)
-                for i in range(size):
-                    mine = nearest[i] == a
-                    own[a, count] = nodes[i]
-                    count += np.uint64(1) if mine else np.uint64(0)
-                    own_way[a] = shortest[i] if mine and shortest[i] < own_way[a] else own_way[a]
-                owned[a] = count
+                    closer = far[here, i] < shortest[i]
+                    nearest[kind, i] = a if closer else nearest[kind, i]
+                    shortest[i] = far[here, i] if closer else shortest[i]
+
+
+@kernel
+def nearest_own(sample: Sample, kind: int, agent: int, end: int) -> float:
+    """Distance to the nearest node that is given to an agent of a kind, or inf [node].
+
+    Parameters
+    ----------
+    end : row of `far` from where
+    """
+    bits, nearest, shortest = sample.bits, sample.nearest, _INF_BITS
+    for i in range(sample.size[0]):
+        own = bits[end, i] if nearest[kind, i] == agent else _INF_BITS
+        shortest = own if own < shortest else shortest
+    return np.float64(np.int32(shortest).view(np.float32))

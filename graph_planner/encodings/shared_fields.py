@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import inlined, kernel
 from graph_planner.encodings.chart import COARSE, Chart
+from graph_planner.encodings.codes import targets_to_nearest
 from graph_planner.encodings.encoder import TOP, Levels, item_level
 from graph_planner.encodings.samples import (
     Distances,
     Sample,
     choose_evenly,
     measure,
-    row_from,
     share_out,
 )
 from graph_planner.encodings.unseen import Unseen, list_nodes, nearest_is_itself
@@ -222,9 +222,9 @@ def share_fields(
     idle, levels, targets = fields.idle, fields.levels, fields.targets
     items, some_unseen, some_due = fields.some_items, fields.some_unseen, fields.some_due
     agent_node, belief, known = seen.agent_node[e], seen.belief[e], seen.known[e, : seen.n_known[e]]
-    neighbours, table, unseen = arrays.neighbours, arrays.distances, fields.unseen
+    neighbours, codes, unseen = arrays.neighbours, chart.codes, fields.unseen
     now, forgetting = seen.step[e] - 1, arrays.forgetting
-    find_ways(e, known, neighbours, table, distances.workspace, ways)
+    find_ways(e, known, neighbours, codes, distances.workspace, ways)
     _level(now, seen.last_seen[e], forgetting, ways.distance[e], idle, levels)
     for node in known:
         levels[node] |= np.uint32(item_level(belief[node])) << ITEMS
@@ -236,19 +236,24 @@ def share_fields(
     possible_targets(arrays, agent_node, targets)
     targets[:, STAY] = agent_node
     edge, slack = unseen.edge[:on_edge], longest_move(arrays.moves)
-    distances_to_nearest(
-        neighbours, table, edge, agent_node, targets, slack, distances.workspace, fields.unseen_way
-    )
+    if codes.code.shape[0] > 0:
+        targets_to_nearest(codes, edge, agent_node, targets, slack, fields.unseen_way)
+    else:
+        distances_to_nearest(
+            neighbours,
+            arrays.distances,
+            edge,
+            agent_node,
+            targets,
+            slack,
+            distances.workspace,
+            fields.unseen_way,
+        )
     nearest_is_itself(idle, targets, fields.unseen_way)
     choose_evenly(known, known.size, items)
     choose_evenly(unseen.nodes, count, some_unseen)
     choose_evenly(fields.due, due, some_due)
-    rows, whole = distances.rows.distance, table.shape[0] > 0
-    for a in range(agent_node.size):
-        row = row_from(distances, whole, neighbours, agent_node[a])
-        measure(rows, row, items.nodes, items.size[0], items.here[a])
-        measure(rows, row, some_unseen.nodes, some_unseen.size[0], some_unseen.here[a])
-        measure(rows, row, some_due.nodes, some_due.size[0], some_due.here[a])
+    measure(neighbours, codes, targets, distances, (items, some_unseen, some_due))
     share_out(arrays.collects, items)
     share_out(arrays.collects, some_due)
     return count

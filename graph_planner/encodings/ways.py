@@ -5,10 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from graph_planner.compiled import inlined, kernel
+from graph_planner.encodings.codes import Codes, nearest_by_code
 from graph_planner.encodings.encoder import TOP
 from graph_planner.geodesics import FAR, Float32Array, Int32Array, Workspace, spread
 
-MOST_ROWS = 300  # of the table of distances that are compared; beyond it a search is quicker
+MOST_ROWS = 300  # of codes that are compared; beyond it a search is quicker
 WAY_LEVELS = 2.0  # levels per node of distance: 0 from 127.5 nodes on
 
 
@@ -39,19 +40,16 @@ def way_level(distance: float) -> int:
 @kernel
 def _measure_ways(
     neighbours: Int32Array,
-    table: Float32Array,
+    codes: Codes,
     known: Int32Array,
     workspace: Workspace,
     way: Float32Array,
 ) -> None:
-    """Distance of every node to the nearest known item: from the table, or by a search."""
-    way[:] = np.float32(np.inf)
-    if table.shape[0] > 0 and known.size <= MOST_ROWS:
-        for item in known:
-            row = table[item]
-            for node in range(way.size):
-                way[node] = row[node] if row[node] < way[node] else way[node]
+    """Distance of every node to the nearest known item: by their codes, or by a search."""
+    if codes.code.shape[0] > 0 and known.size <= MOST_ROWS:
+        nearest_by_code(codes, known, way)
         return
+    way[:] = np.float32(np.inf)
     distance, touched = workspace.distance, workspace.touched
     count = spread(neighbours, known, np.empty(0, np.int32), workspace)
     for i in range(count):
@@ -73,7 +71,7 @@ def find_ways(
     e: int,
     known: Int32Array,
     neighbours: Int32Array,
-    table: Float32Array,
+    codes: Codes,
     workspace: Workspace,
     ways: Ways,
 ) -> None:
@@ -82,11 +80,11 @@ def find_ways(
     Parameters
     ----------
     known : (place,) nodes with items
-    neighbours, table : (node, 8); (node, node) distances or (0, 0). Always of the same map
+    neighbours, codes : (node, 8), and of distances. Always of the same map
     """
     distance, before, size = ways.distance, ways.known, ways.size
     if size[e] == known.size and _stand(known, before[e]):
         return
-    _measure_ways(neighbours, table, known, workspace, distance[e])
+    _measure_ways(neighbours, codes, known, workspace, distance[e])
     size[e] = known.size if known.size <= MOST_ROWS else -1
     before[e, : max(0, size[e])] = known[: max(0, size[e])]

@@ -33,9 +33,10 @@ def checked_moves(
     moves = _array(actions, shape, name, remedy)
     if moves.dtype.kind not in "iu":
         raise UserError(f"{name} = {reprlib.repr(moves.tolist())}: {remedy}")
-    wrong = np.argwhere((moves < 0) | (moves >= MOVES))
-    if len(wrong):
-        raise UserError(f"{_entry(name, wrong[0])} = {moves[tuple(wrong[0])]}: {remedy}")
+    wrong = (moves < 0) | (moves >= MOVES)
+    if wrong.any():
+        first = np.argwhere(wrong)[0]
+        raise UserError(f"{_entry(name, first)} = {moves[tuple(first)]}: {remedy}")
     return moves.astype(np.int64)
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.compiled import kernel
 from graph_planner.encodings import create_encoder, legal_moves
 from graph_planner.navigation import STAY
 from graph_planner.randomness import UInt64Array
@@ -29,6 +30,16 @@ class Outcome:
     exhausted: NDArray[np.bool_]  # (env, agent) has not the energy for another move
     illegal: NDArray[np.int64]  # (env,) chosen moves that were not legal, or taken by another
     taken: NDArray[np.int8]  # (env, agent) moves that were made
+
+
+@kernel
+def _count_happened(when: NDArray[np.int16]) -> NDArray[np.int64]:
+    """(env,) items of which something happened at a step (env, item), -1 for never."""
+    counts = np.zeros(when.shape[0], np.int64)
+    for e in range(when.shape[0]):
+        for k in range(when.shape[1]):
+            counts[e] += when[e, k] >= 0
+    return counts
 
 
 class Game:
@@ -88,7 +99,7 @@ class Game:
         checked_started(self.started, "step")
         preferences = np.zeros((*actions.shape, 9))
         preferences[..., STAY] = OTHERWISE_STAY
-        np.put_along_axis(preferences, actions[..., None], CHOSEN, axis=-1)
+        preferences.reshape(-1, 9)[np.arange(actions.size), actions.reshape(-1)] = CHOSEN
         return self.play(preferences, actions)
 
     def play(
@@ -120,13 +131,13 @@ class Game:
     @property
     def exhausted(self) -> NDArray[np.bool_]:
         """(env, agent) whether an agent has not the energy for another move."""
-        return np.asarray(self.mission.observation.energy_left < 1.0)
+        return self.mission.knowledge.energy_left < 1.0
 
     @property
     def masks(self) -> NDArray[np.int8]:
         """(env, agent, 9) 1 where a move is legal whatever the others choose."""
-        seen = self.mission.observation
-        legal = legal_moves(self.setup.task, seen.agent_node, seen.energy_left)
+        known = self.mission.knowledge
+        legal = legal_moves(self.setup.task, known.agent_node, known.energy_left)
         return legal.view(np.int8)
 
     def see(self, envs: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
@@ -148,7 +159,7 @@ class Game:
         """Steps (env,) made, and shares (env,) of items discovered and removed so far [%]."""
         entries, shares = self.mission.ledger.entries, {}
         for name, when in (("pta_d", entries.t_discovered), ("pta_c", entries.t_collected)):
-            shares[name] = 100.0 * np.count_nonzero(when >= 0, axis=1) / self.n_items
+            shares[name] = 100.0 * _count_happened(when) / self.n_items
         return {"step": self.mission.step.astype(np.int64), **shares}
 
     def fact(self) -> dict[str, float]:

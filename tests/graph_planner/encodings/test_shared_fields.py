@@ -9,7 +9,13 @@ from graph_planner.encodings.chart import Chart
 from graph_planner.encodings.egocentric import Egocentric
 from graph_planner.encodings.masks import legal_moves, legal_of_agent
 from graph_planner.encodings.move_features import MIDDLE
-from graph_planner.encodings.samples import MOST_SAMPLES, Sample, choose_evenly, share_out
+from graph_planner.encodings.samples import (
+    MOST_SAMPLES,
+    Sample,
+    choose_evenly,
+    nearest_own,
+    share_out,
+)
 from graph_planner.encodings.shared_fields import AGAIN_RADIUS
 from graph_planner.encodings.unseen import Unseen, list_nodes
 from graph_planner.fleet import Role
@@ -75,6 +81,36 @@ def test_gains_towards_the_unseen_by_all_unseen_nodes(seed: int, share: float) -
             assert moves[a, move, 6] == pytest.approx(np.clip(MIDDLE + 40 * gains, 0, 255), abs=1)
 
 
+@given(seeds)
+def test_gains_towards_items_and_nodes_to_look_at_again(seed: int) -> None:
+    """On average, and to the nearest to which no teammate of the kind is nearer."""
+    random = np.random.default_rng(seed)
+    last_seen = random.integers(-20, 60, NODES).astype(np.int16)
+    nodes, items = random.choice(NODES, 4, replace=False), random.choice(NODES, 3, replace=False)
+    cells = [(int(GRAPH.rows[n]), int(GRAPH.cols[n])) for n in (*nodes, *items)]
+    view = Egocentric(TASK)
+    view.reset(1)
+    seen = observation_of(TASK, cells[:4], dict.fromkeys(cells[4:], 1), last_seen, step=61)
+    moves = view.see(seen, ROW)["moves"][0]
+    distance = GRAPH.distances.astype(np.float64)
+    idle = np.minimum(1.0, (60 - last_seen.astype(float)) / 135.0)
+    due = np.flatnonzero(view._memory.nearby.marked[0] & (4 * idle >= 0.5))
+    for a, node in enumerate(nodes):
+        kind = np.flatnonzero(TASK.fleet.collects == TASK.fleet.collects[a])
+        for move in range(8):
+            end = TASK.arrays.targets[TASK.arrays.stride_number[a], node, move]
+            for mean, own, there in ((5, 7, items), (9, 10, due)):
+                if end < 0 or not there.size:
+                    continue
+                gains = (distance[node, there] - distance[end, there]).mean()
+                assert moves[a, move, mean] == pytest.approx(
+                    np.clip(MIDDLE + 40 * gains, 0, 255), abs=1
+                )
+                mine = there[kind[distance[nodes[kind]][:, there].argmin(axis=0)] == a]
+                gain = distance[node, mine].min() - distance[end, mine].min() if mine.size else 0.0
+                assert moves[a, move, own] == int(np.clip(MIDDLE + 40 * gain, 0, 255))
+
+
 @given(seeds, st.integers(0, 3 * MOST_SAMPLES))
 def test_a_sample_is_shared_out_to_the_nearest_of_each_kind(seed: int, count: int) -> None:
     random = np.random.default_rng(seed)
@@ -84,16 +120,19 @@ def test_a_sample_is_shared_out_to_the_nearest_of_each_kind(seed: int, count: in
     size = sample.size[0]
     assert size == min(count, MOST_SAMPLES)
     assert sample.nodes[:size].tolist() == [candidates[i * count // size] for i in range(size)]
-    sample.here[:] = random.integers(0, 6, sample.here.shape)
-    sample.here[random.random(sample.here.shape) < 0.2] = np.inf
+    sample.far[:] = random.integers(0, 6, sample.far.shape)
+    sample.far[random.random(sample.far.shape) < 0.2] = np.inf
     share_out(collects, sample)
+    far = sample.far.reshape(5, 9, -1)[..., :size]
     for a in range(5):
         kind = np.flatnonzero(collects == collects[a])
-        here = sample.here[:, :size]
+        here = far[:, STAY]
         first = kind[here[kind].argmin(axis=0)] == a  # the first of equals
         own = first & np.isfinite(here[a])
-        assert sample.own[a, : sample.owned[a]].tolist() == sample.nodes[:size][own].tolist()
-        assert sample.own_way[a] == here[a][own].min(initial=np.inf)
+        assert (sample.nearest[int(collects[a]), :size] == a).tolist() == own.tolist()
+        for move in range(9):
+            shortest = nearest_own(sample, int(collects[a]), a, 9 * a + move)
+            assert shortest == far[a, move][own].min(initial=np.inf)
 
 
 def test_the_coarse_map_is_the_mean_of_its_cells() -> None:

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from graph_planner.encodings.move_features import FADING, _attraction, _attraction_here
+from graph_planner.encodings.codes import Codes
+from graph_planner.encodings.move_features import FADING, _attraction, _mean_gain
 from graph_planner.encodings.ways import MOST_ROWS, Ways, find_ways, way_level
 from graph_planner.geodesics import Workspace
 from graph_planner.navigation import navigation_graph
@@ -15,7 +16,8 @@ WATER = np.ones((20, 20), np.bool_)
 WATER[5, 3:] = WATER[12, :17] = False
 GRAPH = navigation_graph(WATER, 1.0, False)
 NODES = len(GRAPH)
-TABLE, NO_TABLE = GRAPH.distances, np.empty((0, 0), np.float32)
+TABLE = GRAPH.distances
+CODES, NO_CODES = Codes.of(TABLE), Codes.of(np.empty((0, 0), np.float32))
 
 
 def lists(random: np.random.Generator, count: int) -> list[NDArray[np.int32]]:
@@ -38,13 +40,13 @@ def lists(random: np.random.Generator, count: int) -> list[NDArray[np.int32]]:
     return found
 
 
-@given(st.integers(0, 2**32 - 1), st.sampled_from([TABLE, NO_TABLE]))
-def test_ways_are_those_to_the_items_known_now(seed: int, table: NDArray[np.float32]) -> None:
+@given(st.integers(0, 2**32 - 1), st.sampled_from([CODES, NO_CODES]))
+def test_ways_are_those_to_the_items_known_now(seed: int, codes: Codes) -> None:
     random = np.random.default_rng(seed)
     ways, workspace = Ways.none_yet(2, NODES), Workspace.of(NODES)
     for pair in zip(lists(random, 20), lists(random, 20), strict=True):
         for e, known in enumerate(pair):
-            find_ways(e, known, GRAPH.neighbours, table, workspace, ways)
+            find_ways(e, known, GRAPH.neighbours, codes, workspace, ways)
         for e, known in enumerate(pair):
             expected = TABLE[known].min(axis=0, initial=np.inf)
             np.testing.assert_allclose(ways.distance[e], expected, rtol=1e-6)
@@ -53,9 +55,9 @@ def test_ways_are_those_to_the_items_known_now(seed: int, table: NDArray[np.floa
 def test_ways_stand_while_the_same_items_are_known() -> None:
     ways, workspace = Ways.none_yet(1, NODES), Workspace.of(NODES)
     known = np.array([3, 77], np.int32)
-    find_ways(0, known, GRAPH.neighbours, TABLE, workspace, ways)
+    find_ways(0, known, GRAPH.neighbours, CODES, workspace, ways)
     ways.distance[0, 0] = -1.0
-    find_ways(0, known.copy(), GRAPH.neighbours, TABLE, workspace, ways)
+    find_ways(0, known.copy(), GRAPH.neighbours, CODES, workspace, ways)
     assert ways.distance[0, 0] == -1.0
     assert (way_level(0.0), way_level(100.0), way_level(127.5), way_level(np.inf)) == (
         255,
@@ -68,8 +70,14 @@ def test_ways_stand_while_the_same_items_are_known() -> None:
 def test_items_attract_less_the_farther_they_are_and_not_at_all_from_40_nodes_on() -> None:
     there = np.array([0.0, 0.5, 1.0, 2.9, 38.99, 39.5, 40.0, 41.0, 900.0, np.inf], np.float32)
     near = np.floor(there[there < 40]).astype(int)
-    nodes = np.arange(there.size, dtype=np.int32)[::-1].copy()
-    assert _attraction(there, nodes, nodes.size) == pytest.approx((FADING**near).sum(), rel=1e-12)
-    assert _attraction_here(there, there.size) == pytest.approx((FADING**near).sum(), rel=1e-12)
-    assert _attraction_here(there, 2) == 2.0
-    assert _attraction(there, nodes, 4) == 0.0
+    far = np.stack((np.zeros_like(there), there))
+    assert _attraction(far, 1, there.size) == pytest.approx((FADING**near).sum(), rel=1e-12)
+    assert _attraction(far, 1, 2) == 2.0
+    assert _attraction(far, 1, 0) == 0.0
+
+
+def test_a_mean_gain_is_of_the_nodes_that_count() -> None:
+    far = np.array([[3.0, 2.0, 9.0], [1.0, 2.5, 0.0]], np.float32)
+    assert _mean_gain(far, 0, 1, 2) == 0.75
+    assert _mean_gain(far, 1, 0, 1) == -2.0
+    assert _mean_gain(far, 0, 1, 0) == 0.0

@@ -3,20 +3,34 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import Int32Array
 from mjforage.learning.environments.rewards.known import reward
 from mjforage.learning.environments.rewards.term import Amounts, Step
 
 
-def _count(agent: NDArray[np.int16], now: NDArray[np.bool_], agents: int) -> Amounts:
-    """How many items (episode, item) an event gives to each agent now."""
-    counts = [((agent == a) & now).sum(axis=1) for a in range(agents)]
-    return np.stack(counts, axis=1).astype(np.float64)
+@kernel
+def _count(
+    agent: NDArray[np.int16], when: NDArray[np.int16], step: Int32Array, agents: int
+) -> Amounts:
+    """How many items each agent (episode, agent) is given now, in this step (episode,).
+
+    Parameters
+    ----------
+    agent, when : (episode, item) to whom and at which step, -1 for nobody and never
+    """
+    counts = np.zeros((step.size, agents))
+    for e in range(step.size):
+        for k in range(agent.shape[1]):
+            if when[e, k] == step[e] and agent[e, k] >= 0:
+                counts[e, agent[e, k]] += 1.0
+    return counts
 
 
 def _removed(step: Step) -> Amounts:
     mission = step.mission
-    now = mission.ledger.entries.t_collected == mission.step[:, None]
-    return _count(mission.state.collected_by, now, len(step.task.fleet))
+    when = mission.ledger.entries.t_collected
+    return _count(mission.state.collected_by, when, mission.step, len(step.task.fleet))
 
 
 @reward("removed")
@@ -45,5 +59,5 @@ class Discovered:
     def __call__(self, step: Step) -> Amounts:
         """(episode, agent) [item]."""
         entries = step.mission.ledger.entries
-        now = entries.t_discovered == step.mission.step[:, None]
-        return _count(entries.discovered_by, now, len(step.task.fleet))
+        about = entries.discovered_by, entries.t_discovered, step.mission.step
+        return _count(*about, len(step.task.fleet))

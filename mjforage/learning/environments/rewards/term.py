@@ -19,7 +19,7 @@ class Before(NamedTuple):
     belief: NDArray[np.int16]  # (episode, node)
     last_seen: NDArray[np.int16]  # (episode, node)
     agent_node: Int32Array  # (episode, agent)
-    known: Int32Array  # (episode, node)
+    known: Int32Array  # (episode, node) the first `n_known` entries
     n_known: Int32Array  # (episode,)
 
     @classmethod
@@ -37,7 +37,8 @@ class Before(NamedTuple):
             return cls._make(array.copy() for array in live)
         kept: tuple[NDArray[Any], ...] = memory
         for own, array in zip(kept, live, strict=True):
-            np.copyto(own, array)
+            width = known.n_known.max() if own is memory.known else None
+            np.copyto(own[..., :width], array[..., :width])
         return memory
 
 

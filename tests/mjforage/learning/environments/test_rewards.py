@@ -9,6 +9,7 @@ from mjforage.core.mission import Mission
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 from mjforage.learning.environments.rewards import PUBLISHED, REWARDS, RewardTerms
+from mjforage.learning.environments.rewards.items_gained import _count
 
 
 def test_the_published_weights() -> None:
@@ -94,3 +95,10 @@ def test_an_agent_without_a_legal_move_is_blocked_and_the_others_are_not() -> No
     found = terms.after(mission, np.array([True, True]))
     expected = np.repeat([~setup.fleet.collects], 2, axis=0)
     np.testing.assert_array_equal(found["blocked"], expected.astype(np.float64))
+
+
+def test_items_count_for_the_agent_who_gets_them_in_this_step() -> None:
+    agent = np.array([[0, 2, 2, -1], [1, 1, 0, 2]], np.int16)
+    when = np.array([[5, 5, 5, 5], [4, 5, 6, -1]], np.int16)
+    counts = _count(agent, when, np.array([5, 5], np.int32), 3)
+    assert counts.tolist() == [[1.0, 0.0, 2.0], [0.0, 1.0, 0.0]]

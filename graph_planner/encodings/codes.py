@@ -1,0 +1,92 @@
+"""Distances between nodes as numbers of 16 bits, which are ordered as the distances are.
+
+A map has few different distances: 1,173 on the comb port, of 1.7 million pairs of nodes. Looking up
+pairs here and there waits for memory, of which this table takes half.
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.compiled import kernel
+from graph_planner.geodesics import FAR, Float32Array, Int32Array
+from graph_planner.navigation import NavigationGraph
+
+MOST_CODES = 2**16
+
+
+class Codes(NamedTuple):
+    """Distance of each pair of nodes: `values[code[node, other]]`."""
+
+    code: NDArray[np.uint16]  # (node, node), or (0, 0) without a table or with too many values
+    values: Float32Array  # (code,) ascending [node]; the last is inf
+
+    @classmethod
+    def of(cls, table: Float32Array) -> "Codes":
+        """Codes of a table of distances (node, node), or (0, 0)."""
+        found = [np.unique(row) for row in table]
+        values = np.unique(np.concatenate([*found, np.array([np.inf], np.float32)]))
+        if not found or values.size > MOST_CODES:
+            return cls(np.empty((0, 0), np.uint16), values[-1:])
+        code = np.empty(table.shape, np.uint16)
+        for node, row in enumerate(table):
+            code[node] = np.searchsorted(values, row)
+        return cls(code, values)
+
+
+@lru_cache(maxsize=8)
+def distance_codes(graph: NavigationGraph) -> Codes:
+    """Codes of a map's distances."""
+    return Codes.of(graph.distances)
+
+
+@kernel
+def nearest_by_code(codes: Codes, sources: Int32Array, out: Float32Array) -> None:
+    """Distance of every node to the nearest of some sources, or inf: `out` (node,) [node]."""
+    code, values = codes.code, codes.values
+    nearest = np.full(out.size, np.uint16(values.size - 1), np.uint16)
+    for source in sources:
+        row = code[source]
+        for node in range(out.size):
+            nearest[node] = row[node] if row[node] < nearest[node] else nearest[node]
+    for node in range(out.size):
+        out[node] = values[nearest[node]]
+
+
+@kernel
+def targets_to_nearest(
+    codes: Codes,
+    sources: Int32Array,
+    centres: Int32Array,
+    targets: Int32Array,
+    slack: float,
+    out: NDArray[np.float64],
+) -> None:
+    """`distances_to_nearest` by codes: of each agent's possible targets to the nearest source.
+
+    Parameters
+    ----------
+    sources : (source,) nodes
+    centres : (agent,) node of each agent
+    targets : (agent, 9) nodes, none farther than `slack` from the agent's; -1 is skipped
+    slack : distance [node]
+    out : (agent, 9) the result [node], inf without sources
+    """
+    code, values = codes.code, codes.values
+    for a in range(targets.shape[0]):
+        centre, nearest = np.uint64(centres[a]), np.int64(values.size - 1)
+        for source in sources:
+            here = np.int64(code[centre, np.uint64(source)])
+            nearest = here if here < nearest else nearest
+        limit = values[nearest] + np.float32(2.0 * slack + 1e-3)
+        for move in range(9):
+            out[a, move] = FAR
+        for source in sources:
+            if values[code[centre, np.uint64(source)]] <= limit:
+                for move in range(9):
+                    target = targets[a, move]
+                    if target >= 0:
+                        there = np.float64(values[code[np.uint64(source), np.uint64(target)]])
+                        out[a, move] = there if there < out[a, move] else out[a, move]
