@@ -37,7 +37,9 @@ def collected(*overrides: str, ignore: bool = False, episodes: int = 6) -> int:
 
 
 def test_many_small_boats_collect_more_when_full_ones_are_left_out() -> None:
-    assert collected(*MANY_SMALL) > 1.08 * collected(*MANY_SMALL, ignore=True)
+    """Over 10 episodes 17 %, over 24 of them 14 %; over 6 only 7."""
+    least = 1.08 * collected(*MANY_SMALL, ignore=True, episodes=10)
+    assert collected(*MANY_SMALL, episodes=10) > least
 
 
 def test_a_boat_with_energy_takes_over_from_those_without() -> None:
