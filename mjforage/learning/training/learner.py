@@ -84,6 +84,13 @@ class Learner:
         """The one that learns and those that follow it."""
         return self.online, self.target, self.average
 
+    @property
+    def rate(self) -> float:
+        """Learning rate of the next update."""
+        told = self.hyperparameters
+        falls = 1.0 + self.updates / told.rate_halves if told.rate_halves else 1.0
+        return told.learning_rate / falls
+
     def values(self, levels: Mapping[str, NDArray[np.uint8]]) -> NDArray[np.float32]:
         """(row, 9) values of pictures (row, ...)."""
         return values_of(self.online, levels)
@@ -111,6 +118,8 @@ class Learner:
             self.optimiser.zero_grad(set_to_none=True)
             loss.backward()  # type: ignore[no-untyped-call]
             torch.nn.utils.clip_grad_norm_(self.online.parameters(), GRADIENT_LIMIT)
+            for group in self.optimiser.param_groups:
+                group["lr"] = self.rate
             self.optimiser.step()
             self.updates += 1
             self._follow()

@@ -190,6 +190,33 @@ def test_the_average_is_of_all_weights_the_later_ones_counting_more(eta: float) 
         np.testing.assert_allclose(found.numpy(), expected, rtol=1e-4, atol=1e-6)
 
 
+def moved(one: Learner) -> list[NDArray[np.float32]]:
+    """What an update adds to the weights."""
+    before = [p.detach().numpy().copy() for p in one.online.parameters()]
+    one.learn(batch([0, 3]))
+    return [p.detach().numpy() - b for p, b in zip(one.online.parameters(), before, strict=True)]
+
+
+def test_steps_become_smaller_as_the_rate_falls() -> None:
+    """The first update is that of a constant rate; after rate_halves = 1 of them steps halve."""
+    constant, falling = learner(), learner(rate_halves=1)
+    for a, b in zip(moved(constant), moved(falling), strict=True):
+        np.testing.assert_array_equal(a, b)
+    for a, b in zip(moved(constant), moved(falling), strict=True):
+        np.testing.assert_allclose(b, a / 2.0, rtol=1e-3, atol=1e-7)
+    assert constant.rate == 1e-2
+    assert falling.rate == pytest.approx(1e-2 / 3.0)
+
+
+def test_a_falling_rate_goes_on_where_it_was() -> None:
+    one = learner(rate_halves=2)
+    moved(one), moved(one)
+    other = learner(rate_halves=2)
+    other.restore({name: value.clone() for name, value in one.tensors().items()})
+    for a, b in zip(moved(one), moved(other), strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
 def test_what_is_played_in_the_end_is_the_average() -> None:
     trainer = Trainer([load_scenario("published")], changed(Hyperparameters(), {}), seed=0)
     assert set(trainer.networks) == set(trainer.learners)
