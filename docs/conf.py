@@ -69,4 +69,3 @@ html_theme_options = {
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
 linkcheck_timeout = 20
-linkcheck_anchors = False
