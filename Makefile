@@ -2,7 +2,8 @@
 # `make quick`: the tests that take about a minute on two free cores.
 # `make test`: all tests and checks of the sources, and the site.
 # `make dist`: a wheel and an sdist in dist/, checked, installed elsewhere and used.
-# `make docs`: the site, under build/site; open build/site/index.html. `make links`: its links to other sites.
+# `make docs`: the site, under build/site; open build/site/index.html.
+# `make links`: its links to other sites; needs a network, and says which could not be checked.
 # `make gallery`: the films of docs/gallery.md, by the commands that stand there; a quarter of an hour.
 # `make pages`: whether report pages and the site can be read and worked by everybody, in headless Chromium.
 # `make evidence`: numbers of the pages made again, hours of them; ONLY="name name" JOBS=2 for some.
@@ -87,16 +88,20 @@ dist: $(VENV)/.installed-dev
 	$(BIN)/twine check --strict dist/*
 	$(BIN)/python -m tests.packaging $(TRY)
 
-SPHINX := $(BIN)/python -m sphinx --nitpicky --fail-on-warning --keep-going --quiet --doctree-dir build/doctrees
+SPHINX := $(BIN)/python -m sphinx --nitpicky --quiet --doctree-dir build/doctrees
+STRICT := --fail-on-warning --keep-going
 
 # Everything is read anew, so that a page that is gone leaves nothing behind.
 docs: $(VENV)/.installed-docs
 	rm -rf build/site
-	$(SPHINX) --fresh-env --builder html docs build/site
+	$(SPHINX) $(STRICT) --fresh-env --builder html docs build/site
 	$(BIN)/python -m tests.site build/site
 
 links: $(VENV)/.installed-docs
-	$(SPHINX) --builder linkcheck docs build/links
+	mkdir -p build
+	$(SPHINX) --builder linkcheck docs build/links 2>build/links.log || [ $$? = 1 ] \
+		|| (cat build/links.log; exit 1)
+	$(BIN)/python -m tests.site.links build/links/output.json
 
 # As the page has them; needs EGL, on Debian `libegl1 libegl-mesa0 libgl1-mesa-dri`.
 gallery: $(VENV)/.installed-dev

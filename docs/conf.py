@@ -22,6 +22,8 @@ extensions = [
     "sphinx.ext.autodoc",
     "numpydoc",
     "math_ml",
+    "numbers_whole",
+    "options_whole",
     "docstrings",
     "repository_links",
     "stills",
@@ -35,6 +37,7 @@ myst_heading_anchors = 4
 myst_fence_as_directive = ["math"]
 myst_links_external_new_tab = False
 
+smartquotes = False  # it makes dashes of the two hyphens of an option
 default_role = "code"  # our docstrings mark names with single backticks
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
@@ -69,4 +72,3 @@ html_theme_options = {
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
 linkcheck_timeout = 20
-linkcheck_anchors = False

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import stats
+from scipy.special import stdtr
 
 from metrics import statistics
 from metrics._checks import FloatArray, IntArray, ratio, same_shape
@@ -100,7 +100,7 @@ def paired_p(x: ArrayLike, y: ArrayLike) -> FloatArray:
     n, size = statistics.count(differences), np.abs(statistics.mean(differences))
     with np.errstate(divide="ignore", invalid="ignore"):
         t = np.where(size == 0.0, 0.0, size / statistics.sem(differences))
-    p = np.maximum(2.0 * stats.t.sf(t, np.maximum(n - 1, 1)), 2.0 ** (1.0 - n))
+    p = np.maximum(2.0 * stdtr(np.maximum(n - 1, 1), -t), 2.0 ** (1.0 - n))
     return np.where(n < 2, np.nan, np.minimum(p, 1.0))
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import stats
+from scipy.special import stdtrit
 
 from metrics import statistics
 from metrics._checks import FloatArray, first, ratio
@@ -73,7 +73,7 @@ def sensitivity_slope(levels: ArrayLike, means: ArrayLike) -> Line:
     x, y = _checked(levels, means, at_least=3)
     slope, intercept, sse = _line(x, y)
     spread = np.sum((x - x.mean()) ** 2)
-    half = stats.t.ppf(0.975, x.size - 2) * np.sqrt(sse / (x.size - 2) / spread)
+    half = stdtrit(x.size - 2, 0.975) * np.sqrt(sse / (x.size - 2) / spread)
     return Line(slope, intercept, slope - half, slope + half, sse)
 
 

@@ -7,13 +7,16 @@ run names tests that are not in it and took more than twice the bound, so that i
 Tests of a file that imports one of `HEAVY` are slow too, whatever they do themselves: the first
 import takes seconds of each process. `-m 'not slow'` loads no file that has none but slow tests.
 
-CPU time, because wall time on a busy machine says nothing of a test; no result depends on it. A
-fixture's time stands with the first test that asks for it.
+CPU time, because wall time on a busy machine says nothing of a test; no result depends on it. The
+tests of a run that ask for a fixture share its time: whoever came first would have all of it, and
+when that test is left out, the next.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Generator, Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import psutil
 import pytest
@@ -24,7 +27,7 @@ BOUND_S = 0.3
 HEAVY = (
     *("torch", "torchrl", "tensordict", "safetensors.torch", "stable_baselines3"),
     *("mjforage.learning.training", "mjforage.bench", "mjforage.cli.schemas"),
-    "graph_planner.inference",
+    *("graph_planner.inference", "graph_planner.q_network", "mjforage.learning.model_policy"),
 )
 """Modules that take seconds to load, and ours that load them."""
 
@@ -35,7 +38,11 @@ LIST = Path(__file__).with_name("slow.txt")
 HEAD = f"""# Tests above {BOUND_S} CPU seconds, which `make quick` leaves out.
 # Written by `pytest --measure`, which mends what it runs: one line for a test, all its parameters.
 """
-MEASURED = "cpu_s"
+MEASURED, MADE, ASKED = "cpu_s", "fixture_cpu_s", "fixtures"
+"""Properties of a report: time of the call, of each fixture made for it, and all it has."""
+
+NEW = pytest.StashKey[list[tuple[str, float]]]()
+"""Fixtures made since the last test was called, with their times."""
 
 
 def name_of(nodeid: str) -> str:
@@ -117,36 +124,72 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker("slow")
 
 
-def _timed(item: pytest.Item) -> Iterator[None]:
+def _name_of_fixture(fixture: pytest.FixtureDef[Any]) -> str:
+    return f"{fixture.baseid}::{fixture.argname}"
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_fixture_setup(
+    fixturedef: pytest.FixtureDef[Any], request: pytest.FixtureRequest
+) -> Generator[None, object, object]:
+    """Take the time of a fixture, less of those that it asks for."""
+    before = spent_s()
+    made = yield
+    request.session.stash.setdefault(NEW, []).append(
+        (_name_of_fixture(fixturedef), spent_s() - before)
+    )
+    return made
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
+    """Take the time of the test, and note which fixtures were made for it, and which it has."""
     before = spent_s()
     try:
         yield
     finally:
         item.user_properties.append((MEASURED, spent_s() - before))
+        item.user_properties.append((MADE, item.session.stash.get(NEW, [])))
+        item.session.stash[NEW] = []
+        known = getattr(item, "_fixtureinfo", None)
+        found = known.name2fixturedefs.values() if known else ()
+        item.user_properties.append((ASKED, [_name_of_fixture(one[-1]) for one in found]))
 
 
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_setup(item: pytest.Item) -> Iterator[None]:
-    """Take the time of fixtures."""
-    yield from _timed(item)
+def spent_by_test(properties: Iterable[tuple[str, Mapping[str, Any]]]) -> dict[str, float]:
+    """Return the time of each test, shares of fixtures included.
 
+    Parameters
+    ----------
+    properties : node and properties of each report, several for the parameters of a test
 
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
-    """Take the time of the test."""
-    yield from _timed(item)
+    Returns
+    -------
+    name without parameters -> most that a test of that name took [CPU s]
+    """
+    told = [(name_of(node), known) for node, known in properties if MEASURED in known]
+    made: Counter[str] = Counter()
+    for _, known in told:
+        for fixture, spent in known[MADE]:
+            made[fixture] += spent
+    users = Counter(fixture for _, known in told for fixture in known[ASKED])
+    most: dict[str, float] = {}
+    for name, known in told:
+        shares = sum(made[fixture] / users[fixture] for fixture in known[ASKED])
+        most[name] = max(most.get(name, 0.0), known[MEASURED] + shares)
+    return most
 
 
 def pytest_terminal_summary(
     terminalreporter: pytest.TerminalReporter, config: pytest.Config
 ) -> None:
     """Renew the list if asked to, and name what is far above the bound and not in it."""
-    measured: dict[str, float] = {}
-    for report in (one for kind in terminalreporter.stats.values() for one in kind):
-        if getattr(report, "when", None) == "call":
-            spent = sum(value for key, value in report.user_properties if key == MEASURED)
-            name = name_of(report.nodeid)
-            measured[name] = max(measured.get(name, 0.0), spent)
+    reports = (one for kind in terminalreporter.stats.values() for one in kind)
+    measured = spent_by_test(
+        (one.nodeid, dict(one.user_properties))
+        for one in reports
+        if getattr(one, "when", None) == "call"
+    )
     if config.getoption("--measure"):
         LIST.write_text(HEAD + "".join(f"{name}\n" for name in renewed(listed(), measured)))
     slow = listed()

@@ -1,11 +1,23 @@
 """The list of slow tests: names that are there, and what a run does to it."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from tests import cpu_seconds
-from tests.cpu_seconds import BOUND_S, LIST, has_quick_tests, listed, renewed, stands
+from tests.cpu_seconds import (
+    ASKED,
+    BOUND_S,
+    LIST,
+    MADE,
+    MEASURED,
+    has_quick_tests,
+    listed,
+    renewed,
+    spent_by_test,
+    stands,
+)
 
 HERE = "tests/test_cpu_seconds.py"
 MINE = f"{HERE}::test_every_name_is_of_a_test"
@@ -30,6 +42,21 @@ def test_a_run_mends_what_it_ran() -> None:
     assert renewed([MINE, gone], {}) == [MINE]
     assert renewed([MINE], {MINE: BOUND_S, OTHER: 2 * BOUND_S}) == [OTHER]
     assert renewed([MINE], {OTHER: 0.0}) == [MINE]
+
+
+def test_tests_share_the_time_of_a_fixture_whoever_came_first() -> None:
+    reports: list[tuple[str, dict[str, Any]]] = [
+        ("a.py::test_one", {MEASURED: 1.0, MADE: [("run", 3.0), ("folder", 0.5)], ASKED: ["run"]}),
+        ("a.py::test_two[x]", {MEASURED: 0.5, MADE: [], ASKED: ["run", "unmade"]}),
+        ("a.py::test_two[y]", {MEASURED: 0.1, MADE: [("run", 3.0)], ASKED: ["run"]}),
+        ("a.py::test_three", {MEASURED: 0.1, MADE: [], ASKED: []}),
+        ("a.py::test_skipped", {}),
+    ]
+    assert spent_by_test(reports) == {
+        "a.py::test_one": 3.0,
+        "a.py::test_two": 2.5,
+        "a.py::test_three": 0.1,
+    }
 
 
 def test_a_listed_test_is_left_out_and_an_unlisted_one_named(

@@ -1,11 +1,25 @@
-"""Tables in docstrings are Markdown's; autodoc reads reStructuredText."""
+"""What autodoc lacks: tables of docstrings are Markdown's, and types of arrays are long."""
 
+import re
 from typing import Any
 
+from docutils import nodes
+from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.util.typing import ExtensionMetadata
 
 BEFORE_NUMPYDOC = 400
+
+SHORTER = (
+    (r"~?(numpy\._typing\._array_like\.)?_Buffer \|.*?complex \| bytes \| str\]", "ArrayLike"),
+    (r"~?(numpy\.)?ndarray\[tuple\[.*?\], ~?(numpy\.)?dtype\[([\w.~]+)\]\]", r"ndarray[\3]"),
+    (r"Annotated\[(\w+), Within\([^)]*\)\]", r"\1"),
+    (r"<factory>|<function <lambda>>", "..."),
+    (r"<(?:function|class) ([\w.]+)[^>]*>", r"\1"),
+    (r"~(?:\w+\.)*", ""),
+    (r"numpy\.(\w+)", r"\1"),
+)
+"""What stands in signatures, and what is meant."""
 
 
 def tables_told(
@@ -25,6 +39,28 @@ def tables_told(
     lines[:] = told[:-1] if told and not told[-1] else told
 
 
+def shorter(told: str | None) -> str | None:
+    """A signature, or what it returns, with short names of types."""
+    for long, short in SHORTER if told else ():
+        told = re.sub(long, short, told or "")
+    return told
+
+
+def signature_told(
+    app: Sphinx, what: str, name: str, thing: Any, options: Any, told: str | None, back: str | None
+) -> tuple[str | None, str | None]:
+    """Write a signature as `shorter` has it."""
+    return shorter(told), shorter(back)
+
+
+def annotations_told(app: Sphinx, document: nodes.document, name: str) -> None:
+    """Write the types of attributes as `shorter` has them."""
+    for annotation in document.findall(addnodes.desc_annotation):
+        text = annotation.astext()
+        if (short := shorter(text)) != text:
+            annotation.children = [nodes.Text(short or "")]
+
+
 def list_table(table: list[list[str]]) -> list[str]:
     """The lines of a list table; its second row, the dashes, is left out."""
     lines = ["", ".. list-table::", "   :header-rows: 1", ""]
@@ -37,4 +73,6 @@ def list_table(table: list[list[str]]) -> list[str]:
 def setup(app: Sphinx) -> ExtensionMetadata:
     """Join autodoc before numpydoc does."""
     app.connect("autodoc-process-docstring", tables_told, priority=BEFORE_NUMPYDOC)
+    app.connect("autodoc-process-signature", signature_told)
+    app.connect("doctree-resolved", annotations_told)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

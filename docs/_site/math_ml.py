@@ -1,5 +1,7 @@
 """Equations as MathML, by docutils: browsers draw it themselves, with nothing to load."""
 
+import re
+
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
@@ -14,9 +16,10 @@ def inline(self: HTML5Translator, node: nodes.math) -> None:
 
 
 def block(self: HTML5Translator, node: nodes.math_block) -> None:
-    """An equation of its own, which a narrow window scrolls."""
+    """Equations of their own, side by side if there is room; a narrow window scrolls them."""
     self.body.append(self.starttag(node, "div", CLASS="equation", tabindex="0"))
-    self.body.append(tex2mathml(node.astext().strip(), as_block=True))
+    for part in re.split(r"\\qquad", node.astext()):
+        self.body.append(tex2mathml(part.strip(), as_block=True))
     self.body.append("</div>\n")
     raise nodes.SkipNode
 

@@ -1,5 +1,8 @@
 """The repository stays small: what git knows, less and with the weights, and each file of it."""
 
+import io
+import tarfile
+
 import pytest
 
 from tests.packaging.contents import REPOSITORY, tracked
@@ -10,6 +13,8 @@ if not (REPOSITORY / ".git").exists():
 SIZES = {path: (REPOSITORY / path).stat().st_size for path in tracked()}
 WEIGHTS = {path: size for path, size in SIZES.items() if path.endswith(".safetensors")}
 LARGEST_FILE_BYTES, LARGEST_WEIGHTS_FILE_BYTES = 1_000_000, 5_000_000
+ARCHIVE_BYTES = 12_000_000
+"""Of what one downloads: `git archive HEAD | gzip | wc -c`."""
 ALL_WEIGHTS_BYTES, ALL_OTHERS_BYTES = 9_000_000, 9_500_000
 
 
@@ -26,3 +31,11 @@ def test_all_files_together_are_not_large() -> None:
     weights = sum(WEIGHTS.values())
     assert weights < ALL_WEIGHTS_BYTES
     assert sum(SIZES.values()) - weights < ALL_OTHERS_BYTES
+
+
+def test_the_packed_repository_is_not_large() -> None:
+    packed = io.BytesIO()
+    with tarfile.open(fileobj=packed, mode="w:gz", compresslevel=6) as archive:
+        for path in sorted(SIZES):
+            archive.add(REPOSITORY / path, arcname=path)
+    assert packed.tell() < ARCHIVE_BYTES

@@ -91,6 +91,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, forget: Forget) -> I
     (tmp_path / "own_policies.py").write_text(SOURCE)
     (tmp_path / "own_compass.py").write_text("NORTH = 0\n")
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)  # stale if a file changes within a second
     path = list(sys.path)
     yield tmp_path
     sys.path[:] = path

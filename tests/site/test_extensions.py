@@ -1,0 +1,51 @@
+"""What the site's own extensions make of types of arrays, and which cells they take for numbers."""
+
+import importlib.util
+from types import ModuleType
+
+import pytest
+
+from tests.packaging.contents import REPOSITORY
+
+
+def extension(name: str) -> ModuleType:
+    pytest.importorskip("sphinx")
+    file = REPOSITORY / "docs" / "_site" / f"{name}.py"
+    spec = importlib.util.spec_from_file_location(name, file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize(
+    ("told", "short"),
+    [
+        ("(a: ~numpy.ndarray[tuple[~typing.Any, ...], ~numpy.dtype[~numpy.int16]])", "int16"),
+        ("(a: ndarray[tuple[Any, ...], dtype[int16]])", "int16"),
+    ],
+)
+def test_an_array_is_named_by_its_numbers(told: str, short: str) -> None:
+    assert extension("docstrings").shorter(told) == f"(a: ndarray[{short}])"
+
+
+def test_what_may_become_an_array_has_its_name() -> None:
+    told = (
+        "(x: _Buffer | _SupportsArray[dtype[Any]] | _NestedSequence[_SupportsArray[dtype[Any]]] |"
+        " complex | bytes | str | _NestedSequence[complex | bytes | str], seed: int,"
+        " how: ~collections.abc.Callable = <function mean>, more: dict = <factory>)"
+    )
+    short = "(x: ArrayLike, seed: int, how: Callable = mean, more: dict = ...)"
+    assert extension("docstrings").shorter(told) == short
+    assert extension("docstrings").shorter(None) is None
+
+
+@pytest.mark.parametrize("text", ["98.5 ± 1.5", "−0.1 ± .40", "0.97 (0.96 to 0.98)", "90 %"])
+def test_a_number_is_one(text: str) -> None:
+    assert extension("numbers_whole").NUMBER.fullmatch(text)
+
+
+@pytest.mark.parametrize("text", ["greedy", "never", "–", "", "two of 3", "0 to K / (n T)"])
+def test_words_are_none(text: str) -> None:
+    assert not extension("numbers_whole").NUMBER.fullmatch(text)
