@@ -19,7 +19,7 @@ from graph_planner.encodings.encoder import (
     encoder_class,
     encoder_label,
 )
-from graph_planner.encodings.masks import legal_moves
+from graph_planner.encodings.masks import LegalMoves, legal_moves
 
 for _module in pkgutil.iter_modules(__path__):
     importlib.import_module(f"{__name__}.{_module.name}")
@@ -27,6 +27,7 @@ for _module in pkgutil.iter_modules(__path__):
 __all__ = [
     "ENCODERS",
     "Encoder",
+    "LegalMoves",
     "Shapes",
     "create_encoder",
     "encoder",

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
-from graph_planner.geodesics import FAR, Float32Array, Int32Array
+from graph_planner.geodesics import Float32Array, Int32Array
 from graph_planner.navigation import NavigationGraph
 
 MOST_CODES = 2**16
@@ -66,6 +66,8 @@ def targets_to_nearest(
 ) -> None:
     """`distances_to_nearest` by codes: of each agent's possible targets to the nearest source.
 
+    It reads the rows of centres and targets only, which a look reads for other things too.
+
     Parameters
     ----------
     sources : (source,) nodes
@@ -75,18 +77,23 @@ def targets_to_nearest(
     out : (agent, 9) the result [node], inf without sources
     """
     code, values = codes.code, codes.values
+    none = np.uint16(values.size - 1)
+    here, hopeful = np.empty(sources.size, np.uint16), np.empty(sources.size, np.uint64)
     for a in range(targets.shape[0]):
-        centre, nearest = np.uint64(centres[a]), np.int64(values.size - 1)
-        for source in sources:
-            here = np.int64(code[centre, np.uint64(source)])
-            nearest = here if here < nearest else nearest
+        centre, nearest = np.uint64(centres[a]), none
+        for i in range(sources.size):
+            here[i] = code[centre, np.uint64(sources[i])]
+        for i in range(sources.size):
+            nearest = here[i] if here[i] < nearest else nearest
         limit = values[nearest] + np.float32(2.0 * slack + 1e-3)
+        most, count = np.searchsorted(values, limit, "right"), np.uint64(0)
+        for i in range(sources.size):  # without a branch
+            hopeful[count] = sources[i]
+            count += np.uint64(here[i] < most)
         for move in range(9):
-            out[a, move] = FAR
-        for source in sources:
-            if values[code[centre, np.uint64(source)]] <= limit:
-                for move in range(9):
-                    target = targets[a, move]
-                    if target >= 0:
-                        there = np.float64(values[code[np.uint64(source), np.uint64(target)]])
-                        out[a, move] = there if there < out[a, move] else out[a, move]
+            target, shortest = targets[a, move], none
+            if target >= 0:
+                for i in range(count):
+                    there = code[np.uint64(target), hopeful[i]]
+                    shortest = there if there < shortest else shortest
+            out[a, move] = values[shortest]

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
+from graph_planner.compiled import inlined, kernel, prepared
 from graph_planner.geodesics import Int32Array
 from graph_planner.moves import free_move, move_length
 from graph_planner.navigation import STAY
@@ -88,6 +88,19 @@ def legal_moves(
     agent_node : (episode, agent)
     energy_left : (episode, agent) distance that can still be travelled [node]
     """
-    out = np.empty((*agent_node.shape, 9), np.bool_)
-    _legal(task.arrays, agent_node, energy_left, out)
-    return out
+    return LegalMoves(task)(agent_node, energy_left)
+
+
+class LegalMoves:
+    """`legal_moves` of one task, asked often, always with arrays of one layout."""
+
+    def __init__(self, task: Task) -> None:
+        self._legal = prepared(_legal, task.arrays)
+
+    def __call__(
+        self, agent_node: Int32Array, energy_left: NDArray[np.float64]
+    ) -> NDArray[np.bool_]:
+        """As `legal_moves`."""
+        out = np.empty((*agent_node.shape, 9), np.bool_)
+        self._legal(agent_node, energy_left, out)
+        return out

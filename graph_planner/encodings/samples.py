@@ -64,14 +64,18 @@ def choose_evenly(candidates: Int32Array, count: int, sample: Sample) -> None:
 
 
 @kernel
-def _measure_by_code(codes: Codes, ends: Int32Array, sample: Sample) -> None:
-    """Fill `far` from the ends (agent x 9,) that are not -1."""
-    code, values, nodes, far = codes.code, codes.values, sample.nodes, sample.far
-    for k in range(ends.size):
-        if ends[k] >= 0:
-            end = np.uint64(ends[k])
-            for i in range(sample.size[0]):
-                far[k, i] = values[code[end, np.uint64(nodes[i])]]
+def _measure_by_code(
+    code: NDArray[np.uint16],
+    values: Float32Array,
+    end: int,
+    nodes: Int32Array,
+    size: int,
+    far: Float32Array,
+    k: int,
+) -> None:
+    """Fill row k of `far` from a node."""
+    for i in range(size):
+        far[k, i] = values[code[np.uint64(end), np.uint64(nodes[i])]]
 
 
 @kernel
@@ -90,11 +94,18 @@ def measure(
     targets : (agent, 9) where moves end; of illegal ones, -1, nothing is to be read in `far`
     distances : what is searched where there are no codes
     """
-    rows = distances.rows.distance
+    rows, code, values = distances.rows.distance, codes.code, codes.values
+    one, two, three = samples
     ends = targets.copy().reshape(targets.size)
-    if codes.code.shape[0] > 0:
-        for sample in samples:
-            _measure_by_code(codes, ends, sample)
+    nodes_1, nodes_2, nodes_3 = one.nodes, two.nodes, three.nodes
+    far_1, far_2, far_3 = one.far, two.far, three.far
+    size_1, size_2, size_3 = one.size[0], two.size[0], three.size[0]
+    if codes.code.shape[0] > 0:  # one row after the other, which then is at hand for all
+        for k in range(ends.size):
+            if ends[k] >= 0:
+                _measure_by_code(code, values, ends[k], nodes_1, size_1, far_1, k)
+                _measure_by_code(code, values, ends[k], nodes_2, size_2, far_2, k)
+                _measure_by_code(code, values, ends[k], nodes_3, size_3, far_3, k)
         return
     for k in range(ends.size):
         if ends[k] >= 0:
@@ -129,15 +140,18 @@ def share_out(collects: NDArray[np.bool_], sample: Sample) -> None:
 
 
 @kernel
-def nearest_own(sample: Sample, kind: int, agent: int, end: int) -> float:
+def nearest_own(
+    bits: Int32Array, nearest: Int32Array, size: int, kind: int, agent: int, end: int
+) -> float:
     """Distance to the nearest node that is given to an agent of a kind, or inf [node].
 
     Parameters
     ----------
+    bits, nearest, size : of a `Sample`
     end : row of `far` from where
     """
-    bits, nearest, shortest = sample.bits, sample.nearest, _INF_BITS
-    for i in range(sample.size[0]):
+    shortest = _INF_BITS
+    for i in range(size):
         own = bits[end, i] if nearest[kind, i] == agent else _INF_BITS
         shortest = own if own < shortest else shortest
     return np.float64(np.int32(shortest).view(np.float32))

@@ -9,11 +9,14 @@ from graph_planner.compiled import kernel
 from graph_planner.encodings.chart import WORD
 from graph_planner.geodesics import Int32Array
 
+_ALL = np.uint64(0x0101010101010101)  # a word full of ones
+
 
 class Unseen(NamedTuple):
     """Lists of nodes of a row; scratch memory. `list_nodes` tells how many entries count."""
 
-    nodes: Int32Array  # (node + 1,) of idleness 1
+    nodes: Int32Array  # (node + WORD,) of idleness 1
+    new: NDArray[np.uint8]  # (node,) 1 at those; some more of 0, to fill the last word
     edge: Int32Array  # (node + WORD,) those of them beside a cell of less
     fresh: NDArray[np.uint8]  # (place,) 1 at nodes of idleness 1, see `Chart.place`
     seen: NDArray[np.uint8]  # (place,) 1 at all others
@@ -24,7 +27,9 @@ class Unseen(NamedTuple):
     def of(cls, nodes: int, places: int) -> "Unseen":
         """Memory for a map of so many nodes, and so many places with its frame."""
         maps = (np.zeros(places, np.uint8) for _ in range(4))
-        return cls(np.zeros(nodes + 1, np.int32), np.zeros(nodes + WORD, np.int32), *maps)
+        new = np.zeros(-(-nodes // WORD) * WORD, np.uint8)
+        lists = (np.zeros(nodes + WORD, np.int32) for _ in range(2))
+        return cls(next(lists), new, next(lists), *maps)
 
 
 @kernel
@@ -68,12 +73,21 @@ def list_nodes(
     idle : (node,) see `Fields`
     place, water_at, node_at, width : see `Chart`
     """
-    nodes, fresh, count = unseen.nodes, unseen.fresh, np.uint64(0)
-    for node in range(idle.size):  # without a branch
-        new = np.uint8(idle[node] >= 1.0)
-        fresh[np.uint64(place[node])] = new
-        nodes[count] = node
-        count += np.uint64(new)
+    nodes, new, fresh, count = unseen.nodes, unseen.new, unseen.fresh, np.uint64(0)
+    for node in range(idle.size):
+        new[node] = idle[node] >= 1.0
+    for node in range(idle.size):
+        fresh[np.uint64(place[node])] = new[node]
+    words = new.view(np.uint64)
+    for word in range(words.size):
+        if words[word] == _ALL:
+            for i in range(WORD):
+                nodes[count + np.uint64(i)] = WORD * word + i
+            count += np.uint64(WORD)
+        elif words[word]:  # most of them are 0 or full
+            for i in range(WORD * word, WORD * word + WORD):
+                nodes[count] = i
+                count += np.uint64(new[i])
     return int(count), _list_edge(water_at, node_at, width, unseen)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from graph_planner.compiled import inlined, kernel
 from graph_planner.encodings.codes import Codes, nearest_by_code
-from graph_planner.encodings.encoder import TOP
+from graph_planner.encodings.encoder import TOP, Levels
 from graph_planner.geodesics import FAR, Float32Array, Int32Array, Workspace, spread
 
 MOST_ROWS = 300  # of codes that are compared; beyond it a search is quicker
@@ -17,6 +17,7 @@ class Ways(NamedTuple):
     """Distances, and what they were found from: they stand as long as that is the same."""
 
     distance: Float32Array  # (row, node) to the nearest known item [node], or inf
+    level: Levels  # (row, node) the same as levels
     known: Int32Array  # (row, MOST_ROWS) the nodes with items
     size: Int32Array  # (row,) how many; -1 if nothing stands
 
@@ -25,6 +26,7 @@ class Ways(NamedTuple):
         """Of so many rows, on a map of so many nodes."""
         return cls(
             np.zeros((rows, nodes), np.float32),
+            np.zeros((rows, nodes), np.uint8),
             np.zeros((rows, MOST_ROWS), np.int32),
             np.full(rows, -1, np.int32),
         )
@@ -82,9 +84,11 @@ def find_ways(
     known : (place,) nodes with items
     neighbours, codes : (node, 8), and of distances. Always of the same map
     """
-    distance, before, size = ways.distance, ways.known, ways.size
+    distance, level, before, size = ways.distance, ways.level, ways.known, ways.size
     if size[e] == known.size and _stand(known, before[e]):
         return
     _measure_ways(neighbours, codes, known, workspace, distance[e])
+    for node in range(level.shape[1]):
+        level[e, node] = way_level(np.float64(distance[e, node]))
     size[e] = known.size if known.size <= MOST_ROWS else -1
     before[e, : max(0, size[e])] = known[: max(0, size[e])]

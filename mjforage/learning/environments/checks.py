@@ -33,11 +33,11 @@ def checked_moves(
     moves = _array(actions, shape, name, remedy)
     if moves.dtype.kind not in "iu":
         raise UserError(f"{name} = {reprlib.repr(moves.tolist())}: {remedy}")
-    wrong = (moves < 0) | (moves >= MOVES)
-    if wrong.any():
-        first = np.argwhere(wrong)[0]
+    whole = moves.astype(np.int64)
+    if whole.size and whole.view(np.uint64).max() >= MOVES:  # negative ones are the largest
+        first = np.argwhere((moves < 0) | (moves >= MOVES))[0]
         raise UserError(f"{_entry(name, first)} = {moves[tuple(first)]}: {remedy}")
-    return moves.astype(np.int64)
+    return whole
 
 
 def checked_thrusts(action: object) -> NDArray[np.float64]:

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
-from graph_planner.encodings import create_encoder, legal_moves
+from graph_planner.encodings import LegalMoves, create_encoder
+from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import STAY
 from graph_planner.randomness import UInt64Array
 from mjforage.core.mission import Mission
@@ -27,8 +28,8 @@ class Outcome:
     rewards: NDArray[np.float64]  # (env, agent) their sum
     terminated: NDArray[np.bool_]  # (env,) no item is left, or nobody can move
     truncated: NDArray[np.bool_]  # (env,) the horizon is reached with items left
-    exhausted: NDArray[np.bool_]  # (env, agent) has not the energy for another move
     illegal: NDArray[np.int64]  # (env,) chosen moves that were not legal, or taken by another
+    exhausted: NDArray[np.bool_]  # (env, agent) has not the energy for another move
     taken: NDArray[np.int8]  # (env, agent) moves that were made
 
 
@@ -40,6 +41,49 @@ def _count_happened(when: NDArray[np.int16]) -> NDArray[np.int64]:
         for k in range(when.shape[1]):
             counts[e] += when[e, k] >= 0
     return counts
+
+
+@kernel
+def _preferences(actions: NDArray[np.int64]) -> NDArray[np.float64]:
+    """(env, agent, 9) of moves (env, agent)."""
+    preferences = np.zeros((*actions.shape, 9))
+    for e in range(actions.shape[0]):
+        for a in range(actions.shape[1]):
+            preferences[e, a, STAY] = OTHERWISE_STAY
+            preferences[e, a, actions[e, a]] = CHOSEN
+    return preferences
+
+
+@kernel
+def _how_it_ended(
+    played: NDArray[np.bool_],
+    active: NDArray[np.bool_],
+    wanted: NDArray[np.int64],
+    taken: NDArray[np.int8],
+    exhausted: NDArray[np.bool_],
+    item_node: Int32Array,
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.int64]]:
+    """`terminated`, `truncated` and `illegal` of `Outcome`.
+
+    Parameters
+    ----------
+    played, active : (env,) whether the step was made, and whether another can be
+    item_node : (env, item) -1 once removed
+    """
+    terminated, truncated = np.zeros(played.size, np.bool_), np.zeros(played.size, np.bool_)
+    illegal = np.zeros(played.size, np.int64)
+    for e in range(played.size):
+        if not played[e]:
+            continue
+        left, able = False, False
+        for k in range(item_node.shape[1]):
+            left |= item_node[e, k] >= 0
+        for a in range(taken.shape[1]):
+            illegal[e] += taken[e, a] != wanted[e, a]
+            able |= not exhausted[e, a]
+        terminated[e] = not (left and able)
+        truncated[e] = not (terminated[e] or active[e])
+    return terminated, truncated, illegal
 
 
 class Game:
@@ -66,6 +110,7 @@ class Game:
         self._spare = Mission(self.setup) if graph and num_envs > 1 else None
         self._weights = options.weights
         self._terms = RewardTerms(self.setup.task, self._weights)
+        self._legal_moves = LegalMoves(self.setup.task)
         self._encoder = create_encoder(options.observation, self.setup.task)
         self.shapes = self._encoder.shapes
         self.started = False  # whether there are episodes
@@ -97,10 +142,7 @@ class Game:
             If no episode has been started.
         """
         checked_started(self.started, "step")
-        preferences = np.zeros((*actions.shape, 9))
-        preferences[..., STAY] = OTHERWISE_STAY
-        preferences.reshape(-1, 9)[np.arange(actions.size), actions.reshape(-1)] = CHOSEN
-        return self.play(preferences, actions)
+        return self.play(_preferences(actions), actions)
 
     def play(
         self, preferences: NDArray[np.float64], wanted: NDArray[np.int64] | None = None
@@ -118,15 +160,12 @@ class Game:
         mission.advance(preferences)
         assert mission.moves is not None, "a mission that has advanced has moved"
         taken = mission.moves.direction
-        illegal = ((taken != wanted) & played[:, None]).sum(axis=1)
         raw = self._terms.after(mission, played)
         terms = {name: self._weights[name] * value for name, value in raw.items()}
         rewards = sum(terms.values(), np.zeros(taken.shape))
-        left = (mission.state.item_node >= 0).any(axis=1)
-        exhausted = self.exhausted
-        terminated = played & (~left | exhausted.all(axis=1))
-        truncated = played & ~terminated & ~mission.active
-        return Outcome(terms, rewards, terminated, truncated, exhausted, illegal, taken)
+        exhausted, left = self.exhausted, mission.state.item_node
+        ends = _how_it_ended(played, mission.active, wanted, taken, exhausted, left)
+        return Outcome(terms, rewards, *ends, exhausted, taken)
 
     @property
     def exhausted(self) -> NDArray[np.bool_]:
@@ -137,8 +176,7 @@ class Game:
     def masks(self) -> NDArray[np.int8]:
         """(env, agent, 9) 1 where a move is legal whatever the others choose."""
         known = self.mission.knowledge
-        legal = legal_moves(self.setup.task, known.agent_node, known.energy_left)
-        return legal.view(np.int8)
+        return self._legal_moves(known.agent_node, known.energy_left).view(np.int8)
 
     def see(self, envs: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
         """Levels (env, agent, ...) of the observation; live, only `envs` are of this moment.

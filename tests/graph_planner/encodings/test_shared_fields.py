@@ -131,7 +131,9 @@ def test_a_sample_is_shared_out_to_the_nearest_of_each_kind(seed: int, count: in
         own = first & np.isfinite(here[a])
         assert (sample.nearest[int(collects[a]), :size] == a).tolist() == own.tolist()
         for move in range(9):
-            shortest = nearest_own(sample, int(collects[a]), a, 9 * a + move)
+            shortest = nearest_own(
+                sample.bits, sample.nearest, size, int(collects[a]), a, 9 * a + move
+            )
             assert shortest == far[a, move][own].min(initial=np.inf)
 
 

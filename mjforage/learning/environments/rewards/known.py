@@ -88,6 +88,8 @@ class RewardTerms:
         found = {name: term(step) for name, term in self._terms.items()}
         for name in self._theirs:
             found[name] = _sound(name, found[name], step)
+        if played.all():
+            return found
         return {name: np.where(played[:, None], value, 0.0) for name, value in found.items()}
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import kernel, prepared
 from graph_planner.geodesics import FAR, Int32Array, Workspace, distances_to_nearest
 from graph_planner.task import TaskArrays
 from mjforage.learning.environments.rewards.known import reward
@@ -37,24 +37,33 @@ def _nearest_known(
                 out[e, a] = nearest[a, 0]
 
 
-def _nearest(step: Step, known: Int32Array, n_known: Int32Array, agent_node: Int32Array) -> Amounts:
-    out = np.empty(agent_node.shape)
-    _nearest_known(step.task.arrays, known, n_known, agent_node, step.workspace, out)
-    return out
+class _ToNearest:
+    """What both terms measure."""
+
+    def __init__(self) -> None:
+        self._nearest_known = prepared(_nearest_known)
+
+    def nearest(
+        self, step: Step, known: Int32Array, n_known: Int32Array, agent_node: Int32Array
+    ) -> Amounts:
+        """(episode, agent) [node]."""
+        out = np.empty(agent_node.shape)
+        self._nearest_known(step.task.arrays, known, n_known, agent_node, step.workspace, out)
+        return out
 
 
 @reward("distance")
-class Distance:
+class Distance(_ToNearest):
     """Distance to the nearest known item, 0 if none is known."""
 
     def __call__(self, step: Step) -> Amounts:
         """(episode, agent) [node]."""
         known = step.mission.knowledge
-        return _nearest(step, known.known, known.n_known, step.mission.state.agent_node)
+        return self.nearest(step, known.known, known.n_known, step.mission.state.agent_node)
 
 
 @reward("approach")
-class Approach:
+class Approach(_ToNearest):
     """By how much the nearest item known before the move has come nearer to one that collects.
 
     A scout would earn it by staying with known items, one after the other as they are collected,
@@ -64,6 +73,6 @@ class Approach:
     def __call__(self, step: Step) -> Amounts:
         """(episode, agent) [node]."""
         old = step.before
-        before = _nearest(step, old.known, old.n_known, old.agent_node)
-        gain = before - _nearest(step, old.known, old.n_known, step.mission.state.agent_node)
+        before = self.nearest(step, old.known, old.n_known, old.agent_node)
+        gain = before - self.nearest(step, old.known, old.n_known, step.mission.state.agent_node)
         return gain * step.task.fleet.collects

@@ -5,8 +5,10 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array, Workspace
 from graph_planner.task import Task
+from graph_planner.visibility import NodeLists
 from mjforage.core.mission import Mission
 from mjforage.core.once import Once
 
@@ -14,32 +16,71 @@ Amounts = NDArray[np.float64]  # (episode, agent)
 
 
 class Before(NamedTuple):
-    """What a reward compares the new state with."""
+    """What a reward compares the new state with. Nobody writes to it."""
 
     belief: NDArray[np.int16]  # (episode, node)
     last_seen: NDArray[np.int16]  # (episode, node)
     agent_node: Int32Array  # (episode, agent)
     known: Int32Array  # (episode, node) the first `n_known` entries
     n_known: Int32Array  # (episode,)
+    step: Int32Array  # (episode,)
 
     @classmethod
     def of(cls, mission: Mission, memory: "Before | None" = None) -> "Before":
         """A copy of what the next state is compared with; in memory of its size if there is any."""
         known = mission.knowledge
-        live: tuple[NDArray[Any], ...] = (
+        live = cls(
             known.belief,
             known.last_seen,
             mission.state.agent_node,
             known.known,
             known.n_known,
+            mission.step,
         )
         if memory is None or memory.belief.shape != known.belief.shape:
-            return cls._make(array.copy() for array in live)
-        kept: tuple[NDArray[Any], ...] = memory
-        for own, array in zip(kept, live, strict=True):
-            width = known.n_known.max() if own is memory.known else None
-            np.copyto(own[..., :width], array[..., :width])
+            arrays: tuple[NDArray[Any], ...] = live
+            return cls._make(array.copy() for array in arrays)
+        perfect, task = mission.setup.scenario.sensors.perfect, mission.task
+        _follow(live, known.agent_node, perfect, task.views, task.radius_number, memory)
         return memory
+
+
+@kernel
+def _follow(
+    live: Before,
+    looked_from: Int32Array,
+    perfect: bool,
+    views: NodeLists,
+    radius_number: NDArray[np.int64],
+    memory: Before,
+) -> None:
+    """Bring a copy up to date. One step changes what is known of the nodes in view, and no other.
+
+    Parameters
+    ----------
+    looked_from : (episode, agent) nodes of the last looks
+    perfect : whether looks are; otherwise what is made of them changes other nodes as well
+    """
+    start, nodes = views.start, views.nodes
+    belief, last_seen, agent_node, known, n_known, step = live
+    own_belief, own_last_seen, own_agent_node, own_known, own_n_known, own_step = memory
+    for e in range(step.size):
+        for i in range(n_known[e]):
+            own_known[e, i] = known[e, i]
+        for a in range(agent_node.shape[1]):
+            own_agent_node[e, a] = agent_node[e, a]
+        since, own_step[e], own_n_known[e] = step[e] - own_step[e], step[e], n_known[e]
+        if not (perfect and step[e] > 0 and 0 <= since <= 1):
+            for node in range(belief.shape[1]):
+                own_belief[e, node] = belief[e, node]
+                own_last_seen[e, node] = last_seen[e, node]
+            continue
+        for a in range(radius_number.size):
+            radius, viewer = radius_number[a], looked_from[e, a]
+            for i in range(start[radius, viewer], start[radius, viewer + 1]):
+                node = np.uint64(nodes[i])
+                own_belief[e, node] = belief[e, node]
+                own_last_seen[e, node] = last_seen[e, node]
 
 
 class Step(Once):

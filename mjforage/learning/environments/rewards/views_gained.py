@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import kernel, prepared
 from graph_planner.geodesics import Int32Array
 from graph_planner.visibility import NodeLists
 from mjforage.learning.environments.rewards.known import reward
@@ -66,12 +66,15 @@ def _idleness_ended(
 class BeliefChanged:
     """Change of the belief map in view, shared where views overlap."""
 
+    def __init__(self) -> None:
+        self._changed = prepared(_belief_changed)
+
     def __call__(self, step: Step) -> Amounts:
         """(episode, agent) [item]."""
         task, at = step.task, step.mission.state.agent_node
         beliefs = step.before.belief, step.mission.knowledge.belief
         out = np.empty(at.shape)
-        _belief_changed(at, task.views, task.radius_number, *beliefs, out)
+        self._changed(at, task.views, task.radius_number, *beliefs, out)
         return out
 
 
@@ -79,11 +82,14 @@ class BeliefChanged:
 class IdlenessEnded:
     """Idleness, before the look, of the nodes in view of agents that do not collect."""
 
+    def __init__(self) -> None:
+        self._ended = prepared(_idleness_ended)
+
     def __call__(self, step: Step) -> Amounts:
         """(episode, agent) [node of idleness 1]."""
         task, at = step.task, step.mission.state.agent_node
         about = task.views, task.radius_number, task.fleet.collects
         out = np.empty(at.shape)
         last_seen = step.before.last_seen
-        _idleness_ended(at, *about, step.mission.step, last_seen, task.forgetting, out)
+        self._ended(at, *about, step.mission.step, last_seen, task.forgetting, out)
         return out
