@@ -25,11 +25,9 @@ class Chart(NamedTuple):
     node_at: Int32Array  # (place,) the node there, 0 on land
     width: int  # columns of that map
     coarse: Int32Array  # (node,) cell of the coarse map
-    wet: Int32Array  # (wet cell,) cells of the coarse map with water, those of most nodes first
-    layer: (
-        Int32Array  # (layer + 1,) where each begins in `nodes`: the first of each cell, the second
-    )
-    nodes: Int32Array  # (node,) by layers, in each by wet cells: in a cell they ascend
+    wet: Int32Array  # (wet cell,) cells of the coarse map with water
+    start: Int32Array  # (wet cell + 1,) where the nodes of each begin in `nodes`
+    nodes: Int32Array  # (node,) by wet cells, ascending in each
     water: Levels  # (wet cell,) level of the share of water
     extent: Int32Array  # (COARSE^2,) nodes of each cell
     views: NodeLists
@@ -45,10 +43,7 @@ class Chart(NamedTuple):
         cells = np.arange(height)[:, None] * COARSE // height * COARSE
         cells = cells + np.arange(width)[None, :] * COARSE // width
         area = np.bincount(cells.reshape(-1), minlength=COARSE**2)
-        extent = np.bincount(coarse, minlength=COARSE**2)
-        wet = np.argsort(-extent, kind="stable")[: np.count_nonzero(extent)]
-        of_cell = [np.flatnonzero(coarse == cell) for cell in wet]
-        layers = [[nodes[i] for nodes in of_cell if i < nodes.size] for i in range(extent.max())]
+        wet, nodes = np.unique(coarse, return_counts=True)
         node_of_cell = np.where(graph.navigable, graph.node_of_cell, len(graph))
         discs = graph.discs(task.view_radii)
         place = ((graph.rows + 1) * (width + 2) + graph.cols + 1).astype(np.int32)
@@ -63,10 +58,10 @@ class Chart(NamedTuple):
             width=width + 2,
             coarse=coarse.astype(np.int32),
             wet=wet.astype(np.int32),
-            layer=np.cumsum([0, *map(len, layers)]).astype(np.int32),
-            nodes=np.concatenate(layers).astype(np.int32),
-            water=(TOP * extent[wet] // area[wet]).astype(np.uint8),
-            extent=extent.astype(np.int32),
+            start=np.concatenate(([0], np.cumsum(nodes))).astype(np.int32),
+            nodes=np.argsort(coarse, kind="stable").astype(np.int32),
+            water=(TOP * nodes // area[wet]).astype(np.uint8),
+            extent=np.bincount(coarse, minlength=COARSE**2).astype(np.int32),
             views=task.views,
             disc=np.diff(discs.start, axis=1).max(axis=1).astype(np.int64),
             codes=distance_codes(graph),

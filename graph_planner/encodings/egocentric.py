@@ -167,7 +167,7 @@ class Pictures(NamedTuple):
 
     crop: Levels  # its cells in one axis, as those of the globe
     globe: Levels
-    moves: Levels  # moves and features in one axis
+    moves: Levels
     own: Levels
 
 
@@ -283,8 +283,7 @@ class Egocentric:
         self._out = {k: np.zeros((*lead, *shape), np.uint8) for k, shape in self.shapes.items()}
         crop = self._out["crop"].reshape(*lead, len(CROP), -1)
         globe = self._out["globe"].reshape(*lead, len(GLOBE), -1)
-        moves = self._out["moves"].reshape(*lead, -1)
-        self._pictures = Pictures(crop, globe, moves, self._out["self"])
+        self._pictures = Pictures(crop, globe, self._out["moves"], self._out["self"])
         self._kinds: object = None  # of the arrays for which `_look` is prepared
 
     def see(self, seen: Observation, rows: NDArray[np.int64]) -> dict[str, Levels]:

@@ -48,12 +48,10 @@ _PULLS = np.append(np.power(FADING, np.arange(40.0)), 0.0)  # of an item, by its
 _PARTS = np.float32(2.0**23)  # of a node, which distances are multiples of
 
 
-@kernel
-def _to_levels(values: NDArray[np.float64], out: Levels) -> None:
-    """Values (entry,), cut off at 0 and 255, as levels."""
-    for i in range(values.size):
-        value = values[i] if values[i] > 0.0 else 0.0
-        out[i] = np.uint8(value if value < TOP else TOP)
+@inlined
+def _changed(gain: float, per_unit: float) -> int:
+    """Level of a gain: more than the middle is nearer, or more."""
+    return int(min(255.0, max(0.0, MIDDLE + per_unit * gain)))
 
 
 @kernel
@@ -86,40 +84,12 @@ def _attraction(far: Float32Array, there: int, size: int) -> float:
 
 
 @kernel
-def _idleness_in_view(
-    starts: Int32Array,
-    nodes: Int32Array,
-    idle: NDArray[np.float64],
-    ends: Int32Array,
-    out: NDArray[np.float64],
-) -> None:
-    """Sums (end,) of idleness in view of some nodes (end,), each in the order of its list, on which
-    rounding depends. Four at a time, as an addition waits for the one before.
-
-    Parameters
-    ----------
-    starts : (node + 1,) where the list of each begins in `nodes`
-    """
-    for first in range(0, ends.size - 3, 4):
-        a, b, c, d = ends[first], ends[first + 1], ends[first + 2], ends[first + 3]
-        i, j, k, m = starts[a], starts[b], starts[c], starts[d]
-        size = min(starts[a + 1] - i, starts[b + 1] - j, starts[c + 1] - k, starts[d + 1] - m)
-        sum_a, sum_b, sum_c, sum_d = 0.0, 0.0, 0.0, 0.0
-        for p in range(size):
-            sum_a += idle[np.uint64(nodes[np.uint64(i + p)])]
-            sum_b += idle[np.uint64(nodes[np.uint64(j + p)])]
-            sum_c += idle[np.uint64(nodes[np.uint64(k + p)])]
-            sum_d += idle[np.uint64(nodes[np.uint64(m + p)])]
-        out[first], out[first + 1], out[first + 2], out[first + 3] = sum_a, sum_b, sum_c, sum_d
-        for place in range(first, first + 4):
-            end = ends[place]
-            for p in range(starts[end] + size, starts[end + 1]):
-                out[place] += idle[np.uint64(nodes[np.uint64(p)])]
-    for place in range(ends.size // 4 * 4, ends.size):
-        total = 0.0
-        for p in range(starts[ends[place]], starts[ends[place] + 1]):
-            total += idle[np.uint64(nodes[np.uint64(p)])]
-        out[place] = total
+def _idleness_in_view(first: int, end: int, nodes: Int32Array, idle: NDArray[np.float64]) -> float:
+    """Sum of idleness of a list of nodes, in its order, on which rounding depends."""
+    total = 0.0
+    for i in range(first, end):
+        total += idle[np.uint64(nodes[i])]
+    return total
 
 
 @inlined
@@ -132,7 +102,7 @@ def describe_moves(
     way: Float32Array,
     out: Levels,
 ) -> None:
-    """Fill the features (agent, 9 x feature) of all agents' moves in row e.
+    """Fill the features (agent, 9, feature) of all agents' moves in row e.
 
     Parameters
     ----------
@@ -144,51 +114,52 @@ def describe_moves(
     idle, unseen_way = fields.idle, fields.unseen_way
     items, unseen, due = fields.some_items, fields.some_unseen, fields.some_due
     n_items, n_unseen, n_due = items.size[0], unseen.size[0], due.size[0]
-    item_far, unseen_far, due_far = items.far, unseen.far, due.far
     item_bits, item_nearest, due_bits, due_nearest = (
         items.bits,
         items.nearest,
         due.bits,
         due.nearest,
     )
+    item_far, unseen_far, due_far = items.far, unseen.far, due.far
     start, nodes, disc = chart.views.start, chart.views.nodes, chart.disc
-    ends, in_view = np.empty(9, np.int32), np.empty(9)
-    values = np.empty((9, len(MOVE_FEATURES)))
     for a in range(agent_node.size):
         node, radius, here, kind = agent_node[a], radius_number[a], 9 * a + STAY, int(collects[a])
         attraction = _attraction(item_far, here, n_items)
         item_way = nearest_own(item_bits, item_nearest, n_items, kind, a, here)
         due_way = nearest_own(due_bits, due_nearest, n_due, kind, a, here)
-        legal, place = 0, 0
-        for move in range(9):
-            ends[legal] = legal_end(targets, number[a], rows, cols, node, move, energy[a])
-            legal += ends[legal] >= 0
-        _idleness_in_view(start[radius], nodes, idle, ends[:legal], in_view)
         for move in range(9):
             end = legal_end(targets, number[a], rows, cols, node, move, energy[a])
             there = 9 * a + move
-            for feature in range(len(MOVE_FEATURES)):
-                values[move, feature] = 0.0 if end < 0 else MIDDLE
             if end < 0:
+                for feature in range(len(MOVE_FEATURES)):
+                    out[a, move, feature] = 0
                 continue
-            values[move, 0] = TOP
-            values[move, 1] = item_level(belief[end])
-            values[move, 3] = TOP * (in_view[place] / disc[radius])
-            place += 1
+            in_view = _idleness_in_view(start[radius, end], start[radius, end + 1], nodes, idle)
+            out[a, move, 0] = TOP
+            out[a, move, 1] = item_level(belief[end])
+            out[a, move, 3] = np.uint8(TOP * min(1.0, in_view / disc[radius]))
             if move == STAY:  # nothing comes nearer
+                for feature in (2, 4, 5, 6, 7, 8, 9, 10):
+                    out[a, move, feature] = MIDDLE
                 continue
-            if way[node] < FAR:
-                values[move, 2] += PER_NODE * (way[node] - way[end])
-            if unseen_way[a, STAY] < FAR:
-                values[move, 4] += PER_NODE * (unseen_way[a, STAY] - unseen_way[a, move])
-            values[move, 5] += PER_NODE * _mean_gain(item_far, here, there, n_items)
-            values[move, 6] += PER_NODE * _mean_gain(unseen_far, here, there, n_unseen)
-            if item_way < FAR:
-                own = nearest_own(item_bits, item_nearest, n_items, kind, a, there)
-                values[move, 7] += PER_NODE * (item_way - own)
-            values[move, 8] += PER_ATTRACTION * (_attraction(item_far, there, n_items) - attraction)
-            values[move, 9] += PER_NODE * _mean_gain(due_far, here, there, n_due)
-            if due_way < FAR:
-                own = nearest_own(due_bits, due_nearest, n_due, kind, a, there)
-                values[move, 10] += PER_NODE * (due_way - own)
-        _to_levels(values.reshape(values.size), out[a])
+            gain = way[node] - way[end] if way[node] < FAR else 0.0
+            out[a, move, 2] = _changed(gain, PER_NODE)
+            gain = unseen_way[a, STAY] - unseen_way[a, move] if unseen_way[a, STAY] < FAR else 0.0
+            out[a, move, 4] = _changed(gain, PER_NODE)
+            out[a, move, 5] = _changed(_mean_gain(item_far, here, there, n_items), PER_NODE)
+            out[a, move, 6] = _changed(_mean_gain(unseen_far, here, there, n_unseen), PER_NODE)
+            gain = (
+                item_way - nearest_own(item_bits, item_nearest, n_items, kind, a, there)
+                if item_way < FAR
+                else 0.0
+            )
+            out[a, move, 7] = _changed(gain, PER_NODE)
+            gain = _attraction(item_far, there, n_items) - attraction
+            out[a, move, 8] = _changed(gain, PER_ATTRACTION)
+            out[a, move, 9] = _changed(_mean_gain(due_far, here, there, n_due), PER_NODE)
+            gain = (
+                due_way - nearest_own(due_bits, due_nearest, n_due, kind, a, there)
+                if due_way < FAR
+                else 0.0
+            )
+            out[a, move, 10] = _changed(gain, PER_NODE)

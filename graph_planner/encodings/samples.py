@@ -64,18 +64,14 @@ def choose_evenly(candidates: Int32Array, count: int, sample: Sample) -> None:
 
 
 @kernel
-def _measure_by_code(
-    code: NDArray[np.uint16],
-    values: Float32Array,
-    end: int,
-    nodes: Int32Array,
-    size: int,
-    far: Float32Array,
-    k: int,
-) -> None:
-    """Fill row k of `far` from a node."""
-    for i in range(size):
-        far[k, i] = values[code[np.uint64(end), np.uint64(nodes[i])]]
+def _measure_by_code(codes: Codes, ends: Int32Array, sample: Sample) -> None:
+    """Fill `far` from the ends (agent x 9,) that are not -1."""
+    code, values, nodes, far = codes.code, codes.values, sample.nodes, sample.far
+    for k in range(ends.size):
+        if ends[k] >= 0:
+            end = np.uint64(ends[k])
+            for i in range(sample.size[0]):
+                far[k, i] = values[code[end, np.uint64(nodes[i])]]
 
 
 @kernel
@@ -94,18 +90,11 @@ def measure(
     targets : (agent, 9) where moves end; of illegal ones, -1, nothing is to be read in `far`
     distances : what is searched where there are no codes
     """
-    rows, code, values = distances.rows.distance, codes.code, codes.values
-    one, two, three = samples
+    rows = distances.rows.distance
     ends = targets.copy().reshape(targets.size)
-    nodes_1, nodes_2, nodes_3 = one.nodes, two.nodes, three.nodes
-    far_1, far_2, far_3 = one.far, two.far, three.far
-    size_1, size_2, size_3 = one.size[0], two.size[0], three.size[0]
-    if codes.code.shape[0] > 0:  # one row after the other, which then is at hand for all
-        for k in range(ends.size):
-            if ends[k] >= 0:
-                _measure_by_code(code, values, ends[k], nodes_1, size_1, far_1, k)
-                _measure_by_code(code, values, ends[k], nodes_2, size_2, far_2, k)
-                _measure_by_code(code, values, ends[k], nodes_3, size_3, far_3, k)
+    if codes.code.shape[0] > 0:
+        for sample in samples:
+            _measure_by_code(codes, ends, sample)
         return
     for k in range(ends.size):
         if ends[k] >= 0:

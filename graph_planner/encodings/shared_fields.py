@@ -45,7 +45,6 @@ class Fields(NamedTuple):
     targets: Int32Array  # (agent, 9) where moves would end, -1 if illegal; the last: its own node
     unseen_way: NDArray[np.float64]  # (agent, 9) from there to the nearest unseen node, or inf
     unseen: Unseen
-    cell_idle: NDArray[np.float64]  # (wet cell,) sum of `idle`
     cell_items: NDArray[np.int64]  # (COARSE^2,) believed items
     cell_again: NDArray[np.float64]  # (COARSE^2,) sum of `again`; 0 between looks
     some_items: Sample  # of the known nodes
@@ -64,7 +63,6 @@ class Fields(NamedTuple):
             targets=np.zeros((agents, 9), np.int32),
             unseen_way=np.zeros((agents, 9)),
             unseen=Unseen.of(nodes, chart.water_at.size),
-            cell_idle=np.zeros(chart.wet.size),
             cell_items=np.zeros(COARSE**2, np.int64),
             cell_again=np.zeros(COARSE**2),
             some_items=Sample.empty(agents),
@@ -177,27 +175,23 @@ def _paint_coarse(
     known: Int32Array,
     belief: NDArray[np.int16],
     chart: Chart,
-    fields: Fields,
+    idle: NDArray[np.float64],
+    cell_items: NDArray[np.int64],
     globe: Levels,
 ) -> None:
     """The whole map in COARSE x COARSE cells: the first three channels (channel, COARSE^2).
 
-    Sums go through the nodes of a cell in ascending order, as rounding depends on it; side by side,
-    as an addition waits for the one before.
+    Sums go through the nodes of a cell in ascending order, as rounding depends on it.
     """
-    coarse, layer, nodes, extent = chart.coarse, chart.layer, chart.nodes, chart.extent
+    coarse, start, nodes = chart.coarse, chart.start, chart.nodes
     wet, water = chart.wet, chart.water
-    idle, cell_idle, cell_items = fields.idle, fields.cell_idle, fields.cell_items
     for i in range(wet.size):
-        cell_idle[i] = 0.0
-    for number in range(layer.size - 1):
-        first = layer[number]
-        for i in range(layer[number + 1] - first):
-            cell_idle[i] += idle[np.uint64(nodes[np.uint64(first + i)])]
-    for i in range(wet.size):
-        cell = wet[i]
+        cell, first, end = wet[i], start[i], start[i + 1]
+        total = 0.0
+        for k in range(first, end):
+            total += idle[np.uint64(nodes[np.uint64(k)])]
         globe[0, cell] = water[i]
-        globe[1, cell] = np.uint8(TOP * min(1.0, cell_idle[i] / extent[cell]))
+        globe[1, cell] = np.uint8(TOP * min(1.0, total / (end - first)))
         globe[2, cell] = 0
     for node in known:
         cell_items[coarse[node]] = 0
@@ -233,7 +227,7 @@ def share_fields(
     _level(now, seen.last_seen[e], forgetting, ways.level[e], idle, levels)
     for node in known:
         levels[node] |= np.uint32(item_level(belief[node])) << ITEMS
-    _paint_coarse(known, belief, chart, fields, globe)
+    _paint_coarse(known, belief, chart, idle, fields.cell_items, globe)
     due = _look_again(nearby.nodes[e, : nearby.size[e]], idle, chart, fields, globe)
     count, on_edge = list_nodes(
         idle, chart.place, chart.water_at, chart.node_at, chart.width, unseen

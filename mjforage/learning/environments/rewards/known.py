@@ -12,7 +12,7 @@ from graph_planner.references import nearest
 from graph_planner.task import Task
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Mission
-from mjforage.learning.environments.rewards.term import Amounts, Before, Step, Term
+from mjforage.learning.environments.rewards.term import Amounts, Follower, Step, Term
 
 REWARDS: Table[Callable[..., Term]] = Table("reward", "mjforage.rewards")
 
@@ -69,12 +69,13 @@ class RewardTerms:
             As `create_term`.
         """
         self._task, self._workspace = task, Workspace.of(len(task.graph))
+        self._follower = Follower()
         self._terms = {name: create_term(name) for name in names}
         self._theirs = {name for name, term in self._terms.items() if not is_ours(type(term))}
 
     def before(self, mission: Mission) -> None:
         """Take a copy of what the next state is compared with; call before every step."""
-        self._before: Before = Before.of(mission, getattr(self, "_before", None))
+        self._before = self._follower.follow(mission)
 
     def after(self, mission: Mission, played: NDArray[np.bool_]) -> dict[str, Amounts]:
         """Terms of the step just made: name -> (episode, agent), 0 for episodes not played.

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import kernel, prepared
 from graph_planner.geodesics import Int32Array, Workspace
 from graph_planner.task import Task
 from graph_planner.visibility import NodeLists
@@ -26,23 +26,29 @@ class Before(NamedTuple):
     step: Int32Array  # (episode,)
 
     @classmethod
-    def of(cls, mission: Mission, memory: "Before | None" = None) -> "Before":
-        """A copy of what the next state is compared with; in memory of its size if there is any."""
-        known = mission.knowledge
-        live = cls(
-            known.belief,
-            known.last_seen,
-            mission.state.agent_node,
-            known.known,
-            known.n_known,
-            mission.step,
-        )
-        if memory is None or memory.belief.shape != known.belief.shape:
+    def of(cls, mission: Mission) -> "Before":
+        """Live arrays of a mission."""
+        known, at = mission.knowledge, mission.state.agent_node
+        return cls(known.belief, known.last_seen, at, known.known, known.n_known, mission.step)
+
+
+class Follower:
+    """A copy of what is known in a mission before every step, of which little changes in one."""
+
+    def __init__(self) -> None:
+        self._copy: Before | None = None
+        self._follow = prepared(_follow)
+
+    def follow(self, mission: Mission) -> Before:
+        """The copy, brought up to date; call once before every step of one mission."""
+        live, copied, task = Before.of(mission), self._copy, mission.task
+        if copied is None or copied.belief.shape != live.belief.shape:
             arrays: tuple[NDArray[Any], ...] = live
-            return cls._make(array.copy() for array in arrays)
-        perfect, task = mission.setup.scenario.sensors.perfect, mission.task
-        _follow(live, known.agent_node, perfect, task.views, task.radius_number, memory)
-        return memory
+            self._copy = Before._make(array.copy() for array in arrays)
+            return self._copy
+        about = mission.setup.scenario.sensors.perfect, task.views, task.radius_number
+        self._follow(live, mission.knowledge.agent_node, *about, copied)
+        return copied
 
 
 @kernel
