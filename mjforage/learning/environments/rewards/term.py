@@ -84,9 +84,9 @@ def _follow(
         for a in range(radius_number.size):
             radius, viewer = radius_number[a], looked_from[e, a]
             for i in range(start[radius, viewer], start[radius, viewer + 1]):
-                node = np.uint64(nodes[i])
-                own_belief[e, node] = belief[e, node]
-                own_last_seen[e, node] = last_seen[e, node]
+                at = np.uint64(nodes[i])
+                own_belief[e, at] = belief[e, at]
+                own_last_seen[e, at] = last_seen[e, at]
 
 
 class Step(Once):
