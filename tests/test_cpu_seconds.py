@@ -1,5 +1,7 @@
 """The list of slow tests: names that are there, and what a run does to it."""
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,7 @@ from tests.cpu_seconds import (
     listed,
     renewed,
     spent_by_test,
+    spent_s,
     stands,
 )
 
@@ -42,6 +45,19 @@ def test_a_run_mends_what_it_ran() -> None:
     assert renewed([MINE, gone], {}) == [MINE]
     assert renewed([MINE], {MINE: BOUND_S, OTHER: 2 * BOUND_S}) == [OTHER]
     assert renewed([MINE], {OTHER: 0.0}) == [MINE]
+
+
+def test_time_of_processes_that_run_and_have_ended_counts() -> None:
+    burn = "import time\nwhile time.process_time() < 0.2: pass\nprint(flush=True)\ninput()"
+    before = spent_s()
+    with subprocess.Popen(
+        [sys.executable, "-c", burn], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        process.stdout.readline()
+        assert spent_s() - before >= 0.15  # in ticks of 10 ms
+        process.communicate("\n")
+    assert spent_s() - before >= 0.15  # in ticks of 10 ms
 
 
 def test_tests_share_the_time_of_a_fixture_whoever_came_first() -> None:
