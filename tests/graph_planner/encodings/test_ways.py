@@ -50,6 +50,8 @@ def test_ways_are_those_to_the_items_known_now(seed: int, codes: Codes) -> None:
         for e, known in enumerate(pair):
             expected = TABLE[known].min(axis=0, initial=np.inf)
             np.testing.assert_allclose(ways.distance[e], expected, rtol=1e-6)
+            levels = [way_level(float(distance)) for distance in ways.distance[e]]
+            assert ways.level[e].tolist() == levels
 
 
 def test_ways_stand_while_the_same_items_are_known() -> None:

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 import mjforage
 from graph_planner.policies import create_policy
 from mjforage.core.errors import UserError
-from mjforage.learning.environments.game import _count_happened
 
 FEW = ("horizon=20", "items.mean=3", "items.std=1", "items.covariance_node2=4")
 NAMES = ("mjforage/Foraging-v0", "mjforage/SharedPolicy-v0", "mjforage/Waypoint-v0")
@@ -266,7 +265,3 @@ def test_an_agent_without_energy_is_over_and_the_others_go_on() -> None:
         gone += sum(terminated.values())
         assert before - set(env.agents) == {a for a in before if terminated[a] or truncated[a]}
     assert gone == 2  # both foragers, of four agents
-
-
-def test_what_happened_is_counted() -> None:
-    assert _count_happened(np.array([[0, -1, 7], [-1, -1, -1]], np.int16)).tolist() == [2, 0]

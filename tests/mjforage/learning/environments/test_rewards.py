@@ -10,6 +10,7 @@ from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 from mjforage.learning.environments.rewards import PUBLISHED, REWARDS, RewardTerms
 from mjforage.learning.environments.rewards.items_gained import _count
+from mjforage.learning.environments.rewards.term import Before, Follower
 
 
 def test_the_published_weights() -> None:
@@ -102,3 +103,34 @@ def test_items_count_for_the_agent_who_gets_them_in_this_step() -> None:
     when = np.array([[5, 5, 5, 5], [4, 5, 6, -1]], np.int16)
     counts = _count(agent, when, np.array([5, 5], np.int32), 3)
     assert counts.tolist() == [[1.0, 0.0, 2.0], [0.0, 1.0, 0.0]]
+
+
+@pytest.mark.parametrize("overrides", [(), ("sensors.detection=0.6", "sensors.false_rate=0.01")])
+def test_what_was_known_before_a_step_is_a_copy(overrides: tuple[str, ...]) -> None:
+    """While episodes go on, while some are over or begin anew, and when all do."""
+    setup = Setup.of(load_scenario("comb-port", ("horizon=8", *overrides)))
+    mission, other, follower = Mission(setup), Mission(setup), Follower()
+    random = np.random.default_rng(0)
+    for seed in range(2):
+        mission.reset(seed, np.arange(3))
+        for step in range(12):
+            if step in (4, 11):
+                other.reset(seed + 7, np.arange(1))
+                mission.adopt(np.array([1]), other)
+            copied, live = follower.follow(mission), Before.of(mission)
+            for name in ("belief", "last_seen", "agent_node", "n_known", "step"):
+                np.testing.assert_array_equal(getattr(copied, name), getattr(live, name), name)
+                assert not np.shares_memory(getattr(copied, name), getattr(live, name))
+            for e, count in enumerate(live.n_known):
+                assert copied.known[e, :count].tolist() == live.known[e, :count].tolist()
+            mission.advance(random.random((3, 4, 9)))
+
+
+def test_what_was_known_is_copied_anew_if_steps_were_left_out() -> None:
+    mission, follower = Mission(Setup.of(load_scenario("comb-port"))), Follower()
+    mission.reset(0, np.arange(2))
+    for _ in range(3):
+        copied = follower.follow(mission)
+        np.testing.assert_array_equal(copied.last_seen, mission.knowledge.last_seen)
+        for _ in range(2):
+            mission.advance(np.random.default_rng(1).random((2, 4, 9)))
