@@ -82,9 +82,8 @@ def _follow(
         for a in range(radius_number.size):
             radius, viewer = radius_number[a], looked_from[e, a]
             for i in range(start[radius, viewer], start[radius, viewer + 1]):
-                node = np.uint64(nodes[i])
-                own_belief[e, node] = belief[e, node]
-                own_last_seen[e, node] = last_seen[e, node]
+                own_belief[e, nodes[i]] = belief[e, nodes[i]]
+                own_last_seen[e, nodes[i]] = last_seen[e, nodes[i]]
 
 
 class Step(Once):
