@@ -46,8 +46,8 @@ class Follower:
             arrays: tuple[NDArray[Any], ...] = live
             self._copy = Before._make(array.copy() for array in arrays)
             return self._copy
-        about = mission.setup.scenario.sensors.perfect, task.views, task.radius_number
-        self._follow(live, mission.knowledge.agent_node, *about, copied)
+        looked_from = mission.knowledge.agent_node
+        self._follow(live, looked_from, task.views, task.radius_number, copied)
         return copied
 
 
@@ -55,7 +55,6 @@ class Follower:
 def _follow(
     live: Before,
     looked_from: Int32Array,
-    perfect: bool,
     views: NodeLists,
     radius_number: NDArray[np.int64],
     memory: Before,
@@ -65,7 +64,6 @@ def _follow(
     Parameters
     ----------
     looked_from : (episode, agent) nodes of the last looks
-    perfect : whether looks are; otherwise what is made of them changes other nodes as well
     """
     start, nodes = views.start, views.nodes
     belief, last_seen, agent_node, known, n_known, step = live
@@ -76,7 +74,7 @@ def _follow(
         for a in range(agent_node.shape[1]):
             own_agent_node[e, a] = agent_node[e, a]
         since, own_step[e], own_n_known[e] = step[e] - own_step[e], step[e], n_known[e]
-        if not (perfect and step[e] > 0 and 0 <= since <= 1):
+        if step[e] == 0 or not 0 <= since <= 1:
             for node in range(belief.shape[1]):
                 own_belief[e, node] = belief[e, node]
                 own_last_seen[e, node] = last_seen[e, node]
@@ -84,9 +82,8 @@ def _follow(
         for a in range(radius_number.size):
             radius, viewer = radius_number[a], looked_from[e, a]
             for i in range(start[radius, viewer], start[radius, viewer + 1]):
-                at = np.uint64(nodes[i])
-                own_belief[e, at] = belief[e, at]
-                own_last_seen[e, at] = last_seen[e, at]
+                own_belief[e, nodes[i]] = belief[e, nodes[i]]
+                own_last_seen[e, nodes[i]] = last_seen[e, nodes[i]]
 
 
 class Step(Once):

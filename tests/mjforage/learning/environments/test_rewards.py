@@ -96,6 +96,9 @@ def test_an_agent_without_a_legal_move_is_blocked_and_the_others_are_not() -> No
     found = terms.after(mission, np.array([True, True]))
     expected = np.repeat([~setup.fleet.collects], 2, axis=0)
     np.testing.assert_array_equal(found["blocked"], expected.astype(np.float64))
+    found = terms.after(mission, np.array([True, False]))
+    expected[1] = False
+    np.testing.assert_array_equal(found["blocked"], expected.astype(np.float64))
 
 
 def test_items_count_for_the_agent_who_gets_them_in_this_step() -> None:
@@ -105,17 +108,22 @@ def test_items_count_for_the_agent_who_gets_them_in_this_step() -> None:
     assert counts.tolist() == [[1.0, 0.0, 2.0], [0.0, 1.0, 0.0]]
 
 
-@pytest.mark.parametrize("overrides", [(), ("sensors.detection=0.6", "sensors.false_rate=0.01")])
+EYES = ("sensors.detection=0.6", "sensors.false_rate=0.05")
+
+
+@pytest.mark.parametrize("overrides", [(), EYES, (*EYES, 'sensors.map="filtered"')])
 def test_what_was_known_before_a_step_is_a_copy(overrides: tuple[str, ...]) -> None:
     """While episodes go on, while some are over or begin anew, and when all do."""
-    setup = Setup.of(load_scenario("comb-port", ("horizon=8", *overrides)))
+    setup = Setup.of(load_scenario("comb-port", ("horizon=10", *overrides)))
     mission, other, follower = Mission(setup), Mission(setup), Follower()
     random = np.random.default_rng(0)
     for seed in range(2):
         mission.reset(seed, np.arange(3))
         for step in range(12):
-            if step in (4, 11):
+            if step in (4, 7, 11):
                 other.reset(seed + 7, np.arange(1))
+                if step == 7:
+                    other.advance(random.random((1, 4, 9)))
                 mission.adopt(np.array([1]), other)
             copied, live = follower.follow(mission), Before.of(mission)
             for name in ("belief", "last_seen", "agent_node", "n_known", "step"):
