@@ -1,6 +1,6 @@
 # `make demo`: the paper's two baselines at graph level and in MuJoCo, with a report and a film.
 # `make quick`: the tests that take about a minute on two free cores.
-# `make test`: all tests and checks of the sources, and the site.
+# `make test`: all tests and checks of the sources, and the site, whose tests need what builds it.
 # `make dist`: a wheel and an sdist in dist/, checked, installed elsewhere and used.
 # `make docs`: the site, under build/site; open build/site/index.html.
 # `make links`: its links to other sites; needs a network, and says which could not be checked.
@@ -45,7 +45,7 @@ demo: $(VENV)/.installed
 quick: $(VENV)/.installed-dev
 	$(BIN)/pytest -n 2 --dist worksteal -m 'not slow'
 
-test: $(VENV)/.installed-dev
+test: $(VENV)/.installed-docs
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports
