@@ -11,6 +11,7 @@ from mjforage.core.setup import Setup
 from mjforage.learning.environments.rewards import PUBLISHED, REWARDS, RewardTerms
 from mjforage.learning.environments.rewards.items_gained import _count
 from mjforage.learning.environments.rewards.term import Before, Follower
+from mjforage.physics.worlds import create_mission
 
 
 def test_the_published_weights() -> None:
@@ -142,3 +143,16 @@ def test_what_was_known_is_copied_anew_if_steps_were_left_out() -> None:
         np.testing.assert_array_equal(copied.last_seen, mission.knowledge.last_seen)
         for _ in range(2):
             mission.advance(np.random.default_rng(1).random((2, 4, 9)))
+
+
+def test_what_was_known_is_followed_among_hulls_and_over_a_link() -> None:
+    """There too a step changes what is known of nodes in view of where agents looked from only."""
+    setup = Setup.of(load_scenario("comb-port-radio", ("horizon=8",)))
+    mission, follower = create_mission(setup, "physics"), Follower()
+    mission.reset(0, np.arange(2))
+    random = np.random.default_rng(0)
+    while mission.active.any():
+        copied, live = follower.follow(mission), Before.of(mission)
+        np.testing.assert_array_equal(copied.belief, live.belief)
+        np.testing.assert_array_equal(copied.last_seen, live.last_seen)
+        mission.advance(random.random((2, 4, 9)))
