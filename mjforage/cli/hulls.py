@@ -1,6 +1,7 @@
 """Commands about single hulls."""
 
 import itertools
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -122,10 +123,19 @@ def calibrate(
 
 
 @app.command
-def vessels() -> None:
-    """List the vessels that ship with the package."""
-    from mjforage.core.vessel_files import vessel_names
+def vessels(vessel: str | None = None, /) -> None:
+    """List the vessels that ship with the package, or print the file of one to begin with.
+
+    Parameters
+    ----------
+    vessel
+        Name of a shipped vessel; `mjforage vessels scout > my_boat.toml` copies its file.
+    """
+    from mjforage.core.vessel_files import vessel_names, vessel_path
     from mjforage.physics.vessels import load_vessel
 
+    if vessel is not None:
+        sys.stdout.write(vessel_path(vessel).read_text("utf-8"))
+        return
     hulls = [load_vessel(name) for name in vessel_names()]
     print_list((v.name, f"{v.length_m:g} x {v.beam_m:g} m, {v.mass_kg:g} kg") for v in hulls)

@@ -1,5 +1,6 @@
 """An episode of a finished run, simulated again and checked against its logs."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,10 @@ from mjforage.core.mission import Observer
 from mjforage.core.scenario_file import scenario_from_tree
 from mjforage.core.setup import Setup
 from mjforage.runs.episode_replay import Replay
+from mjforage.runs.identity import hull_facts
 from mjforage.runs.recording import record
-from mjforage.runs.run_info import again, load_run
+from mjforage.runs.resuming import differences
+from mjforage.runs.run_info import again, load_run, read_json
 from mjforage.runs.storage import RunFolder
 
 
@@ -59,10 +62,20 @@ def replay_of_run(
     replay = record(setup, world, policy, run.seed, episode, observers)
     if not as_logged(replay, RunFolder(folder)):
         raise UserError(
-            f"{folder}: episode {replay.episode} of {replay.policy} does not come out as logged; "
-            f"it was made with other versions (see run.json); {again(folder)}"
+            f"{folder}: episode {replay.episode} of {replay.policy} does not come out as logged: "
+            f"{_cause(folder, setup, run.worlds)}"
         )
     return replay
+
+
+def _cause(folder: Path, setup: Setup, worlds: Sequence[str]) -> str:
+    """What is no longer as it was when a run was made, and the remedy."""
+    here = {"hulls": hull_facts(setup, worlds)}
+    found = differences(read_json(folder / "run.json"), here, here)
+    if found:
+        words = "; ".join(one.words for one in found)
+        return f"{words}; give the file its numbers back, or {again(folder)} with --fresh"
+    return f"it was made with other versions or code (see run.json); {again(folder)}"
 
 
 def as_logged(replay: Replay, run: RunFolder) -> bool:

@@ -235,7 +235,11 @@ def _zigzag(axes: Axes, t: Trajectory) -> None:
     after = t.times_s >= APPROACH_S
     _overshoots(axes, t.times_s[after], heading[after], angle)
     reach = 1.25 * max(float(np.abs(heading[after]).max(initial=0.0)), angle)
-    axes.set(ylim=(-reach, reach), xlabel="time (s)", ylabel="heading, to port (deg)")
+    axes.set(
+        ylim=(-reach, reach),
+        xlabel="time (s)",
+        ylabel="heading, to port of that at the first helm (deg)",
+    )
     axes.set_title(f"Heading and helm: reversed at ±{angle:g} deg")
 
 

@@ -122,11 +122,21 @@ def _is_key(location: tuple[str | int, ...]) -> bool:
 
 def _unknown(schema: Any, location: tuple[str | int, ...]) -> str:
     *above, last = location
-    node, key = nodes.find(json_schema(schema), above)
+    root = json_schema(schema)
+    node, key = nodes.find(root, above)
     known, prefix = list(node.get("properties", ())), f"{key}." if key else ""
     close = difflib.get_close_matches(str(last), known, n=1, cutoff=0.5)
     hint = f"did you mean {prefix}{close[0]}?" if close else f"known: {', '.join(known)}"
-    return f"unknown key {prefix}{last}; {hint}"
+    return f"unknown key {prefix}{last}; {_of_other_kind(root, above, str(last)) or hint}"
+
+
+def _of_other_kind(root: Tree, above: list[str | int], last: str) -> str:
+    """Which kind of a table that has several has a key that the kind at `above` has not."""
+    table, _ = nodes.find(root, above[:-1])
+    for kind, entry in nodes.kinds(table).items():
+        if last in nodes.resolved(entry, root)["properties"]:
+            return f"it is one of kind = {shown(kind)}, and the kind is {shown(above[-1])}"
+    return ""
 
 
 def _missing(root: Tree, locations: list[tuple[str | int, ...]], remedy: str) -> str:

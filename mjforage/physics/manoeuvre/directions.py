@@ -27,7 +27,10 @@ def parse_flow(text: str, thing: str) -> tuple[float, float]:
     except ValueError:
         speed = math.nan
     if not separator or not math.isfinite(speed) or not math.isfinite(direction):
-        raise UserError(f"{thing} {text}: expected SPEED@DIRECTION, for example 0.3@90")
+        raise UserError(
+            f"{thing} {text}: expected SPEED@DIRECTION, for example 0.3@90: "
+            "0.3 m/s towards 90 degrees, which is north"
+        )
     if not 0.0 <= speed <= FASTEST_MPS:
         raise UserError(f"{thing} {text}: speed is out of range; give 0 to {FASTEST_MPS:g} m/s")
     # Quarter turns are exact, so that 0.3@90 has no part to the east.

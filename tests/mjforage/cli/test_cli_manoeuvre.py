@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mjforage.core.vessel_files import vessel_path
+
 COLUMNS = ["t_s", "x_m", "y_m", "yaw_rad", "surge_mps", "sway_mps", "yaw_rate_radps"]
 
 
@@ -123,3 +125,10 @@ def test_schedules_out_of_order_or_range_are_refused(
 def test_vessels_are_listed(command: Callable[..., Any]) -> None:
     listed = command("vessels").out
     assert all(name in listed for name in ("otter", "scout", "forager"))
+
+
+def test_a_vessel_is_printed_as_its_file_to_begin_with(
+    command: Callable[..., Any], refused: Callable[..., str]
+) -> None:
+    assert command("vessels", "scout").out == vessel_path("scout").read_text("utf-8")
+    assert "did you mean otter?" in refused("vessels", "oter")

@@ -152,7 +152,11 @@ def test_forager_is_an_otter_that_its_load_slows() -> None:
         (GOOD.replace('"force"', '"sail"'), "thruster.kind = 'sail'; choose propeller, force"),
         (GOOD.replace('"force"', "0x" + "f" * 9000), "thruster.kind = ''; choose propeller, force"),
         (GOOD.replace('kind = "force"\n', ""), "thruster.kind = ''; choose propeller, force"),
-        (GOOD.replace('"force"', '"propeller"'), "unknown key thruster.max_ahead_newton"),
+        (
+            GOOD.replace('"force"', '"propeller"'),
+            "unknown key thruster.max_ahead_newton; it is one of kind = 'force', and the kind is "
+            "'propeller'",
+        ),
         (GOOD.replace('"a raft"', "3"), "description = 3, expected text"),
         (GOOD + "[control]\n", "missing control.cruise_ahead_mps, control.cruise_astern_mps"),
         (GOOD + "[control]\nbrake = 1\n", "unknown key control.brake; did you mean control.brake_"),

@@ -10,6 +10,7 @@ import pytest
 from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
+from mjforage.core.vessel_files import vessel_path
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.recording import record
@@ -87,6 +88,19 @@ def test_a_shortened_log_does_not_come_out(run_copy: Path) -> None:
     path = run_copy / "agents.parquet"
     pl.read_parquet(path).filter(pl.col("step") < 12).write_parquet(path)
     assert "does not come out as logged" in error_of(run_copy)
+
+
+def test_a_hull_that_was_changed_since_is_named(tmp_path: Path) -> None:
+    boat, run = tmp_path / "boat.toml", tmp_path / "run"
+    boat.write_text(vessel_path("scout").read_text())
+    overrides = ("horizon=2", f"physics.vessels.scouts='{boat}'")
+    setup = Setup.of(load_scenario("comb-port", overrides))
+    evaluate(setup, ["levy"], run, episodes=1, worlds=("physics",))
+    assert replay_of_run(run, "physics", None, 0).policy == "levy"
+    boat.write_text(boat.read_text().replace("mass_kg = { value = 36.0", "mass_kg = { value = 72"))
+    message = error_of(run, "physics")
+    assert "mass_kg is 36.0 there and 72.0 here; give the file its numbers back, or" in message
+    assert "again with --fresh" in message
 
 
 @pytest.mark.parametrize("content", [None, b"", b"PAR1"])
