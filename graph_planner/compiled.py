@@ -13,12 +13,35 @@ from typing import Any, Generic, TypeVar, cast
 
 import numba
 import numpy as np
+from numba.core import event
 from numba.core.caching import FunctionCache
 
 F = TypeVar("F", bound=Callable[..., object])
 T = TypeVar("T")
 
 _HERE = Path(__file__).resolve().parent
+
+
+class _Compiling(event.Listener):
+    """Counts what numba is compiling in this process; what the disk cache holds it is not."""
+
+    def __init__(self) -> None:
+        self.depth = 0  # a kernel compiles those that it calls
+
+    def on_start(self, event: event.Event) -> None:
+        self.depth += 1
+
+    def on_end(self, event: event.Event) -> None:
+        self.depth -= 1
+
+
+_compiling = _Compiling()
+event.register("numba:compile", _compiling)  # type: ignore[no-untyped-call]
+
+
+def compiling() -> bool:
+    """Whether a kernel is being compiled in this process at this moment."""
+    return _compiling.depth > 0
 
 
 @lru_cache(maxsize=8)

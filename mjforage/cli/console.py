@@ -6,12 +6,20 @@ from contextlib import contextmanager
 
 import cyclopts
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    Task,
+    TextColumn,
+    TimeRemainingColumn,
+)
 from rich.table import Table
 from rich.text import Text
 
 from mjforage import __version__
-from mjforage.cli.progress import Lines, told
+from mjforage.cli.progress import COMPILES, Lines, compiling, told
 
 Report = Callable[[float, float], None]  # of how many are done, of how many
 
@@ -29,6 +37,15 @@ output = Console(markup=False, emoji=False, highlight=False)
 if not output.is_terminal and "COLUMNS" not in os.environ:
     output.width = PIPE_COLUMNS
 errors = Console(stderr=True, soft_wrap=True, emoji=False, highlight=False)
+
+
+class _CompilesColumn(ProgressColumn):
+    """Says so while kernels are compiled."""
+
+    max_refresh = 0.5  # [s]
+
+    def render(self, task: Task) -> Text:
+        return Text(COMPILES if compiling() else "")
 
 
 @contextmanager
@@ -54,6 +71,7 @@ def bar(words: str, unit: str) -> Iterator[Report]:
         BarColumn(),
         MofNCompleteColumn(),
         TimeRemainingColumn(),
+        _CompilesColumn(),
     )
     with Progress(*columns, console=errors, transient=True) as progress:
         task = progress.add_task(unit, total=None)

@@ -1,6 +1,7 @@
 """How far a command has come, where no terminal shows a bar: a line every ten seconds."""
 
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -9,8 +10,16 @@ from contextlib import contextmanager
 EVERY_S = 10.0
 MINUTE_S, HOUR_S = 60.0, 3600.0
 
+COMPILES = "compiles kernels, once for all later runs"
+
 Clock = Callable[[], float]  # seconds from anywhere
 Say = Callable[[str], None]
+
+
+def compiling() -> bool:
+    """Whether kernels are being compiled in this process, without loading numba to find out."""
+    loaded = sys.modules.get("graph_planner.compiled")
+    return loaded is not None and loaded.compiling()
 
 
 class Lines:
@@ -19,7 +28,14 @@ class Lines:
     What was done before that report, by a call that was stopped, does not count for the pace.
     """
 
-    def __init__(self, words: str, unit: str, say: Say, clock: Clock = time.monotonic) -> None:
+    def __init__(
+        self,
+        words: str,
+        unit: str,
+        say: Say,
+        clock: Clock = time.monotonic,
+        compiles: Callable[[], bool] = compiling,
+    ) -> None:
         """Prepare.
 
         Parameters
@@ -27,9 +43,10 @@ class Lines:
         words : what works, for example "evaluate"
         unit : what is counted, for example "episodes"; empty: nothing is
         say : writes a line
+        compiles : whether kernels are being compiled, which tells nothing of the pace
         """
         self._words, self._unit, self._say, self._clock = words, unit, say, clock
-        self._began = clock()
+        self._began, self._compiles = clock(), compiles
         self._first: tuple[float, float] | None = None  # when it was reported, and how much
         self._last = (self._began, 0.0, 0.0)  # when, done, of how many
 
@@ -42,25 +59,31 @@ class Lines:
     def tell(self) -> None:
         """Say where it stands."""
         when, done, total = self._last
-        spent = duration(self._clock() - self._began)
+        spent = f"{duration(self._clock() - self._began)} so far"
+        compiles = self._compiles()
+        if compiles:
+            spent = f"{COMPILES}; {spent}"
         if self._first is None or not total:
-            self._say(f"{self._words}: {spent} so far")
+            self._say(f"{self._words}: {spent}")
             return
         digits = 0 if float(total).is_integer() else 1  # of a minute
         counted = f"{done:,.{digits}f} of {total:,.{digits}f} {self._unit}"
         counted += f", {int(100 * done / total)} %"
-        left = self._left(*self._first, when, done, total)
-        end = f"{spent} so far" if left is None else f"about {duration(left)} left"
+        left = None if compiles else self._left(*self._first, when, done, total)
+        end = spent if left is None else f"about {duration(left)} left"
         self._say(f"{self._words}: {counted}, {end}")
 
     def _left(
         self, began: float, before: float, when: float, done: float, total: float
     ) -> float | None:
-        """Seconds to the end; None while nothing is finished from which to tell, or all is."""
+        """Seconds to the end; None while there is nothing to tell it from, all is finished, or it
+        should long be over.
+        """
         if done <= before or done >= total:
             return None
         pace = (when - began) / (done - before)
-        return max(0.0, pace * (total - done) - (self._clock() - when))
+        left = pace * (total - done) - (self._clock() - when)
+        return left if left > 0.0 else None
 
 
 def duration(seconds: float) -> str:

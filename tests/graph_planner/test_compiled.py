@@ -9,10 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from numba.core import event
 from numba.core.errors import TypingError
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel, prepared
+from graph_planner.compiled import compiling, kernel, prepared
 
 
 class Pair(NamedTuple):
@@ -201,3 +202,28 @@ def test_prepared_kernels_look_into_tuples() -> None:
     factors: list[NDArray[Any]] = [whole.astype(np.float64), whole.astype(np.float32), whole]
     for factor in factors:
         assert prepared(_scale, Pair(factor, 1.0))(np.ones(2)) == 7.0
+
+
+class Heard(event.Listener):
+    """What `compiling` says whenever numba begins to compile."""
+
+    def __init__(self) -> None:
+        self.said: list[bool] = []
+
+    def on_start(self, event: event.Event) -> None:
+        self.said.append(compiling())
+
+    def on_end(self, event: event.Event) -> None:
+        pass
+
+
+def test_it_is_known_whether_a_kernel_is_being_compiled() -> None:
+    @kernel
+    def nowhere_else(x: float) -> float:
+        return x + 1.0
+
+    heard = Heard()
+    with event.install_listener("numba:compile", heard):
+        assert not compiling() and nowhere_else(1.0) == 2.0
+        assert heard.said == [True] and not compiling()
+        assert nowhere_else(2.0) == 3.0 and heard.said == [True]

@@ -15,7 +15,10 @@ class Bench:
 
     def __init__(self, unit: str = "episodes") -> None:
         self.now, self.said = 1000.0, list[str]()
-        self.lines = Lines("evaluate", unit, self.said.append, lambda: self.now)
+        self.compiles = False
+        self.lines = Lines(
+            "evaluate", unit, self.said.append, lambda: self.now, lambda: self.compiles
+        )
 
     def after(self, seconds: float, done: float | None = None, total: float = 1200) -> str:
         self.now += seconds
@@ -31,7 +34,8 @@ def test_a_line_says_what_is_done_and_how_long_the_rest_takes() -> None:
     assert bench.after(60, 300) == "evaluate: 300 of 1,200 episodes, 25 %, about 3 min left"
     # nothing more is finished, but time has passed
     assert bench.after(60) == "evaluate: 300 of 1,200 episodes, 25 %, about 2 min left"
-    assert bench.after(10_000).endswith("about 10 s left")
+    # what should be over and is not is not said to be about to end
+    assert bench.after(10_000) == "evaluate: 300 of 1,200 episodes, 25 %, 2.8 h so far"
 
 
 def test_when_all_is_counted_nothing_is_foretold() -> None:
@@ -45,6 +49,17 @@ def test_what_an_earlier_call_did_says_nothing_of_the_pace() -> None:
     bench.lines(600, 1200)
     assert bench.after(20) == "evaluate: 600 of 1,200 episodes, 50 %, 20 s so far"
     assert bench.after(40, 700).endswith("about 5 min left")
+
+
+def test_while_kernels_are_compiled_that_is_said_and_nothing_is_foretold() -> None:
+    bench = Bench()
+    bench.compiles = True
+    words = "compiles kernels, once for all later runs; 20 s so far"
+    assert bench.after(20) == f"evaluate: {words}"
+    bench.lines(0, 1200)
+    assert bench.after(0, 600) == f"evaluate: 600 of 1,200 episodes, 50 %, {words}"
+    bench.compiles = False
+    assert "left" in bench.after(1, 700)
 
 
 def test_before_anything_is_known_only_the_time_is_said() -> None:
