@@ -7,10 +7,11 @@ names travel, finds them again by `places` and `adopt`.
 
 import importlib
 import inspect
+import re
 import sys
 from collections.abc import Callable, Iterable
 from functools import cached_property
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint, entry_points, requires
 from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar, cast
 
@@ -86,7 +87,7 @@ class Table(Generic[T]):
         reference = name
         if ":" not in name:
             if name not in self._entries:
-                remedy = nearest(name, self.names())
+                remedy = f"{nearest(name, self.names())} (a class of yours: package.module:Name)"
                 raise UserError(f"{self.kind} {name}: unknown; {remedy}")
             reference = self._entries[name].value
         found: T = _imported(reference, f"{self.kind} {name}")
@@ -178,6 +179,22 @@ def _reach(folder: str) -> None:
         sys.path.append(folder)
 
 
+def extra_with(module: str) -> str:
+    """The extra of mjforage that brings a module, by the name of its distribution; "" if none.
+
+    Of several the smallest.
+    """
+    wanted = module.partition(".")[0].replace("_", "-").lower()
+    extras: dict[str, set[str]] = {}
+    for text in requires("mjforage") or ():
+        name = re.match(r"[\w.-]+", text)
+        extra = re.search(r"""extra == ["']([\w-]+)["']""", text)
+        if name and extra:
+            extras.setdefault(extra[1], set()).add(name[0].replace("_", "-").lower())
+    found = [extra for extra, names in extras.items() if wanted in names]
+    return min(found, key=lambda extra: len(extras[extra]), default="")
+
+
 def _imported(reference: str, what: str) -> Any:
     """Import `package.module:Name`.
 
@@ -194,8 +211,10 @@ def _imported(reference: str, what: str) -> Any:
         found: Any = importlib.import_module(module_name)
     except ModuleNotFoundError as error:
         if not error.name or not f"{module_name}.".startswith(f"{error.name}."):
+            extra = extra_with(str(error.name))
+            how = f", with `pip install 'mjforage[{extra}]'`" if extra else ""
             raise UserError(
-                f"{what}: module {module_name} needs {error.name}; install it"
+                f"{what}: module {module_name} needs {error.name}; install it{how}"
             ) from error
         raise UserError(
             f"{what}: no module {error.name} is installed or in {Path.cwd()}; go to its folder or "

@@ -314,6 +314,7 @@ class Resolver:
         step: Int32Array,
         keys: UInt64Array,
         holder_of: NDArray[np.int64] | None = None,
+        who: str = "policy",
     ) -> Moves:
         """Resolve one step of a batch.
 
@@ -328,13 +329,14 @@ class Resolver:
         step : (episode,) decision number, 1 for the first
         keys : (episode,) episode keys
         holder_of : (agent,) by whose belief each agent acts; absent: one holder for all
+        who : prefers so, for messages
 
         Raises
         ------
         UserError
             If the preferences have the wrong shape or contain NaN: the policy is at fault.
         """
-        check_preferences(preferences, agent_node.shape, "policy")
+        check_preferences(preferences, agent_node.shape, who)
         moves = Moves(
             direction=np.empty(agent_node.shape, np.int8),
             target=np.empty(agent_node.shape, np.int32),
@@ -346,7 +348,7 @@ class Resolver:
         ask = Ask(*map(np.ascontiguousarray, given, _ASK_TYPES))
         if not self._resolve(ask, self._token, moves):
             raise UserError(
-                "policy: gives preferences that are NaN; give illegal or unwanted moves -inf"
+                f"{who}: gives preferences that are NaN; give illegal or unwanted moves -inf"
             )
         self._token += active.size
         return moves

@@ -269,5 +269,7 @@ def fitting(value: Any, hint: Any, where: str) -> Any:
 
 
 def _name(hint: Any) -> str:
+    if hint is bool:
+        return "true or false"
     words = hint.__name__ if isinstance(hint, type) and not get_args(hint) else str(hint)
     return words.replace("pathlib.", "").replace("NoneType", "None")

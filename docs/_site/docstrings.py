@@ -1,6 +1,15 @@
-"""What autodoc lacks: tables of docstrings are Markdown's, and types of arrays are long."""
+"""What autodoc lacks: tables of docstrings are Markdown's, types of arrays are long, and fields of
+named tuples are told in comments.
+"""
 
+import ast
+import importlib
+import inspect
 import re
+import textwrap
+import tokenize
+from functools import lru_cache
+from io import StringIO
 from typing import Any
 
 from docutils import nodes
@@ -39,6 +48,39 @@ def tables_told(
     lines[:] = told[:-1] if told and not told[-1] else told
 
 
+@lru_cache(maxsize=256)
+def fields_of(made: type) -> dict[str, str]:
+    """Field of a named tuple -> the comment behind it and on lines of its own below."""
+    source = textwrap.dedent(inspect.getsource(made))
+    comments = {
+        token.start[0]: token.string.lstrip("# ")
+        for token in tokenize.generate_tokens(StringIO(source).readline)
+        if token.type == tokenize.COMMENT
+    }
+    (tree,) = ast.parse(source).body
+    assert isinstance(tree, ast.ClassDef)
+    ends = [node.lineno for node in tree.body[1:]] + [len(source.splitlines()) + 1]
+    return {
+        node.target.id: " ".join(
+            comments[line] for line in range(node.lineno, end) if line in comments
+        )
+        for node, end in zip(tree.body, ends, strict=True)
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)
+    }
+
+
+def field_told(
+    app: Sphinx, what: str, name: str, thing: Any, options: Any, lines: list[str]
+) -> None:
+    """Write the comment of a named tuple's field where Python says its number, in place."""
+    if not lines or not lines[0].startswith("Alias for field number"):
+        return
+    place, _, field = name.rpartition(".")
+    module, _, made = place.rpartition(".")
+    words = fields_of(getattr(importlib.import_module(module), made)).get(field, "")
+    lines[:] = [words[:1].upper() + words[1:], ""] if words else [""]
+
+
 def shorter(told: str | None) -> str | None:
     """A signature, or what it returns, with short names of types."""
     for long, short in SHORTER if told else ():
@@ -73,6 +115,7 @@ def list_table(table: list[list[str]]) -> list[str]:
 def setup(app: Sphinx) -> ExtensionMetadata:
     """Join autodoc before numpydoc does."""
     app.connect("autodoc-process-docstring", tables_told, priority=BEFORE_NUMPYDOC)
+    app.connect("autodoc-process-docstring", field_told, priority=BEFORE_NUMPYDOC)
     app.connect("autodoc-process-signature", signature_told)
     app.connect("doctree-resolved", annotations_told)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

@@ -96,7 +96,8 @@ def render(
             speed=speed,
             progress=shown,
         )
-    output.print(f"film: {output_file}", soft_wrap=True)
+    kind = "picture" if output_file.suffix.lower() == ".png" else "film"
+    output.print(f"{kind}: {output_file}", soft_wrap=True)
 
 
 def check_beside(folder: Path, policy: str | None, beside: str) -> None:

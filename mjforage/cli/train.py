@@ -41,8 +41,8 @@ def train(
     Parameters
     ----------
     algorithm
-        ddqn (Double DQN), mappo (multi-agent PPO; pip install 'mjforage[mappo]'), or MODULE:CLASS
-        of your own.
+        ddqn (Double DQN), mappo (multi-agent PPO; pip install 'mjforage[mappo]'), a name that an
+        installed package brings, or MODULE:CLASS of your own.
     scenario
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     world

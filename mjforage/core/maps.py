@@ -112,7 +112,7 @@ def _one_component(
             *(name, dropped, nodes, sizes.size),
         )
         return np.asarray(label == largest)
-    remedy = "keep only that one with --set map.largest_component=true"
+    remedy = "keep only that one where you play on it: --set map.largest_component=true"
     if not corner_cutting and components(cells, True)[1].size == 1:
         remedy += ", or join them with --set map.corner_cutting=true"
     raise UserError(

@@ -290,6 +290,8 @@ class Mission:
         pooled = isinstance(policy, Bound) and not getattr(policy, "apart", False)
         policy.reset(self.task, np.repeat(self.keys, 1 if pooled else self.exchange.holders))
 
+    _asked = "policy"  # who answered last, for messages
+
     def ask(self, policy: Policy) -> NDArray[np.float64]:
         """The preferences (episode, agent, 9) of a policy, those of each agent by what it knows.
 
@@ -301,7 +303,7 @@ class Mission:
         UserError
             If the answer is no array of numbers of that shape.
         """
-        who = f"policy {type(policy).__name__}"
+        self._asked = who = f"policy {type(policy).__name__}"
         reveal = getattr(policy, "reveal", None)  # `isinstance` of a protocol takes 25 us
         apart = reveal is None or getattr(policy, "apart", False)
         holders, holder_of = self.exchange.holders if apart else 1, self.exchange.holder_of
@@ -330,6 +332,7 @@ class Mission:
             self.step + _ONE,
             self.keys,
             self.exchange.holder_of,
+            self._asked,
         )
 
     def advance(self, preferences: NDArray[np.float64]) -> Transition:

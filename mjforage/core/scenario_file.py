@@ -47,10 +47,12 @@ def scenario_path(reference: str) -> Path:
     try:
         if path.suffix == ".toml" and path.is_file():
             return path
+        meant = Path(f"{reference}.toml").is_file()
     except (OSError, ValueError) as error:
         raise UserError(f"scenario {reference}: cannot be opened ({error})") from error
     close = difflib.get_close_matches(name, preset_names(), n=1)
     hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(preset_names())}"
+    hint = f"did you mean {reference}.toml?" if meant else hint
     raise UserError(f"scenario {reference}: neither a preset nor a TOML file; {hint}")
 
 

@@ -25,9 +25,12 @@ def read_schema(path: Path, remedy: str = "") -> dict[str, pl.DataType]:
     UserError
         If the file is missing, truncated or not Parquet.
     """
+    if not path.exists():
+        how = (remedy or spoilt(path)).removeprefix(f"move {path} away and ")
+        raise UserError(f"{path}: missing, as in a run that is not finished; {how}")
     try:
         if not path.is_file():
-            raise FileNotFoundError("no such file")
+            raise FileNotFoundError("no file")
         return dict(pl.scan_parquet(path, glob=False).collect_schema())
     except FAILURES as error:
         raise UserError(

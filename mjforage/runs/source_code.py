@@ -205,5 +205,6 @@ def _version(top: str) -> str:
     try:
         return version(top)
     except PackageNotFoundError:
-        names = packages_distributions().get(top, ()) if top not in sys.stdlib_module_names else ()
-        return version(names[0]) if names else ""
+        found = packages_distributions().get(top, ()) if top not in sys.stdlib_module_names else ()
+        named = [name for name in found if name]  # a folder of half a package names none
+        return version(named[0]) if named else ""

@@ -6,6 +6,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.core.errors import UserError
+
 T = TypeVar("T")
 
 
@@ -35,6 +37,9 @@ def run_checks(checks: Sequence[Callable[[T], None]], trial: T) -> None:
             check(trial)
         except ConformanceError:
             raise
+        except UserError as error:  # says itself what to do
+            name = check.__name__.removeprefix("check_")
+            raise ConformanceError(name, str(error)) from error
         except Exception as error:
             name = check.__name__.removeprefix("check_")
             words = f"{getattr(trial, 'name', '')} raised {type(error).__name__}: {error}; mend it"

@@ -15,7 +15,7 @@ from mjforage.core.mission_metrics import METRICS, Metric, Scorer, chosen_metric
 from mjforage.core.mission_metrics.known import checked
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
-from mjforage.learning.environments.rewards import RewardTerms, term_class
+from mjforage.learning.environments.rewards import Before, RewardTerms, term_class
 from mjforage.learning.environments.spaces import MASK
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
 
@@ -73,12 +73,13 @@ def _scores(trial: PartTrial, metric: type[Metric], episodes: list[int]) -> list
 
 
 def check_metric_is_described(trial: PartTrial) -> None:
-    """It has a docstring, whose first sentence is its definition, and its attributes."""
+    """It has a docstring, whose first paragraph is its definition, and a key of its own."""
     metric = checked(METRICS.find(trial.name), trial.name)
     if not (metric.__doc__ or "").strip() or metric.__doc__ == Metric.__doc__:
         raise trial.error(
-            "metric_is_described", "has no docstring; say in its first sentence what it measures"
+            "metric_is_described", "has no docstring; say in its first paragraph what it measures"
         )
+    chosen_metrics([trial.name])
 
 
 def check_metric_alone(trial: PartTrial) -> None:
@@ -90,9 +91,11 @@ def check_metric_alone(trial: PartTrial) -> None:
     )
 
 
-def _amounts(trial: PartTrial, episodes: list[int]) -> list[NDArray[Any]]:
+def _amounts(
+    trial: PartTrial, episodes: list[int], terms: RewardTerms | None = None
+) -> list[NDArray[Any]]:
     mission, policy = trial.mission(episodes), create_policy("greedy")
-    terms = RewardTerms(trial.setup.task, [trial.name])
+    terms = terms or RewardTerms(trial.setup.task, [trial.name])
     mission.prepare(policy)
     found = []
     while mission.active.any():
@@ -103,26 +106,45 @@ def _amounts(trial: PartTrial, episodes: list[int]) -> list[NDArray[Any]]:
     return found
 
 
+def check_reward_remembers_nothing(trial: PartTrial) -> None:
+    """A term that has seen other episodes gives what a fresh one gives."""
+    terms = RewardTerms(trial.setup.task, [trial.name])
+    _amounts(trial, [2, 3], terms)
+    pairs = zip(_amounts(trial, [0, 1]), _amounts(trial, [0, 1], terms), strict=True)
+    for step, (one, two) in enumerate(pairs):
+        found = first_difference(one, two)
+        if found:
+            raise trial.error(
+                "reward_remembers_nothing",
+                f"gave {found} at step {step} fresh and after other episodes; tell all from step",
+            )
+
+
 def check_reward_only_reads(trial: PartTrial) -> None:
-    """A term changes nothing of the mission."""
+    """A term changes nothing of the mission, nor of what was known before, which terms share."""
     mission, policy = trial.mission([0, 1]), create_policy("greedy")
     terms = RewardTerms(trial.setup.task, [trial.name])
     mission.prepare(policy)
     while mission.active.any():
-        terms.before(mission)
+        known_before = terms.before(mission)
         mission.advance(mission.ask(policy))
-        before = _state(mission)
+        before = _state(mission, known_before)
         terms.after(mission, mission.active)
-        for name, value in _state(mission).items():
+        for name, value in _state(mission, known_before).items():
             if first_difference(before[name], value):
                 raise trial.error("reward_only_reads", f"changed {name}; copy what you change")
 
 
-def _state(mission: Mission) -> dict[str, NDArray[Any]]:
-    parts = (mission.knowledge, mission.ledger.entries, mission.state)
+def _state(mission: Mission, known_before: Before) -> dict[str, NDArray[Any]]:
+    """All that a term is shown, in copies."""
+    parts = {
+        "mission": (mission.knowledge, mission.ledger.entries, mission.state),
+        "before": (known_before,),
+    }
     return {
-        name: np.array(value, copy=True)
-        for part in parts
+        f"{place}.{name}": np.array(value, copy=True)
+        for place, each in parts.items()
+        for part in each
         for name, value in part._asdict().items()
         if isinstance(value, np.ndarray)
     }
@@ -185,7 +207,7 @@ def check_observation_alone(trial: PartTrial) -> None:
 
 
 METRIC_CHECKS = (check_metric_is_described, check_metric_alone)
-REWARD_CHECKS = (check_reward_only_reads, check_reward_alone)
+REWARD_CHECKS = (check_reward_only_reads, check_reward_alone, check_reward_remembers_nothing)
 OBSERVATION_CHECKS = (
     check_observation_shapes,
     check_observation_twice,

@@ -20,6 +20,9 @@ from mjforage.core.setup import Setup
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
 from mjforage.testing.two_holders import HOLDERS, TwoHolders
 
+HORIZON, EPISODES = 31, 4
+"""Long enough for items to be found in comb-port; a prime, which no counter of moves divides."""
+
 Preferences = NDArray[np.float64]  # (row, agent, 9)
 Rows = NDArray[np.int64]
 
@@ -51,8 +54,8 @@ class PolicyTrial:
 
     policy: str | Callable[..., Policy]
     scenario: str = "comb-port"
-    overrides: tuple[str, ...] = ("horizon=8",)
-    episodes: int = 3
+    overrides: tuple[str, ...] = (f"horizon={HORIZON}",)
+    episodes: int = EPISODES
     seed: int = 0
 
     @property
@@ -153,9 +156,13 @@ def check_values(trial: PolicyTrial) -> None:
 
 
 def check_observation_is_only_read(trial: PolicyTrial) -> None:
-    """`act` changes no array of the observation, which is the mission's own."""
-    policy, mission = trial.fresh(), Mission(trial.setup)
+    """`act` changes no array of the observation, which is the mission's own.
+
+    In every second episode Greedy moves the fleet, so that there are items to be known of.
+    """
+    policy, guide, mission = trial.fresh(), create_policy("greedy"), Mission(trial.setup)
     mission.reset(trial.seed, np.arange(trial.episodes))
+    mission.prepare(guide)
     mission.prepare(policy)
     while mission.active.any():
         seen = mission.observation
@@ -169,6 +176,8 @@ def check_observation_is_only_read(trial: PolicyTrial) -> None:
                     f"changed observation.{name} at step {int(mission.step.max()) + 1}; copy what "
                     "you change",
                 )
+        answer = np.array(answer)
+        answer[::2] = mission.ask(guide)[::2]
         mission.advance(answer)
 
 
@@ -179,7 +188,8 @@ def check_task_is_only_read(trial: PolicyTrial) -> None:
     mission.reset(trial.seed, np.arange(trial.episodes))
     before = digest(setup.task)
     mission.prepare(policy)
-    mission.advance(mission.ask(policy))
+    while mission.active.any():
+        mission.advance(mission.ask(policy))
     if digest(setup.task) != before:
         raise trial.error("task_is_only_read", "changed arrays of the task; copy what you change")
 
@@ -298,8 +308,8 @@ POLICY_CHECKS = (
 def check_policy(
     policy: str | Callable[..., Policy],
     scenario: str = "comb-port",
-    overrides: Iterable[str] = ("horizon=8",),
-    episodes: int = 3,
+    overrides: Iterable[str] = (f"horizon={HORIZON}",),
+    episodes: int = EPISODES,
     seed: int = 0,
 ) -> None:
     """All checks of a policy.

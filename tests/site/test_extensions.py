@@ -49,3 +49,13 @@ def test_a_number_is_one(text: str) -> None:
 @pytest.mark.parametrize("text", ["greedy", "never", "–", "", "two of 3", "0 to K / (n T)"])
 def test_words_are_none(text: str) -> None:
     assert not extension("numbers_whole").NUMBER.fullmatch(text)
+
+
+def test_a_field_of_a_named_tuple_is_told_by_its_comment() -> None:
+    from graph_planner.task import Late, Observation
+
+    told = extension("docstrings").fields_of(Observation)
+    assert set(told) == set(Observation._fields) and all(told.values())
+    assert told["last_seen"] == "(row, node) step, NEVER if not yet seen"
+    shown = extension("docstrings").fields_of(Late)["shown"]
+    assert shown.startswith("(row, look, place) items") and shown.endswith("did not look")

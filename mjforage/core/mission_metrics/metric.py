@@ -90,7 +90,7 @@ class Batch(Once):
 
 
 class Metric:
-    """Base of every metric of a mission. The first sentence of its docstring is its definition.
+    """Base of every metric of a mission. The first paragraph of its docstring is its definition.
 
     A class gives `value`, or a course from which it is taken: `course` from the finished batch, or
     `at`, live. Undefined numbers are NaN; infinite ones are refused.

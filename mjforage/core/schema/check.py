@@ -125,7 +125,7 @@ def _unknown(schema: Any, location: tuple[str | int, ...]) -> str:
     root = json_schema(schema)
     node, key = nodes.find(root, above)
     known, prefix = list(node.get("properties", ())), f"{key}." if key else ""
-    close = difflib.get_close_matches(str(last), known, n=1, cutoff=0.5)
+    close = difflib.get_close_matches(str(last), known, n=1, cutoff=0.6)
     hint = f"did you mean {prefix}{close[0]}?" if close else f"known: {', '.join(known)}"
     return f"unknown key {prefix}{last}; {_of_other_kind(root, above, str(last)) or hint}"
 

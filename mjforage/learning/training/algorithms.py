@@ -11,6 +11,9 @@ from mjforage.learning.training.trainer import Trainer
 ALGORITHMS: Table[type[Algorithm[Any]]] = Table("algorithm", "mjforage.algorithms")
 """Subclasses of `Algorithm`; installed packages bring theirs by entry points."""
 
+TO_WRITE = ("networks", "play_round", "tensors", "restore")
+"""What a subclass of `Algorithm` brings."""
+
 ALGORITHMS.register("ddqn")(Trainer)
 ALGORITHMS.register("mappo")(MappoTrainer)
 
@@ -26,7 +29,7 @@ def find_algorithm(name: str) -> type[Algorithm[Any]]:
     ------
     UserError
         If there is none of that name (the message offers the nearest), it cannot be imported, or
-        it is no `Algorithm` with `settings`.
+        it is no `Algorithm` with `settings` and all of `TO_WRITE`.
     """
     found = ALGORITHMS.find(name)
     if not (
@@ -36,4 +39,7 @@ def find_algorithm(name: str) -> type[Algorithm[Any]]:
             f"algorithm {name}: is no mjforage.learning.training.algorithm.Algorithm with "
             "settings; make it a subclass"
         )
+    lacking = [one for one in TO_WRITE if getattr(found, one) is getattr(Algorithm, one)]
+    if lacking:
+        raise UserError(f"algorithm {name}: has no {', '.join(lacking)}; write it")
     return found

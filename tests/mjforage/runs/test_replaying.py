@@ -109,7 +109,9 @@ def test_a_spoilt_log_is_named(run_copy: Path, content: bytes | None) -> None:
     path.unlink()
     if content is not None:
         path.write_bytes(content)
-    assert error_of(run_copy).startswith(f"{path}: missing, truncated or not Parquet")
+    missing = "missing, as in a run that is not finished; run"
+    words = missing if content is None else "missing, truncated or not Parquet"
+    assert error_of(run_copy).startswith(f"{path}: {words}")
 
 
 @pytest.mark.parametrize(

@@ -213,7 +213,7 @@ def retype(path: Path) -> None:
     ("spoil", "words"),
     [
         (truncate, "missing, truncated or not Parquet"),
-        (Path.unlink, "missing, truncated or not Parquet"),
+        (Path.unlink, "missing, as in a run that is not finished; run "),
         (damage, "damaged"),
         (replace, "differ)"),
         (retype, "(episode differ)"),

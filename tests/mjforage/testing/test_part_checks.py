@@ -31,6 +31,12 @@ class Wordless(Metric):
     value = Count.value
 
 
+class Taken(Count):
+    """Items of an episode, by a key that is ours."""
+
+    key = "pta_c"
+
+
 class Ranked(Metric):
     """Place in the batch."""
 
@@ -49,6 +55,20 @@ class Writing(East):
     def __call__(self, step):
         step.mission.knowledge.belief[:, 0] += 1
         return super().__call__(step)
+
+
+class WritingBefore(East):
+    def __call__(self, step):
+        step.before.agent_node[:] = 0
+        return super().__call__(step)
+
+
+class Counting(East):
+    seen = 0
+
+    def __call__(self, step):
+        self.seen += 1
+        return super().__call__(step) + self.seen
 
 
 class Best(East):
@@ -88,8 +108,16 @@ class Crowd(Steps):
 Check = Callable[..., None]
 BAD: list[tuple[Check, str, str, str]] = [
     (check_metric, "Wordless", "metric_is_described", "has no docstring; say in its first"),
+    (
+        check_metric,
+        "Taken",
+        "metric_is_described",
+        "'pta_c' is that of ItemsRemoved, too; give it an",
+    ),
     (check_metric, "Ranked", "metric_alone", "alone: .*let an episode depend on nothing but"),
-    (check_reward, "Writing", "reward_only_reads", "changed belief; copy what you change"),
+    (check_reward, "Writing", "reward_only_reads", "changed mission.belief; copy what you change"),
+    (check_reward, "WritingBefore", "reward_only_reads", "changed before.agent_node; copy what"),
+    (check_reward, "Counting", "reward_remembers_nothing", "at step 0 fresh and after other epi"),
     (check_reward, "Best", "reward_alone", "let an episode depend on nothing but itself"),
     (check_observation, "Values", "observation_shapes", "gave {'steps': 'float32 .*give {'steps'"),
     (check_observation, "Looks", "observation_twice", "gave steps 1 and 2 .*for one step; rememb"),

@@ -87,6 +87,26 @@ class ByKey(Good):
         return np.asarray(np.sin(ahead + observation.step[:, None, None]))
 
 
+class Denying(Good):
+    """Writes only where items are known, so not at first."""
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        for row in np.flatnonzero(observation.active):
+            nodes = observation.known[row, : observation.n_known[row]]
+            observation.belief[row, nodes] = 0
+        return super().act(observation)
+
+
+class Turning(Good):
+    """Counts its decisions for ever, and begins again after as many as an episode may well have."""
+
+    seen = 0
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        self.seen += 1
+        return np.roll(super().act(observation), self.seen % 8, axis=2)
+
+
 class Breaking(Good):
     def act(self, observation: Observation) -> NDArray[np.float64]:
         raise IndexError("no such lane")
@@ -110,8 +130,19 @@ def test_a_bad_policy_is_rejected_by_its_check(
     policy: type[Policy], check: str, words: str
 ) -> None:
     with pytest.raises(ConformanceError, match=words) as caught:
-        check_policy(policy, overrides=SHORT)
+        check_policy(policy, overrides=SHORT, episodes=3)
     assert caught.value.check == check and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("policy", "words"),
+    [(Denying, r"changed observation\.belief at step \d+; copy"), (Turning, "let reset forget")],
+)
+def test_what_shows_late_in_an_episode_is_found_by_default(
+    policy: type[Policy], words: str
+) -> None:
+    with pytest.raises(ConformanceError, match=words):
+        check_policy(policy)
 
 
 def test_every_check_has_a_bad_policy() -> None:

@@ -12,7 +12,7 @@ from graph_planner.references import nearest
 from graph_planner.task import Task
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Mission
-from mjforage.learning.environments.rewards.term import Amounts, Follower, Step, Term
+from mjforage.learning.environments.rewards.term import Amounts, Before, Follower, Step, Term
 
 REWARDS: Table[Callable[..., Term]] = Table("reward", "mjforage.rewards")
 
@@ -73,9 +73,10 @@ class RewardTerms:
         self._terms = {name: create_term(name) for name in names}
         self._theirs = {name for name, term in self._terms.items() if not is_ours(type(term))}
 
-    def before(self, mission: Mission) -> None:
+    def before(self, mission: Mission) -> Before:
         """Take a copy of what the next state is compared with; call before every step."""
         self._before = self._follower.follow(mission)
+        return self._before
 
     def after(self, mission: Mission, played: NDArray[np.bool_]) -> dict[str, Amounts]:
         """Terms of the step just made: name -> (episode, agent), 0 for episodes not played.
@@ -121,6 +122,8 @@ def checked_weights(weights: Mapping[str, float]) -> dict[str, float]:
 
 def labelled(weights: Mapping[str, float]) -> dict[str, float]:
     """All weights, each by the one spelling of its term; raises as `checked_weights`."""
+    if not isinstance(weights, Mapping):
+        raise UserError(f"reward = {weights!r}: give a weight for each term, as {{'removed': 1.0}}")
     found: dict[str, float] = {}
     for text, weight in weights.items():
         term_class(text)
