@@ -23,7 +23,7 @@ pytestmark = pytest.mark.usefixtures("here")
         (
             "1,0,1\n1,0,1\n",
             "form 2 separate components, the largest of 2 nodes; keep only that one "
-            "with --set map.largest_component=true",
+            "where you play on it: --set map.largest_component=true",
         ),
         ("1,0\n0,1\n", "or join them with --set map.corner_cutting=true"),
         ("1,2\n", "row 0, column 1 is '2', expected 0 or 1"),

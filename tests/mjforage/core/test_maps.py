@@ -175,7 +175,7 @@ def test_separate_components_are_counted_and_the_largest_offered(
         load_map(file)
     assert str(caught.value) == (
         "map harbour.csv: its 6 nodes form 3 separate components, the largest of 3 nodes; "
-        "keep only that one with --set map.largest_component=true"
+        "keep only that one where you play on it: --set map.largest_component=true"
     )
     with caplog.at_level(logging.WARNING):
         grid = load_map(file, largest_component=True)

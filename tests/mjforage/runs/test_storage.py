@@ -213,7 +213,7 @@ def retype(path: Path) -> None:
     ("spoil", "words"),
     [
         (truncate, "missing, truncated or not Parquet"),
-        (Path.unlink, "missing, as in a run that is not finished; run "),
+        (Path.unlink, "missing, as in a run that is not finished; move "),
         (damage, "damaged"),
         (replace, "differ)"),
         (retype, "(episode differ)"),
@@ -292,7 +292,7 @@ def test_a_chunk_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
     run.write(FIRST, frames(FIRST), COST)
     (chunk_folder(run) / "steps.parquet").unlink()
     message = error_of(run.write, FIRST, frames(FIRST), COST)
-    assert "steps.parquet: missing, truncated" in message
+    assert "steps.parquet: missing, as in a run" in message
     assert [path.name for path in (run.path / "chunks").iterdir()] == [FIRST.name]
 
 
