@@ -83,3 +83,5 @@ def _write(grids: "list[GridMap]", path: Path) -> None:
         write_table(grids[0].navigable, path)
     else:
         save_map_picture(grids[0], path)
+    kind = "map" if path.suffix.lower() == ".csv" else "picture"
+    output.print(f"{kind}: {path}", soft_wrap=True)
