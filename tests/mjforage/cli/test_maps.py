@@ -62,7 +62,7 @@ def test_the_remedy_for_a_disconnected_map_works(
 def test_one_map_is_checked_and_drawn(command: Callable[..., Any]) -> None:
     Path("port.csv").write_text("1,1\n1,0\n")
     outcome = command("maps", "port.csv", "-o", "port.png")
-    assert (outcome.code, outcome.out) == (0, "port.csv: 2 x 2, 3 nodes\n")
+    assert (outcome.code, outcome.out) == (0, "port.csv: 2 x 2, 3 nodes\npicture: port.png\n")
     with Image.open("port.png") as image:
         assert image.width > 100
 
@@ -71,7 +71,7 @@ def test_generated_harbours_are_drawn_and_written(command: Callable[..., Any]) -
     outcome = command("maps", "harbour:combs:7:30x44", "-o", "port.csv")
     assert outcome.code == 0
     again = command("maps", "port.csv")
-    assert outcome.out.split(": ")[1] == again.out.split(": ")[1]
+    assert outcome.out.splitlines()[0].split(": ")[1] == again.out.strip().split(": ")[1]
     assert (load_map("port.csv").navigable == load_map("harbour:combs:7:30x44").navigable).all()
     assert len(command("maps", "harbours:0-6", "-o", "sheet.png").out.splitlines()) == 7
     with Image.open("sheet.png") as image:

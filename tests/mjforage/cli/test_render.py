@@ -26,7 +26,8 @@ def test_render_draws_a_frame_a_series_and_films(
     ):
         outcome = command("render", folder, *arguments)
         assert (outcome.code, outcome.err) == (0, "")
-        assert outcome.out == f"film: {arguments[1]}\n"
+        kind = "picture" if arguments[1].endswith(".png") else "film"
+        assert outcome.out == f"{kind}: {arguments[1]}\n"
     with Image.open("frame.png") as image:
         assert len(image.convert("RGB").getcolors(1 << 24) or ()) > 20
     with Image.open("film.gif") as film:
