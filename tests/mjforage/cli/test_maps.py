@@ -73,7 +73,7 @@ def test_generated_harbours_are_drawn_and_written(command: Callable[..., Any]) -
     again = command("maps", "port.csv")
     assert outcome.out.splitlines()[0].split(": ")[1] == again.out.strip().split(": ")[1]
     assert (load_map("port.csv").navigable == load_map("harbour:combs:7:30x44").navigable).all()
-    assert len(command("maps", "harbours:0-6", "-o", "sheet.png").out.splitlines()) == 7
+    assert len(command("maps", "harbours:0-6", "-o", "sheet.png").out.splitlines()) == 7 + 1
     with Image.open("sheet.png") as image:
         assert image.width > 400
 
