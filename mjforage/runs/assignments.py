@@ -136,14 +136,14 @@ def _setup(assignment: Assignment) -> Setup:
     UserError
         If this is a worker that does not agree with the process that asked.
     """
+    if assignment.parent is None:
+        cluster.check_threads()  # first: two threads that look for code disturb each other
     for policy, place in assignment.places:
         adopt_policy(policy, place)
     if assignment.parent != os.getpid() and assignment.code:
         worlds = assignment.worlds if assignment.parent is None else None
         here = dict(_facts(assignment.policies, worlds, chosen_metrics(assignment.metrics)))
         cluster.check_code(assignment.code, here)
-    if assignment.parent is None:
-        cluster.check_threads()
     packed = np.frombuffer(assignment.cells, np.uint8)
     rows, columns = assignment.shape
     navigable = (

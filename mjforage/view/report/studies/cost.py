@@ -93,8 +93,8 @@ def cost_table(logs: StudyLogs) -> Table:
         notes.append(
             f"All of the paper: {PAPER_EPISODES} episodes of the policy in that world (43 variants "
             "of 100), extrapolated in proportion; divide by the number of cores. An episode of a "
-            "small chunk costs more than one of a full chunk (25, with hulls 10), so that small "
-            "samples say too much rather than too little."
+            "small chunk costs more than one of a full chunk, so that small samples say too much "
+            "rather than too little."
         )
     labels = ("variants", "episodes", "episodes", "CPU time", "CPU time", "all of the paper")
     units = ("", "", "per chunk", "s per episode", "ms per decision", "CPU hours")
