@@ -193,6 +193,17 @@ def test_a_worker_of_another_version_is_named(assignment: Assignment, name: str)
     assert "but 99 where the command was given" in words
 
 
+def test_a_worker_of_several_threads_is_named_before_it_looks_for_code(
+    assignment: Assignment, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Threads that parse sources at the same time disturb each other (SystemError in Python)."""
+    worker = SimpleNamespace(state=SimpleNamespace(nthreads=4))
+    monkeypatch.setattr("distributed.get_worker", lambda: worker)
+    monkeypatch.setattr("mjforage.runs.assignments._facts", None)
+    words = refusal(assignment)
+    assert words.startswith(f"worker on {socket.gethostname()}: has 4 threads; start it with")
+
+
 def test_a_worker_that_does_not_see_the_folder_is_named(
     assignment: Assignment, tmp_path: Path
 ) -> None:
