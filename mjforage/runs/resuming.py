@@ -92,10 +92,14 @@ def _short(value: object) -> str:
 
 
 def refusal(kind: str, found: list[Difference]) -> str:
-    """Why a folder's run is not gone on with, and the remedies that there are."""
+    """Why a folder's run is not gone on with, and the remedies that there are.
+
+    Another policy comes with other code, of which nothing is said then.
+    """
+    accept = "--accept-code-change to go on and note it, " if acceptable(found) else ""
+    found = [one for one in found if one.key not in CODE] or found
     words = "; ".join(one.words for one in found[:_NAMED])
     more = f"; and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
-    accept = "--accept-code-change to go on and note it, " if acceptable(found) else ""
     return (
         f"holds another {kind}: {words}{more}; give {accept}--fresh to keep that folder aside and "
         "begin anew, or choose another --out"

@@ -15,6 +15,7 @@ from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 from mjforage.runs.assignments import Assignment, run_chunk
 from mjforage.runs.evaluate import CHUNK, evaluate, plan
+from mjforage.runs.resuming import Difference, refusal
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import TABLES
 
@@ -266,3 +267,10 @@ def test_a_comparison_killed_while_it_finishes_ends_the_same(
         assert (run / name).read_bytes() == (whole / name).read_bytes(), name
     assert not (run / "chunks").exists()
     assert not list(run.glob(".*.*"))
+
+
+def test_of_another_policy_its_code_is_not_told() -> None:
+    code, policies = Difference("code", "a.py is gone"), Difference("policies", "policies is 1")
+    told = refusal("run", [code, policies])
+    assert told.startswith("holds another run: policies is 1; give --fresh to keep")
+    assert refusal("run", [code]).startswith("holds another run: a.py is gone; give --accept-code")
