@@ -97,6 +97,7 @@ class Mission:
         if dynamics is None:
             dynamics = GraphDynamics(setup.graph, setup.fleet, setup.scenario)
         pickup = dynamics.pickup
+        self._asked = "policy"  # who answered last, for messages
         self.task = setup.task if pickup is None else replace(setup.task, pickup=pickup)
         self.ledger = Ledger(self.task)
         self._dynamics = dynamics
@@ -289,8 +290,6 @@ class Mission:
         """
         pooled = isinstance(policy, Bound) and not getattr(policy, "apart", False)
         policy.reset(self.task, np.repeat(self.keys, 1 if pooled else self.exchange.holders))
-
-    _asked = "policy"  # who answered last, for messages
 
     def ask(self, policy: Policy) -> NDArray[np.float64]:
         """The preferences (episode, agent, 9) of a policy, those of each agent by what it knows.

@@ -4,6 +4,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from graph_planner.policies import create_policy, policy_names
+from graph_planner.task import Observation, Task
 from graph_planner.walls import WALLS
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap
@@ -267,3 +268,20 @@ def test_equal_preferences_go_to_the_lowest_legal_move(value: float) -> None:
 @pytest.mark.parametrize("walls", WALLS)
 def test_policies_are_told_the_rule_of_walls(walls: str) -> None:
     assert setup_of("comb-port", f"rules.walls={walls}").task.walls == walls
+
+
+class Undecided:
+    """Answers with what is no number."""
+
+    def reset(self, task: Task, keys: NDArray[np.uint64]) -> None:
+        self.shape = (keys.size, len(task.fleet), 9)
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        return np.full(self.shape, np.nan)
+
+
+def test_a_policy_whose_preferences_are_nan_is_named() -> None:
+    mission = Mission(Setup.of(load_scenario("comb-port")))
+    mission.reset(0, np.arange(1))
+    with pytest.raises(UserError, match="policy Undecided: gives preferences that are NaN"):
+        mission.run(Undecided())

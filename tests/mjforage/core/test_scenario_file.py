@@ -392,3 +392,14 @@ def test_paths_in_a_file_start_from_its_folder(
         assert load_map(overridden.map.file).navigable.shape == (1, 2)
     (folder / "shipped.toml").write_text(text.replace('"bay.csv"', '"open-bay"'))
     assert load_scenario(str(folder / "shipped.toml")).map.file == "open-bay"
+
+
+def test_a_scenario_file_without_its_ending_is_offered(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "breezy.toml").touch()
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(
+        UserError, match=r"nor a TOML file; did you mean breezy.toml\?"
+    ):
+        load_scenario("breezy")

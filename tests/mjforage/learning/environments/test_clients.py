@@ -76,6 +76,7 @@ def test_stable_baselines3_has_its_dqn_too() -> None:
         ({"world": "mars"}, "world = 'mars': unknown; choose graph, hulls"),
         ({"observation": "pixels"}, "observation pixels: unknown; choose egocentric, paper"),
         ({"reward": {"remove": 1.0}}, "reward remove: unknown; did you mean removed?"),
+        ({"reward": "removed"}, "reward = 'removed': give a weight for each term"),
         ({"reward": {"removed": float("nan")}}, "reward removed = nan: give a finite number"),
         ({"render_mode": "ansi"}, "render_mode = 'ansi': unknown; choose None, rgb_array"),
         ({"scenario": "nowhere"}, "scenario nowhere: neither a preset nor a TOML file"),

@@ -25,7 +25,8 @@ from mjforage.core.scenario_file import load_scenario
 from mjforage.core.schema import check, json_schema
 from mjforage.core.setup import Setup
 from mjforage.learning.training import run
-from mjforage.learning.training.algorithm import HELD_OUT, Progress, save_weights
+from mjforage.learning.training.algorithm import HELD_OUT, Algorithm, Progress, save_weights
+from mjforage.learning.training.algorithms import find_algorithm
 from mjforage.learning.training.checkpoint import TrainingInfo, save_checkpoint
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.logs import Logs
@@ -396,3 +397,15 @@ def test_the_command_line_names_what_is_wrong(refused: Callable[..., str], tmp_p
     assert "expected KEY=VALUE" in refused(
         "train", "ddqn", "--learning", "num_envs", "--out", tmp_path
     )
+
+
+class Unwritten(Trainer):
+    """An algorithm that nobody has finished."""
+
+    play_round = Algorithm.play_round
+    tensors = Algorithm.tensors
+
+
+def test_an_algorithm_that_lacks_something_is_refused_at_the_start() -> None:
+    with pytest.raises(UserError, match="has no play_round, tensors; write it"):
+        find_algorithm(f"{__name__}:Unwritten")
