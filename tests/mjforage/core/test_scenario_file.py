@@ -399,7 +399,5 @@ def test_a_scenario_file_without_its_ending_is_offered(
 ) -> None:
     (tmp_path / "breezy.toml").touch()
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(
-        UserError, match=r"nor a TOML file; did you mean breezy.toml\?"
-    ):
+    with pytest.raises(UserError, match=r"nor a TOML file; did you mean breezy.toml\?"):
         load_scenario("breezy")
