@@ -30,6 +30,7 @@ def train(
     map: str | None = None,
     set: Pairs = (),
     also: Pairs = (),
+    evaluate: Pairs = (),
     learning: Pairs = (),
     teacher: str = "",
     device: str = "auto",
@@ -64,6 +65,9 @@ def train(
     also
         Train on this SCENARIO, or SCENARIO:MAP, in turn; repeatable. A map has its own starts.
         SCENARIO:harbours:0-39 takes the next of these generated harbours whenever its turn comes.
+    evaluate
+        Evaluate on this SCENARIO, SCENARIO:MAP or SCENARIO:harbours:900-909 instead of the first
+        scenario; repeatable: all maps share the episodes of an evaluation.
     learning
         Override KEY=VALUE of the learning hyperparameters, such as num_envs=32, reward.removed=2,
         reward.MODULE:CLASS=1 or observation=MODULE:CLASS of your own; repeatable.
@@ -105,6 +109,7 @@ def train(
             hyperparameters,
             folder,
             also=[_other(text) for text in also],
+            evaluate=[_other(text) for text in evaluate],
             seed=seed,
             hours=hours,
             updates=updates,

@@ -20,26 +20,23 @@ from graph_planner.randomness import episode_keys
 from graph_planner.task import Task
 from graph_planner.weights import Q_NETWORK, TEAMS, WeightsHeader, header_note
 from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import METRICS, Scorer
 from mjforage.core.scenario import Scenario
 from mjforage.core.schema import OPEN
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.environments.rewards import labelled
+from mjforage.learning.training.evaluation import HELD_OUT, Evaluation
 from mjforage.learning.training.families import ground_on
 from mjforage.learning.training.files import save_tensors
 from mjforage.learning.training.grounds import Ground, common_shapes
 from mjforage.learning.training.hyperparameters import CommonHyperparameters
 from mjforage.learning.training.rounds import Round
-from mjforage.physics.worlds import create_mission
 
 if TYPE_CHECKING:
     from torch import Tensor
 
     from graph_planner.q_network import MoveNetwork
 
-HELD_OUT = 1 << 40  # seed of evaluation episodes; training seeds are smaller
 TRAINED = 1 << 41  # added to training seeds: `evaluate` with the same seed plays other episodes
-SCORES = ("pta_d", "pta_c", "nt50", "nt90", "csr", "rmse_columns", "length")
 
 Row = dict[str, float]
 Told = TypeVar("Told", bound=CommonHyperparameters)
@@ -99,6 +96,7 @@ class Algorithm(Generic[Told]):
     hyperparameters, seed, device : as given
     setup : of the first scenario
     grounds : the scenarios; rounds take them in turn
+    evaluation : on what the networks are judged; the first scenario, until `evaluate_on`
     shapes : of one agent's pictures
     agents : team of `TEAMS` -> its agents
     round : the one under way
@@ -123,7 +121,7 @@ class Algorithm(Generic[Told]):
 
         Parameters
         ----------
-        scenarios : rounds take them in turn; evaluations are of the first
+        scenarios : rounds take them in turn
 
         Raises
         ------
@@ -140,6 +138,7 @@ class Algorithm(Generic[Told]):
         self.seed, self.device = seed, device
         home = self._ground(scenarios[0])
         self.setup = home.setup
+        self.evaluation = self._evaluation([home.scenario])
         self.grounds = [home, *(ground_on(each, self._ground) for each in scenarios[1:])]
         self.shapes = common_shapes([each for ground in self.grounds for each in ground.examples])
         fleet = self.setup.fleet
@@ -150,8 +149,30 @@ class Algorithm(Generic[Told]):
 
     def _ground(self, scenario: Scenario) -> Ground:
         told = self.hyperparameters
-        options = EnvironmentOptions(scenario, told.world, told.observation, told.reward)
-        return Ground(options, told.num_envs, told.vary)
+        return Ground(self._options(scenario), told.num_envs, told.vary)
+
+    def _options(self, scenario: Scenario) -> EnvironmentOptions:
+        told = self.hyperparameters
+        return EnvironmentOptions(scenario, told.world, told.observation, told.reward)
+
+    def _evaluation(self, scenarios: Sequence[Scenario]) -> Evaluation:
+        return Evaluation(scenarios, self._options, self.hyperparameters.evaluate_episodes)
+
+    def evaluate_on(self, scenarios: Sequence[Scenario]) -> None:
+        """Be judged on other scenarios than the first, which share the episodes of an evaluation.
+
+        Parameters
+        ----------
+        scenarios : a map of one may be a family of harbours
+
+        Raises
+        ------
+        UserError
+            If one is not valid, its fleet or arrays differ, or there are fewer episodes than maps.
+        """
+        evaluation = self._evaluation(scenarios)
+        evaluation.check(self.grounds[0].examples[0])
+        self.evaluation = evaluation
 
     @property
     def networks(self) -> "Mapping[str, MoveNetwork]":
@@ -241,14 +262,8 @@ class Algorithm(Generic[Told]):
 
     def evaluate(self) -> Row:
         """Scores on held-out episodes, without exploration; `rank` is better when lower."""
-        setup, hyperparameters = self.setup, self.hyperparameters
-        mission = create_mission(setup, hyperparameters.world)
-        mission.reset(HELD_OUT, np.arange(hyperparameters.evaluate_episodes))
-        scorer = Scorer(mission, [METRICS.find(key) for key in SCORES])
-        mission.run(LearnersPolicy(self.networks, hyperparameters.observation), (scorer,))
-        scores = scorer.scores().scalars
-        row = {name: _mean(scores[name]) for name in SCORES}
-        row["rank"] = row["nt50"] + row["nt90"] + (100.0 - row["pta_c"]) / 20.0
+        policy = LearnersPolicy(self.networks, self.hyperparameters.observation)
+        row = self.evaluation.scores(policy)
         self.book_time()
         return self.come("rounds", "updates", "seconds") | row
 
@@ -256,12 +271,6 @@ class Algorithm(Generic[Told]):
 def teacher_label(teacher: str) -> str:
     """A teacher as all spell it; raises `UserError` if there is no such policy."""
     return check_policies([teacher])[0] if teacher else ""
-
-
-def _mean(values: NDArray[np.float64]) -> float:
-    """Mean of the defined values; NaN without any."""
-    defined = values[np.isfinite(values)]
-    return float(defined.mean()) if defined.size else float("nan")
 
 
 def save_weights(trainer: Algorithm[Any], path: Path) -> None:

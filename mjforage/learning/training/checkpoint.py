@@ -49,6 +49,8 @@ class TrainingInfo:
     """Versions of what decides the numbers."""
     weights: Mapping[str, str] = field(default_factory=dict)
     """Hash of the weights of the teacher, and of those that the networks began with."""
+    evaluate: tuple[Mapping[str, Any], ...] = ()
+    """Scenarios of evaluations; absent where it is the first of the run."""
     hulls: str = ""
     """Hash of the hulls, debris and capture models; absent in the graph world."""
 
@@ -66,7 +68,7 @@ class _Notes:
 def identity(trainer: Algorithm[Any]) -> dict[str, Any]:
     """What two runs must share for one to go on where the other stopped."""
     first, *others = (ground.scenario for ground in trainer.grounds)
-    made = type(trainer)
+    made, judged = type(trainer), trainer.evaluation.scenarios
     return {
         "algorithm": f"{made.__module__}:{made.__qualname__}",
         "scenario": scenario_to_tree(first),
@@ -74,7 +76,7 @@ def identity(trainer: Algorithm[Any]) -> dict[str, Any]:
         "hyperparameters": trainer.hyperparameters.tree(),
         "seed": trainer.seed,
         "device": trainer.device,
-    }
+    } | ({} if judged == (first,) else {"evaluate": [scenario_to_tree(one) for one in judged]})
 
 
 def save_checkpoint(trainer: Algorithm[Any], path: Path) -> None:

@@ -42,10 +42,7 @@ class FamilyGround:
             If the family's name is not well formed, or the scenario fits on none of its harbours.
         """
         self.scenario, self._make = scenario, make
-        self._scenarios = [
-            replace(scenario, map=replace(scenario.map, file=name))
-            for name in family(scenario.map.file)
-        ]
+        self._scenarios = scenarios_of(scenario)
         self.notes: list[dict[str, Any]] = []
         for each in self._scenarios:  # all are tried now, not hours later
             self.notes += make(each).notes
@@ -65,6 +62,22 @@ class FamilyGround:
         ground = self._make(self._scenarios[turn % len(self._scenarios)])
         common_shapes([*self.examples[:1], *ground.options[:1]])
         return ground.round(keys)
+
+
+def scenarios_of(scenario: Scenario) -> list[Scenario]:
+    """A scenario on each harbour of its family, or as it is if its map is no family.
+
+    Raises
+    ------
+    UserError
+        If the family's name is not well formed.
+    """
+    if not is_family(scenario.map.file):
+        return [scenario]
+    return [
+        replace(scenario, map=replace(scenario.map, file=name))
+        for name in family(scenario.map.file)
+    ]
 
 
 def ground_on(scenario: Scenario, make: Make) -> Ground | FamilyGround:

@@ -133,7 +133,7 @@ def common_shapes(every: Sequence[EnvironmentOptions]) -> Shapes:
         if other != found[0]:
             names = [each.setup.scenario.name for each in (every[0], options)]
             raise UserError(
-                f"scenarios {names[0]} and {names[1]}: fleets or arrays differ; train together "
+                f"scenarios {names[0]} and {names[1]}: fleets or arrays differ; give "
                 "scenarios with as many scouts and foragers, on the egocentric observation"
             )
     return found[0][1]

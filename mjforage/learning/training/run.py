@@ -40,7 +40,8 @@ from mjforage.runs.source_code import WHOLE, decisive_code
 
 CHECKPOINT_S = 300.0  # between two checkpoints
 IDENTITY = (
-    *("algorithm", "seed", "device", "hyperparameters", "scenario", "also", "weights", "hulls"),
+    *("algorithm", "seed", "device", "hyperparameters", "scenario", "also", "evaluate"),
+    *("weights", "hulls"),
     *CODE,
 )
 """Keys of `training.json` in which two runs must agree for one to go on where the other stopped."""
@@ -53,6 +54,7 @@ class Told(TypedDict, total=False):
     """How a run goes on, see `train_with`."""
 
     also: Sequence[Scenario]
+    evaluate: Sequence[Scenario]
     seed: int
     hours: float | None
     updates: int | None
@@ -75,6 +77,7 @@ def train_with(
     folder: Path,
     *,
     also: Sequence[Scenario] = (),
+    evaluate: Sequence[Scenario] = (),
     seed: int = 0,
     hours: float | None = None,
     updates: int | None = None,
@@ -91,6 +94,7 @@ def train_with(
     ----------
     hyperparameters : of the algorithm's `settings`
     also : scenarios that rounds take in turn with the first
+    evaluate : scenarios that share the episodes of evaluations; none: the first
     folder : of the run; a run of the same scenario, hyperparameters, seed and device in it goes on
     hours, updates : where to stop; at least one
     device : auto, cpu or cuda
@@ -100,11 +104,13 @@ def train_with(
     Raises
     ------
     UserError
-        If there is no end, the seed or the teacher is not valid, the device is missing, or the
-        folder holds another run or is being written.
+        If there is no end, a scenario, the seed or the teacher is not valid, the device is
+        missing, or the folder holds another run or is being written.
     """
     _check_ends(hours, updates)
     trainer = algorithm([scenario, *also], hyperparameters, seed, _device(device))
+    if evaluate:
+        trainer.evaluate_on(evaluate)
     if resume == "fresh":
         set_aside(folder, "training")
     open_folder(folder, "training", _facts(trainer), IDENTITY, resume == "accept-code-change")

@@ -18,7 +18,8 @@ from mjforage.core.mission_metrics import METRICS, Scorer
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
-from mjforage.learning.training.algorithm import HELD_OUT, save_weights
+from mjforage.learning.training.algorithm import save_weights
+from mjforage.learning.training.evaluation import HELD_OUT
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Trainer

@@ -22,7 +22,7 @@ from mjforage.core.scenario_file import load_scenario, with_values
 from mjforage.core.setup import Setup
 from mjforage.learning.environments.game import Game
 from mjforage.learning.environments.options import EnvironmentOptions
-from mjforage.learning.training.algorithm import HELD_OUT
+from mjforage.learning.training.evaluation import HELD_OUT
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Trainer

@@ -25,9 +25,10 @@ from mjforage.core.scenario_file import load_scenario
 from mjforage.core.schema import check, json_schema
 from mjforage.core.setup import Setup
 from mjforage.learning.training import run
-from mjforage.learning.training.algorithm import HELD_OUT, Algorithm, Progress, save_weights
+from mjforage.learning.training.algorithm import Algorithm, Progress, save_weights
 from mjforage.learning.training.algorithms import find_algorithm
 from mjforage.learning.training.checkpoint import TrainingInfo, save_checkpoint
+from mjforage.learning.training.evaluation import HELD_OUT
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.run import train

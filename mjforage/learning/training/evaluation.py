@@ -1,0 +1,90 @@
+"""Evaluations of a training run: held-out episodes, shared out among scenarios and their harbours.
+
+What is best on the map that a run is named after need not be best on others
+(docs/learning.md), so a run can be judged on maps of its own.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graph_planner.policies import Policy
+from mjforage.core.errors import UserError
+from mjforage.core.mission_metrics import METRICS, Scorer
+from mjforage.core.scenario import Scenario
+from mjforage.learning.environments.options import EnvironmentOptions
+from mjforage.learning.training.families import scenarios_of
+from mjforage.learning.training.grounds import common_shapes
+from mjforage.physics.worlds import create_mission
+
+HELD_OUT = 1 << 40  # seed of evaluation episodes; training seeds are smaller
+SCORES = ("pta_d", "pta_c", "nt50", "nt90", "csr", "rmse_columns", "length")
+
+Make = Callable[[Scenario], EnvironmentOptions]
+
+
+class Evaluation:
+    """Held-out episodes on which the networks of a run are judged.
+
+    Attributes
+    ----------
+    scenarios : as given; a map of one may be a family of harbours
+    """
+
+    def __init__(self, scenarios: Sequence[Scenario], make: Make, episodes: int) -> None:
+        """Prepare; nothing is built before it is played.
+
+        Parameters
+        ----------
+        scenarios : that share the episodes: episode i is on map i modulo their number of maps
+        make : what a scenario is played with
+        episodes : of all of them together
+
+        Raises
+        ------
+        UserError
+            If a family's name is not well formed, or there are fewer episodes than maps.
+        """
+        self.scenarios, self._make, self._episodes = tuple(scenarios), make, episodes
+        self._each = [each for scenario in scenarios for each in scenarios_of(scenario)]
+        if episodes < len(self._each):
+            raise UserError(
+                f"--evaluate: {len(self._each)} maps for evaluate_episodes = {episodes}; give "
+                f"fewer maps, or --learning evaluate_episodes={len(self._each)} or more"
+            )
+
+    def check(self, home: EnvironmentOptions) -> None:
+        """Try all maps now, not hours later.
+
+        Raises
+        ------
+        UserError
+            If a scenario is not valid, or its fleet or arrays are not those of the run's first.
+        """
+        for each in self._each:
+            common_shapes([home, self._make(each)])
+
+    def scores(self, policy: Policy) -> dict[str, float]:
+        """Means of all episodes by the names of `SCORES`, and `rank`: better when lower.
+
+        Values that an episode does not define are left out.
+        """
+        found: dict[str, list[NDArray[np.float64]]] = {name: [] for name in SCORES}
+        for number, scenario in enumerate(self._each):
+            options = self._make(scenario)
+            mission = create_mission(options.setup, options.world)
+            mission.reset(HELD_OUT, np.arange(number, self._episodes, len(self._each)))
+            scorer = Scorer(mission, [METRICS.find(key) for key in SCORES])
+            mission.run(policy, (scorer,))
+            for name, values in scorer.scores().scalars.items():
+                found[name].append(values)
+        row = {name: _mean(np.concatenate(parts)) for name, parts in found.items()}
+        row["rank"] = row["nt50"] + row["nt90"] + (100.0 - row["pta_c"]) / 20.0
+        return row
+
+
+def _mean(values: NDArray[np.float64]) -> float:
+    """Mean of the defined values; NaN without any."""
+    defined = values[np.isfinite(values)]
+    return float(defined.mean()) if defined.size else float("nan")

@@ -1,0 +1,103 @@
+"""Evaluations on other scenarios than a run's first: who shares the episodes, resuming, errors."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pytest
+
+from graph_planner.policies import create_policy
+from mjforage.core.errors import UserError
+from mjforage.core.mission_metrics import METRICS, Scorer
+from mjforage.core.scenario import Scenario
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
+from mjforage.learning.environments.options import EnvironmentOptions
+from mjforage.learning.training.evaluation import HELD_OUT, Evaluation
+from mjforage.learning.training.hyperparameters import Hyperparameters, changed
+from mjforage.learning.training.run import train
+from mjforage.learning.training.trainer import Trainer
+from mjforage.physics.worlds import create_mission
+
+TINY = {"num_envs": 3, "capacity": 1000, "batch": 16, "warmup": 20, "evaluate_episodes": 5}
+
+
+def scenario(*changes: str) -> Scenario:
+    return load_scenario("comb-port", ("horizon=12", *changes))
+
+
+def on(reference: str) -> Scenario:
+    return replace(scenario(), map=replace(scenario().map, file=reference, starts=None))
+
+
+def told(**changes: object) -> Hyperparameters:
+    return changed(Hyperparameters(), TINY | changes)
+
+
+def test_maps_share_the_episodes() -> None:
+    """Episode i is on map i modulo their number: 3 of 5 on the first, 2 on the second."""
+    pair = [scenario(), on("harbour:combs:901")]
+    found = Evaluation(pair, EnvironmentOptions, 5).scores(create_policy("greedy"))
+    values: list[float] = []
+    for each, numbers in zip(pair, ([0, 2, 4], [1, 3]), strict=True):
+        mission = create_mission(Setup.of(each), "graph")
+        mission.reset(HELD_OUT, np.array(numbers))
+        scorer = Scorer(mission, [METRICS.find("pta_d")])
+        mission.run(create_policy("greedy"), (scorer,))
+        values += scorer.scores().scalars["pta_d"].tolist()
+    assert len(set(values)) > 1
+    assert found["pta_d"] == pytest.approx(np.mean(values))
+    assert found["rank"] == pytest.approx(
+        found["nt50"] + found["nt90"] + (100 - found["pta_c"]) / 20
+    )
+
+
+def test_a_familys_harbours_are_maps_of_their_own() -> None:
+    one = Evaluation([on("harbours:900-901")], EnvironmentOptions, 5)
+    other = Evaluation([on("harbour:combs:900"), on("harbour:basins:901")], EnvironmentOptions, 5)
+    greedy = create_policy("greedy")
+    assert one.scores(greedy) == other.scores(greedy)
+
+
+@pytest.mark.every_capability
+def test_a_run_is_judged_on_them_and_goes_on_only_with_them(tmp_path: Path) -> None:
+    first, judged = scenario(), [on("harbours:900-901")]
+    train(first, told(), tmp_path, evaluate=judged, seed=3, updates=10)
+    (written,) = json.loads((tmp_path / "training.json").read_text())["evaluate"]
+    assert written["map"]["file"] == "harbours:900-901"
+    trainer = train(first, told(), tmp_path, evaluate=judged, seed=3, updates=20)
+    last = pl.read_parquet(tmp_path / "evaluations.parquet").row(-1, named=True)
+    assert last["updates"] == trainer.progress.updates >= 20
+    again = trainer.evaluate()
+    assert again["pta_d"] == last["pta_d"]
+    at_home = Trainer([first], told(), seed=3)
+    at_home.restore(trainer.tensors())
+    assert at_home.evaluate()["pta_d"] != last["pta_d"]
+    with pytest.raises(UserError, match=r"evaluate is .*harbours:900-901.* there and null here"):
+        train(first, told(), tmp_path, seed=3, updates=30)
+
+
+@pytest.mark.parametrize(
+    ("judged", "words"),
+    [
+        ("harbours:900-905", "6 maps for evaluate_episodes = 5; give fewer maps, or .*=6 or more"),
+        ("harbours:3-0", "expected harbours:FIRST-LAST"),
+        ("nowhere", "nowhere"),
+    ],
+)
+def test_what_cannot_be_evaluated_is_refused_at_once(judged: str, words: str) -> None:
+    trainer = Trainer([scenario()], told())
+    with pytest.raises(UserError, match=words):
+        trainer.evaluate_on([on(judged)])
+    assert trainer.evaluation.scenarios == (scenario(),)
+
+
+def test_other_fleets_and_arrays_are_refused() -> None:
+    trainer = Trainer([scenario()], told())
+    with pytest.raises(UserError, match=r"fleets or arrays differ"):
+        trainer.evaluate_on([scenario("team.scouts.count=3")])
+    by_map = Trainer([scenario()], told(observation="paper"))
+    with pytest.raises(UserError, match=r"fleets or arrays differ; give .* egocentric"):
+        by_map.evaluate_on([on("harbour:combs:900")])
