@@ -1,8 +1,10 @@
 """CPU seconds of each test, its processes included, and which tests `make quick` leaves out.
 
-`tests/slow.txt` names the tests that take more than `BOUND_S`; they have the mark `slow`. It is
-written by `pytest --measure`, from what that run measured: `pytest -n 2 --measure` for all. Every
-run names tests that are not in it and took more than twice the bound, so that it does not go stale.
+`tests/slow.txt` names the tests that take more than `BOUND_S` with all their parameters; they have
+the mark `slow`. It is written by `pytest --measure`, from what that run measured: `pytest -n 2
+--measure` for all, when all kernels are compiled, or whoever came first would have their time too.
+Every run names tests that are not in it and took more than twice the bound, so that it does not go
+stale.
 
 Tests of a file that imports one of `HEAVY` are slow too, whatever they do themselves: the first
 import takes seconds of each process. `-m 'not slow'` loads no file that has none but slow tests.
@@ -24,7 +26,7 @@ import psutil
 import pytest
 
 BOUND_S = 0.3
-"""What a test may take, its fixtures counted, to be quick [CPU s]."""
+"""What a test may take, its parameters and fixtures counted, to be quick [CPU s]."""
 
 HEAVY = (
     *("torch", "torchrl", "tensordict", "safetensors.torch", "stable_baselines3"),
@@ -38,7 +40,7 @@ _TESTS = re.compile(r"^ *def (test_\w+)\(", re.MULTILINE)
 
 LIST = Path(__file__).with_name("slow.txt")
 HEAD = f"""# Tests above {BOUND_S} CPU seconds, which `make quick` leaves out.
-# Written by `pytest --measure`, which mends what it runs: one line for a test, all its parameters.
+# Written by `pytest --measure`, which mends what it runs: a line for a test with all its parameters.
 """
 MEASURED, MADE, ASKED = "cpu_s", "fixture_cpu_s", "fixtures"
 """Properties of a report: time of the call, of each fixture made for it, and all it has."""
@@ -64,7 +66,7 @@ def renewed(before: Iterable[str], measured: Mapping[str, float]) -> list[str]:
     Parameters
     ----------
     before : names of slow tests until now
-    measured : name -> most that a test of that name took [CPU s]; others keep their place
+    measured : name -> what the tests of that name took [CPU s]; others keep their place
     """
     kept = {name for name in before if name not in measured and stands(name)}
     return sorted(kept | {name for name, spent in measured.items() if spent > BOUND_S})
@@ -170,7 +172,7 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
 
 
 def spent_by_test(properties: Iterable[tuple[str, Mapping[str, Any]]]) -> dict[str, float]:
-    """Return the time of each test, shares of fixtures included.
+    """Return the time of each test with all its parameters, shares of fixtures included.
 
     Parameters
     ----------
@@ -178,7 +180,7 @@ def spent_by_test(properties: Iterable[tuple[str, Mapping[str, Any]]]) -> dict[s
 
     Returns
     -------
-    name without parameters -> most that a test of that name took [CPU s]
+    name without parameters -> what the tests of that name took together [CPU s]
     """
     told = [(name_of(node), known) for node, known in properties if MEASURED in known]
     made: Counter[str] = Counter()
@@ -186,11 +188,11 @@ def spent_by_test(properties: Iterable[tuple[str, Mapping[str, Any]]]) -> dict[s
         for fixture, spent in known[MADE]:
             made[fixture] += spent
     users = Counter(fixture for _, known in told for fixture in known[ASKED])
-    most: dict[str, float] = {}
+    spent: Counter[str] = Counter()
     for name, known in told:
         shares = sum(made[fixture] / users[fixture] for fixture in known[ASKED])
-        most[name] = max(most.get(name, 0.0), known[MEASURED] + shares)
-    return most
+        spent[name] += known[MEASURED] + shares
+    return dict(spent)
 
 
 def pytest_terminal_summary(

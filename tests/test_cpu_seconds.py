@@ -70,7 +70,7 @@ def test_tests_share_the_time_of_a_fixture_whoever_came_first() -> None:
     ]
     assert spent_by_test(reports) == {
         "a.py::test_one": 3.0,
-        "a.py::test_two": 2.5,
+        "a.py::test_two": 4.6,
         "a.py::test_three": 0.1,
     }
 
