@@ -40,7 +40,7 @@ _TESTS = re.compile(r"^ *def (test_\w+)\(", re.MULTILINE)
 
 LIST = Path(__file__).with_name("slow.txt")
 HEAD = f"""# Tests above {BOUND_S} CPU seconds, which `make quick` leaves out.
-# Written by `pytest --measure`, which mends what it runs: a line for a test with all its parameters.
+# Written by `pytest --measure`, which mends what it runs: a line for a test, all its parameters.
 """
 MEASURED, MADE, ASKED = "cpu_s", "fixture_cpu_s", "fixtures"
 """Properties of a report: time of the call, of each fixture made for it, and all it has."""
