@@ -17,6 +17,7 @@ from graph_planner.policies.lawnmower import LawnmowerPolicy, lane_corners
 from graph_planner.policies.registry import policy_files
 from graph_planner.randomness import Stream, episode_keys, stream_key
 from graph_planner.walking import Walker, levy_length
+from tests.brief_policies import brief_policies
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import FREE, observation_of, preferences, task_of
 
@@ -298,7 +299,7 @@ def test_random_moves_are_uniform_over_all_nine() -> None:
     assert stats.chisquare(counts).pvalue > 0.001
 
 
-@pytest.mark.parametrize("policy", policy_names())
+@pytest.mark.parametrize("policy", brief_policies())
 def test_preferences_are_the_same_bits_alone_and_in_a_batch(
     ragged_coast: NavigationGraph, policy: str
 ) -> None:

@@ -3,7 +3,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from graph_planner.policies import create_policy, policy_names
+from graph_planner.policies import create_policy
 from graph_planner.task import Observation, Task
 from graph_planner.walls import WALLS
 from mjforage.core.errors import UserError
@@ -12,6 +12,7 @@ from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree
 from mjforage.core.setup import Setup
+from tests.brief_policies import brief_policies
 from tests.mjforage.core.slow_mission import SlowMission
 
 VARIANTS = {
@@ -120,7 +121,7 @@ def agree(mission: Mission, slow: list[SlowMission]) -> None:
             assert taken == state.taken.get(k, (-1, -1))
 
 
-@pytest.mark.parametrize("policy", policy_names())
+@pytest.mark.parametrize("policy", brief_policies())
 def test_logs_are_the_same_bits_whatever_the_batch(policy: str) -> None:
     setup = setup_of("comb-port", "horizon=50")
     first = 41  # so that an episode has another place in each batch, and by any small divisor
@@ -159,7 +160,7 @@ def test_item_worlds_do_not_depend_on_policy_or_team() -> None:
 def test_policies_start_every_batch_afresh() -> None:
     setup = setup_of("comb-port", "horizon=40")
     mission = Mission(setup)
-    for name in policy_names():
+    for name in brief_policies():
         policy, ends = create_policy(name), []
         for episodes in (np.arange(3), np.arange(5), np.arange(3)):
             mission.reset(1, episodes)
@@ -169,7 +170,7 @@ def test_policies_start_every_batch_afresh() -> None:
 
 
 @pytest.mark.parametrize("without", ["scouts", "foragers"])
-@pytest.mark.parametrize("policy", policy_names())
+@pytest.mark.parametrize("policy", brief_policies())
 def test_a_fleet_may_lack_scouts_or_foragers(policy: str, without: str) -> None:
     setup = setup_of("comb-port", f"team.{without}.count=0", "horizon=40")
     scorer, mission = played(setup, policy, np.arange(3))

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from graph_planner.knowledge import Knowledge, Looks, hear
-from graph_planner.policies import Policy, create_policy, policy_names
+from graph_planner.policies import Policy, create_policy
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task, nothing_late
 from mjforage.core.errors import UserError
@@ -19,6 +19,7 @@ from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree
 from mjforage.core.setup import Setup
+from tests.brief_policies import brief_policies
 
 PLANNING = ("belief", "greedy", "ddqn")
 SWEEPERS = {"count": 2, "moves": 1, "radius": 3.0, "collects": True, "capacity": 4}
@@ -106,7 +107,7 @@ def test_a_third_role_is_a_row_in_a_scenario(policy: str) -> None:
     assert np.isfinite(scores["csr"][some]).all() and some.any()
 
 
-@pytest.mark.parametrize("policy", policy_names())
+@pytest.mark.parametrize("policy", brief_policies())
 def test_four_holders_that_hear_everything_are_one_to_the_bit(policy: str) -> None:
     setup = setup_of({})
     one = played(setup, policy)

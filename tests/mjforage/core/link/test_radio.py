@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from graph_planner.knowledge import Knowledge
 from graph_planner.look_log import take_in
-from graph_planner.policies import create_policy, policy_names
+from graph_planner.policies import create_policy
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task
 from mjforage.core.errors import UserError
@@ -15,10 +15,11 @@ from mjforage.core.link import Radio
 from mjforage.core.link.propagation import two_ray_loss_db
 from mjforage.core.mission import Mission
 from mjforage.core.scenario_file import load_scenario
+from tests.brief_policies import brief_policies
 from tests.mjforage.core.link.nets import DISK, advanced, played, setup_of, started
 
 
-@pytest.mark.parametrize("policy", [name for name in policy_names() if name != "pso"])
+@pytest.mark.parametrize("policy", [name for name in brief_policies() if name != "pso"])
 def test_over_a_link_that_carries_all_at_once_everything_is_as_without(policy: str) -> None:
     """To the bit; `pso` alone goes by the order in which nodes became known."""
     ideal, linked = played(setup_of(), policy), played(setup_of(DISK), policy)
