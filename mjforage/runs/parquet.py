@@ -9,6 +9,7 @@ import polars as pl
 from mjforage.core.errors import UserError
 from mjforage.core.whole_files import whole
 
+AGAIN = "run the command that wrote it again"
 FAILURES = (OSError, pl.exceptions.PolarsError, pl.exceptions.PanicException)
 
 
@@ -26,8 +27,7 @@ def read_schema(path: Path, remedy: str = "") -> dict[str, pl.DataType]:
         If the file is missing, truncated or not Parquet.
     """
     if not path.exists():
-        how = (remedy or spoilt(path)).removeprefix(f"move {path} away and ")
-        raise UserError(f"{path}: missing, as in a run that is not finished; {how}")
+        raise UserError(f"{path}: missing, as in a run that is not finished; {remedy or AGAIN}")
     try:
         if not path.is_file():
             raise FileNotFoundError("no file")
@@ -95,7 +95,7 @@ def join_parquet(sources: Iterable[Path], target: Path) -> None:
 
 def spoilt(path: Path) -> str:
     """The remedy for a file of which no maker is known."""
-    return f"move {path} away and run the command that wrote it again"
+    return f"move {path} away and {AGAIN}"
 
 
 def _reason(error: Exception) -> str:

@@ -200,7 +200,7 @@ class RunFolder:
             If it is missing, truncated or foreign.
         """
         path = self.path / f"{name}.parquet"
-        return read_table(path, name, self._moved(path))
+        return read_table(path, name, self._moved(path) if path.exists() else again(self.path))
 
     def episodes(self, chunks: list[Chunk]) -> pl.DataFrame:
         """The merged table of episodes.
