@@ -28,6 +28,7 @@ from graph_planner.errors import UserError
 from graph_planner.geodesics import FAR, DistanceRows, Int32Array, Workspace, distances_of
 from graph_planner.moves import move_length
 from graph_planner.navigation import STAY
+from graph_planner.option_ranges import check_at_least
 from graph_planner.policies.registry import register
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from graph_planner.seeking import TIE
@@ -327,19 +328,9 @@ class AuctionPolicy:
     ) -> None:
         if bid not in BID_RULES:
             raise UserError(f"auction: bid {bid!r} is unknown; give one of {', '.join(BID_RULES)}")
-        positive = {
-            "lots": lots,
-            "revisit": revisit,
-            "refresh": refresh,
-            "cool": cool,
-            "patience": patience,
-        }
-        for name, value in positive.items():
-            if value < 1:
-                raise UserError(f"auction: {name} {value} is too small; give 1 or more")
-        for name, value in {"warm": warm, "near": near}.items():
-            if value < 0:
-                raise UserError(f"auction: {name} {value} is negative; give 0 or more")
+        told = {"revisit": revisit, "refresh": refresh, "cool": cool, "patience": patience}
+        check_at_least("auction", 1, lots=lots, **told)
+        check_at_least("auction", 0, warm=warm, near=near)
         times = float(revisit), float(refresh), float(warm), float(cool), float(patience)
         self._terms, self._near = Terms(BID_RULES.index(bid), lots, *times, frontiers), float(near)
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from graph_planner.dec_mcts.planner import TreePlanner
 from graph_planner.dec_mcts.settings import Effort
 from graph_planner.errors import UserError
+from graph_planner.option_ranges import check_at_least, check_positive
 from graph_planner.policies.registry import register
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task
@@ -56,16 +57,8 @@ class DecMctsPolicy:
         depth: int = 10,
         trust: float = 20.0,
     ) -> None:
-        counts = {
-            "rounds": rounds,
-            "simulations": simulations,
-            "candidates": candidates,
-            "samples": samples,
-            "depth": depth,
-        }
-        for name, value in counts.items():
-            if value < 1:
-                raise UserError(f"dec-mcts: {name} {value} is too small; give 1 or more")
+        counts = {"rounds": rounds, "simulations": simulations, "candidates": candidates}
+        check_at_least("dec-mcts", 1, samples=samples, depth=depth, **counts)
         shares = {
             "discount": discount,
             "look_discount": look_discount,
@@ -79,12 +72,8 @@ class DecMctsPolicy:
         for name, share in {"discount": discount, "look_discount": look_discount}.items():
             if share == 1.0:
                 raise UserError(f"dec-mcts: {name} {share} is too large; give less than 1")
-        for name, share in {"explore": explore, "roam": roam}.items():
-            if share < 0.0:
-                raise UserError(f"dec-mcts: {name} {share} is negative; give 0 or more")
-        for name, share in {"heat": heat, "trust": trust}.items():
-            if share <= 0.0:
-                raise UserError(f"dec-mcts: {name} {share} is too small; give more than 0")
+        check_at_least("dec-mcts", 0, explore=explore, roam=roam)
+        check_positive("dec-mcts", heat=heat, trust=trust)
         self._effort = Effort(
             rounds,
             simulations,

@@ -9,9 +9,9 @@ is expected (`tracking_team`).
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.errors import UserError
 from graph_planner.geodesics import Int32Array
 from graph_planner.meeting import Sea, assign
+from graph_planner.option_ranges import check_at_least, check_positive
 from graph_planner.policies.registry import register
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task
@@ -33,13 +33,9 @@ class OgrPolicy:
     def __init__(
         self, near: float = 0.0, urgency: float = 1.0, ahead: int = 6, patience: float = 4.0
     ) -> None:
-        for name, value in {"near": near, "urgency": urgency}.items():
-            if value < 0:
-                raise UserError(f"ogr: {name} {value} is negative; give 0 or more")
-        if ahead < 1:
-            raise UserError(f"ogr: ahead {ahead} is too small; give 1 or more")
-        if patience <= 0:
-            raise UserError(f"ogr: patience {patience} is too small; give more than 0")
+        check_at_least("ogr", 0, near=near, urgency=urgency)
+        check_at_least("ogr", 1, ahead=ahead)
+        check_positive("ogr", patience=patience)
         self._ratio, self._patience = (float(near), float(urgency), int(ahead)), float(patience)
 
     def reset(self, task: Task, keys: UInt64Array) -> None:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from graph_planner.belief_planner.foraging import Able
 from graph_planner.belief_planner.routes import Legs
 from graph_planner.belief_planner.stops import add_pickup, decisions_between, gather_stops, stops
-from graph_planner.errors import UserError
 from graph_planner.geodesics import Int32Array
+from graph_planner.option_ranges import check_at_least, check_positive
 from graph_planner.policies.registry import register
 from graph_planner.randomness import UInt64Array
 from graph_planner.route_solver import routing_library, solve_routes
@@ -42,16 +42,9 @@ class OrienteeringPolicy:
         solutions: int = 1000,
         patience: float = 4.0,
     ) -> None:
-        for name, value in {
-            "every": every,
-            "stops": stops,
-            "horizon": horizon,
-            "solutions": solutions,
-        }.items():
-            if value < 1:
-                raise UserError(f"orienteering: {name} {value} is too small; give 1 or more")
-        if patience <= 0:
-            raise UserError(f"orienteering: patience {patience} is too small; give more than 0")
+        counts = {"every": every, "stops": stops, "solutions": solutions}
+        check_at_least("orienteering", 1, horizon=horizon, **counts)
+        check_positive("orienteering", patience=patience)
         self._every, self._most, self._patience = every, stops, float(patience)
         self._search = float(horizon), solutions
         routing_library()

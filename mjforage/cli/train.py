@@ -61,7 +61,7 @@ def train(
         Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], CSV or
         image.
     set
-        Override KEY=VALUE of the scenario; repeatable.
+        Override KEY=VALUE of the scenario, not of those of --also and --evaluate; repeatable.
     also
         Train on this SCENARIO, or SCENARIO:MAP, in turn; repeatable. A map has its own starts.
         SCENARIO:harbours:0-39 takes the next of these generated harbours whenever its turn comes.
@@ -157,7 +157,8 @@ def _report(table: str, row: "Row") -> None:
     if table == "evaluations":
         output.print(
             f"{row['updates']:>8.0f} updates {row['seconds'] / 60:6.1f} min: "
-            f"PTA_C {row['pta_c']:.2f} %, NT50 {row['nt50']:.3f}, NT90 {row['nt90']:.3f}, "
+            f"PTA_D {row['pta_d']:.2f} %, PTA_C {row['pta_c']:.2f} %, "
+            f"NT50 {row['nt50']:.3f}, NT90 {row['nt90']:.3f}, "
             f"RMSE columns {row['rmse_columns']:.4f}, CSR {row['csr']:.3f}"
         )
     elif errors.is_terminal:

@@ -239,7 +239,8 @@ def test_any_fleet_on_any_map(
     [
         ('bid="most"', "bid 'most' is unknown; give one of minisum, minimax, miniave"),
         ("lots=0", "lots 0 is too small; give 1 or more"),
-        ("warm=-1", "warm -1.0 is negative; give 0 or more"),
+        ("patience=inf", "patience inf is not finite; give 1 or more"),
+        ("warm=-1", "warm -1.0 is too small; give 0 or more"),
     ],
 )
 def test_options_that_do_not_fit_are_refused(options: str, words: str) -> None:

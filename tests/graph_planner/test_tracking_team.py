@@ -150,7 +150,9 @@ def test_any_fleet_on_any_map(
 @pytest.mark.parametrize(
     ("reference", "words"),
     [
-        ("ogr(near=-1)", "ogr: near -1.0 is negative; give 0 or more"),
+        ("ogr(near=-1)", "ogr: near -1.0 is too small; give 0 or more"),
+        ("ogr(urgency=inf)", "ogr: urgency inf is not finite; give 0 or more"),
+        ("orienteering(horizon=1e999)", "orienteering: horizon inf is not finite"),
         ("ogr(ahead=0)", "ogr: ahead 0 is too small; give 1 or more"),
         ("ogr(patience=0)", "ogr: patience 0.0 is too small; give more than 0"),
         ("orienteering(every=0)", "orienteering: every 0 is too small; give 1 or more"),

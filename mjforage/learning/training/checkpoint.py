@@ -51,6 +51,8 @@ class TrainingInfo:
     """Hash of the weights of the teacher, and of those that the networks began with."""
     evaluate: tuple[Mapping[str, Any], ...] = ()
     """Scenarios of evaluations; absent where it is the first of the run."""
+    maps: str = ""
+    """Hash of the cells and starts of the maps; of a family, of its ends."""
     hulls: str = ""
     """Hash of the hulls, debris and capture models; absent in the graph world."""
 

@@ -18,6 +18,7 @@ from mjforage.learning.training.families import scenarios_of
 from mjforage.learning.training.grounds import common_shapes
 from mjforage.physics.worlds import create_mission
 
+MAPS = ("pta_d", "pta_c", "nt90")  # of every map alone, where there are several
 HELD_OUT = 1 << 40  # seed of evaluation episodes; training seeds are smaller
 SCORES = ("pta_d", "pta_c", "nt50", "nt90", "csr", "rmse_columns", "length")
 
@@ -54,6 +55,10 @@ class Evaluation:
                 f"fewer maps, or --learning evaluate_episodes={len(self._each)} or more"
             )
 
+    def examples(self) -> list[EnvironmentOptions]:
+        """What each scenario is played with, on the first of its maps."""
+        return [self._make(scenarios_of(scenario)[0]) for scenario in self.scenarios]
+
     def check(self, home: EnvironmentOptions) -> None:
         """Try all maps now, not hours later.
 
@@ -68,20 +73,27 @@ class Evaluation:
     def scores(self, policy: Policy) -> dict[str, float]:
         """Means of all episodes by the names of `SCORES`, and `rank`: better when lower.
 
-        Values that an episode does not define are left out.
+        Of several maps also the means of `MAPS` of each, `pta_c/comb-port:harbour:combs:900`.
+        Values that an episode does not define are left out; a time that none defines ranks as 1.
         """
-        found: dict[str, list[NDArray[np.float64]]] = {name: [] for name in SCORES}
-        for number, scenario in enumerate(self._each):
-            options = self._make(scenario)
-            mission = create_mission(options.setup, options.world)
-            mission.reset(HELD_OUT, np.arange(number, self._episodes, len(self._each)))
-            scorer = Scorer(mission, [METRICS.find(key) for key in SCORES])
-            mission.run(policy, (scorer,))
-            for name, values in scorer.scores().scalars.items():
-                found[name].append(values)
-        row = {name: _mean(np.concatenate(parts)) for name, parts in found.items()}
-        row["rank"] = row["nt50"] + row["nt90"] + (100.0 - row["pta_c"]) / 20.0
+        found = [self._play(policy, number) for number in range(len(self._each))]
+        row = {name: _mean(np.concatenate([part[name] for part in found])) for name in SCORES}
+        times = [1.0 if np.isnan(row[name]) else row[name] for name in ("nt50", "nt90")]
+        row["rank"] = sum(times) + (100.0 - row["pta_c"]) / 20.0
+        if len(found) > 1:
+            for scenario, part in zip(self._each, found, strict=True):
+                where = f"{scenario.name}:{scenario.map.file}"
+                row |= {f"{name}/{where}": _mean(part[name]) for name in MAPS}
         return row
+
+    def _play(self, policy: Policy, number: int) -> dict[str, NDArray[np.float64]]:
+        """The scores of the episodes of a map, each (episode,)."""
+        options = self._make(self._each[number])
+        mission = create_mission(options.setup, options.world)
+        mission.reset(HELD_OUT, np.arange(number, self._episodes, len(self._each)))
+        scorer = Scorer(mission, [METRICS.find(key) for key in SCORES])
+        mission.run(policy, (scorer,))
+        return dict(scorer.scores().scalars)
 
 
 def _mean(values: NDArray[np.float64]) -> float:

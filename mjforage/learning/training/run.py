@@ -13,9 +13,11 @@ from typing import Any, TypedDict, TypeVar, Unpack
 import torch
 
 from graph_planner.encodings import encoder_class
+from graph_planner.weights import ground_note
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import canonical_json
+from mjforage.core.setup import Setup
 from mjforage.learning.environments.rewards import term_class
 from mjforage.learning.training.algorithm import Algorithm, Row, save_weights
 from mjforage.learning.training.checkpoint import identity, restore_checkpoint, save_checkpoint
@@ -41,7 +43,7 @@ from mjforage.runs.source_code import WHOLE, decisive_code
 CHECKPOINT_S = 300.0  # between two checkpoints
 IDENTITY = (
     *("algorithm", "seed", "device", "hyperparameters", "scenario", "also", "evaluate"),
-    *("weights", "hulls"),
+    *("maps", "weights", "hulls"),
     *CODE,
 )
 """Keys of `training.json` in which two runs must agree for one to go on where the other stopped."""
@@ -196,15 +198,16 @@ def _facts(trainer: Algorithm[Any]) -> dict[str, object]:
     found: list[Callable[..., Any]] = [type(trainer), encoder_class(told.observation)]
     found += map(term_class, told.reward)
     code = code.joined(policy_code(teachers)).joined(code_of(found))
-    weights, hulls = weight_hashes(teachers), {}
+    weights, hulls, setups = weight_hashes(teachers), {}, _setups(trainer)
     if told.initial:
         weights |= {told.initial: files_hash([initial_file(told.initial)])}
     if told.world != "graph":
         code = code.joined(run_code([], [told.world], []))
-        hulls = {"hulls": _hulls(trainer)}
+        hulls = {"hulls": _hulls(setups, [told.world])}
     return {
         "command": provenance()["command"],
         **identity(trainer),
+        "maps": _maps(setups),
         "weights": weights,
         **hulls,
         "versions": versions(code),
@@ -212,8 +215,20 @@ def _facts(trainer: Algorithm[Any]) -> dict[str, object]:
     }
 
 
-def _hulls(trainer: Algorithm[Any]) -> str:
+def _setups(trainer: Algorithm[Any]) -> list[Setup]:
+    """Of what is played, and of what evaluations play beside it."""
+    played = [each for ground in trainer.grounds for each in ground.examples]
+    if trainer.evaluation.scenarios != (trainer.setup.scenario,):
+        played += trainer.evaluation.examples()
+    return [each.setup for each in played]
+
+
+def _maps(setups: Sequence[Setup]) -> str:
+    """Hash of the cells and starts of maps: a file may have changed, its name stays."""
+    found = [(ground_note(setup.task)["map"], setup.start_cells) for setup in setups]
+    return text_hash(canonical_json(found))
+
+
+def _hulls(setups: Sequence[Setup], worlds: Sequence[str]) -> str:
     """Hash of the hulls, debris and capture models that are played with."""
-    worlds = [trainer.hyperparameters.world]
-    played = [each.setup for ground in trainer.grounds for each in ground.examples]
-    return text_hash(canonical_json([hull_facts(setup, worlds) for setup in played]))
+    return text_hash(canonical_json([hull_facts(setup, worlds) for setup in setups]))

@@ -38,7 +38,7 @@ COOPERATION = {
 PLANNED = {
     "pta_d": Column("PTA_D %", 2),
     "pta_c": Column("PTA_C %", 2),
-    "cleared": Column("episodes cleared %", 1),
+    "cleared": Column("share of episodes cleared", 2),
     "nt50": Column("NT50", 3),
     "nt90": Column("NT90", 3),
     "csr": Column("CSR", 3),

@@ -9,6 +9,7 @@ import polars as pl
 import pytest
 
 from graph_planner.policies import create_policy
+from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import METRICS, Scorer
 from mjforage.core.scenario import Scenario
@@ -101,3 +102,45 @@ def test_other_fleets_and_arrays_are_refused() -> None:
     by_map = Trainer([scenario()], told(observation="paper"))
     with pytest.raises(UserError, match=r"fleets or arrays differ; give .* egocentric"):
         by_map.evaluate_on([on("harbour:combs:900")])
+
+
+def test_every_map_has_its_own_scores_where_there_are_several() -> None:
+    both = Evaluation([on("harbours:900-901")], EnvironmentOptions, 5)
+    row = both.scores(create_policy("greedy"))
+    combs, basins = (row[f"pta_d/comb-port:harbour:{name}"] for name in ("combs:900", "basins:901"))
+    assert row["pta_d"] == pytest.approx((3 * combs + 2 * basins) / 5)
+    alone = Evaluation([scenario()], EnvironmentOptions, 5).scores(create_policy("greedy"))
+    assert not any("/" in name for name in alone)
+
+
+def test_a_time_that_no_episode_defines_ranks_last() -> None:
+    """Who removes next to nothing has a rank all the same."""
+    quick = Evaluation([scenario("items.mean=3", "items.std=0")], EnvironmentOptions, 3)
+    found = quick.scores(create_policy("random"))
+    expected = sum(1.0 if np.isnan(found[name]) else found[name] for name in ("nt50", "nt90"))
+    assert found["rank"] == pytest.approx(expected + (100 - found["pta_c"]) / 20)
+
+
+def test_a_map_that_changed_is_another_run(tmp_path: Path) -> None:
+    """Its name is the same, and `best` would be of the map as it was."""
+    cells = np.ones((30, 30), np.int8)
+    where = tmp_path / "mine.csv"
+    np.savetxt(where, cells, fmt="%d", delimiter=",")
+    judged = [on(str(where))]
+    train(scenario(), told(), tmp_path / "run", evaluate=judged, seed=3, updates=5)
+    cells[10:12, 10:12] = 0
+    np.savetxt(where, cells, fmt="%d", delimiter=",")
+    with pytest.raises(UserError, match=r'maps is "\w+" there and'):
+        train(scenario(), told(), tmp_path / "run", evaluate=judged, seed=3, updates=10)
+
+
+def test_hulls_of_evaluations_are_part_of_a_run(tmp_path: Path) -> None:
+    boat = tmp_path / "boat.toml"
+    text = (models_folder() / "vessels" / "scout.toml").read_text("utf-8")
+    judged = scenario(f'physics.vessels.scouts="{boat}"')
+    boat.write_text(text)
+    run = told(world="hulls", evaluate_episodes=1, num_envs=1)
+    train(scenario(), run, tmp_path / "run", evaluate=[judged], seed=3, updates=1)
+    boat.write_text(text.replace("mass_kg = { value = 36.0", "mass_kg = { value = 40.0"))
+    with pytest.raises(UserError, match=r'hulls is "\w+" there and'):
+        train(scenario(), run, tmp_path / "run", evaluate=[judged], seed=3, updates=2)
