@@ -3,7 +3,7 @@
 # `make test`: all tests and checks of the sources, and the site, whose tests need what builds it.
 # `make dist`: a wheel and an sdist in dist/, checked, installed elsewhere and used.
 # `make docs`: the site, under build/site; open build/site/index.html.
-# `make links`: its links to other sites; needs a network, and says which could not be checked.
+# `make links`: its links to other sites; fails on broken ones, and says which could not be checked.
 # `make gallery`: the films of docs/gallery.md, by the commands that stand there; a quarter of an hour.
 # `make pages`: whether report pages and the site can be read and worked by everybody, in headless Chromium.
 # `make evidence`: numbers of the pages made again, hours of them; ONLY="name name" JOBS=2 for some.

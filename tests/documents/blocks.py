@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 REPOSITORY = Path(__file__).parents[2]
+OUTSIDE = ("README.md", "CONTRIBUTING.md", "models/weights/README.md")
+"""Pages that are not in docs/."""
 SHELL = "sh"
 LANGUAGES = (SHELL, "python", "toml", "text", "json", "csv", "bibtex", "console")
 
@@ -59,10 +61,10 @@ class Block:
 
 
 def pages() -> list[str]:
-    """Return the pages whose blocks are run: README.md and all in docs/, built ones left out."""
+    """Return the pages whose blocks are run: all in docs/, built ones left out, and `OUTSIDE`."""
     found = sorted((REPOSITORY / "docs").rglob("*.md"))
     docs = [page.relative_to(REPOSITORY) for page in found]
-    return ["README.md", *(str(p) for p in docs if not any(x.startswith("_") for x in p.parts))]
+    return [*OUTSIDE, *(str(p) for p in docs if not any(x.startswith("_") for x in p.parts))]
 
 
 def blocks(page: str, text: str | None = None) -> list[Block]:

@@ -16,7 +16,7 @@ from tests.evidence.data import BY_HAND, Data
 from tests.evidence.piece import Cell, Column, Piece
 
 FEW = 3  # commands that a page shows unfolded
-PAGES = (*pages(), "models/weights/README.md")
+PAGES = pages()
 _REGION = re.compile(
     r"(?P<head>^<!-- evidence: (?P<name>[\w-]+) -->\n).*?(?P<end>^<!-- end of (?P=name) -->$)",
     re.M | re.S,

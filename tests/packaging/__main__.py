@@ -1,7 +1,8 @@
 """Are the wheel and the sdist in dist/ whole, and does the wheel work? `python -m tests.packaging`.
 
-The wheel is installed into an environment of its own outside of the checkout. It shares the
-libraries of the environment that runs this, which takes a minute less than to install them;
+`python -m build` makes the wheel from the sdist, so that a sdist that cannot be built has no wheel
+beside it. The wheel is installed into an environment of its own outside of the checkout. It shares
+the libraries of the environment that runs this, which takes a minute less than to install them;
 `tests/packaging/test_dependencies.py` sees to it that all that is imported is declared.
 `--python python3.12` installs the declared dependencies for that interpreter instead.
 """
