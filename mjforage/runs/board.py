@@ -9,6 +9,7 @@ from graph_planner.policies.registry import check_policies, policy_names
 from graph_planner.randomness import episode_keys
 from mjforage.core.errors import UserError
 from mjforage.runs.courses import Course
+from mjforage.runs.evaluate import check_numbers
 from mjforage.runs.study import LeftOut, Study, Variant
 
 FLOOR, CEILING = "random", "oracle"
@@ -37,6 +38,7 @@ def board(
     UserError
         If a policy that was asked for cannot play a course, or none can.
     """
+    check_numbers(episodes, seed)
     variants, left_out = [], []
     wanted = check_policies(policies) if policies else policy_names()
     for one in courses:

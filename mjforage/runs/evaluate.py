@@ -81,6 +81,12 @@ def summarise(table: pl.DataFrame) -> Summary:
     return summary
 
 
+def check_numbers(episodes: int, seed: int) -> None:
+    """Refuse numbers of no episodes; raises `UserError`."""
+    if episodes < 1 or not 0 <= seed < 1 << 64:
+        raise UserError(f"episodes {episodes}, seed {seed}: give at least 1 and 0 (below 2**64)")
+
+
 @dataclass(frozen=True)
 class Run:
     """A run of policies in its folder: what evaluate makes one of, and a study many."""
@@ -128,10 +134,7 @@ class Run:
             if list(worlds).count(world) > 1:
                 raise UserError(f"world {world}: given twice")
             create_mission(setup, world)  # what cannot be run says so before anything is written
-        if episodes < 1 or not 0 <= seed < 1 << 64:
-            raise UserError(
-                f"episodes {episodes}, seed {seed}: give at least 1 and 0 (below 2**64)"
-            )
+        check_numbers(episodes, seed)
         kept = check_kept(kept, episodes)
         item_choices(setup.scenario.physics)  # which replays need, also at graph level
         in_all = episodes * len(policies) * len(worlds)

@@ -204,3 +204,11 @@ def test_one_command_computes_and_draws_the_board_and_another_writes_its_page(
     assert {"overall", "differences", "iqm", "policies", "course-comb-port"} <= tables
     run = folder / "variants" / "comb-port"
     assert "--page" in refused("report", run, "--page", page)
+
+
+def test_numbers_are_refused_before_anybody_is_asked_to_play(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("mjforage.runs.board._why_not", lambda name, course: pytest.fail("asked"))
+    with pytest.raises(UserError, match=r"episodes 0, seed 0: give at least 1"):
+        board(courses_of(NAMES[:1], [], SMALL), episodes=0)
