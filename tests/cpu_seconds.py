@@ -188,11 +188,11 @@ def spent_by_test(properties: Iterable[tuple[str, Mapping[str, Any]]]) -> dict[s
         for fixture, spent in known[MADE]:
             made[fixture] += spent
     users = Counter(fixture for _, known in told for fixture in known[ASKED])
-    spent: Counter[str] = Counter()
+    together: dict[str, float] = {}
     for name, known in told:
         shares = sum(made[fixture] / users[fixture] for fixture in known[ASKED])
-        spent[name] += known[MEASURED] + shares
-    return dict(spent)
+        together[name] = together.get(name, 0.0) + known[MEASURED] + shares
+    return together
 
 
 def pytest_terminal_summary(
