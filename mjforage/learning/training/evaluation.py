@@ -1,7 +1,7 @@
 """Evaluations of a training run: held-out episodes, shared out among scenarios and their harbours.
 
 What is best on the map that a run is named after need not be best on others
-(docs/learning.md), so a run can be judged on maps of its own.
+(docs/evidence/why-scores-fell.md), so a run can be judged on maps of its own.
 """
 
 from collections.abc import Callable, Sequence
