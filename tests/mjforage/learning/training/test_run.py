@@ -1,4 +1,4 @@
-"""Whole training runs, tiny ones: determinism, resuming, what they leave behind, errors."""
+"""Whole training runs, tiny ones: determinism, resuming, what they play and leave behind."""
 
 import json
 import shutil
@@ -20,38 +20,18 @@ from graph_planner.policies.ddqn import QPolicy
 from graph_planner.randomness import episode_keys
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Mission
-from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.schema import check, json_schema
 from mjforage.core.setup import Setup
 from mjforage.learning.training import run
-from mjforage.learning.training.algorithm import Algorithm, Progress, save_weights
-from mjforage.learning.training.algorithms import find_algorithm
+from mjforage.learning.training.algorithm import Progress
 from mjforage.learning.training.checkpoint import TrainingInfo, save_checkpoint
 from mjforage.learning.training.evaluation import HELD_OUT
-from mjforage.learning.training.hyperparameters import Hyperparameters, changed
+from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Trainer
-from mjforage.runs.lock import claimed
-
-TINY = {
-    "num_envs": 3,
-    "capacity": 1000,
-    "batch": 16,
-    "warmup": 40,
-    "explore_updates": 20,
-    "evaluate_every": 15,
-    "evaluate_episodes": 2,
-}
-
-
-def scenario() -> Scenario:
-    return load_scenario("published", ("horizon=12",))
-
-
-def hyperparameters(**changes: object) -> Hyperparameters:
-    return changed(Hyperparameters(), TINY | changes)
+from tests.mjforage.learning.training.tiny_runs import TINY, hyperparameters, scenario
 
 
 def state(trainer: Trainer) -> dict[str, torch.Tensor]:
@@ -69,12 +49,6 @@ def assert_same(one: Trainer, other: Trainer) -> None:
         assert torch.equal(value, second[name]), name
     assert one.random.bit_generator.state == other.random.bit_generator.state
     assert one.progress.updates == other.progress.updates > 0
-
-
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Trainer]:
-    folder = tmp_path_factory.mktemp("train") / "run"
-    return folder, train(scenario(), hyperparameters(), folder, seed=3, updates=40)
 
 
 def test_no_evaluation_plays_what_was_trained_on() -> None:
@@ -232,55 +206,6 @@ def test_rounds_take_scenarios_in_turn(tmp_path: Path) -> None:
         )
 
 
-def test_ends_and_folders_are_checked(
-    finished: tuple[Path, Trainer], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    with pytest.raises(UserError, match="no end given; add --hours 2 or --updates 10000"):
-        train(scenario(), hyperparameters(), tmp_path)
-    copy = tmp_path / "copy"
-    shutil.copytree(finished[0], copy)
-    with pytest.raises(UserError, match=r"holds another training: seed is 3 there and 5 here"):
-        train(scenario(), hyperparameters(), copy, seed=5, updates=1)
-    with pytest.raises(UserError, match=r"hyperparameters.batch is 16 there and 8 here"):
-        train(scenario(), hyperparameters(batch=8), copy, seed=3, updates=1)
-    with pytest.raises(UserError, match=r"scenario.horizon is 12 there and 13 here"):
-        train(
-            load_scenario("published", ("horizon=13",)), hyperparameters(), copy, seed=3, updates=1
-        )
-    monkeypatch.setattr(run, "_device", lambda name: "meta")
-    with pytest.raises(UserError, match=r"device is .cpu. there and .meta. here"):
-        train(scenario(), hyperparameters(), copy, seed=3, updates=1)
-    monkeypatch.undo()
-    (copy / "evaluations.parquet").write_bytes(b"none")
-    with pytest.raises(UserError, match=r"evaluations.parquet: missing, truncated or not Parquet"):
-        train(scenario(), hyperparameters(), copy, seed=3, updates=1)
-    shutil.copy(copy / "weights.safetensors", copy / "checkpoint.safetensors")
-    with pytest.raises(UserError, match="format 'mjforage dueling q-network 1', expected"):
-        train(scenario(), hyperparameters(), copy, seed=3, updates=1)
-    (copy / "checkpoint.safetensors").write_bytes(b"none")
-    with pytest.raises(UserError, match="cannot be read"):
-        train(scenario(), hyperparameters(), copy, seed=3, updates=1)
-    with pytest.raises(UserError, match="--device tpu: choose auto, cpu or cuda"):
-        train(scenario(), hyperparameters(), tmp_path, updates=1, device="tpu")
-    with claimed(copy), pytest.raises(UserError, match="another process is writing this run"):
-        train(scenario(), hyperparameters(), copy, seed=3, updates=1)
-
-
-def test_a_folder_is_its_trainings_from_the_start(tmp_path: Path) -> None:
-    """Before the first checkpoint, and beside what something else has written."""
-    with pytest.MonkeyPatch.context() as patch, pytest.raises(KeyboardInterrupt):
-        patch.setattr(Trainer, "play_round", Mock(side_effect=KeyboardInterrupt))
-        train(scenario(), hyperparameters(), tmp_path / "run", seed=3, updates=1)
-    with pytest.raises(UserError, match="holds another training: seed is 3 there and 4 here"):
-        train(scenario(), hyperparameters(), tmp_path / "run", seed=4, updates=1)
-    other = tmp_path / "other"
-    other.mkdir()
-    (other / "run.json").write_text("{}")
-    with pytest.raises(UserError, match=r"holds run.json but no training.json"):
-        train(scenario(), hyperparameters(), other, updates=1)
-    assert [path.name for path in other.iterdir()] == ["run.json"]
-
-
 def test_the_board_forgets_what_no_checkpoint_holds(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -323,53 +248,6 @@ def test_a_team_without_agents_has_no_weights(tmp_path: Path) -> None:
         mission.run(QPolicy(tmp_path / "weights.safetensors"))
 
 
-def test_files_that_cannot_be_written_are_named(
-    finished: tuple[Path, Trainer], tmp_path: Path
-) -> None:
-    for save in (save_weights, save_checkpoint):
-        with pytest.raises(UserError, match=r"none/w.safetensors: cannot be written"):
-            save(finished[1], tmp_path / "none" / "w.safetensors")
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"batchsize": 3}, "unknown key batchsize; did you mean batch"),
-        ({"batch": 1.5}, "batch = 1.5, expected an integer"),
-        ({"gamma": 2}, "--learning: gamma = 2 is out of range; give 0 to 1"),
-        ({"reward.removd": 2.0}, "reward removd: unknown; did you mean removed"),
-        ({"warmup": 1001}, "warmup = 1001: the replay holds only capacity = 1000"),
-        ({"updates_per_step": 0}, "updates_per_step = 0 is out of range"),
-        ({"gamma": float("nan")}, "gamma = nan is out of range"),
-        ({"teacher": "belief"}, "teacher = 'belief', teacher_updates = 0: give both"),
-        ({"teacher_updates": 9}, "teacher = '', teacher_updates = 9: give both"),
-    ],
-)
-def test_settings_are_checked(changes: dict[str, object], words: str) -> None:
-    with pytest.raises(UserError, match=words):
-        hyperparameters(**changes)
-
-
-@pytest.mark.parametrize(
-    ("end", "words"),
-    [
-        ({"hours": float("nan")}, "--hours nan: give a positive number"),
-        ({"hours": float("inf")}, "--hours inf: give a positive number"),
-        ({"hours": -1.0}, "--hours -1.0: give a positive number"),
-        ({"updates": 0}, "--updates 0: give a positive number"),
-        ({"updates": 1, "hours": 0.0}, "--hours 0.0: give a positive number"),
-        ({"updates": 1, "seed": -1}, "seed -1: out of range; give 0 to 1099511627775"),
-        ({"updates": 1, "seed": 1 << 64}, "seed 18446744073709551616: out of range"),
-    ],
-)
-def test_ends_and_seeds_are_checked_before_a_folder_is_made(
-    end: dict[str, Any], words: str, tmp_path: Path
-) -> None:
-    with pytest.raises(UserError, match=words):
-        train(scenario(), hyperparameters(), tmp_path / "run", **end)
-    assert not (tmp_path / "run").exists()
-
-
 def test_a_full_replay_ends_the_warm_up() -> None:
     """A replay has room for rows that no update can draw, so it may never hold `warmup`."""
     trainer = Trainer([scenario()], hyperparameters(warmup=1000), seed=0)
@@ -387,26 +265,3 @@ def test_the_command_line_trains(command: Callable[..., object], tmp_path: Path)
     assert done.code == 0, done  # type: ignore[attr-defined]
     assert "PTA_C" in done.out  # type: ignore[attr-defined]
     assert (out / "best.safetensors").is_file()
-
-
-def test_the_command_line_names_what_is_wrong(refused: Callable[..., str], tmp_path: Path) -> None:
-    assert "no end given" in refused("train", "ddqn", "--out", tmp_path)
-    taught = ("--teacher", "foo", "--learning", "teacher_updates=9", "--updates", 1)
-    words = refused("train", "ddqn", *taught, "--out", tmp_path / "run")
-    assert "policy foo: unknown" in words
-    assert not (tmp_path / "run").exists()
-    assert "expected KEY=VALUE" in refused(
-        "train", "ddqn", "--learning", "num_envs", "--out", tmp_path
-    )
-
-
-class Unwritten(Trainer):
-    """An algorithm that nobody has finished."""
-
-    play_round = Algorithm.play_round
-    tensors = Algorithm.tensors
-
-
-def test_an_algorithm_that_lacks_something_is_refused_at_the_start() -> None:
-    with pytest.raises(UserError, match="has no play_round, tensors; write it"):
-        find_algorithm(f"{__name__}:Unwritten")

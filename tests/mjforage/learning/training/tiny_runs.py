@@ -1,0 +1,23 @@
+"""Training runs of a few rounds, for tests."""
+
+from mjforage.core.scenario import Scenario
+from mjforage.core.scenario_file import load_scenario
+from mjforage.learning.training.hyperparameters import Hyperparameters, changed
+
+TINY = {
+    "num_envs": 3,
+    "capacity": 1000,
+    "batch": 16,
+    "warmup": 40,
+    "explore_updates": 20,
+    "evaluate_every": 15,
+    "evaluate_episodes": 2,
+}
+
+
+def scenario() -> Scenario:
+    return load_scenario("published", ("horizon=12",))
+
+
+def hyperparameters(**changes: object) -> Hyperparameters:
+    return changed(Hyperparameters(), TINY | changes)
