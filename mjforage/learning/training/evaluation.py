@@ -74,12 +74,11 @@ class Evaluation:
         """Means of all episodes by the names of `SCORES`, and `rank`: better when lower.
 
         Of several maps also the means of `MAPS` of each, `pta_c/comb-port:harbour:combs:900`.
-        Values that an episode does not define are left out; a time that none defines ranks as 1.
+        Values that an episode does not define are left out.
         """
         found = [self._play(policy, number) for number in range(len(self._each))]
         row = {name: _mean(np.concatenate([part[name] for part in found])) for name in SCORES}
-        times = [1.0 if np.isnan(row[name]) else row[name] for name in ("nt50", "nt90")]
-        row["rank"] = sum(times) + (100.0 - row["pta_c"]) / 20.0
+        row["rank"] = row["nt50"] + row["nt90"] + (100.0 - row["pta_c"]) / 20.0
         if len(found) > 1:
             for scenario, part in zip(self._each, found, strict=True):
                 where = f"{scenario.name}:{scenario.map.file}"

@@ -1,7 +1,6 @@
 """Evaluations on other scenarios than a run's first: who shares the episodes, resuming, errors."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +20,7 @@ from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Trainer
 from mjforage.physics.worlds import create_mission
+from tests.mjforage.learning.training.tiny_runs import placed
 
 TINY = {"num_envs": 3, "capacity": 1000, "batch": 16, "warmup": 20, "evaluate_episodes": 5}
 
@@ -30,7 +30,7 @@ def scenario(*changes: str) -> Scenario:
 
 
 def on(reference: str) -> Scenario:
-    return replace(scenario(), map=replace(scenario().map, file=reference, starts=None))
+    return placed(scenario(), reference)
 
 
 def told(**changes: object) -> Hyperparameters:
@@ -111,14 +111,6 @@ def test_every_map_has_its_own_scores_where_there_are_several() -> None:
     assert row["pta_d"] == pytest.approx((3 * combs + 2 * basins) / 5)
     alone = Evaluation([scenario()], EnvironmentOptions, 5).scores(create_policy("greedy"))
     assert not any("/" in name for name in alone)
-
-
-def test_a_time_that_no_episode_defines_ranks_last() -> None:
-    """Who removes next to nothing has a rank all the same."""
-    quick = Evaluation([scenario("items.mean=3", "items.std=0")], EnvironmentOptions, 3)
-    found = quick.scores(create_policy("random"))
-    expected = sum(1.0 if np.isnan(found[name]) else found[name] for name in ("nt50", "nt90"))
-    assert found["rank"] == pytest.approx(expected + (100 - found["pta_c"]) / 20)
 
 
 def test_a_map_that_changed_is_another_run(tmp_path: Path) -> None:

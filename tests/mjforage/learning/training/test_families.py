@@ -11,6 +11,7 @@ from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Trainer
+from tests.mjforage.learning.training.tiny_runs import placed
 
 TINY = {"num_envs": 3, "capacity": 1000, "batch": 16, "warmup": 20, "evaluate_episodes": 2}
 
@@ -20,7 +21,7 @@ def scenario() -> Scenario:
 
 
 def on(reference: str) -> Scenario:
-    return replace(scenario(), map=replace(scenario().map, file=reference, starts=None))
+    return placed(scenario(), reference)
 
 
 def told(**changes: object) -> Hyperparameters:

@@ -1,5 +1,7 @@
 """Training runs of a few rounds, for tests."""
 
+from dataclasses import replace
+
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
@@ -21,3 +23,8 @@ def scenario() -> Scenario:
 
 def hyperparameters(**changes: object) -> Hyperparameters:
     return changed(Hyperparameters(), TINY | changes)
+
+
+def placed(home: Scenario, reference: str) -> Scenario:
+    """A scenario on another map, or a family of harbours, without starts of its own."""
+    return replace(home, map=replace(home.map, file=reference, starts=None))
