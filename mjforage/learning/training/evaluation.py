@@ -14,7 +14,7 @@ from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import METRICS, Scorer
 from mjforage.core.scenario import Scenario
 from mjforage.learning.environments.options import EnvironmentOptions
-from mjforage.learning.training.families import scenarios_of
+from mjforage.learning.training.families import ends, scenarios_of
 from mjforage.learning.training.grounds import common_shapes
 from mjforage.physics.worlds import create_mission
 
@@ -56,8 +56,9 @@ class Evaluation:
             )
 
     def examples(self) -> list[EnvironmentOptions]:
-        """What each scenario is played with, on the first of its maps."""
-        return [self._make(scenarios_of(scenario)[0]) for scenario in self.scenarios]
+        """What each scenario is played with, on the ends of its maps."""
+        played = [each for one in self.scenarios for each in ends(scenarios_of(one))]
+        return [self._make(each) for each in played]
 
     def check(self, home: EnvironmentOptions) -> None:
         """Try all maps now, not hours later.
@@ -68,7 +69,8 @@ class Evaluation:
             If a scenario is not valid, or its fleet or arrays are not those of the run's first.
         """
         for each in self._each:
-            common_shapes([home, self._make(each)])
+            self._make(each)
+        common_shapes([home, *self.examples()])
 
     def scores(self, policy: Policy) -> dict[str, float]:
         """Means of all episodes by the names of `SCORES`, and `rank`: better when lower.

@@ -46,9 +46,8 @@ class FamilyGround:
         self.notes: list[dict[str, Any]] = []
         for each in self._scenarios:  # all are tried now, not hours later
             self.notes += make(each).notes
-        ends = self._scenarios[:1] + self._scenarios[1:][-1:]
         self.examples: list[EnvironmentOptions] = [
-            options for each in ends for options in make(each).options
+            options for each in ends(self._scenarios) for options in make(each).options
         ]
 
     def round(self, keys: UInt64Array, turn: int) -> Round:
@@ -78,6 +77,11 @@ def scenarios_of(scenario: Scenario) -> list[Scenario]:
         replace(scenario, map=replace(scenario.map, file=name))
         for name in family(scenario.map.file)
     ]
+
+
+def ends(scenarios: list[Scenario]) -> list[Scenario]:
+    """The first and the last, which stand for a family where all would take minutes."""
+    return scenarios[:1] + scenarios[1:][-1:]
 
 
 def ground_on(scenario: Scenario, make: Make) -> Ground | FamilyGround:
