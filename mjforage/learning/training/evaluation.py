@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+import metrics
 from graph_planner.policies import Policy
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import METRICS, Scorer
@@ -75,11 +76,13 @@ class Evaluation:
     def scores(self, policy: Policy) -> dict[str, float]:
         """Means of all episodes by the names of `SCORES`, and `rank`: better when lower.
 
-        Of several maps also the means of `MAPS` of each, `pta_c/comb-port:harbour:combs:900`.
-        Values that an episode does not define are left out.
+        `pta_c_sem` and so on are their standard errors, of episodes drawn anew on these maps. Of
+        several maps also the means of `MAPS` of each, `pta_c/comb-port:harbour:combs:900`. Values
+        that an episode does not define are left out.
         """
         found = [self._play(policy, number) for number in range(len(self._each))]
         row = {name: _mean(np.concatenate([part[name] for part in found])) for name in SCORES}
+        row |= {f"{name}_sem": _error([part[name] for part in found]) for name in SCORES}
         row["rank"] = row["nt50"] + row["nt90"] + (100.0 - row["pta_c"]) / 20.0
         if len(found) > 1:
             for scenario, part in zip(self._each, found, strict=True):
@@ -95,6 +98,17 @@ class Evaluation:
         scorer = Scorer(mission, [METRICS.find(key) for key in SCORES])
         mission.run(policy, (scorer,))
         return dict(scorer.scores().scalars)
+
+
+def _error(parts: Sequence[NDArray[np.float64]]) -> float:
+    """Standard error of the mean of all maps' defined values, of each map (episode,).
+
+    Maps are strata, their shares given: sqrt(sum of (n_i / n SEM_i)^2) (Cochran 1977, section 5.3).
+    """
+    counts = np.array([metrics.count(values) for values in parts])
+    errors = np.array([metrics.sem(values) for values in parts])[counts > 0]
+    shares = counts[counts > 0] / max(1, counts.sum())
+    return float(np.sqrt(np.sum((shares * errors) ** 2))) if shares.size else float("nan")
 
 
 def _mean(values: NDArray[np.float64]) -> float:

@@ -73,8 +73,8 @@ class Hyperparameters(CommonHyperparameters):
     learning_rate: Annotated[float, Within(0, 1)] = 3e-4
     """Of the optimiser; the paper has 1e-4."""
     rate_halves: Annotated[int, Within(0, 1_000_000_000)] = 0
-    """Updates N after which the learning rate is half: after n it is 1 / (1 + n / N) of itself
-    (Robbins and Monro 1951); 0: it is constant."""
+    """Updates N after which the learning rate is half as large, again and again: after n it is
+    2^(-n / N) of itself, so all steps together are N / ln 2 of the first; 0: it is constant."""
     capacity: Annotated[int, Within(1000, 10_000_000)] = 60_000
     """Decisions in the replay of each team."""
     priority: Annotated[float, Within(0, 1)] = 0.6

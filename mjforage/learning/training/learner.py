@@ -88,8 +88,8 @@ class Learner:
     def rate(self) -> float:
         """Learning rate of the next update."""
         told = self.hyperparameters
-        falls = 1.0 + self.updates / told.rate_halves if told.rate_halves else 1.0
-        return told.learning_rate / falls
+        halvings = self.updates / told.rate_halves if told.rate_halves else 0.0
+        return float(told.learning_rate * 2.0**-halvings)
 
     def values(self, levels: Mapping[str, NDArray[np.uint8]]) -> NDArray[np.float32]:
         """(row, 9) values of pictures (row, ...)."""

@@ -42,14 +42,18 @@ def test_maps_share_the_episodes() -> None:
     pair = [scenario(), on("harbour:combs:901")]
     found = Evaluation(pair, EnvironmentOptions, 5).scores(create_policy("greedy"))
     values: list[float] = []
+    variances = []
     for each, numbers in zip(pair, ([0, 2, 4], [1, 3]), strict=True):
         mission = create_mission(Setup.of(each), "graph")
         mission.reset(HELD_OUT, np.array(numbers))
         scorer = Scorer(mission, [METRICS.find("pta_d")])
         mission.run(create_policy("greedy"), (scorer,))
-        values += scorer.scores().scalars["pta_d"].tolist()
+        ours = scorer.scores().scalars["pta_d"]
+        values += ours.tolist()
+        variances.append(len(ours) * np.var(ours, ddof=1))
     assert len(set(values)) > 1
     assert found["pta_d"] == pytest.approx(np.mean(values))
+    assert found["pta_d_sem"] == pytest.approx(np.sqrt(sum(variances)) / 5)
     assert found["rank"] == pytest.approx(
         found["nt50"] + found["nt90"] + (100 - found["pta_c"]) / 20
     )

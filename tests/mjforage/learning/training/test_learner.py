@@ -205,7 +205,7 @@ def test_steps_become_smaller_as_the_rate_falls() -> None:
     for a, b in zip(moved(constant), moved(falling), strict=True):
         np.testing.assert_allclose(b, a / 2.0, rtol=1e-3, atol=1e-7)
     assert constant.rate == 1e-2
-    assert falling.rate == pytest.approx(1e-2 / 3.0)
+    assert falling.rate == 1e-2 / 4.0
 
 
 def test_a_falling_rate_goes_on_where_it_was() -> None:
