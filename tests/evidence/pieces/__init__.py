@@ -1,10 +1,19 @@
 """All pieces, a module for each page or folder of pages; a new one joins by a line here."""
 
 from tests.evidence.piece import Piece
-from tests.evidence.pieces import communication, policies, results, sensing, studies, whole, worlds
+from tests.evidence.pieces import (
+    communication,
+    policies,
+    results,
+    rules,
+    sensing,
+    studies,
+    whole,
+    worlds,
+)
 
 PIECES: dict[str, Piece] = {
     piece.name: piece
-    for module in (results, communication, sensing, studies, policies, worlds, whole)
+    for module in (results, rules, communication, sensing, studies, policies, worlds, whole)
     for piece in module.PIECES
 }

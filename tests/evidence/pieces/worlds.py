@@ -119,11 +119,4 @@ PIECES = (
     ),
     _piece("gap-weather", WEATHER, 15),
     Piece("hulls", HULLS, _HULL_COLUMNS, _hulls, minutes=60),
-    Piece(
-        "hulls-many",
-        {"1,000 episodes, seed 21": _on_hulls("comb-port-weather", "belief", 1000, 21)},
-        _HULL_COLUMNS,
-        _hulls,
-        minutes=45,
-    ),
 )
