@@ -1,6 +1,7 @@
 """docs/published-rules.md."""
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 from tests.evidence.piece import Column, Piece, Row, gap, mean
 from tests.evidence.pieces.results import COOPERATION, PRIMARY
@@ -20,7 +21,7 @@ def _walls(runs: Runs) -> Iterator[Row]:
     for policy in ("greedy", "levy", "wanderer"):
         found = {walls: {key: runs[walls].values(policy, key) for key in _KEYS} for walls in order}
         yield [policy, order[0], *(mean(values) for values in found[order[0]].values())]
-        for before, after in zip(order, order[1:], strict=False):
+        for before, after in pairwise(order):
             gaps = (gap(found[after][key], found[before][key]) for key in _KEYS)
             yield ["", f"{after} − {before}", *gaps]
 
