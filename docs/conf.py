@@ -26,7 +26,7 @@ extensions = [
     "options_whole",
     "docstrings",
     "repository_links",
-    "stills",
+    "pictures",
 ]
 exclude_patterns = ["_site"]
 nitpicky = True

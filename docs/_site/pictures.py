@@ -1,6 +1,8 @@
-"""A still for readers who asked their system for less motion: a GIF's middle frame, as a PNG.
+"""Pictures that serve who needs more than a picture: films have stills, charts scroll.
 
-Pages name the GIF alone; where the site shows it, a `picture` offers the still first.
+Pages name the GIF or PNG alone. Where readers asked their system for less motion, the site shows a
+GIF's middle frame instead. A chart is a PNG in a paragraph of its own: narrow windows scroll it
+(`site.css`), and keys do so too, as it can be tabbed to.
 """
 
 import re
@@ -11,15 +13,16 @@ from PIL import Image, ImageSequence
 from sphinx.application import Sphinx
 from sphinx.util.typing import ExtensionMetadata
 
-_SHOWN = re.compile(r'<img [^>]*src="(?P<path>[^"]+)\.gif"[^>]*>')
+_FILM = re.compile(r'<img [^>]*src="(?P<path>[^"]+)\.gif"[^>]*>')
+_CHART = re.compile(r'<p>(?=<img [^>]*src="[^"]+(?<!/physics)\.png"[^>]*></p>)')
 
 
 def offer(app: Sphinx, name: str, template: str, context: dict[str, Any], doctree: object) -> None:
-    """Put a still before each GIF of a page that is about to be written."""
-    context["body"] = _SHOWN.sub(
+    """Put a still before each GIF of a page that is about to be written, and mark its charts."""
+    context["body"] = _FILM.sub(
         r'<picture><source media="(prefers-reduced-motion: reduce)" srcset="\g<path>.png">'
         r"\g<0></picture>",
-        context.get("body", ""),
+        _CHART.sub('<p class="chart" tabindex="0">', context.get("body", "")),
     )
 
 
