@@ -26,7 +26,7 @@ Definition"; statistics over episodes come beside them.
 | maps of several holders | `unlikeness` | |
 | who is linked, how soon news is there | `contact_share`, `handover` | |
 | Cost of information | `cost_of_information` | |
-| mean, standard error, IQM | `mean`, `sem`, `half_width_95`, `iqm`, `count` | tables (1.96 SEM) |
+| mean, standard error, IQM | `mean`, `sem`, `stratified_sem`, `half_width_95`, `iqm`, `count` | tables (1.96 SEM) |
 | bootstrap interval, summary | `bootstrap`, `summarise` | |
 | two policies compared | `paired_difference`, `paired_p`, `probability_of_improvement` | |
 | several comparisons at once | `holm` | |
@@ -90,7 +90,7 @@ from metrics.sensitivity import (
     sensitivity_slope,
     two_segment_fit,
 )
-from metrics.statistics import count, half_width_95, iqm, mean, sem
+from metrics.statistics import count, half_width_95, iqm, mean, sem, stratified_sem
 from metrics.summary import Summary, summarise
 
 __all__ = [
@@ -150,6 +150,7 @@ __all__ = [
     "resampled_means",
     "resolution",
     "sem",
+    "stratified_sem",
     "sensitivity_slope",
     "summarise",
     "team_gini",

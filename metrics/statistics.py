@@ -3,6 +3,8 @@
 Every function takes (..., episode), leaves undefined (NaN) episodes out and gives (...).
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -40,6 +42,18 @@ def sem(values: ArrayLike) -> FloatArray:
     n = count(given)
     squares = np.nansum((given - mean(given)[..., None]) ** 2, axis=-1)
     return np.sqrt(ratio(squares, np.maximum(n - 1, 0) * n))
+
+
+def stratified_sem(strata: Sequence[ArrayLike]) -> FloatArray:
+    """Standard error of the mean of all defined values, of strata (episode,) with given shares.
+
+    sqrt(sum of (n_i / n SEM_i)^2), such as of maps (Cochran 1977, *Sampling Techniques*, section
+    5.3). Strata without a defined value are left out; NaN without any, or if one has n = 1.
+    """
+    counts = np.array([count(values) for values in strata])
+    errors = np.array([sem(values) for values in strata])[counts > 0]
+    shares = counts[counts > 0] / max(1, counts.sum())
+    return np.asarray(np.sqrt(np.sum((shares * errors) ** 2)) if shares.size else np.nan)
 
 
 def half_width_95(values: ArrayLike) -> FloatArray:

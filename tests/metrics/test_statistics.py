@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from metrics import count, half_width_95, iqm, mean, sem
+from metrics import count, half_width_95, iqm, mean, sem, stratified_sem
 
 NAN = np.nan
 SAMPLES = st.lists(st.floats(-1e6, 1e6), min_size=2, max_size=40)
@@ -25,6 +25,16 @@ def test_by_hand() -> None:
     np.testing.assert_allclose(sem(values), np.sqrt(50 / 12))
     np.testing.assert_allclose(half_width_95(values), 1.96 * np.sqrt(50 / 12))
     assert iqm(values) == 2.5
+
+
+def test_strata_by_hand() -> None:
+    # 1, 3 and one undefined: SEM 1; 10, 10, 16: SEM 2; an empty one: sqrt((2/5)^2 + (3/5 2)^2).
+    strata = [[1.0, NAN, 3.0], [10.0, 10.0, 16.0], [NAN]]
+    np.testing.assert_allclose(stratified_sem(strata), np.sqrt(0.4**2 + 1.2**2))
+    np.testing.assert_allclose(stratified_sem([[1.0, 3.0]]), 1.0)
+    assert np.isnan(stratified_sem([[NAN], []]))
+    assert np.isnan(stratified_sem([[1.0, 3.0], [2.0]]))
+    assert np.isnan(stratified_sem([]))
 
 
 def test_too_few_values() -> None:

@@ -82,7 +82,8 @@ class Evaluation:
         """
         found = [self._play(policy, number) for number in range(len(self._each))]
         row = {name: _mean(np.concatenate([part[name] for part in found])) for name in SCORES}
-        row |= {f"{name}_sem": _error([part[name] for part in found]) for name in SCORES}
+        for name in SCORES:
+            row[f"{name}_sem"] = float(metrics.stratified_sem([part[name] for part in found]))
         row["rank"] = row["nt50"] + row["nt90"] + (100.0 - row["pta_c"]) / 20.0
         if len(found) > 1:
             for scenario, part in zip(self._each, found, strict=True):
@@ -98,17 +99,6 @@ class Evaluation:
         scorer = Scorer(mission, [METRICS.find(key) for key in SCORES])
         mission.run(policy, (scorer,))
         return dict(scorer.scores().scalars)
-
-
-def _error(parts: Sequence[NDArray[np.float64]]) -> float:
-    """Standard error of the mean of all maps' defined values, of each map (episode,).
-
-    Maps are strata, their shares given: sqrt(sum of (n_i / n SEM_i)^2) (Cochran 1977, section 5.3).
-    """
-    counts = np.array([metrics.count(values) for values in parts])
-    errors = np.array([metrics.sem(values) for values in parts])[counts > 0]
-    shares = counts[counts > 0] / max(1, counts.sum())
-    return float(np.sqrt(np.sum((shares * errors) ** 2))) if shares.size else float("nan")
 
 
 def _mean(values: NDArray[np.float64]) -> float:
