@@ -3,6 +3,7 @@
 from tests.evidence.piece import Piece
 from tests.evidence.pieces import (
     communication,
+    learning,
     policies,
     results,
     rules,
@@ -14,6 +15,16 @@ from tests.evidence.pieces import (
 
 PIECES: dict[str, Piece] = {
     piece.name: piece
-    for module in (results, rules, communication, sensing, studies, policies, worlds, whole)
+    for module in (
+        results,
+        rules,
+        communication,
+        sensing,
+        studies,
+        policies,
+        learning,
+        worlds,
+        whole,
+    )
     for piece in module.PIECES
 }

@@ -10,10 +10,6 @@ _BASE = (
     "mjforage evaluate comb-port --policy greedy --policy levy --policy ddqn --policy belief"
     " --episodes 100 --seed 7"
 )
-TAUGHT = (
-    "mjforage evaluate comb-port --policy ddqn --policy ddqn-link --episodes 100 --seed 7"
-    " --set link.model=disk --set link.range_m=32"
-)
 HEARD = "oracle(heard=true)"
 
 
@@ -42,11 +38,12 @@ SETTINGS = {
 _MODELS = {"ideal": "", "none": " --set link.model=none"}
 
 
-def _over(base: str, link: str) -> str:
+def over(base: str, link: str) -> str:
+    """A command over one of the links of `SETTINGS`."""
     return base + _MODELS.get(link, " --set link.model=disk") + SETTINGS[link]
 
 
-LINKS = {link: _over(_BASE, link) for link in SETTINGS}
+LINKS = {link: over(_BASE, link) for link in SETTINGS}
 
 _BOUND = f'mjforage evaluate comb-port --policy "{HEARD}" --episodes 100 --seed 7'
 BOUNDED = (
@@ -113,7 +110,7 @@ PIECES = (
     ),
     Piece(
         "links-bound",
-        {f"{link}, told": _over(_BOUND, link) for link in BOUNDED}
+        {f"{link}, told": over(_BOUND, link) for link in BOUNDED}
         | {link: LINKS[link] for link in BOUNDED},
         (Column("link"), Column("bound: PTA_C", 2), Column("NT90", 3)),
         _bound,

@@ -1,4 +1,4 @@
-"""docs/evidence/why-scores-fell.md."""
+"""docs/learning.md and docs/evidence/why-scores-fell.md."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import chdir
@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 import metrics
 from metrics.statistics import NORMAL_95
 from mjforage.view.page import style
-from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row
+from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row, average, beside
+from tests.evidence.pieces import communication
 from tests.evidence.playing import Run, Runs, play
 
 PICTURE = "docs/evidence/family-seeds.png"
@@ -43,6 +44,31 @@ _FAMILY = (
     " --learning learning_rate=5e-4 --learning rate_halves=1000"
     " --learning evaluate_every=500 --learning evaluate_episodes=400"
 )
+
+_LINKS = {
+    "comb-port": (
+        *("ideal", "32 nodes (128 m), quays block", "16 nodes, quays block", "8 nodes"),
+        *("8 nodes, quays block", "latency 1 (disk without an end)", "loss 0.9", "none"),
+    ),
+    "open-bay": ("ideal", "16 nodes, quays block", "8 nodes"),
+    "channels": ("ideal", "16 nodes, quays block", "8 nodes"),
+}
+TAUGHT = {
+    f"`{scenario}`, {link}": communication.over(
+        f"mjforage evaluate {scenario} --policy ddqn --policy ddqn-link --episodes 100 --seed 7",
+        link,
+    )
+    for scenario, links in _LINKS.items()
+    for link in links
+}
+
+
+def _taught(runs: Runs) -> Iterator[Row]:
+    for label, run in runs.items():
+        keys = ("pta_c", "nt90")
+        other = [run.values("ddqn", key) for key in keys]
+        own = [run.values("ddqn-link", key) for key in keys]
+        yield [label, *map(average, other), *map(beside, own, other)]
 
 
 def _evaluations(folder: Path) -> pl.DataFrame:
@@ -103,6 +129,16 @@ def _curves(runs: Runs) -> None:
 
 
 PIECES = (
+    Piece(
+        "taught-links",
+        TAUGHT,
+        (
+            *(Column("map, link"), Column("`ddqn`: PTA_C %", 2), Column("NT90", 3)),
+            *(Column("`ddqn-link`: PTA_C %", 2), Column("NT90", 3)),
+        ),
+        _taught,
+        minutes=12,
+    ),
     Piece(
         "family-seeds",
         {f"seed {seed}": _FAMILY.format(seed=seed) for seed in SEEDS},

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 
 from tests.evidence.piece import Column, Piece, Row, average, mean
-from tests.evidence.pieces import communication, sensing
+from tests.evidence.pieces import communication, learning, sensing
 from tests.evidence.playing import Runs
 
 POLICIES = ("greedy", "levy", "wanderer", "lawnmower", "pso", "random")
@@ -130,7 +130,7 @@ PIECES = (
             "ideal": communication.LINKS["ideal"],
             "16 nodes, quays block": communication.LINKS["16 nodes, quays block"],
             "8 nodes": communication.LINKS["8 nodes"],
-            "8 nodes, taught": communication.TAUGHT,
+            "8 nodes, taught": learning.TAUGHT["`comb-port`, 8 nodes"],
             "half seen": sensing.EYES["*p* .5"],
             "radio": sensing.RADIO,
             "radio, hulls": sensing.RADIO_HULLS,
