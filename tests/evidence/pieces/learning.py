@@ -1,5 +1,6 @@
 """docs/learning.md and docs/evidence/why-scores-fell.md."""
 
+import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import chdir
 from pathlib import Path
@@ -13,6 +14,7 @@ from metrics.statistics import NORMAL_95
 from mjforage.view.page import style
 from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row, average, beside
 from tests.evidence.pieces import communication
+from tests.evidence.pieces.policies import ELSEWHERE, LEARNED
 from tests.evidence.playing import Run, Runs, play
 
 PICTURE = "docs/evidence/family-seeds.png"
@@ -44,6 +46,8 @@ _FAMILY = (
     " --learning learning_rate=5e-4 --learning rate_halves=1000"
     " --learning evaluate_every=500 --learning evaluate_episodes=400"
 )
+
+FAMILY = {f"seed {seed}": _FAMILY.format(seed=seed) for seed in SEEDS}
 
 _LINKS = {
     "comb-port": (
@@ -87,9 +91,33 @@ def _seeds(runs: Runs) -> Iterator[Row]:
 
 def _fresh(folder: Path, words: str) -> Run:
     """Episodes that chose neither of them, by the best weights of a training and by its last."""
-    command = f"mjforage evaluate {words} --policy best --policy weights --seed 7"
-    with chdir(folder):  # whose weights are policies by the names of their files
+    return _run_in(folder, f"mjforage evaluate {words} --policy best --policy weights --seed 7")
+
+
+def _run_in(folder: Path, command: str) -> Run:
+    """A run where the weights that are in a folder are policies by the names of their files."""
+    with chdir(folder):
         return Run(play(command, runs=folder / "fresh"))
+
+
+def _elsewhere(runs: Runs) -> Iterator[Row]:
+    """Of each map the mean of the seeds' last weights, episode by episode, beside `ddqn`."""
+    folders = list(runs.folders.values())
+    seeds = [f"{folder.name}-last" for folder in folders]
+    home = folders[0].with_name("family-elsewhere")
+    home.mkdir(exist_ok=True)
+    for name, folder in zip(seeds, folders, strict=True):
+        shutil.copy(folder / "weights.safetensors", home / f"{name}.safetensors")
+    policies = " ".join(f"--policy {name}" for name in ("ddqn", *seeds))
+    own = {"`published`": ("mjforage evaluate published", 200)}
+    others = {place: (played, 100) for place, played in ELSEWHERE.items()}
+    for place, (played, episodes) in (own | others).items():
+        run = _run_in(home, f"{played} {policies} --episodes {episodes} --seed 7")
+        cells = []
+        for key in LEARNED:
+            family = np.mean([run.values(name, key) for name in seeds], axis=0)
+            cells.append(beside(family, run.values("ddqn", key)))
+        yield [place, *cells]
 
 
 def _compared(maps: Sequence[Run]) -> Iterator[Cell]:
@@ -141,7 +169,7 @@ PIECES = (
     ),
     Piece(
         "family-seeds",
-        {f"seed {seed}": _FAMILY.format(seed=seed) for seed in SEEDS},
+        FAMILY,
         (
             *(Column("run: best and last weights"), Column("played on")),
             *SCORES.values(),
@@ -151,5 +179,13 @@ PIECES = (
         files=(PICTURE,),
         write=_curves,
         minutes=90,
+    ),
+    Piece(
+        "family-elsewhere",
+        FAMILY,
+        (Column("map"), *LEARNED.values()),
+        _elsewhere,
+        minutes=20,
+        shown=False,
     ),
 )

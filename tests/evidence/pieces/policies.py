@@ -12,6 +12,11 @@ HARBOURS = (
 DISCOUNT = 0.9
 FLEETS = (4, 16, 64)
 _BY_THE_RULES = "mjforage evaluate comb-port --map"
+ELSEWHERE = {
+    **{f"`harbour:{harbour}`": f"{_BY_THE_RULES} harbour:{harbour}" for harbour in HARBOURS},
+    "`channels`": "mjforage evaluate channels",
+}
+"""Maps that nothing was trained or tuned on: how a table names them, and how they are played."""
 
 
 def _decisions(runs: Runs) -> Iterator[Row]:
@@ -57,7 +62,7 @@ _SHORT = {
     "nt50": Column("NT50", 3),
     "nt90": Column("NT90", 3),
 }
-_LEARNED = {
+LEARNED = {
     "pta_d": Column("PTA_D %", 2),
     **_SHORT,
     "csr": Column("CSR", 3),
@@ -104,7 +109,7 @@ _TAUGHT = "--policy ddqn --policy greedy --episodes 100 --seed 7"
 def _other_maps(runs: Runs) -> Iterator[Row]:
     for label, run in runs.items():
         row: list[Cell] = [label]
-        for key in _LEARNED:
+        for key in LEARNED:
             own, other = (run.values(policy, key) for policy in ("ddqn", "greedy"))
             row.append(beside(own, other))
         yield row
@@ -164,8 +169,8 @@ PIECES = (
                 )
             },
         },
-        (Column("map, episodes"), Column("policy"), *_LEARNED.values()),
-        lambda runs: _blocks(runs, tuple(_LEARNED)),
+        (Column("map, episodes"), Column("policy"), *LEARNED.values()),
+        lambda runs: _blocks(runs, tuple(LEARNED)),
         minutes=12,
     ),
     Piece(
@@ -175,20 +180,14 @@ PIECES = (
             "open-bay (not trained on)": f"mjforage evaluate open-bay {_THREE}",
             "channels (not trained on)": f"mjforage evaluate channels {_THREE}",
         },
-        (Column("scenario"), Column("policy"), *_LEARNED.values()),
-        lambda runs: _blocks(runs, tuple(_LEARNED)),
+        (Column("scenario"), Column("policy"), *LEARNED.values()),
+        lambda runs: _blocks(runs, tuple(LEARNED)),
         minutes=10,
     ),
     Piece(
         "weights-harbours",
-        {
-            **{
-                f"`harbour:{harbour}`": f"{_BY_THE_RULES} harbour:{harbour} {_TAUGHT}"
-                for harbour in HARBOURS
-            },
-            "`channels`": f"mjforage evaluate channels {_TAUGHT}",
-        },
-        (Column("map"), *_LEARNED.values()),
+        {place: f"{played} {_TAUGHT}" for place, played in ELSEWHERE.items()},
+        (Column("map"), *LEARNED.values()),
         _other_maps,
         minutes=10,
     ),
