@@ -123,7 +123,9 @@ def _significant(cell: dict[str, float], digits: int) -> str:
     if "mean" not in cell:
         return NOTHING
     value, *ends = (
-        f"{one:,.0f}" if one == 0 or abs(one) >= 10 ** (digits - 1) else f"{one:#.{digits}g}"
+        f"{one:,.0f}"
+        if one == 0 or abs(one) >= 10 ** (digits - 1)
+        else f"{one:#.{digits}g}".rstrip(".")
         for one in (cell[key] for key in ("mean", "low", "high") if key in cell)
     )
     text = f"{value} ({' to '.join(ends)})" if ends else value

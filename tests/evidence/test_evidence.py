@@ -123,6 +123,7 @@ def test_commands_of_regions_are_left_to_evidence() -> None:
             "0.921 (0.877 to 1.02)",
         ),
         ({"mean": 214312.0}, Column("", 3, True), "214,312"),
+        ({"mean": 99.93, "low": 99.87, "high": 99.99}, Column("", 3, True), "99.9 (99.9 to 100)"),
     ],
 )
 def test_cells_show_what_is_known(cell: Row, column: Column, text: str) -> None:
