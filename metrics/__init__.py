@@ -26,7 +26,8 @@ Definition"; statistics over episodes come beside them.
 | maps of several holders | `unlikeness` | |
 | who is linked, how soon news is there | `contact_share`, `handover` | |
 | Cost of information | `cost_of_information` | |
-| mean, standard error, IQM | `mean`, `sem`, `stratified_sem`, `half_width_95`, `iqm`, `count` | tables (1.96 SEM) |
+| mean, IQM | `mean`, `iqm`, `count` | |
+| standard error | `sem`, `stratified_sem`, `half_width_95` | tables (1.96 SEM) |
 | bootstrap interval, summary | `bootstrap`, `summarise` | |
 | two policies compared | `paired_difference`, `paired_p`, `probability_of_improvement` | |
 | several comparisons at once | `holm` | |
@@ -150,8 +151,8 @@ __all__ = [
     "resampled_means",
     "resolution",
     "sem",
-    "stratified_sem",
     "sensitivity_slope",
+    "stratified_sem",
     "summarise",
     "team_gini",
     "team_gini_series",
