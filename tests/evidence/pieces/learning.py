@@ -1,5 +1,6 @@
 """docs/learning.md and docs/evidence/why-scores-fell.md."""
 
+import io
 import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import chdir
@@ -12,6 +13,7 @@ from matplotlib.figure import Figure
 import metrics
 from metrics.statistics import NORMAL_95
 from mjforage.view.page import style
+from mjforage.view.report.studies.board_page import smaller
 from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row, average, beside
 from tests.evidence.pieces import communication
 from tests.evidence.pieces.policies import ELSEWHERE, LEARNED
@@ -153,7 +155,9 @@ def _curves(runs: Runs) -> None:
         axes.spines[["top", "right"]].set_visible(False)
         axes.tick_params(colors=style.INK, labelsize=8)
     axes.legend(frameon=False, fontsize=8, labelcolor=style.INK)
-    figure.savefig(REPOSITORY / PICTURE, dpi=100)
+    buffer = io.BytesIO()
+    figure.savefig(buffer, dpi=100)
+    (REPOSITORY / PICTURE).write_bytes(smaller(buffer.getvalue()))
 
 
 PIECES = (

@@ -38,12 +38,12 @@ def write_board_page(folder: Path, page: Path) -> Path:
     for name, picture in pictures.items():
         with house_style():
             content = png_bytes(picture.figure)
-        write_bytes(page.with_name(_file(page, name)), _smaller(content))
+        write_bytes(page.with_name(_file(page, name)), smaller(content))
     write_bytes(page, page_text(logs, sections, page).encode("utf-8"))
     return page
 
 
-def _smaller(content: bytes) -> bytes:
+def smaller(content: bytes) -> bytes:
     """A PNG with few colours: a third of the bytes, for a page that is kept in a repository."""
     buffer = io.BytesIO()
     with Image.open(io.BytesIO(content)) as image:
