@@ -21,6 +21,7 @@ settings.load_profile("mjforage")
 
 CAPABILITY = "ATEN_CPU_CAPABILITY"
 RISING = ("default", "avx2", "avx512")
+LACKING = "MJFORAGE_LACKS_CAPABILITY"  # why tests are skipped; processes of tests inherit it
 
 
 @cache
@@ -38,12 +39,23 @@ def capability() -> str:
     return done.stdout.strip()
 
 
-def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Skip what this processor cannot run, and say why."""
+def pytest_configure(config: pytest.Config) -> None:
+    """Have torch choose for itself where this processor lacks what it is told to use.
+
+    Some libraries compute while they are imported, which tests do before any of them is skipped.
+    """
     asked = os.environ.get(CAPABILITY, RISING[0])
-    if asked == RISING[0] or item.get_closest_marker("every_capability") is None:
+    if asked == RISING[0]:
         return
     found = capability()
     most = RISING.index(found) if found in RISING else 0
     if asked not in RISING[: most + 1]:
-        pytest.skip(f"torch finds {found} on this processor, no {asked}")
+        os.environ[LACKING] = f"torch finds {found} on this processor, no {asked}"
+        del os.environ[CAPABILITY]
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Skip what this processor cannot run, and say why."""
+    why = os.environ.get(LACKING)
+    if why and item.get_closest_marker("every_capability"):
+        pytest.skip(why)
