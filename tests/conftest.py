@@ -39,7 +39,7 @@ def capability() -> str:
     return done.stdout.strip()
 
 
-def pytest_configure(config: pytest.Config) -> None:
+def pytest_configure() -> None:
     """Have torch choose for itself where this processor lacks what it is told to use.
 
     Some libraries compute while they are imported, which tests do before any of them is skipped.
