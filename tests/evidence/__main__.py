@@ -63,7 +63,7 @@ def overview() -> str:
         measured = sum(run.get("cpu_minutes", 0) for run in content["runs"].values())
         minutes = f"{measured:.0f}" if measured else f"about {piece.minutes:.0f}"
         made = content["made"]
-        whence = "by hand" if made == data.BY_HAND else f"{made['commit']} {made['date']}"
+        whence = f"{made['commit']} {made['date']}"
         places = [page for page in PAGES if name in names((REPOSITORY / page).read_text("utf-8"))]
         where = ", ".join((*places, *piece.files))
         lines.append(f"{name:24}{minutes:>10} min  {whence:26}{where}\n")

@@ -18,11 +18,9 @@ from tests.evidence.playing import Runs, told
 
 DATA = REPOSITORY / "docs" / "evidence" / "data"
 CODE = (*OURS, "models")
-BY_HAND = "by hand, before data were kept"
-"""What `made` says where numbers were typed from a page, as they were printed there."""
 
 Data = dict[str, Any]
-"""`made`: with what and when, or `BY_HAND`; `runs`: label -> command, seed, episodes, hash and CPU
+"""`made`: with what and when; `runs`: label -> command, seed, episodes, hash and CPU
 minutes; `rows` of the table, or `files`: path -> digest."""
 
 
@@ -124,7 +122,7 @@ def current(piece: Piece, folder: Path = DATA) -> bool:
     except FileNotFoundError:
         return False
     made = content["made"]
-    return commands(content) == dict(piece.runs) and made != BY_HAND and made["code"] == code_hash()
+    return commands(content) == dict(piece.runs) and made["code"] == code_hash()
 
 
 def commands(content: Data) -> dict[str, str]:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from mjforage.view.report.text_tables import NOTHING, needed_digits, number
 from tests.documents.blocks import MADE, pages
-from tests.evidence.data import BY_HAND, Data
+from tests.evidence.data import Data
 from tests.evidence.piece import Cell, Column, Piece
 
 FEW = 3  # commands that a page shows unfolded
@@ -77,8 +77,6 @@ def _table(piece: Piece, content: Data) -> str:
 def _source(piece: Piece, content: Data) -> str:
     made = content["made"]
     again = f"`make evidence ONLY={piece.name}`"
-    if made == BY_HAND:
-        return f"*[Numbers]({{data}}) as they were typed by hand; {again} makes them anew.*"
     return (
         f"*[Numbers]({{data}}) of mjforage {made['mjforage']}, commit {made['commit']}, "
         f"{made['date']}; {again}.*"

@@ -8,6 +8,7 @@ from mjforage.runs.variants import COMPLETE, IN_TOUCH, PARTS, WRONG
 from mjforage.view.page.picture import house_style, png_bytes
 from mjforage.view.report.studies import ablation, corruption
 from mjforage.view.report.studies import communication as communication_page
+from mjforage.view.report.studies.board_page import smaller
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
 from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row, average, defined, interval
 from tests.evidence.playing import Runs
@@ -88,7 +89,8 @@ def _picture(runs: Runs) -> None:
     pictures = (one for part in communication_page.sections(runs.study) for one in part.pictures)
     chosen = next(one for one in pictures if one.name == f"axes-{WORLD}")
     with house_style():
-        write_bytes(REPOSITORY / "docs/communication.png", png_bytes(chosen.figure))
+        picture = smaller(png_bytes(chosen.figure))
+        write_bytes(REPOSITORY / "docs/communication.png", picture)
 
 
 _SLOPES = (("scouts", "pta_c"), ("foragers", "rmse_columns"))
