@@ -60,8 +60,8 @@ def overview() -> str:
     lines = []
     for name, piece in PIECES.items():
         content = data.load(piece)
-        measured = sum(run.get("cpu_minutes", 0) for run in content["runs"].values())
-        minutes = f"{measured:.0f}" if measured else f"about {piece.minutes:.0f}"
+        measured = data.cpu_minutes(content)
+        minutes = f"about {piece.minutes:.0f}" if measured is None else f"{measured:.0f}"
         made = content["made"]
         whence = f"{made['commit']} {made['date']}"
         places = [page for page in PAGES if name in names((REPOSITORY / page).read_text("utf-8"))]

@@ -125,6 +125,12 @@ def current(piece: Piece, folder: Path = DATA) -> bool:
     return commands(content) == dict(piece.runs) and made["code"] == code_hash()
 
 
+def cpu_minutes(content: Data) -> float | None:
+    """CPU minutes of all runs together; None of commands that leave no run to tell them."""
+    each = [run["cpu_minutes"] for run in content["runs"].values() if "cpu_minutes" in run]
+    return sum(each) if each else None
+
+
 def commands(content: Data) -> dict[str, str]:
     """The commands of which data are."""
     return {label: run["command"] for label, run in content["runs"].items()}

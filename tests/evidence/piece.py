@@ -47,7 +47,7 @@ class Piece:
     rows: "Callable[[Runs], Iterable[Row]]" = field(default=lambda runs: ())
     files: tuple[str, ...] = ()  # that are written whole, from the repository's folder
     write: "Callable[[Runs], object]" = field(default=lambda runs: None)
-    minutes: float = 0.0  # of one core, reckoned; measured ones stand in the data
+    minutes: float = 0.0  # of one core, reckoned, of commands that leave no run to tell them
     shown: bool = True  # whether its region has the commands; not, where one before it has them
 
 

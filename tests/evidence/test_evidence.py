@@ -71,6 +71,11 @@ def test_data_are_of_the_commands_of_today(name: str) -> None:
     assert bool(content["rows"]) == bool(piece.columns)
 
 
+@pytest.mark.parametrize("name", PIECES)
+def test_minutes_are_reckoned_only_where_no_run_tells_them(name: str) -> None:
+    assert (PIECES[name].minutes > 0.0) == (data.cpu_minutes(data.load(PIECES[name])) is None)
+
+
 @pytest.mark.parametrize("name", [name for name, piece in PIECES.items() if piece.files])
 def test_files_that_are_written_whole_are_as_they_were_written(name: str) -> None:
     piece = PIECES[name]

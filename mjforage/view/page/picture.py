@@ -15,6 +15,7 @@ from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from PIL import Image
 
 from mjforage.core.whole_files import write_bytes
 from mjforage.view.page import style
@@ -24,6 +25,7 @@ WIDE_IN = 11.2  # a whole page
 DPI = 150  # of a PNG, and of maps inside an SVG
 SVG_DPI = 72  # of an SVG's points
 PDF_DPI = 72  # of a PDF's
+COLOURS = 128  # of a PNG that is kept in a repository
 
 
 @dataclass(frozen=True)
@@ -133,6 +135,15 @@ def png_bytes(figure: Figure) -> bytes:
     """Render to PNG at 150 dpi, without the software stamp."""
     figure.set_dpi(DPI)
     return _printed(figure, FigureCanvasAgg(figure), {}, format="png", metadata={"Software": None})
+
+
+def smaller(content: bytes) -> bytes:
+    """A PNG with few colours: a third of the bytes, for a page that is kept in a repository."""
+    buffer = io.BytesIO()
+    with Image.open(io.BytesIO(content)) as image:
+        few = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        few.save(buffer, "PNG", optimize=True)
+    return buffer.getvalue()
 
 
 def _printed(

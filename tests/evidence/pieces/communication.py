@@ -106,7 +106,6 @@ PIECES = (
             ),
         ),
         _links,
-        minutes=22,
     ),
     Piece(
         "links-bound",
@@ -114,7 +113,6 @@ PIECES = (
         | {link: LINKS[link] for link in BOUNDED},
         (Column("link"), Column("bound: PTA_C", 2), Column("NT90", 3)),
         _bound,
-        minutes=6,
     ),
     Piece(
         "in-touch",
@@ -137,6 +135,5 @@ PIECES = (
             ),
         ),
         _touch,
-        minutes=14,
     ),
 )

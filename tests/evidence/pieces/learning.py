@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 import metrics
 from metrics.statistics import NORMAL_95
 from mjforage.view.page import style
-from mjforage.view.report.studies.board_page import smaller
+from mjforage.view.page.picture import smaller
 from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row, average, beside
 from tests.evidence.pieces import communication
 from tests.evidence.pieces.policies import ELSEWHERE, LEARNED
@@ -169,7 +169,6 @@ PIECES = (
             *(Column("`ddqn-link`: PTA_C %", 2), Column("NT90", 3)),
         ),
         _taught,
-        minutes=12,
     ),
     Piece(
         "family-seeds",

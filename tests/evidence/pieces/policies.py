@@ -135,21 +135,18 @@ PIECES = (
             *(Column("NT50", 3), Column("change", 3), Column("NT90", 3), Column("change", 3)),
         ),
         _look_discount,
-        minutes=60,
     ),
     Piece(
         "auction-links",
         AUCTIONS,
         (Column(""), Column("policy"), *_SHORT.values()),
         lambda runs: _blocks(runs, tuple(_SHORT)),
-        minutes=6,
     ),
     Piece(
         "dec-mcts-settings",
         {"": f"mjforage evaluate comb-port {_flags(SETTINGS)} --episodes 50 --seed 1"},
         (Column("comb-port, seed 1"), *_SHORT.values()),
         _settings,
-        minutes=12,
     ),
     Piece(
         "mappo",
@@ -171,7 +168,6 @@ PIECES = (
         },
         (Column("map, episodes"), Column("policy"), *LEARNED.values()),
         lambda runs: _blocks(runs, tuple(LEARNED)),
-        minutes=12,
     ),
     Piece(
         "weights",
@@ -182,13 +178,11 @@ PIECES = (
         },
         (Column("scenario"), Column("policy"), *LEARNED.values()),
         lambda runs: _blocks(runs, tuple(LEARNED)),
-        minutes=10,
     ),
     Piece(
         "weights-harbours",
         {place: f"{played} {_TAUGHT}" for place, played in ELSEWHERE.items()},
         (Column("map"), *LEARNED.values()),
         _other_maps,
-        minutes=10,
     ),
 )

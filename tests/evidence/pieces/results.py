@@ -107,14 +107,12 @@ PIECES = (
         {"": BASELINES},
         (Column("policy"), *PRIMARY.values()),
         means(POLICIES, PRIMARY, PUBLIC_CODE),
-        minutes=2,
     ),
     Piece(
         "published-cooperation",
         {"": BASELINES},
         (Column("policy"), *COOPERATION.values()),
         means(("greedy", "levy", "wanderer"), COOPERATION, PUBLIC_COOPERATION),
-        minutes=0,
         shown=False,
     ),
     Piece(
@@ -122,7 +120,6 @@ PIECES = (
         {"": PLANNERS},
         (Column("policy"), *PLANNED.values()),
         means(("belief", "oracle", "greedy"), PLANNED),
-        minutes=4,
     ),
     Piece(
         "radios-and-eyes",
@@ -137,13 +134,11 @@ PIECES = (
         },
         (Column(""), *(Column(n, 1) for n in ("Greedy", "`ddqn`", "`belief`", "`ddqn-link`"))),
         _shared_less,
-        minutes=1,
     ),
     Piece(
         "comb-port",
         {"": COMB_PORT},
         (Column("policy"), *PRIMARY.values()),
         means(POLICIES, PRIMARY),
-        minutes=2,
     ),
 )

@@ -32,6 +32,5 @@ PIECES = (
         WALLS,
         (Column("policy"), Column("`rules.walls`"), *_KEYS.values()),
         _walls,
-        minutes=1,
     ),
 )

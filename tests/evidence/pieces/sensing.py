@@ -85,7 +85,6 @@ PIECES = (
             *(Column("Brier skill", 2), Column("calibration error", 4)),
         ),
         _eyes,
-        minutes=20,
     ),
     Piece(
         "comb-port-radio",
@@ -95,6 +94,5 @@ PIECES = (
             *(Column("NT50", 3), Column("NT90", 3), Column("handover", 3)),
         ),
         _radio,
-        minutes=8,
     ),
 )

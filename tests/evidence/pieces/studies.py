@@ -5,10 +5,9 @@ from collections.abc import Iterator, Sequence
 from mjforage.core.whole_files import write_bytes
 from mjforage.runs import communication, sensing
 from mjforage.runs.variants import COMPLETE, IN_TOUCH, PARTS, WRONG
-from mjforage.view.page.picture import house_style, png_bytes
+from mjforage.view.page.picture import house_style, png_bytes, smaller
 from mjforage.view.report.studies import ablation, corruption
 from mjforage.view.report.studies import communication as communication_page
-from mjforage.view.report.studies.board_page import smaller
 from mjforage.view.report.studies.study_logs import Player, StudyLogs
 from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row, average, defined, interval
 from tests.evidence.playing import Runs
@@ -163,13 +162,12 @@ _PAIRS = tuple(
     for column in (Column(f"{name}: PTA_C %", 2), Column("NT90", 3))
 )
 PIECES = (
-    Piece("parts", {"": _PARTS}, (Column(""), *_columns(_OF_PARTS)), _parts, minutes=30),
+    Piece("parts", {"": _PARTS}, (Column(""), *_columns(_OF_PARTS)), _parts),
     Piece(
         "wrong-worlds",
         {"": _PARTS},
         (Column("world"), Column("planner"), *_columns(_OF_WORLDS)),
         _wrong,
-        minutes=0,
         shown=False,
     ),
     Piece(
@@ -179,9 +177,8 @@ PIECES = (
         _along,
         files=("docs/communication.png",),
         write=_picture,
-        minutes=40,
     ),
-    Piece("study-sensing", {"": _EYES}, (Column(""), *_PAIRS), _along, minutes=40),
+    Piece("study-sensing", {"": _EYES}, (Column(""), *_PAIRS), _along),
     Piece(
         "beside-paper",
         {"": _PAPER},
@@ -191,13 +188,11 @@ PIECES = (
             *(Column("DRL, paper"), Column("`ddqn-reward`", 4, True)),
         ),
         _beside_paper,
-        minutes=60,
     ),
     Piece(
         "beside-paper-belief",
         {"": _BELIEF},
         (Column(""), Column("`belief`", 3, True)),
         _belief,
-        minutes=15,
     ),
 )

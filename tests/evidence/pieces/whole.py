@@ -67,6 +67,5 @@ PIECES = (
         {"": BOARD},
         files=(BOARD_PAGE, "docs/board-profiles.png", "docs/board-frontier.png"),
         write=_board,
-        minutes=300,
     ),
 )

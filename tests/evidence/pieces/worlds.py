@@ -101,13 +101,13 @@ _HULL_COLUMNS = (
 )
 
 
-def _piece(name: str, command: str, minutes: float) -> Piece:
+def _piece(name: str, command: str) -> Piece:
     columns = Column("policy"), Column("world"), *LADDER.values()
-    return Piece(name, {"": command}, columns, _ladder, minutes=minutes)
+    return Piece(name, {"": command}, columns, _ladder)
 
 
 PIECES = (
-    _piece("gap", CALM, 12),
+    _piece("gap", CALM),
     Piece(
         "gap-brief",
         {"": CALM},
@@ -117,6 +117,6 @@ PIECES = (
         ),
         _brief,
     ),
-    _piece("gap-weather", WEATHER, 15),
-    Piece("hulls", HULLS, _HULL_COLUMNS, _hulls, minutes=60),
+    _piece("gap-weather", WEATHER),
+    Piece("hulls", HULLS, _HULL_COLUMNS, _hulls),
 )

@@ -1,24 +1,21 @@
 """The board as one Markdown page for the documentation, with two figures beside it."""
 
-import io
 import shlex
 from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 
 import jinja2
-from PIL import Image
 
 from mjforage.core.errors import UserError
 from mjforage.core.whole_files import write_bytes
-from mjforage.view.page.picture import Picture, house_style, png_bytes
+from mjforage.view.page.picture import Picture, house_style, png_bytes, smaller
 from mjforage.view.page.table_files import markdown_text
 from mjforage.view.report.differences import FEWEST
 from mjforage.view.report.studies import board
 from mjforage.view.report.studies.study_logs import StudyLogs, load_study
 from mjforage.view.report.studies.study_page import Section
 
-COLOURS = 128  # of a figure
 ENOUGH = 100  # episodes of a board that is meant to be read
 
 
@@ -41,15 +38,6 @@ def write_board_page(folder: Path, page: Path) -> Path:
         write_bytes(page.with_name(_file(page, name)), smaller(content))
     write_bytes(page, page_text(logs, sections, page).encode("utf-8"))
     return page
-
-
-def smaller(content: bytes) -> bytes:
-    """A PNG with few colours: a third of the bytes, for a page that is kept in a repository."""
-    buffer = io.BytesIO()
-    with Image.open(io.BytesIO(content)) as image:
-        few = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
-        few.save(buffer, "PNG", optimize=True)
-    return buffer.getvalue()
 
 
 def _file(page: Path, picture: str) -> str:
