@@ -20,12 +20,14 @@ class Chart(NamedTuple):
     """A map with a frame of land, and its nodes by the cells of a coarse one."""
 
     framed: Int32Array  # (row + 2 REACH, column + 2 REACH) node of each cell, on land their number
+    framed_water: Levels  # the same shape: level of water
     place: Int32Array  # (node,) its place in a map with a frame of one cell, all in one axis
     water_at: Levels  # (place,) 1 on water; some more than the map has, to fill the last word
     node_at: Int32Array  # (place,) the node there, 0 on land
     width: int  # columns of that map
     coarse: Int32Array  # (node,) cell of the coarse map
-    wet: Int32Array  # (wet cell,) cells of the coarse map with water
+    wet: Int32Array  # (wet cell,) cells of the coarse map with water, those of few nodes first:
+    # loops of one length after the other are foreseen by processors
     start: Int32Array  # (wet cell + 1,) where the nodes of each begin in `nodes`
     nodes: Int32Array  # (node,) by wet cells, ascending in each
     water: Levels  # (wet cell,) level of the share of water
@@ -44,14 +46,20 @@ class Chart(NamedTuple):
         cells = cells + np.arange(width)[None, :] * COARSE // width
         area = np.bincount(cells.reshape(-1), minlength=COARSE**2)
         wet, nodes = np.unique(coarse, return_counts=True)
+        by_size = np.argsort(nodes, kind="stable")
+        rank = np.empty(COARSE**2, np.int64)
+        wet, nodes = wet[by_size], nodes[by_size]
+        rank[wet] = np.arange(wet.size)
         node_of_cell = np.where(graph.navigable, graph.node_of_cell, len(graph))
+        framed = np.pad(node_of_cell, REACH, constant_values=len(graph)).astype(np.int32)
         discs = graph.discs(task.view_radii)
         place = ((graph.rows + 1) * (width + 2) + graph.cols + 1).astype(np.int32)
         places = -(-(height + 2) * (width + 2) // WORD) * WORD
         water_at, node_at = np.zeros(places, np.uint8), np.zeros(places, np.int32)
         water_at[place], node_at[place] = 1, np.arange(len(graph))
         return cls(
-            framed=np.pad(node_of_cell, REACH, constant_values=len(graph)).astype(np.int32),
+            framed=framed,
+            framed_water=np.where(framed < len(graph), TOP, 0).astype(np.uint8),
             place=place,
             water_at=water_at,
             node_at=node_at,
@@ -59,7 +67,7 @@ class Chart(NamedTuple):
             coarse=coarse.astype(np.int32),
             wet=wet.astype(np.int32),
             start=np.concatenate(([0], np.cumsum(nodes))).astype(np.int32),
-            nodes=np.argsort(coarse, kind="stable").astype(np.int32),
+            nodes=np.argsort(rank[coarse], kind="stable").astype(np.int32),
             water=(TOP * nodes // area[wet]).astype(np.uint8),
             extent=np.bincount(coarse, minlength=COARSE**2).astype(np.int32),
             views=task.views,

@@ -10,11 +10,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Float32Array, Int32Array
 from graph_planner.navigation import NavigationGraph
 
 MOST_CODES = 2**16
+PARTS = 2.0**23  # of a node, which distances in float32 are multiples of: they are 0 or at least 1
+
+
+@inlined
+def parts_of(distance: np.float32) -> np.int64:
+    """A distance [node] in whole parts, whose sums are exact; 0 where there is no way."""
+    return np.int64(np.float64(distance) * PARTS if distance < np.inf else 0.0)
 
 
 class Codes(NamedTuple):
@@ -22,6 +29,7 @@ class Codes(NamedTuple):
 
     code: NDArray[np.uint16]  # (node, node), or (0, 0) without a table or with too many values
     values: Float32Array  # (code,) ascending [node]; the last is inf
+    parts: NDArray[np.int64]  # (code,) the same, see `parts_of`
 
     @classmethod
     def of(cls, table: Float32Array) -> "Codes":
@@ -29,11 +37,11 @@ class Codes(NamedTuple):
         found = [np.unique(row) for row in table]
         values = np.unique(np.concatenate([*found, np.array([np.inf], np.float32)]))
         if not found or values.size > MOST_CODES:
-            return cls(np.empty((0, 0), np.uint16), values[-1:])
+            return cls(np.empty((0, 0), np.uint16), values[-1:], np.zeros(1, np.int64))
         code = np.empty(table.shape, np.uint16)
         for node, row in enumerate(table):
             code[node] = np.searchsorted(values, row)
-        return cls(code, values)
+        return cls(code, values, np.array([parts_of(value) for value in values]))
 
 
 @lru_cache(maxsize=8)

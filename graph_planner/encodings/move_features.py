@@ -29,7 +29,7 @@ from graph_planner.compiled import inlined, kernel
 from graph_planner.encodings.chart import Chart
 from graph_planner.encodings.encoder import TOP, Levels, item_level
 from graph_planner.encodings.masks import legal_end
-from graph_planner.encodings.samples import nearest_own
+from graph_planner.encodings.samples import mean_gain, nearest_own
 from graph_planner.encodings.shared_fields import Fields
 from graph_planner.geodesics import FAR, Float32Array, Int32Array
 from graph_planner.navigation import STAY
@@ -45,27 +45,12 @@ FADING = 0.85  # estimate: half is left after four nodes
 
 
 _PULLS = np.append(np.power(FADING, np.arange(40.0)), 0.0)  # of an item, by its distance [node]
-_PARTS = np.float32(2.0**23)  # of a node, which distances are multiples of
 
 
 @inlined
 def _changed(gain: float, per_unit: float) -> int:
     """Level of a gain: more than the middle is nearer, or more."""
     return int(min(255.0, max(0.0, MIDDLE + per_unit * gain)))
-
-
-@kernel
-def _mean_gain(far: Float32Array, here: int, there: int, size: int) -> float:
-    """By how much nearer the first `size` nodes are in one row of `Sample.far` than in another.
-
-    On average [node]. The sum is one of whole numbers, which can be formed side by side: distances
-    are 0 or at least 1, and so float32 multiples of 2^-23.
-    """
-    total = np.int64(0)
-    for i in range(size):
-        nearer = far[here, i] - far[there, i]
-        total += np.int64(nearer * _PARTS)
-    return float(total / 2.0**23 / max(1, size))
 
 
 @inlined
@@ -120,7 +105,7 @@ def describe_moves(
         due.bits,
         due.nearest,
     )
-    item_far, unseen_far, due_far = items.far, unseen.far, due.far
+    item_far, item_total, unseen_total, due_total = items.far, items.total, unseen.total, due.total
     start, nodes, disc = chart.views.start, chart.views.nodes, chart.disc
     for a in range(agent_node.size):
         node, radius, here, kind = agent_node[a], radius_number[a], 9 * a + STAY, int(collects[a])
@@ -146,8 +131,8 @@ def describe_moves(
             out[a, move, 2] = _changed(gain, PER_NODE)
             gain = unseen_way[a, STAY] - unseen_way[a, move] if unseen_way[a, STAY] < FAR else 0.0
             out[a, move, 4] = _changed(gain, PER_NODE)
-            out[a, move, 5] = _changed(_mean_gain(item_far, here, there, n_items), PER_NODE)
-            out[a, move, 6] = _changed(_mean_gain(unseen_far, here, there, n_unseen), PER_NODE)
+            out[a, move, 5] = _changed(mean_gain(item_total, n_items, here, there), PER_NODE)
+            out[a, move, 6] = _changed(mean_gain(unseen_total, n_unseen, here, there), PER_NODE)
             gain = (
                 item_way - nearest_own(item_bits, item_nearest, n_items, kind, a, there)
                 if item_way < FAR
@@ -156,7 +141,7 @@ def describe_moves(
             out[a, move, 7] = _changed(gain, PER_NODE)
             gain = _attraction(item_far, there, n_items) - attraction
             out[a, move, 8] = _changed(gain, PER_ATTRACTION)
-            out[a, move, 9] = _changed(_mean_gain(due_far, here, there, n_due), PER_NODE)
+            out[a, move, 9] = _changed(mean_gain(due_total, n_due, here, there), PER_NODE)
             gain = (
                 due_way - nearest_own(due_bits, due_nearest, n_due, kind, a, there)
                 if due_way < FAR

@@ -123,13 +123,16 @@ def _level(
     idle: NDArray[np.float64],
     levels: NDArray[np.uint32],
 ) -> None:
-    """Idleness of every node, and its levels of idleness and way in one number."""
+    """Idleness of every node, and its levels of idleness and way in one number.
+
+    All in signed numbers of 32 bits, which processors convert several at a time.
+    """
     for node in range(idle.size):
-        age = (now - np.int64(last_seen[node])) * forgetting
+        age = np.float64(np.int32(now - np.int32(last_seen[node]))) * forgetting
         idle[node] = 1.0 if age > 1.0 else age
     for node in range(idle.size):
-        number = np.uint32(TOP * idle[node]) << IDLENESS
-        levels[node] = number | np.uint32(way_levels[node]) << WAY
+        number = np.int32(np.int32(TOP * idle[node]) << IDLENESS)
+        levels[node] = np.uint32(np.int32(number | np.int32(np.int32(way_levels[node]) << WAY)))
 
 
 @kernel
@@ -252,7 +255,7 @@ def share_fields(
     choose_evenly(known, known.size, items)
     choose_evenly(unseen.nodes, count, some_unseen)
     choose_evenly(fields.due, due, some_due)
-    measure(neighbours, codes, targets, distances, (items, some_unseen, some_due))
+    measure(neighbours, codes, targets, distances, (items, some_due), some_unseen)
     share_out(arrays.collects, items)
     share_out(arrays.collects, some_due)
     return count

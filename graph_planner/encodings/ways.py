@@ -33,10 +33,10 @@ class Ways(NamedTuple):
 
 
 @inlined
-def way_level(distance: float) -> int:
+def way_level(distance: float) -> np.int32:
     """Level of a distance [node]: less the farther, 0 where there is no way."""
     level = TOP - WAY_LEVELS * distance
-    return int(level if level > 0.0 else 0.0)
+    return np.int32(level if level > 0.0 else 0.0)
 
 
 @kernel

@@ -7,10 +7,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.compiled import kernel
 from mjforage.core.errors import UserError
 
 MOVES = 9
 """Number of moves: 0-7 compass from north clockwise, 8 stay."""
+
+
+@kernel
+def _are_moves(numbers: NDArray[np.int64]) -> bool:
+    are = True
+    for number in numbers:
+        are &= 0 <= number < MOVES
+    return are
 
 
 def checked_moves(
@@ -34,7 +43,7 @@ def checked_moves(
     if moves.dtype.kind not in "iu":
         raise UserError(f"{name} = {reprlib.repr(moves.tolist())}: {remedy}")
     whole = moves.astype(np.int64)
-    if whole.size and whole.view(np.uint64).max() >= MOVES:  # negative ones are the largest
+    if not _are_moves(whole.reshape(-1)):
         first = np.argwhere((moves < 0) | (moves >= MOVES))[0]
         raise UserError(f"{_entry(name, first)} = {moves[tuple(first)]}: {remedy}")
     return whole

@@ -34,13 +34,20 @@ class Outcome:
 
 
 @kernel
-def _count_happened(when: NDArray[np.int16]) -> NDArray[np.int64]:
-    """(env,) items of which something happened at a step (env, item), -1 for never."""
-    counts = np.zeros(when.shape[0], np.int64)
+def _share_happened(when: NDArray[np.int16], items: Int32Array) -> NDArray[np.float64]:
+    """(env,) share of items (env,) of which something happened [%].
+
+    Parameters
+    ----------
+    when : (env, item) at which step it happened, -1 for never
+    """
+    shares = np.zeros(when.shape[0])
     for e in range(when.shape[0]):
+        count = 0
         for k in range(when.shape[1]):
-            counts[e] += when[e, k] >= 0
-    return counts
+            count += when[e, k] >= 0
+        shares[e] = 100.0 * count / items[e]
+    return shares
 
 
 @kernel
@@ -197,7 +204,7 @@ class Game:
         """Steps (env,) made, and shares (env,) of items discovered and removed so far [%]."""
         entries, shares = self.mission.ledger.entries, {}
         for name, when in (("pta_d", entries.t_discovered), ("pta_c", entries.t_collected)):
-            shares[name] = 100.0 * _count_happened(when) / self.n_items
+            shares[name] = _share_happened(when, self.n_items)
         return {"step": self.mission.step.astype(np.int64), **shares}
 
     def fact(self) -> dict[str, float]:

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from graph_planner.encodings import codes as module
 from graph_planner.encodings.codes import (
+    PARTS,
     Codes,
     distance_codes,
     nearest_by_code,
@@ -79,8 +80,12 @@ def test_a_sample_is_measured_from_where_every_move_ends(codes: Codes) -> None:
     for sample, count in zip(samples, (0, 5, NODES), strict=True):
         choose_evenly(random.permutation(NODES).astype(np.int32), count, sample)
     distances = Distances(GRAPH.distance_rows, Workspace.of(NODES))
-    measure(GRAPH.neighbours, codes, targets, distances, samples)
+    measure(GRAPH.neighbours, codes, targets, distances, (samples[0], samples[2]), samples[1])
+    legal, ends = targets.reshape(-1) >= 0, targets.reshape(-1)
     for sample in samples:
         nodes = sample.nodes[: sample.size[0]]
-        far, legal = sample.far[:, : nodes.size], targets.reshape(-1) >= 0
-        np.testing.assert_array_equal(far[legal], TABLE[targets.reshape(-1)[legal]][:, nodes])
+        distance = TABLE[ends[legal]][:, nodes].astype(np.float64)
+        whole = np.where(np.isfinite(distance), distance, 0.0).sum(axis=1) * PARTS
+        np.testing.assert_array_equal(sample.total[legal], whole)
+        if sample is not samples[1]:  # of which the total alone is asked
+            np.testing.assert_array_equal(sample.far[legal, : nodes.size], distance)

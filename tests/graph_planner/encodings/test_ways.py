@@ -6,8 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from graph_planner.encodings.codes import Codes
-from graph_planner.encodings.move_features import FADING, _attraction, _mean_gain
+from graph_planner.encodings.codes import PARTS, Codes
+from graph_planner.encodings.move_features import FADING, _attraction
+from graph_planner.encodings.samples import mean_gain
 from graph_planner.encodings.ways import MOST_ROWS, Ways, find_ways, way_level
 from graph_planner.geodesics import Workspace
 from graph_planner.navigation import navigation_graph
@@ -61,12 +62,8 @@ def test_ways_stand_while_the_same_items_are_known() -> None:
     ways.distance[0, 0] = -1.0
     find_ways(0, known.copy(), GRAPH.neighbours, CODES, workspace, ways)
     assert ways.distance[0, 0] == -1.0
-    assert (way_level(0.0), way_level(100.0), way_level(127.5), way_level(np.inf)) == (
-        255,
-        55,
-        0,
-        0,
-    )
+    levels = [int(way_level(distance)) for distance in (0.0, 100.0, 127.5, np.inf)]
+    assert levels == [255, 55, 0, 0]
 
 
 def test_items_attract_less_the_farther_they_are_and_not_at_all_from_40_nodes_on() -> None:
@@ -79,7 +76,7 @@ def test_items_attract_less_the_farther_they_are_and_not_at_all_from_40_nodes_on
 
 
 def test_a_mean_gain_is_of_the_nodes_that_count() -> None:
-    far = np.array([[3.0, 2.0, 9.0], [1.0, 2.5, 0.0]], np.float32)
-    assert _mean_gain(far, 0, 1, 2) == 0.75
-    assert _mean_gain(far, 1, 0, 1) == -2.0
-    assert _mean_gain(far, 0, 1, 0) == 0.0
+    total = np.array([[3.0, 2.0], [1.0, 2.5]]).sum(axis=1) * PARTS
+    assert mean_gain(total.astype(np.int64), 2, 0, 1) == 0.75
+    assert mean_gain(total.astype(np.int64), 2, 1, 0) == -0.75
+    assert mean_gain(np.zeros(2, np.int64), 0, 0, 1) == 0.0

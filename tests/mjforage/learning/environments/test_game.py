@@ -8,16 +8,17 @@ from graph_planner.navigation import STAY
 from mjforage.learning.environments.game import (
     CHOSEN,
     OTHERWISE_STAY,
-    _count_happened,
     _how_it_ended,
     _preferences,
+    _share_happened,
 )
 
 seeds = st.integers(0, 2**32 - 1)
 
 
 def test_what_happened_is_counted() -> None:
-    assert _count_happened(np.array([[0, -1, 7], [-1, -1, -1]], np.int16)).tolist() == [2, 0]
+    when, items = np.array([[0, -1, 7, -1], [-1] * 4], np.int16), np.array([3, 4], np.int32)
+    assert _share_happened(when, items).tolist() == [100.0 * 2 / 3, 0.0]
 
 
 @given(seeds)
