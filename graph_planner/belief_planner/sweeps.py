@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from graph_planner.belief_planner.beam import free_slot, insert, limit
 from graph_planner.belief_planner.ways import UNREACHED, UInt16Array
-from graph_planner.compiled import MARGIN, inlined, kernel, rough
+from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Int32Array
 
 LONGEST = 400.0  # decisions charged for what nobody can reach
@@ -72,7 +72,7 @@ class Plans(NamedTuple):
     order: NDArray[np.int64]  # (slot,)
     cost: NDArray[np.float64]  # (slot,) decisions in which all mass is seen: done and to come
     paid: NDArray[np.float64]  # (slot,) what of it is done
-    left: NDArray[np.float64]  # (slot, landmark) mass not seen yet
+    left: NDArray[np.float64]  # (slot, place + 1) mass not seen yet of the landmarks of `Marks`
     begun: NDArray[np.int64]  # (slot,) first move
 
 
@@ -84,17 +84,26 @@ class Trail(NamedTuple):
     shown: NDArray[np.int64]  # (decision + 1, slot) see `_in_view`
 
 
+class Marks(NamedTuple):
+    """The landmarks that have mass when a search starts: others never count."""
+
+    landmark: Int32Array  # (place,)
+    place: Int32Array  # (landmark,) of each among them; of others one more than they have
+    mass: NDArray[np.float64]  # (place,) of each when the search starts
+    elsewhere: Int32Array  # (place,) decisions in which another agent could see each
+
+
 class Search(NamedTuple):
     """One scout's search: what it can do, what it is for, and scratch."""
 
     ends: Int32Array  # (node, 9) where its moves end
     cover: Cover
     mass: NDArray[np.float64]  # (cell,) not seen when it starts
-    elsewhere: NDArray[np.float64]  # (landmark,) decisions in which another agent could see each
+    marks: Marks
     late: NDArray[np.float64]  # see `lateness`
     sight: Sight
     trail: Trail
-    rest: NDArray[np.float64]  # (landmark,) scratch: mass that the plan at hand leaves
+    rest: NDArray[np.float64]  # (place + 1,) scratch: mass that the plan at hand leaves
 
 
 @kernel
@@ -104,7 +113,7 @@ def _plans(beam: int, marks: int) -> Plans:
         np.zeros(beam, np.int64),
         np.zeros(beam),
         np.zeros(beam),
-        np.zeros((beam, marks)),
+        np.zeros((beam, marks + 1)),
         np.full(beam, -1),
     )
 
@@ -134,13 +143,27 @@ def _stamp_seen(
         slot = trail.parent[level, slot]
 
 
+@kernel
+def _marks(cover: Cover, mass: NDArray[np.float64], elsewhere: NDArray[np.float64]) -> Marks:
+    """The landmarks that are worth going to, see `search_sweep` for the arguments."""
+    masses = np.zeros(elsewhere.size)
+    for cell in range(mass.size):
+        if mass[cell] > 0.0:
+            masses[cover.landmark[cell]] += mass[cell]
+    some = np.flatnonzero(masses > SEEN)
+    place = np.full(elsewhere.size, some.size, np.int32)
+    for i in range(some.size):
+        place[some[i]] = i
+    return Marks(some.astype(np.int32), place, masses[some], elsewhere[some].astype(np.int32))
+
+
 @inlined
 def _rest(
     k: int,
     decisions: UInt16Array,
-    end: int,
+    marks: Int32Array,
     left: NDArray[np.float64],
-    elsewhere: NDArray[np.float64],
+    elsewhere: Int32Array,
     late: NDArray[np.float64],
     price: float,
 ) -> float:
@@ -148,36 +171,17 @@ def _rest(
 
     Parameters
     ----------
-    k, end : decisions in the plan, and the node where it ends
-    decisions : (node, landmark) from there until each is seen
-    left, elsewhere : (landmark,) mass left, and decision in which another agent could see it
+    k : decisions in the plan
+    decisions : (landmark,) from where it ends until each is seen, more than `elsewhere` if never
+    marks, elsewhere : of `Marks`
+    left : (place,) mass left
     late : see `lateness`
     """
-    for mark in range(left.size):
-        if left[mark] > SEEN:
-            steps = LONGEST
-            if decisions[end, mark] != UNREACHED:
-                steps = float(k + max(1, int(decisions[end, mark])))
-            price += left[mark] * late[int(min(steps, elsewhere[mark]))]
+    for i in range(marks.size):
+        steps = np.int32(k + max(np.int32(1), np.int32(decisions[np.uint64(marks[i])])))
+        mass = left[i] if left[i] > SEEN else 0.0  # no branch: who has seen what is a coin toss
+        price += mass * late[np.uint64(min(steps, elsewhere[i]))]
     return price
-
-
-@rough
-def _rest_roughly(
-    k: int,
-    decisions: UInt16Array,
-    left: NDArray[np.float64],
-    elsewhere: NDArray[np.float64],
-    late: NDArray[np.float64],
-) -> float:
-    """`_rest` without its price, to some digits, of the decisions (landmark,) from the end."""
-    total = 0.0
-    for mark in range(left.size):
-        there = decisions[mark]
-        steps = LONGEST if there == UNREACHED else float(k + max(1, int(there)))
-        mass = left[mark] if left[mark] > SEEN else 0.0
-        total += mass * late[int(steps if steps < elsewhere[mark] else elsewhere[mark])]
-    return total
 
 
 @inlined
@@ -210,10 +214,10 @@ def _prolong(
     Plans kept
     """
     cover, trail, landmark = search.cover, search.trail, search.cover.landmark
+    marks, place_of, elsewhere = search.marks.landmark, search.marks.place, search.marks.elsewhere
     start, cells = (cover.start, cover.cells) if k == 1 else (cover.fresh_start, cover.fresh)
     decisions, ends, mass = search.cover.decisions, search.ends, search.mass
-    elsewhere, late = search.elsewhere, search.late
-    token, stamp = search.sight.token, search.sight.stamp
+    late, token, stamp = search.late, search.sight.token, search.sight.stamp
     node, parent, rest = search.trail.node, search.trail.parent, search.rest
     left, order, cost, kept = plans.left, longer.order, longer.cost, 0
     for s in plans.order[:number]:
@@ -223,21 +227,17 @@ def _prolong(
             end = ends[node[k - 1, s], move]
             if end < 0:
                 continue
-            for mark in range(rest.size):
-                rest[mark] = left[s, mark]
+            for i in range(marks.size):
+                rest[i] = left[s, i]
             got, shown = 0.0, _in_view(k, node[k - 1, s], end, move)
             place = end if k == 1 else shown
             for i in range(start[place], start[place + 1]):
                 cell = cells[i]
                 if mass[cell] > 0.0 and stamp[cell] != token[0]:
                     got += mass[cell]
-                    rest[landmark[cell]] -= mass[cell]
+                    rest[place_of[landmark[cell]]] -= mass[cell]
             paid, enough = plans.paid[s] + got * late[k], limit(order, cost, kept)
-            if k > 1:
-                price = paid + MARGIN * _rest_roughly(k, decisions[end], rest, elsewhere, late)
-                if price >= enough:
-                    continue
-            price = _rest(k, decisions, end, rest, elsewhere, late, paid)
+            price = _rest(k, decisions[end], marks, rest, elsewhere, late, paid)
             if k == 1:
                 first[move] = -price
             if price >= enough or _has_twin(node, k, cost, kept, end, price):
@@ -282,7 +282,7 @@ def search_sweep(
     cover : what it sees
     at : its node
     mass : (cell,) what seeing each cell is worth, 0 for what need not be seen
-    elsewhere : (landmark,) decisions in which another agent could see each landmark
+    elsewhere : (landmark,) decisions in which another agent could see each, `LONGEST` if none
     late : what seeing a mass of 1 in each decision costs, see `lateness`
     beam, depth : plans kept, decisions planned
     whole : whether the path is wanted, else the search ends once all plans begin alike
@@ -293,15 +293,14 @@ def search_sweep(
     -------
     Decisions in the plan
     """
-    marks = elsewhere.size
+    marks = _marks(cover, mass, elsewhere)
     each = (depth + 1, beam)
     trail = Trail(np.empty(each, np.int32), np.zeros(each, np.int64), np.zeros(each, np.int64))
     trail.node[0, 0] = at
-    search = Search(ends, cover, mass, elsewhere, late, scratch, trail, np.empty(marks))
-    plans, longer = _plans(beam, marks), _plans(beam, marks)
-    for cell in range(mass.size):
-        if mass[cell] > 0.0:
-            plans.left[0, cover.landmark[cell]] += mass[cell]
+    places = marks.landmark.size
+    search = Search(ends, cover, mass, marks, late, scratch, trail, np.zeros(places + 1))
+    plans, longer = _plans(beam, places), _plans(beam, places)
+    plans.left[0, :places] = marks.mass
     preferences[:] = -np.inf
     number, length = 1, 0
     for k in range(1, depth + 1):

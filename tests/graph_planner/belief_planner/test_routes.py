@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner import sweeps
 from graph_planner.belief_planner.routes import (
     NOWHERE,
     Legs,
@@ -26,7 +25,7 @@ from graph_planner.belief_planner.stops import (
     stops,
 )
 from graph_planner.belief_planner.taking import Taking, quays_beside
-from graph_planner.belief_planner.ways import UNREACHED, ways_of
+from graph_planner.belief_planner.ways import ways_of
 from graph_planner.compiled import MARGIN
 from graph_planner.navigation import navigation_graph
 
@@ -98,19 +97,13 @@ def test_who_cannot_get_there_is_not_counted_on() -> None:
 
 
 def test_rough_prices_are_prices() -> None:
-    """Of routes and of sweeps, in any order of summing, to more digits than the margin has."""
+    """In any order of summing, to more digits than the margin has."""
     rng = np.random.default_rng(0)
     for n in (1, 7, 64):
         weight, others = rng.uniform(0, 2, n), rng.choice([3.0, 30.0, FAR], n)
         way = rng.integers(1, 40, n).astype(float)
         exact = _rest(weight, others, 5.0, way, 0.0)
         assert _rest_roughly(weight, others, 5.0, way) == pytest.approx(exact, rel=1e-12)
-        decisions = rng.choice([0, 1, 20, int(UNREACHED)], (1, n)).astype(np.uint16)
-        left, elsewhere = rng.choice([0.0, 1e-12, 1.5], n), rng.choice([2.0, 12.0, 400.0], n)
-        for late in map(sweeps.lateness, (1.0, 0.9)):
-            exact = sweeps._rest(4, decisions, 0, left, elsewhere, late, 0.0)
-            roughly = sweeps._rest_roughly(4, decisions[0], left, elsewhere, late)
-            assert roughly == pytest.approx(exact, rel=1e-12)
     assert 1.0 - 1e-6 < MARGIN < 1.0 - 1e-12
 
 

@@ -5,13 +5,16 @@ from numpy.typing import NDArray
 from graph_planner.belief_planner.covers import hotspot_cover, landmarks_of, view_cover
 from graph_planner.belief_planner.sweeps import (
     LONGEST,
+    SEEN,
     Cover,
+    _marks,
+    _rest,
     lateness,
     search_sweep,
     sight,
     until_seen,
 )
-from graph_planner.belief_planner.ways import ways_of
+from graph_planner.belief_planner.ways import UNREACHED, ways_of
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.fleet import Role
 from graph_planner.navigation import NavigationGraph, navigation_graph
@@ -49,6 +52,31 @@ def mass_at(*cells: tuple[int, int]) -> NDArray[np.float64]:
     mass = np.zeros(len(SEA))
     mass[[SEA.node_of_cell[cell] for cell in cells]] = 1.0
     return mass
+
+
+@pytest.mark.parametrize("discount", [1.0, 0.9])
+def test_what_is_left_is_charged_by_when_it_can_be_seen(discount: float) -> None:
+    """By this scout from where its plan ends or by another, whoever comes first."""
+    rng, late, k = np.random.default_rng(0), lateness(discount), 4
+    for n in (0, 1, 7, 64):
+        decisions = rng.choice([0, 1, 20, int(UNREACHED)], 100).astype(np.uint16)
+        marks, elsewhere = rng.permutation(100)[:n], rng.choice([2, 12, int(LONGEST)], n)
+        left = rng.choice([0.0, 1e-12, 1.5], n)
+        own = np.where(decisions == UNREACHED, LONGEST, k + np.maximum(1, decisions.astype(int)))
+        when = np.minimum(own[marks], elsewhere).astype(int)
+        about = marks.astype(np.int32), left, elsewhere.astype(np.int32), late
+        price = _rest(k, decisions, *about, 3.0)
+        assert price == pytest.approx(3.0 + (left * late[when])[left > SEEN].sum(), rel=1e-12)
+
+
+def test_landmarks_without_mass_are_left_out() -> None:
+    marks, mass = COVER.decisions.shape[1], np.zeros(len(SEA))
+    seen, alone = int(COVER.landmark[0]), int(COVER.landmark[len(SEA) - 1])
+    mass[0], mass[len(SEA) - 1] = 2.0, SEEN / 2
+    found = _marks(COVER, mass, np.arange(marks, dtype=float))
+    assert found.landmark.tolist() == [seen] and found.mass.tolist() == [2.0]
+    assert found.elsewhere.tolist() == [seen] and seen != alone
+    assert found.place[seen] == 0 and (np.delete(found.place, seen) == 1).all()
 
 
 def test_a_scout_sees_the_only_mass_as_soon_as_can_be() -> None:
