@@ -285,21 +285,22 @@ class Egocentric:
         crop = self._out["crop"].reshape(*lead, len(CROP), -1)
         globe = self._out["globe"].reshape(*lead, len(GLOBE), -1)
         self._pictures = Pictures(crop, globe, self._out["moves"], self._out["self"])
-        self._seen: Observation | None = None  # the last one, for whose kinds `_look` is prepared
+        self._asked: tuple[object, ...] = ()  # of the last look, for whose kinds it is prepared
 
     def see(self, seen: Observation, rows: NDArray[np.int64]) -> dict[str, Levels]:
         """Look at the episodes `rows` of the batch."""
-        if self._seen is None or not _alike(seen, self._seen):
+        asked = (rows, *seen)
+        if not _alike(asked, self._asked):
             about = self._task.arrays, self._around, self._chart, self._memory
             memory = self._fields, self._distances, self._pictures
             self._look = prepared(_look_around, *about, *memory)
-        self._seen = seen
+        self._asked = asked
         self._look(rows, seen)
         return self._out
 
 
-def _alike(seen: Observation, before: Observation) -> bool:
+def _alike(asked: tuple[object, ...], before: tuple[object, ...]) -> bool:
     """Whether the arrays of both are of the same kinds; most of them are the same arrays."""
-    return all(
-        new is old or kinds_of(new) == kinds_of(old) for new, old in zip(seen, before, strict=True)
+    return len(asked) == len(before) and all(
+        new is old or kinds_of(new) == kinds_of(old) for new, old in zip(asked, before, strict=True)
     )
