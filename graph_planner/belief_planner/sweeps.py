@@ -107,13 +107,13 @@ class Search(NamedTuple):
 
 
 @kernel
-def _plans(beam: int, marks: int) -> Plans:
+def _plans(beam: int, places: int) -> Plans:
     """Room for plans, at first of no decisions."""
     return Plans(
         np.zeros(beam, np.int64),
         np.zeros(beam),
         np.zeros(beam),
-        np.zeros((beam, marks + 1)),
+        np.zeros((beam, places + 1)),
         np.full(beam, -1),
     )
 

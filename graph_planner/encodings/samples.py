@@ -79,7 +79,7 @@ def _read(
 
 @inlined
 def _read_total(codes: Codes, end: np.uint64, nodes: Int32Array, size: int) -> np.int64:
-    """The total alone, in three quarters of the time."""
+    """The total alone; no distance is kept."""
     code, parts, total = codes.code, codes.parts, np.int64(0)
     for i in range(size):
         total += parts[code[end, np.uint64(nodes[i])]]

@@ -16,6 +16,7 @@ MOVES = 9
 
 @kernel
 def _are_moves(numbers: NDArray[np.int64]) -> bool:
+    """Whether all of some numbers (number,) are those of moves."""
     are = True
     for number in numbers:
         are &= 0 <= number < MOVES
