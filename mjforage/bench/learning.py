@@ -1,11 +1,11 @@
 """Speeds of environments and training for `mjforage bench`, per CPU second of one core."""
 
-import time
 from typing import Any
 
 import gymnasium
 import numpy as np
 
+from mjforage.bench.rates import Rate, rate
 from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.trainer import Trainer
@@ -13,7 +13,7 @@ from mjforage.learning.training.trainer import Trainer
 ENVS = 32
 STEPS = 150
 ROUNDS = 2
-UPDATES = 40
+UPDATES = 20
 OBSERVATIONS = ("paper", "egocentric")
 MORE_ENVS = 64
 HANDED_OUT: dict[str, dict[str, Any]] = {
@@ -25,34 +25,37 @@ HANDED_OUT: dict[str, dict[str, Any]] = {
 SMALL = {"num_envs": 8, "warmup": 500, "explore_updates": 100}
 
 
-def _env_steps_per_s(num_envs: int, **options: Any) -> tuple[float, int]:
+def _env_steps(num_envs: int, **options: Any) -> tuple[Rate, int]:
     """Environment steps of the vector environment with random actions, and its agents."""
     env = gymnasium.make_vec(
         "mjforage/Foraging-v0", num_envs=num_envs, scenario="published", **options
     )
     env.reset(seed=0)
     shape = env.action_space.shape or ()
-    actions = np.random.default_rng(0).integers(0, 9, (STEPS + 1, *shape))
-    env.step(actions[0])  # compiles
-    started = time.process_time()
-    for action in actions[1:]:
-        env.step(action)
-    spent = time.process_time() - started
+    actions = np.random.default_rng(0).integers(0, 9, (STEPS, *shape))
+
+    def work() -> float:
+        for action in actions:
+            env.step(action)
+        return float(STEPS * num_envs)
+
+    steps = rate(work)
     env.close()
-    return float(STEPS * num_envs / spent), shape[-1]
+    return steps, shape[-1]
 
 
-def _environment_speeds() -> dict[str, float]:
+def _environment_speeds() -> dict[str, Rate]:
     figures = {}
     for kind in OBSERVATIONS:
-        steps, agents = _env_steps_per_s(ENVS, observation=kind)
-        figures[f"env_obs_steps_per_core_s_{kind}"] = steps * agents
+        steps, agents = _env_steps(ENVS, observation=kind)
+        each = Rate(steps.median * agents, steps.quickest * agents)
+        figures[f"env_obs_steps_per_core_s_{kind}"] = each
     for name, options in HANDED_OUT.items():
-        figures[f"env_steps_per_core_s_{name}"], _ = _env_steps_per_s(MORE_ENVS, **options)
+        figures[f"env_steps_per_core_s_{name}"], _ = _env_steps(MORE_ENVS, **options)
     return figures
 
 
-def learning_speeds() -> dict[str, float]:
+def learning_speeds() -> dict[str, float | Rate]:
     """Key -> number.
 
     `env_obs_steps_per_core_s_<kind>`: agent observations; `env_steps_per_core_s_<how>`: environment
@@ -60,7 +63,7 @@ def learning_speeds() -> dict[str, float]:
     `ddqn_updates_per_s`: updates of one team's network, draw and priorities included;
     `ddqn_share_<part>`: of the time of training on the published scenario.
     """
-    figures = _environment_speeds()
+    figures: dict[str, float | Rate] = dict(_environment_speeds())
     trainer = Trainer([load_scenario("published")], changed(Hyperparameters(), SMALL))
     trainer.play_round()  # compiles, and fills the replay
     for part in trainer.clock.seconds:
@@ -68,10 +71,14 @@ def learning_speeds() -> dict[str, float]:
     for _ in range(ROUNDS):
         trainer.play_round()
     shares = dict(trainer.clock.seconds)
-    learner, started = next(iter(trainer.learners.values())), time.process_time()
-    for _ in range(UPDATES):
-        trainer.update(learner, 1.0)
-    figures["ddqn_updates_per_s"] = UPDATES / (time.process_time() - started)
+    learner = next(iter(trainer.learners.values()))
+
+    def update() -> float:
+        for _ in range(UPDATES):
+            trainer.update(learner, 1.0)
+        return float(UPDATES)
+
+    figures["ddqn_updates_per_s"] = rate(update)
     parts = {part: s for part, s in shares.items() if part != "teacher"}
     total = sum(parts.values())
     return figures | {f"ddqn_share_{part}": s / total for part, s in parts.items()}

@@ -3,9 +3,7 @@
 Machines are noisy: compare figures of one run with each other, and runs by their ratios.
 """
 
-import statistics
 import tempfile
-import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -16,6 +14,7 @@ from graph_planner.policies import create_policy
 from mjforage.bench.learning import learning_speeds
 from mjforage.bench.memory import peak_memory_mb
 from mjforage.bench.missions import mission_speeds
+from mjforage.bench.rates import Rate, rate
 from mjforage.bench.simulations import physics_speeds
 from mjforage.core.maps import GridMap
 from mjforage.core.mission import Mission
@@ -28,7 +27,6 @@ Figures = dict[str, dict[str, float | str]]
 Progress = Callable[[str], None]
 
 BATCH = 400  # episodes
-REPEATS = 3
 POLICIES = ("random", "greedy", "levy", "lawnmower", "wanderer", "pso")
 DECISIONS = "decisions of the whole fleet per CPU second of one core, full setting"
 STEPS = "environment steps per CPU second of one core"
@@ -38,25 +36,20 @@ LARGE = (
 )
 LARGE_SHAPE = (1000, 1000)
 LARGE_STEPS = 20
-BELIEF_BATCH = 40  # episodes
+BELIEF_BATCH = 20  # episodes
 BELIEF_FLEETS = (4, 8, 16)  # agents, half of them scouts
 BELIEF_HORIZON = 60  # decisions of those
 LINK = ("link.model=disk", "link.range_m=64")
 MISSES = ("sensors.detection=0.9", "belief.detection=0.9")
 PHYSICS_S = 120.0  # simulated time of a run
 PHYSICS_BATCH = 4  # simulations
-MISSION = (25, 150)  # episodes and decisions of a mission in MuJoCo
+MISSION = (10, 150)  # episodes and decisions of a mission in MuJoCo
 
 
-def _rate(work: Callable[[], float]) -> float:
-    """Median over repeats of work per CPU second; a first call compiles and is not counted."""
-    work()
-    rates = []
-    for _ in range(REPEATS):
-        started = time.process_time()
-        done = work()
-        rates.append(done / (time.process_time() - started))
-    return statistics.median(rates)
+def _figure(found: float | Rate, unit: str) -> dict[str, float | str]:
+    if isinstance(found, Rate):
+        return {"value": found.median, "quickest": found.quickest, "unit": unit}
+    return {"value": found, "unit": unit}
 
 
 def _steps(setup: Setup, policy_name: str, episodes: int) -> Callable[[], float]:
@@ -134,7 +127,7 @@ def _belief_speeds(measure: Callable[[str, str, Callable[[], float]], None]) -> 
         setup = Setup.of(load_scenario("comb-port", (f"belief.fast={str(fast).lower()}",)))
         measure(f"graph_{name}_steps_per_core_s", STEPS, _steps(setup, "belief", BELIEF_BATCH))
     for agents in BELIEF_FLEETS:
-        steps = _steps(_belief_setup(agents), "belief", BELIEF_BATCH // 4)
+        steps = _steps(_belief_setup(agents), "belief", BELIEF_BATCH // 2)
         measure(f"belief_decisions_{agents}_agents_per_core_s", DECISIONS, steps)
 
 
@@ -143,18 +136,20 @@ def _information_speeds(measure: Callable[[str, str, Callable[[], float]], None]
     for name, overrides in (("link", LINK), ("misses", MISSES)):
         setup = Setup.of(load_scenario("comb-port", overrides))
         measure(f"graph_greedy_{name}_steps_per_core_s", STEPS, _steps(setup, "greedy", BATCH))
-        few = _steps(setup, "belief", BELIEF_BATCH // 4)
+        few = _steps(setup, "belief", BELIEF_BATCH // 2)
         measure(f"graph_belief_{name}_steps_per_core_s", STEPS, few)
     whole = partial(_evaluated_steps, BATCH, overrides=LINK)
     measure("evaluate_greedy_link_steps_per_core_s", STEPS, whole)
     most = BELIEF_FLEETS[-1]
-    for policy, episodes in (("greedy", BELIEF_BATCH), ("belief", 2)):
+    for policy, episodes in (("greedy", 2 * BELIEF_BATCH), ("belief", 2)):
         steps = _steps(_belief_setup(most, LINK), policy, episodes)
         measure(f"{policy}_decisions_{most}_holders_per_core_s", DECISIONS, steps)
 
 
 def bench(progress: Progress = lambda name: None) -> Figures:
     """Measure everything: key -> {"value", "unit"}.
+
+    A value that is a speed is the median of slices, and has the "quickest" of them beside it.
 
     Parameters
     ----------
@@ -165,7 +160,7 @@ def bench(progress: Progress = lambda name: None) -> Figures:
 
     def measure(key: str, unit: str, work: Callable[[], float]) -> None:
         progress(key)
-        figures[key] = {"value": _rate(work), "unit": unit}
+        figures[key] = _figure(rate(work), unit)
 
     for name in POLICIES:
         measure(f"graph_{name}_steps_per_core_s", STEPS, _steps(setup, name, BATCH))
@@ -180,13 +175,13 @@ def bench(progress: Progress = lambda name: None) -> Figures:
     progress("physics")
     speeds = physics_speeds(PHYSICS_S, PHYSICS_BATCH) | mission_speeds(*MISSION)
     for key, value in speeds.items():
-        figures[key] = {"value": value, "unit": _physics_unit(key)}
+        figures[key] = _figure(value, _physics_unit(key))
     progress("learning")
     for key, value in learning_speeds().items():
-        figures[key] = {"value": value, "unit": _learning_unit(key)}
+        figures[key] = _figure(value, _learning_unit(key))
     progress("memory")
     for key, value in _memories(large).items():
-        figures[key] = {"value": value, "unit": "MB, peak of a process that does only this"}
+        figures[key] = _figure(value, "MB, peak of a process that does only this")
     return figures
 
 

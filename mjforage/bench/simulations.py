@@ -12,6 +12,7 @@ from collections.abc import Iterator
 
 import mujoco
 
+from mjforage.bench.rates import Rate, rate
 from mjforage.physics.callback import Route, calling
 from mjforage.physics.scene import Scene
 from mjforage.physics.simulation.integrators import Integrator
@@ -20,7 +21,7 @@ from mjforage.physics.validation.port_drive import STEP_S, drive, port_scene, po
 REPEATS = 15
 
 
-def physics_speeds(seconds: float = 120.0, simulations: int = 4) -> dict[str, float]:
+def physics_speeds(seconds: float = 120.0, simulations: int = 4) -> dict[str, float | Rate]:
     """Measure.
 
     Parameters
@@ -38,12 +39,12 @@ def physics_speeds(seconds: float = 120.0, simulations: int = 4) -> dict[str, fl
     """
     scene = port_scene()
     free = dataclasses.replace(scene, model=_without_contacts(scene.model))
-    fast = _rate(scene, Integrator.FAST, seconds, simulations)
+    fast = _speed(scene, Integrator.FAST, seconds, simulations)
     return {
         "physics_sim_s_per_core_s": fast,
-        "physics_steps_per_core_s": fast / STEP_S,
-        "physics_sim_s_per_core_s_no_contacts": _rate(free, Integrator.FAST, seconds, simulations),
-        "physics_sim_s_per_core_s_reference": _rate(
+        "physics_steps_per_core_s": Rate(fast.median / STEP_S, fast.quickest / STEP_S),
+        "physics_sim_s_per_core_s_no_contacts": _speed(free, Integrator.FAST, seconds, simulations),
+        "physics_sim_s_per_core_s_reference": _speed(
             scene, Integrator.REFERENCE, seconds, simulations
         ),
         "physics_callback_overhead": callback_overhead(free),
@@ -93,13 +94,16 @@ def _forceless() -> Iterator[None]:
             pass
 
 
-def _rate(scene: Scene, integrator: Integrator, seconds: float, simulations: int) -> float:
+def _speed(scene: Scene, integrator: Integrator, seconds: float, simulations: int) -> Rate:
     """Simulated seconds per CPU second, after a first run that compiles and brings contacts."""
     simulation = port_simulation(scene, integrator, simulations)
     drive(simulation, 60.0)
-    started = time.process_time()
-    drive(simulation, seconds, seed=1)
-    return simulations * seconds / (time.process_time() - started)
+
+    def work() -> float:
+        drive(simulation, seconds, seed=1)
+        return simulations * seconds
+
+    return rate(work)
 
 
 def _without_contacts(model: mujoco.MjModel) -> mujoco.MjModel:

@@ -16,6 +16,7 @@ from mjforage.cli import main
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 from mjforage.runs.evaluate import evaluate
+from tests.mjforage.printing import unprinted_figures
 
 HORIZON = 12
 POLICIES = ("greedy", "levy")
@@ -75,6 +76,13 @@ def refused(command: Command) -> Callable[..., str]:
         return outcome.err
 
     return run
+
+
+@pytest.fixture
+def unprinted() -> Iterator[None]:
+    """Reports are written with blank figures: for tests of what else is on the page."""
+    with unprinted_figures():
+        yield
 
 
 Start = Callable[..., "subprocess.Popen[str]"]

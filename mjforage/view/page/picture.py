@@ -117,24 +117,22 @@ def svg_bytes(figure: Figure, *, as_text: bool = False) -> bytes:
 
     Letters are outlines, the same on every machine; with `as_text` they are text, to be edited.
     """
-    figure.set_dpi(SVG_DPI)
     metadata: dict[str, Any] = {"Date": None, "Creator": None}
     letters = {"svg.fonttype": "none"} if as_text else {}
-    return _printed(figure, FigureCanvasSVG(figure), letters, format="svg", metadata=metadata)
+    paper = Paper(FigureCanvasSVG, SVG_DPI)
+    return _printed(figure, paper, letters, format="svg", metadata=metadata)
 
 
 def pdf_bytes(figure: Figure) -> bytes:
     """Render to PDF without a date, its letters as text in TrueType."""
-    figure.set_dpi(PDF_DPI)
     metadata: dict[str, Any] = {"CreationDate": None, "Creator": None, "Producer": None}
-    letters = {"pdf.fonttype": 42}
-    return _printed(figure, FigureCanvasPdf(figure), letters, format="pdf", metadata=metadata)
+    letters, paper = {"pdf.fonttype": 42}, Paper(FigureCanvasPdf, PDF_DPI)
+    return _printed(figure, paper, letters, format="pdf", metadata=metadata)
 
 
 def png_bytes(figure: Figure) -> bytes:
     """Render to PNG at 150 dpi, without the software stamp."""
-    figure.set_dpi(DPI)
-    return _printed(figure, FigureCanvasAgg(figure), {}, format="png", metadata={"Software": None})
+    return _printed(figure, PIXELS, {}, format="png", metadata={"Software": None})
 
 
 def smaller(content: bytes) -> bytes:
@@ -146,23 +144,42 @@ def smaller(content: bytes) -> bytes:
     return buffer.getvalue()
 
 
-def _printed(
-    figure: Figure, canvas: FigureCanvasBase, letters: dict[Any, Any], **options: Any
-) -> bytes:
-    """Lay the figure out as it is to be printed, and print it.
+@dataclass(frozen=True)
+class Paper:
+    """What a figure is printed on: matplotlib's canvas, and its dots per inch."""
 
-    With a layout engine in the figure, matplotlib would draw all of it twice.
-    """
-    buffer, engine = io.BytesIO(), figure.get_layout_engine()
-    with mpl.rc_context(style.RC), mpl.rc_context(letters):
-        if engine is not None:
-            engine.execute(figure)
-        figure.set_layout_engine(None)
-        try:
-            canvas.print_figure(buffer, dpi=DPI, **options)
-        finally:
-            figure.set_layout_engine(engine)
+    canvas: type[FigureCanvasBase]
+    dpi: int
+
+    def take(self, figure: Figure) -> FigureCanvasBase:
+        """Put the figure on it."""
+        figure.set_dpi(self.dpi)
+        return self.canvas(figure)
+
+
+PIXELS = Paper(FigureCanvasAgg, DPI)
+
+
+def _printed(figure: Figure, paper: Paper, letters: dict[Any, Any], **options: Any) -> bytes:
+    """Print a figure, laid out once for whatever it is printed on."""
+    buffer = io.BytesIO()
+    with mpl.rc_context(style.RC):
+        _lay_out(figure)
+        with mpl.rc_context(letters):
+            paper.take(figure).print_figure(buffer, dpi=DPI, **options)
     return buffer.getvalue()
+
+
+def _lay_out(figure: Figure) -> None:
+    """Place everything in the figure, as on `PIXELS`; what is added afterwards moves nothing.
+
+    With a layout engine left in the figure, matplotlib would draw all of it twice.
+    """
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        PIXELS.take(figure)
+        engine.execute(figure)
+        figure.set_layout_engine(None)
 
 
 @contextmanager

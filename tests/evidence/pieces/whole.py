@@ -23,7 +23,8 @@ def _board(runs: Runs) -> None:
 
 def _speeds(runs: Runs) -> Iterator[Row]:
     for key, figure in runs.figures().items():
-        yield [f"`{key}`", {"mean": figure["value"]}, figure["unit"]]
+        quickest: Cell = {"mean": figure["quickest"]} if "quickest" in figure else None
+        yield [f"`{key}`", {"mean": figure["value"]}, quickest, figure["unit"]]
 
 
 def _validation(runs: Runs) -> Iterator[Row]:
@@ -58,7 +59,10 @@ PIECES = (
     Piece(
         "speeds",
         {"": "mjforage bench"},
-        (Column("figure"), Column("", 3, True), Column("unit")),
+        (
+            *(Column("figure"), Column("value", 3, True), Column("quickest", 3, True)),
+            Column("unit"),
+        ),
         _speeds,
         minutes=10,
     ),

@@ -4,8 +4,8 @@ from functools import partial
 import pytest
 
 from mjforage.bench import learning as speeds
+from mjforage.bench import rates, simulations
 from mjforage.bench import running as bench
-from mjforage.bench import simulations
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario
 
@@ -23,7 +23,7 @@ def test_bench_measures_every_promised_figure(monkeypatch: pytest.MonkeyPatch) -
     for name in ("callback_overhead", "mean_contacts"):
         monkeypatch.setattr(simulations, name, partial(getattr(simulations, name), simulations=2))
     monkeypatch.setattr(bench, "BATCH", 2)
-    monkeypatch.setattr(bench, "REPEATS", 1)
+    monkeypatch.setattr(rates, "REPEATS", 1)
     monkeypatch.setattr(bench, "BELIEF_BATCH", 4)
     monkeypatch.setattr(bench, "BELIEF_HORIZON", 3)
     monkeypatch.setattr(bench, "BELIEF_FLEETS", (4, 6))
@@ -65,3 +65,13 @@ def test_bench_measures_every_promised_figure(monkeypatch: pytest.MonkeyPatch) -
     for key, figure in figures.items():
         assert figure["unit"]
         assert float(figure["value"]) > (-0.9 if "overhead" in key else 0.0), key
+        assert ("quickest" in figure) == ("_s" in key and "share" not in key and "min" not in key)
+
+
+def test_a_rate_is_the_median_of_slices_and_the_quickest(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first call, which compiles, is none of them."""
+    spent = iter([*(0.0, 4.0), *(5.0, 6.0), *(7.0, 9.0)])
+    monkeypatch.setattr(rates, "REPEATS", 3)
+    monkeypatch.setattr(rates.time, "process_time", lambda: next(spent))
+    work = iter([100.0, 8.0, 8.0, 8.0])
+    assert rates.rate(lambda: next(work)) == rates.Rate(median=4.0, quickest=8.0)

@@ -80,8 +80,13 @@ def test_version_and_help(command: Callable[..., Any]) -> None:
 def test_bench_writes_its_figures(
     command: Callable[..., Any], refused: Refused, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    figures = {"steps": {"value": 1234.6, "unit": "steps per s"}}
+    figures = {
+        "steps": {"value": 1234.6, "quickest": 2345.6, "unit": "steps per s"},
+        "peak_memory": {"value": 5.0, "unit": "MB"},
+    }
     monkeypatch.setattr("mjforage.bench.running.bench", lambda progress: figures)
-    assert "1,235" in command("bench", "--json", "figures.json").out
+    told = command("bench", "--json", "figures.json").out
+    assert "1,235" in told
+    assert "2,346" in told
     assert json.loads(Path("figures.json").read_text()) == figures
     assert "cannot be written" in refused("bench", "--json", "nowhere/figures.json")

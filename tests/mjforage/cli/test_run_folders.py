@@ -79,6 +79,7 @@ def test_report_from_logs_alone_has_the_same_bytes(
     assert any(figures.glob("*.png"))
 
 
+@pytest.mark.usefixtures("unprinted")
 def test_a_report_that_cannot_be_written_is_one_line(refused: Refused, folder: Path) -> None:
     (folder / "report.html").unlink()
     (folder / "report.html").mkdir()

@@ -82,6 +82,7 @@ def test_other_processes_take_it_to_the_same_bits(folder: Path, workers: Workers
     assert not METRICS.has("left") and "left" not in {one.key for one in chosen_metrics()}
 
 
+@pytest.mark.usefixtures("unprinted")
 def test_commands_take_it_and_the_report_shows_it(
     folder: Path, command: Callable[..., Any], refused: Callable[..., str]
 ) -> None:
@@ -105,6 +106,7 @@ def test_commands_take_it_and_the_report_shows_it(
     assert "metric own_waste:Waste: no module own_waste is installed or in" in words
 
 
+@pytest.mark.usefixtures("unprinted")
 def test_a_run_without_it_shows_a_dash(
     folder: Path, monkeypatch: pytest.MonkeyPatch, command: Callable[..., Any]
 ) -> None:
@@ -128,6 +130,7 @@ def test_its_source_is_part_of_the_run(folder: Path) -> None:
         played("run")
 
 
+@pytest.mark.usefixtures("unprinted")
 def test_a_study_takes_it(folder: Path, command: Callable[..., Any]) -> None:
     varied = variants.ablation(setup().scenario, ["greedy"])
     found = run_study(

@@ -13,6 +13,7 @@ from mjforage.view.report import clearing, write_report
 from mjforage.view.report.clearing import UNKNOWN, about, clearing_step, clearing_table
 from mjforage.view.report.run_logs import load_logs
 
+pytestmark = pytest.mark.usefixtures("unprinted")
 NEVER = math.inf
 MakeRun = Callable[..., Path]
 

@@ -10,7 +10,9 @@ import pytest
 
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import describe
+from mjforage.view.page.picture import Picture
 from mjforage.view.report import Exports, write_report
+from mjforage.view.report.all_figures import draw_figures
 from mjforage.view.report.best_marks import best_of
 from mjforage.view.report.run_logs import RunLogs, load_logs
 from tests.mjforage.view.report.made_up_episodes import Plan
@@ -21,13 +23,19 @@ MakeRun = Callable[..., Path]
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, bytes]]:
-    """File name -> content of all formats, written twice from the same logs."""
+    """File name -> content of all formats, written twice from the same logs, of two figures."""
     folder, found = build(tmp_path_factory.mktemp("written") / "run", Plan()), []
-    for _ in range(2):
-        write_report(folder, Exports.of("latex, csv,markdown", "pdf,png,svg"))
-        files = [*(folder / "tables").iterdir(), *(folder / "figures").iterdir()]
-        found.append({path.name: path.read_bytes() for path in files})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("mjforage.view.report.draw_figures", a_map_and_curves)
+        for _ in range(2):
+            write_report(folder, Exports.of("latex, csv,markdown", "pdf,png,svg"))
+            files = [*(folder / "tables").iterdir(), *(folder / "figures").iterdir()]
+            found.append({path.name: path.read_bytes() for path in files})
     return found
+
+
+def a_map_and_curves(logs: RunLogs) -> list[Picture]:
+    return [one for one in draw_figures(logs) if one.name in ("tracks", "pta")]
 
 
 def test_tables_and_figures_are_written_in_the_formats_wanted(
@@ -47,8 +55,11 @@ def test_the_same_logs_give_the_same_files(written: list[dict[str, bytes]]) -> N
     assert written[0] == written[1]
 
 
-def test_without_them_figures_are_outlines_and_no_pdf_is_made(make_run: MakeRun) -> None:
+def test_without_them_figures_are_outlines_and_no_pdf_is_made(
+    make_run: MakeRun, monkeypatch: pytest.MonkeyPatch
+) -> None:
     folder = make_run()
+    monkeypatch.setattr("mjforage.view.report.draw_figures", a_map_and_curves)
     write_report(folder)
     assert {path.suffix for path in (folder / "figures").iterdir()} == {".png", ".svg"}
     assert "<text" not in (folder / "figures" / "pta.svg").read_text(encoding="utf-8")

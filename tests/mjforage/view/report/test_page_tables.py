@@ -17,6 +17,7 @@ from mjforage.view.report import write_report
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.text_tables import headline_table, in_minutes
 
+pytestmark = pytest.mark.usefixtures("unprinted")
 MakeRun = Callable[..., Path]
 
 

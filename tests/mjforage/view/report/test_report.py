@@ -19,6 +19,7 @@ from mjforage.view.report import published, terminal_table, write_report
 from mjforage.view.report.all_figures import draw_figures
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.text_tables import number, paper_tables, policy_name
+from tests.mjforage.printing import unprinted_figures
 from tests.mjforage.view.report.made_up_episodes import Plan
 from tests.mjforage.view.report.made_up_runs import build
 
@@ -78,7 +79,7 @@ def page(reported: Path) -> str:
 def beside_the_paper(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a run like the paper's that nobody may change, with its report."""
     folder = build(tmp_path_factory.mktemp("published") / "run", Plan(name="published"))
-    with pytest.MonkeyPatch.context() as patch:
+    with unprinted_figures(), pytest.MonkeyPatch.context() as patch:
         patch.setattr(published, "comparable", lambda run: True)
         write_report(folder)
     return folder
@@ -205,6 +206,7 @@ def test_the_same_logs_give_the_same_bytes(reported: Path, tmp_path: Path) -> No
     assert {path.name: path.read_bytes() for path in (folder / "figures").iterdir()} == images
 
 
+@pytest.mark.usefixtures("unprinted")
 def test_a_hostile_name_is_escaped(make_run: MakeRun) -> None:
     name = "<script>alert(1)</script>\"'&{{ 7*7 }}`x`"
     policy = "<img src=x onerror=alert(2)>"
@@ -230,11 +232,10 @@ def test_undefined_values_are_left_out_and_counted(make_run: MakeRun) -> None:
     ("settings", "phrase"),
     [
         ({"scouts": 0}, "CO<sub>scouts</sub> is undefined in every episode"),
-        ({"foragers": 0}, "CSR is undefined in every episode"),
+        ({"foragers": 0, "shape": (9, 30)}, "CSR is undefined in every episode"),
         ({"scouts": 0, "foragers": 0}, "no vessels"),
         ({"episodes": 1, "policies": ("greedy",)}, "1 policy, 1 episode each"),
         ({"worlds": ("graph", "physics"), "episodes": 2}, "levy · physics"),
-        ({"shape": (9, 30)}, "The scenario"),
     ],
 )
 def test_unusual_runs(make_run: MakeRun, settings: dict[str, Any], phrase: str) -> None:
@@ -244,6 +245,7 @@ def test_unusual_runs(make_run: MakeRun, settings: dict[str, Any], phrase: str) 
     assert not re.search(r"\b(nan|None|inf)\b", words.split("<main>", 1)[1].split("<pre>{", 1)[0])
 
 
+@pytest.mark.usefixtures("unprinted")
 def test_ten_policies(make_run: MakeRun) -> None:
     shipped = [*list(style.POLICY_COLOURS)[:8], "oracle"]
     page = written(make_run(policies=("mine", *reversed(shipped)), episodes=2))
@@ -304,6 +306,7 @@ def test_damage_is_named(
     assert not (folder / "report.html").exists()
 
 
+@pytest.mark.usefixtures("unprinted")
 def test_a_run_that_keeps_no_replay_has_a_page_without_it(make_run: MakeRun) -> None:
     folder = make_run()
     shutil.rmtree(folder / "replay")
@@ -328,6 +331,7 @@ def test_missing_folder_and_blocked_target(make_run: MakeRun, tmp_path: Path) ->
         write_report(folder)
 
 
+@pytest.mark.usefixtures("unprinted")
 def test_metrics_of_a_link_are_left_out_where_there_is_none(make_run: MakeRun) -> None:
     """As evaluate writes them then: no number anywhere."""
     folder = make_run()

