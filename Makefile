@@ -1,6 +1,7 @@
 # `make demo`: the paper's two baselines at graph level and in MuJoCo, with a report and a film.
 # `make quick`: the tests that take about a minute on two free cores.
-# `make test`: all tests and checks of the sources, and the site, whose tests need what builds it.
+# `make test`: all tests, and ruff, mypy and import-linter.
+# `make capabilities`: tests of what learns, under each set of instructions of processors.
 # `make dist`: a wheel and an sdist in dist/, checked, installed elsewhere and used.
 # `make docs`: the site, under build/site; open build/site/index.html.
 # `make links`: its links to other sites; fails on broken ones, and says which could not be checked.
@@ -50,15 +51,14 @@ test: $(VENV)/.installed-docs
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports
-	$(MAKE) --jobs 2 kernels types docs
-	$(BIN)/pytest -n 2 --dist worksteal -m 'not every_capability'
-	$(MAKE) capabilities
+	$(MAKE) --jobs 2 kernels types
+	$(BIN)/pytest -n 2 --dist worksteal
 
 types: $(VENV)/.installed-dev
 	$(BIN)/mypy
 
-# Compiles what most tests need, on the core that mypy and the site leave: two processes of tests
-# would each do it. Kernels of single policies are few tests' and compiled by the first of them.
+# Compiles what most tests need, on the core that mypy leaves: two processes of tests would each do
+# it. Kernels of single policies are few tests' and compiled by the first of them.
 kernels: $(VENV)/.installed-dev
 	rm -rf $(VENV)/kernels
 	$(BIN)/mjforage compare comb-port-weather --policy belief --episodes 1 \

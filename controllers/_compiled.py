@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core import types
 from numba.core.caching import FunctionCache
 
 F = TypeVar("F", bound=Callable[..., object])
@@ -28,19 +29,46 @@ class _Cache(FunctionCache):
     names of its files: whatever older sources left is never read.
     """
 
-    def __init__(self, function: Callable[..., object]) -> None:
+    def __init__(self, function: Callable[..., object], bare: bool) -> None:
         super().__init__(function)  # type: ignore[no-untyped-call]
         index: Any = self._cache_file
         index._version = f"{index._version} {_STAMP}"
         head, _, number = index._data_name_pattern.rpartition(".{number")
-        index._data_name_pattern = f"{head}.{_STAMP[:12]}.{{number{number}"
+        index._data_name_pattern = f"{head}.{_STAMP[:12]}{'.bare' * bare}.{{number{number}"
+        if bare:
+            index._index_path = index._index_path.removesuffix(".nbi") + ".bare.nbi"
+
+
+def _with_bare(outer: Any, inner: Any) -> None:
+    """Have other kernels call a compilation of their own, one for all values of an argument.
+
+    It lacks what unpacks Python's objects, a good part of the time of compiling. numba would also
+    compile anew for every number that a caller spells out.
+    """
+    any_value = cast(Any, types).unliteral
+
+    def call_template(arguments: tuple[Any, ...], named: dict[str, Any]) -> Any:
+        return inner.get_call_template(
+            tuple(map(any_value, arguments)), {name: any_value(of) for name, of in named.items()}
+        )
+
+    outer.get_call_template, outer.get_overload = call_template, inner.get_overload
 
 
 def kernel(function: F) -> F:
     """Compile `function` in nopython mode, cached on disk.
 
     No fast-math: sums keep their order, so a result never depends on the batch it is in.
+
+    For Python, and apart for other kernels.
     """
-    dispatcher = cast(Any, numba).njit(fastmath=False, nogil=True)(function)
-    dispatcher._cache = _Cache(dispatcher.py_func)
-    return cast(F, dispatcher)
+    outer, inner = (
+        cast(Any, numba).njit(
+            fastmath=False, nogil=True, no_cpython_wrapper=bare, no_cfunc_wrapper=True
+        )(function)
+        for bare in (False, True)
+    )
+    if hasattr(outer, "overloads"):  # not when numba is switched off
+        outer._cache, inner._cache = _Cache(function, False), _Cache(function, True)
+        _with_bare(outer, inner)
+    return cast(F, outer)

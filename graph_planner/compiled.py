@@ -13,7 +13,7 @@ from typing import Any, Generic, TypeVar, cast
 
 import numba
 import numpy as np
-from numba.core import event
+from numba.core import event, types
 from numba.core.caching import FunctionCache
 
 F = TypeVar("F", bound=Callable[..., object])
@@ -60,7 +60,7 @@ class _Cache(FunctionCache):
     names of its files: whatever older sources left is never read.
     """
 
-    def __init__(self, function: Callable[..., object]) -> None:
+    def __init__(self, function: Callable[..., object], bare: bool) -> None:
         super().__init__(function)  # type: ignore[no-untyped-call]
         depth = len(function.__module__.split(".")) - 1
         here = Path(function.__code__.co_filename).resolve()
@@ -68,13 +68,38 @@ class _Cache(FunctionCache):
         index: Any = self._cache_file
         index._version = f"{index._version} {sources}"
         head, _, number = index._data_name_pattern.rpartition(".{number")
-        index._data_name_pattern = f"{head}.{sources[:12]}.{{number{number}"
+        index._data_name_pattern = f"{head}.{sources[:12]}{'.bare' * bare}.{{number{number}"
+        if bare:
+            index._index_path = index._index_path.removesuffix(".nbi") + ".bare.nbi"
+
+
+def _with_bare(outer: Any, inner: Any) -> None:
+    """Have other kernels call a compilation of their own, one for all values of an argument.
+
+    It lacks what unpacks Python's objects, a good part of the time of compiling. numba would also
+    compile anew for every number that a caller spells out.
+    """
+    any_value = cast(Any, types).unliteral
+
+    def call_template(arguments: tuple[Any, ...], named: dict[str, Any]) -> Any:
+        return inner.get_call_template(
+            tuple(map(any_value, arguments)), {name: any_value(of) for name, of in named.items()}
+        )
+
+    outer.get_call_template, outer.get_overload = call_template, inner.get_overload
 
 
 def _compiled(function: F, inline: str, fastmath: object = False) -> F:
-    dispatcher = cast(Any, numba).njit(fastmath=fastmath, nogil=True, inline=inline)(function)
-    dispatcher._cache = _Cache(dispatcher.py_func)
-    return cast(F, dispatcher)
+    """Compile for Python, and apart for other kernels."""
+    options: dict[str, Any] = {"fastmath": fastmath, "nogil": True, "inline": inline}
+    outer, inner = (
+        cast(Any, numba).njit(**options, no_cpython_wrapper=bare, no_cfunc_wrapper=True)(function)
+        for bare in (False, True)
+    )
+    if hasattr(outer, "overloads"):  # not when numba is switched off
+        outer._cache, inner._cache = _Cache(function, False), _Cache(function, True)
+        _with_bare(outer, inner)
+    return cast(F, outer)
 
 
 def kernel(function: F) -> F:

@@ -1,9 +1,9 @@
 """Settings of all tests, and which of them this processor can run.
 
 Hypothesis has no deadlines (kernels compile) and is the same every time. Tests that are marked
-`every_capability` are run by `make test` under each set of instructions that torch can be told to
-use (`ATEN_CPU_CAPABILITY`); torch takes the word for it, and a processor without them ends the
-process, so such tests are skipped there.
+`every_capability` are run by `make capabilities` under each set of instructions that torch can be
+told to use (`ATEN_CPU_CAPABILITY`); torch takes the word for it, and a processor without them ends
+the process, so such tests are skipped there.
 """
 
 import os

@@ -43,10 +43,11 @@ def mission_speeds(episodes: int = 10, horizon: int = 150) -> dict[str, float | 
     speed = rate(lambda: _play(setup, episodes))
     profile = cProfile.Profile()
     profile.runcall(_play, setup, episodes)
-    return {
+    figures: dict[str, float | Rate] = {
         "physics_mission_sim_s_per_core_s": speed,
         "physics_core_min_per_100_episodes": 100 * 1500.0 / speed.median / 60.0,
-    } | _shares(profile)
+    }
+    return figures | _shares(profile)
 
 
 def _play(setup: Setup, episodes: int) -> float:

@@ -4,6 +4,7 @@ import copy
 import pickle
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,6 +15,7 @@ from numba.core import event
 from numba.core.errors import TypingError
 from numpy.typing import NDArray
 
+from controllers._compiled import kernel as control_kernel
 from graph_planner.compiled import compiling, kernel, prepared
 
 
@@ -228,3 +230,38 @@ def test_it_is_known_whether_a_kernel_is_being_compiled() -> None:
         assert not compiling() and nowhere_else(1.0) == 2.0
         assert heard.said == [True] and not compiling()
         assert nowhere_else(2.0) == 3.0 and heard.said == [True]
+
+
+class Compiled(event.Listener):
+    """Names of what numba compiles, and whether Python can call it."""
+
+    def __init__(self) -> None:
+        self.kernels: list[tuple[str, bool]] = []
+
+    def on_start(self, event: event.Event) -> None:
+        dispatcher = event.data["dispatcher"]
+        bare = bool(dispatcher.targetoptions.get("no_cpython_wrapper"))
+        self.kernels.append((dispatcher.py_func.__name__, not bare))
+
+    def on_end(self, event: event.Event) -> None:
+        pass
+
+
+@pytest.mark.parametrize("decorator", [kernel, control_kernel])
+def test_kernels_that_kernels_call_are_compiled_once_for_all_numbers_and_not_for_python(
+    decorator: Callable[[Callable[[int], int]], Callable[[int], int]], tmp_path: Path
+) -> None:
+    code: dict[str, Any] = {"__name__": "kernels"}
+    source = tmp_path / "kernels.py"  # new: no disk has it
+    source.write_text(
+        "def doubled(x):\n    return 2 * x\n"
+        "def total(x):\n    return helper(1) + helper(x) + helper(x=-3)\n"
+    )
+    exec(compile(source.read_text(), str(source), "exec"), code)
+    helper = code["helper"] = decorator(code["doubled"])
+    total, heard = decorator(code["total"]), Compiled()
+    with event.install_listener("numba:compile", heard):
+        assert total(5) == 2 + 10 - 6
+        assert heard.kernels == [("total", True), ("doubled", False)]
+        assert helper(4) == 8, "Python calls it too, by a compilation of its own"
+        assert heard.kernels[2:] == [("doubled", True)]
