@@ -53,6 +53,7 @@ def _with_bare(outer: Any, inner: Any) -> None:
         )
 
     outer.get_call_template, outer.get_overload = call_template, inner.get_overload
+    outer._compiling_counter = inner._compiling_counter  # a kernel may call itself
 
 
 def kernel(function: F) -> F:

@@ -87,6 +87,7 @@ def _with_bare(outer: Any, inner: Any) -> None:
         )
 
     outer.get_call_template, outer.get_overload = call_template, inner.get_overload
+    outer._compiling_counter = inner._compiling_counter  # a kernel may call itself
 
 
 def _compiled(function: F, inline: str, fastmath: object = False) -> F:

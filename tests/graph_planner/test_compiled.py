@@ -1,10 +1,11 @@
 """Compiled kernels must follow the sources of everything that they call."""
 
 import copy
+import importlib
 import pickle
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,7 +16,6 @@ from numba.core import event
 from numba.core.errors import TypingError
 from numpy.typing import NDArray
 
-from controllers._compiled import kernel as control_kernel
 from graph_planner.compiled import compiling, kernel, prepared
 
 
@@ -247,21 +247,49 @@ class Compiled(event.Listener):
         pass
 
 
-@pytest.mark.parametrize("decorator", [kernel, control_kernel])
+KERNELS = """
+from {package} import kernel
+
+@kernel
+def doubled(x):
+    return 2 * x
+
+@kernel
+def total(x):
+    return doubled(1) + doubled(x) + doubled(x=-3)
+
+@kernel
+def factorial(n):
+    return 1 if n < 2 else n * factorial(n - 1)
+
+@kernel
+def above(n):
+    return factorial(n) + 1
+"""
+
+
+@pytest.fixture(params=["graph_planner.compiled", "controllers._compiled"])
+def kernels(
+    tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Any]:
+    """Return a module of kernels that is new, so that no disk has them compiled."""
+    (tmp_path / "new_kernels.py").write_text(KERNELS.format(package=request.param))
+    monkeypatch.syspath_prepend(tmp_path)
+    yield importlib.import_module("new_kernels")
+    del sys.modules["new_kernels"]
+
+
 def test_kernels_that_kernels_call_are_compiled_once_for_all_numbers_and_not_for_python(
-    decorator: Callable[[Callable[[int], int]], Callable[[int], int]], tmp_path: Path
+    kernels: Any,
 ) -> None:
-    code: dict[str, Any] = {"__name__": "kernels"}
-    source = tmp_path / "kernels.py"  # new: no disk has it
-    source.write_text(
-        "def doubled(x):\n    return 2 * x\n"
-        "def total(x):\n    return helper(1) + helper(x) + helper(x=-3)\n"
-    )
-    exec(compile(source.read_text(), str(source), "exec"), code)
-    helper = code["helper"] = decorator(code["doubled"])
-    total, heard = decorator(code["total"]), Compiled()
+    heard = Compiled()
     with event.install_listener("numba:compile", heard):
-        assert total(5) == 2 + 10 - 6
+        assert kernels.total(5) == 2 + 10 - 6
         assert heard.kernels == [("total", True), ("doubled", False)]
-        assert helper(4) == 8, "Python calls it too, by a compilation of its own"
+        assert kernels.doubled(4) == 8, "Python calls it too, by a compilation of its own"
         assert heard.kernels[2:] == [("doubled", True)]
+
+
+def test_a_kernel_may_call_itself(kernels: Any) -> None:
+    assert kernels.above(4) == 25
+    assert kernels.factorial(5) == 120
