@@ -55,6 +55,9 @@ class TrainingInfo:
     """Hash of the cells and starts of the maps; of a family, of its ends."""
     hulls: str = ""
     """Hash of the hulls, debris and capture models; absent in the graph world."""
+    instructions: str = ""
+    """Processor's instructions that torch used where the run began, such as AVX2: the last bits of
+    what is learned depend on them."""
 
 
 @dataclass(frozen=True)

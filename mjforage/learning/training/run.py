@@ -206,6 +206,7 @@ def _facts(trainer: Algorithm[Any]) -> dict[str, object]:
         hulls = {"hulls": _hulls(setups, [told.world])}
     return {
         "command": provenance()["command"],
+        "instructions": torch.backends.cpu.get_cpu_capability(),
         **identity(trainer),
         "maps": _maps(setups),
         "weights": weights,

@@ -141,6 +141,7 @@ def test_what_a_run_leaves_behind(finished: tuple[Path, Trainer]) -> None:
     jsonschema.validate(facts, json_schema(TrainingInfo))
     found = check(TrainingInfo, facts, "").hyperparameters
     assert check(Hyperparameters, found, "") == trainer.hyperparameters
+    assert facts["instructions"] == torch.backends.cpu.get_cpu_capability()
     assert facts["seed"] == 3 and facts["hyperparameters"]["num_envs"] == 3
     rows = pl.read_parquet(folder / "training.parquet")
     assert rows.height == trainer.progress.rounds
