@@ -21,7 +21,7 @@ unexport PYTHONDONTWRITEBYTECODE
 CAPABILITIES := default avx2 avx512
 LEARNING := tests/mjforage/learning tests/graph_planner/test_weights.py
 
-.PHONY: demo quick test types kernels capabilities mutants evidence evidence-pages dist docs links pages gallery install clean
+.PHONY: demo quick test types planner hulls capabilities mutants evidence evidence-pages dist docs links pages gallery install clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.installed: pyproject.toml constraints.txt
@@ -51,18 +51,23 @@ test: $(VENV)/.installed-docs
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports
-	$(MAKE) --jobs 2 kernels types
+	$(MAKE) --jobs 2 planner hulls types
 	$(BIN)/pytest -n 2 --dist worksteal
 
 types: $(VENV)/.installed-dev
 	$(BIN)/mypy
 
-# Compiles what most tests need, on the core that mypy leaves: two processes of tests would each do
-# it. Kernels of single policies are few tests' and compiled by the first of them.
-kernels: $(VENV)/.installed-dev
-	rm -rf $(VENV)/kernels
-	$(BIN)/mjforage compare comb-port-weather --policy belief --episodes 1 \
-		--set horizon=20 --replay none --out $(VENV)/kernels >/dev/null
+# Compile what most tests need: two processes of tests would each do it. Kernels of single policies
+# are few tests' and compiled by the first of them.
+COMPILE := --episodes 1 --set horizon=20 --replay none >/dev/null
+
+planner: $(VENV)/.installed-dev
+	rm -rf $(VENV)/planner
+	$(BIN)/mjforage evaluate comb-port-weather --policy belief --out $(VENV)/planner $(COMPILE)
+
+hulls: $(VENV)/.installed-dev
+	rm -rf $(VENV)/hulls
+	$(BIN)/mjforage evaluate comb-port-weather --policy greedy --world physics --out $(VENV)/hulls $(COMPILE)
 
 capabilities: $(VENV)/.installed-dev
 	for capability in $(CAPABILITIES); do \
