@@ -47,17 +47,18 @@ demo: $(VENV)/.installed
 quick: $(VENV)/.installed-dev
 	$(BIN)/pytest -n 2 --dist worksteal -m 'not slow'
 
+# Tests of the site's extensions need what builds it.
 test: $(VENV)/.installed-docs
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports
-	$(MAKE) --jobs 2 planner hulls types
+	$(MAKE) --jobs 2 hulls types
 	$(BIN)/pytest -n 2 --dist worksteal
 
 types: $(VENV)/.installed-dev
 	$(BIN)/mypy
 
-# Compile what most tests need: two processes of tests would each do it. Kernels of single policies
+# Compile what most tests need, one after the other: two processes would each do it. Kernels of single policies
 # are few tests' and compiled by the first of them.
 COMPILE := --episodes 1 --set horizon=20 --replay none >/dev/null
 
@@ -65,7 +66,7 @@ planner: $(VENV)/.installed-dev
 	rm -rf $(VENV)/planner
 	$(BIN)/mjforage evaluate comb-port-weather --policy belief --out $(VENV)/planner $(COMPILE)
 
-hulls: $(VENV)/.installed-dev
+hulls: planner
 	rm -rf $(VENV)/hulls
 	$(BIN)/mjforage evaluate comb-port-weather --policy greedy --world physics --out $(VENV)/hulls $(COMPILE)
 

@@ -180,7 +180,6 @@ def test_bad_input_is_named_before_anything_is_written(
     assert not (tmp_path / "new").exists()
 
 
-@pytest.mark.usefixtures("unprinted")
 def test_one_command_computes_and_draws_the_board_and_another_writes_its_page(
     tmp_path: Path, command: Command, refused: Refused
 ) -> None:

@@ -241,7 +241,6 @@ def test_parts_mark_the_bound_in_every_table(tmp_path: Path, command: Command) -
     assert "Minus the oracle, which is a bound" in page
 
 
-@pytest.mark.usefixtures("unprinted")
 def test_communication_is_one_page_with_the_maps_of_two_holders(
     tmp_path: Path, command: Command
 ) -> None:
