@@ -46,9 +46,10 @@ def compiling() -> bool:
 
 @lru_cache(maxsize=8)
 def _stamp(source: Path) -> str:
-    """Changes whenever a source file of a package (or a lone script) or of this package does."""
+    """Changes whenever a source file of a package (or a lone script), or of those below, does."""
     others = source.rglob("*.py") if source.is_dir() else [source]
-    files = sorted({*others, *_HERE.rglob("*.py")})
+    beside = (_HERE, _HERE.parent / "controllers")
+    files = sorted({*others, *(file for folder in beside for file in folder.rglob("*.py"))})
     found = [(str(file), file.stat().st_mtime_ns, file.stat().st_size) for file in files]
     return hashlib.sha256(repr(found).encode()).hexdigest()
 

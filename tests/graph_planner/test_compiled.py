@@ -16,6 +16,7 @@ from numba.core import event
 from numba.core.errors import TypingError
 from numpy.typing import NDArray
 
+from graph_planner import compiled
 from graph_planner.compiled import compiling, kernel, prepared
 
 
@@ -293,3 +294,19 @@ def test_kernels_that_kernels_call_are_compiled_once_for_all_numbers_and_not_for
 def test_a_kernel_may_call_itself(kernels: Any) -> None:
     assert kernels.above(4) == 25
     assert kernels.factorial(5) == 120
+
+
+def test_kernels_are_compiled_again_when_those_of_controllers_change(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Kernels of mjforage call them."""
+    for package in ("graph_planner", "controllers", "mjforage"):
+        (tmp_path / package).mkdir()
+        (tmp_path / package / "chart.py").write_text("one = 1\n")
+    monkeypatch.setattr(compiled, "_HERE", tmp_path / "graph_planner")
+    stamps = set()
+    for package in ("mjforage", "controllers", "graph_planner"):
+        stamps.add(compiled._stamp.__wrapped__(tmp_path / "mjforage"))
+        (tmp_path / package / "chart.py").write_text("two = 20\n")
+    stamps.add(compiled._stamp.__wrapped__(tmp_path / "mjforage"))
+    assert len(stamps) == 4
