@@ -94,6 +94,8 @@ FIRST = 0.12  # place of the first stop of a ramp that is not water
 RAMP_PLACES = (0.0, FIRST, 0.4, 0.7, 1.0)
 
 RC: dict[Any, Any] = {
+    "figure.autolayout": False,
+    "figure.constrained_layout.use": False,  # `picture.canvas` asks for it
     "font.family": "DejaVu Sans",
     "font.size": 11.0,
     "axes.titlesize": 11.0,
