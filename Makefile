@@ -58,8 +58,8 @@ test: $(VENV)/.installed-docs
 types: $(VENV)/.installed-dev
 	$(BIN)/mypy
 
-# Compile what most tests need, one after the other: two processes would each do it. Kernels of single policies
-# are few tests' and compiled by the first of them.
+# Compile what most tests need, one after the other: two processes would each do it. Kernels of
+# single policies are few tests' and compiled by the first of them.
 COMPILE := --episodes 1 --set horizon=20 --replay none >/dev/null
 
 planner: $(VENV)/.installed-dev

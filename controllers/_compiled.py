@@ -1,4 +1,8 @@
-"""The one place of this package where numba is configured."""
+"""The one place of this package where numba is configured.
+
+What caches and compiles is as in `graph_planner/compiled.py`, which this package does not know, nor
+that this one: neither may import the other, and one test holds both to the same.
+"""
 
 import hashlib
 from collections.abc import Callable

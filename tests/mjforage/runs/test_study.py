@@ -224,7 +224,6 @@ def test_a_spoilt_chunk_names_the_command_that_was_run(tmp_path: Path, refused: 
     assert "evaluate" not in words
 
 
-@pytest.mark.usefixtures("unprinted")
 def test_parts_mark_the_bound_in_every_table(tmp_path: Path, command: Command) -> None:
     folder = tmp_path / "parts"
     small = ("--episodes", 2, "--set", "horizon=3", "--set", "belief.fast=true")
@@ -261,7 +260,6 @@ def test_communication_is_one_page_with_the_maps_of_two_holders(
     assert "cannot be played again" in page and "does not come out as logged" in page
 
 
-@pytest.mark.usefixtures("unprinted")
 def test_sensing_asks_the_planner_alone_what_it_assumes(tmp_path: Path, command: Command) -> None:
     folder = tmp_path / "sensing"
     small = ("--episodes", 2, "--set", "horizon=3", "--policy", "greedy")
