@@ -23,13 +23,13 @@ def drawn() -> Figure:
     return figure
 
 
-@pytest.mark.parametrize("settings", [{}, {"figure.constrained_layout.use": True}])
-def test_the_first_print_lays_out_and_no_other_moves_anything(settings: dict[str, bool]) -> None:
+@pytest.mark.parametrize("asks", [False, True])
+def test_the_first_print_lays_out_and_no_other_moves_anything(asks: bool) -> None:
     """Nor does it where a user's settings ask for a layout of every figure."""
     found = []
     for order in (PRINT, PRINT[::-1], PRINT[1:] + PRINT[:1]):
         figure = drawn()
-        with mpl.rc_context(settings):
+        with mpl.rc_context({"figure.constrained_layout.use": asks}):
             printed = {form.__name__: form(figure) for form in order}
         assert figure.get_layout_engine() is None
         found.append(printed)
