@@ -7,7 +7,7 @@ before their loops: reading a field counts references, which costs more than the
 import copy
 import hashlib
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, Generic, TypeVar, cast
 
@@ -74,33 +74,47 @@ class _Cache(FunctionCache):
             index._index_path = index._index_path.removesuffix(".nbi") + ".bare.nbi"
 
 
-def _with_bare(outer: Any, inner: Any) -> None:
+def _with_bare(outer: Any, made: Callable[[], Any]) -> None:
     """Have other kernels call a compilation of their own, one for all values of an argument.
 
     It lacks what unpacks Python's objects, a good part of the time of compiling. numba would also
-    compile anew for every number that a caller spells out.
+    compile anew for every number that a caller spells out. Its dispatcher is made by the first
+    kernel that is compiled and calls it: none where the disk holds all that is needed.
     """
     any_value = cast(Any, types).unliteral
 
+    @cache
+    def inner() -> Any:
+        bare = made()
+        bare._compiling_counter = outer._compiling_counter  # a kernel may call itself
+        return bare
+
     def call_template(arguments: tuple[Any, ...], named: dict[str, Any]) -> Any:
-        return inner.get_call_template(
+        return inner().get_call_template(
             tuple(map(any_value, arguments)), {name: any_value(of) for name, of in named.items()}
         )
 
-    outer.get_call_template, outer.get_overload = call_template, inner.get_overload
-    outer._compiling_counter = inner._compiling_counter  # a kernel may call itself
+    def overload(signature: Any) -> Any:
+        return inner().get_overload(signature)
+
+    outer.get_call_template, outer.get_overload = call_template, overload
 
 
 def _compiled(function: F, inline: str, fastmath: object = False) -> F:
     """Compile for Python, and apart for other kernels."""
     options: dict[str, Any] = {"fastmath": fastmath, "nogil": True, "inline": inline}
-    outer, inner = (
-        cast(Any, numba).njit(**options, no_cpython_wrapper=bare, no_cfunc_wrapper=True)(function)
-        for bare in (False, True)
-    )
-    if hasattr(outer, "overloads"):  # not when numba is switched off
-        outer._cache, inner._cache = _Cache(function, False), _Cache(function, True)
-        _with_bare(outer, inner)
+
+    def dispatcher(bare: bool) -> Any:
+        made = cast(Any, numba).njit(**options, no_cpython_wrapper=bare, no_cfunc_wrapper=True)(
+            function
+        )
+        if hasattr(made, "overloads"):  # not when numba is switched off
+            made._cache = _Cache(function, bare)
+        return made
+
+    outer = dispatcher(bare=False)
+    if hasattr(outer, "overloads"):
+        _with_bare(outer, lambda: dispatcher(bare=True))
     return cast(F, outer)
 
 

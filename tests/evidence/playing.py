@@ -4,7 +4,7 @@ import hashlib
 import json
 import shlex
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,12 @@ def plain(command: str) -> list[str]:
         at = words.index("--jobs")
         del words[at : at + 2]
     return words
+
+
+def flags(policies: Iterable[str]) -> str:
+    """As a command names policies; those with options are quoted for a shell."""
+    quoted = (f'"{name}"' if "(" in name else name for name in policies)
+    return " ".join(f"--policy {name}" for name in quoted)
 
 
 def place(command: str, runs: Path = RUNS) -> Path:

@@ -6,8 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
+import polars as pl
 import pytest
+from numpy.typing import NDArray
 
+from graph_planner.policies.registry import policy_names
 from mjforage.cli.console import app
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import chosen_metrics
@@ -29,7 +33,7 @@ from tests.evidence.piece import (
     interval,
     mean,
 )
-from tests.evidence.pieces import PIECES, worlds
+from tests.evidence.pieces import PIECES, learning, tuning, worlds
 from tests.evidence.playing import Runs, place, plain
 
 TABLES = {name: piece for name, piece in PIECES.items() if piece.columns}
@@ -207,16 +211,22 @@ class _Promised:
         self.info = SimpleNamespace(policies=tuple(given["policy"]), worlds=found)
         self._known = {one.key for one in chosen_metrics()}
 
-    def values(self, policy: str, key: str, world: str = "graph") -> list[float]:
+    def values(self, policy: str, key: str, world: str = "graph") -> NDArray[np.float64]:
         assert policy in self.info.policies and world in self.info.worlds and key in self._known
-        return [1.0, 2.0, 4.0]
+        return np.array([1.0, 2.0, 4.0])
 
 
-PLAYED = [
-    name
-    for name, piece in TABLES.items()
-    if next(iter(piece.runs.values())).split()[1] in ("evaluate", "compare")
-]
+def _of(*commands: str) -> list[str]:
+    """Tables whose runs are made by one of these commands of ours."""
+    return [
+        name
+        for name, piece in TABLES.items()
+        if next(iter(piece.runs.values())).split()[1] in commands
+    ]
+
+
+PLAYED = _of("evaluate", "compare")
+TRAINED = _of("train")
 
 
 @pytest.mark.parametrize("name", PLAYED)
@@ -230,3 +240,30 @@ def test_rows_take_what_their_commands_make(name: str, monkeypatch: pytest.Monke
     rows = [list(row) for row in piece.rows(runs)]
     assert {len(row) for row in rows} == {len(piece.columns)}
     assert {row[0] for row in rows} == {row[0] for row in data.load(piece)["rows"]}
+
+
+@pytest.mark.parametrize("name", TRAINED)
+def test_rows_of_trainings_take_what_they_leave(
+    name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Weights of every training play, and nothing else than what stands in a command's folder."""
+
+    def promised(folder: Path, command: str) -> _Promised:
+        run = _Promised(command)
+        own = {file.stem for file in folder.glob("*.safetensors")}
+        assert own <= set(run.info.policies) <= own | set(policy_names())
+        return run
+
+    for module in (learning, tuning):
+        monkeypatch.setattr(module, "run_in", promised)
+    folders = {}
+    for label in PIECES[name].runs:
+        folders[label] = tmp_path / label.replace(", ", "-").replace(" ", "-")
+        folders[label].mkdir()
+        for weights in ("best", "weights"):
+            (folders[label] / f"{weights}.safetensors").touch()
+        rows = pl.DataFrame({"updates": [0.0, 500.0, 1000.0], "rank": [3.0, 1.0, 2.0]})
+        rows.write_parquet(folders[label] / "evaluations.parquet")
+    played = [list(row) for row in PIECES[name].rows(Runs(folders))]
+    assert {len(row) for row in played} == {len(PIECES[name].columns)}
+    assert len(played) == len(data.load(PIECES[name])["rows"])

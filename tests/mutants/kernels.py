@@ -34,7 +34,7 @@ def stamped_by_file(copy: Path) -> None:
     path.write_text(text.replace(STAMP, "    found = [str(source), len(files)]"), encoding="utf-8")
 
 
-COMPILING = "    outer, inner = ("
+COMPILING = "    outer = dispatcher(bare=False)"
 COMPILERS = ("graph_planner/compiled.py", "controllers/_compiled.py")
 
 

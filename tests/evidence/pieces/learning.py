@@ -1,9 +1,7 @@
 """docs/learning.md and docs/evidence/why-scores-fell.md."""
 
 import io
-import shutil
 from collections.abc import Iterator, Sequence
-from contextlib import chdir
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +15,8 @@ from mjforage.view.page.picture import smaller
 from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row, average, beside
 from tests.evidence.pieces import communication
 from tests.evidence.pieces.policies import ELSEWHERE, LEARNED
-from tests.evidence.playing import Run, Runs, play
+from tests.evidence.pieces.trained import gathered, run_in, together
+from tests.evidence.playing import Run, Runs, flags
 
 PICTURE = "docs/evidence/family-seeds.png"
 SEEDS = (1, 2, 3)
@@ -93,32 +92,21 @@ def _seeds(runs: Runs) -> Iterator[Row]:
 
 def _fresh(folder: Path, words: str) -> Run:
     """Episodes that chose neither of them, by the best weights of a training and by its last."""
-    return _run_in(folder, f"mjforage evaluate {words} --policy best --policy weights --seed 7")
-
-
-def _run_in(folder: Path, command: str) -> Run:
-    """A run where the weights that are in a folder are policies by the names of their files."""
-    with chdir(folder):
-        return Run(play(command, runs=folder / "fresh"))
+    return run_in(folder, f"mjforage evaluate {words} --policy best --policy weights --seed 7")
 
 
 def _elsewhere(runs: Runs) -> Iterator[Row]:
     """Of each map the mean of the seeds' last weights, episode by episode, beside `ddqn`."""
-    folders = list(runs.folders.values())
-    seeds = [f"{folder.name}-last" for folder in folders]
-    home = folders[0].with_name("family-elsewhere")
-    home.mkdir(exist_ok=True)
-    for name, folder in zip(seeds, folders, strict=True):
-        shutil.copy(folder / "weights.safetensors", home / f"{name}.safetensors")
-    policies = " ".join(f"--policy {name}" for name in ("ddqn", *seeds))
+    home = next(iter(runs.folders.values())).with_name("family-elsewhere")
+    seeds = gathered(runs.folders.values(), home)
+    policies = flags(["ddqn", *seeds])
     own = {"`published`": ("mjforage evaluate published", 200)}
     others = {place: (played, 100) for place, played in ELSEWHERE.items()}
     for place, (played, episodes) in (own | others).items():
-        run = _run_in(home, f"{played} {policies} --episodes {episodes} --seed 7")
+        run = run_in(home, f"{played} {policies} --episodes {episodes} --seed 7")
         cells = []
         for key in LEARNED:
-            family = np.mean([run.values(name, key) for name in seeds], axis=0)
-            cells.append(beside(family, run.values("ddqn", key)))
+            cells.append(beside(together(run, seeds, key), run.values("ddqn", key)))
         yield [place, *cells]
 
 

@@ -1,9 +1,9 @@
 """docs/policies/ and models/weights/README.md."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 from tests.evidence.piece import Cell, Column, Piece, Row, average, beside, gap, mean
-from tests.evidence.playing import Runs
+from tests.evidence.playing import Runs, flags
 
 HARBOURS = (
     *("combs:1000", "basins:1001", "channels:1002", "islands:1003", "bays:1004"),
@@ -94,12 +94,6 @@ def _settings(runs: Runs) -> Iterator[Row]:
         yield [head, *(mean(runs.only.values(policy, key)) for key in _SHORT)]
 
 
-def _flags(policies: Mapping[str, str]) -> str:
-    return " ".join(
-        f'--policy "{name}"' if "(" in name else f"--policy {name}" for name in policies.values()
-    )
-
-
 _FOUR = "--policy ddqn --policy ddqn-reward --policy mappo --policy greedy --episodes 200"
 _THREE = "--policy ddqn --policy ddqn-reward --policy greedy --episodes 200 --seed 1"
 _MAPPO = "--policy mappo --policy ddqn --policy greedy"
@@ -144,7 +138,7 @@ PIECES = (
     ),
     Piece(
         "dec-mcts-settings",
-        {"": f"mjforage evaluate comb-port {_flags(SETTINGS)} --episodes 50 --seed 1"},
+        {"": f"mjforage evaluate comb-port {flags(SETTINGS.values())} --episodes 50 --seed 1"},
         (Column("comb-port, seed 1"), *_SHORT.values()),
         _settings,
     ),
