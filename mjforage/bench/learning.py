@@ -11,7 +11,8 @@ from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.trainer import Trainer
 
 ENVS = 32
-STEPS = 150
+STEPS = 150 + 1
+"""Of a slice: an episode of the published scenario, and the step that begins the next."""
 ROUNDS = 2
 UPDATES = 20
 OBSERVATIONS = ("paper", "egocentric")
