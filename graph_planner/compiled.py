@@ -6,6 +6,7 @@ before their loops: reading a field counts references, which costs more than the
 
 import copy
 import hashlib
+import importlib
 from collections.abc import Callable
 from functools import cache, lru_cache
 from pathlib import Path
@@ -176,8 +177,14 @@ class prepared(Generic[T]):  # noqa: N801  what it makes is called like a functi
         return prepared(self._function, *copy.deepcopy(self._fixed, memo))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """The kernel and its arguments; another process finds the compiled code itself."""
-        return prepared, (self._function, *self._fixed)
+        """Where the kernel is and its arguments; another process finds the compiled code itself."""
+        function = cast(Any, self._function)
+        return _prepared_again, (function.__module__, function.__name__, *self._fixed)
+
+
+def _prepared_again(module: str, name: str, *fixed: object) -> prepared[Any]:
+    """By its name: numba would carry a kernel's source along, whose code no disk keeps."""
+    return prepared(getattr(importlib.import_module(module), name), *fixed)
 
 
 def inlined(function: F) -> F:

@@ -141,6 +141,13 @@ def test_a_copy_of_a_prepared_kernel_has_arguments_of_its_own() -> None:
         factor[:] = 2.0, 3.0
 
 
+def test_a_pickled_kernel_is_looked_up_in_its_module(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So that it is the one of that process, which the disk has compiled."""
+    sent = pickle.dumps(prepared(_scale, Pair(np.ones(1), 1.0)))
+    monkeypatch.setattr(sys.modules[__name__], "_scale", lambda by, values: -1.0)
+    assert pickle.loads(sent)(np.ones(1)) == -1.0  # noqa: S301  ours
+
+
 @kernel
 def _in_order(values: NDArray[np.float64], by: Pair) -> float:
     total = by.offset
