@@ -27,6 +27,8 @@ WHOLE = ("metrics", "mjforage.core.mission_metrics")
 DIGITS = 8
 _ROOT = Path(__file__).resolve().parents[2]
 _INSTALLED = {Path(sysconfig.get_path(kind)).resolve() for kind in ("purelib", "platlib")}
+_IMPORTING = ("import_module", "__import__")
+_STATEMENTS = (ast.stmt, ast.excepthandler, ast.match_case)
 _SUFFIXES = (".py", ".so", ".pyd")
 _UNREADABLE = f"unreadable-{uuid.uuid4().hex[:DIGITS]}"  # another one in every process
 
@@ -162,9 +164,10 @@ def _imported(text: str, package: str) -> set[str]:
         left: list[ast.AST] = [ast.parse(text)]
     except (SyntaxError, ValueError, RecursionError):
         return names  # nobody can import it
+    calls = any(name in text for name in _IMPORTING)  # else nothing within expressions counts
     while left:
         node = left.pop()
-        if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING"):
+        if isinstance(node, ast.If) and _last_name(node.test) == "TYPE_CHECKING":
             left += node.orelse
             continue
         if isinstance(node, ast.Import):
@@ -174,7 +177,7 @@ def _imported(text: str, package: str) -> set[str]:
             names |= {origin, *(f"{origin}.{one.name}" for one in node.names)} - {""}
         elif isinstance(node, ast.Call):
             names |= _imported_by_call(node)
-        left += ast.iter_child_nodes(node)
+        left += (one for one in ast.iter_child_nodes(node) if calls or isinstance(one, _STATEMENTS))
     return names
 
 
@@ -186,12 +189,16 @@ def _origin_of(node: ast.ImportFrom, package: str) -> str:
 
 def _imported_by_call(node: ast.Call) -> set[str]:
     """The module of `importlib.import_module("name")` or `__import__("name")`."""
-    called = node.func.attr if isinstance(node.func, ast.Attribute) else ""
-    called = node.func.id if isinstance(node.func, ast.Name) else called
     first = node.args[0] if node.args else None
-    if called in ("import_module", "__import__") and isinstance(first, ast.Constant):
+    if _last_name(node.func) in _IMPORTING and isinstance(first, ast.Constant):
         return {first.value} if isinstance(first.value, str) and first.value else set()
     return set()
+
+
+def _last_name(node: ast.expr) -> str:
+    """The last part of a dotted name, empty if the expression is none."""
+    last = node.attr if isinstance(node, ast.Attribute) else ""
+    return node.id if isinstance(node, ast.Name) else last
 
 
 def _is_installed(top: str) -> bool:

@@ -1,0 +1,50 @@
+"""What a source imports, wherever that stands in it."""
+
+import pytest
+
+from mjforage.runs.source_code import _imported
+
+SOURCE = """
+import a.b
+from c import d
+if TYPE_CHECKING:
+    import never
+else:
+    import at_run_time
+if typing.TYPE_CHECKING:
+    from never import at_all
+if not TYPE_CHECKING:
+    import really
+def within():
+    for one in range(3):
+        with open(one):
+            from . import near
+try:
+    import tried
+except ImportError:
+    import instead
+match 3:
+    case 3:
+        import matched
+class Held:
+    async def asked(self):
+        import held
+"""
+FOUND = {
+    *("a.b", "c", "c.d", "at_run_time", "really", "package", "package.near"),
+    *("tried", "instead", "matched", "held"),
+}
+
+
+def test_imports_are_found_within_every_statement() -> None:
+    assert _imported(SOURCE, "package") == FOUND
+
+
+@pytest.mark.parametrize("call", ["import_module", "importlib.import_module", "__import__"])
+def test_modules_imported_by_a_call_are_found_within_every_expression(call: str) -> None:
+    text = f"{SOURCE}\nfound = [len({call}('called').name) for _ in (lambda: 3)()]\n{call}(name)"
+    assert _imported(text, "package") == FOUND | {"called"}
+
+
+def test_what_nobody_can_import_imports_nothing() -> None:
+    assert _imported("import a\nimport", "package") == set()
