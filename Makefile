@@ -21,7 +21,7 @@ unexport PYTHONDONTWRITEBYTECODE
 CAPABILITIES := default avx2 avx512
 LEARNING := tests/mjforage/learning tests/graph_planner/test_weights.py
 
-.PHONY: demo quick test types planner hulls capabilities mutants evidence evidence-pages dist docs links pages gallery install clean
+.PHONY: demo quick test types collected planner hulls capabilities mutants evidence evidence-pages dist docs links pages gallery install clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.installed: pyproject.toml constraints.txt
@@ -52,11 +52,15 @@ test: $(VENV)/.installed-docs
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports
-	$(MAKE) --jobs 2 hulls types
+	$(MAKE) --jobs 2 hulls types collected
 	$(BIN)/pytest -n 2 --dist worksteal
 
 types: $(VENV)/.installed-dev
 	$(BIN)/mypy
+
+# Each of pytest's processes would rewrite the asserts of all files that have not been kept.
+collected: $(VENV)/.installed-docs
+	$(BIN)/pytest --collect-only --quiet >/dev/null
 
 # Compile what most tests need, one after the other: two processes would each do it. Kernels of
 # single policies are few tests' and compiled by the first of them.
