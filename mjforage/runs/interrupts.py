@@ -1,10 +1,11 @@
-"""Keeping worker processes quiet when they are interrupted, killed or replaced."""
+"""What Ctrl-C does, and keeping worker processes quiet when they are stopped or replaced."""
 
+import logging
 import signal
 import sys
 import threading
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
 
@@ -26,6 +27,37 @@ def interrupts_held() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def stop_noted(words: str) -> Iterator[Callable[[], bool]]:
+    """Note the first Ctrl-C, or a scheduler's SIGTERM, for whoever asks; the next stops at once.
+
+    Parameters
+    ----------
+    words : what is logged as a warning when it comes
+
+    Yields
+    ------
+    Whether it has come; in a thread beside the main one, which gets no signals, never.
+    """
+    noted: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: False
+        return
+
+    def note(number: int, frame: object) -> None:
+        if noted:
+            raise KeyboardInterrupt
+        noted.append(number)
+        logging.getLogger(__name__).warning(words)
+
+    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield lambda: bool(noted)
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler or signal.SIG_DFL)
 
 
 def start_quiet_tracker() -> None:

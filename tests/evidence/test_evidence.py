@@ -33,7 +33,7 @@ from tests.evidence.piece import (
     interval,
     mean,
 )
-from tests.evidence.pieces import PIECES, learning, tuning, worlds
+from tests.evidence.pieces import PIECES, learning, worlds
 from tests.evidence.playing import Runs, place, plain
 
 TABLES = {name: piece for name, piece in PIECES.items() if piece.columns}
@@ -254,8 +254,7 @@ def test_rows_of_trainings_take_what_they_leave(
         assert own <= set(run.info.policies) <= own | set(policy_names())
         return run
 
-    for module in (learning, tuning):
-        monkeypatch.setattr(module, "run_in", promised)
+    monkeypatch.setattr(learning, "run_in", promised)
     folders = {}
     for label in PIECES[name].runs:
         folders[label] = tmp_path / label.replace(", ", "-").replace(" ", "-")

@@ -3,6 +3,7 @@
 from typing import Any
 
 from graph_planner.extensions import Table
+from graph_planner.weights import KINDS
 from mjforage.core.errors import UserError
 from mjforage.learning.training.algorithm import Algorithm
 from mjforage.learning.training.mappo.trainer import MappoTrainer
@@ -29,7 +30,8 @@ def find_algorithm(name: str) -> type[Algorithm[Any]]:
     ------
     UserError
         If there is none of that name (the message offers the nearest), it cannot be imported, or
-        it is no `Algorithm` with `settings` and all of `TO_WRITE`.
+        it is no `Algorithm` with `settings`, a `weights_kind` that policies play and all of
+        `TO_WRITE`.
     """
     found = ALGORITHMS.find(name)
     if not (
@@ -38,6 +40,11 @@ def find_algorithm(name: str) -> type[Algorithm[Any]]:
         raise UserError(
             f"algorithm {name}: is no mjforage.learning.training.algorithm.Algorithm with "
             "settings; make it a subclass"
+        )
+    if found.weights_kind not in KINDS:
+        raise UserError(
+            f"algorithm {name}: weights_kind {found.weights_kind!r}: no policy plays it; give "
+            f"{' or '.join(f'{kind!r} ({made})' for kind, made in KINDS.items())}"
         )
     lacking = [one for one in TO_WRITE if getattr(found, one) is getattr(Algorithm, one)]
     if lacking:

@@ -5,6 +5,7 @@ Folder: `training.json` (command, algorithm, scenario, hyperparameters, seed, ve
 `weights.safetensors` (latest) and `best.safetensors` (of the best evaluation).
 """
 
+import logging
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -36,11 +37,17 @@ from mjforage.runs.identity import (
     versions,
     weight_hashes,
 )
+from mjforage.runs.interrupts import stop_noted
 from mjforage.runs.lock import claimed
 from mjforage.runs.resuming import CODE, Resume, open_folder, set_aside
 from mjforage.runs.source_code import WHOLE, decisive_code
 
 CHECKPOINT_S = 300.0  # between two checkpoints
+IDLE_ROUNDS = 20  # without an update: longer than most take to fill a replay
+STOPPING = (
+    "train: stops at the end of this round and keeps it; once more stops at once, and what came "
+    "after the last checkpoint is lost"
+)
 IDENTITY = (
     *("algorithm", "seed", "device", "hyperparameters", "scenario", "also", "evaluate"),
     *("maps", "weights", "hulls"),
@@ -90,7 +97,9 @@ def train_with(
     """Train until the run has lasted so long, or its networks have had so many updates.
 
     Both count from the run's beginning, over all processes that worked on it. The end of a round is
-    awaited. A run is deterministic on the CPU; on a GPU it is not to the bit.
+    awaited, also after Ctrl-C or a scheduler's SIGTERM, whose `KeyboardInterrupt` follows a
+    checkpoint; a second one stops at once. A run is deterministic on the CPU; on a GPU it is not to
+    the bit.
 
     Parameters
     ----------
@@ -107,7 +116,7 @@ def train_with(
     ------
     UserError
         If there is no end, a scenario, the seed or the teacher is not valid, the device is
-        missing, or the folder holds another run or is being written.
+        missing, the folder holds another run or is being written, or a round gives no row.
     """
     _check_ends(hours, updates)
     trainer = algorithm([scenario, *also], hyperparameters, seed, _device(device))
@@ -132,23 +141,42 @@ def _go_on(
     if hyperparameters.initial and not progress.rounds:
         _evaluate(trainer, folder, logs, report)
     saved = time.perf_counter()
-    while not _over(trainer, hours, updates):
-        row = trainer.play_round()
-        logs.add("training", row)
-        report("training", row)
-        over = _over(trainer, hours, updates)
-        due = progress.updates >= hyperparameters.evaluate_every + progress.evaluated
-        if due or over:
-            _evaluate(trainer, folder, logs, report)
-            if due:
-                progress.evaluated = progress.updates
-        if over or time.perf_counter() - saved > CHECKPOINT_S:
-            logs.write()  # first: what is younger than the checkpoint is dropped, not missed
-            save_weights(trainer, folder / "weights.safetensors")
-            trainer.book_time()
-            save_checkpoint(trainer, checkpoint)
-            saved = time.perf_counter()
+    with stop_noted(STOPPING) as stopped:
+        while not _over(trainer, hours, updates):
+            row = _checked(trainer, trainer.play_round())
+            logs.add("training", row)
+            report("training", row)
+            over = _over(trainer, hours, updates)
+            due = progress.updates >= hyperparameters.evaluate_every + progress.evaluated
+            if due or over:
+                _evaluate(trainer, folder, logs, report)
+                if due:
+                    progress.evaluated = progress.updates
+            if over or stopped() or time.perf_counter() - saved > CHECKPOINT_S:
+                logs.write()  # first: what is younger than the checkpoint is dropped, not missed
+                save_weights(trainer, folder / "weights.safetensors")
+                trainer.book_time()
+                save_checkpoint(trainer, checkpoint)
+                saved = time.perf_counter()
+            if stopped() and not over:
+                raise KeyboardInterrupt
     logs.close()
+
+
+def _checked(trainer: Algorithm[Any], row: Row) -> Row:
+    """The row of a round, which an algorithm of a user may have made."""
+    name, progress = f"algorithm {type(trainer).__name__}", trainer.progress
+    if not {"rounds", "updates"} <= set(row):
+        raise UserError(
+            f"{name}: play_round gave a row of {', '.join(row) or 'nothing'}; return what "
+            "self.end_round gives"
+        )
+    if progress.rounds == IDLE_ROUNDS and not progress.updates:
+        logging.getLogger(__name__).warning(
+            f"{name}: {IDLE_ROUNDS} rounds and no update; a run ends by its updates, which "
+            "play_round counts in self.progress.updates"
+        )
+    return row
 
 
 def _evaluate(trainer: Algorithm[Any], folder: Path, logs: Logs, report: Report) -> None:

@@ -9,7 +9,6 @@ from tests.evidence.pieces import (
     rules,
     sensing,
     studies,
-    tuning,
     whole,
     worlds,
 )
@@ -24,7 +23,6 @@ PIECES: dict[str, Piece] = {
         studies,
         policies,
         learning,
-        tuning,
         worlds,
         whole,
     )

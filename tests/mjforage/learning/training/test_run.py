@@ -2,8 +2,10 @@
 
 import json
 import shutil
+import signal
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
@@ -24,7 +26,7 @@ from mjforage.core.scenario_file import load_scenario
 from mjforage.core.schema import check, json_schema
 from mjforage.core.setup import Setup
 from mjforage.learning.training import run
-from mjforage.learning.training.algorithm import Progress
+from mjforage.learning.training.algorithm import Progress, Row
 from mjforage.learning.training.checkpoint import TrainingInfo, save_checkpoint
 from mjforage.learning.training.evaluation import HELD_OUT
 from mjforage.learning.training.hyperparameters import Hyperparameters
@@ -128,6 +130,51 @@ def test_a_killed_run_goes_on_from_its_checkpoint(
     for table in ("training", "evaluations"):
         whole, parts = (pl.read_parquet(f / f"{table}.parquet") for f in (finished[0], folder))
         assert whole.drop("seconds").equals(parts.drop("seconds"), null_equal=True)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_run_that_is_told_to_stop_keeps_its_round(
+    finished: tuple[Path, Trainer],
+    tmp_path: Path,
+    number: signal.Signals,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    """And goes on from there to the bit; afterwards signals are whose they were."""
+    folder, rows, before = tmp_path / "run", [], signal.getsignal(number)
+
+    def stop(table: str, row: Row) -> None:
+        rows.append(row["updates"])
+        signal.raise_signal(number)
+
+    with pytest.raises(KeyboardInterrupt):
+        train(scenario(), hyperparameters(), folder, seed=3, updates=40, report=stop)
+    assert signal.getsignal(number) is before
+    assert len(rows) == 1 and "stops at the end of this round and keeps it" in caplog.text
+    assert pl.read_parquet(folder / "training.parquet")["updates"].to_list() == rows
+    again: list[float] = []
+
+    def note(table: str, row: Row) -> None:
+        again.append(row["rounds"])
+
+    gone_on = train(scenario(), hyperparameters(), folder, seed=3, updates=40, report=note)
+    assert again[0] == 2.0
+    assert_same(finished[1], gone_on)
+
+
+def test_a_run_that_is_told_so_twice_stops_at_once(tmp_path: Path) -> None:
+    def stop(table: str, row: Row) -> None:
+        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        train(scenario(), hyperparameters(), tmp_path, seed=3, updates=40, report=stop)
+    assert not (tmp_path / "checkpoint.safetensors").exists()
+
+
+def test_in_a_thread_a_run_trains_without_signals(tmp_path: Path) -> None:
+    with ThreadPoolExecutor(1) as pool:
+        trained = pool.submit(train, scenario(), hyperparameters(), tmp_path, seed=3, updates=1)
+        assert trained.result().progress.updates >= 1
 
 
 def test_what_a_run_leaves_behind(finished: tuple[Path, Trainer]) -> None:

@@ -6,15 +6,16 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
 
+import numpy as np
 import pytest
 
 from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.training import run
-from mjforage.learning.training.algorithm import Algorithm, save_weights
+from mjforage.learning.training.algorithm import Algorithm, Row, save_weights
 from mjforage.learning.training.algorithms import find_algorithm
 from mjforage.learning.training.checkpoint import save_checkpoint
-from mjforage.learning.training.run import train
+from mjforage.learning.training.run import IDLE_ROUNDS, train, train_with
 from mjforage.learning.training.trainer import Trainer
 from mjforage.runs.lock import claimed
 from tests.mjforage.learning.training.tiny_runs import hyperparameters, scenario
@@ -137,3 +138,45 @@ class Unwritten(Trainer):
 def test_an_algorithm_that_lacks_something_is_refused_at_the_start() -> None:
     with pytest.raises(UserError, match="has no play_round, tensors; write it"):
         find_algorithm(f"{__name__}:Unwritten")
+
+
+class Unplayable(Trainer):
+    """An algorithm whose weights no policy reads."""
+
+    weights_kind = "actor-critic"
+
+
+def test_an_algorithm_whose_weights_nobody_plays_is_refused_at_the_start() -> None:
+    with pytest.raises(UserError, match="weights_kind 'actor-critic': no policy plays it; give"):
+        find_algorithm(f"{__name__}:Unplayable")
+
+
+class Rowless(Trainer):
+    """Its rounds are counted, and then tell something else."""
+
+    def play_round(self) -> Row:
+        super().play_round()
+        return {"loss": 1.0}
+
+
+def test_a_round_that_tells_nothing_is_named(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="Rowless: play_round gave a row of loss; return what"):
+        train_with(Rowless, scenario(), hyperparameters(), tmp_path, updates=1)
+
+
+class Idle(Trainer):
+    """Its rounds are played and nothing is learned; it is stopped when it has been told so."""
+
+    def play_round(self) -> Row:
+        if self.progress.rounds == IDLE_ROUNDS:
+            raise KeyboardInterrupt
+        self.start_round()
+        return self.end_round(np.zeros((self.hyperparameters.num_envs, 4)), [])
+
+
+def test_rounds_without_an_update_are_told_of(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        train_with(Idle, scenario(), hyperparameters(), tmp_path, updates=1)
+    assert "Idle: 20 rounds and no update" in caplog.text
