@@ -152,13 +152,14 @@ def _go_on(
                 _evaluate(trainer, folder, logs, report)
                 if due:
                     progress.evaluated = progress.updates
-            if over or stopped() or time.perf_counter() - saved > CHECKPOINT_S:
+            stop = stopped() and not over
+            if over or stop or time.perf_counter() - saved > CHECKPOINT_S:
                 logs.write()  # first: what is younger than the checkpoint is dropped, not missed
                 save_weights(trainer, folder / "weights.safetensors")
                 trainer.book_time()
                 save_checkpoint(trainer, checkpoint)
                 saved = time.perf_counter()
-            if stopped() and not over:
+            if stop:
                 raise KeyboardInterrupt
     logs.close()
 
