@@ -257,7 +257,7 @@ def test_rows_of_trainings_take_what_they_leave(
     monkeypatch.setattr(learning, "run_in", promised)
     folders = {}
     for label in PIECES[name].runs:
-        folders[label] = tmp_path / label.replace(", ", "-").replace(" ", "-")
+        folders[label] = tmp_path / label.replace(" ", "-")
         folders[label].mkdir()
         for weights in ("best", "weights"):
             (folders[label] / f"{weights}.safetensors").touch()

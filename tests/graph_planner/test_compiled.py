@@ -298,6 +298,26 @@ def test_kernels_that_kernels_call_are_compiled_once_for_all_numbers_and_not_for
         assert heard.kernels[2:] == [("doubled", True)]
 
 
+@pytest.mark.parametrize("package", ["graph_planner.compiled", "controllers._compiled"])
+def test_what_kernels_call_has_a_dispatcher_once_one_is_compiled(
+    package: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A process that finds all on the disk makes none of these, nor waits for it."""
+    bare, njit = [], numba.njit
+
+    def noted(**options: Any) -> Any:
+        bare.append(options["no_cpython_wrapper"])
+        return njit(**options)
+
+    monkeypatch.setattr(numba, "njit", noted)
+    make: Any = importlib.import_module(package).kernel
+    called: Any = make(lambda x: x + 1)
+    calling: Any = make(lambda x: called(x) + called(2 * x))
+    assert bare == [False, False]
+    assert called(1) == 2 and bare == [False, False]
+    assert calling(1) == 5 and bare == [False, False, True]
+
+
 def test_a_kernel_may_call_itself(kernels: Any) -> None:
     assert kernels.above(4) == 25
     assert kernels.factorial(5) == 120
