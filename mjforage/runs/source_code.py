@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, packages_distributions, version
 from importlib.util import find_spec
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
 OURS = ("metrics", "controllers", "graph_planner", "mjforage")
@@ -81,7 +81,7 @@ def decisive_code(modules: Iterable[str], whole: Iterable[str] = ()) -> Code:
         for key, path in _files(name, own):
             if key in files:
                 continue
-            files[key], imported = _read(path, _package(name, path))
+            files[key], imported = _read(path, _package(key))
             left += imported
             tops = {one.partition(".")[0] for one in imported} - own
             libraries |= tops & set(COMPUTING) if _is_ours(name) else tops - set(OURS)
@@ -139,10 +139,9 @@ def _origin(name: str) -> Path | None:
     return Path(spec.origin).resolve() if spec and spec.has_location and spec.origin else None
 
 
-def _package(name: str, path: Path | None) -> str:
-    """The package from which a module's relative imports start."""
-    is_package = path is not None and path.name == "__init__.py"
-    return name if is_package else name.rpartition(".")[0]
+def _package(key: str) -> str:
+    """The package from which the relative imports of a file start; empty in a lone script."""
+    return ".".join(PurePosixPath(key).parent.parts)
 
 
 def _read(path: Path | None, package: str) -> tuple[str, set[str]]:
@@ -174,7 +173,8 @@ def _imported(text: str, package: str) -> set[str]:
             names |= {one.name for one in node.names}
         elif isinstance(node, ast.ImportFrom):
             origin = _origin_of(node, package)
-            names |= {origin, *(f"{origin}.{one.name}" for one in node.names)} - {""}
+            if origin:  # else beyond the topmost package: nobody can import it
+                names |= {origin, *(f"{origin}.{one.name}" for one in node.names)}
         elif isinstance(node, ast.Call):
             names |= _imported_by_call(node)
         left += (one for one in ast.iter_child_nodes(node) if calls or isinstance(one, _STATEMENTS))

@@ -1,8 +1,10 @@
-"""What a source imports, wherever that stands in it."""
+"""What a source imports, wherever that stands in it, and what code that reaches."""
+
+from pathlib import Path
 
 import pytest
 
-from mjforage.runs.source_code import _imported
+from mjforage.runs.source_code import _imported, decisive_code
 
 SOURCE = """
 import a.b
@@ -48,3 +50,23 @@ def test_modules_imported_by_a_call_are_found_within_every_expression(call: str)
 
 def test_what_nobody_can_import_imports_nothing() -> None:
     assert _imported("import a\nimport", "package") == set()
+
+
+def test_a_relative_import_starts_from_the_folder_of_its_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    files = {
+        "reached_beside.py": "import scipy",
+        "reached_home/__init__.py": "",
+        "reached_home/common.py": "import reached_beside",
+        "reached_home/plans/__init__.py": "from .. import common",
+        "reached_home/plans/deep/__init__.py": "from ... import common, plans",
+        "reached_home/plans/deep/policy.py": "from ...common import this\nfrom .... import beyond",
+    }
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    found = decisive_code(["reached_home.plans.deep.policy"])
+    assert set(found.files) == set(files)
+    assert set(found.versions) == {"scipy"}
