@@ -90,10 +90,24 @@ def _bound(text: str) -> tuple[Reference, Callable[..., Policy], dict[str, Any]]
     reference = parse_reference(text, "policy")
     weights = own_weights(reference.name)
     if weights is None:
+        _refuse_suffix(reference.name)
         return POLICIES.bound(text)
     if reference.options:
         raise UserError(f"policy {text}: weights take no options; give {reference.name}")
     return reference, _PLAYERS[-1], {"path": weights}
+
+
+def _refuse_suffix(name: str) -> None:
+    """Say how weights are named, if that is a file of weights."""
+    path = Path(name)
+    if path.suffix != ".safetensors" or path.stem in ("", "."):
+        return
+    if path.name == name:
+        raise UserError(f"policy {name}: give weights without the end of their name: {path.stem}")
+    raise UserError(
+        f"policy {name}: weights are played from the present folder; go to {path.parent}, or copy "
+        f"them here, and give {path.stem}"
+    )
 
 
 def policy_label(text: str) -> str:

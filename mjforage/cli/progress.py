@@ -10,7 +10,7 @@ from contextlib import contextmanager
 EVERY_S = 10.0
 MINUTE_S, HOUR_S = 60.0, 3600.0
 
-COMPILES = "compiles kernels, once for all later runs"
+COMPILES = "compiles kernels, once for all runs of this kind"
 
 Clock = Callable[[], float]  # seconds from anywhere
 Say = Callable[[str], None]
@@ -68,7 +68,7 @@ class Lines:
             return
         digits = 0 if float(total).is_integer() else 1  # of a minute
         counted = f"{done:,.{digits}f} of {total:,.{digits}f} {self._unit}"
-        counted += f", {int(100 * done / total)} %"
+        counted += f", {min(100, int(100 * done / total))} %"  # rounds may end beyond the end
         left = None if compiles else self._left(*self._first, when, done, total)
         end = spent if left is None else f"about {duration(left)} left"
         self._say(f"{self._words}: {counted}, {end}")

@@ -154,12 +154,18 @@ def _parted(text: str) -> tuple[str, str, str]:
 
 
 def _report(table: str, row: "Row") -> None:
+    from mjforage.learning.training.run import CHECKPOINT
+
     if table == "evaluations":
         output.print(
             f"{row['updates']:>8.0f} updates {row['seconds'] / 60:6.1f} min: "
             f"PTA_D {row['pta_d']:.2f} %, PTA_C {row['pta_c']:.2f} %, "
             f"NT50 {row['nt50']:.3f}, NT90 {row['nt90']:.3f}, "
             f"RMSE columns {row['rmse_columns']:.4f}, CSR {row['csr']:.3f}"
+        )
+    elif table == CHECKPOINT:
+        errors.print(
+            f"train: goes on after {row['updates']:.0f} updates, {row['seconds'] / 60:.1f} min"
         )
     elif errors.is_terminal:
         errors.print(

@@ -1,4 +1,4 @@
-"""Conformance checks that ours pass, for policies, environments and parts of a user's own.
+"""Conformance checks that ours pass: of policies, environments, algorithms and parts of your own.
 
 Call them in your tests; what fails is a `ConformanceError` of one sentence:
 
@@ -8,6 +8,7 @@ Call them in your tests; what fails is a `ConformanceError` of one sentence:
         check_policy("my_policies:North(heading=2)", scenario="comb-port")
 """
 
+from mjforage.testing.algorithm_checks import check_algorithm
 from mjforage.testing.conformance import ConformanceError
 from mjforage.testing.environment_checks import check_environment
 from mjforage.testing.part_checks import check_metric, check_observation, check_reward
@@ -15,6 +16,7 @@ from mjforage.testing.policy_checks import check_policy
 
 __all__ = [
     "ConformanceError",
+    "check_algorithm",
     "check_environment",
     "check_metric",
     "check_observation",

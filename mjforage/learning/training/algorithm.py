@@ -232,7 +232,18 @@ class Algorithm(Generic[Told]):
         Returns
         -------
         How far the run has come, the round's scores, and means over its updates
+
+        Raises
+        ------
+        UserError
+            If an update tells what the class's `learned` does not name.
         """
+        unnamed = sorted({name for entry in learned for name in entry} - set(self.learned))
+        if unnamed:
+            raise UserError(
+                f"algorithm {type(self).__name__}: updates tell {', '.join(unnamed)}; name them in "
+                "its `learned`, or leave them out"
+            )
         self.progress.rounds += 1
         self.progress.episodes += self.hyperparameters.num_envs
         self.progress.decisions += int(self.round.steps.sum())
@@ -249,6 +260,37 @@ class Algorithm(Generic[Told]):
             found = [entry[name] for entry in learned if name in entry]
             row[name] = float(np.mean(found)) if found else float("nan")
         return row
+
+    def check_parts(self) -> None:
+        """Refuse networks and tensors that evaluations and checkpoints could do nothing with.
+
+        Raises
+        ------
+        UserError
+            If a team that has agents has no network, or what is to be kept is no tensor.
+        """
+        import torch
+
+        who, networks, tensors = f"algorithm {type(self).__name__}", self.networks, self.tensors()
+        if not isinstance(networks, Mapping) or not isinstance(tensors, Mapping):
+            raise UserError(
+                f"{who}: networks and tensors() are {type(networks).__name__} and "
+                f"{type(tensors).__name__}; make both a dict"
+            )
+        for team, ids in self.agents.items():
+            made = networks.get(team)
+            if ids.size and not isinstance(made, torch.nn.Module):
+                was = "nothing" if made is None else f"a {type(made).__name__}"
+                raise UserError(
+                    f"{who}: networks has {was} for {team}, which has agents; give every such team "
+                    "a module"
+                )
+        for name, value in tensors.items():
+            if not isinstance(value, torch.Tensor):
+                raise UserError(
+                    f"{who}: tensors() has a {type(value).__name__} in {name}; make it a "
+                    "torch.Tensor"
+                )
 
     def come(self, *names: str) -> Row:
         """How far the run has come, by the names of `Progress`."""

@@ -6,6 +6,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.moves import check_preferences
 from graph_planner.policies import Policy, create_policy
 from graph_planner.randomness import UInt64Array
 from mjforage.learning.environments.game import Game
@@ -64,7 +65,14 @@ class Round:
         return self._levels
 
     def play(self, preferences: NDArray[np.float64]) -> Played:
-        """Play one decision by preferences (env, agent, 9)."""
+        """Play one decision by preferences (env, agent, 9).
+
+        Raises
+        ------
+        UserError
+            If they are no such array, or one of them is NaN.
+        """
+        check_preferences(preferences, (self.num_envs, self.agents), "play was given")
         each = [
             game.play(preferences[envs]) for game, envs in zip(self.games, self.envs, strict=True)
         ]

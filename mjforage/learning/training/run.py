@@ -43,6 +43,7 @@ from mjforage.runs.resuming import CODE, Resume, open_folder, set_aside
 from mjforage.runs.source_code import WHOLE, decisive_code
 
 CHECKPOINT_S = 300.0  # between two checkpoints
+CHECKPOINT = "checkpoint"  # name of what is reported when a run goes on
 IDLE_ROUNDS = 20  # without an update: longer than most take to fill a replay
 STOPPING = (
     "train: stops at the end of this round and keeps it; once more stops at once, and what came "
@@ -109,17 +110,20 @@ def train_with(
     folder : of the run; a run of the same scenario, hyperparameters, seed and device in it goes on
     hours, updates : where to stop; at least one
     device : auto, cpu or cuda
-    report : called with every row that is logged, and its table's name
+    report : called with every row that is logged, and its table's name; with `CHECKPOINT` and how
+        far it had come, if the folder's run goes on
     resume : what to do with a run that the folder holds
 
     Raises
     ------
     UserError
         If there is no end, a scenario, the seed or the teacher is not valid, the device is
-        missing, the folder holds another run or is being written, or a round gives no row.
+        missing, the folder holds another run or is being written, the algorithm has no networks
+        or tensors that could be kept, or a round gives no row.
     """
     _check_ends(hours, updates)
     trainer = algorithm([scenario, *also], hyperparameters, seed, _device(device))
+    trainer.check_parts()
     if evaluate:
         trainer.evaluate_on(evaluate)
     if resume == "fresh":
@@ -137,6 +141,7 @@ def _go_on(
     checkpoint, hyperparameters = folder / "checkpoint.safetensors", trainer.hyperparameters
     if checkpoint.is_file():
         restore_checkpoint(trainer, checkpoint)
+        report(CHECKPOINT, trainer.come("rounds", "updates", "seconds"))
     logs, progress = Logs(folder, trainer.progress), trainer.progress
     if hyperparameters.initial and not progress.rounds:
         _evaluate(trainer, folder, logs, report)

@@ -54,7 +54,7 @@ def test_what_an_earlier_call_did_says_nothing_of_the_pace() -> None:
 def test_while_kernels_are_compiled_that_is_said_and_nothing_is_foretold() -> None:
     bench = Bench()
     bench.compiles = True
-    words = "compiles kernels, once for all later runs; 20 s so far"
+    words = "compiles kernels, once for all runs of this kind; 20 s so far"
     assert bench.after(20) == f"evaluate: {words}"
     bench.lines(0, 1200)
     assert bench.after(0, 600) == f"evaluate: 600 of 1,200 episodes, 50 %, {words}"
@@ -70,6 +70,12 @@ def test_a_share_of_a_short_time_is_said_to_a_tenth() -> None:
     bench = Bench()
     bench.lines(0.18, 0.72)
     assert bench.after(20).startswith("evaluate: 0.2 of 0.7 episodes, 25 %")
+
+
+def test_a_round_that_ends_beyond_the_end_is_all_of_it() -> None:
+    bench = Bench()
+    bench.lines(26, 3)
+    assert bench.after(20) == "evaluate: 26 of 3 episodes, 100 %, 20 s so far"
 
 
 def test_it_is_never_said_to_be_done_before_it_is() -> None:

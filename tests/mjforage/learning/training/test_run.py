@@ -31,7 +31,7 @@ from mjforage.learning.training.checkpoint import TrainingInfo, save_checkpoint
 from mjforage.learning.training.evaluation import HELD_OUT
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.logs import Logs
-from mjforage.learning.training.run import train
+from mjforage.learning.training.run import CHECKPOINT, train
 from mjforage.learning.training.trainer import Trainer
 from tests.mjforage.learning.training.tiny_runs import TINY, hyperparameters, scenario
 
@@ -151,13 +151,13 @@ def test_a_run_that_is_told_to_stop_keeps_its_round(
     assert signal.getsignal(number) is before
     assert len(rows) == 1 and "stops at the end of this round and keeps it" in caplog.text
     assert pl.read_parquet(folder / "training.parquet")["updates"].to_list() == rows
-    again: list[float] = []
+    again: list[tuple[str, float]] = []
 
     def note(table: str, row: Row) -> None:
-        again.append(row["rounds"])
+        again.append((table, row["rounds"]))
 
     gone_on = train(scenario(), hyperparameters(), folder, seed=3, updates=40, report=note)
-    assert again[0] == 2.0
+    assert again[:2] == [(CHECKPOINT, 1.0), ("training", 2.0)]
     assert_same(finished[1], gone_on)
 
 
@@ -217,6 +217,10 @@ def test_trained_weights_are_a_policy_by_their_file_name(
     words = ("evaluate", "published", "--set", "horizon=8", "--episodes", 2, "--out", "run")
     assert "policy mine: unknown; choose auction, belief" in refused(*words, "--policy", "mine")
     shutil.copy(finished[0] / "weights.safetensors", "mine.safetensors")
+    words_of = refused(*words, "--policy", "mine.safetensors")
+    assert "policy mine.safetensors: give weights without the end of their name: mine" in words_of
+    words_of = refused(*words, "--policy", "far/mine.safetensors")
+    assert "are played from the present folder; go to far, or copy them here" in words_of
     done = command(*words, "--policy", "mine")
     assert done.code == 0, done  # type: ignore[attr-defined]
     Path("bad.safetensors").write_bytes(b"none")
@@ -312,4 +316,8 @@ def test_the_command_line_trains(command: Callable[..., object], tmp_path: Path)
     done = command(*first, *words)
     assert done.code == 0, done  # type: ignore[attr-defined]
     assert "PTA_C" in done.out  # type: ignore[attr-defined]
+    assert "goes on" not in done.err  # type: ignore[attr-defined]
     assert (out / "best.safetensors").is_file()
+    again = command(*first, *words)
+    updates = pl.read_parquet(out / "training.parquet")["updates"][-1]
+    assert f"train: goes on after {updates:.0f} updates, 0." in again.err  # type: ignore[attr-defined]

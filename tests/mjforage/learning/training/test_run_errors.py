@@ -36,7 +36,8 @@ def test_ends_and_folders_are_checked(
         train(
             load_scenario("published", ("horizon=13",)), hyperparameters(), copy, seed=3, updates=1
         )
-    monkeypatch.setattr(run, "_device", lambda name: "meta")
+    monkeypatch.setattr(run, "_device", lambda name: "meta")  # whose tensors hold nothing
+    monkeypatch.setattr(Trainer, "check_parts", lambda trainer: None)
     with pytest.raises(UserError, match=r"device is .cpu. there and .meta. here"):
         train(scenario(), hyperparameters(), copy, seed=3, updates=1)
     monkeypatch.undo()
@@ -180,3 +181,42 @@ def test_rounds_without_an_update_are_told_of(
     with pytest.raises(KeyboardInterrupt):
         train_with(Idle, scenario(), hyperparameters(), tmp_path, updates=1)
     assert "Idle: 20 rounds and no update" in caplog.text
+
+
+class OneTeam(Trainer):
+    """Forgets that foragers have networks too."""
+
+    @property
+    def networks(self) -> Any:
+        return {"scout": self.learners["scout"].average}
+
+
+class Plain(Trainer):
+    """Keeps a number that is no tensor."""
+
+    def tensors(self) -> Any:
+        return {**super().tensors(), "best": 1.0}
+
+
+class Listed(Trainer):
+    """Has a list of networks."""
+
+    @property
+    def networks(self) -> Any:
+        return [learner.average for learner in self.learners.values()]
+
+
+@pytest.mark.parametrize(
+    ("made", "words"),
+    [
+        (OneTeam, "OneTeam: networks has nothing for forager, which has agents; give every"),
+        (Plain, r"Plain: tensors\(\) has a float in best; make it a torch.Tensor"),
+        (Listed, r"Listed: networks and tensors\(\) are list and dict; make both a dict"),
+    ],
+)
+def test_parts_that_no_run_can_use_are_refused_before_a_folder_is_made(
+    made: type[Trainer], words: str, tmp_path: Path
+) -> None:
+    with pytest.raises(UserError, match=words):
+        train_with(made, scenario(), hyperparameters(), tmp_path / "run", updates=1)
+    assert not (tmp_path / "run").exists()

@@ -1,0 +1,261 @@
+"""Conformance of learning algorithms: what a run of `mjforage train` asks of one, ours included."""
+
+import tempfile
+from collections.abc import Callable, Mapping
+from contextlib import chdir
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from graph_planner.inference import values_of
+from graph_planner.policies import create_policy
+from mjforage.core.mission import Mission
+from mjforage.core.scenario_file import load_scenario
+from mjforage.learning.training.algorithm import Algorithm, LearnersPolicy, Row, save_weights
+from mjforage.learning.training.algorithms import find_algorithm
+from mjforage.learning.training.checkpoint import restore_checkpoint, save_checkpoint
+from mjforage.learning.training.hyperparameters import changed
+from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
+
+SETTINGS = {"num_envs": 2, "evaluate_episodes": 2}
+ALWAYS = ("rounds", "episodes", "updates", "seconds", "pta_c")  # of every row
+MEASURED = ("seconds",)  # what no seed decides
+
+
+class State(NamedTuple):
+    """What a trainer is after some rounds, in copies."""
+
+    tensors: dict[str, NDArray[Any]]
+    weights: dict[str, NDArray[Any]]
+    rows: list[Row]
+
+
+@dataclass(frozen=True)
+class AlgorithmTrial:
+    """A learning algorithm, and what it is tried on.
+
+    Attributes
+    ----------
+    algorithm : as of `mjforage train`, or a class
+    scenario, overrides : as of `train`
+    settings : as `--learning` has them; `SETTINGS` stand before them
+    rounds : how many are played, twice
+    seed : of the run
+    """
+
+    algorithm: str | type[Algorithm[Any]]
+    scenario: str = "comb-port"
+    overrides: tuple[str, ...] = ("horizon=12",)
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    rounds: int = 2
+    seed: int = 0
+
+    @property
+    def name(self) -> str:
+        """What it is called in messages."""
+        return self.algorithm if isinstance(self.algorithm, str) else self.algorithm.__qualname__
+
+    @cached_property
+    def made(self) -> type[Algorithm[Any]]:
+        """The class."""
+        return find_algorithm(self.algorithm) if isinstance(self.algorithm, str) else self.algorithm
+
+    def fresh(self) -> Algorithm[Any]:
+        """A trainer that has not played."""
+        told = changed(self.made.settings(), {**SETTINGS, **self.settings})
+        return self.made([load_scenario(self.scenario, self.overrides)], told, self.seed)
+
+    @cached_property
+    def whole(self) -> State:
+        """After all rounds, played by one trainer."""
+        trainer = self.fresh()
+        return state_of(trainer, [trainer.play_round() for _ in range(2 * self.rounds)])
+
+    def error(self, check: str, words: str) -> ConformanceError:
+        """That the algorithm fails a check."""
+        return ConformanceError(check, f"algorithm {self.name} {words}")
+
+
+def state_of(trainer: Algorithm[Any], rows: list[Row]) -> State:
+    """What a trainer keeps and would play with, in copies."""
+    weights = {
+        f"{team}.{name}": value
+        for team, network in trainer.networks.items()
+        for name, value in network.state_dict().items()
+    }
+    return State(_copied(trainer.tensors()), _copied(weights), rows)
+
+
+def _copied(tensors: Mapping[str, torch.Tensor]) -> dict[str, NDArray[Any]]:
+    return {name: value.detach().cpu().numpy().copy() for name, value in tensors.items()}
+
+
+def check_parts(trial: AlgorithmTrial) -> None:
+    """Every team that has agents has a network, and what is to be kept are tensors."""
+    trial.fresh().check_parts()
+
+
+def check_networks(trial: AlgorithmTrial) -> None:
+    """A network gives nine finite numbers for what an agent sees."""
+    trainer = trial.fresh()
+    trainer.start_round()
+    seen = trainer.round.see(np.flatnonzero(trainer.round.active))
+    for team, network in trainer.networks.items():
+        ids = trainer.agents[team]
+        own = {name: level[:, ids].reshape(-1, *level.shape[2:]) for name, level in seen.items()}
+        values = values_of(network, own)
+        if values.shape[1:] != (9,) or not np.isfinite(values).all():
+            raise trial.error("networks", f"has one of {team} that gives {values[0]}; mend it")
+
+
+def check_rounds(trial: AlgorithmTrial) -> None:
+    """A round plays its episodes to their end, is counted and logged, and some of them learn."""
+    trainer = trial.fresh()
+    for number in range(1, 2 * trial.rounds + 1):
+        row = trainer.play_round()
+        lacking = [name for name in ALWAYS if name not in row]
+        if lacking:
+            raise trial.error(
+                "rounds", f"gave a row without {', '.join(lacking)}; give what self.end_round gives"
+            )
+        if trainer.round.active.any():
+            raise trial.error("rounds", "left episodes that go on; play until none is active")
+        if trainer.progress.rounds != number:
+            raise trial.error(
+                "rounds",
+                f"counts {trainer.progress.rounds} rounds after {number}; call self.start_round "
+                "and self.end_round once in each",
+            )
+    if not trainer.progress.updates:
+        raise trial.error(
+            "rounds",
+            f"made no update in {2 * trial.rounds} rounds; count them in self.progress.updates, or "
+            "give the check settings by which it learns so soon",
+        )
+
+
+def check_repeats(trial: AlgorithmTrial) -> None:
+    """The same seed gives the same networks, tensors and rows, to the bit."""
+    again = trial.fresh()
+    found = _difference(
+        trial.whole, state_of(again, [again.play_round() for _ in range(2 * trial.rounds)])
+    )
+    if found:
+        raise trial.error(
+            "repeats",
+            f"of one seed gave {found}; draw from self.random alone, and seed what torch draws",
+        )
+
+
+def check_resuming(trial: AlgorithmTrial) -> None:
+    """Rounds, a checkpoint, and as many rounds by another trainer are twice as many of one."""
+    with tempfile.TemporaryDirectory() as folder:
+        path, first, second = Path(folder) / "checkpoint", trial.fresh(), trial.fresh()
+        rows = [first.play_round() for _ in range(trial.rounds)]
+        save_checkpoint(first, path)
+        restore_checkpoint(second, path)
+    found = _difference(state_of(first, rows), state_of(second, rows))
+    if found:
+        raise trial.error(
+            "resuming", f"has {found} after `restore`; bring back there all that `tensors` gives"
+        )
+    rows += [second.play_round() for _ in range(trial.rounds)]
+    found = _difference(trial.whole, state_of(second, rows))
+    if found:
+        raise trial.error(
+            "resuming",
+            f"that goes on from a checkpoint gave {found}; keep in `tensors` whatever a later "
+            "round depends on, such as the state of an optimiser",
+        )
+
+
+def check_weights(trial: AlgorithmTrial) -> None:
+    """The weight file is a policy that plays as the networks do."""
+    trainer = trial.fresh()
+    for _ in range(trial.rounds):
+        trainer.play_round()
+    with tempfile.TemporaryDirectory() as folder, chdir(folder):
+        save_weights(trainer, Path("trained-here.safetensors"))
+        policies = (
+            LearnersPolicy(trainer.networks, trainer.hyperparameters.observation),
+            create_policy("trained-here"),
+        )
+        answers = []
+        for policy in policies:
+            mission = Mission(trainer.setup)
+            mission.reset(trial.seed, np.arange(2))
+            mission.prepare(policy)
+            answers.append(mission.ask(policy).copy())
+    found = first_difference(*answers)
+    if found:
+        raise trial.error(
+            "weights", f"gave {found} by its networks and by their file; save what is played"
+        )
+
+
+ALGORITHM_CHECKS: tuple[Callable[[AlgorithmTrial], None], ...] = (
+    check_parts,
+    check_networks,
+    check_rounds,
+    check_repeats,
+    check_resuming,
+    check_weights,
+)
+
+
+def check_algorithm(
+    algorithm: str | type[Algorithm[Any]],
+    scenario: str = "comb-port",
+    *,
+    overrides: tuple[str, ...] = ("horizon=12",),
+    settings: Mapping[str, Any] | None = None,
+    rounds: int = 2,
+    seed: int = 0,
+) -> None:
+    """Check a learning algorithm: parts, networks, rounds, repeats, resuming, weights.
+
+    It trains some ten short runs on the CPU. What it asks is in the docstrings of
+    `mjforage.testing.algorithm_checks`.
+
+    Parameters
+    ----------
+    algorithm : reference as of `mjforage train`, or a subclass of `Algorithm`
+    scenario, overrides : as of `train`
+    settings : by name as `--learning` has them, such as `{"warmup": 40}`; choose them so that an
+        update comes within `rounds`
+    rounds : how many are played before the checkpoint, and after it
+    seed : of the run
+
+    Raises
+    ------
+    ConformanceError
+        Of the first check that fails.
+    """
+    trial = AlgorithmTrial(algorithm, scenario, overrides, settings or {}, rounds, seed)
+    run_checks(ALGORITHM_CHECKS, trial)
+
+
+def _difference(one: State, other: State) -> str:
+    """Where two states differ first, as text; "" if nowhere."""
+    for kind, mine, its in (
+        ("weights", one.weights, other.weights),
+        ("tensors", one.tensors, other.tensors),
+    ):
+        if mine.keys() != its.keys():
+            return f"{kind} {sorted(mine.keys() ^ its.keys())[0]} once and once not"
+        for name, value in mine.items():
+            found = first_difference(value, its[name])
+            if found:
+                return f"{kind} {name} = {found}"
+    for number, (row, its_row) in enumerate(zip(one.rows, other.rows, strict=True), 1):
+        for name in sorted((row.keys() | its_row.keys()) - set(MEASURED)):
+            pair = np.array([row.get(name, np.nan)]), np.array([its_row.get(name, np.nan)])
+            found = first_difference(*pair)
+            if found:
+                return f"{name} = {found.partition(' at ')[0]} in round {number}"
+    return ""
