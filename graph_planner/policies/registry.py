@@ -100,7 +100,7 @@ def _bound(text: str) -> tuple[Reference, Callable[..., Policy], dict[str, Any]]
 def _refuse_suffix(name: str) -> None:
     """Say how weights are named, if that is a file of weights."""
     path = Path(name)
-    if path.suffix != ".safetensors" or path.stem in ("", "."):
+    if path.suffix != ".safetensors":
         return
     if path.name == name:
         raise UserError(f"policy {name}: give weights without the end of their name: {path.stem}")
