@@ -75,9 +75,15 @@ def decisive_code(modules: Iterable[str], whole: Iterable[str] = ()) -> Code:
     own = {name.partition(".")[0] for name in roots}  # their code counts even where it is installed
     files: dict[str, str] = {}
     libraries: set[str] = set()
+    taken: set[str] = set()  # modules and packages that are no others' part: all is said of them
     left = list(roots)
     while left:
         name = left.pop()
+        top = name.partition(".")[0]
+        if top in taken:
+            continue
+        if not _is_ours(name) and _origin(top) is not None:
+            taken.add(top)
         for key, path in _files(name, own):
             if key in files:
                 continue
@@ -115,7 +121,7 @@ def _files(name: str, own: set[str]) -> list[tuple[str, Path | None]]:
         if origin is None:
             return [(top, None)] if top in own else []
         return [(f"{name.replace('.', '/')}{origin.suffix}", origin)]
-    if top not in own and any(place in origin.parents for place in _INSTALLED):
+    if top not in own and _is_library(top, origin):
         return []
     if origin.name != "__init__.py":
         return [(origin.name, origin)]
@@ -203,7 +209,26 @@ def _last_name(node: ast.expr) -> str:
 
 def _is_installed(top: str) -> bool:
     origin = _origin(top)
-    return origin is None or any(place in origin.parents for place in _INSTALLED)
+    return origin is None or _is_library(top, origin)
+
+
+def _is_library(top: str, origin: Path) -> bool:
+    """Whether a module came with a distribution: into Python's own place for them, or another one,
+    such as that of a user or of `pip install --target`, where a record says so.
+    """
+    if any(place in origin.parents for place in _INSTALLED):
+        return True
+    return top in _recorded(origin.parents[1] if origin.name == "__init__.py" else origin.parent)
+
+
+@lru_cache(maxsize=64)
+def _recorded(place: Path) -> set[str]:
+    """Modules and packages that the records of distributions in a folder name."""
+    found: set[str] = set()
+    for record in place.glob("*.dist-info/RECORD"):
+        lines = record.read_text("utf-8", "replace").splitlines()
+        found |= {line.split("/", 1)[0].split(",", 1)[0].partition(".")[0] for line in lines}
+    return found
 
 
 @lru_cache(maxsize=256)

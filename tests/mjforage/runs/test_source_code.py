@@ -70,3 +70,27 @@ def test_a_relative_import_starts_from_the_folder_of_its_file(
     found = decisive_code(["reached_home.plans.deep.policy"])
     assert set(found.files) == set(files)
     assert set(found.versions) == {"scipy"}
+
+
+def test_a_library_is_a_version_wherever_it_was_installed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    files = {
+        "mine/asks_it.py": "import borrowed, borrowed_helper\nimport asks_it.never",
+        "libs/borrowed/__init__.py": "from . import deep",
+        "libs/borrowed/deep.py": "import asks_it",
+        "libs/borrowed_helper.py": "",
+        "libs/borrowed-1.2.dist-info/METADATA": "Name: borrowed\nVersion: 1.2",
+        "libs/borrowed-1.2.dist-info/RECORD": "borrowed/__init__.py,sha256=x,9\nborrowed/deep.py,,",
+    }
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    for folder in ("mine", "libs"):
+        monkeypatch.syspath_prepend(tmp_path / folder)
+    found = decisive_code(["asks_it"])
+    assert set(found.files) == {"asks_it.py", "borrowed_helper.py"}
+    assert found.versions == {"borrowed": "1.2"}
+    assert set(decisive_code(["borrowed.deep"]).files) == {
+        *("borrowed/__init__.py", "borrowed/deep.py", "asks_it.py", "borrowed_helper.py")
+    }
