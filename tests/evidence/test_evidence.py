@@ -33,7 +33,7 @@ from tests.evidence.piece import (
     interval,
     mean,
 )
-from tests.evidence.pieces import PIECES, learning, worlds
+from tests.evidence.pieces import PIECES, learning, tuning, worlds
 from tests.evidence.playing import Runs, place, plain
 
 TABLES = {name: piece for name, piece in PIECES.items() if piece.columns}
@@ -254,10 +254,11 @@ def test_rows_of_trainings_take_what_they_leave(
         assert own <= set(run.info.policies) <= own | set(policy_names())
         return run
 
-    monkeypatch.setattr(learning, "run_in", promised)
+    for module in (learning, tuning):
+        monkeypatch.setattr(module, "run_in", promised)
     folders = {}
     for label in PIECES[name].runs:
-        folders[label] = tmp_path / label.replace(" ", "-")
+        folders[label] = tmp_path / label.replace(", ", "-").replace(" ", "-")
         folders[label].mkdir()
         for weights in ("best", "weights"):
             (folders[label] / f"{weights}.safetensors").touch()

@@ -9,6 +9,7 @@ from tests.evidence.pieces import (
     rules,
     sensing,
     studies,
+    tuning,
     whole,
     worlds,
 )
@@ -23,6 +24,7 @@ PIECES: dict[str, Piece] = {
         studies,
         policies,
         learning,
+        tuning,
         worlds,
         whole,
     )
