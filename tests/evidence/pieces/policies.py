@@ -49,14 +49,18 @@ def _look_discount(runs: Runs) -> Iterator[Row]:
         yield row
 
 
-_LINKED = (
-    "mjforage evaluate comb-port --policy auction --policy greedy --policy belief --episodes 100"
-    " --seed 7 --jobs 2 --set link.model=disk"
-)
-AUCTIONS = {
-    "`comb-port`, hears 16 nodes far": f"{_LINKED} --set link.range_m=64",
-    "`comb-port`, hears 8 nodes far": f"{_LINKED} --set link.range_m=32",
+_FAR = {
+    "`comb-port`, hears 16 nodes far": "link.range_m=64",
+    "`comb-port`, hears 8 nodes far": "link.range_m=32",
 }
+
+
+def _linked(policies: Sequence[str]) -> dict[str, str]:
+    """Commands that have policies play over links of a range, by what their rows are called."""
+    played = f"mjforage evaluate comb-port {flags(policies)} --episodes 100 --seed 7 --jobs 2"
+    return {label: f"{played} --set link.model=disk --set {far}" for label, far in _FAR.items()}
+
+
 _SHORT = {
     "pta_c": Column("PTA_C %", 2),
     "nt50": Column("NT50", 3),
@@ -85,6 +89,7 @@ SETTINGS = {
     "`explore=0.3`, discounts 0.985": (
         "dec-mcts(explore=0.3, discount=0.985, look_discount=0.985)"
     ),
+    "four times the budget, `simulations=192`": "dec-mcts(simulations=192)",
 }
 
 
@@ -132,7 +137,13 @@ PIECES = (
     ),
     Piece(
         "auction-links",
-        AUCTIONS,
+        _linked(["auction", "greedy", "belief"]),
+        (Column(""), Column("policy"), *_SHORT.values()),
+        lambda runs: _blocks(runs, tuple(_SHORT)),
+    ),
+    Piece(
+        "dec-mcts-links",
+        _linked(["dec-mcts", "belief"]),
         (Column(""), Column("policy"), *_SHORT.values()),
         lambda runs: _blocks(runs, tuple(_SHORT)),
     ),
