@@ -40,7 +40,7 @@ _TESTS = re.compile(r"^ *def (test_\w+)\(", re.MULTILINE)
 
 LIST = Path(__file__).with_name("slow.txt")
 HEAD = f"""# Tests above {BOUND_S} CPU seconds, which `make quick` leaves out.
-# Written by `pytest --measure`, which mends what it runs: a line for a test, all its parameters.
+# Written by `pytest --measure`, which mends what it runs: tests of a file, all their parameters.
 """
 MEASURED, MADE, ASKED = "cpu_s", "fixture_cpu_s", "fixtures"
 """Properties of a report: time of the call, of each fixture made for it, and all it has."""
@@ -56,8 +56,22 @@ def name_of(nodeid: str) -> str:
 
 def listed() -> frozenset[str]:
     """Return the names of slow tests."""
-    lines = LIST.read_text("utf-8").splitlines() if LIST.exists() else []
-    return frozenset(line for line in lines if line and not line.startswith("#"))
+    names, file = set(), ""
+    for line in LIST.read_text("utf-8").splitlines() if LIST.exists() else []:
+        if line.startswith(" "):
+            names.add(f"{file}::{line.strip()}")
+        else:
+            file = line
+    return frozenset(names)
+
+
+def text_of(names: Iterable[str]) -> str:
+    """Return the list's text."""
+    tests: dict[str, list[str]] = {}
+    for name in sorted(names):
+        file, _, test = name.partition("::")
+        tests.setdefault(file, []).append(f" {test}\n")
+    return HEAD + "".join(f"{file}\n{''.join(below)}" for file, below in tests.items())
 
 
 def renewed(before: Iterable[str], measured: Mapping[str, float]) -> list[str]:
@@ -206,7 +220,7 @@ def pytest_terminal_summary(
         if getattr(one, "when", None) == "call"
     )
     if config.getoption("--measure"):
-        LIST.write_text(HEAD + "".join(f"{name}\n" for name in renewed(listed(), measured)))
+        LIST.write_text(text_of(renewed(listed(), measured)), "utf-8")
     slow = listed()
     late = {n: spent for n, spent in measured.items() if n not in slow and spent > 2 * BOUND_S}
     if late:

@@ -79,7 +79,7 @@ def test_a_listed_test_is_left_out_and_an_unlisted_one_named(
     pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     held = tmp_path / LIST.name
-    held.write_text("# head\ntest_made.py::test_slow\n")
+    held.write_text("# head\ntest_made.py\n test_slow\n")
     monkeypatch.setattr(cpu_seconds, "LIST", held)
     monkeypatch.setattr(cpu_seconds, "BOUND_S", -1.0)
     pytester.makepyfile(
@@ -98,17 +98,14 @@ def test_a_listed_test_is_left_out_and_an_unlisted_one_named(
     told = pytester.inline_run(*options, "-m", "not slow", plugins=[cpu_seconds])
     told.assertoutcome(passed=1)
     pytester.inline_run(*options, "--measure", plugins=[cpu_seconds])
-    assert held.read_text().splitlines()[2:] == [
-        "test_made.py::test_other",
-        "test_made.py::test_slow",
-    ]
+    assert held.read_text().splitlines()[2:] == ["test_made.py", " test_other", " test_slow"]
 
 
 def test_files_with_none_but_slow_tests_are_not_loaded(
     pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     held = tmp_path / LIST.name
-    held.write_text("test_all.py::test_slow\n")
+    held.write_text("test_all.py\n test_slow\n")
     monkeypatch.setattr(cpu_seconds, "LIST", held)
     pytester.makepyfile(
         test_all="raise AssertionError('loaded')\ndef test_slow(): pass\n",

@@ -3,6 +3,8 @@
 python docs/concepts/metric_pictures.py [FOLDER]  writes an SVG per group, by default beside this.
 """
 
+import io
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -303,11 +305,25 @@ MORE = (effort, information, holders, link, forecasts)
 PICTURES: dict[str, Callable[[], Figure]] = {each.__name__: each for each in (*GROUPS, *MORE)}
 
 
+def rounded(svg: str) -> str:
+    """An SVG with places to a hundredth of a point, which nobody sees, in fewer bytes."""
+
+    def place(number: re.Match[str]) -> str:
+        return f"{float(number[0]):.2f}".rstrip("0").rstrip(".")
+
+    def places(found: re.Match[str]) -> str:
+        return re.sub(r"-?\d+\.\d{3,}", place, found[0])
+
+    return re.sub(r' (?:d|x|y)="[^"]*"|translate\([^)]*\)', places, svg)
+
+
 def draw(folder: Path) -> None:
     """Write all pictures; the same bytes every time."""
     with mpl.rc_context({"svg.hashsalt": "mjforage", "font.size": 9, "svg.fonttype": "path"}):
         for name, make in PICTURES.items():
-            make().savefig(folder / f"metrics-{name}.svg", metadata={"Date": None})
+            drawn = io.StringIO()
+            make().savefig(drawn, format="svg", metadata={"Date": None})
+            (folder / f"metrics-{name}.svg").write_text(rounded(drawn.getvalue()), "utf-8")
 
 
 if __name__ == "__main__":
