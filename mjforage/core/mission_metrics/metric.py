@@ -72,7 +72,7 @@ class Batch(Once):
         return self.log.event_table()
 
     def course(self, metric: "type[Metric]") -> FloatArray:
-        """(episode, T + 1) the course of a metric, padded with its last value.
+        """(episode, T + 1) the course of a metric; one taken live goes on with its last value.
 
         Raises
         ------
