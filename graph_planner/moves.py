@@ -266,14 +266,14 @@ def _resolve(
 
 
 def check_preferences(
-    answer: NDArray[np.float64], rows_agents: tuple[int, ...], gave: str
+    answer: NDArray[np.float64], rows_agents: tuple[int, ...], who: str, how: str = "act gave"
 ) -> NDArray[np.float64]:
     """The answer of a policy, if it is an array (row, agent, 9) of numbers.
 
     Parameters
     ----------
     rows_agents : how many rows and agents it must have
-    gave : how an error begins, such as "policy North: act gave"
+    who, how : gave it, as an error begins: "policy North: act gave"
 
     Raises
     ------
@@ -284,7 +284,9 @@ def check_preferences(
     kind = getattr(getattr(answer, "dtype", None), "kind", "")
     if getattr(answer, "shape", None) != shape or kind not in tuple("fiub"):
         was = f"{answer.dtype} {answer.shape}" if kind else type(answer).__name__
-        raise UserError(f"{gave} {was}, expected numbers of shape {shape}, (row, agent, move)")
+        raise UserError(
+            f"{who}: {how} {was}, expected numbers of shape {shape}, (row, agent, move)"
+        )
     return answer
 
 
@@ -334,7 +336,7 @@ class Resolver:
         UserError
             If the preferences have the wrong shape or contain NaN: the policy is at fault.
         """
-        check_preferences(preferences, agent_node.shape, f"{who}: act gave")
+        check_preferences(preferences, agent_node.shape, who)
         moves = Moves(
             direction=np.empty(agent_node.shape, np.int8),
             target=np.empty(agent_node.shape, np.int32),

@@ -313,7 +313,7 @@ class Mission:
         forecast = getattr(policy, "forecast", None)
         if forecast is not None:
             self.forecasts.take(forecast(), self.ledger.entries.truth, self.active)
-        check_preferences(answer, (self.keys.size * holders, holder_of.size), f"{who}: act gave")
+        check_preferences(answer, (self.keys.size * holders, holder_of.size), who)
         if holders == 1:
             return answer
         each = answer.reshape(self.keys.size, holders, *answer.shape[1:])

@@ -75,7 +75,7 @@ def decisive_code(modules: Iterable[str], whole: Iterable[str] = ()) -> Code:
     own = {name.partition(".")[0] for name in roots}  # their code counts even where it is installed
     files: dict[str, str] = {}
     libraries: set[str] = set()
-    taken: set[str] = set()  # modules and packages that are no others' part: all is said of them
+    taken: set[str] = set()  # names of others' packages and modules, all files of which are found
     left = list(roots)
     while left:
         name = left.pop()

@@ -219,8 +219,8 @@ def check_algorithm(
 ) -> None:
     """Check a learning algorithm: parts, networks, rounds, repeats, resuming, weights.
 
-    It trains some ten short runs on the CPU. What it asks is in the docstrings of
-    `mjforage.testing.algorithm_checks`.
+    It has eight trainers play at most twice `rounds` rounds each, on the CPU. What it asks is in
+    the docstrings of `mjforage.testing.algorithm_checks`.
 
     Parameters
     ----------

@@ -72,7 +72,7 @@ class Round:
         UserError
             If they are no such array, or one of them is NaN.
         """
-        check_preferences(preferences, (self.num_envs, self.agents), "play was given")
+        check_preferences(preferences, (self.num_envs, self.agents), "algorithm", "play was given")
         each = [
             game.play(preferences[envs]) for game, envs in zip(self.games, self.envs, strict=True)
         ]

@@ -1,5 +1,6 @@
 """What a source imports, wherever that stands in it, and what code that reaches."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,12 @@ def test_what_nobody_can_import_imports_nothing() -> None:
     assert _imported("import a\nimport", "package") == set()
 
 
+def _write(folder: Path, files: Mapping[str, str]) -> None:
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+
+
 def test_a_relative_import_starts_from_the_folder_of_its_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -63,9 +70,7 @@ def test_a_relative_import_starts_from_the_folder_of_its_file(
         "reached_home/plans/deep/__init__.py": "from ... import common, plans",
         "reached_home/plans/deep/policy.py": "from ...common import this\nfrom .... import beyond",
     }
-    for name, text in files.items():
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(text)
+    _write(tmp_path, files)
     monkeypatch.syspath_prepend(tmp_path)
     found = decisive_code(["reached_home.plans.deep.policy"])
     assert set(found.files) == set(files)
@@ -83,9 +88,7 @@ def test_a_library_is_a_version_wherever_it_was_installed(
         "libs/borrowed-1.2.dist-info/METADATA": "Name: borrowed\nVersion: 1.2",
         "libs/borrowed-1.2.dist-info/RECORD": "borrowed/__init__.py,sha256=x,9\nborrowed/deep.py,,",
     }
-    for name, text in files.items():
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(text)
+    _write(tmp_path, files)
     for folder in ("mine", "libs"):
         monkeypatch.syspath_prepend(tmp_path / folder)
     found = decisive_code(["asks_it"])
