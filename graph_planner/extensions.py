@@ -233,7 +233,9 @@ def _imported(reference: str, what: str) -> Any:
         ) from error
     for name in path.split("."):
         if not hasattr(found, name):
-            names = [one for one, value in vars(found).items() if isinstance(value, type)]
+            classes = {one: value for one, value in vars(found).items() if isinstance(value, type)}
+            package = module_name.partition(".")[0]
+            names = [n for n, one in classes.items() if one.__module__.partition(".")[0] == package]
             raise UserError(f"{what}: {module_name} has no {path}; {nearest(name, names)}")
         found = getattr(found, name)
     if not inspect.isclass(found) and not inspect.isfunction(found):

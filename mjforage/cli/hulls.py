@@ -124,18 +124,21 @@ def calibrate(
 
 @app.command
 def vessels(vessel: str | None = None, /) -> None:
-    """List the vessels that ship with the package, or print the file of one to begin with.
+    """List the vessels that ship with the package, or print the file of one.
 
     Parameters
     ----------
     vessel
-        Name of a shipped vessel; `mjforage vessels scout > my_boat.toml` copies its file.
+        Name of a shipped vessel, so that `mjforage vessels scout > my_boat.toml` copies its file,
+        or path of yours; without a `[control]` table it is printed with the one that is used then.
     """
     from mjforage.core.vessel_files import vessel_names, vessel_path
+    from mjforage.physics.vessel_helm import control_table
     from mjforage.physics.vessels import load_vessel
 
     if vessel is not None:
-        sys.stdout.write(vessel_path(vessel).read_text("utf-8"))
+        loaded, text = load_vessel(vessel), vessel_path(vessel).read_text("utf-8")
+        sys.stdout.write(text if loaded.control else f"{text}\n{control_table(loaded)}")
         return
     hulls = [load_vessel(name) for name in vessel_names()]
     print_list((v.name, f"{v.length_m:g} x {v.beam_m:g} m, {v.mass_kg:g} kg") for v in hulls)

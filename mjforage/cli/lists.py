@@ -21,6 +21,20 @@ def policies() -> None:
 
 
 @app.command
+def metrics() -> None:
+    """List the metrics: what each measures, its unit, and whether more or less of it is better."""
+    from mjforage.core.mission_metrics import METRICS, chosen_metrics, description
+
+    ways = {1: "more is better", -1: "less is better", 0: ""}
+    origins = {METRICS.find(name).key: METRICS.origin(name) for name in METRICS.names()}
+    rows = []
+    for one in map(description, chosen_metrics()):
+        facts = ", ".join(filter(None, (one.unit, ways[one.better], origins[one.key])))
+        rows.append((one.key, f"{one.definition} [{facts}]" if facts else one.definition))
+    print_list(rows)
+
+
+@app.command
 def scenarios(*, explain: str | None = None) -> None:
     """List the scenarios that ship with the package, or say what a key of a scenario means.
 

@@ -34,6 +34,9 @@ def vessel_path(name_or_path: str | Path) -> Path:
             return path
     except (OSError, ValueError) as error:
         raise UserError(f"vessel {name_or_path}: cannot be opened ({error})") from error
+    if path.suffix == ".toml":
+        where = "" if path.is_absolute() else f" from {Path.cwd()}"
+        raise UserError(f"vessel {name_or_path}: no such file{where}; mend the path")
     close = difflib.get_close_matches(str(name_or_path), names, n=1)
     hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names)}"
     raise UserError(f"vessel {name_or_path}: neither a shipped vessel nor a TOML file; {hint}")

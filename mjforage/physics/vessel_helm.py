@@ -2,10 +2,12 @@
 
 import dataclasses
 import math
+from typing import get_type_hints
 
 from controllers import Helm, Tuning
 from mjforage.physics.vessels import Control, CrossFlow, Propeller, Vessel
 
+SOURCE = "from mass, drag, thrust and lag, as where no file says otherwise"
 SHARE = 0.9  # of the thrust, with which cruise speeds are reckoned; the rest steers
 
 
@@ -77,6 +79,17 @@ def default_control(vessel: Vessel) -> Control:
         clearance_m=0.15 * vessel.length_m,
         filter_s=3.0,
     )
+
+
+def control_table(vessel: Vessel) -> str:
+    """`default_control` as the table of a vessel's file, in full: with it the hull moves alike."""
+    facts = get_type_hints(Control, include_extras=True)
+    lines = [
+        f'{key} = {{ value = {value!r}, unit = "{facts[key].__metadata__[0].unit}", '
+        f'source = "{SOURCE}" }}\n'
+        for key, value in dataclasses.asdict(default_control(vessel)).items()
+    ]
+    return "".join(("[control]\n", *lines))
 
 
 def _quadratic_sway(vessel: Vessel) -> float:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from graph_planner.encodings import create_encoder, encoder_class
 from graph_planner.policies import create_policy
+from mjforage.core.episode_log import Tracks
 from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import METRICS, Metric, Scorer, chosen_metrics
 from mjforage.core.mission_metrics.known import checked
@@ -62,11 +63,15 @@ def _check_alone(trial: PartTrial, check: str, play: Play) -> None:
                 )
 
 
-def _scores(trial: PartTrial, metric: type[Metric], episodes: list[int]) -> list[NDArray[Any]]:
+def _played(trial: PartTrial, metric: type[Metric], episodes: list[int]) -> Scorer:
     mission = trial.mission(episodes)
     known = [one for one in chosen_metrics() if one.key != metric.key]
     scorer = Scorer(mission, [*known, metric])  # whose courses it may ask for
     mission.run(create_policy("greedy"), (scorer,))
+    return scorer
+
+
+def _scores(scorer: Scorer, metric: type[Metric]) -> list[NDArray[Any]]:
     found = scorer.scores()
     course = [found.courses[metric.course_name()]] if metric.has_course() else []
     return [found.scalars[metric.key], *course]
@@ -84,11 +89,41 @@ def check_metric_is_described(trial: PartTrial) -> None:
 
 def check_metric_alone(trial: PartTrial) -> None:
     """An episode does not depend on its batch; are of the right shape, finite or NaN."""
+    metric = checked(METRICS.find(trial.name), trial.name)
     _check_alone(
-        trial,
-        "metric_alone",
-        partial(_scores, trial, checked(METRICS.find(trial.name), trial.name)),
+        trial, "metric_alone", lambda episodes: _scores(_played(trial, metric, episodes), metric)
     )
+
+
+def check_metric_ends(trial: PartTrial) -> None:
+    """It reads no step after an episode's end; its course goes on from there with its last value.
+
+    Nothing is checked where no episode of 0 to 2 is over before the horizon.
+    """
+    metric = checked(METRICS.find(trial.name), trial.name)
+    scorer = _played(trial, metric, [0, 1, 2])
+    plain, log = _scores(scorer, metric), scorer.log
+    over = np.arange(log.agent_node.shape[1]) > log.length[:, None]
+    for array in (getattr(log, name) for name in (*Tracks._fields, "item_node")):
+        if over.any() and array.size:
+            array[over] = array.max()
+    for before, after in zip(plain, _scores(scorer, metric), strict=True):
+        found = first_difference(before, after)
+        if found:
+            raise trial.error(
+                "metric_ends",
+                f"gave {found} by what arrays hold after an episode's end; leave out steps after "
+                "batch.log.length",
+            )
+    for course in plain[1:]:
+        last = np.take_along_axis(course, log.length[:, None], axis=1)
+        somewhere = ~np.isnan(course).all(axis=0)  # a difference has one step less
+        found = first_difference(np.where(over & somewhere, last, course), course)
+        if found:
+            raise trial.error(
+                "metric_ends",
+                f"has a course that is {found} after an episode's end; go on with its last value",
+            )
 
 
 def _amounts(
@@ -206,7 +241,7 @@ def check_observation_alone(trial: PartTrial) -> None:
     _check_alone(trial, "observation_alone", partial(_pictures, trial))
 
 
-METRIC_CHECKS = (check_metric_is_described, check_metric_alone)
+METRIC_CHECKS = (check_metric_is_described, check_metric_alone, check_metric_ends)
 REWARD_CHECKS = (check_reward_only_reads, check_reward_alone, check_reward_remembers_nothing)
 OBSERVATION_CHECKS = (
     check_observation_shapes,
@@ -216,9 +251,11 @@ OBSERVATION_CHECKS = (
 
 
 def check_metric(
-    metric: str, scenario: str = "comb-port", overrides: Iterable[str] = ("horizon=8",)
+    metric: str, scenario: str = "comb-port", overrides: Iterable[str] = ("horizon=150",)
 ) -> None:
     """All checks of a metric, by its reference.
+
+    Whole episodes are played, of which some are over before others of their batch.
 
     Raises
     ------

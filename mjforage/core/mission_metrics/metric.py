@@ -179,6 +179,11 @@ class Description:
         """Label for a terminal."""
         return self.label.replace("_", " ")
 
+    @property
+    def head(self) -> str:
+        """Label of a row: with its unit, if it has one."""
+        return f"{self.label} [{self.unit}]" if self.unit else self.label
+
 
 def description(metric: type[Metric]) -> Description:
     """How a metric is shown."""

@@ -1,6 +1,7 @@
 """How the hulls did: outcomes of moves, speeds, touches and energy, from `agents.parquet`."""
 
 import math
+from collections.abc import Iterator, Mapping
 
 import polars as pl
 
@@ -67,26 +68,38 @@ def _share(rows: pl.DataFrame, wanted: pl.Expr) -> float:
     return 100 * len(rows.filter(wanted)) / len(rows) if len(rows) else math.nan
 
 
-def hulls_table(logs: RunLogs) -> Table | None:
-    """Outcomes, speeds, touches and energy of every team; None for a run at graph level only."""
+def hulls_table(runs: Mapping[str, RunLogs], episodes: int | None = None) -> Table | None:
+    """Outcomes, speeds, touches and energy of every team; None for runs at graph level only.
+
+    Parameters
+    ----------
+    runs : what stands before the policies -> run
+    episodes : how many of each run's; all if None
+    """
+    rows = [row for name, logs in runs.items() for row in _rows(name, logs, episodes)]
+    if not rows:
+        return None
+    labels, units = zip(*SHOWN, strict=True)
+    return Table("hulls", "How the hulls did", labels, tuple(rows), (NOTE,), units, head="team")
+
+
+def _rows(name: str, logs: RunLogs, episodes: int | None) -> Iterator[Row]:
     worlds = [world for world in logs.run.worlds if world != "graph"]
     if not worlds or not logs.run.agents:
-        return None
+        return
+    count = pl.col("episode") < (logs.run.episodes if episodes is None else episodes)
     frame = read_columns(logs.folder / "agents.parquet", COLUMNS)
     frame = frame.filter(pl.col("step") > 0)
     teams = list(dict.fromkeys(agent.team for agent in logs.run.agents))
-    rows = []
     for policy in logs.policies:
         for world in worlds:
             series = (world, policy)
-            mine = logs.select(frame, series)
-            items = logs.select(logs.items, series)
+            mine = logs.select(frame, series).filter(count)
+            items = logs.select(logs.items, series).filter(count)
             collected = float(items["t_collected"].drop_nulls().len())
+            group = ": ".join(filter(None, (name, head_of(logs, series))))
             for team in teams:
                 numbers = [i for i, agent in enumerate(logs.run.agents) if agent.team == team]
                 found = _figures(mine.filter(pl.col("agent").is_in(numbers)), collected)
                 cells = tuple(map(number, found, DIGITS))
-                values = tuple(map(Number, found))
-                rows.append(Row(team, cells, group=head_of(logs, series), values=values))
-    labels, units = zip(*SHOWN, strict=True)
-    return Table("hulls", "How the hulls did", labels, tuple(rows), (NOTE,), units, head="team")
+                yield Row(team, cells, group=group, values=tuple(map(Number, found)))

@@ -59,7 +59,7 @@ def comparison_table(logs: RunLogs) -> Table | None:
     judged = zip(pairs, corrected(family), set_apart(family), strict=True)
     rows = tuple(
         Row(
-            pair.metric.label,
+            pair.metric.head,
             (
                 pair.gap.text,
                 pair.gap.interval,

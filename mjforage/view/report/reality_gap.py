@@ -51,7 +51,7 @@ def gap_table(logs: RunLogs) -> Table | None:
         cells = (*means, step.text, step.interval, p_text(p), str(step.n))
         best = frozenset({2} if apart else ())
         values = (*map(in_full, ends), *step.split, Number(p), Number(step.n))
-        row = Row(metric.label, cells, group=policy, best=best, values=values)
+        row = Row(metric.head, cells, group=policy, best=best, values=values)
         rows.append(replace(row, better=metric.better))
     notes = (
         "The same episodes in both worlds: equal items, drift and starts. Difference: "

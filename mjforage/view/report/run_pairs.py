@@ -24,6 +24,7 @@ from mjforage.view.report.differences import (
     set_apart,
     too_few,
 )
+from mjforage.view.report.hull_tables import hulls_table
 from mjforage.view.report.run_logs import RunLogs, Series, load_logs, read_columns
 from mjforage.view.report.text_tables import HEADLINE, number, row_name
 from mjforage.view.report.web_replay import web_replay
@@ -63,6 +64,7 @@ def write_pair(first: Path, second: Path, out: Path | None = None) -> Path:
     several = paired_series(*runs)
     brief, full = _brief(runs, labels, several, count), _full(runs, labels, several, count)
     settings = _settings(runs, labels)
+    hulls = hulls_table(dict(zip(labels, runs, strict=True)), count)
     content = {
         "labels": labels,
         "runs": [logs.run for logs in runs],
@@ -70,13 +72,14 @@ def write_pair(first: Path, second: Path, out: Path | None = None) -> Path:
         "few": too_few(count),
         "brief": brief,
         "full": full,
+        "hulls": hulls,
         "settings": settings,
         "replay": web_replay(dict(zip(labels, (first, second), strict=True))),
     }
     text = set_page("pair.html.j2", runs[0].run.versions.get("mjforage", ""), content)
     with writing(out):
         out.mkdir(parents=True, exist_ok=True)
-    for table in (brief, full, settings):
+    for table in filter(None, (brief, full, hulls, settings)):
         write_table(table, out / "tables", ("csv",))
     write_bytes(out / "report.html", text.encode("utf-8"))
     return out / "report.html"
@@ -224,7 +227,7 @@ def _full(
         shown = (number(mean, metric.digits) for mean in means)
         rows.append(
             Row(
-                metric.label,
+                metric.head,
                 (*shown, gap.text, gap.interval, p_text(p), str(gap.n)),
                 group=_head(runs, pair),
                 best=frozenset({2} if apart else ()),

@@ -218,12 +218,11 @@ def full_table(logs: RunLogs) -> Table:
         if logs.has(metric.key) and not logs.defined(metric.key):
             nowhere.append(metric.label)
             continue
-        unit = f" [{metric.unit}]" if metric.unit else ""
         for series in _by_policy(logs):
             entry = entry_of(logs.summary, series, metric.key)
             cells = full_cells(entry, metric.digits)
             row = Row(head_of(logs, series), cells, looks[series[1]].colour)
-            group, values = metric.label + unit, full_values(entry)
+            group, values = metric.head, full_values(entry)
             row = replace(row, group=group, note=metric.definition, values=values)
             rows.append(replace(row, group_better=metric.better))
     columns = ("mean", "1.96 SEM", "95 % interval", "IQM", "n")

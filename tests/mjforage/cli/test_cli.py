@@ -9,6 +9,7 @@ import pytest
 
 from graph_planner.policies import policy_names
 from mjforage import __version__
+from mjforage.core.mission_metrics import chosen_metrics
 from mjforage.core.scenario_file import preset_names
 from tests.mjforage.cli.short_runs import EVALUATE, GREEDY, Refused
 
@@ -61,7 +62,12 @@ def test_what_a_user_can_mend_is_one_line(
 
 
 def test_lists_name_everything_in_one_line_each(command: Callable[..., Any]) -> None:
-    for name, names in (("policies", policy_names()), ("scenarios", preset_names())):
+    lists = {
+        "policies": policy_names(),
+        "scenarios": preset_names(),
+        "metrics": [metric.key for metric in chosen_metrics()],
+    }
+    for name, names in lists.items():
         lines = command(name).out.splitlines()
         assert [line.split()[0] for line in lines] == names
         assert all(len(line.split()) > 3 for line in lines)

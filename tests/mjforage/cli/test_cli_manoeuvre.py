@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from mjforage.core.vessel_files import vessel_path
+from mjforage.physics.vessel_helm import helm_of
+from mjforage.physics.vessels import load_vessel
 
 COLUMNS = ["t_s", "x_m", "y_m", "yaw_rad", "surge_mps", "sway_mps", "yaw_rate_radps"]
 
@@ -132,3 +134,16 @@ def test_a_vessel_is_printed_as_its_file_to_begin_with(
 ) -> None:
     assert command("vessels", "scout").out == vessel_path("scout").read_text("utf-8")
     assert "did you mean otter?" in refused("vessels", "oter")
+
+
+def test_the_tuning_that_a_file_leaves_open_can_be_seen_and_kept(
+    command: Callable[..., Any], tmp_path: Path
+) -> None:
+    own, kept = tmp_path / "own.toml", tmp_path / "kept.toml"
+    own.write_text(vessel_path("scout").read_text("utf-8").partition("[control]")[0])
+    printed = command("vessels", own).out
+    assert printed.startswith(own.read_text()) and 'unit = "rad/s", source = "from mass' in printed
+    kept.write_text(printed)
+    assert load_vessel(own).control is None and load_vessel(kept).control is not None
+    assert helm_of(load_vessel(kept)) == helm_of(load_vessel(own))
+    assert command("vessels", kept).out == printed

@@ -156,6 +156,7 @@ def test_worker_processes_find_them(folder: Path) -> None:
     ("given", "words"),
     [
         ({"observation": "own_encoder:Clok"}, "own_encoder has no Clok; did you mean Clock"),
+        ({"observation": "own_model:Prefer"}, "own_model has no Prefer; choose Late"),
         ({"observation": "own_encoder:Clock(side=1)"}, "unknown option side; "),
         ({"observation": "own_encoder:Clock(task=1)"}, "unknown option task; "),
         ({"observation": "own_term:Southing"}, "observation own_term:Southing: is no encoder"),

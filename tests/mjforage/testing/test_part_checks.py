@@ -46,6 +46,37 @@ class Ranked(Metric):
         return np.arange(batch.log.n_items.size) / 2
 
 
+class Longest(Metric):
+    """Decisions of the longest episode."""
+
+    key, label = "longest", "Longest"
+
+    def value(self, batch):
+        return np.full(batch.log.length.size, batch.log.length.max(), float)
+
+
+class Unended(Metric):
+    """Mean row of the first agent; steps after an episode's end count, too."""
+
+    key, label = "unended", "Unended"
+
+    def value(self, batch):
+        return batch.log.agent_rc[:, :, 0, 0].mean(axis=1)
+
+
+class Unpadded(Metric):
+    """Steps so far; none after the end."""
+
+    key, label = "unpadded", "Unpadded"
+
+    def value(self, batch):
+        return np.zeros(batch.log.length.size)
+
+    def course(self, batch):
+        steps = np.arange(batch.horizon + 1)
+        return np.where(steps > batch.log.length[:, None], 0, steps).astype(float)
+
+
 class East:
     def __call__(self, step):
         return step.task.graph.cols[step.mission.state.agent_node].astype(float)
@@ -123,6 +154,11 @@ BAD: list[tuple[Check, str, str, str]] = [
     (check_observation, "Looks", "observation_twice", "gave steps 1 and 2 .*for one step; rememb"),
     (check_observation, "Crowd", "observation_alone", "for one episode in two batches"),
 ]
+ENDING = [
+    ("Longest", "metric_alone", "for one episode in two batches"),
+    ("Unended", "metric_ends", "leave out steps after batch.log.length"),
+    ("Unpadded", "metric_ends", "course that is .* and 0.* after an episode.s end; go on"),
+]
 
 
 @pytest.fixture(autouse=True)
@@ -144,9 +180,20 @@ def test_a_bad_one_is_rejected_by_its_check(
     assert caught.value.check == which
 
 
+@pytest.mark.parametrize(("name", "which", "words"), ENDING)
+def test_what_happens_after_an_end_is_seen_in_whole_episodes(
+    name: str, which: str, words: str
+) -> None:
+    check_metric(f"own_parts:{name}", overrides=SHORT)  # where none is over before others
+    with pytest.raises(ConformanceError, match=words) as caught:
+        check_metric(f"own_parts:{name}")
+    assert caught.value.check == which
+
+
 def test_every_check_has_a_bad_one() -> None:
     checks = (*METRIC_CHECKS, *REWARD_CHECKS, *OBSERVATION_CHECKS)
-    assert {check.__name__.removeprefix("check_") for check in checks} == {b[2] for b in BAD}
+    rejected = {which for _, _, which, _ in BAD} | {which for _, which, _ in ENDING}
+    assert {check.__name__.removeprefix("check_") for check in checks} == rejected
 
 
 def test_good_ones_pass() -> None:
@@ -162,4 +209,7 @@ def test_good_ones_pass() -> None:
     + [(check_observation, name) for name in ENCODERS.names()],
 )
 def test_ours_pass(check: Check, name: str) -> None:
-    check(name, overrides=SHORT)
+    if check is check_metric:
+        check(name)  # in whole episodes, as users do
+    else:
+        check(name, overrides=SHORT)

@@ -9,7 +9,7 @@ import polars as pl
 import pytest
 
 from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import chosen_metrics
+from mjforage.core.mission_metrics import chosen_metrics, description
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 from mjforage.runs.evaluate import evaluate
@@ -35,13 +35,15 @@ def test_every_metric_has_its_paired_difference(logs: RunLogs) -> None:
     table = gap_table(logs)
     assert table is not None and table.columns[:2] == ("graph", "physics")
     rows = {(row.group, row.head): row for row in table.rows}
-    for policy, metric in itertools.product(("greedy", "random"), chosen_metrics()):
+    shown = [description(metric) for metric in chosen_metrics()]
+    assert ("greedy", "PTA_C [%]") in rows
+    for policy, metric in itertools.product(("greedy", "random"), shown):
         here, there = (logs.scalar((world, policy), metric.key) for world in ("physics", "graph"))
         both = np.isfinite(here) & np.isfinite(there)
         if not (np.isfinite(here) | np.isfinite(there)).any():
-            assert (policy, metric.label) not in rows
+            assert (policy, metric.head) not in rows
             continue
-        row = rows[policy, metric.label]
+        row = rows[policy, metric.head]
         assert (row.better, row.cells[5]) == (metric.better, str(both.sum()))
         if both.any():
             step = float((here - there)[both].mean())
@@ -67,7 +69,7 @@ def test_each_world_is_measured_against_the_one_below(logs: RunLogs) -> None:
 
 
 def test_outcomes_speeds_and_energy_come_from_the_logs(logs: RunLogs) -> None:
-    table = hulls_table(logs)
+    table = hulls_table({"": logs})
     assert table is not None
     agents = pl.read_parquet(logs.folder / "agents.parquet").filter(
         (pl.col("world") == "physics")
@@ -90,11 +92,24 @@ def test_outcomes_speeds_and_energy_come_from_the_logs(logs: RunLogs) -> None:
     assert joules > 0
 
 
+def test_hulls_of_two_runs_stand_below_each_other(logs: RunLogs) -> None:
+    table = hulls_table({"one": logs, "other": logs}, episodes=2)
+    assert table is not None
+    groups = list(dict.fromkeys(row.group for row in table.rows))
+    assert groups == [
+        f"{run}: {policy} · {world}"
+        for run in ("one", "other")
+        for policy in ("greedy", "random")
+        for world in ("hulls", "physics")
+    ]
+    assert {int(row.cells[0]) + int(row.cells[4]) for row in table.rows} == {2 * 2 * 8}
+
+
 def test_a_run_at_graph_level_has_no_gap(logs: RunLogs) -> None:
     alone = dataclasses.replace(logs, run=dataclasses.replace(logs.run, worlds=("graph",)))
     assert gap_table(alone) is None
     assert ladder_table(alone) is None
-    assert hulls_table(alone) is None
+    assert hulls_table({"": alone}) is None
 
 
 def test_agents_that_are_not_logged_are_named(logs: RunLogs, tmp_path: Path) -> None:
@@ -102,4 +117,4 @@ def test_agents_that_are_not_logged_are_named(logs: RunLogs, tmp_path: Path) -> 
         tmp_path / "agents.parquet"
     )
     with pytest.raises(UserError, match="column 'work_j' is missing"):
-        hulls_table(dataclasses.replace(logs, folder=tmp_path))
+        hulls_table({"": dataclasses.replace(logs, folder=tmp_path)})

@@ -55,6 +55,7 @@ def test_differences_are_of_the_episodes_that_both_have(make_run: MakeRun) -> No
     assert float(greedy[column]) == pytest.approx(mean)
     text = page.read_text("utf-8")
     assert "4 shared episodes" in text and "run-0 minus run-1" in text
+    assert table(page, "pair")[0]["metric"] == "PTA_D [%]"
 
 
 def test_both_runs_are_in_the_replay_by_name(make_run: MakeRun) -> None:
