@@ -1,6 +1,7 @@
 # `make demo`: the paper's two baselines at graph level and in MuJoCo, with a report and a film.
 # `make quick`: the tests that take about a minute on two free cores.
-# `make test`: all tests, and ruff, mypy and import-linter.
+# `make test`: ruff, mypy, import-linter, and all tests but those of whole runs: ten minutes.
+# `make thorough`: those: commands, runs that are killed and go on, trainings, reports, films, blocks of pages.
 # `make capabilities`: tests of what learns, under each set of instructions of processors.
 # `make dist`: a wheel and an sdist in dist/, checked, installed elsewhere and used.
 # `make docs`: the site, under build/site; open build/site/index.html.
@@ -21,7 +22,7 @@ unexport PYTHONDONTWRITEBYTECODE
 CAPABILITIES := default avx2 avx512
 LEARNING := tests/mjforage/learning tests/graph_planner/test_weights.py
 
-.PHONY: demo quick test types collected planner hulls capabilities mutants evidence evidence-pages dist docs links pages gallery install clean
+.PHONY: demo quick test thorough types collected planner hulls capabilities mutants evidence evidence-pages dist docs links pages gallery install clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.installed: pyproject.toml constraints.txt
@@ -53,7 +54,10 @@ test: $(VENV)/.installed-docs
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports
 	$(MAKE) --jobs 2 hulls types collected
-	$(BIN)/pytest -n 2 --dist worksteal
+	$(BIN)/pytest -n 2 --dist worksteal -m 'not thorough'
+
+thorough: $(VENV)/.installed-docs
+	$(BIN)/pytest -n 2 --dist worksteal -m thorough
 
 types: $(VENV)/.installed-dev
 	$(BIN)/mypy

@@ -1,10 +1,14 @@
-"""CPU seconds of each test, its processes included, and which tests `make quick` leaves out.
+"""CPU seconds of each test, its processes included, and what `make quick` and `test` leave out.
 
 `tests/slow.txt` names the tests that take more than `BOUND_S` with all their parameters; they have
 the mark `slow`. It is written by `pytest --measure`, from what that run measured: `pytest -n 2
 --measure` for all, when all kernels are compiled, or whoever came first would have their time too.
 Every run names tests that are not in it and took more than twice the bound, so that it does not go
 stale.
+
+Slow tests of the folders of `WHOLE` have the mark `thorough`, too: they play whole commands, runs
+that are killed and go on, clusters, trainings, reports and films, and take most of the time of all
+tests. `make test` leaves them to `make thorough`; continuous integration runs both.
 
 Tests of a file that imports one of `HEAVY` are slow too, whatever they do themselves: the first
 import takes seconds of each process. `-m 'not slow'` loads no file that has none but slow tests.
@@ -34,6 +38,12 @@ HEAVY = (
     *("graph_planner.inference", "graph_planner.q_network", "mjforage.learning.model_policy"),
 )
 """Modules that take seconds to load, and ours that load them."""
+
+WHOLE = (
+    *("tests/documents", "tests/mjforage/bench", "tests/mjforage/cli", "tests/mjforage/learning"),
+    *("tests/mjforage/runs", "tests/mjforage/testing", "tests/mjforage/view"),
+)
+"""Folders whose slow tests are left to `make thorough`."""
 
 _IMPORTS = re.compile(rf"^(?:from|import) (?:{'|'.join(map(re.escape, HEAVY))})\b", re.MULTILINE)
 _TESTS = re.compile(r"^ *def (test_\w+)\(", re.MULTILINE)
@@ -101,6 +111,11 @@ def is_heavy(path: Path) -> bool:
     return _IMPORTS.search(path.read_text("utf-8")) is not None
 
 
+def is_whole(name: str) -> bool:
+    """Whether a test is in one of the folders of `WHOLE`."""
+    return name.startswith(tuple(f"{folder}/" for folder in WHOLE))
+
+
 def has_quick_tests(path: Path, name: str) -> bool:
     """Whether a test file of that name in the list has tests that are not slow, by its text."""
     slow = {one.rpartition("::")[2] for one in listed() if one.startswith(f"{name}::")}
@@ -145,12 +160,15 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` chooses
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Give the mark `slow` to what the list names, and to tests of heavy files."""
+    """Mark what the list names as `slow` or `thorough`, tests of heavy files as `slow`."""
     slow = listed()
     heavy = {path for path in {item.path for item in items} if is_heavy(path)}
     for item in items:
-        if name_of(item.nodeid) in slow or item.path in heavy:
+        name = name_of(item.nodeid)
+        if name in slow or item.path in heavy:
             item.add_marker("slow")
+        if name in slow and is_whole(name):
+            item.add_marker("thorough")
 
 
 def _name_of_fixture(fixture: pytest.FixtureDef[Any]) -> str:

@@ -14,6 +14,7 @@ from tests.cpu_seconds import (
     LIST,
     MADE,
     MEASURED,
+    WHOLE,
     has_quick_tests,
     listed,
     renewed,
@@ -32,6 +33,16 @@ pytest_plugins = ["pytester"]
 def test_every_name_is_of_a_test() -> None:
     assert [name for name in listed() if not stands(name)] == []
     assert listed() == frozenset(renewed(listed(), {})), "the list is sorted and whole"
+
+
+def test_slow_tests_of_whole_runs_are_thorough_and_no_others(
+    request: pytest.FixtureRequest,
+) -> None:
+    assert all((LIST.parent.parent / folder).is_dir() for folder in WHOLE)
+    for item in request.session.items:
+        name = item.nodeid.partition("[")[0]
+        whole = name in listed() and name.startswith(tuple(f"{folder}/" for folder in WHOLE))
+        assert (item.get_closest_marker("thorough") is not None) == whole, name
 
 
 def test_names_that_are_none_do_not_stand() -> None:

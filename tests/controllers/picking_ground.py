@@ -5,11 +5,16 @@ node or beside it, at any heading, ordered there and then to stay. Real bodies, 
 of noise. The place of the item is known (0 m), or seen by a camera with a noise of so many metres.
 """
 
+import argparse
+import json
+from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.core.whole_files import write_bytes
 from mjforage.physics.calibration import Trials, taken_in
 from mjforage.physics.calibration.drawing import MIDDLE_M, REST_M
 from mjforage.physics.calibration.ground import PITCH_M, SENSORS
@@ -72,15 +77,25 @@ def corner_from_beside(rng: np.random.Generator, trials: int) -> Trials:
 PLACES = (open_water, straight_quay, corner_from_within, corner_from_beside)
 
 
-def main(trials: int = 400, seed: int = 0) -> None:
-    """Print a line for every place, by how well items are seen."""
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print a line for every place, by how well items are seen; `--json FILE` writes them, too."""
+    parser = argparse.ArgumentParser(prog="python -m tests.controllers.picking_ground")
+    parser.add_argument("--trials", type=int, default=400)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--json", type=Path)
+    chosen = parser.parse_args(arguments)
+    told = []
     for noise_m in (0.0, 0.1, 0.2):
         sensors = replace(SENSORS, pickup_noise_m=noise_m)
         for place in PLACES:
-            drawn = place(np.random.default_rng(seed), trials)
-            decision = taken_in("forager", drawn, 3, seed, sensors)
-            shares = ", ".join(f"{np.mean(decision <= last):.2f}" for last in range(3))
-            say(f"{noise_m:g} m, {place.__name__}: {shares} within 10, 20, 30 s")
+            drawn = place(np.random.default_rng(chosen.seed), chosen.trials)
+            decision = taken_in("forager", drawn, 3, chosen.seed, sensors)
+            shares = [float(np.mean(decision <= last)) for last in range(3)]
+            words = ", ".join(f"{share:.2f}" for share in shares)
+            say(f"{noise_m:g} m, {place.__name__}: {words} within 10, 20, 30 s")
+            told.append({"noise_m": noise_m, "place": place.__name__, "shares": shares})
+    if chosen.json:
+        write_bytes(chosen.json, json.dumps(told, indent=1).encode())
 
 
 if __name__ == "__main__":

@@ -101,6 +101,22 @@ _HULL_COLUMNS = (
 )
 
 
+_GROUND = {
+    "open_water": "the next node, open water",
+    "straight_quay": "straight quay, from the node or one beside it",
+    "corner_from_within": "corner, from the node",
+    "corner_from_beside": "corner, from a node beside it",
+}
+
+
+def _picking(runs: Runs) -> Iterator[Row]:
+    """Shares taken within each decision, for each way of seeing the item, place by place."""
+    told = runs.figures()
+    for place, words in _GROUND.items():
+        shares = [share for one in told if one["place"] == place for share in one["shares"]]
+        yield [words, *({"mean": share} for share in shares)]
+
+
 def _piece(name: str, command: str) -> Piece:
     columns = Column("policy"), Column("world"), *LADDER.values()
     return Piece(name, {"": command}, columns, _ladder)
@@ -119,4 +135,18 @@ PIECES = (
     ),
     _piece("gap-weather", WEATHER),
     Piece("hulls", HULLS, _HULL_COLUMNS, _hulls),
+    Piece(
+        "picking",
+        {"": "python -m tests.controllers.picking_ground"},
+        (
+            Column("where"),
+            *(
+                Column(f"{seen}, {within} s", 2)
+                for seen in ("known", "0.1 m", "0.2 m")
+                for within in (10, 20, 30)
+            ),
+        ),
+        _picking,
+        minutes=10,
+    ),
 )
