@@ -147,6 +147,6 @@ PIECES = (
             ),
         ),
         _picking,
-        minutes=10,
+        minutes=1,
     ),
 )
