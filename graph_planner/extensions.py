@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points, requires
 from pathlib import Path
+from traceback import walk_tb
 from typing import Any, Generic, NamedTuple, TypeVar, cast
 
 from graph_planner.errors import UserError
@@ -171,6 +172,16 @@ class Table(Generic[T]):
 def is_ours(made: Any) -> bool:
     """Whether a class or function ships with mjforage."""
     return getattr(made, "__module__", "").partition(".")[0] in _OURS
+
+
+def fault(error: BaseException, package: str) -> str:
+    """What a package's code raised, and where: "IndexError: ... (file, line 3)"; "" if not it."""
+    lines = [
+        f"{Path(frame.f_code.co_filename).name}, line {line}"
+        for frame, line in walk_tb(error.__traceback__)
+        if frame.f_globals.get("__name__", "").partition(".")[0] == package
+    ]
+    return f"{type(error).__name__}: {error} ({lines[-1]})" if lines else ""
 
 
 def _reach(folder: str) -> None:

@@ -1,5 +1,8 @@
 """Counter-based randomness: value = f(seed, episode, stream, index, step).
 
+`uniforms` is for Python; all others but `episode_keys` are for kernels: Python's whole numbers are
+signed, so a key that a kernel has given to Python is no key any more.
+
 No generator carries state, so no number depends on batch size, order, worker or policy. The mixing
 function is the 64-bit finaliser of SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom
 number generators", OOPSLA 2014) with Stafford's "Mix13" constants, applied once more per
@@ -9,11 +12,13 @@ coordinate.
 from enum import IntEnum
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from graph_planner.compiled import kernel
 
 UInt64Array = NDArray[np.uint64]
+Int64Array = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
@@ -71,6 +76,7 @@ class Stream(IntEnum):
 @kernel
 def mix(value: np.uint64) -> np.uint64:
     """One-to-one scrambling of 64 bits."""
+    value = np.uint64(value)
     value = (value ^ (value >> _S30)) * _MIX_1
     value = (value ^ (value >> _S27)) * _MIX_2
     return value ^ (value >> _S31)
@@ -79,7 +85,7 @@ def mix(value: np.uint64) -> np.uint64:
 @kernel
 def stream_key(episode_key: np.uint64, stream: int) -> np.uint64:
     """Key of one named stream of an episode."""
-    return mix(episode_key + np.uint64(stream) * _GOLDEN)
+    return mix(np.uint64(episode_key) + np.uint64(stream) * _GOLDEN)
 
 
 @kernel
@@ -88,7 +94,7 @@ def bits(key: np.uint64, index: int, step: int) -> np.uint64:
 
     The step is mixed in first, so that a loop over indices pays for one mixing each.
     """
-    return mix(mix(key + np.uint64(step) * _GOLDEN) + np.uint64(index) * _INDEX_STRIDE)
+    return mix(mix(np.uint64(key) + np.uint64(step) * _GOLDEN) + np.uint64(index) * _INDEX_STRIDE)
 
 
 @kernel
@@ -115,6 +121,46 @@ def normal(key: np.uint64, index: int, step: int) -> float:
     """A standard normal of (stream key, index, step): Box-Muller on two of its uniforms."""
     radius = np.sqrt(-2.0 * np.log(1.0 - uniform(key, 2 * index, step)))
     return float(radius * np.cos(2.0 * np.pi * uniform(key, 2 * index + 1, step)))
+
+
+@kernel
+def _uniforms(
+    keys: UInt64Array, stream: int, index: Int64Array, step: Int64Array, out: FloatArray
+) -> None:
+    for i in range(out.size):
+        out[i] = uniform(stream_key(keys[i], stream), index[i], step[i])
+
+
+def uniforms(
+    keys: ArrayLike, index: ArrayLike, step: ArrayLike, stream: Stream = Stream.POLICY
+) -> FloatArray:
+    """Random numbers in [0, 1), evenly distributed, of (episode key, stream, index, step).
+
+    What a policy in Python draws: `uniforms(seen.keys[:, None], np.arange(agents), seen.step[:,
+    None])` is one for each row and agent (row, agent), the same whenever it is asked for.
+
+    Parameters
+    ----------
+    keys : uint64, episode keys
+    index : whole numbers that tell apart what is drawn in one step
+    step : whole numbers; all three are broadcast together
+
+    Raises
+    ------
+    ValueError
+        If the keys are not uint64, or index or step no whole numbers.
+    """
+    key, wholes = np.asarray(keys), (np.asarray(index), np.asarray(step))
+    if key.dtype != np.uint64:
+        raise ValueError(f"keys are {key.dtype}; give those of `reset` or `Observation.keys`")
+    for name, array in zip(("index", "step"), wholes, strict=True):
+        if array.dtype.kind not in "iu":
+            raise ValueError(f"{name} is {array.dtype}; give whole numbers")
+    key, *flat = (np.ascontiguousarray(one) for one in np.broadcast_arrays(key, *wholes))
+    out = np.empty(key.shape)
+    numbers = (one.astype(np.int64).reshape(-1) for one in flat)
+    _uniforms(key.reshape(-1), int(stream), *numbers, out.reshape(-1))
+    return out
 
 
 @kernel

@@ -161,12 +161,15 @@ def create_policy(text: str) -> Policy:
     ------
     UserError
         If there is none of that name (the message offers the nearest), it cannot be imported, or
-        an option does not fit.
+        an option does not fit; a `ValueError` of its `__init__` is told.
     WeightsError
         If the present folder has a weight file of that name, but no weights of ours are in it.
     """
     _, made, options = _bound(text)
-    policy = made(**options)
+    try:
+        policy = made(**options)
+    except ValueError as error:
+        raise UserError(f"policy {text}: {error}") from error
     for method in ("reset", "act"):
         if not callable(getattr(policy, method, None)):
             raise UserError(f"policy {text}: has no method {method}; define it")

@@ -139,7 +139,7 @@ def open_folder(
     path : the folder
     kind : run, study or training
     info : content of the file
-    identity : its keys that must be the same
+    identity : its keys that must be the same, unless nothing has been computed yet
     accept : go on although code or versions differ; the file then says so
 
     Returns
@@ -171,6 +171,9 @@ def open_folder(
             f"{file}: is not the {file.name} of a {kind}; choose another --out"
         ) from error
     differing = differences(there, info, identity)
+    if differing and set(identity) <= set(there) and _holds_nothing(path, file.name):
+        write_json(file, info)
+        return dict(info)
     if differing and not (accept and acceptable(differing)):
         raise UserError(f"{path}: {refusal(kind, differing)}")
     content = with_accepted(there, info, differing)
@@ -178,6 +181,19 @@ def open_folder(
         changed = {key: content[key] for key in (*CODE, "hash", "accepted") if key in content}
         write_json(file, there | changed)
     return content
+
+
+def _holds_nothing(path: Path, file: str) -> bool:
+    """Whether a folder has nothing but the file that says what it was to hold."""
+    with writing(path):
+        return not any(
+            entry.name != file and entry.name[0] != "." and not _is_empty(entry)
+            for entry in path.iterdir()
+        )
+
+
+def _is_empty(entry: Path) -> bool:
+    return entry.is_dir() and all(one.name[0] == "." for one in entry.iterdir())
 
 
 def set_aside(path: Path, kind: str) -> Path | None:

@@ -6,6 +6,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.extensions import fault
 from mjforage.core.errors import UserError
 
 T = TypeVar("T")
@@ -42,8 +43,16 @@ def run_checks(checks: Sequence[Callable[[T], None]], trial: T) -> None:
             raise ConformanceError(name, str(error)) from error
         except Exception as error:
             name = check.__name__.removeprefix("check_")
-            words = f"{getattr(trial, 'name', '')} raised {type(error).__name__}: {error}; mend it"
+            who = getattr(trial, "name", "")
+            words = f"{who} raised {fault(error, _package(trial)) or repr(error)}; mend it"
             raise ConformanceError(name, words) from error
+
+
+def _package(trial: object) -> str:
+    """Top of the package of what is checked."""
+    made = getattr(trial, "policy", None)
+    module = getattr(made, "__module__", "") or str(getattr(trial, "name", "")).partition(":")[0]
+    return module.partition(".")[0]
 
 
 def first_difference(one: NDArray[np.generic], other: NDArray[np.generic]) -> str:

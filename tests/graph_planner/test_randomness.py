@@ -11,6 +11,7 @@ from graph_planner.randomness import (
     stream_key,
     to_uniform,
     uniform,
+    uniforms,
 )
 
 GOLDEN = [0.10063856910330715, 0.04200778606163369, 0.2888124517485807]
@@ -71,3 +72,38 @@ def test_many_bits_are_those_of_each_index() -> None:
     fill_bits(key, 3, 7, out)
     assert out.tolist() == [int(bits(key, i, 3)) for i in range(7)] + [0, 0]
     assert to_uniform(out[2]) == uniform(key, 2, 3)
+
+
+def test_python_draws_for_many_keys_what_a_kernel_draws_for_each() -> None:
+    keys, agents = episode_keys(3, np.arange(500)), np.arange(4)
+    step = np.arange(500)
+    drawn = uniforms(keys[:, None], agents, step[:, None])
+    expected = [
+        [uniform(key_of(key, Stream.POLICY), agent, at) for agent in agents]
+        for key, at in zip(keys, step, strict=True)
+    ]
+    assert drawn.tolist() == expected
+    assert stats.kstest(drawn.ravel(), "uniform").pvalue > 0.01
+    assert (keys >= 1 << 63).sum() > 200  # which Python's signed numbers do not hold
+    assert uniforms(keys[7], 2, 9) == uniform(key_of(keys[7], Stream.POLICY), 2, 9)
+    assert not np.array_equal(drawn, uniforms(keys[:, None], agents, step[:, None], Stream.ITEMS))
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ((np.arange(3), 0, 1), "keys are int64; give those of `reset` or `Observation.keys`"),
+        ((np.arange(3, dtype=np.uint64), 0.5, 1), "index is float64; give whole numbers"),
+        ((np.arange(3, dtype=np.uint64), 0, 1.0), "step is float64; give whole numbers"),
+    ],
+)
+def test_what_is_no_key_or_number_is_refused(given: tuple[object, ...], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        uniforms(*given)  # type: ignore[arg-type]
+
+
+def test_a_small_key_that_went_through_python_is_still_one() -> None:
+    keys = [key for key in episode_keys(0, np.arange(40)) if key < 1 << 63]
+    for key in keys:
+        assert stream_key(int(key), Stream.POLICY) == stream_key(key, Stream.POLICY)
+        assert uniform(int(key), 3, 4) == uniform(key, 3, 4)

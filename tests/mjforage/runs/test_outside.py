@@ -80,7 +80,8 @@ def forget() -> Forget:
     def forgotten() -> None:
         for name in [name for name in sys.modules if name.startswith("own_")]:
             del sys.modules[name]
-        POLICIES._registered.pop("own-name", None)
+        for name in [name for name in POLICIES._registered if name.startswith("own")]:
+            del POLICIES._registered[name]
 
     return forgotten
 
@@ -270,6 +271,34 @@ def test_an_answer_that_is_none_is_one_line(folder: Path, answer: str, words: st
     (folder / "own_policies.py").write_text(source)
     with pytest.raises(UserError, match=words):
         played("run", "own_policies:North")
+
+
+def test_an_error_in_a_policy_is_one_line_and_what_is_mended_goes_on_in_its_folder(
+    folder: Path, forget: Forget
+) -> None:
+    spoilt = SOURCE.replace("preferences[..., self.heading]", "preferences[..., 14]")
+    (folder / "own_policies.py").write_text(spoilt)
+    line = 1 + spoilt[: spoilt.index("preferences[..., 14]")].count("\n")
+    words = (
+        r"policy own_policies:North: raised IndexError: index 14 is out of bounds .* "
+        rf"\(own_policies.py, line {line}\), in episodes 0 to \d of world graph; mend it"
+    )
+    for name, jobs in (("other", 2), ("run", 1)):
+        with pytest.raises(UserError, match=words):
+            played(name, "own_policies:North", jobs=jobs)
+    (folder / "own_policies.py").write_text(SOURCE)
+    forget()
+    assert info(played("run", "own_policies:North"))["policies"] == ["own_policies:North"]
+    assert [path.name for path in folder.glob("run*")] == ["run"]
+
+
+def test_a_value_that_a_policy_refuses_is_one_line(folder: Path) -> None:
+    refusing = "        if heading > 8:\n            raise ValueError('heading: give 0 to 8')\n"
+    at = "        self.heading = heading\n"
+    (folder / "own_policies.py").write_text(SOURCE.replace(at, refusing + at))
+    with pytest.raises(UserError, match=r"own_policies:North\(heading=9\): heading: give 0 to 8"):
+        played("run", "own_policies:North(heading=9)")
+    assert not (folder / "run").exists()
 
 
 def test_a_policy_without_a_method_is_one_line(folder: Path) -> None:

@@ -114,7 +114,11 @@ class Breaking(Good):
 
 BAD: list[tuple[type[Policy], str, str]] = [
     (Flat, "shape", r"gave float64 \(3, 9\); give floating-point numbers of shape \(row, agent, 9"),
-    (Breaking, "shape", "raised IndexError: no such lane; mend it"),
+    (
+        Breaking,
+        "shape",
+        r"raised IndexError: no such lane \(test_policy_checks.py, line \d+\); mend it",
+    ),
     (Undefined, "values", "gave inf for move 3 of agent 0 at step 1; give finite numbers, or -inf"),
     (Writing, "observation_is_only_read", "changed observation.belief at step 1; copy"),
     (Reaching, "task_is_only_read", "changed arrays of the task; copy what you change"),
