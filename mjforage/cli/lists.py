@@ -77,7 +77,7 @@ def maps(
 
     several = map is not None and is_family(map)
     names = family(map) if map and several else (map,) if map else shipped_maps()
-    grids = [load_map(name, corner_cutting=True) for name in names]
+    grids = [load_map(name) for name in names]
     for grid in grids:
         rows, columns = grid.navigable.shape
         output.print(f"{grid.name}: {rows} x {columns}, {grid.nodes} nodes")

@@ -23,6 +23,9 @@ Starts = tuple[tuple[int, int], ...]
 logger = logging.getLogger(__name__)
 
 
+_NAMED = 4  # components in a message
+
+
 @dataclass(frozen=True, eq=False)
 class GridMap:
     """A map.
@@ -115,9 +118,11 @@ def _one_component(
     remedy = "keep only that one where you play on it: --set map.largest_component=true"
     if not corner_cutting and components(cells, True)[1].size == 1:
         remedy += ", or join them with --set map.corner_cutting=true"
+    parts = ", ".join(str(size) for size in sorted(sizes, reverse=True)[:_NAMED])
+    more = f" and {sizes.size - _NAMED} more" if sizes.size > _NAMED else ""
     raise UserError(
-        f"map {name}: its {nodes} nodes form {sizes.size} separate components, the largest of "
-        f"{sizes.max()} nodes; {remedy}"
+        f"map {name}: its {nodes} nodes form {sizes.size} separate components, of {parts}{more} "
+        f"nodes; {remedy}"
     )
 
 
@@ -191,7 +196,9 @@ def _start(line: str, number: int, name: str) -> tuple[int, int]:
         row, column = (int(field) for field in line.replace(";", ",").split(","))
     except ValueError as error:
         found = repr(line.strip()[:40])
-        raise UserError(f"starts {name}: line {number} is {found}, expected row,column") from error
+        raise UserError(
+            f"starts {name}: line {number} is {found}, expected two whole numbers: row,column"
+        ) from error
     return row, column
 
 

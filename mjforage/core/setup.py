@@ -42,7 +42,9 @@ class Setup:
         )
         setup = cls(scenario, grid)
         setup.check_memory(1)
-        check_starts(setup.start_cells, grid.navigable, f"scenario {scenario.name}", choice.file)
+        own = choice.starts is not None
+        owner = f"scenario {scenario.name}" if own else "the .starts.csv beside the map"
+        check_starts(setup.start_cells, grid.navigable, owner, choice.file)
         nodes_around(setup.graph, setup.start_nodes, len(setup.fleet))
         return setup
 

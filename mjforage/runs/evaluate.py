@@ -228,7 +228,8 @@ def carry_out(
     Parameters
     ----------
     invocation : of these workers, as of `Workers.invocation`
-    progress : called with (episodes done, episodes in all); those played again to be kept come last
+    progress : called with (episodes done, episodes in all), then for each that is played again to
+        be kept
 
     Raises
     ------
@@ -271,8 +272,8 @@ def carry_out(
             again += [(assignments.get(place) or assigned(run), one) for one in missing]
         for _ in results:  # none is left, but workers end by themselves
             pass
-    for count, _ in enumerate(keep_replays(again, workers) if again else nothing, 1):
-        progress(total + count, total + len(again))
+    for _ in keep_replays(again, workers) if again else nothing:
+        progress(total, total)
     for run in runs if again else ():
         _name_what_is_not_kept(run)
     return summaries

@@ -226,7 +226,7 @@ class HarbourView:
         camera = self._camera
         if not camera.follows:
             hulls, items = self._scales
-            return f"hulls {hulls:.2g} x, debris {items:.2g} x life size"
+            return f"hulls {hulls:.2g} x, debris {items:.2g} x"
         time_s = time * self._replay.period_s
         way = self._track.way(self._followed, time_s + np.array([-0.5, 0.5]))
         speed = float(np.linalg.norm(way[1, :2] - way[0, :2]))

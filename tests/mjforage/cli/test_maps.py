@@ -22,7 +22,7 @@ pytestmark = pytest.mark.usefixtures("here")
         ("0,0\n0,0\n", "map port.csv: all 4 cells are obstacles"),
         (
             "1,0,1\n1,0,1\n",
-            "form 2 separate components, the largest of 2 nodes; keep only that one "
+            "form 2 separate components, of 2, 2 nodes; keep only that one "
             "where you play on it: --set map.largest_component=true",
         ),
         ("1,0\n0,1\n", "or join them with --set map.corner_cutting=true"),

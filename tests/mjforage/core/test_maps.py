@@ -174,7 +174,7 @@ def test_separate_components_are_counted_and_the_largest_offered(
     with pytest.raises(UserError) as caught:
         load_map(file)
     assert str(caught.value) == (
-        "map harbour.csv: its 6 nodes form 3 separate components, the largest of 3 nodes; "
+        "map harbour.csv: its 6 nodes form 3 separate components, of 3, 2, 1 nodes; "
         "keep only that one where you play on it: --set map.largest_component=true"
     )
     with caplog.at_level(logging.WARNING):
@@ -348,7 +348,7 @@ def test_starts_beside_a_map_are_read(write: WriteMap) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ("0,1\n1\n", "line 2 is '1', expected row,column"),
+        ("0,1\n1\n", "line 2 is '1', expected two whole numbers: row,column"),
         ("0,1,2\n", "line 1 is '0,1,2'"),
         ("0,1.5\n", "line 1 is '0,1.5'"),
         ("row,column\n", "line 1 is 'row,column'"),
