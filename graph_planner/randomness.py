@@ -150,17 +150,17 @@ def uniforms(
     ValueError
         If the keys are not uint64, or index or step no whole numbers.
     """
-    key, wholes = np.asarray(keys), (np.asarray(index), np.asarray(step))
+    key, which, at = np.asarray(keys), np.asarray(index), np.asarray(step)
     if key.dtype != np.uint64:
         raise ValueError(f"keys are {key.dtype}; give those of `reset` or `Observation.keys`")
-    for name, array in zip(("index", "step"), wholes, strict=True):
+    for name, array in (("index", which), ("step", at)):
         if array.dtype.kind not in "iu":
             raise ValueError(f"{name} is {array.dtype}; give whole numbers")
-    key, *flat = (np.ascontiguousarray(one) for one in np.broadcast_arrays(key, *wholes))
-    out = np.empty(key.shape)
-    numbers = (one.astype(np.int64).reshape(-1) for one in flat)
-    _uniforms(key.reshape(-1), int(stream), *numbers, out.reshape(-1))
-    return out
+    shape = np.broadcast_shapes(key.shape, which.shape, at.shape)
+    key, which, at = (np.broadcast_to(one, shape).flatten() for one in (key, which, at))
+    out = np.empty(key.size)
+    _uniforms(key, int(stream), which.astype(np.int64), at.astype(np.int64), out)
+    return out.reshape(shape)
 
 
 @kernel

@@ -70,7 +70,7 @@ class Items:
 
 @dataclass(frozen=True)
 class Weather:
-    """Wind or the paper's drift in every world; currents with bodies, lee with hulls, then gusts.
+    """Wind or the paper's drift in every world; currents, lee and gusts where there are any.
 
     Wind and drift are one: the physics world makes the drift by a wind of drift / 0.03, which hulls
     feel too, and in the graph world items drift at 0.03 of a wind that is given.

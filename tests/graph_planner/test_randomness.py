@@ -1,3 +1,5 @@
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -75,18 +77,17 @@ def test_many_bits_are_those_of_each_index() -> None:
 
 
 def test_python_draws_for_many_keys_what_a_kernel_draws_for_each() -> None:
-    keys, agents = episode_keys(3, np.arange(500)), np.arange(4)
-    step = np.arange(500)
-    drawn = uniforms(keys[:, None], agents, step[:, None])
+    keys, step = episode_keys(3, np.arange(500)), np.arange(500)
+    drawn = uniforms(keys[:, None], np.arange(4), step[:, None])
     expected = [
-        [uniform(key_of(key, Stream.POLICY), agent, at) for agent in agents]
-        for key, at in zip(keys, step, strict=True)
+        [uniform(key_of(key, Stream.POLICY), agent, at) for agent in range(4)]
+        for at, key in enumerate(keys)
     ]
     assert drawn.tolist() == expected
     assert stats.kstest(drawn.ravel(), "uniform").pvalue > 0.01
     assert (keys >= 1 << 63).sum() > 200  # which Python's signed numbers do not hold
     assert uniforms(keys[7], 2, 9) == uniform(key_of(keys[7], Stream.POLICY), 2, 9)
-    assert not np.array_equal(drawn, uniforms(keys[:, None], agents, step[:, None], Stream.ITEMS))
+    assert not np.array_equal(drawn, uniforms(keys[:, None], range(4), step[:, None], Stream.ITEMS))
 
 
 @pytest.mark.parametrize(
@@ -105,5 +106,6 @@ def test_what_is_no_key_or_number_is_refused(given: tuple[object, ...], words: s
 def test_a_small_key_that_went_through_python_is_still_one() -> None:
     keys = [key for key in episode_keys(0, np.arange(40)) if key < 1 << 63]
     for key in keys:
-        assert stream_key(int(key), Stream.POLICY) == stream_key(key, Stream.POLICY)
-        assert uniform(int(key), 3, 4) == uniform(key, 3, 4)
+        plain: Any = int(key)
+        assert stream_key(plain, Stream.POLICY) == stream_key(key, Stream.POLICY)
+        assert uniform(plain, 3, 4) == uniform(key, 3, 4)
