@@ -119,6 +119,19 @@ def test_a_run_without_it_shows_a_dash(
     assert row.count(f">{number(math.nan, 3)}<") >= 3, row
 
 
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_an_error_in_it_is_one_line(folder: Path, jobs: int) -> None:
+    spoilt = SOURCE.replace("removed = batch.events.collected_at", "removed = batch.missing")
+    (folder / "own_waste.py").write_text(spoilt)
+    line = 1 + spoilt[: spoilt.index("batch.missing")].count("\n")
+    words = (
+        rf"^metric {OWN}: raised AttributeError: .*'missing' \(own_waste.py, line {line}\), "
+        r"in episodes 0 to \d+ of world graph; mend it"
+    )
+    with pytest.raises(UserError, match=words):
+        played("run", OWN, jobs=jobs)
+
+
 def test_its_source_is_part_of_the_run(folder: Path) -> None:
     run = played("run", OWN)
     assert "own_waste.py" in json.loads((run / "run.json").read_text())["code"]
