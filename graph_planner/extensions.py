@@ -20,6 +20,7 @@ from graph_planner.errors import UserError
 from graph_planner.references import Reference, bind, nearest, parse_reference
 
 T = TypeVar("T", bound=Callable[..., Any])
+Made = TypeVar("Made")
 M = TypeVar("M", bound=Callable[..., Any])
 _OURS = ("graph_planner", "controllers", "metrics", "mjforage")
 
@@ -172,6 +173,20 @@ class Table(Generic[T]):
 def is_ours(made: Any) -> bool:
     """Whether a class or function ships with mjforage."""
     return getattr(made, "__module__", "").partition(".")[0] in _OURS
+
+
+def built(what: str, make: Callable[..., Made], *given: Any, **options: Any) -> Made:
+    """Call a class or function, and tell a `ValueError` of it as what it made of its options.
+
+    Raises
+    ------
+    UserError
+        Of that `ValueError`, after `what`.
+    """
+    try:
+        return make(*given, **options)
+    except ValueError as error:
+        raise UserError(f"{what}: {error}") from error
 
 
 def fault(error: BaseException, package: str) -> str:

@@ -185,7 +185,7 @@ def load_networks(path: Path, task: Task) -> "dict[str, MoveNetwork]":
             raise WeightsError(
                 f"weights {path}: none for a {team}, which this scenario has; train with one"
             )
-    _check_tensors(path, tensors, networks)
+    _check_tensors(path, header.format, tensors, networks)
     for team, network in networks.items():
         start = f"{team}."
         own = {n.removeprefix(start): t for n, t in tensors.items() if n.startswith(start)}
@@ -213,9 +213,14 @@ def _check_fit(path: Path, header: WeightsHeader, task: Task) -> None:
 
 
 def _check_tensors(
-    path: Path, tensors: "Mapping[str, Tensor]", networks: "Mapping[str, MoveNetwork]"
+    path: Path, kind: str, tensors: "Mapping[str, Tensor]", networks: "Mapping[str, MoveNetwork]"
 ) -> None:
-    """Refuse tensors that are missing, unknown, of another shape or type, or not finite or huge."""
+    """Refuse tensors that are missing, unknown, of another shape or type, or not finite or huge.
+
+    Parameters
+    ----------
+    kind : of `KINDS`
+    """
     wanted = {
         f"{team}.{name}": _kind(value)
         for team, network in networks.items()
@@ -226,7 +231,8 @@ def _check_tensors(
         if wanted.get(name) != found.get(name):
             raise WeightsError(
                 f"weights {path}: {name} is {found.get(name, 'missing')}, expected "
-                f"{wanted.get(name, 'nothing of that name')}; train again with this version"
+                f"{wanted.get(name, 'nothing of that name')} by {KINDS[kind]}; train again with "
+                "this version, or play a network of another class by a ModelPolicy"
             )
         if not bool((tensors[name].abs() <= LARGEST).all()):  # nor what is no number
             raise WeightsError(

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import inlined, kernel
 from graph_planner.errors import UserError
-from graph_planner.extensions import Table
+from graph_planner.extensions import Table, built
 from graph_planner.geodesics import Int32Array
 from graph_planner.task import Observation, Task
 
@@ -90,9 +90,10 @@ def create_encoder(text: str, task: Task) -> Encoder:
     Raises
     ------
     UserError
-        As `encoder_class`, and if its shapes are none.
+        As `encoder_class`, and if its shapes are none; a `ValueError` of its `__init__` is told.
     """
-    made = encoder_class(text)(task, **ENCODERS.bound(text)[2])
+    options = ENCODERS.bound(text)[2]
+    made = built(f"observation {text}", encoder_class(text), task, **options)
     shapes = getattr(made, "shapes", None)
     if not isinstance(shapes, dict) or not all(map(_is_shape, shapes.values())) or not shapes:
         raise UserError(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.errors import UserError
-from graph_planner.extensions import Place, Table, is_ours
+from graph_planner.extensions import Place, Table, built, is_ours
 from graph_planner.randomness import UInt64Array
 from graph_planner.references import Reference, parse_reference
 from graph_planner.task import Observation, Task, Truth
@@ -166,10 +166,7 @@ def create_policy(text: str) -> Policy:
         If the present folder has a weight file of that name, but no weights of ours are in it.
     """
     _, made, options = _bound(text)
-    try:
-        policy = made(**options)
-    except ValueError as error:
-        raise UserError(f"policy {text}: {error}") from error
+    policy = built(f"policy {text}", made, **options)
     for method in ("reset", "act"):
         if not callable(getattr(policy, method, None)):
             raise UserError(f"policy {text}: has no method {method}; define it")

@@ -1,11 +1,13 @@
 """Commands that list what ships, and check maps."""
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from mjforage.cli.console import app, output, print_list
+from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
     from mjforage.core.maps import GridMap
@@ -35,16 +37,25 @@ def metrics() -> None:
 
 
 @app.command
-def scenarios(*, explain: str | None = None) -> None:
-    """List the scenarios that ship with the package, or say what a key of a scenario means.
+def scenarios(scenario: str | None = None, /, *, explain: str | None = None) -> None:
+    """List the scenarios that ship, print the file of one, or say what a key means.
 
     Parameters
     ----------
+    scenario
+        Name of a preset, so that `mjforage scenarios comb-port > mine.toml` copies its file; keys
+        that it does not name have their defaults.
     explain
         Key of a scenario, such as weather.gust_intensity, or a table of it, such as team.scouts.
     """
-    from mjforage.core.scenario_file import load_scenario, preset_names
+    from mjforage.core.scenario_file import load_scenario, preset_names, scenario_path
 
+    if scenario is not None and explain is not None:
+        raise UserError(f"scenarios {scenario} --explain {explain}: give one of them")
+    if scenario is not None:
+        load_scenario(scenario)
+        sys.stdout.write(scenario_path(scenario).read_text("utf-8"))
+        return
     if explain is not None:
         from mjforage.core.scenario import Scenario
         from mjforage.core.schema import explain as rows_of
@@ -59,6 +70,7 @@ def maps(
     map: str | None = None,
     /,
     *,
+    set: Annotated[tuple[str, ...], Parameter(negative="")] = (),
     output_file: Annotated[Path | None, Parameter(name=("--output", "-o"))] = None,
 ) -> None:
     """List the maps, or check one and draw it.
@@ -68,6 +80,9 @@ def maps(
     map
         Name of a shipped map, harbour:KIND:SEED[:ROWSxCOLUMNS] for a generated one,
         harbours:[KIND:]FIRST-LAST for several, or path of a CSV file or image.
+    set
+        Override KEY=VALUE of a scenario's map, as of evaluate: map.largest_component=true or
+        map.corner_cutting=true; repeatable.
     output_file
         What to write: a picture, for example port.png, or the map itself as port.csv.
     """
@@ -77,12 +92,27 @@ def maps(
 
     several = map is not None and is_family(map)
     names = family(map) if map and several else (map,) if map else shipped_maps()
-    grids = [load_map(name) for name in names]
+    rules = _map_rules(set)
+    grids = [load_map(name, **rules) for name in names]
     for grid in grids:
         rows, columns = grid.navigable.shape
         output.print(f"{grid.name}: {rows} x {columns}, {grid.nodes} nodes")
     if output_file is not None and map:
         _write(grids, output_file)
+
+
+def _map_rules(overrides: tuple[str, ...]) -> dict[str, bool]:
+    """How a map is read, by the overrides of a scenario's keys."""
+    from mjforage.core.scenario_file import load_scenario
+
+    names = ("corner_cutting", "largest_component")
+    for override in overrides:
+        if override.partition("=")[0].strip() not in [f"map.{name}" for name in names]:
+            raise UserError(
+                f"--set {override}: gives a map no other nodes; give map.{' or map.'.join(names)}"
+            )
+    choice = load_scenario("open-bay", overrides).map
+    return {name: getattr(choice, name) for name in names}
 
 
 def _write(grids: "list[GridMap]", path: Path) -> None:

@@ -154,7 +154,7 @@ def _parted(text: str) -> tuple[str, str, str]:
 
 
 def _report(table: str, row: "Row") -> None:
-    from mjforage.learning.training.run import CHECKPOINT
+    from mjforage.learning.training.run import CHECKPOINT, FINISHED
 
     if table == "evaluations":
         output.print(
@@ -166,6 +166,11 @@ def _report(table: str, row: "Row") -> None:
     elif table == CHECKPOINT:
         errors.print(
             f"train: goes on after {row['updates']:.0f} updates, {row['seconds'] / 60:.1f} min"
+        )
+    elif table == FINISHED:
+        errors.print(
+            f"train: was finished, after {row['updates']:.0f} updates, {row['seconds'] / 60:.1f} "
+            "min; give more --updates or --hours to go on, --fresh to begin anew"
         )
     elif errors.is_terminal:
         errors.print(

@@ -4,6 +4,7 @@ Rows and columns are counted from 0, row 0 at the north edge, column 0 at the we
 """
 
 import difflib
+import logging
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -19,10 +20,14 @@ from mjforage.core.whole_files import whole
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".gif")
 HALF_GREY = 128  # of 0..255: this light or lighter is navigable
 HALF_GREY_16 = 32768  # the same for 16-bit images
+COLOURED = 48  # between the largest and the least of red, green and blue: more than JPEG makes
+MANY = 0.01  # share of coloured pixels that is worth a word
 _BROKEN_IMAGE = (
     *(OSError, ValueError, TypeError, SyntaxError, EOFError, ArithmeticError, LookupError),
     Image.DecompressionBombError,
 )  # what Pillow raises on damaged files
+
+logger = logging.getLogger(__name__)
 
 
 def shipped_maps() -> tuple[str, ...]:
@@ -157,18 +162,27 @@ def _navigable(field: str, place: str, line: int) -> bool:
 def _read_image(path: Path, name: str) -> NDArray[np.bool_]:
     try:
         with Image.open(path) as image:
-            return _light(image)
+            return _light(image, name)
     except UnidentifiedImageError as error:
         raise UserError(f"map {name}: is no image, or one of size 0, or damaged") from error
     except _BROKEN_IMAGE as error:
         raise UserError(f"map {name}: cannot be read as an image ({error})") from error
 
 
-def _light(image: Image.Image) -> NDArray[np.bool_]:
+def _light(image: Image.Image, name: str) -> NDArray[np.bool_]:
     if image.mode.startswith("I"):  # 16 bits per pixel
         deep: NDArray[Any] = np.asarray(image)
         return np.asarray(deep >= HALF_GREY_16)
     colours = image.convert("RGBA")
     white = Image.new("RGBA", colours.size, "white")
-    grey: NDArray[np.uint8] = np.asarray(Image.alpha_composite(white, colours).convert("L"))
-    return np.asarray(grey >= HALF_GREY)
+    shown = Image.alpha_composite(white, colours)
+    light = np.asarray(np.asarray(shown.convert("L")) >= HALF_GREY)
+    parts: NDArray[np.int64] = np.asarray(shown.convert("RGB"), np.int64)
+    coloured = (parts.max(axis=-1) - parts.min(axis=-1) > COLOURED).mean()
+    if coloured > MANY:
+        logger.warning(
+            "map %s: %.0f %% of its pixels are coloured, and colours count by lightness alone: "
+            "%.0f %% of all are water now; `mjforage maps %s -o seen.png` shows which",
+            *(name, 100 * coloured, 100 * light.mean(), name),
+        )
+    return light

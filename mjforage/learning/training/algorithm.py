@@ -4,6 +4,7 @@ An algorithm is a subclass of `Algorithm` with `settings`, `networks`, `play_rou
 `restore`; run, folder, logs, checkpoints, evaluations and the command line are the same for all.
 """
 
+import logging
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -18,7 +19,7 @@ from graph_planner.policies.ddqn import QPolicy
 from graph_planner.policies.registry import check_policies
 from graph_planner.randomness import episode_keys
 from graph_planner.task import Task
-from graph_planner.weights import Q_NETWORK, TEAMS, WeightsHeader, header_note
+from graph_planner.weights import KINDS, Q_NETWORK, TEAMS, WeightsHeader, header_note
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Scenario
 from mjforage.core.schema import OPEN
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
     from graph_planner.q_network import MoveNetwork
 
 TRAINED = 1 << 41  # added to training seeds: `evaluate` with the same seed plays other episodes
+
+logger = logging.getLogger(__name__)
 
 Row = dict[str, float]
 Told = TypeVar("Told", bound=CommonHyperparameters)
@@ -231,7 +234,8 @@ class Algorithm(Generic[Told]):
 
         Returns
         -------
-        How far the run has come, the round's scores, and means over its updates
+        How far the run has come, the round's scores, what an episode had of each term of the
+        reward (`reward/NAME`, weighted, all agents), and means over its updates
 
         Raises
         ------
@@ -256,6 +260,8 @@ class Algorithm(Generic[Told]):
         for team, ids in self.agents.items():
             if ids.size:
                 row[f"return_{team}"] = float(returns[:, ids].mean())
+        for name, sum_ in self.round.earned.items():
+            row[f"reward/{name}"] = sum_ / self.hyperparameters.num_envs
         for name in self.learned:
             found = [entry[name] for entry in learned if name in entry]
             row[name] = float(np.mean(found)) if found else float("nan")
@@ -264,12 +270,16 @@ class Algorithm(Generic[Told]):
     def check_parts(self) -> None:
         """Refuse networks and tensors that evaluations and checkpoints could do nothing with.
 
+        Of a network that trains and whose weights no policy plays there is a warning.
+
         Raises
         ------
         UserError
             If a team that has agents has no network, or what is to be kept is no tensor.
         """
         import torch
+
+        from graph_planner import q_network
 
         who, networks, tensors = f"algorithm {type(self).__name__}", self.networks, self.tensors()
         if not isinstance(networks, Mapping) or not isinstance(tensors, Mapping):
@@ -284,6 +294,13 @@ class Algorithm(Generic[Told]):
                 raise UserError(
                     f"{who}: networks has {was} for {team}, which has agents; give every such team "
                     "a module"
+                )
+            if ids.size and type(made) is not getattr(q_network, KINDS[self.weights_kind]):
+                logger.warning(
+                    "%s: its network for %s is a %s; it trains, but only weights of a %s "
+                    "(weights_kind %r) are a policy by the name of their file: play it by a "
+                    "ModelPolicy",
+                    *(who, team, type(made).__name__, KINDS[self.weights_kind], self.weights_kind),
                 )
         for name, value in tensors.items():
             if not isinstance(value, torch.Tensor):

@@ -30,6 +30,7 @@ class Round:
     games : that play them; fleets and pictures are alike
     envs : (game,) of the sub-environments (env,) that each plays
     num_envs, agents : of all games; of each
+    earned : term of the reward -> what all agents had of it, weighted, since the round's start
     """
 
     def __init__(self, games: Sequence[Game], envs: Sequence[NDArray[np.int64]]) -> None:
@@ -38,9 +39,11 @@ class Round:
         each = (self.num_envs, self.agents)
         self._levels = {n: np.zeros((*each, *s), np.uint8) for n, s in games[0].shapes.items()}
         self._teachers: list[Policy] = []
+        self.earned: dict[str, float] = {}
 
     def start(self, keys: UInt64Array) -> None:
         """Start episodes of the given keys (env,)."""
+        self.earned, self._teachers = {}, []
         for game, envs in zip(self.games, self.envs, strict=True):
             game.start(np.arange(envs.size), keys[envs])
 
@@ -76,6 +79,9 @@ class Round:
         each = [
             game.play(preferences[envs]) for game, envs in zip(self.games, self.envs, strict=True)
         ]
+        for outcome in each:
+            for name, amounts in outcome.terms.items():
+                self.earned[name] = self.earned.get(name, 0.0) + float(amounts.sum())
         return Played(
             self._joined(outcome.taken for outcome in each),
             self._joined(outcome.rewards for outcome in each),
@@ -87,6 +93,11 @@ class Round:
         self._teachers = [create_policy(name) for _ in self.games]
         for game, teacher in zip(self.games, self._teachers, strict=True):
             game.mission.prepare(teacher)
+
+    @property
+    def has_teacher(self) -> bool:
+        """Whether a policy has been got ready to show moves in these episodes."""
+        return bool(self._teachers)
 
     def shown(self) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
         """The teacher's preferences (env, agent, 9), and the moves that it would make or likes as

@@ -44,6 +44,7 @@ from mjforage.runs.source_code import WHOLE, decisive_code
 
 CHECKPOINT_S = 300.0  # between two checkpoints
 CHECKPOINT = "checkpoint"  # name of what is reported when a run goes on
+FINISHED = "finished"  # the same when nothing is left to do
 IDLE_ROUNDS = 20  # without an update: longer than most take to fill a replay
 STOPPING = (
     "train: stops at the end of this round and keeps it; once more stops at once, and what came "
@@ -111,7 +112,7 @@ def train_with(
     hours, updates : where to stop; at least one
     device : auto, cpu or cuda
     report : called with every row that is logged, and its table's name; with `CHECKPOINT` and how
-        far it had come, if the folder's run goes on
+        far it had come, if the folder's run goes on, or `FINISHED` if it had come to this end
     resume : what to do with a run that the folder holds
 
     Raises
@@ -141,7 +142,8 @@ def _go_on(
     checkpoint, hyperparameters = folder / "checkpoint.safetensors", trainer.hyperparameters
     if checkpoint.is_file():
         restore_checkpoint(trainer, checkpoint)
-        report(CHECKPOINT, trainer.come("rounds", "updates", "seconds"))
+        over = _over(trainer, hours, updates)
+        report(FINISHED if over else CHECKPOINT, trainer.come("rounds", "updates", "seconds"))
     logs, progress = Logs(folder, trainer.progress), trainer.progress
     if hyperparameters.initial and not progress.rounds:
         _evaluate(trainer, folder, logs, report)
@@ -181,6 +183,12 @@ def _checked(trainer: Algorithm[Any], row: Row) -> Row:
         logging.getLogger(__name__).warning(
             f"{name}: {IDLE_ROUNDS} rounds and no update; a run ends by its updates, which "
             "play_round counts in self.progress.updates"
+        )
+    teacher = getattr(trainer.hyperparameters, "teacher", "")
+    if teacher and progress.rounds == 1 and not trainer.round.has_teacher:
+        logging.getLogger(__name__).warning(
+            f"{name}: --teacher {teacher} shows nothing, as play_round does not ask it; call "
+            "self.teach and self.round.shown, or leave the teacher out"
         )
     return row
 

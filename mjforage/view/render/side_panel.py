@@ -1,5 +1,6 @@
 """The panel of a film: score, signs, compass and chart, beside the picture and never over it."""
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,7 @@ SIGNS_WIDTH, SIGN_ROW = 226.0, 22.0  # [unit]
 NOTES_HEIGHT = 54.0  # [unit]
 _TITLE = 24.0  # of a chart [unit]
 _LEAST_CHART = 90.0  # [unit]
+_MODULE = re.compile(r"^[\w.]+:")
 _ARROW: Floats = np.array([[0.0, -1.0], [0.55, 0.8], [0.0, 0.4], [-0.55, 0.8]])
 
 
@@ -57,8 +59,8 @@ def paint_background(image: Image, box: Box) -> None:
 
 
 def paint_head(image: Image, box: Box, unit: float, replay: Replay, title: str) -> None:
-    """Name of who plays, and which episode that is."""
-    name = fit(title, text_size(unit, 16), 0.55 * box.width, bold=True)
+    """Name of who plays, of a user's class without its module, and which episode that is."""
+    name = fit(_MODULE.sub("", title), text_size(unit, 16), 0.55 * box.width, bold=True)
     write(image, name, box.left, box.top + 16 * unit, text_size(unit, 16), bold=True, colour=_WHITE)
     size = text_size(unit, 11.5)
     room = box.width - width(name, text_size(unit, 16), bold=True) - 8 * unit

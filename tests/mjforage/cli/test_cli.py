@@ -10,7 +10,7 @@ import pytest
 from graph_planner.policies import policy_names
 from mjforage import __version__
 from mjforage.core.mission_metrics import chosen_metrics
-from mjforage.core.scenario_file import preset_names
+from mjforage.core.scenario_file import load_scenario, preset_names
 from tests.mjforage.cli.short_runs import EVALUATE, GREEDY, Refused
 
 pytestmark = pytest.mark.usefixtures("here")
@@ -72,6 +72,18 @@ def test_lists_name_everything_in_one_line_each(command: Callable[..., Any]) -> 
         assert [line.split()[0] for line in lines] == names
         assert all(len(line.split()) > 3 for line in lines)
     assert "comb_port: 62 x 46, 1297 nodes" in command("maps").out.splitlines()
+
+
+def test_the_file_of_a_scenario_is_printed(
+    command: Callable[..., Any], refused: Refused, here: Path
+) -> None:
+    for name in preset_names():
+        Path("mine.toml").write_text(command("scenarios", name).out)
+        assert load_scenario("mine.toml") == load_scenario(name)
+    Path("mine.toml").unlink()
+    assert "comb-prot: neither a preset nor a TOML file" in refused("scenarios", "comb-prot")
+    both = ("scenarios", "comb-port", "--explain", "horizon")
+    assert "scenarios comb-port --explain horizon: give one of them" in refused(*both)
 
 
 def test_version_and_help(command: Callable[..., Any]) -> None:

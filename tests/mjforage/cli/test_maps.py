@@ -93,3 +93,18 @@ def test_a_generated_harbour_is_a_map_like_any(
     assert info["scenario"]["map"]["starts"] == []
     cells = load_map("harbour:bays:3:30x40").navigable
     assert info["map"]["navigable"] == ["".join("01"[int(c)] for c in row) for row in cells]
+
+
+def test_a_map_in_parts_is_drawn_by_the_rules_it_is_played_by(
+    command: Callable[..., Any], refused: Refused
+) -> None:
+    Path("port.csv").write_text("1,1,0,0\n1,1,0,0\n0,0,1,0\n")
+    assert "separate components" in refused("maps", "port.csv", "-o", "port.png")
+    for rule, nodes in (("largest_component", 4), ("corner_cutting", 5)):
+        outcome = command("maps", "port.csv", "--set", f"map.{rule}=true", "-o", "port.png")
+        assert f"port.csv: 3 x 4, {nodes} nodes" in outcome.out
+    words = refused("maps", "port.csv", "--set", "items.mean=3")
+    assert "--set items.mean=3: gives a map no other nodes; give map.corner_cutting or" in words
+    assert "corner_cutting = 'perhaps'" in refused(
+        "maps", "port.csv", "--set", "map.corner_cutting=perhaps"
+    )

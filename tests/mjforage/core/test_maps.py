@@ -191,6 +191,21 @@ def test_image_round_trip(tmp_path: Path, suffix: str) -> None:
     assert np.array_equal(load_map(str(path)).navigable, cells)
 
 
+@pytest.mark.parametrize(
+    ("water", "told"), [((40, 90, 200), True), ((250, 250, 250), False), ((250, 240, 225), False)]
+)
+def test_colours_of_an_image_are_told_of(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, water: tuple[int, int, int], told: bool
+) -> None:
+    image = Image.new("RGB", (10, 10), "white")
+    image.paste(water, (0, 0, 10, 4))
+    image.save(tmp_path / "chart.png")
+    load_map(str(tmp_path / "chart.png"))
+    words = "map chart.png: 40 % of its pixels are coloured, and colours count by lightness alone"
+    assert (words in caplog.text) == told
+    assert ("60 % of all are water now" in caplog.text) == told
+
+
 def _image(mode: str) -> Image.Image:
     """One light and one dark pixel, as near to the threshold as the mode allows."""
     if mode == "I;16":

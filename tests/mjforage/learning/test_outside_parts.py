@@ -30,6 +30,8 @@ class Clock:
     """How many steps are left, and whose row it is."""
 
     def __init__(self, task, bins: int = 4) -> None:
+        if bins < 0:
+            raise ValueError(f"bins = {bins}: give 0 or more")
         self.task, self.shapes = task, {"clock": (bins,)}
 
     def reset(self, episodes):
@@ -47,6 +49,8 @@ class Southing:
     """Nodes made good to the south."""
 
     def __init__(self, scale: float = 1.0) -> None:
+        if scale == 0:
+            raise ValueError("scale = 0: give another")
         self.scale = scale
 
     def __call__(self, step):
@@ -161,6 +165,8 @@ def test_worker_processes_find_them(folder: Path) -> None:
         ({"observation": "own_encoder:Clock(task=1)"}, "unknown option task; "),
         ({"observation": "own_term:Southing"}, "observation own_term:Southing: is no encoder"),
         ({"observation": "own_encoder:Clock(bins=0)"}, "shapes = {'clock': .0,.}; give a dict"),
+        ({"observation": "own_encoder:Clock(bins=-1)"}, r"Clock\(bins=-1\): bins = -1: give 0 or"),
+        ({"reward": {"own_term:Southing(scale=0)": 1.0}}, r"\(scale=0\): scale = 0: give ano"),
         ({"reward": {"own_encoder:Clock": 1.0}}, "option task is missing"),
         ({"reward": {"own_model:Late": 1.0}}, "reward own_model:Late: is no term; give a class"),
         ({"reward": {SOUTH: 1.0, "own_term:Southing(scale=2.0)": 1.0}}, "given twice"),

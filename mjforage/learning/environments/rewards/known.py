@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.extensions import Table, is_ours
+from graph_planner.extensions import Table, built, is_ours
 from graph_planner.geodesics import Workspace
 from graph_planner.references import nearest
 from graph_planner.task import Task
@@ -48,9 +48,9 @@ def create_term(text: str) -> Term:
     Raises
     ------
     UserError
-        As `term_class`.
+        As `term_class`; a `ValueError` of its `__init__` is told.
     """
-    return term_class(text)(**REWARDS.bound(text)[2])
+    return built(f"reward {text}", term_class(text), **REWARDS.bound(text)[2])
 
 
 class RewardTerms:

@@ -300,6 +300,19 @@ def test_a_team_without_agents_has_no_weights(tmp_path: Path) -> None:
         mission.run(QPolicy(tmp_path / "weights.safetensors"))
 
 
+def test_a_row_has_what_episodes_had_of_each_term_of_the_reward() -> None:
+    trainer = Trainer([scenario()], hyperparameters(), seed=0)
+    row = trainer.play_round()
+    terms = {name.partition("/")[2]: row[name] for name in row if name.startswith("reward/")}
+    assert set(terms) == set(trainer.hyperparameters.reward)
+    assert terms["time"] == pytest.approx(trainer.hyperparameters.reward["time"] * 4 * 12)
+    agents = {team: ids.size for team, ids in trainer.agents.items()}
+    earned = sum(row[f"return_{team}"] * size for team, size in agents.items())
+    assert sum(terms.values()) == pytest.approx(earned)
+    again = trainer.play_round()
+    assert again["reward/time"] == pytest.approx(terms["time"])  # of one round, not of all
+
+
 def test_a_full_replay_ends_the_warm_up() -> None:
     """A replay has room for rows that no update can draw, so it may never hold `warmup`."""
     trainer = Trainer([scenario()], hyperparameters(warmup=1000), seed=0)
@@ -320,4 +333,6 @@ def test_the_command_line_trains(command: Callable[..., object], tmp_path: Path)
     assert (out / "best.safetensors").is_file()
     again = command(*first, *words)
     updates = pl.read_parquet(out / "training.parquet")["updates"][-1]
-    assert f"train: goes on after {updates:.0f} updates, 0." in again.err  # type: ignore[attr-defined]
+    assert f"train: was finished, after {updates:.0f} updates, 0." in again.err  # type: ignore[attr-defined]
+    more = command(*(updates + 1 if word == 1 else word for word in first), *words)
+    assert f"train: goes on after {updates:.0f} updates, 0." in more.err  # type: ignore[attr-defined]

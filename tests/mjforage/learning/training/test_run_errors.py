@@ -9,6 +9,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
+from graph_planner.q_network import DuelingNetwork
 from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.training import run
@@ -220,3 +221,45 @@ def test_parts_that_no_run_can_use_are_refused_before_a_folder_is_made(
     with pytest.raises(UserError, match=words):
         train_with(made, scenario(), hyperparameters(), tmp_path / "run", updates=1)
     assert not (tmp_path / "run").exists()
+
+
+class Wider(DuelingNetwork):
+    """A network of a user."""
+
+
+class OwnNetwork(Trainer):
+    """Has networks of a class that no policy makes."""
+
+    @property
+    def networks(self) -> Any:
+        return {team: Wider(self.shapes) for team in super().networks}
+
+
+def test_networks_whose_weights_no_policy_plays_are_told_of_before_they_train(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    Trainer([scenario()], hyperparameters()).check_parts()
+    assert caplog.text == ""
+    OwnNetwork([scenario()], hyperparameters()).check_parts()
+    words = "OwnNetwork: its network for scout is a Wider; it trains, but only weights of a Dueling"
+    assert words in caplog.text
+
+
+class Deaf(Trainer):
+    """Asks no teacher."""
+
+    def play_round(self) -> Row:
+        self.start_round()
+        self.progress.updates += 1
+        return self.end_round(np.zeros((self.hyperparameters.num_envs, 4)), [])
+
+
+def test_a_teacher_that_is_not_asked_is_told_of(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    taught = hyperparameters(teacher="greedy", teacher_updates=9, evaluate_episodes=1)
+    train_with(Deaf, scenario(), taught, tmp_path / "deaf", updates=1)
+    assert "Deaf: --teacher greedy shows nothing, as play_round does not ask it" in caplog.text
+    caplog.clear()
+    train_with(Trainer, scenario(), taught, tmp_path / "run", updates=1)
+    assert "shows nothing" not in caplog.text

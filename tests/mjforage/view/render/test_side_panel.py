@@ -10,7 +10,7 @@ from mjforage.view.render import palette, side_panel
 from mjforage.view.render.frame_split import Box, Kind, Split, split_frame
 from mjforage.view.render.inset import Inset
 from mjforage.view.render.raster import Image
-from mjforage.view.render.side_panel import Moment, SidePanel, paint_notes, paint_signs
+from mjforage.view.render.side_panel import Moment, SidePanel, paint_head, paint_notes, paint_signs
 from mjforage.view.render.tags import Tags
 from mjforage.view.render.timeline import timeline_of
 
@@ -90,6 +90,19 @@ def test_collected_and_discovered_are_told_apart_as_are_beliefs_of_then_and_now(
     assert {f"{found} of {items} discovered", f"{taken} of {items} collected"} <= set(said)
     assert str(int(replay.belief[5].sum())) in said
     assert replay.belief[5].sum() != replay.belief[0].sum()
+
+
+@pytest.mark.parametrize(
+    ("title", "shown"),
+    [("my_policies:Homing(heading=4)", "Homing(heading=4)"), ("belief(items=30)",) * 2],
+)
+def test_a_class_of_a_user_is_named_without_its_module(
+    replay: Replay, monkeypatch: pytest.MonkeyPatch, title: str, shown: str
+) -> None:
+    said: list[str] = []
+    monkeypatch.setattr(side_panel, "write", lambda image, words, *at, **how: said.append(words))
+    paint_head(np.zeros((60, 600, 3), np.uint8), Box(0, 0, 600, 60), 1.0, replay, title)
+    assert said[0] == shown
 
 
 def test_the_signs_of_a_drawing_show_scouts_and_foragers_in_their_colours(replay: Replay) -> None:
