@@ -7,8 +7,8 @@ Every run names tests that are not in it and took more than twice the bound, so 
 stale.
 
 Slow tests of the folders of `WHOLE` have the mark `thorough`, too: they play whole commands, runs
-that are killed and go on, clusters, trainings, reports, films, missions and manoeuvres of hulls, and
-take most of the time of all tests. `make test` leaves them to `make thorough`; continuous
+that are killed and go on, clusters, trainings, reports, films, missions and manoeuvres of hulls,
+and take most of the time of all tests. `make test` leaves them to `make thorough`; continuous
 integration runs both.
 
 Tests of a file that imports one of `HEAVY` are slow too, whatever they do themselves: the first
