@@ -189,12 +189,15 @@ def built(what: str, make: Callable[..., Made], *given: Any, **options: Any) -> 
         raise UserError(f"{what}: {error}") from error
 
 
-def fault(error: BaseException, package: str) -> str:
-    """What a package's code raised, and where: "IndexError: ... (file, line 3)"; "" if not it."""
+def fault(error: BaseException, package: str = "") -> str:
+    """What a package's code raised, and where: "IndexError: ... (file, line 3)"; "" if not it.
+
+    Without a package, by whoever raised it.
+    """
     lines = [
         f"{Path(frame.f_code.co_filename).name}, line {line}"
         for frame, line in walk_tb(error.__traceback__)
-        if frame.f_globals.get("__name__", "").partition(".")[0] == package
+        if not package or frame.f_globals.get("__name__", "").partition(".")[0] == package
     ]
     return f"{type(error).__name__}: {error} ({lines[-1]})" if lines else ""
 

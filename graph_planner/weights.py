@@ -231,8 +231,8 @@ def _check_tensors(
         if wanted.get(name) != found.get(name):
             raise WeightsError(
                 f"weights {path}: {name} is {found.get(name, 'missing')}, expected "
-                f"{wanted.get(name, 'nothing of that name')} by {KINDS[kind]}; train again with "
-                "this version, or play a network of another class by a ModelPolicy"
+                f"{wanted.get(name, 'nothing of that name')} by {KINDS[kind]}; play a network of "
+                "another class by a ModelPolicy, or train again if the file is of another version"
             )
         if not bool((tensors[name].abs() <= LARGEST).all()):  # nor what is no number
             raise WeightsError(

@@ -1,8 +1,10 @@
 """What commands share: the app, where words go, progress and lists."""
 
 import os
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import cyclopts
 from rich.console import Console
@@ -91,6 +93,15 @@ def working(words: str) -> Iterator[None]:
 
 def _line(words: str) -> None:
     errors.print(words, markup=False)
+
+
+def print_file(path: Path, *more: str) -> None:
+    """Print a file to be copied, and what is to follow: without the line by which editors find the
+    schema of one that ships.
+    """
+    lines = path.read_text("utf-8").splitlines(keepends=True)
+    own = [line for line in lines if not line.startswith("#:schema ../schemas/")]
+    sys.stdout.write("".join((*own, *more)))
 
 
 def print_list(rows: Iterable[tuple[str, str]]) -> None:

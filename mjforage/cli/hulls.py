@@ -1,14 +1,13 @@
 """Commands about single hulls."""
 
 import itertools
-import sys
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter, validators
 from rich.table import Table
 
-from mjforage.cli.console import app, output, print_list
+from mjforage.cli.console import app, output, print_file, print_list
 
 Flow = Parameter(allow_leading_hyphen=True)  # so that a speed below 0 gets an error of its own
 
@@ -137,8 +136,9 @@ def vessels(vessel: str | None = None, /) -> None:
     from mjforage.physics.vessels import load_vessel
 
     if vessel is not None:
-        loaded, text = load_vessel(vessel), vessel_path(vessel).read_text("utf-8")
-        sys.stdout.write(text if loaded.control else f"{text}\n{control_table(loaded)}")
+        loaded = load_vessel(vessel)
+        more = () if loaded.control else ("\n", control_table(loaded))
+        print_file(vessel_path(vessel), *more)
         return
     hulls = [load_vessel(name) for name in vessel_names()]
     print_list((v.name, f"{v.length_m:g} x {v.beam_m:g} m, {v.mass_kg:g} kg") for v in hulls)

@@ -1,12 +1,11 @@
 """Commands that list what ships, and check maps."""
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from mjforage.cli.console import app, output, print_list
+from mjforage.cli.console import app, output, print_file, print_list
 from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
@@ -54,7 +53,7 @@ def scenarios(scenario: str | None = None, /, *, explain: str | None = None) -> 
         raise UserError(f"scenarios {scenario} --explain {explain}: give one of them")
     if scenario is not None:
         load_scenario(scenario)
-        sys.stdout.write(scenario_path(scenario).read_text("utf-8"))
+        print_file(scenario_path(scenario))
         return
     if explain is not None:
         from mjforage.core.scenario import Scenario

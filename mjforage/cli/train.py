@@ -73,7 +73,7 @@ def train(
         reward.MODULE:CLASS=1 or observation=MODULE:CLASS of your own; repeatable.
     teacher
         Policy that shows moves at first, as --policy of evaluate; give also --learning
-        teacher_updates=N. For ddqn.
+        teacher_updates=N. For ddqn, mappo, and algorithms of yours that ask it.
     device
         auto, cpu or cuda; a run stays on the kind of device where it began.
     out
@@ -91,6 +91,11 @@ def train(
     told = {"teacher": "".join(teachers), "initial": initial, "world": world}
     changes |= {name: value for name, value in told.items() if value}
     made = find_algorithm(algorithm)
+    if teacher and not hasattr(made.settings, "teacher"):
+        raise UserError(
+            f"--teacher {teacher}: {algorithm} takes none; leave it out, or give its settings the "
+            "fields teacher and teacher_updates"
+        )
     hyperparameters = changed(made.settings(), changes)
     folder = out or Path("runs") / f"{algorithm.rpartition(':')[2]}-{chosen.name}"
     unit = "updates" if updates is not None else "minutes"

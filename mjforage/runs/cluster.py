@@ -43,7 +43,7 @@ def check_address(scheduler: str) -> None:
 def _fault(scheduler: str) -> str:
     protocol, found, rest = scheduler.partition("://")
     if not found or protocol not in PROTOCOLS:
-        return f"does not begin with {', '.join(f'{name}://' for name in PROTOCOLS)}"
+        return f"does not begin with {' or '.join(f'{name}://' for name in PROTOCOLS)}"
     try:
         parts = urlsplit(f"//{rest}")
         host, port = parts.hostname, parts.port
@@ -98,12 +98,18 @@ def _client(scheduler: str, local_cluster: int, open_things: ExitStack) -> Any:
             asyncio.run(_answer(scheduler))
         client = distributed.Client(address, timeout=PATIENCE_S, set_as_default=False)
         open_things.callback(_close, client)
-        client.wait_for_workers(1, timeout=PATIENCE_S)
     except (OSError, TypeError, ValueError, ImportError) as error:  # time-outs included
         reason = " ".join(str(error).split()) or type(error).__name__
         raise UserError(
-            f"scheduler {scheduler}: no answer or no worker within {PATIENCE_S:g} s ({reason}); "
-            "start `dask scheduler` there and `dask worker ADDRESS --nthreads 1` on every machine"
+            f"scheduler {scheduler}: no answer within {PATIENCE_S:g} s ({reason}); start "
+            "`dask scheduler` there and `dask worker ADDRESS --nthreads 1` on every machine"
+        ) from error
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE_S)
+    except OSError as error:  # a time-out
+        raise UserError(
+            f"scheduler {scheduler}: answers, but has no worker within {PATIENCE_S:g} s; start "
+            f"`dask worker {scheduler} --nthreads 1` on every machine"
         ) from error
     return client
 
@@ -134,6 +140,9 @@ def finished(
 ) -> Generator[tuple[int, str | None]]:
     """Have the cluster carry out tasks, and give the place and result of each as it is done.
 
+    Results that were given are no longer kept, or the cluster would carry a task out once more when
+    the worker that had it dies.
+
     Parameters
     ----------
     client : of `connected`
@@ -153,6 +162,7 @@ def finished(
     done = distributed.as_completed(
         futures, loop=client.loop, with_results=True, raise_errors=False
     )
+    del futures
     for _ in places:
         while not done.has_ready():  # on a lost scheduler it would wait for ever
             _check_connection(client)
@@ -163,12 +173,17 @@ def finished(
             raise UserError(
                 f"a chunk was given up by the cluster ({_reason(future.status, result)}); {REMEDY}"
             )
-        yield places[future.key], result
+        place = places[future.key]
+        del future
+        yield place, result
 
 
 def _check_connection(client: Any) -> None:
     if client.status != "running":
-        raise UserError(f"scheduler {client.scheduler.address}: connection lost; {REMEDY}")
+        raise UserError(
+            f"scheduler {client.scheduler.address}: connection lost; start it again, its workers, "
+            f"too, and {REMEDY}"
+        )
 
 
 def _reason(status: str, result: Any) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
+from unittest.mock import patch
 
 import numpy as np
 import torch
@@ -20,10 +21,10 @@ from mjforage.learning.training.algorithm import Algorithm, LearnersPolicy, Row,
 from mjforage.learning.training.algorithms import find_algorithm
 from mjforage.learning.training.checkpoint import restore_checkpoint, save_checkpoint
 from mjforage.learning.training.hyperparameters import changed
+from mjforage.learning.training.rounds import Round
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
 
 SETTINGS = {"num_envs": 2, "evaluate_episodes": 2}
-ALWAYS = ("rounds", "episodes", "updates", "seconds", "pta_c")  # of every row
 MEASURED = ("seconds",)  # what no seed decides
 
 
@@ -65,9 +66,9 @@ class AlgorithmTrial:
         """The class."""
         return find_algorithm(self.algorithm) if isinstance(self.algorithm, str) else self.algorithm
 
-    def fresh(self) -> Algorithm[Any]:
+    def fresh(self, **settings: Any) -> Algorithm[Any]:
         """A trainer that has not played."""
-        told = changed(self.made.settings(), {**SETTINGS, **self.settings})
+        told = changed(self.made.settings(), {**SETTINGS, **self.settings, **settings})
         return self.made([load_scenario(self.scenario, self.overrides)], told, self.seed)
 
     @cached_property
@@ -108,8 +109,17 @@ def check_networks(trial: AlgorithmTrial) -> None:
     for team, network in trainer.networks.items():
         ids = trainer.agents[team]
         own = {name: level[:, ids].reshape(-1, *level.shape[2:]) for name, level in seen.items()}
+        with torch.no_grad():
+            given = network({name: torch.from_numpy(level) for name, level in own.items()})
+        rows = next(iter(own.values())).shape[0]
+        if tuple(given.shape) != (rows, 9):
+            raise trial.error(
+                "networks",
+                f"has one of {team} that gives {tuple(given.shape)} for {rows} rows; `networks` "
+                f"has those that are played alone, which give a number for each move, ({rows}, 9)",
+            )
         values = values_of(network, own)
-        if values.shape[1:] != (9,) or not np.isfinite(values).all():
+        if not np.isfinite(values).all():
             raise trial.error("networks", f"has one of {team} that gives {values[0]}; mend it")
 
 
@@ -117,12 +127,7 @@ def check_rounds(trial: AlgorithmTrial) -> None:
     """A round plays its episodes to their end, is counted and logged, and some of them learn."""
     trainer = trial.fresh()
     for number in range(1, 2 * trial.rounds + 1):
-        row = trainer.play_round()
-        lacking = [name for name in ALWAYS if name not in row]
-        if lacking:
-            raise trial.error(
-                "rounds", f"gave a row without {', '.join(lacking)}; give what self.end_round gives"
-            )
+        trainer.checked_row(trainer.play_round())
         if trainer.round.active.any():
             raise trial.error("rounds", "left episodes that go on; play until none is active")
         if trainer.progress.rounds != number:
@@ -152,6 +157,44 @@ def check_repeats(trial: AlgorithmTrial) -> None:
         )
 
 
+def check_copies(trial: AlgorithmTrial) -> None:
+    """What `see` gave is copied before it is kept: the arrays are of the last look."""
+    look = Round.see
+
+    def copied(round: Round, envs: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
+        return {name: level.copy() for name, level in look(round, envs).items()}
+
+    other = trial.fresh()
+    with patch.object(Round, "see", copied):
+        rows = [other.play_round() for _ in range(2 * trial.rounds)]
+    found = _difference(trial.whole, state_of(other, rows))
+    if found:
+        raise trial.error(
+            "copies",
+            f"gave {found}, once by the arrays of self.round.see and once by copies of them; copy "
+            "what is kept beyond the next look",
+        )
+
+
+def check_beginning(trial: AlgorithmTrial) -> None:
+    """One that begins with the weights of another has its networks."""
+    trainer = trial.fresh()
+    trainer.play_round()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "begin.safetensors"
+        save_weights(trainer, path)
+        other = trial.fresh(initial=str(path))
+        other.begin()
+    before, found = (state_of(one, []).weights for one in (trainer, other))
+    difference = _difference(State({}, before, []), State({}, found, []))
+    if difference:
+        raise trial.error(
+            "beginning",
+            f"that begins with the weights of another (--from) has {difference}, theirs and its; "
+            "`networks` gives the modules that train, and `copies` all that begin with the weights",
+        )
+
+
 def check_resuming(trial: AlgorithmTrial) -> None:
     """Rounds, a checkpoint, and as many rounds by another trainer are twice as many of one."""
     with tempfile.TemporaryDirectory() as folder:
@@ -162,15 +205,16 @@ def check_resuming(trial: AlgorithmTrial) -> None:
     found = _difference(state_of(first, rows), state_of(second, rows))
     if found:
         raise trial.error(
-            "resuming", f"has {found} after `restore`; bring back there all that `tensors` gives"
+            "resuming",
+            f"has {found} before and after `restore`; bring back there all that `tensors` gives",
         )
     rows += [second.play_round() for _ in range(trial.rounds)]
     found = _difference(trial.whole, state_of(second, rows))
     if found:
         raise trial.error(
             "resuming",
-            f"that goes on from a checkpoint gave {found}; keep in `tensors` whatever a later "
-            "round depends on, such as the state of an optimiser",
+            f"gave {found}, in one go and by a checkpoint on the way; keep in `tensors` "
+            "whatever a later round depends on, such as the state of an optimiser",
         )
 
 
@@ -203,8 +247,10 @@ ALGORITHM_CHECKS: tuple[Callable[[AlgorithmTrial], None], ...] = (
     check_networks,
     check_rounds,
     check_repeats,
+    check_copies,
     check_resuming,
     check_weights,
+    check_beginning,
 )
 
 
@@ -217,9 +263,9 @@ def check_algorithm(
     rounds: int = 2,
     seed: int = 0,
 ) -> None:
-    """Check a learning algorithm: parts, networks, rounds, repeats, resuming, weights.
+    """Check an algorithm: parts, networks, rounds, repeats, copies, resuming, weights, beginning.
 
-    It has eight trainers play at most twice `rounds` rounds each, on the CPU. What it asks is in
+    It has ten trainers play at most twice `rounds` rounds each, on the CPU. What it asks is in
     the docstrings of `mjforage.testing.algorithm_checks`.
 
     Parameters

@@ -44,7 +44,7 @@ def run_checks(checks: Sequence[Callable[[T], None]], trial: T) -> None:
         except Exception as error:
             name = check.__name__.removeprefix("check_")
             who = getattr(trial, "name", "")
-            words = f"{who} raised {fault(error, _package(trial)) or repr(error)}; mend it"
+            words = f"{who} raised {fault(error, _package(trial)) or fault(error)}; mend it"
             raise ConformanceError(name, words) from error
 
 

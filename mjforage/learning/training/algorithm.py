@@ -34,6 +34,7 @@ from mjforage.learning.training.rounds import Round
 
 if TYPE_CHECKING:
     from torch import Tensor
+    from torch.nn import Module
 
     from graph_planner.q_network import MoveNetwork
 
@@ -42,6 +43,7 @@ TRAINED = 1 << 41  # added to training seeds: `evaluate` with the same seed play
 logger = logging.getLogger(__name__)
 
 Row = dict[str, float]
+ALWAYS = ("rounds", "episodes", "updates", "seconds", "pta_c")  # of every round's row
 Told = TypeVar("Told", bound=CommonHyperparameters)
 
 
@@ -182,6 +184,28 @@ class Algorithm(Generic[Told]):
         """Team -> network to play and to save; a team without agents has none."""
         raise NotImplementedError
 
+    @property
+    def copies(self) -> "Mapping[str, Sequence[Module]]":
+        """Team -> all modules that begin with given weights: its one of `networks`, unless an
+        algorithm keeps more of them, such as a target network, and says so here.
+        """
+        return {team: [network] for team, network in self.networks.items()}
+
+    def begin(self) -> None:
+        """Have all `copies` begin with the weights that `hyperparameters.initial` names, if any.
+
+        `mjforage train` calls it before the first round.
+
+        Raises
+        ------
+        UserError
+            If those weights are of no use here, see `begin_with`.
+        """
+        if self.hyperparameters.initial:
+            from mjforage.learning.training.initial_weights import begin_with
+
+            begin_with(self.copies, self.hyperparameters, self.setup.task, self.weights_kind)
+
     def play_round(self) -> Row:
         """Play one episode in every sub-environment to its end, and learn; a row for the log.
 
@@ -279,8 +303,6 @@ class Algorithm(Generic[Told]):
         """
         import torch
 
-        from graph_planner import q_network
-
         who, networks, tensors = f"algorithm {type(self).__name__}", self.networks, self.tensors()
         if not isinstance(networks, Mapping) or not isinstance(tensors, Mapping):
             raise UserError(
@@ -295,19 +317,56 @@ class Algorithm(Generic[Told]):
                     f"{who}: networks has {was} for {team}, which has agents; give every such team "
                     "a module"
                 )
-            if ids.size and type(made) is not getattr(q_network, KINDS[self.weights_kind]):
-                logger.warning(
-                    "%s: its network for %s is a %s; it trains, but only weights of a %s "
-                    "(weights_kind %r) are a policy by the name of their file: play it by a "
-                    "ModelPolicy",
-                    *(who, team, type(made).__name__, KINDS[self.weights_kind], self.weights_kind),
-                )
+        self._tell_of_other_networks(networks)
         for name, value in tensors.items():
             if not isinstance(value, torch.Tensor):
                 raise UserError(
                     f"{who}: tensors() has a {type(value).__name__} in {name}; make it a "
                     "torch.Tensor"
                 )
+
+    def _tell_of_other_networks(self, networks: "Mapping[str, MoveNetwork]") -> None:
+        from graph_planner import q_network
+
+        classes = {kind: getattr(q_network, name) for kind, name in KINDS.items()}
+        wanted = classes[self.weights_kind]
+        others = {type(made) for made in networks.values()} - {wanted}
+        if not others:
+            return
+        kinds = [kind for kind, made in classes.items() if others == {made}]
+        remedy = f"give weights_kind = {kinds[0]!r}" if kinds else "play them by a ModelPolicy"
+        names = ", ".join(sorted(made.__name__ for made in others))
+        logger.warning(
+            "algorithm %s: its networks are of %s; they train, but by weights_kind %r only weights "
+            "of %s are a policy by the name of their file: %s",
+            *(type(self).__name__, names, self.weights_kind, wanted.__name__, remedy),
+        )
+
+    def checked_row(self, row: Any) -> Row:
+        """What `play_round` gave, if it is such a row.
+
+        Raises
+        ------
+        UserError
+            If it is none: nothing, without what `end_round` gives or with other counts, or with
+            what is no number.
+        """
+        who, told = f"algorithm {type(self).__name__}: play_round gave", "self.end_round gives"
+        if not isinstance(row, Mapping):
+            raise UserError(f"{who} {type(row).__name__}; return what {told}")
+        lacking = [name for name in ALWAYS if name not in row]
+        if lacking:
+            raise UserError(f"{who} a row without {', '.join(lacking)}; return what {told}")
+        for name, value in row.items():
+            if not isinstance(value, int | float | np.number):
+                raise UserError(f"{who} {name} = {value!r:.40}; a row has numbers")
+        for name, count in self.come("rounds", "updates").items():
+            if row[name] != count:
+                raise UserError(
+                    f"{who} {name} = {row[name]:g} where self.progress has {count:g}; return what "
+                    f"{told}"
+                )
+        return dict(row)
 
     def come(self, *names: str) -> Row:
         """How far the run has come, by the names of `Progress`."""

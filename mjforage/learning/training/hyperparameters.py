@@ -50,6 +50,8 @@ class CommonHyperparameters:
     def __post_init__(self) -> None:
         check_fields(self, WHERE)
         checked_weights(self.reward)
+        if hasattr(self, "teacher") and hasattr(self, "teacher_updates"):
+            check_teacher(self.teacher, self.teacher_updates)
 
     def tree(self) -> dict[str, Any]:
         """As plain values."""
@@ -115,7 +117,6 @@ class Hyperparameters(CommonHyperparameters):
                 f"warmup = {self.warmup}: the replay holds only capacity = {self.capacity} "
                 "decisions; give less, or more capacity"
             )
-        check_teacher(self.teacher, self.teacher_updates)
 
 
 def check_teacher(teacher: str, updates: int) -> None:

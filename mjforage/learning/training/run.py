@@ -125,6 +125,7 @@ def train_with(
     _check_ends(hours, updates)
     trainer = algorithm([scenario, *also], hyperparameters, seed, _device(device))
     trainer.check_parts()
+    trainer.begin()
     if evaluate:
         trainer.evaluate_on(evaluate)
     if resume == "fresh":
@@ -174,11 +175,7 @@ def _go_on(
 def _checked(trainer: Algorithm[Any], row: Row) -> Row:
     """The row of a round, which an algorithm of a user may have made."""
     name, progress = f"algorithm {type(trainer).__name__}", trainer.progress
-    if not {"rounds", "updates"} <= set(row):
-        raise UserError(
-            f"{name}: play_round gave a row of {', '.join(row) or 'nothing'}; return what "
-            "self.end_round gives"
-        )
+    row = trainer.checked_row(row)
     if progress.rounds == IDLE_ROUNDS and not progress.updates:
         logging.getLogger(__name__).warning(
             f"{name}: {IDLE_ROUNDS} rounds and no update; a run ends by its updates, which "

@@ -18,7 +18,6 @@ from mjforage.core.scenario import Scenario
 from mjforage.core.sizes import check_memory
 from mjforage.learning.training.algorithm import Algorithm, Row, teacher_label
 from mjforage.learning.training.hyperparameters import Hyperparameters
-from mjforage.learning.training.initial_weights import begin_with
 from mjforage.learning.training.learner import Learner
 from mjforage.learning.training.replay_memory import FINAL, NOTHING, PLAYED, memory_bytes
 from mjforage.learning.training.rounds import Played
@@ -61,14 +60,16 @@ class Trainer(Algorithm[Hyperparameters]):
             for i, (team, ids) in enumerate(self.agents.items())
             if ids.size
         }
-        if hyperparameters.initial:
-            modules = {team: each.networks for team, each in self.learners.items()}
-            begin_with(modules, self.hyperparameters, self.setup.task, self.weights_kind)
 
     @property
     def networks(self) -> "dict[str, DuelingNetwork]":
         """Team -> network to play: the average over the run, without the swings of the last."""
         return {team: learner.average for team, learner in self.learners.items()}
+
+    @property
+    def copies(self) -> "dict[str, Sequence[DuelingNetwork]]":
+        """Team -> its average, online and target network."""
+        return {team: learner.networks for team, learner in self.learners.items()}
 
     def play_round(self) -> Row:
         """Play one episode in every sub-environment to its end, and learn on the way."""

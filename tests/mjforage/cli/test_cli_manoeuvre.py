@@ -132,7 +132,9 @@ def test_vessels_are_listed(command: Callable[..., Any]) -> None:
 def test_a_vessel_is_printed_as_its_file_to_begin_with(
     command: Callable[..., Any], refused: Callable[..., str]
 ) -> None:
-    assert command("vessels", "scout").out == vessel_path("scout").read_text("utf-8")
+    schema, _, rest = vessel_path("scout").read_text("utf-8").partition("\n")
+    assert schema == "#:schema ../schemas/vessel.json"
+    assert command("vessels", "scout").out == rest
     assert "did you mean otter?" in refused("vessels", "oter")
 
 
@@ -140,7 +142,7 @@ def test_the_tuning_that_a_file_leaves_open_can_be_seen_and_kept(
     command: Callable[..., Any], tmp_path: Path
 ) -> None:
     own, kept = tmp_path / "own.toml", tmp_path / "kept.toml"
-    own.write_text(vessel_path("scout").read_text("utf-8").partition("[control]")[0])
+    own.write_text(command("vessels", "scout").out.partition("[control]")[0])
     printed = command("vessels", own).out
     assert printed.startswith(own.read_text()) and 'unit = "rad/s", source = "from mass' in printed
     kept.write_text(printed)

@@ -104,7 +104,7 @@ def test_a_scheduler_that_does_not_answer_is_named(
     monkeypatch.setattr(cluster, "PATIENCE_S", 0.5)
     address, folder = f"tcp://127.0.0.1:{unused_port()}", tmp_path / "study"
     words = refused("study", "ablation", "--scheduler", address, "--out", folder)
-    assert words.startswith(f"mjforage: scheduler {address}: no answer or no worker within 0.5 s")
+    assert words.startswith(f"mjforage: scheduler {address}: no answer within 0.5 s")
     assert "start `dask scheduler`" in words
     assert not folder.exists()
 
@@ -116,7 +116,21 @@ def test_another_program_at_the_address_is_named(
     with socket.create_server(("127.0.0.1", 0)) as mute:
         address = f"tcp://127.0.0.1:{mute.getsockname()[1]}"
         words = refused("study", "ablation", "--scheduler", address, "--out", tmp_path / "study")
-    assert words.startswith(f"mjforage: scheduler {address}: no answer or no worker within 0.5 s")
+    assert words.startswith(f"mjforage: scheduler {address}: no answer within 0.5 s")
+    assert not (tmp_path / "study").exists()
+
+
+def test_a_scheduler_without_workers_is_named(
+    refused: Refused, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from distributed import LocalCluster
+
+    monkeypatch.setattr(cluster, "PATIENCE_S", 0.5)
+    with LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as lone:  # type: ignore[no-untyped-call]
+        address = lone.scheduler_address
+        words = refused("study", "ablation", "--scheduler", address, "--out", tmp_path / "study")
+    assert words.startswith(f"mjforage: scheduler {address}: answers, but has no worker within 0.5")
+    assert f"start `dask worker {address} --nthreads 1` on every machine" in words
     assert not (tmp_path / "study").exists()
 
 
@@ -246,8 +260,12 @@ class Done:
 @pytest.mark.parametrize(
     ("status", "ends", "words"),
     [
-        ("closed", [("pending", None)], "scheduler tcp://host:1: connection lost; run the same"),
-        ("connecting", [("cancelled", None)], "scheduler tcp://host:1: connection lost; run the"),
+        ("closed", [("pending", None)], "scheduler tcp://host:1: connection lost; start it again"),
+        (
+            "connecting",
+            [("cancelled", None)],
+            "connection lost; start it again, its workers, too, and run",
+        ),
         (
             "running",
             [("error", (KilledWorker, KilledWorker(), None))],
@@ -276,6 +294,29 @@ def test_what_will_never_be_done_ends_the_wait(
     with pytest.raises(UserError, match=re.escape(words)):
         finished.extend(place for place, _ in cluster.finished(client, str, [(1,)] * len(ends)))
     assert finished == [n for n, (end, _) in enumerate(ends) if end == "finished"]
+
+
+def noted(folder: Path, name: str, waits: bool) -> str:
+    """Leave a file for every time that a task is carried out, and tell the process."""
+    (folder / f"{name}-{time.monotonic_ns()}").touch()
+    while waits and not (folder / "go on").exists():
+        time.sleep(0.01)
+    return str(os.getpid())
+
+
+def test_what_was_reported_is_not_computed_again_when_its_worker_dies(tmp_path: Path) -> None:
+    """Its chunks are merged by then: a second one would be left behind in the folder."""
+    with cluster.connected("", 2) as client:
+        work = [(tmp_path, "first", False), (tmp_path, "second", True)]
+        results = cluster.finished(client, noted, work)
+        at = {str(pid): address for address, pid in client.run(os.getpid).items()}
+        place, pid = next(results)
+        assert place == 0 and pid is not None
+        os.kill(int(pid), signal.SIGKILL)
+        wait_for(lambda: at[pid] not in client.ncores(), "its end")
+        (tmp_path / "go on").touch()
+        assert [place for place, _ in results] == [1]
+    assert len(list(tmp_path.glob("first-*"))) == 1
 
 
 def test_a_scheduler_that_is_killed_on_the_way_is_named(

@@ -1,5 +1,6 @@
 """Ours pass every check of learning algorithms; each check rejects a bad one, its own."""
 
+import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -120,6 +121,17 @@ class Uncounted(Climber):
         return row
 
 
+class Twice(Climber):
+    def end_round(self, returns: Any, learned: Any) -> Any:
+        super().end_round(returns, learned)
+        return super().end_round(returns, learned)
+
+
+class Silent(Climber):
+    def play_round(self) -> Any:
+        super().play_round()
+
+
 class Curt(Climber):
     def end_round(self, returns: Any, learned: Any) -> Any:
         super().end_round(returns, learned)
@@ -164,6 +176,38 @@ class Misshapen(Climber):
         return super().preferences()[:, :, :8]
 
 
+class Wordy(MoveNetwork):
+    def forward(self, levels: Any) -> Any:
+        return super().forward(levels)[:, 0]
+
+
+class Critical(Climber):
+    def network(self) -> MoveNetwork:
+        return Wordy(self.shapes)
+
+
+class Live(Climber):
+    """Learns from the first pictures, which are the last ones by then."""
+
+    first: Any = None
+
+    def preferences(self) -> Any:
+        if self.first is None or not self.round.steps.any():
+            self.first = self.round.see(np.flatnonzero(self.round.active))["self"]
+        return super().preferences()
+
+    def learn(self) -> None:
+        super().learn()
+        weight = next(self.made["scout"].parameters())
+        weight.data += 1e-6 * float(self.first.astype(np.float64).sum())
+
+
+class Apart(Climber):
+    @property
+    def networks(self) -> Any:
+        return copy.deepcopy(self.made)
+
+
 def test_one_that_keeps_the_rules_passes() -> None:
     check_algorithm(Climber, overrides=SHORT, rounds=1)
 
@@ -182,17 +226,18 @@ def test_ours_pass(ours: str) -> None:
         (Lost, "networks", "has one of scout that gives .*nan.*; mend it"),
         (Still, "rounds", "made no update in 2 rounds; count them in self.progress.updates"),
         (Hasty, "rounds", "left episodes that go on; play until none is active"),
-        (Uncounted, "rounds", "counts 0 rounds after 1; call self.start_round and self.end_round"),
-        (Curt, "rounds", "gave a row without episodes, seconds, pta_c; give what self.end_round"),
+        (Uncounted, "rounds", "gave rounds = 1 where self.progress has 0; return what"),
+        (Twice, "rounds", "counts 2 rounds after 1; call self.start_round and self.end_round"),
+        (Curt, "rounds", "gave a row without episodes, seconds, pta_c; return what self.end_round"),
+        (Silent, "rounds", "play_round gave NoneType; return what self.end_round gives"),
+        (Critical, "networks", r"of scout that gives \(4,\) for 4 rows; `networks` has those that"),
+        (Live, "copies", "gave weights scout.* by the arrays of self.round.see and once by copies"),
+        (Apart, "beginning", "theirs and its; `networks` gives the modules that train"),
         (Talkative, "rounds", "updates tell entropy; name them in its `learned`, or leave"),
         (Misshapen, "rounds", r"play was given float64 \(2, 4, 8\), expected numbers of shape"),
         (Chancy, "repeats", "of one seed gave weights scout.* and .*; draw from self.random alone"),
-        (Stubborn, "resuming", "has weights scout.* after `restore`; bring back there all"),
-        (
-            Forgetful,
-            "resuming",
-            "that goes on from a checkpoint gave weights .*; keep in `tensors`",
-        ),
+        (Stubborn, "resuming", "has weights scout.* before and after `restore`; bring back there"),
+        (Forgetful, "resuming", "in one go and by a checkpoint on the way; keep in `tensors`"),
         (Unsaved, "weights", "by its networks and by their file; save what is played"),
     ],
 )

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from graph_planner.fields import Within, source
-from mjforage.learning.training.hyperparameters import CommonHyperparameters, check_teacher
+from mjforage.learning.training.hyperparameters import CommonHyperparameters
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,3 @@ class MappoHyperparameters(CommonHyperparameters):
     teacher_updates: Annotated[int, Within(0, 1_000_000_000)] = 0
     """Updates of a warm start, in which actors learn shown moves and the critic values them; the
     share of episodes that the teacher plays falls to 0."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_teacher(self.teacher, self.teacher_updates)

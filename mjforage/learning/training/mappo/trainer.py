@@ -23,7 +23,6 @@ from mjforage.core.scenario import Scenario
 from mjforage.core.sizes import check_memory
 from mjforage.learning.environments.game import CHOSEN, OTHERWISE_STAY
 from mjforage.learning.training.algorithm import Algorithm, Row, teacher_label
-from mjforage.learning.training.initial_weights import begin_with
 from mjforage.learning.training.mappo.critic import Critic
 from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
 from mjforage.learning.training.mappo.overview import overview
@@ -70,9 +69,6 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
                 team: _actor(MoveNetwork(self.shapes), hyperparameters.gain) for team in teams
             }
             critic = Critic(self.shapes, list(self.agents.values()))
-        if hyperparameters.initial:
-            actors = {team: [actor] for team, actor in self.actors.items()}
-            begin_with(actors, self.hyperparameters, self.setup.task, ACTOR)
         both = updates.Actors(self.actors, teams)
         self.updates: Updates = updates.Updates(
             both, critic, list(self.shapes), self.hyperparameters

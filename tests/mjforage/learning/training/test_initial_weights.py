@@ -42,8 +42,14 @@ def told(**changes: object) -> Hyperparameters:
     return changed(Hyperparameters(), TINY | {"initial": "ddqn"} | changes)
 
 
+def begun(**changes: object) -> Trainer:
+    trainer = Trainer([scenario()], told(**changes))
+    trainer.begin()
+    return trainer
+
+
 def test_all_networks_begin_with_the_weights_and_optimisers_anew() -> None:
-    trainer = Trainer([scenario()], told())
+    trainer = begun()
     shipped = load_networks(shipped_weights("ddqn"), Setup.of(scenario()).task)
     for team, learner in trainer.learners.items():
         parts = [part for part in vars(learner).values() if isinstance(part, torch.nn.Module)]
@@ -78,10 +84,10 @@ def test_weights_are_a_policys_or_a_files(tmp_path: Path, monkeypatch: pytest.Mo
         shutil.copy(shipped_weights("ddqn"), copy)
     saved, path = [], tmp_path / "out"
     for initial in ("ddqn", "mine", "mine.safetensors", "deep/mine.safetensors"):
-        save_weights(Trainer([scenario()], told(initial=initial)), path)
+        save_weights(begun(initial=initial), path)
         saved.append(path.read_bytes())
     assert len(set(saved)) == 1
-    save_weights(Trainer([scenario()], told(initial="ddqn-link")), path)
+    save_weights(begun(initial="ddqn-link"), path)
     assert path.read_bytes() != saved[0]
 
 

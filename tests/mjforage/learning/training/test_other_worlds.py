@@ -102,7 +102,9 @@ def test_a_heavier_hull_in_stronger_wind_goes_another_way() -> None:
 
 def test_evaluations_are_in_the_world() -> None:
     many = scenario("horizon=12", "items.mean=60")
-    row = Trainer([many], told(initial="ddqn"), seed=3).evaluate()
+    trainer = Trainer([many], told(initial="ddqn"), seed=3)
+    trainer.begin()
+    row = trainer.evaluate()
     assert scores(many, "physics") == pytest.approx({name: row[name] for name in SCORES})
     assert scores(many, "physics") != pytest.approx(scores(many, "graph"))
 

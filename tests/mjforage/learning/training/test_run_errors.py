@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from graph_planner.q_network import DuelingNetwork
+from graph_planner.weights import ACTOR
 from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.training import run
@@ -153,16 +154,42 @@ def test_an_algorithm_whose_weights_nobody_plays_is_refused_at_the_start() -> No
         find_algorithm(f"{__name__}:Unplayable")
 
 
-class Rowless(Trainer):
+class Telling(Trainer):
     """Its rounds are counted, and then tell something else."""
 
+    row: Any = None
+
+    def play_round(self) -> Any:
+        row = super().play_round()
+        return row | self.row if isinstance(self.row, dict) else self.row
+
+
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        (None, "play_round gave NoneType; return what self.end_round gives"),
+        ([("loss", 1.0)], "play_round gave list; return what self.end_round gives"),
+        ({"note": "hello"}, "play_round gave note = 'hello'; a row has numbers"),
+        ({"updates": 99.0}, "play_round gave updates = 99 where self.progress has"),
+    ],
+)
+def test_a_round_that_tells_something_else_is_named(
+    told: Any, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Telling, "row", told)
+    with pytest.raises(UserError, match=f"Telling: {words}"):
+        train_with(Telling, scenario(), hyperparameters(), tmp_path, updates=1)
+
+
+class Rowless(Trainer):
+    """Tells of its loss alone."""
+
     def play_round(self) -> Row:
-        super().play_round()
-        return {"loss": 1.0}
+        return {"loss": super().play_round()["loss"]}
 
 
-def test_a_round_that_tells_nothing_is_named(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="Rowless: play_round gave a row of loss; return what"):
+def test_a_row_without_what_end_round_gives_is_named(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="Rowless: play_round gave a row without rounds, episodes"):
         train_with(Rowless, scenario(), hyperparameters(), tmp_path, updates=1)
 
 
@@ -235,14 +262,24 @@ class OwnNetwork(Trainer):
         return {team: Wider(self.shapes) for team in super().networks}
 
 
+class OfAnotherKind(Trainer):
+    """Says of its networks what they are not."""
+
+    weights_kind = ACTOR
+
+
 def test_networks_whose_weights_no_policy_plays_are_told_of_before_they_train(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     Trainer([scenario()], hyperparameters()).check_parts()
     assert caplog.text == ""
     OwnNetwork([scenario()], hyperparameters()).check_parts()
-    words = "OwnNetwork: its network for scout is a Wider; it trains, but only weights of a Dueling"
-    assert words in caplog.text
+    words = "OwnNetwork: its networks are of Wider; they train, but by weights_kind 'mjforage duel"
+    assert words in caplog.text and caplog.text.count("OwnNetwork") == 1
+    assert caplog.text.rstrip().endswith("of their file: play them by a ModelPolicy")
+    caplog.clear()
+    OfAnotherKind([scenario()], hyperparameters()).check_parts()
+    assert caplog.text.rstrip().endswith("give weights_kind = 'mjforage dueling q-network 1'")
 
 
 class Deaf(Trainer):
