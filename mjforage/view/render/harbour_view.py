@@ -166,7 +166,7 @@ class HarbourView:
         node, rows = hulls[:, :2] / self._replay.pitch_m, self._replay.navigable.shape[0]
         places = np.column_stack((rows - 1 - node[:, 1], node[:, 0], -hulls[:, 2]))
         north_rad = self._camera.view(self._circumstances, time_s).north_rad
-        return Moment(places, self._notes(time), north_rad)
+        return Moment(places, self._notes(time), north_rad, self._track.wind_at(time_s))
 
     @property
     def followed(self) -> int | None:

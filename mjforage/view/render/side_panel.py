@@ -1,5 +1,6 @@
 """The panel of a film: score, signs, compass and chart, beside the picture and never over it."""
 
+import math
 import re
 from dataclasses import dataclass
 
@@ -29,6 +30,9 @@ _TITLE = 24.0  # of a chart [unit]
 _LEAST_CHART = 90.0  # [unit]
 _MODULE = re.compile(r"^[\w.]+:")
 _ARROW: Floats = np.array([[0.0, -1.0], [0.55, 0.8], [0.0, 0.4], [-0.55, 0.8]])
+_UP: Floats = np.array([0.0, -1.0])
+_CRISP = (0.0, 1.0, 1.0)  # grown by, edge, alpha
+_WIND: Colour = (150.0, 206.0, 255.0)
 
 
 @dataclass(frozen=True)
@@ -40,11 +44,13 @@ class Moment:
     hulls : (agent, 3) row and column [node], course [rad], clockwise on the chart
     notes : what a viewer cannot know from the picture
     north_rad : where north is in the picture, clockwise from up
+    wind_mps : (2,) towards east and north, 0 in still air
     """
 
     hulls: Floats
     notes: str
     north_rad: float
+    wind_mps: tuple[float, float] = (0.0, 0.0)
 
 
 def text_size(unit: float, units: float) -> int:
@@ -162,10 +168,19 @@ def _paint_idleness(image: Image, patch: tuple[float, float, float, float]) -> N
 
 
 def paint_notes(image: Image, box: Box, unit: float, moment: Moment) -> None:
-    """A compass whose needle shows north, clockwise from up in the picture, and words beside it."""
+    """A compass whose needle shows north, clockwise from up in the picture, and words beside it.
+
+    Where there is wind, a dart outside its ring comes from where the wind does.
+    """
     radius, y = 14.0 * unit, 0.5 * (box.top + box.bottom)
     at = np.array([box.left + 24.0 * unit, y])
     paint_compass(image, at, radius, moment.north_rad)
+    east, north = moment.wind_mps
+    speed = math.hypot(east, north)
+    if speed > 0.0:
+        toward = moment.north_rad + math.atan2(east, north)
+        dart = 0.35 * radius * _turned(_ARROW, toward)
+        paint_polygon(image, at - 1.45 * radius * _turned(_UP, toward) + dart, *_CRISP, _WIND)
     x, up = at + (radius + 8.0 * unit) * np.array(
         [np.sin(moment.north_rad), -np.cos(moment.north_rad)]
     )
@@ -173,17 +188,26 @@ def paint_notes(image: Image, box: Box, unit: float, moment: Moment) -> None:
         image, "N", x, up + 4 * unit, text_size(unit, 11), bold=True, colour=_WHITE, align="middle"
     )
     left, size = box.left + 56.0 * unit, text_size(unit, 12)
-    words = fit(moment.notes, size, box.right - left)
-    write(image, words, left, y + 4.5 * unit, size, colour=PALE)
+    lines = [(moment.notes, PALE)] if moment.notes else []
+    lines += [(f"wind {speed:.1f} m/s", _WIND)] if speed > 0.0 else []
+    for number, (words, colour) in enumerate(lines):
+        base = y + (4.5 + 17.0 * (number - 0.5 * (len(lines) - 1))) * unit
+        write(image, fit(words, size, box.right - left), left, base, size, colour=colour)
 
 
 def paint_compass(image: Image, at: Floats, radius: float, north_rad: float) -> None:
     """A needle in a ring around `at` (2,) [pixel]; it shows north, clockwise from up."""
     line = np.array([radius]), np.array([0.1 * radius]), np.array([0.7])
     paint_rings(image, at[None], *line, PALE)
-    cos, sin = np.cos(north_rad), np.sin(north_rad)
-    needle = 0.7 * radius * _ARROW @ np.array([[cos, sin], [-sin, cos]]) + at
-    paint_polygon(image, needle, 0.0, 1.0, 1.0, _WHITE)
+    needle = 0.7 * radius * _turned(_ARROW, north_rad) + at
+    paint_polygon(image, needle, *_CRISP, _WHITE)
+
+
+def _turned(shape: Floats, clockwise_rad: float) -> Floats:
+    """Corners (n, 2) or one (2,), right and down, turned in the picture."""
+    cos, sin = np.cos(clockwise_rad), np.sin(clockwise_rad)
+    turned: Floats = shape @ np.array([[cos, sin], [-sin, cos]])
+    return turned
 
 
 def chart(

@@ -23,6 +23,7 @@ class Track:
     items : (F, item, 2) x, y [m]
     removed_s : (item,) when it is collected [s], infinite if never
     turn_part : part of the time between frames that a hull takes to turn
+    wind : (F, 2) over ground, towards east and north [m/s]
     """
 
     frame_s: float
@@ -30,6 +31,7 @@ class Track:
     items: NDArray[np.float32]
     removed_s: Floats
     turn_part: float
+    wind: NDArray[np.float32]
 
     @classmethod
     def of(cls, replay: Replay) -> "Track":
@@ -39,7 +41,9 @@ class Track:
         gone = ~replay.track_present
         removed = np.where(gone.any(axis=0), gone.argmax(axis=0) * replay.frame_s, np.inf)
         coarse = replay.frame_s >= replay.period_s
-        return cls(replay.frame_s, poses, replay.track_items, removed, TURN_PART if coarse else 1.0)
+        turn_part = TURN_PART if coarse else 1.0
+        items, wind = replay.track_items, replay.track_wind
+        return cls(replay.frame_s, poses, items, removed, turn_part, wind)
 
     @property
     def end_s(self) -> float:
@@ -73,6 +77,13 @@ class Track:
         xy = first + (self.items[after] - first) * part
         left = np.clip((self.removed_s - time_s) / (FADE_PART * self.frame_s), 0.0, 1.0)
         return np.column_stack((xy, left))
+
+    def wind_at(self, time_s: float) -> tuple[float, float]:
+        """Wind over ground, towards east and north [m/s]."""
+        before, after, part = self._between(time_s)
+        first = self.wind[before].astype(np.float64)
+        east, north = first + (self.wind[after] - first) * part
+        return float(east), float(north)
 
     def _between(self, time_s: float) -> tuple[int, int, float]:
         """Frame before, frame after, and part of the way."""

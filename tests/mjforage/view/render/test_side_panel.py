@@ -124,6 +124,25 @@ def test_the_compass_turns_with_the_picture(replay: Replay) -> None:
     assert light[1][1] > light[0][1] + 2.0, "and one to the right is further right"
 
 
+def test_a_dart_comes_from_where_the_wind_does(
+    replay: Replay, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In a picture whose north is right, a wind to the north comes from the left."""
+    said: list[str] = []
+    monkeypatch.setattr(side_panel, "write", lambda image, words, *at, **how: said.append(words))
+    middles = []
+    for north_rad in (0.0, 0.5 * np.pi):
+        still, windy = (np.zeros((80, 300, 3), np.uint8) for _ in range(2))
+        for image, wind in ((still, (0.0, 0.0)), (windy, (0.0, 6.04))):
+            paint_notes(
+                image, Box(0, 0, 300, 80), 1.0, Moment(np.zeros((0, 3)), "x", north_rad, wind)
+            )
+        middles.append(np.argwhere((still != windy).any(axis=2)).mean(axis=0) - (40.0, 24.0))
+    assert middles[0][0] > 15.0 and abs(middles[0][1]) < 1.0, "below"
+    assert middles[1][1] < -15.0 and abs(middles[1][0]) < 1.0, "to the left"
+    assert said.count("wind 6.0 m/s") == 2 and said.count("x") == 4
+
+
 def test_tags_do_not_cover_each_other(replay: Replay) -> None:
     tags = Tags(("a",), COLOURS, 1280, 1.0)
     taken: list[tuple[float, float, float, float]] = []
