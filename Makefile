@@ -1,5 +1,5 @@
 # `make demo`: the paper's two baselines at graph level and in MuJoCo, with a report and a film.
-# `make quick`: the tests that take about a minute on two free cores.
+# `make quick`: the tests that take about a minute on two free cores, when kernels are compiled.
 # `make test`: ruff, mypy, import-linter, and all tests but those of whole runs: ten minutes.
 # `make thorough`: those: commands, runs that are killed and go on, trainings, hulls, reports, films, blocks of pages.
 # `make capabilities`: tests of what learns, under each set of instructions of processors.

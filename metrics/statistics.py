@@ -15,7 +15,13 @@ NORMAL_95 = 1.96
 
 
 def defined(values: ArrayLike) -> FloatArray:
-    """Give `values` (..., episode) as floats; ValueError for a single number or an infinity."""
+    """Give `values` (..., episode) as floats.
+
+    Raises
+    ------
+    ValueError
+        For a single number or an infinity.
+    """
     given = np.asarray(values, dtype=np.float64)
     if given.ndim == 0:
         raise ValueError(f"values {given}: an array (..., episode) is needed, not one number")
@@ -26,18 +32,38 @@ def defined(values: ArrayLike) -> FloatArray:
 
 
 def count(values: ArrayLike) -> IntArray:
-    """Number n of episodes where the value is defined."""
+    """Number n (...) of episodes of (..., episode) where the value is defined.
+
+    Raises
+    ------
+    ValueError
+        As `defined`.
+    """
     return np.asarray(np.sum(~np.isnan(defined(values)), axis=-1), dtype=np.int64)
 
 
 def mean(values: ArrayLike) -> FloatArray:
-    """Arithmetic mean; NaN with n = 0."""
+    """Arithmetic mean (...) of (..., episode); NaN with n = 0.
+
+    Raises
+    ------
+    ValueError
+        As `defined`.
+    """
     given = defined(values)
     return ratio(np.nansum(given, axis=-1), count(given))
 
 
 def sem(values: ArrayLike) -> FloatArray:
-    """Standard error of the mean, s / sqrt(n) with s over n - 1; NaN with n < 2."""
+    """Standard error (...) of the mean of (..., episode), s / sqrt(n) with s over n - 1.
+
+    NaN with n < 2.
+
+    Raises
+    ------
+    ValueError
+        As `defined`.
+    """
     given = defined(values)
     n = count(given)
     squares = np.nansum((given - mean(given)[..., None]) ** 2, axis=-1)
@@ -57,15 +83,26 @@ def stratified_sem(strata: Sequence[ArrayLike]) -> FloatArray:
 
 
 def half_width_95(values: ArrayLike) -> FloatArray:
-    """1.96 SEM, the interval the paper prints; NaN with n < 2."""
+    """1.96 SEM (...) of (..., episode), the interval the paper prints; NaN with n < 2.
+
+    Raises
+    ------
+    ValueError
+        As `defined`.
+    """
     return NORMAL_95 * sem(values)
 
 
 def iqm(values: ArrayLike) -> FloatArray:
-    """Interquartile mean: the mean without the floor(n / 4) lowest and highest; NaN with n = 0.
+    """Interquartile mean (...) of (..., episode): without the floor(n / 4) lowest and highest.
 
-    Agarwal et al. 2021, "Deep Reinforcement Learning at the Edge of the Statistical Precipice",
-    section 4.3.
+    NaN with n = 0. Agarwal et al. 2021, "Deep Reinforcement Learning at the Edge of the Statistical
+    Precipice", section 4.3.
+
+    Raises
+    ------
+    ValueError
+        As `defined`.
     """
     given = defined(values)
     n = count(given)[..., None]

@@ -1,4 +1,4 @@
-"""Every block of README.md and docs/ runs as it stands, outside of the checkout."""
+"""Every block of README.md and docs/ runs outside of the checkout, with fewer episodes."""
 
 import importlib
 import importlib.util

@@ -3,7 +3,7 @@
 import hashlib
 import json
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -108,11 +108,23 @@ def _versions() -> dict[str, str]:
 
 
 def digest(file: Path) -> str:
-    """16 hexadecimal digits of a file; of a page of its tables alone, as words may be mended."""
+    """16 hexadecimal digits of a file; of a page of its tables, blocks and lines that name a commit
+    alone, as words may be mended.
+    """
     content = file.read_bytes()
     if file.suffix == ".md":
-        content = b"\n".join(line for line in content.splitlines() if line.startswith(b"|"))
+        content = b"\n".join(_told(content.splitlines()))
     return hashlib.sha256(content).hexdigest()[:16]
+
+
+def _told(lines: Iterable[bytes]) -> Iterator[bytes]:
+    """Lines of a page that no hand mends."""
+    within = False
+    for line in lines:
+        fence = line.startswith(b"```")
+        if within or fence or line.startswith(b"|") or b"commit " in line:
+            yield line
+        within ^= fence
 
 
 def current(piece: Piece, folder: Path = DATA) -> bool:

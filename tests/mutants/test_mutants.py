@@ -9,9 +9,10 @@ import pytest
 from mjforage.physics.validation.all_checks import __all__ as rooms
 from mjforage.physics.validation.known_checks import check_names
 from tests.mutants import running
-from tests.mutants.__main__ import main
+from tests.mutants.__main__ import _row, main
 from tests.mutants.faults import PHYSICS, ROOT, Mutant, mutants
 from tests.mutants.kernels import COMPILERS, COMPILING, importers, interpreted, stamped_by_file
+from tests.mutants.running import FAILED, Outcome
 
 ALL = mutants()
 BY_NAME = {mutant.name: mutant for mutant in ALL}
@@ -45,6 +46,12 @@ def test_the_check_exists(check: str) -> None:
 def test_there_are_forty_and_those_of_which_it_is_known_that_they_once_passed() -> None:
     assert len(ALL) >= 40
     assert set(OF_THE_ISSUE) <= BY_NAME.keys()
+
+
+def test_the_page_has_them_all_and_all_are_caught() -> None:
+    page = (ROOT / "docs" / "mutants.md").read_text("utf-8")
+    rows = [line for line in page.splitlines() if line.startswith("| `")]
+    assert rows == [_row(mutant, Outcome(FAILED, "")) for mutant in mutants()]
 
 
 def test_what_imports_a_file_by_way_of_others_is_compiled_again() -> None:

@@ -55,7 +55,22 @@ class ForagingEnv(SingleEnvironment, gymnasium.Env[Pictures, NDArray[np.int64]])
         return self._observed(), self._game.fact()
 
     def step(self, action: NDArray[np.int64]) -> tuple[Pictures, float, bool, bool, dict[str, Any]]:
-        """One decision of the fleet; raises `UserError` where the action is not of its space."""
+        """One decision of the fleet.
+
+        Parameters
+        ----------
+        action : (agent,) moves 0-8
+
+        Returns
+        -------
+        observation, its leading axis the agents; reward summed over them; terminated; truncated;
+        `info`
+
+        Raises
+        ------
+        UserError
+            If the action is not of its space, or there was no reset.
+        """
         moves = checked_moves(action, (self._game.agents,))
         reward, ended, late, info = summed(self._play(moves))
         return self._observed(), reward, ended, late, self._game.fact() | info

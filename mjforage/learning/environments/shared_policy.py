@@ -50,7 +50,21 @@ class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Pictures, np.int64]):
         return self._observed(), self._info()
 
     def step(self, action: np.int64) -> tuple[Pictures, float, bool, bool, dict[str, Any]]:
-        """One agent's decision; raises `UserError` where the action is not of its space."""
+        """One agent's decision; the fleet moves, and a reward other than 0 comes, after the last.
+
+        Parameters
+        ----------
+        action : move 0-8 of the agent whose turn it is
+
+        Returns
+        -------
+        observation of the next agent, reward summed over all, terminated, truncated, `info`
+
+        Raises
+        ------
+        UserError
+            If the action is not of its space, or there was no reset.
+        """
         checked_started(self._game.started, "step")
         self._choose(int(checked_moves(action, ())))
         if self._waiting:

@@ -119,7 +119,22 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
     def step(
         self, actions: NDArray[np.int64]
     ) -> tuple[Pictures, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
-        """One decision of every fleet; raises `UserError` where an action is not of its space."""
+        """One decision of every fleet.
+
+        Parameters
+        ----------
+        actions : (env, agent) moves 0-8
+
+        Returns
+        -------
+        observations, their leading axes env and agent; rewards (env,), summed over agents;
+        terminated and truncated (env,); what `info` has, each (env,)
+
+        Raises
+        ------
+        UserError
+            If an action is not of its space, or there was no reset.
+        """
         moves = checked_moves(actions, (self.num_envs, self._games[0].agents), "actions")
         again = self._ended.copy() if self.autoreset_mode is AutoresetMode.NEXT_STEP else None
         parts = self._play(moves)

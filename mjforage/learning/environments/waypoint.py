@@ -120,6 +120,14 @@ class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
     def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
         """Half a second of constant commands.
 
+        Parameters
+        ----------
+        action : (2,) thrust of port and starboard, shares in [-1, 1]
+
+        Returns
+        -------
+        observation (16,), reward, terminated, truncated, `info`
+
         Raises
         ------
         UserError
