@@ -20,6 +20,7 @@ from graph_planner.errors import UserError
 
 _BARE = re.compile(r"[\w./+~-]+")
 _SAFE = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,59}")
+_LARGEST = 2**63 - 1  # whole number as an option: kernels count in 64 bits
 _UNSAFE = re.compile(r"[^A-Za-z0-9_.-]+")
 
 
@@ -265,6 +266,8 @@ def fitting(value: Any, hint: Any, where: str) -> Any:
     checked = kind in (bool, int, float, str, tuple, list, dict, Path, NoneType)
     if checked and type(value) is not kind:
         raise UserError(f"{where}: expected {_name(hint)}")
+    if kind is int and not -_LARGEST <= value <= _LARGEST:
+        raise UserError(f"{where}: expected a number within +-{_LARGEST}")
     return value
 
 

@@ -55,6 +55,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except (UserError, cyclopts.CycloptsError) as error:
         _say(str(error))
         sys.exit(BAD_INPUT)
+    except MemoryError as error:
+        _say(f"not enough memory ({error}); give smaller options, or fewer episodes at once")
+        sys.exit(BAD_INPUT)
     except OSError as error:  # of a file that is nobody's in particular, such as a compiler's cache
         where, reason = error.filename or "a file", error.strerror or str(error)
         _say(

@@ -239,6 +239,8 @@ def report(
         raise UserError(f"--out {out}: is for a page on two runs; name two run folders")
     if others and (tables or figures):
         raise UserError("--tables and --figures: are of one run or study; name one folder")
+    if page is not None and not folder.is_dir():
+        raise UserError(f"--page {page}: {folder} is not there; name the folder of a board")
     if page is not None and (others or not is_study(folder)):
         raise UserError(f"--page {page}: is for a board; name the folder of one")
     for one in (folder, *others) if others else ():

@@ -11,6 +11,8 @@ from pathlib import Path
 from platform import python_version
 from typing import Any
 
+import torch
+
 from mjforage.core.whole_files import write_bytes
 from mjforage.runs.source_code import COMPUTING, OURS
 from tests.evidence.piece import REPOSITORY, Piece
@@ -69,7 +71,8 @@ def gathered(piece: Piece, folders: Mapping[str, Path], date: str = "") -> Data:
 
 @cache
 def provenance() -> dict[str, Any]:
-    """Version, commit, a hash of all code and models, and versions of libraries, of this process.
+    """Version, commit, a hash of all code and models, versions of libraries, and the processor's
+    instructions that torch uses, of this process.
 
     `-dirty` behind the commit says that code or models were changed since.
     """
@@ -83,6 +86,7 @@ def provenance() -> dict[str, Any]:
         "commit": commit + ("-dirty" if changed else ""),
         "code": code_hash(),
         "versions": {"python": python_version()} | _versions(),
+        "instructions": torch.backends.cpu.get_cpu_capability(),
     }
 
 

@@ -107,6 +107,11 @@ def test_options_become_arguments_of_the_annotated_type() -> None:
         ("auction(margn=2)", Auction, "policy auction: unknown option margn; did you mean margin"),
         ("auction(margin=high)", Auction, "option margin = high: expected float"),
         ("auction(rounds=2.5)", Auction, "option rounds = 2.5: expected int"),
+        (
+            "auction(rounds=99999999999999999999)",
+            Auction,
+            r"9: expected a number within \+-92233720",
+        ),
         ("auction(rounds=true)", Auction, "option rounds = true: expected int"),
         ("auction(fast=1)", Auction, "option fast = 1: expected true or false"),
         ("auction(mode=shut)", Auction, "option mode = shut: choose open, sealed"),

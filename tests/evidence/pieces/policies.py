@@ -99,7 +99,7 @@ def _settings(runs: Runs) -> Iterator[Row]:
         yield [head, *(mean(runs.only.values(policy, key)) for key in _SHORT)]
 
 
-_FOUR = "--policy ddqn --policy ddqn-reward --policy mappo --policy greedy --episodes 200"
+_FOUR = "--policy ddqn --policy ddqn-reward --policy mappo --policy greedy --episodes 1000"
 _THREE = "--policy ddqn --policy ddqn-reward --policy greedy --episodes 200 --seed 1"
 _MAPPO = "--policy mappo --policy ddqn --policy greedy"
 _TAUGHT = "--policy ddqn --policy greedy --episodes 100 --seed 7"

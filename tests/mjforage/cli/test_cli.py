@@ -86,6 +86,17 @@ def test_the_file_of_a_scenario_is_printed(
     assert "scenarios comb-port --explain horizon: give one of them" in refused(*both)
 
 
+def test_memory_that_is_not_there_is_one_line(
+    refused: Refused, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def want() -> None:
+        raise MemoryError("Unable to allocate 3 TiB")
+
+    monkeypatch.setattr("mjforage.core.scenario_file.preset_names", want)
+    words = refused("scenarios")
+    assert "not enough memory (Unable to allocate 3 TiB); give smaller options" in words
+
+
 def test_version_and_help(command: Callable[..., Any]) -> None:
     assert command("--version").out.strip() == __version__
     text = command("--help").out
