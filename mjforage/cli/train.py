@@ -11,7 +11,7 @@ from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
     from mjforage.core.scenario import Scenario
-    from mjforage.learning.training.algorithm import Row
+    from mjforage.learning.training.progress import Row
 
 Pairs = Annotated[tuple[str, ...], Parameter(negative="")]
 

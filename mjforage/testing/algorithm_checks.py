@@ -17,10 +17,12 @@ from graph_planner.inference import values_of
 from graph_planner.policies import create_policy
 from mjforage.core.mission import Mission
 from mjforage.core.scenario_file import load_scenario
-from mjforage.learning.training.algorithm import Algorithm, LearnersPolicy, Row, save_weights
+from mjforage.learning.training import soundness
+from mjforage.learning.training.algorithm import Algorithm, LearnersPolicy, save_weights
 from mjforage.learning.training.algorithms import find_algorithm
 from mjforage.learning.training.checkpoint import restore_checkpoint, save_checkpoint
 from mjforage.learning.training.hyperparameters import changed
+from mjforage.learning.training.progress import Row
 from mjforage.learning.training.rounds import Round
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
 
@@ -98,7 +100,7 @@ def _copied(tensors: Mapping[str, torch.Tensor]) -> dict[str, NDArray[Any]]:
 
 def check_parts(trial: AlgorithmTrial) -> None:
     """Every team that has agents has a network, and what is to be kept are tensors."""
-    trial.fresh().check_parts()
+    soundness.check_parts(trial.fresh())
 
 
 def check_networks(trial: AlgorithmTrial) -> None:
@@ -127,7 +129,7 @@ def check_rounds(trial: AlgorithmTrial) -> None:
     """A round plays its episodes to their end, is counted and logged, and some of them learn."""
     trainer = trial.fresh()
     for number in range(1, 2 * trial.rounds + 1):
-        trainer.checked_row(trainer.play_round())
+        soundness.checked_row(trainer, trainer.play_round())
         if trainer.round.active.any():
             raise trial.error("rounds", "left episodes that go on; play until none is active")
         if trainer.progress.rounds != number:

@@ -4,10 +4,9 @@ An algorithm is a subclass of `Algorithm` with `settings`, `networks`, `play_rou
 `restore`; run, folder, logs, checkpoints, evaluations and the command line are the same for all.
 """
 
-import logging
 import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
@@ -19,10 +18,9 @@ from graph_planner.policies.ddqn import QPolicy
 from graph_planner.policies.registry import check_policies
 from graph_planner.randomness import episode_keys
 from graph_planner.task import Task
-from graph_planner.weights import KINDS, Q_NETWORK, TEAMS, WeightsHeader, header_note
+from graph_planner.weights import Q_NETWORK, TEAMS, WeightsHeader, header_note
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Scenario
-from mjforage.core.schema import OPEN
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.environments.rewards import labelled
 from mjforage.learning.training.evaluation import HELD_OUT, Evaluation
@@ -30,6 +28,7 @@ from mjforage.learning.training.families import ground_on
 from mjforage.learning.training.files import save_tensors
 from mjforage.learning.training.grounds import Ground, common_shapes
 from mjforage.learning.training.hyperparameters import CommonHyperparameters
+from mjforage.learning.training.progress import Clock, Progress, Row
 from mjforage.learning.training.rounds import Round
 
 if TYPE_CHECKING:
@@ -40,10 +39,6 @@ if TYPE_CHECKING:
 
 TRAINED = 1 << 41  # added to training seeds: `evaluate` with the same seed plays other episodes
 
-logger = logging.getLogger(__name__)
-
-Row = dict[str, float]
-ALWAYS = ("rounds", "episodes", "updates", "seconds", "pta_c")  # of every round's row
 Told = TypeVar("Told", bound=CommonHyperparameters)
 
 
@@ -56,38 +51,6 @@ class LearnersPolicy(QPolicy):
 
     def _load(self, task: Task) -> "dict[str, MoveNetwork]":
         return self._trained
-
-
-@dataclass
-class Progress:
-    """How far a run has come."""
-
-    __pydantic_config__ = OPEN | {"allow_inf_nan": True}  # `best` before an evaluation
-
-    rounds: int = 0
-    episodes: int = 0
-    decisions: int = 0  # steps of all episodes
-    updates: int = 0  # of each team's network
-    due: float = 0.0  # updates that steps have earned
-    seconds: float = 0.0  # since the start of the run, over all processes that worked on it
-    evaluated: int = 0  # updates at the last evaluation that was due
-    best: float = float("inf")  # of the evaluations' `rank`
-
-
-@dataclass
-class Clock:
-    """CPU seconds by what they went into."""
-
-    seconds: dict[str, float] = field(
-        default_factory=lambda: dict.fromkeys(("environment", "network", "replay", "teacher"), 0.0)
-    )
-
-    def __call__(self, part: str, work: Callable[[], Any]) -> Any:
-        """Do work and book its time."""
-        started = time.process_time()
-        result = work()
-        self.seconds[part] += time.process_time() - started
-        return result
 
 
 class Algorithm(Generic[Told]):
@@ -290,83 +253,6 @@ class Algorithm(Generic[Told]):
             found = [entry[name] for entry in learned if name in entry]
             row[name] = float(np.mean(found)) if found else float("nan")
         return row
-
-    def check_parts(self) -> None:
-        """Refuse networks and tensors that evaluations and checkpoints could do nothing with.
-
-        Of a network that trains and whose weights no policy plays there is a warning.
-
-        Raises
-        ------
-        UserError
-            If a team that has agents has no network, or what is to be kept is no tensor.
-        """
-        import torch
-
-        who, networks, tensors = f"algorithm {type(self).__name__}", self.networks, self.tensors()
-        if not isinstance(networks, Mapping) or not isinstance(tensors, Mapping):
-            raise UserError(
-                f"{who}: networks and tensors() are {type(networks).__name__} and "
-                f"{type(tensors).__name__}; make both a dict"
-            )
-        for team, ids in self.agents.items():
-            made = networks.get(team)
-            if ids.size and not isinstance(made, torch.nn.Module):
-                was = "nothing" if made is None else f"a {type(made).__name__}"
-                raise UserError(
-                    f"{who}: networks has {was} for {team}, which has agents; give every such team "
-                    "a module"
-                )
-        self._tell_of_other_networks(networks)
-        for name, value in tensors.items():
-            if not isinstance(value, torch.Tensor):
-                raise UserError(
-                    f"{who}: tensors() has a {type(value).__name__} in {name}; make it a "
-                    "torch.Tensor"
-                )
-
-    def _tell_of_other_networks(self, networks: "Mapping[str, MoveNetwork]") -> None:
-        from graph_planner import q_network
-
-        classes = {kind: getattr(q_network, name) for kind, name in KINDS.items()}
-        wanted = classes[self.weights_kind]
-        others = {type(made) for made in networks.values()} - {wanted}
-        if not others:
-            return
-        kinds = [kind for kind, made in classes.items() if others == {made}]
-        remedy = f"give weights_kind = {kinds[0]!r}" if kinds else "play them by a ModelPolicy"
-        names = ", ".join(sorted(made.__name__ for made in others))
-        logger.warning(
-            "algorithm %s: its networks are of %s; they train, but by weights_kind %r only weights "
-            "of %s are a policy by the name of their file: %s",
-            *(type(self).__name__, names, self.weights_kind, wanted.__name__, remedy),
-        )
-
-    def checked_row(self, row: Any) -> Row:
-        """What `play_round` gave, if it is such a row.
-
-        Raises
-        ------
-        UserError
-            If it is none: nothing, without what `end_round` gives or with other counts, or with
-            what is no number.
-        """
-        who, told = f"algorithm {type(self).__name__}: play_round gave", "self.end_round gives"
-        if not isinstance(row, Mapping):
-            raise UserError(f"{who} {type(row).__name__}; return what {told}")
-        lacking = [name for name in ALWAYS if name not in row]
-        if lacking:
-            raise UserError(f"{who} a row without {', '.join(lacking)}; return what {told}")
-        for name, value in row.items():
-            if not isinstance(value, int | float | np.number):
-                raise UserError(f"{who} {name} = {value!r:.40}; a row has numbers")
-        for name, count in self.come("rounds", "updates").items():
-            if row[name] != count:
-                raise UserError(
-                    f"{who} {name} = {row[name]:g} where self.progress has {count:g}; return what "
-                    f"{told}"
-                )
-        return dict(row)
 
     def come(self, *names: str) -> Row:
         """How far the run has come, by the names of `Progress`."""

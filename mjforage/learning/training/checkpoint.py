@@ -17,8 +17,9 @@ from safetensors import SafetensorError, safe_open
 from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import scenario_to_tree
 from mjforage.core.schema import OPEN, check
-from mjforage.learning.training.algorithm import Algorithm, Progress
+from mjforage.learning.training.algorithm import Algorithm
 from mjforage.learning.training.files import save_tensors
+from mjforage.learning.training.progress import Progress
 
 FORMAT = "mjforage training checkpoint 4"
 _NOTE = "mjforage"

@@ -5,7 +5,7 @@ from pathlib import Path
 import polars as pl
 
 from mjforage.core.whole_files import write_bytes
-from mjforage.learning.training.algorithm import Progress, Row
+from mjforage.learning.training.progress import Progress, Row
 from mjforage.runs.parquet import parquet_bytes, read_parquet
 
 TABLES = ("training", "evaluations")

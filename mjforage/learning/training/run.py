@@ -20,11 +20,13 @@ from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import canonical_json
 from mjforage.core.setup import Setup
 from mjforage.learning.environments.rewards import term_class
-from mjforage.learning.training.algorithm import Algorithm, Row, save_weights
+from mjforage.learning.training.algorithm import Algorithm, save_weights
 from mjforage.learning.training.checkpoint import identity, restore_checkpoint, save_checkpoint
 from mjforage.learning.training.hyperparameters import CommonHyperparameters, Hyperparameters
 from mjforage.learning.training.initial_weights import initial_file
 from mjforage.learning.training.logs import Logs
+from mjforage.learning.training.progress import Row
+from mjforage.learning.training.soundness import check_parts, checked_row
 from mjforage.learning.training.trainer import Trainer
 from mjforage.runs.identity import (
     code_of,
@@ -124,7 +126,7 @@ def train_with(
     """
     _check_ends(hours, updates)
     trainer = algorithm([scenario, *also], hyperparameters, seed, _device(device))
-    trainer.check_parts()
+    check_parts(trainer)
     trainer.begin()
     if evaluate:
         trainer.evaluate_on(evaluate)
@@ -175,7 +177,7 @@ def _go_on(
 def _checked(trainer: Algorithm[Any], row: Row) -> Row:
     """The row of a round, which an algorithm of a user may have made."""
     name, progress = f"algorithm {type(trainer).__name__}", trainer.progress
-    row = trainer.checked_row(row)
+    row = checked_row(trainer, row)
     if progress.rounds == IDLE_ROUNDS and not progress.updates:
         logging.getLogger(__name__).warning(
             f"{name}: {IDLE_ROUNDS} rounds and no update; a run ends by its updates, which "

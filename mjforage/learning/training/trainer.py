@@ -16,9 +16,10 @@ from torch import Tensor
 from graph_planner.encodings import Shapes
 from mjforage.core.scenario import Scenario
 from mjforage.core.sizes import check_memory
-from mjforage.learning.training.algorithm import Algorithm, Row, teacher_label
+from mjforage.learning.training.algorithm import Algorithm, teacher_label
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.learner import Learner
+from mjforage.learning.training.progress import Row
 from mjforage.learning.training.replay_memory import FINAL, NOTHING, PLAYED, memory_bytes
 from mjforage.learning.training.rounds import Played
 

@@ -22,11 +22,12 @@ from mjforage.core.errors import UserError
 from mjforage.core.scenario import Scenario
 from mjforage.core.sizes import check_memory
 from mjforage.learning.environments.game import CHOSEN, OTHERWISE_STAY
-from mjforage.learning.training.algorithm import Algorithm, Row, teacher_label
+from mjforage.learning.training.algorithm import Algorithm, teacher_label
 from mjforage.learning.training.mappo.critic import Critic
 from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
 from mjforage.learning.training.mappo.overview import overview
 from mjforage.learning.training.mappo.rollout import Rollout
+from mjforage.learning.training.progress import Row
 
 if TYPE_CHECKING:
     from mjforage.learning.training.mappo.updates import Updates

@@ -14,10 +14,12 @@ from graph_planner.weights import ACTOR
 from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.training import run
-from mjforage.learning.training.algorithm import Algorithm, Row, save_weights
+from mjforage.learning.training.algorithm import Algorithm, save_weights
 from mjforage.learning.training.algorithms import find_algorithm
 from mjforage.learning.training.checkpoint import save_checkpoint
+from mjforage.learning.training.progress import Row
 from mjforage.learning.training.run import IDLE_ROUNDS, train, train_with
+from mjforage.learning.training.soundness import check_parts
 from mjforage.learning.training.trainer import Trainer
 from mjforage.runs.lock import claimed
 from tests.mjforage.learning.training.tiny_runs import hyperparameters, scenario
@@ -39,7 +41,7 @@ def test_ends_and_folders_are_checked(
             load_scenario("published", ("horizon=13",)), hyperparameters(), copy, seed=3, updates=1
         )
     monkeypatch.setattr(run, "_device", lambda name: "meta")  # whose tensors hold nothing
-    monkeypatch.setattr(Trainer, "check_parts", lambda trainer: None)
+    monkeypatch.setattr(run, "check_parts", lambda trainer: None)
     with pytest.raises(UserError, match=r"device is .cpu. there and .meta. here"):
         train(scenario(), hyperparameters(), copy, seed=3, updates=1)
     monkeypatch.undo()
@@ -271,14 +273,14 @@ class OfAnotherKind(Trainer):
 def test_networks_whose_weights_no_policy_plays_are_told_of_before_they_train(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
-    Trainer([scenario()], hyperparameters()).check_parts()
+    check_parts(Trainer([scenario()], hyperparameters()))
     assert caplog.text == ""
-    OwnNetwork([scenario()], hyperparameters()).check_parts()
+    check_parts(OwnNetwork([scenario()], hyperparameters()))
     words = "OwnNetwork: its networks are of Wider; they train, but by weights_kind 'mjforage duel"
     assert words in caplog.text and caplog.text.count("OwnNetwork") == 1
     assert caplog.text.rstrip().endswith("of their file: play them by a ModelPolicy")
     caplog.clear()
-    OfAnotherKind([scenario()], hyperparameters()).check_parts()
+    check_parts(OfAnotherKind([scenario()], hyperparameters()))
     assert caplog.text.rstrip().endswith("give weights_kind = 'mjforage dueling q-network 1'")
 
 

@@ -3,20 +3,14 @@ import pytest
 
 from mjforage.view.render.track import Track
 from mjforage.view.render.wakes import ARM_SLOPE, trail, wake
+from tests.mjforage.view.render.tracks import track_of_hulls
 
 
 def track_of(speed: float) -> Track:
     """East at `speed` m/s for 60 s, 20 m/s never being reached by a hull of ours."""
     t = np.arange(0.0, 60.5, 0.5)
     pose = np.column_stack((speed * t, 0 * t, 0 * t))[:, None]
-    return Track(
-        0.5,
-        pose,
-        np.zeros((len(t), 0, 2), np.float32),
-        np.zeros(0),
-        1.0,
-        np.zeros((len(t), 2), np.float32),
-    )
+    return track_of_hulls(pose)
 
 
 def test_a_still_hull_has_no_wake_and_a_first_moment_none() -> None:
