@@ -268,3 +268,24 @@ def test_rows_of_trainings_take_what_they_leave(
     played = [list(row) for row in PIECES[name].rows(Runs(folders))]
     assert {len(row) for row in played} == {len(PIECES[name].columns)}
     assert len(played) == len(data.load(PIECES[name])["rows"])
+
+
+@pytest.mark.parametrize(
+    ("line", "other", "told"),
+    [
+        ("| 99.7 |", "| 99.8 |", True),
+        ("mjforage study board --seed 7", "mjforage study board --seed 8", True),
+        ("100 episodes, seed 7; commit b26766dc2b4c", "100 episodes, seed 8; commit 0", True),
+        ("Bold: the best mean.", "Bold: the best.", False),
+    ],
+)
+def test_the_digest_of_a_page_is_of_what_no_hand_mends(
+    line: str, other: str, told: bool, tmp_path: Path
+) -> None:
+    text = "Words.\n\n{}\n\n```sh\n{}\n```\n"
+    digests = []
+    for one in (line, other):
+        command = one if one.startswith("mjforage") else "mjforage"
+        (tmp_path / "page.md").write_text(text.format(one.removeprefix(command), command))
+        digests.append(data.digest(tmp_path / "page.md"))
+    assert (digests[0] != digests[1]) == told
