@@ -16,7 +16,7 @@ STEPS = 150 + 1
 ROUNDS = 2
 UPDATES = 20
 OBSERVATIONS = ("paper", "egocentric")
-MORE_ENVS = 64
+MORE_ENVS, MANY_ENVS = 64, 256
 HANDED_OUT: dict[str, dict[str, Any]] = {
     "float32": {},
     "float32_reused": {"copy": False},
@@ -51,6 +51,8 @@ def _environment_speeds() -> dict[str, Rate]:
         figures[f"env_obs_steps_per_core_s_{kind}"] = steps.times(agents)
     for name, options in HANDED_OUT.items():
         figures[f"env_steps_per_core_s_{name}"], _ = _env_steps(MORE_ENVS, **options)
+    many, _ = _env_steps(MANY_ENVS, **HANDED_OUT["uint8_reused"])
+    figures["env_steps_per_core_s_uint8_reused_many"] = many
     return figures
 
 
@@ -58,7 +60,8 @@ def learning_speeds() -> dict[str, float | Rate]:
     """Key -> number.
 
     `env_obs_steps_per_core_s_<kind>`: agent observations; `env_steps_per_core_s_<how>`: environment
-    steps of 64 sub-environments with egocentric observations, by how these are handed out;
+    steps of 64 sub-environments with egocentric observations, by how these are handed out, `_many`:
+    of 256;
     `ddqn_updates_per_s`: updates of one team's network, draw and priorities included;
     `ddqn_share_<part>`: of the time of training on the published scenario.
     """
