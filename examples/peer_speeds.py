@@ -146,7 +146,7 @@ def _say(line: str) -> None:
 
 def main() -> None:
     """Print a table; a column for each size of the batch."""
-    sizes = " | ".join(f"environment steps, {batch} side by side" for batch in BATCHES)
+    sizes = " | ".join(f"environment steps per CPU s, {batch} at once" for batch in BATCHES)
     _say(f"| environment | agents | {sizes} | agent observations, the quicker |")
     _say("|---|---|" + "---|" * (len(BATCHES) + 1))
     for library in (ours, jumanji, jaxmarl, vmas):

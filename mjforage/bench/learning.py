@@ -60,8 +60,8 @@ def learning_speeds() -> dict[str, float | Rate]:
     """Key -> number.
 
     `env_obs_steps_per_core_s_<kind>`: agent observations; `env_steps_per_core_s_<how>`: environment
-    steps of 64 sub-environments with egocentric observations, by how these are handed out, `_many`:
-    of 256;
+    steps of 64 sub-environments with egocentric observations, by how these are handed out;
+    `env_steps_per_core_s_uint8_reused_many`: of 256;
     `ddqn_updates_per_s`: updates of one team's network, draw and priorities included;
     `ddqn_share_<part>`: of the time of training on the published scenario.
     """

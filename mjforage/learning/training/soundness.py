@@ -30,11 +30,8 @@ def check_parts(trainer: "Algorithm[Any]") -> None:
     """
     import torch
 
-    who, networks, tensors = (
-        f"algorithm {type(trainer).__name__}",
-        trainer.networks,
-        trainer.tensors(),
-    )
+    who = f"algorithm {type(trainer).__name__}"
+    networks, tensors = trainer.networks, trainer.tensors()
     if not isinstance(networks, Mapping) or not isinstance(tensors, Mapping):
         raise UserError(
             f"{who}: networks and tensors() are {type(networks).__name__} and "

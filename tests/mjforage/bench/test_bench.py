@@ -70,6 +70,13 @@ def test_bench_measures_every_promised_figure(monkeypatch: pytest.MonkeyPatch) -
         assert ("quickest" in figure) == ("per CPU second" in str(figure["unit"]))
 
 
+def test_environments_are_measured_in_batches_of_two_sizes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(speeds, "_env_steps", lambda size, **_: (rates.Rate(size, size), 4))
+    found = {name: rate.median for name, rate in speeds._environment_speeds().items()}
+    assert found["env_steps_per_core_s_uint8_reused"] == 64
+    assert found["env_steps_per_core_s_uint8_reused_many"] == 256
+
+
 def test_a_rate_is_the_median_of_slices_and_the_quickest(monkeypatch: pytest.MonkeyPatch) -> None:
     """The first call, which compiles, is none of them."""
     spent = iter([*(0.0, 4.0), *(5.0, 6.0), *(7.0, 9.0)])
