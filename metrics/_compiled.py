@@ -1,16 +1,5 @@
-"""The one place of this package where numba is configured."""
+"""Compiled kernels, as `mjforage.base.compiled` makes them."""
 
-from collections.abc import Callable
-from typing import TypeVar, cast
+from mjforage.base.compiled import kernel
 
-import numba
-
-F = TypeVar("F", bound=Callable[..., object])
-
-
-def kernel(function: F) -> F:
-    """Compile `function` in nopython mode, cached on disk.
-
-    No fast-math: sums keep their order, so a result never depends on the batch it is in.
-    """
-    return cast(F, numba.njit(cache=True, fastmath=False, nogil=True)(function))
+__all__ = ["kernel"]

@@ -18,7 +18,7 @@ Say = Callable[[str], None]
 
 def compiling() -> bool:
     """Whether kernels are being compiled in this process, without loading numba to find out."""
-    loaded = sys.modules.get("graph_planner.compiled")
+    loaded = sys.modules.get("mjforage.base.compiled")
     return loaded is not None and loaded.compiling()
 
 

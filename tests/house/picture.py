@@ -19,14 +19,9 @@ def contracts() -> list[dict[str, Any]]:
 
 
 def floors() -> list[list[str]]:
-    """Return the floors from the top; a floor has several packages if none may import another.
-
-    mjforage's own floors stand in the place of mjforage, the top of the packages.
-    """
-    outer, inner = (one for one in contracts() if one["type"] == "layers")
-    assert inner["containers"] == outer["layers"][:1] == ["mjforage"]
-    own = [[f"mjforage/{name}" for name in line.split(" | ")] for line in inner["layers"]]
-    return own + [line.split(" | ") for line in outer["layers"][1:]]
+    """Return the floors from the top; a floor has several packages if none may import another."""
+    (contract,) = (one for one in contracts() if one["type"] == "layers")
+    return [line.replace(".", "/").split(" | ") for line in contract["layers"]]
 
 
 def purpose(package: str) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tests.mutants.faults import PHYSICS, ROOT, Mutant
-from tests.mutants.kernels import interpreted, recompiled, stamped_by_file
+from tests.mutants.kernels import interpreted
 
 COPIED = ("mjforage", "controllers", "graph_planner", "metrics", "models", "tests")
 LEFT_OUT = shutil.ignore_patterns("__pycache__")
@@ -47,7 +47,8 @@ def copied(folder: Path, plain: bool) -> Path:
     for name in COPIED:
         shutil.copytree(ROOT / name, copy / name, ignore=LEFT_OUT)
     shutil.copy2(ROOT / "pyproject.toml", copy)
-    (interpreted if plain else stamped_by_file)(copy)
+    if plain:
+        interpreted(copy)
     return copy
 
 
@@ -93,10 +94,9 @@ def run_mutant(mutant: Mutant, copy: Path) -> Outcome:
     """Spoil the copy, run the check, and put the copy right again."""
     path = mutant.path(copy)
     kept, time = path.read_text(encoding="utf-8"), path.stat().st_mtime_ns
-    with recompiled(path, copy, copy.parent / "stored"):
-        path.write_text(kept.replace(mutant.old, mutant.new), encoding="utf-8")
-        try:
-            return run_check(mutant, copy)
-        finally:
-            path.write_text(kept, encoding="utf-8")
-            os.utime(path, ns=(time, time))
+    path.write_text(kept.replace(mutant.old, mutant.new), encoding="utf-8")
+    try:
+        return run_check(mutant, copy)
+    finally:
+        path.write_text(kept, encoding="utf-8")
+        os.utime(path, ns=(time, time))

@@ -10,8 +10,8 @@ from mjforage.physics.validation.all_checks import __all__ as rooms
 from mjforage.physics.validation.known_checks import check_names
 from tests.mutants import running
 from tests.mutants.__main__ import _row, main
-from tests.mutants.faults import PHYSICS, ROOT, Mutant, mutants
-from tests.mutants.kernels import COMPILERS, COMPILING, importers, interpreted, stamped_by_file
+from tests.mutants.faults import ROOT, Mutant, mutants
+from tests.mutants.kernels import COMPILER, COMPILING, interpreted
 from tests.mutants.running import FAILED, Outcome
 
 ALL = mutants()
@@ -54,31 +54,13 @@ def test_the_page_has_them_all_and_all_are_caught() -> None:
     assert rows == [_row(mutant, Outcome(FAILED, "")) for mutant in mutants()]
 
 
-def test_what_imports_a_file_by_way_of_others_is_compiled_again() -> None:
-    names = {path.name for path in importers(ROOT / PHYSICS / "hydrodynamics/wind_load.py", ROOT)}
-    assert {"wind_load.py", "boat.py", "forces.py", "native.py", "simulation.py"} <= names
-    assert not {"thruster.py", "touch.py", "circulation.py", "quays.py"} & names
-
-
-def test_kernels_are_still_stamped_as_the_copy_expects(tmp_path: Path) -> None:
-    (tmp_path / "graph_planner").mkdir()
-    source = (ROOT / "graph_planner/compiled.py").read_text(encoding="utf-8")
-    (tmp_path / "graph_planner/compiled.py").write_text(source, encoding="utf-8")
-    stamped_by_file(tmp_path)
-    ast.parse((tmp_path / "graph_planner/compiled.py").read_text(encoding="utf-8"))
-    with pytest.raises(ValueError, match="has no line"):
-        stamped_by_file(tmp_path)
-
-
 def test_a_copy_without_the_compiler_has_plain_kernels(tmp_path: Path) -> None:
-    for name in COMPILERS:
-        (tmp_path / name).parent.mkdir()
-        shutil.copy2(ROOT / name, tmp_path / name)
+    path = tmp_path / COMPILER
+    path.parent.mkdir(parents=True)
+    shutil.copy2(ROOT / COMPILER, path)
     interpreted(tmp_path)
-    for name in COMPILERS:
-        text = (tmp_path / name).read_text(encoding="utf-8")
-        assert text.count(f"    return function\n{COMPILING}") == 1
-        (tmp_path / name).write_text("", encoding="utf-8")
+    assert path.read_text(encoding="utf-8").count(f"    return function\n{COMPILING}") == 1
+    path.write_text("", encoding="utf-8")
     with pytest.raises(ValueError, match="has no line"):
         interpreted(tmp_path)
 

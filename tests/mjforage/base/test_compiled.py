@@ -1,9 +1,8 @@
-"""Compiled kernels must follow the sources of everything that they call."""
+"""Kernels: compiled for Python and for one another, prepared for quick calls, kept on disk."""
 
 import copy
 import importlib
 import pickle
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,85 +15,12 @@ from numba.core import event
 from numba.core.errors import TypingError
 from numpy.typing import NDArray
 
-from graph_planner import compiled
-from graph_planner.compiled import compiling, kernel, prepared
+from mjforage.base.compiled import compiling, kernel, prepared
 
 
 class Pair(NamedTuple):
     factor: NDArray[np.float64]
     offset: float
-
-
-CALLER = """
-from graph_planner.compiled import kernel
-from flotilla.helm import rudder
-
-@kernel
-def steer(x: float) -> float:
-    return rudder(x) + 1.0
-"""
-HELM = """
-from graph_planner.compiled import {decorator}
-
-@{decorator}
-def rudder(x: float) -> float:
-    return {factor} * x
-"""
-ASK = (
-    "from flotilla.steering import steer; print(steer(10.0), sum(steer.stats.cache_hits.values()))"
-)
-
-
-def printed(program: str, folder: Path) -> str:
-    command = [sys.executable, "-c", program]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout
-
-
-def ask(folder: Path) -> list[float]:
-    return [float(word) for word in printed(ASK, folder).split()]
-
-
-def test_a_kernel_is_compiled_again_when_a_file_that_it_calls_changes(tmp_path: Path) -> None:
-    package = tmp_path / "flotilla"
-    package.mkdir()
-    (package / "__init__.py").touch()
-    (package / "steering.py").write_text(CALLER)
-    for decorator in ("kernel", "inlined"):
-        (package / "helm.py").write_text(HELM.format(decorator=decorator, factor=2.0))
-        assert ask(tmp_path) == [21.0, 0.0]
-        assert ask(tmp_path) == [21.0, 1.0]  # unchanged: taken from the disk
-        (package / "helm.py").write_text(HELM.format(decorator=decorator, factor=3.25))
-        assert ask(tmp_path) == [33.5, 0.0]
-
-
-NAMED = """
-from typing import NamedTuple
-from graph_planner.compiled import kernel
-
-class {name}(NamedTuple):
-    x: float
-
-@kernel
-def steer(of: {name}) -> float:
-    return of.x + 1.0
-"""
-
-
-def test_a_class_that_is_no_more_spoils_no_cache(tmp_path: Path) -> None:
-    package = tmp_path / "flotilla"
-    package.mkdir()
-    (package / "__init__.py").touch()
-    for name in ("Crew", "Fleet"):
-        (package / "steering.py").write_text(NAMED.format(name=name))
-        program = f"from flotilla import steering as s; print(s.steer(s.{name}(2.0)))"
-        done = subprocess.run(
-            [sys.executable, "-c", program],
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            check=True,
-        )
-        assert done.stdout == "3.0\n"
 
 
 @kernel
@@ -256,7 +182,7 @@ class Compiled(event.Listener):
 
 
 KERNELS = """
-from {package} import kernel
+from mjforage.base.compiled import kernel
 
 @kernel
 def doubled(x):
@@ -276,12 +202,11 @@ def above(n):
 """
 
 
-@pytest.fixture(params=["graph_planner.compiled", "controllers._compiled"])
-def kernels(
-    tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[Any]:
-    """Return a module of kernels that is new, so that no disk has them compiled."""
-    (tmp_path / "new_kernels.py").write_text(KERNELS.format(package=request.param))
+@pytest.fixture
+def kernels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
+    """Return a module of kernels that no disk has compiled."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    (tmp_path / "new_kernels.py").write_text(KERNELS)
     monkeypatch.syspath_prepend(tmp_path)
     yield importlib.import_module("new_kernels")
     del sys.modules["new_kernels"]
@@ -298,9 +223,8 @@ def test_kernels_that_kernels_call_are_compiled_once_for_all_numbers_and_not_for
         assert heard.kernels[2:] == [("doubled", True)]
 
 
-@pytest.mark.parametrize("package", ["graph_planner.compiled", "controllers._compiled"])
 def test_what_kernels_call_has_a_dispatcher_once_one_is_compiled(
-    package: str, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A process that finds all on the disk makes none of these, nor waits for it."""
     bare, njit = [], numba.njit
@@ -310,9 +234,9 @@ def test_what_kernels_call_has_a_dispatcher_once_one_is_compiled(
         return njit(**options)
 
     monkeypatch.setattr(numba, "njit", noted)
-    make: Any = importlib.import_module(package).kernel
-    called: Any = make(lambda x: x + 1)
-    calling: Any = make(lambda x: called(x) + called(2 * x))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    called: Any = kernel(lambda x: x + 1)
+    calling: Any = kernel(lambda x: called(x) + called(2 * x))
     assert bare == [False, False]
     assert called(1) == 2 and bare == [False, False]
     assert calling(1) == 5 and bare == [False, False, True]
@@ -321,19 +245,3 @@ def test_what_kernels_call_has_a_dispatcher_once_one_is_compiled(
 def test_a_kernel_may_call_itself(kernels: Any) -> None:
     assert kernels.above(4) == 25
     assert kernels.factorial(5) == 120
-
-
-def test_kernels_are_compiled_again_when_those_of_controllers_change(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Kernels of mjforage call them."""
-    for package in ("graph_planner", "controllers", "mjforage"):
-        (tmp_path / package).mkdir()
-        (tmp_path / package / "chart.py").write_text("one = 1\n")
-    monkeypatch.setattr(compiled, "_HERE", tmp_path / "graph_planner")
-    stamps = set()
-    for package in ("mjforage", "controllers", "graph_planner"):
-        stamps.add(compiled._stamp.__wrapped__(tmp_path / "mjforage"))
-        (tmp_path / package / "chart.py").write_text("two = 20\n")
-    stamps.add(compiled._stamp.__wrapped__(tmp_path / "mjforage"))
-    assert len(stamps) == 4

@@ -1,0 +1,172 @@
+"""The one place where numba is configured: every hot function of ours is an `@kernel`.
+
+Kernels take related arrays as one named tuple, and take what they need out of it
+before their loops: reading a field counts references, which costs more than the arithmetic.
+"""
+
+import copy
+import importlib
+from collections.abc import Callable
+from functools import cache
+from typing import Any, Generic, TypeVar, cast
+
+import numba
+import numpy as np
+from numba.core import event, types
+
+from mjforage.base.kernel_cache import KernelCache
+
+F = TypeVar("F", bound=Callable[..., object])
+T = TypeVar("T")
+
+
+class _Compiling(event.Listener):
+    """Counts what numba is compiling in this process; what the disk cache holds it is not."""
+
+    def __init__(self) -> None:
+        self.depth = 0  # a kernel compiles those that it calls
+
+    def on_start(self, event: event.Event) -> None:
+        self.depth += 1
+
+    def on_end(self, event: event.Event) -> None:
+        self.depth -= 1
+
+
+_compiling = _Compiling()
+event.register("numba:compile", _compiling)  # type: ignore[no-untyped-call]
+
+
+def compiling() -> bool:
+    """Whether a kernel is being compiled in this process at this moment."""
+    return _compiling.depth > 0
+
+
+def _with_bare(outer: Any, made: Callable[[], Any]) -> None:
+    """Have other kernels call a compilation of their own, one for all values of an argument.
+
+    It lacks what unpacks Python's objects, a good part of the time of compiling. numba would also
+    compile anew for every number that a caller spells out. Its dispatcher is made by the first
+    kernel that is compiled and calls it: none where the disk holds all that is needed.
+    """
+    any_value = cast(Any, types).unliteral
+
+    @cache
+    def inner() -> Any:
+        bare = made()
+        bare._compiling_counter = outer._compiling_counter  # a kernel may call itself
+        return bare
+
+    def call_template(arguments: tuple[Any, ...], named: dict[str, Any]) -> Any:
+        return inner().get_call_template(
+            tuple(map(any_value, arguments)), {name: any_value(of) for name, of in named.items()}
+        )
+
+    def overload(signature: Any) -> Any:
+        return inner().get_overload(signature)
+
+    outer.get_call_template, outer.get_overload = call_template, overload
+
+
+def _compiled(function: F, inline: str, fastmath: object = False) -> F:
+    """Compile for Python, and apart for other kernels."""
+    options: dict[str, Any] = {"fastmath": fastmath, "nogil": True, "inline": inline}
+
+    def dispatcher(bare: bool) -> Any:
+        made = cast(Any, numba).njit(**options, no_cpython_wrapper=bare, no_cfunc_wrapper=True)(
+            function
+        )
+        if hasattr(made, "overloads"):  # not when numba is switched off
+            made._cache = KernelCache(made)
+        return made
+
+    outer = dispatcher(bare=False)
+    if hasattr(outer, "overloads"):
+        _with_bare(outer, lambda: dispatcher(bare=True))
+    return cast(F, outer)
+
+
+def kernel(function: F) -> F:
+    """Compile `function` in nopython mode, cached on disk, without fast-math.
+
+    Fast-math is left out so that results are bitwise the same whatever the batch size.
+    """
+    return _compiled(function, "never")
+
+
+def kinds_of(value: object) -> object:
+    """What tells numba's types of values apart, found out a dozen times faster than those.
+
+    Of numbers and arrays and tuples of such; of kernels as arguments it would not.
+    """
+    if isinstance(value, np.ndarray):
+        flags = value.flags
+        layout = flags.c_contiguous, flags.f_contiguous, flags.writeable, flags.aligned
+        return value.dtype, value.ndim, layout
+    if isinstance(value, tuple):
+        return type(value), *map(kinds_of, value)
+    return type(value)
+
+
+_entries: dict[object, Callable[..., Any]] = {}  # by kernel and kinds of its arguments
+
+
+class prepared(Generic[T]):  # noqa: N801  what it makes is called like a function
+    """A kernel that keeps its first arguments and no longer looks at anybody's type: for kernels
+    called once per decision, where finding out the types of dozens of arrays takes most of a call.
+
+    The first call compiles; later arguments must be of the same types as those of the first call
+    (arrays: of the same item, dimensions and contiguity), which is the caller's business. A copy
+    keeps copies of the first arguments.
+    """
+
+    def __init__(self, function: Callable[..., T], *fixed: object) -> None:
+        self._function, self._fixed = function, fixed
+        self._entry: Callable[..., T] | None = None
+
+    def __call__(self, *rest: object) -> T:
+        """Run the kernel on the first arguments and these."""
+        if self._entry is not None:
+            return self._entry(*self._fixed, *rest)
+        arguments, dispatcher = (*self._fixed, *rest), cast(Any, self._function)
+        kinds = (self._function, *map(kinds_of, arguments))
+        self._entry = _entries.get(kinds)
+        if self._entry is not None:
+            return cast(T, self._entry(*arguments))
+        answer = self._function(*arguments)
+        if hasattr(dispatcher, "overloads"):  # not when numba is switched off
+            types = tuple(map(dispatcher.typeof_pyval, arguments))
+            self._entry = _entries[kinds] = dispatcher.overloads[types].entry_point
+        return answer
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "prepared[T]":
+        """The same kernel on copies."""
+        return prepared(self._function, *copy.deepcopy(self._fixed, memo))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Where the kernel is and its arguments; another process finds the compiled code itself."""
+        function = cast(Any, self._function)
+        return _prepared_again, (function.__module__, function.__name__, *self._fixed)
+
+
+def _prepared_again(module: str, name: str, *fixed: object) -> prepared[Any]:
+    """By its name: numba would carry a kernel's source along, whose code no disk keeps."""
+    return prepared(getattr(importlib.import_module(module), name), *fixed)
+
+
+def inlined(function: F) -> F:
+    """Compile a helper that is pasted into its callers, for innermost loops passing arrays."""
+    return _compiled(function, "always")
+
+
+def rough(function: F) -> F:
+    """Compile a sum whose terms may be added in any order, which processors do several at a time.
+
+    Its last bits depend on the processor: compare it with a margin (`MARGIN`), and only to skip
+    what an exact sum would skip as well.
+    """
+    return _compiled(function, "never", {"reassoc", "contract"})
+
+
+MARGIN = 1.0 - 1e-9
+"""What a rough sum of terms of one sign is multiplied by to be no larger than the exact one."""
