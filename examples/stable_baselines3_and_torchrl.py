@@ -144,7 +144,7 @@ def torchrl() -> None:
     view = mjforage.parallel_env(scenario="published")
     teams: dict[str, list[str]] = {}
     for agent in view.possible_agents:
-        teams.setdefault(agent.rpartition("-")[0], []).append(agent)
+        teams.setdefault(agent.rpartition("_")[0], []).append(agent)
     env = PettingZooWrapper(view, use_mask=True, seed=0, group_map=teams)
     episode = env.rollout(150)
     for team in env.group_map:

@@ -47,12 +47,12 @@ def choosing_order(teams: Mapping[str, Role]) -> tuple[str, ...]:
 
 
 def agent_names(team: NDArray[np.int64], team_names: Sequence[str]) -> tuple[str, ...]:
-    """Names of agents (agent,) of given teams: `scouts-0`, `scouts-1`, `foragers-0`, ..."""
+    """Names of agents (agent,) of given teams: `scouts_0`, `scouts_1`, `foragers_0`, ..."""
     seen = dict.fromkeys(range(len(team_names)), -1)
     names = []
     for number in team.tolist():
         seen[number] += 1
-        names.append(f"{team_names[number]}-{seen[number]}")
+        names.append(f"{team_names[number]}_{seen[number]}")
     return tuple(names)
 
 
@@ -110,7 +110,7 @@ class Fleet:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """`scouts-0`, `scouts-1`, ...: team name and number within the team."""
+        """`scouts_0`, `scouts_1`, ...: team name and number within the team."""
         return agent_names(self.team, self.team_names)
 
     @property

@@ -5,8 +5,10 @@ The header can be read and checked without torch.
 
 import hashlib
 import json
+import logging
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
 
     from graph_planner.q_network import MoveNetwork
 
+_logger = logging.getLogger(__name__)
 Q_NETWORK = "mjforage dueling q-network 1"
 ACTOR = "mjforage actor 1"
 KINDS = {Q_NETWORK: "DuelingNetwork", ACTOR: "MoveNetwork"}
@@ -117,8 +120,18 @@ def read_header(path: Path) -> WeightsHeader:
             f"weights {path}: the header's shapes {shapes!r:.60} or grounds {grounds!r:.60} are "
             "not what `mjforage train` writes; get the file again"
         )
-    arrays = {name: tuple(shape) for name, shape in shapes.items()}
+    renamed = getattr(encoder_class(encoding), "renamed", {})
+    arrays = {renamed.get(name, name): tuple(shape) for name, shape in shapes.items()}
+    if arrays.keys() != shapes.keys():
+        _say_renamed(path, tuple((old, new) for old, new in renamed.items() if old in shapes))
     return WeightsHeader(encoding, arrays, tuple(grounds), kind)
+
+
+@cache
+def _say_renamed(path: Path, names: tuple[tuple[str, str], ...]) -> None:
+    """Tell once that a file is read whose header has arrays by earlier names."""
+    told = ", ".join(f"{old} is {new}" for old, new in names)
+    _logger.warning("weights %s: of an earlier version, whose array %s now; read so", path, told)
 
 
 def _parsed(text: Any) -> Any:

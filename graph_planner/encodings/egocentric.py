@@ -3,7 +3,8 @@
 Unlike the paper's channels its size does not depend on the map, so weights fit every map.
 """
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +42,7 @@ from graph_planner.visibility import NodeLists
 SIDE = 2 * REACH + 1
 CROP = ("water", "idleness", "belief", "way to items", "again", "scouts", "foragers", "trail")
 GLOBE = ("water", "idleness", "belief", "again", "self", "scouts", "foragers")
-SELF = (
+OWN = (
     *("collects", "time", "known nodes", "unseen share", "energy left", "number in team"),
     *("way to items", "way to unseen", "team size", "others", "moves", "radius"),
 )
@@ -128,7 +129,7 @@ def _describe_selves(
     unseen_way: NDArray[np.float64],
     out: Levels,
 ) -> None:
-    """What each agent knows of itself and the time (agent, entry), in the order of `SELF`.
+    """What each agent knows of itself and the time (agent, entry), in the order of `OWN`.
 
     Parameters
     ----------
@@ -237,7 +238,7 @@ class Egocentric:
 
     `moves` (9, 11): a row per move 0-7 compass, 8 stay; see `move_features`.
 
-    `self` (12,), names in `SELF`; a kind is all scouts or all foragers.
+    `own` (12,), names in `OWN`; a kind is all scouts or all foragers.
 
     | entry | meaning | unit | value |
     |---|---|---|---|
@@ -255,6 +256,9 @@ class Egocentric:
     | 11 | sensing radius | node | 16 / 255 each, at most 1 |
     """
 
+    renamed: ClassVar[Mapping[str, str]] = {"self": "own"}
+    """Arrays that files of earlier versions name otherwise: libraries pass keys as arguments."""
+
     def __init__(self, task: Task) -> None:
         self._task = task
         self._chart = Chart.of(task)
@@ -269,7 +273,7 @@ class Egocentric:
             "crop": (len(CROP), SIDE, SIDE),
             "globe": (len(GLOBE), COARSE, COARSE),
             "moves": (9, len(MOVE_FEATURES)),
-            "self": (len(SELF),),
+            "own": (len(OWN),),
         }
 
     def reset(self, episodes: int) -> None:
@@ -284,7 +288,7 @@ class Egocentric:
         self._out = {k: np.zeros((*lead, *shape), np.uint8) for k, shape in self.shapes.items()}
         crop = self._out["crop"].reshape(*lead, len(CROP), -1)
         globe = self._out["globe"].reshape(*lead, len(GLOBE), -1)
-        self._pictures = Pictures(crop, globe, self._out["moves"], self._out["self"])
+        self._pictures = Pictures(crop, globe, self._out["moves"], self._out["own"])
         self._asked: tuple[object, ...] = ()  # of the last look, for whose kinds it is prepared
 
     def see(self, seen: Observation, rows: NDArray[np.int64]) -> dict[str, Levels]:

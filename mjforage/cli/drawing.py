@@ -54,9 +54,9 @@ def render(
     camera
         Point of view; default top for graph, else overview.
     follow
-        Vessel of the cameras chase and scout, for example foragers-1.
+        Vessel of the cameras chase and scout, for example foragers_1.
     seen_by
-        Vessel by whose knowledge the map and the inset are drawn, for example scouts-0, where the
+        Vessel by whose knowledge the map and the inset are drawn, for example scouts_0, where the
         run has a link; default what all know together.
     start
         Where to begin [simulated s].

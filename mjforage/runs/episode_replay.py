@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.fleet import agent_names
 from mjforage.core.errors import UserError
 from mjforage.runs.held import AXES as HELD_AXES
 from mjforage.runs.held import Held
@@ -49,6 +50,8 @@ _AXES = {
     **HELD_AXES,
 }
 """Axes of the arrays: row, column, agent, item, step (t), frame, or a number."""
+NOT_FIELDS = ("held", "names")
+"""What a file does not hold under its name."""
 
 
 @dataclass(frozen=True)
@@ -89,11 +92,19 @@ class Replay:
     """(item,) step of each item's discovery, -1 never; None in files of versions without it."""
     held: Held | None = None
     """What each agent itself knows; None where all know all."""
+    names: tuple[str, ...] = ()
+    """(agent,) as the run folder names them, which holds them; empty: as this version does."""
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names (agent,) of the vessels."""
+        return self.names or agent_names(self.agent_team, self.team_names)
 
     def content(self) -> bytes:
         """A compressed npz of plain arrays, as the content of a file."""
         buffer = io.BytesIO()
-        plain = {k: value for k, value in vars(self).items() if k != "held" and value is not None}
+        kept = {k: value for k, value in vars(self).items() if k not in NOT_FIELDS}
+        plain = {k: value for k, value in kept.items() if value is not None}
         arrays = {k: np.asarray(value) for k, value in plain.items()}
         arrays |= self.held.arrays() if self.held is not None else {}
         np.savez_compressed(buffer, allow_pickle=False, **arrays)
@@ -123,7 +134,7 @@ class Replay:
 
 def _values(file: Any) -> dict[str, Any]:
     """The fields of a replay from an open npz file."""
-    names = [f.name for f in fields(Replay) if f.name != "held"]
+    names = [f.name for f in fields(Replay) if f.name not in NOT_FIELDS]
     values = {name: file[name] for name in names if name != "t_discovered" or name in file}
     _check_axes(values | {name: file[name] for name in HELD_AXES if name in file})
     values["held"] = Held.of(file, values["navigable"].size)

@@ -1,6 +1,7 @@
 """An episode of a finished run, simulated again and checked against its logs."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -65,7 +66,13 @@ def replay_of_run(
             f"{folder}: episode {replay.episode} of {replay.policy} does not come out as logged: "
             f"{_cause(folder, setup, run.worlds)}"
         )
-    return replay
+    names = tuple(agent.name for agent in run.agents)
+    if len(names) != len(setup.fleet) or len(set(names)) != len(names):
+        raise UserError(
+            f"{where}: agents {', '.join(names)}: its fleet is {len(setup.fleet)} vessels of "
+            f"different names; {again(folder)}"
+        )
+    return replace(replay, names=names)
 
 
 def _cause(folder: Path, setup: Setup, worlds: Sequence[str]) -> str:

@@ -29,7 +29,7 @@ class Agent:
     """One vessel of the fleet; its index is its place in the list."""
 
     name: str
-    """Team and number, as in `scouts-0`."""
+    """Team and number, as in `scouts_0`."""
     team: str
     """Name of its team."""
     collects: bool

@@ -26,7 +26,7 @@ class ForagingEnv(SingleEnvironment, gymnasium.Env[Pictures, NDArray[np.int64]])
     | egocentric | `crop` | (8, 15, 15) | float32 | [0, 1] | table of `Egocentric` |
     | | `globe` | (7, 16, 16) | float32 | [0, 1] | likewise |
     | | `moves` | (9, 11) | float32 | [0, 1] | table of the module `moves` |
-    | | `self` | (12,) | float32 | [0, 1] | table of `Egocentric` |
+    | | `own` | (12,) | float32 | [0, 1] | table of `Egocentric` |
     | paper | `map` | (6, rows, columns) | float32 | [0, 1] | table of `PaperChannels` |
     | both | `action_mask` | (9,) | int8 | 0, 1 | 1: legal before anybody has chosen |
 

@@ -18,7 +18,7 @@ from mjforage.learning.environments.state import Picture, state_of, state_space
 
 
 class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Pictures, int]):  # type: ignore[misc]
-    """Agents `scouts-0`, `foragers-0`, ... decide at once; `rules.order` decides conflicts.
+    """Agents `scouts_0`, `foragers_0`, ... decide at once; `rules.order` decides conflicts.
 
     **Action** `Discrete(9)`, **observation** and masks per agent as in `mjforage/SharedPolicy-v0`,
     except that a mask cannot know what others choose at the same time. Over a link an agent sees

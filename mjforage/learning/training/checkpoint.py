@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from safetensors import SafetensorError, safe_open
 
+from graph_planner.encodings import encoder_class
 from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import scenario_to_tree
 from mjforage.core.schema import OPEN, check
@@ -124,7 +125,11 @@ def restore_checkpoint(trainer: Algorithm[Any], path: Path) -> None:
                     f"checkpoint {path}: of another training than {path.parent} is for; remove it "
                     "or give another --out"
                 )
-            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+            renamed = getattr(encoder_class(trainer.hyperparameters.observation), "renamed", {})
+            tensors = {
+                ".".join(renamed.get(part, part) for part in name.split(".")): file.get_tensor(name)
+                for name in file.keys()  # noqa: SIM118
+            }
     except (OSError, ValueError, RecursionError, AttributeError, SafetensorError) as error:
         raise UserError(f"checkpoint {path}: cannot be read ({error}); {REMEDY}") from error
     trainer.restore(tensors)

@@ -57,7 +57,7 @@ def add_vessel(
 
 
 def vessel_labels(vessels: Sequence[Vessel], names: Sequence[str] | None) -> tuple[str, ...]:
-    """Names of the vessels in the scene; by default ``scout-0``, ``scout-1``, ...
+    """Names of the vessels in the scene; by default ``scout_0``, ``scout_1``, ...
 
     Raises
     ------
@@ -67,7 +67,7 @@ def vessel_labels(vessels: Sequence[Vessel], names: Sequence[str] | None) -> tup
     if names is None:
         seen: dict[str, int] = {}
         numbers = [seen.update({v.name: seen.get(v.name, -1) + 1}) or seen[v.name] for v in vessels]
-        return tuple(f"{v.name}-{n}" for v, n in zip(vessels, numbers, strict=True))
+        return tuple(f"{v.name}_{n}" for v, n in zip(vessels, numbers, strict=True))
     if len(names) != len(vessels) or len(set(names)) != len(names):
         raise UserError(f"names {', '.join(names)}: give {len(vessels)} different ones")
     for name in names:

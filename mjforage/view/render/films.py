@@ -68,9 +68,9 @@ def render_replay(
     camera : str, optional
         overview, chase, top or scout; by default `default_camera`.
     follow : str, optional
-        Vessel of chase and scout, such as ``foragers-1``.
+        Vessel of chase and scout, such as ``foragers_1``.
     seen_by : str
-        Vessel by whose knowledge the episode is drawn, such as ``scouts-0``, or ``all``.
+        Vessel by whose knowledge the episode is drawn, such as ``scouts_0``, or ``all``.
     size : (int or None, int or None)
         Width and height of a frame [pixel], by default 1280 x 720. The drawing of one episode of
         the graph world from above takes the width for its longer side and finds its own height.

@@ -39,7 +39,7 @@ class HarbourView:
     replay : the episode, of any world
     camera : name in `CAMERAS`
     width, height : of a frame [pixel]
-    follow : name of a vessel, such as ``scouts-0``, for the cameras that follow one; by default the
+    follow : name of a vessel, such as ``scouts_0``, for the cameras that follow one; by default the
         first that collects for chase, the first that does not for scout
     speed : simulated seconds per second of film; smooths the camera and calms the waves
     detail : pictures are drawn so many times larger each way and shrunk

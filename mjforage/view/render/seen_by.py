@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.fleet import agent_names
 from mjforage.core.errors import UserError
 from mjforage.runs.episode_replay import Replay
 
@@ -20,7 +19,7 @@ def seen_by(replay: Replay, name: str) -> Replay:
     UserError
         If there is no such vessel, or no link, so that all know the same.
     """
-    names = agent_names(replay.agent_team, replay.team_names)
+    names = replay.labels
     if name != EVERYBODY and name not in names:
         choices = ", ".join((EVERYBODY, *names))
         raise UserError(f"seen by {name}: no such vessel; choose {choices}")
@@ -48,7 +47,7 @@ def shown_name(replay: Replay) -> str:
     """Name of the vessel by whose knowledge a replay is drawn, `all` if by everybody's."""
     if replay.held is None or replay.held.shown < 0:
         return EVERYBODY
-    return agent_names(replay.agent_team, replay.team_names)[replay.held.shown]
+    return replay.labels[replay.held.shown]
 
 
 def last_heard(replay: Replay, step: int) -> NDArray[np.int64]:

@@ -12,7 +12,6 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.fleet import agent_names
 from mjforage.physics.scene.debris import load_debris
 from mjforage.physics.scene.mjcf import compiled, shipped_part
 from mjforage.physics.scene.vessel_bodies import hull_part
@@ -58,10 +57,10 @@ class Look:
 
 
 def vessels_of(replay: Replay) -> tuple[tuple[Vessel, ...], tuple[str, ...]]:
-    """The hulls of a replay and their names, such as ``scouts-0``."""
+    """The hulls of a replay and their names, such as ``scouts_0``."""
     kinds = {name: load_vessel(name) for name in dict.fromkeys(replay.vessels)}
     vessels = tuple(kinds[name] for name in replay.vessels)
-    return vessels, agent_names(replay.agent_team, replay.team_names)
+    return vessels, replay.labels
 
 
 def build_look(replay: Replay, hull_scale: float, item_scale: float) -> Look:

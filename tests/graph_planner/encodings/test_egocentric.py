@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graph_planner.encodings.chart import COARSE, REACH
-from graph_planner.encodings.egocentric import SELF, Egocentric
+from graph_planner.encodings.egocentric import OWN, Egocentric
 from graph_planner.encodings.encoder import Levels
 from graph_planner.encodings.move_features import MOVE_FEATURES
 from graph_planner.fleet import Role
@@ -119,13 +119,13 @@ def test_a_map_too_large_for_a_table_of_distances_looks_the_same(
 
 def test_the_agent_knows_itself() -> None:
     _, task = harbour()
-    own = look(task, [(2, 4), (0, 0), (4, 1)], {(2, 4): 1}, step=76)["self"]
-    facts = dict(zip(SELF, own[0], strict=True))
+    own = look(task, [(2, 4), (0, 0), (4, 1)], {(2, 4): 1}, step=76)["own"]
+    facts = dict(zip(OWN, own[0], strict=True))
     assert facts["collects"] == 0 and own[1, 0] == 255
     assert facts["time"] == 127  # 75 of 150
     assert facts["known nodes"] == 2 and facts["energy left"] == 255
     assert facts["way to items"] == 255
-    assert own[:, SELF.index("number in team")].tolist() == [0, 0, 127]
+    assert own[:, OWN.index("number in team")].tolist() == [0, 0, 127]
     assert facts["moves"] == 64 and facts["radius"] == 64
 
 
@@ -150,7 +150,7 @@ def test_every_feature_has_a_name() -> None:
     _, task = harbour()
     shapes = Egocentric(task).shapes
     assert shapes["moves"] == (9, len(MOVE_FEATURES))
-    assert shapes["self"] == (len(SELF),)
+    assert shapes["own"] == (len(OWN),)
 
 
 def test_nodes_to_look_at_again_are_where_items_were_and_nobody_has_looked_since() -> None:

@@ -214,7 +214,7 @@ def test_the_order_of_teams_in_a_file_does_not_decide_who_chooses_first() -> Non
     turned = dict(reversed(tree["team"].items()))
     assert setup_of("comb-port").fleet.order.tolist() == [3, 2, 1, 0]
     setup = Setup.of(scenario_from_tree(tree | {"team": turned}, "turned"))
-    assert setup.fleet.names[0] == "foragers-0" and setup.fleet.order.tolist() == [1, 0, 3, 2]
+    assert setup.fleet.names[0] == "foragers_0" and setup.fleet.order.tolist() == [1, 0, 3, 2]
     scouts_first = setup_of("comb-port", "rules.order=['scouts','foragers']")
     assert scouts_first.fleet.order.tolist() == [1, 0, 3, 2]
 

@@ -45,7 +45,7 @@ def test_absent_tables_take_their_defaults_and_teams_have_any_name(tmp_path: Pat
     assert scenario.team["pilots"].radius == 6.0
     assert isinstance(scenario.team["pilots"].radius, float)
     assert (scenario.horizon, scenario.map.starts) == (150, None)
-    assert Setup.of(scenario).fleet.names == ("pilots-0", "skimmers-0", "skimmers-1")
+    assert Setup.of(scenario).fleet.names == ("pilots_0", "skimmers_0", "skimmers_1")
 
 
 def test_overrides_apply_in_order_and_create_tables() -> None:

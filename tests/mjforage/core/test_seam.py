@@ -93,7 +93,7 @@ def played(setup: Setup, policy: str, exchange: Exchange | None = None) -> Score
 def test_a_third_role_is_a_row_in_a_scenario(policy: str) -> None:
     """Sweepers see farther than foragers and hold little: planned for, obeyed and scored."""
     setup = setup_of({"sweepers": SWEEPERS}, "items.mean=150")
-    assert setup.fleet.names[4:] == ("sweepers-0", "sweepers-1")
+    assert setup.fleet.names[4:] == ("sweepers_0", "sweepers_1")
     assert setup.fleet.order.tolist() == [3, 2, 5, 4, 1, 0]
     scorer = played(setup, policy)
     log = scorer.log

@@ -24,7 +24,7 @@ SHORT = ("horizon=12",)
 
 def scored(seen: Pictures) -> NDArray[np.float64]:
     """Values of moves by a fixed rule of all that is seen, illegal moves included."""
-    moves, own = seen["moves"].astype(np.float64), seen["self"].astype(np.float64)
+    moves, own = seen["moves"].astype(np.float64), seen["own"].astype(np.float64)
     rule = np.cos(np.arange(moves.shape[-1]) * 1.7) @ np.swapaxes(moves, -1, -2)
     drift = np.sin(np.arange(9) + 3.0 * own.sum(axis=-1, keepdims=True))
     found: NDArray[np.float64] = rule + drift + 0.5 * seen["action_mask"]

@@ -139,7 +139,7 @@ def test_each_kind_of_environment_knows_them(folder: Path) -> None:
     assert f"reward/{SOUTH}" in batch.step(batch.action_space.sample())[-1]
     view = mjforage.parallel_env(**options(reward={"own_term:Southing(scale=2.0)": 1}))
     _, infos = view.reset(seed=1)
-    assert infos["scouts-0"][f"reward/{SOUTH}"] == 0.0  # one spelling
+    assert infos["scouts_0"][f"reward/{SOUTH}"] == 0.0  # one spelling
 
 
 def environment() -> gymnasium.Env[Any, Any]:
@@ -269,6 +269,6 @@ def test_installed_packages_bring_them(folder: Path, monkeypatch: pytest.MonkeyP
         monkeypatch.delitem(table.__dict__, "_entries", raising=False)
     view = mjforage.parallel_env(set=SHORT, observation="clock(bins=2)", reward={"south": 1.0})
     seen, infos = view.reset(seed=1)
-    assert seen["scouts-0"]["clock"].shape == (2,) and "reward/south" in infos["scouts-0"]
+    assert seen["scouts_0"]["clock"].shape == (2,) and "reward/south" in infos["scouts_0"]
     for table in (ENCODERS, REWARDS):
         del table.__dict__["_entries"]

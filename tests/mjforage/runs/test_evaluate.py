@@ -73,7 +73,7 @@ def test_a_run_folder_holds_what_it_should(finished: Path) -> None:
     assert frames["agents"].height == 4 * int((frames["episodes"]["length"] + 1).sum())
     assert frames["agents"].filter(pl.col("step") == 0)["outcome"].unique().to_list() == ["start"]
     assert [agent["name"] for agent in run["agents"]] == [
-        *("scouts-0", "scouts-1", "foragers-0", "foragers-1"),
+        *("scouts_0", "scouts_1", "foragers_0", "foragers_1"),
     ]
     assert (run["map"]["rows"], run["map"]["columns"], run["map"]["nodes"]) == (62, 46, 1297)
     assert sum(row.count("1") for row in run["map"]["navigable"]) == 1297
@@ -187,7 +187,7 @@ def test_teams_of_any_name_and_number_run(evaluate_small: Small, tmp_path: Path)
     more = "{count=1, moves=3, radius=6.0, collects=true, capacity=2, energy=20.0}"
     run = evaluate_small(tmp_path / "run", overrides=[f"team.helpers={more}"], policies=["levy"])
     info = json.loads((run / "run.json").read_text())
-    assert [agent["name"] for agent in info["agents"]][-1] == "helpers-0"
+    assert [agent["name"] for agent in info["agents"]][-1] == "helpers_0"
     assert tables(run)["agents"]["agent"].max() == 4
 
 

@@ -25,7 +25,7 @@ def played(*link: str, horizon: int = 6) -> tuple[Mission, HoldersMaps]:
 def test_without_a_link_each_knows_what_it_saw_and_where_all_began() -> None:
     mission, maps = played("link.model=none")
     start = mission.setup.graph
-    assert (maps.step, maps.names[0]) == (STEP, "scouts-0")
+    assert (maps.step, maps.names[0]) == (STEP, "scouts_0")
     assert maps.holder_of.tolist() == [0, 1, 2, 3]
     assert maps.belief.shape == maps.age.shape == (4, *start.shape)
     assert maps.agent_age.tolist() == [[0 if h == a else STEP for a in range(4)] for h in range(4)]

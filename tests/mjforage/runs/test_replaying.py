@@ -1,5 +1,6 @@
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.recording import record
 from mjforage.runs.replaying import replay_of_run
+from mjforage.view.report import write_report
 
 
 def error_of(
@@ -51,8 +53,34 @@ def test_an_episode_comes_out_as_logged(finished: Path, policy: str, episode: in
 def test_the_first_policy_is_the_default_and_the_stored_replay_is_equal(finished: Path) -> None:
     replay = replay_of_run(finished, "graph", None, 0)
     stored = Replay.load(finished / "replay" / "graph-greedy-0.npz")
-    for name, value in vars(replay).items():
+    for name, value in vars(replace(replay, names=())).items():
         assert np.array_equal(value, getattr(stored, name)), name
+    assert replay.labels == stored.labels
+
+
+def test_vessels_are_called_as_the_folder_names_them(run_copy: Path) -> None:
+    """Earlier versions wrote `scouts-0`."""
+    old = ("scouts-0", "scouts-1", "foragers-0", "foragers-1")
+    assert replay_of_run(run_copy, "graph", None, 0).labels == tuple(
+        name.replace("-", "_") for name in old
+    )
+
+    def rename(info: dict[str, Any]) -> None:
+        for agent, name in zip(info["agents"], old, strict=True):
+            agent["name"] = name
+
+    change(run_copy / "run.json", rename)
+    assert replay_of_run(run_copy, "graph", None, 0).labels == old
+    write_report(run_copy)
+    assert "scouts-1" in (run_copy / "report.html").read_text()
+
+
+@pytest.mark.parametrize("edit", [list.clear, lambda agents: agents[1].update(agents[0])])
+def test_vessels_that_are_not_those_of_the_scenario_are_named(
+    run_copy: Path, edit: Callable[[list[Any]], object]
+) -> None:
+    change(run_copy / "run.json", lambda info: edit(info["agents"]))
+    assert "its fleet is 4 vessels of different names" in error_of(run_copy)
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ INFO: dict[str, Any] = {
     "episodes": 3,
     "worlds": ["graph"],
     "policies": ["greedy"],
-    "agents": [{"name": "scouts-0"}],
+    "agents": [{"name": "scouts_0"}],
 }
 FIRST, SECOND = Chunk("graph", "greedy", 0, 2), Chunk("graph", "greedy", 2, 1)
 COST = Cost("graph", "greedy", 2, 300, 1.5, 2.0, 1e9, "node7-1", "now", "processes", 1)
@@ -118,7 +118,7 @@ def test_same_run_may_be_opened_again_and_keeps_its_file(run: RunFolder) -> None
         ),
         ("code", {"core/moves.py": "ab"}, "another run: core/rules.py is gone; give --accept"),
         ("code", INFO["code"] | {"new.py": "1"}, "another run: new.py is not there; give --accept"),
-        ("agents", [{"name": "other-0"}], "the agents are others or in another order"),
+        ("agents", [{"name": "other_0"}], "the agents are others or in another order"),
     ],
 )
 def test_another_run_is_refused_with_the_difference(

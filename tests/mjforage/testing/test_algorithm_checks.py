@@ -193,7 +193,7 @@ class Live(Climber):
 
     def preferences(self) -> Any:
         if self.first is None or not self.round.steps.any():
-            self.first = self.round.see(np.flatnonzero(self.round.active))["self"]
+            self.first = self.round.see(np.flatnonzero(self.round.active))["own"]
         return super().preferences()
 
     def learn(self) -> None:

@@ -84,10 +84,10 @@ def test_sub_environments_refuse_and_name_sub_environment_and_agent() -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"scouts-1": 9}, f"action of scouts-1 = 9: {WHOLE}"),
-        ({"scouts-1": 0.7}, f"action of scouts-1 = 0.7: {WHOLE}"),
-        ({"scouts-1": None}, f"action of scouts-1 = None: {WHOLE}"),
-        ({"scout-1": 8}, "action of scout-1: there is no such agent; choose scouts-0, scouts-1, "),
+        ({"scouts_1": 9}, f"action of scouts_1 = 9: {WHOLE}"),
+        ({"scouts_1": 0.7}, f"action of scouts_1 = 0.7: {WHOLE}"),
+        ({"scouts_1": None}, f"action of scouts_1 = None: {WHOLE}"),
+        ({"scout_1": 8}, "action of scout_1: there is no such agent; choose scouts_0, scouts_1, "),
     ],
 )
 def test_the_parallel_view_names_the_agent(
@@ -101,7 +101,7 @@ def test_the_parallel_view_names_the_agent(
 
 def test_a_missing_agent_does_not_stay_in_silence(view: ForagingParallelEnv) -> None:
     view.reset(seed=0)
-    with pytest.raises(UserError, match="action of foragers-1: is missing; give one to each"):
+    with pytest.raises(UserError, match="action of foragers_1: is missing; give one to each"):
         view.step(dict.fromkeys(view.agents[:-1], 8))
 
 
@@ -110,7 +110,7 @@ def test_actions_of_agents_that_are_over_do_not_count() -> None:
     view = mjforage.parallel_env(set=("team.foragers.energy=1", "horizon=12"))
     seen, _ = view.reset(seed=0)
     view.step({a: int(np.flatnonzero(seen[a]["action_mask"])[0]) for a in view.agents})
-    assert view.agents == ["scouts-0", "scouts-1"]
+    assert view.agents == ["scouts_0", "scouts_1"]
     view.step(dict.fromkeys(view.possible_agents, 8))
 
 

@@ -10,7 +10,7 @@ import pytest
 
 PAGE = Path(__file__).parents[4] / "docs" / "learning.md"
 ROW = re.compile(r"^\|(?P<array>[^|]*)\| *(?P<entries>\d[\d, ]*)\|", re.MULTILINE)
-ENTRIES_ON_AXIS = {"map": 0, "crop": 0, "globe": 0, "moves": 1, "self": 0}
+ENTRIES_ON_AXIS = {"map": 0, "crop": 0, "globe": 0, "moves": 1, "own": 0}
 
 
 def shared(kind: str, **options: Any) -> gymnasium.Env[Any, Any]:
@@ -45,7 +45,7 @@ def test_numbers_of_its_own_are_as_documented() -> None:
     for turn in range(10):
         game = env.unwrapped.game
         seen, task = game.mission.observation, game.setup.task
-        agent, own = info["agent"], observation["self"]
+        agent, own = info["agent"], observation["own"]
         expected = {
             0: float(agent >= 3),
             1: (turn // 5) / 20,

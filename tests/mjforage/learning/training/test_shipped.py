@@ -1,5 +1,6 @@
 """The weights that ship."""
 
+import hashlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 
 from graph_planner.policies import create_policy
-from graph_planner.weights import shipped_weights
+from graph_planner.weights import read_header, shipped_weights
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import Scorer
@@ -71,6 +72,44 @@ def test_decisions_do_not_depend_on_the_batch(published: Setup) -> None:
         mission.run(create_policy("ddqn-reward"), (log,))
         nodes.append(log.agent_node[int(np.flatnonzero(episodes == 3)[0])])
     assert nodes[0].tobytes() == nodes[1].tobytes()
+
+
+TENSORS = {
+    "ddqn": "6866e110e5a65822",
+    "ddqn-reward": "7e78ea64ab6ff5a7",
+    "ddqn-link": "46cfd6c90d9f91a4",
+    "mappo": "adeec52b84f10163",
+}
+"""Digests of the bytes behind the headers, as they were when an array was called `self`."""
+NODES = {
+    "ddqn": "446b2b230374559c",
+    "ddqn-reward": "8afff6205b9e60a2",
+    "ddqn-link": "494eefc090a22679",
+    "mappo": "5d792d500edb28c0",
+}
+"""Digests of the nodes of the agents in three episodes, from then too."""
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_numbers_are_those_from_before_an_array_was_renamed(name: str) -> None:
+    content = shipped_weights(name).read_bytes()
+    tensors = content[8 + int.from_bytes(content[:8], "little") :]
+    assert hashlib.sha256(tensors).hexdigest()[:16] == TENSORS[name]
+    assert set(read_header(shipped_weights(name)).shapes) == {"crop", "globe", "moves", "own"}
+
+
+@pytest.mark.every_capability
+def test_decisions_are_those_from_before_an_array_was_renamed(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    setup, found = Setup.of(load_scenario("comb-port", ("horizon=60",))), {}
+    for name in SHIPPED:
+        mission = Mission(setup)
+        mission.reset(11, np.arange(3))
+        log = EpisodeLog(mission)
+        mission.run(create_policy(name), (log,))
+        found[name] = hashlib.sha256(log.agent_node.tobytes()).hexdigest()[:16]
+    assert found == NODES and not caplog.messages
 
 
 @pytest.mark.parametrize("name", SHIPPED)

@@ -256,7 +256,7 @@ def test_an_instability_names_seed_episode_time_and_body() -> None:
     dynamics._simulation.place_vessels(dynamics._simulation.vessel_pose, speed)
     with pytest.raises(InstabilityError) as caught:
         mission.advance(preferences)
-    assert "seed 3, episode 12, t = 10.00 s, body foragers-0" in str(caught.value)
+    assert "seed 3, episode 12, t = 10.00 s, body foragers_0" in str(caught.value)
 
 
 def test_the_belief_planner_forages_better_than_greedy_with_hulls_too() -> None:

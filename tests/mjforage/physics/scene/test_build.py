@@ -137,7 +137,7 @@ def test_malformed_models_are_named(tmp_path: Path) -> None:
 
 
 def test_names_are_counted_by_vessel_and_must_differ() -> None:
-    assert build_scene([SCOUT, FORAGER, SCOUT]).names == ("scout-0", "forager-0", "scout-1")
+    assert build_scene([SCOUT, FORAGER, SCOUT]).names == ("scout_0", "forager_0", "scout_1")
     with pytest.raises(UserError, match="give 2 different ones"):
         build_scene([SCOUT, FORAGER], names=["a", "a"])
     for name in ("", "a/b"):

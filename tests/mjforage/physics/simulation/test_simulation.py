@@ -187,7 +187,7 @@ def test_steps_that_runge_kutta_cannot_take_are_named() -> None:
     scene = build_scene([OTTER, quick])
     Simulation(scene, integrator=Integrator.REFERENCE, step_s=0.08)
     Simulation(scene, integrator=Integrator.FAST, step_s=0.5)
-    with pytest.raises(UserError, match=r"step 0.1 s .* lag_s = 0.04 s of scout-0; .* 0.08 s"):
+    with pytest.raises(UserError, match=r"step 0.1 s .* lag_s = 0.04 s of scout_0; .* 0.08 s"):
         Simulation(scene, integrator=Integrator.REFERENCE, step_s=0.1)
 
 

@@ -202,10 +202,10 @@ def test_no_check_is_without_its_fault() -> None:
 
 def test_an_unstable_simulation_fails_its_check(monkeypatch: pytest.MonkeyPatch) -> None:
     def unstable(self: Any, steps: int = 1) -> None:
-        raise InstabilityError("physics: unstable at seed 0, t = 1.00 s, body otter-0")
+        raise InstabilityError("physics: unstable at seed 0, t = 1.00 s, body otter_0")
 
     monkeypatch.setattr(simulation.Simulation, "step", unstable)
     finding = of("rest")
     assert finding.status == "failed"
-    assert "body otter-0" in finding.measures[0].what
+    assert "body otter_0" in finding.measures[0].what
     assert np.isnan(finding.measures[0].value)

@@ -44,7 +44,7 @@ def test_plain_drawing_needs_no_opengl_and_the_rest_says_so(replay: Replay, tmp_
         ({"camera": "front"}, "camera front: unknown; choose overview, chase, top, scout"),
         ({"size": (10, None)}, "width 10: must be 320 to 7680"),
         ({"size": (None, 480)}, "height 480: the drawing from above finds its own"),
-        ({"follow": "scouts-0"}, "follow scouts-0: camera top follows nobody"),
+        ({"follow": "scouts_0"}, "follow scouts_0: camera top follows nobody"),
         ({"camera": "overview", "size": (20, None)}, "width 20: must be 64 to 3840 pixels"),
         ({"camera": "chase", "size": (None, 9000)}, "height 9000: must be 64 to 2160 pixels"),
     ],

@@ -88,7 +88,7 @@ def test_taken_items_are_gone(replay: Replay) -> None:
 
 
 def test_the_mast_of_another_vessel_shows_another_view(replay: Replay) -> None:
-    views = [frame(replay, "scout", 1.0, follow=name) for name in ("scouts-0", "scouts-1")]
+    views = [frame(replay, "scout", 1.0, follow=name) for name in ("scouts_0", "scouts_1")]
     assert np.abs(views[0].astype(int) - views[1]).mean() > 3.0
     np.testing.assert_array_equal(views[0], frame(replay, "scout", 1.0))
 
@@ -105,10 +105,10 @@ def test_more_detail_changes_no_size_and_little_else(replay: Replay) -> None:
         ("front", None, "camera front: unknown; choose overview, chase, top, scout"),
         (
             "chase",
-            "otter-0",
-            "follow otter-0: no such vessel; choose scouts-0, scouts-1",
+            "otter_0",
+            "follow otter_0: no such vessel; choose scouts_0, scouts_1",
         ),
-        ("top", "scouts-0", "follow scouts-0: camera top follows nobody; chase and scout do"),
+        ("top", "scouts_0", "follow scouts_0: camera top follows nobody; chase and scout do"),
     ],
 )
 def test_bad_choices_are_named(

@@ -84,27 +84,35 @@ def share(image: Image, colour: palette.Colour, tolerance: float = 12.0) -> floa
 
 
 def test_the_map_of_a_vessel_takes_the_place_of_the_fleets(apart: Replay) -> None:
-    seen = seen_by(apart, "foragers-0")
-    assert (shown_name(apart), shown_name(seen)) == ("all", "foragers-0")
+    seen = seen_by(apart, "foragers_0")
+    assert (shown_name(apart), shown_name(seen)) == ("all", "foragers_0")
     assert seen.belief[:, 5, 5].tolist() == [0, 0, 0, 2, 2] and seen.belief[3:].sum() == 4
     np.testing.assert_allclose(seen.idleness[:, 5, 5], [1.0, 1.0, 1.0, 0.2, 0.3], atol=1e-3)
     assert (seen.idleness[:, 10, 2] == 0.0).all() and (seen.idleness[:, 0, 0] == 1.0).all()
     assert (seen.in_view[:, 10, 2] == 2).all(), "its own view"
     assert not seen.in_view[:, 5:8, 9].any(), "and not what the scout sees"
     assert seen_by(apart, "all") is apart
-    blind = seen_by(apart, "scouts-0")
+    blind = seen_by(apart, "scouts_0")
     assert not blind.belief.any() and (blind.idleness == 1.0).all()
+
+
+def test_vessels_go_by_the_names_of_their_folder(apart: Replay) -> None:
+    """Earlier versions wrote `scouts-0`."""
+    old = replace(apart, names=("scouts-0", "foragers-0"))
+    assert shown_name(seen_by(old, "foragers-0")) == "foragers-0"
+    with pytest.raises(UserError, match="scouts_0: no such vessel; choose all, scouts-0, foragers"):
+        seen_by(old, "scouts_0")
 
 
 def test_land_is_not_idle(apart: Replay) -> None:
     water = apart.navigable.copy()
     water[0, 0] = False
-    assert not seen_by(replace(apart, navigable=water), "scouts-0").idleness[:, 0, 0].any()
+    assert not seen_by(replace(apart, navigable=water), "scouts_0").idleness[:, 0, 0].any()
 
 
 def test_items_are_known_by_the_map_and_discovered_by_the_truth(apart: Replay) -> None:
     never = np.iinfo(np.int64).max
-    alone, fleet = timeline_of(seen_by(apart, "foragers-0")), timeline_of(apart)
+    alone, fleet = timeline_of(seen_by(apart, "foragers_0")), timeline_of(apart)
     assert alone.known.tolist() == [3, never] and fleet.known.tolist() == [1, 1]
     assert alone.discovered.tolist() == [1, 1]
     np.testing.assert_array_equal(alone.pta_d, fleet.pta_d)
@@ -112,13 +120,13 @@ def test_items_are_known_by_the_map_and_discovered_by_the_truth(apart: Replay) -
 
 def test_who_was_last_heard_when(apart: Replay) -> None:
     assert last_heard(apart, 3).tolist() == [3, 3]
-    assert last_heard(seen_by(apart, "foragers-0"), 3).tolist() == [1, 3]
+    assert last_heard(seen_by(apart, "foragers_0"), 3).tolist() == [1, 3]
 
 
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("scouts-1", "seen by scouts-1: no such vessel; choose all, scouts-0, foragers-0"),
+        ("scouts_1", "seen by scouts_1: no such vessel; choose all, scouts_0, foragers_0"),
         ("", "seen by : no such vessel"),
     ],
 )
@@ -131,27 +139,27 @@ def test_unknown_vessels_are_named(apart: Replay, tmp_path: Path, name: str, mes
 def test_without_a_link_nobody_sees_alone(apart: Replay) -> None:
     plain = replace(apart, held=None)
     assert seen_by(plain, "all") is plain
-    with pytest.raises(UserError, match="seen by scouts-0: without a link all know the same"):
-        seen_by(plain, "scouts-0")
+    with pytest.raises(UserError, match="seen by scouts_0: without a link all know the same"):
+        seen_by(plain, "scouts_0")
 
 
 def test_a_vessel_is_faded_where_it_was_last_heard_of(apart: Replay) -> None:
     """At step 4 the scout is at (2, 10); the forager heard of it at (2, 4)."""
-    views = {name: TopView(seen_by(apart, name), 640) for name in ("all", "foragers-0")}
+    views = {name: TopView(seen_by(apart, name), 640) for name in ("all", "foragers_0")}
     frames = {name: view.frame(4.0) for name, view in views.items()}
-    for name, truly in (("all", True), ("foragers-0", False)):
+    for name, truly in (("all", True), ("foragers_0", False)):
         hull = around(frames[name], views[name], (2, 10), 9)
         assert (share(hull, SCOUT) > 0.2) == truly, "full, or an outline only"
         assert share(around(frames[name], views[name], (10, 2), 9), FORAGER) > 0.2
     there = [around(frames[name], views[name], (2, 4), 9).astype(float) for name in frames]
     assert np.abs(there[0] - there[1]).mean() > 20.0, "its ghost"
     assert share(there[1].astype(np.uint8), SCOUT) == 0.0, "which is faded"
-    ago = around(frames["foragers-0"], views["foragers-0"], (3, 4), 14)
+    ago = around(frames["foragers_0"], views["foragers_0"], (3, 4), 14)
     assert share(ago, palette.INK, 40.0) > 0.02, "30 s ago"
 
 
 def test_items_that_it_does_not_know_are_dim(apart: Replay) -> None:
-    views = [TopView(seen_by(apart, name), 640) for name in ("all", "foragers-0")]
+    views = [TopView(seen_by(apart, name), 640) for name in ("all", "foragers_0")]
     first, second = (
         [around(v.frame(4.0), v, rc, 2).mean() for v in views] for rc in ((5, 5), (10, 10))
     )
@@ -178,7 +186,7 @@ def test_contacts_are_lines_and_broken_red_ones_where_looks_were_lost(apart: Rep
 def test_the_inset_shows_the_same(apart: Replay) -> None:
     """Scale 10: a node's middle is at 10 x (column + 1.5), as one cell around the water shows."""
     images = {}
-    for name in ("all", "foragers-0"):
+    for name in ("all", "foragers_0"):
         inset = Inset(seen_by(apart, name), [SCOUT, FORAGER], (130.0, 130.0))
         images[name] = np.zeros((inset.height, inset.width, 3), np.uint8)
         inset.paint(images[name], 0, 0, 4.0, on_chart(apart, 4))
@@ -192,12 +200,12 @@ def test_the_inset_shows_the_same(apart: Replay) -> None:
         return float(np.abs(pixels - colour).max(axis=1).min())
 
     assert off(near("all", 2, 10), SCOUT) < 12.0
-    assert off(near("foragers-0", 2, 10), SCOUT) > 20.0, "an outline is empty"
-    assert 20.0 < off(near("foragers-0", 2, 4), SCOUT) < 150.0, "faded where it was heard last"
-    assert np.abs(near("foragers-0", 2, 4) - near("all", 2, 4)).max() > 40.0
+    assert off(near("foragers_0", 2, 10), SCOUT) > 20.0, "an outline is empty"
+    assert 20.0 < off(near("foragers_0", 2, 4), SCOUT) < 150.0, "faded where it was heard last"
+    assert np.abs(near("foragers_0", 2, 4) - near("all", 2, 4)).max() > 40.0
     believed = palette.belief_shades(np.array([2]), 4)[0]
     assert (
-        off(near("foragers-0", 5, 5), tuple(believed))
+        off(near("foragers_0", 5, 5), tuple(believed))
         < 3.0
         < off(near("all", 5, 5), tuple(believed))
     ), "what it believes"
@@ -222,7 +230,7 @@ def test_the_inset_draws_links(apart: Replay) -> None:
 def test_a_film_through_mujoco_shows_it_too(opengl: str, apart: Replay, refine: Build) -> None:
     assert opengl
     frames = []
-    for name in ("all", "foragers-0"):
+    for name in ("all", "foragers_0"):
         with HarbourView(seen_by(refine(apart), name), "overview", 960, 540) as view:
             frames.append(view.frame(4.0).astype(float))
     left = int(split_frame(960, 540, 1.0).view.left)

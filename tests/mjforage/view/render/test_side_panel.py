@@ -147,13 +147,13 @@ def test_tags_do_not_cover_each_other(replay: Replay) -> None:
     tags = Tags(("a",), COLOURS, 1280, 1.0)
     taken: list[tuple[float, float, float, float]] = []
     for x, y in ((600.0, 300.0), (610.0, 302.0), (604.0, 306.0), (605.0, 296.0)):
-        box = tags._free_box(x, y, "forager-0", taken)
+        box = tags._free_box(x, y, "forager_0", taken)
         for other in taken:
             apart_x = box[0] >= other[2] or other[0] >= box[2]
             assert apart_x or box[1] >= other[3] or other[1] >= box[3]
         taken.append(box)
     for corner in ((-50.0, -20.0), (2000.0, 5.0)):
-        left, top, right, _ = tags._free_box(*corner, "forager-0", [])
+        left, top, right, _ = tags._free_box(*corner, "forager_0", [])
         assert left >= 0.0
         assert right <= 1280.0
         assert top >= 0.0

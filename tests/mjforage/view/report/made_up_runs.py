@@ -33,7 +33,7 @@ def _summarise(values: NDArray[np.float64]) -> dict[str, Any]:
 def _run_json(plan: Plan) -> dict[str, Any]:
     mask = port(plan.shape)
     agents = [
-        {"name": f"{team}-{i}", "team": team, "collects": team == "foragers"}
+        {"name": f"{team}_{i}", "team": team, "collects": team == "foragers"}
         for team, count in (("scouts", plan.scouts), ("foragers", plan.foragers))
         for i in range(count)
     ]

@@ -28,7 +28,7 @@ def maps(replay: Replay) -> HoldersMaps:
     age[3, 2, 1:4] = [0, 2, 4]
     places = np.tile(replay.agent_rc[STEP].astype(np.int64), (agents, 1, 1))
     places[3, 0] = replay.agent_rc[0, 0] + [0, 9]  # scout 0 was there, it has heard
-    names = ("scouts-0", "scouts-1", "foragers-0", "foragers-1")
+    names = ("scouts_0", "scouts_1", "foragers_0", "foragers_1")
     ages = np.zeros((agents, agents), np.int64)
     return HoldersMaps(STEP, names, np.arange(agents), belief, age, places, ages)
 
@@ -48,17 +48,17 @@ def test_what_each_knows_is_drawn_and_counted(replay: Replay, maps: HoldersMaps)
     panels = drawn.figure.axes[:4]
     titles = [panel.get_title(loc="left") for panel in panels]
     assert titles == [
-        "(a) scouts-0 believes",
-        "(b) foragers-1 believes",
-        "(c) scouts-0: age",
-        "(d) foragers-1: age",
+        "(a) scouts_0 believes",
+        "(b) foragers_1 believes",
+        "(c) scouts_0: age",
+        "(d) foragers_1: age",
     ]
     images = [panel.images[0].get_array() for panel in panels]
     assert [int(np.asarray(image).max()) for image in images[:2]] == [0, 5]
     water = int(replay.navigable.sum())
-    assert "scouts-0 believes in 0 items and has heard of no look at 100 %" in drawn.caption
+    assert "scouts_0 believes in 0 items and has heard of no look at 100 %" in drawn.caption
     share = f"{100 * (water - 3) / water:.0f} %"
-    assert f"foragers-1 believes in 5 items and has heard of no look at {share}" in drawn.caption
+    assert f"foragers_1 believes in 5 items and has heard of no look at {share}" in drawn.caption
     assert f"{int(replay.item_present[STEP].sum())} items are afloat" in drawn.caption
 
 

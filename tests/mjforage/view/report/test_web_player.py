@@ -45,14 +45,14 @@ def test_hulls_are_as_long_as_those_that_ran(make_run: MakeRun) -> None:
     lengths = {
         agent["name"]: agent["length_m"] for agent in shown(folder).data["runs"][0]["agents"]
     }
-    assert (lengths["scouts-0"], lengths["foragers-0"]) == (1.35, 2.0)
+    assert (lengths["scouts_0"], lengths["foragers_0"]) == (1.35, 2.0)
     run = json.loads((folder / "run.json").read_text())
     run["hulls"] = {"vessels": {"scout": {"length_m": 3.5}}}
     (folder / "run.json").write_text(json.dumps(run))
     lengths = {
         agent["name"]: agent["length_m"] for agent in shown(folder).data["runs"][0]["agents"]
     }
-    assert (lengths["scouts-0"], lengths["foragers-0"]) == (3.5, 2.0)
+    assert (lengths["scouts_0"], lengths["foragers_0"]) == (3.5, 2.0)
     run["hulls"]["vessels"]["scout"] = {"length_m": "long"}
     (folder / "run.json").write_text(json.dumps(run))
     with pytest.raises(UserError, match=r"hulls.vessels.scout.length_m = 'long', expected a n"):
@@ -85,7 +85,7 @@ def test_the_player_of_three_worlds(make_run: MakeRun) -> None:
     assert part.count("<canvas tabindex") == 2 and 'panel" hidden' not in part
     for level in ("Run", "World", "Policy", "Episode"):
         assert part.count(f'aria-label="{level} of map') == 2
-    assert options(part, 'id="player-follow"')[:2] == ["nobody", "scouts-0"]
+    assert options(part, 'id="player-follow"')[:2] == ["nobody", "scouts_0"]
 
 
 def test_a_single_episode_has_nothing_to_stand_beside_it(make_run: MakeRun) -> None:
@@ -302,6 +302,6 @@ def test_the_page_offers_vessels_only_over_a_link(make_run: MakeRun) -> None:
     assert "player-seen" not in plain and 'data-layer="links"' not in plain
     with_link(folder)
     part = player(write_report(folder).read_text("utf-8")).split("<script", 1)[0]
-    names = ["all", "scouts-0", "scouts-1", "foragers-0", "foragers-1"]
+    names = ["all", "scouts_0", "scouts_1", "foragers_0", "foragers_1"]
     assert options(part, 'id="player-seen"') == names
     assert 'data-layer="links" checked' in part

@@ -191,7 +191,7 @@ def test_runs_on_one_page_each_have_their_fleet_and_time(make_run: MakeRun) -> N
     assert [run["horizon"] for run in result.data["runs"]] == [12, 9]
     series = [(entry["run"], entry["policy"]) for entry in result.data["replays"]]
     assert series == [(0, "greedy"), (1, "greedy"), (1, "levy")]
-    assert result.vessels == ("scouts-0", "scouts-1", "foragers-0", "foragers-1", "scouts-2")
+    assert result.vessels == ("scouts_0", "scouts_1", "foragers_0", "foragers_1", "scouts_2")
 
 
 def test_runs_on_different_maps_are_refused(make_run: MakeRun) -> None:
