@@ -23,6 +23,7 @@ T = TypeVar("T", bound=Callable[..., Any])
 Made = TypeVar("Made")
 M = TypeVar("M", bound=Callable[..., Any])
 _OURS = ("graph_planner", "controllers", "metrics", "mjforage")
+_BROUGHT: dict[str, str] = {}  # package from outside -> what it was imported for
 
 
 class Place(NamedTuple):
@@ -181,12 +182,16 @@ def built(what: str, make: Callable[..., Made], *given: Any, **options: Any) -> 
     Raises
     ------
     UserError
-        Of that `ValueError`, after `what`.
+        Of that `ValueError`, after `what`; of whatever else one raises that is not ours.
     """
     try:
         return make(*given, **options)
     except ValueError as error:
         raise UserError(f"{what}: {error}") from error
+    except (Exception, SystemExit) as error:
+        if isinstance(error, UserError) or is_ours(make):
+            raise
+        raise UserError(f"{what}: cannot be made, it raised {fault(error)}; mend it") from error
 
 
 def fault(error: BaseException, package: str = "") -> str:
@@ -200,6 +205,20 @@ def fault(error: BaseException, package: str = "") -> str:
         if not package or frame.f_globals.get("__name__", "").partition(".")[0] == package
     ]
     return f"{type(error).__name__}: {error} ({lines[-1]})" if lines else ""
+
+
+def blamed(error: BaseException) -> str:
+    """What is said of an error in code that was brought from outside: who, what and where.
+
+    Empty for an error of anybody else.
+    """
+    for package, what in _BROUGHT.items():
+        if words := fault(error, package):
+            return (
+                f"{what}: raised {words}; mend it (the checks of mjforage.testing show the whole "
+                "traceback)"
+            )
+    return ""
 
 
 def _reach(folder: str) -> None:
@@ -251,7 +270,7 @@ def _imported(reference: str, what: str) -> Any:
         ) from error
     except SyntaxError as error:
         raise UserError(f"{what}: {error.filename}, line {error.lineno}: {error.msg}") from error
-    except (ImportError, NameError, ValueError) as error:
+    except Exception as error:
         raise UserError(
             f"{what}: module {module_name} cannot be imported ({type(error).__name__}: {error}); "
             "mend it"
@@ -269,4 +288,6 @@ def _imported(reference: str, what: str) -> Any:
         found = getattr(found, name)
     if not inspect.isclass(found) and not inspect.isfunction(found):
         raise UserError(f"{what}: is a {type(found).__name__}; give a class or a function")
+    if not is_ours(found):
+        _BROUGHT.setdefault(module_name.partition(".")[0], what)
     return found

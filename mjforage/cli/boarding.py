@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By
-from mjforage.cli.console import output, working
+from mjforage.cli.console import OUT, output, working
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn
 from mjforage.cli.studying import Names, Policies, carry_out, study
 
@@ -42,7 +42,7 @@ class BoardOptions:
     seed: int = 0
     set: Names = ()
     metric: Names = ()
-    out: Path = Path("runs/board")
+    out: Annotated[Path, OUT] = Path("runs/board")
 
 
 DEFAULT = BoardOptions()

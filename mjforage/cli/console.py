@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import cyclopts
+from cyclopts import Parameter
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -27,9 +28,13 @@ Report = Callable[[float, float], None]  # of how many are done, of how many
 
 PIPE_COLUMNS = 400  # tables keep their natural width where stdout is no terminal
 
+OUT = Parameter(name=("--out", "-o"), alias="--output")
+"""The flag of every command that writes: a folder, or a file."""
+
 app = cyclopts.App(
     name="mjforage",
     version=__version__,
+    version_flags=("--version", "-V"),
     help="Cooperative foraging by autonomous surface vehicles: run, measure, compare, look.",
     help_format="plaintext",
     suppress_keyboard_interrupt=False,
@@ -96,11 +101,13 @@ def _line(words: str) -> None:
 
 
 def print_file(path: Path, *more: str) -> None:
-    """Print a file to be copied, and what is to follow: without the line by which editors find the
-    schema of one that ships.
+    """Print a file to be copied, in UTF-8 as all are, and what is to follow: without the line by
+    which editors find the schema of one that ships.
     """
     lines = path.read_text("utf-8").splitlines(keepends=True)
     own = [line for line in lines if not line.startswith("#:schema ../schemas/")]
+    if hasattr(sys.stdout, "reconfigure"):
+        sys.stdout.reconfigure(encoding="utf-8")
     sys.stdout.write("".join((*own, *more)))
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from mjforage.cli.console import app, bar, output, working
+from mjforage.cli.console import OUT, app, bar, output, working
 
 Point = Literal["overview", "chase", "top", "scout"]
 
@@ -16,7 +16,7 @@ def render(
     folder: Path,
     /,
     *,
-    output_file: Annotated[Path, Parameter(name=("--output", "-o"))],
+    output_file: Annotated[Path, OUT],
     episode: int = 0,
     policy: str | None = None,
     beside: str | None = None,

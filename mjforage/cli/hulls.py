@@ -7,7 +7,7 @@ from typing import Annotated
 from cyclopts import Parameter, validators
 from rich.table import Table
 
-from mjforage.cli.console import app, output, print_file, print_list
+from mjforage.cli.console import OUT, app, output, print_file, print_list
 
 Flow = Parameter(allow_leading_hyphen=True)  # so that a speed below 0 gets an error of its own
 
@@ -24,7 +24,7 @@ def manoeuvre(
     heading: float = 0.0,
     duration: float | None = None,
     dt: float = 0.05,
-    out: Path | None = None,
+    out: Annotated[Path | None, OUT] = None,
     plot: Path | None = None,
 ) -> None:
     """Run one hull on open water in MuJoCo, from rest: a schedule of commands or a standard test.
@@ -85,7 +85,7 @@ def calibrate(
     *,
     trials: Annotated[int, Parameter(validator=validators.Number(gte=1, lte=10_000))] = 200,
     seed: Annotated[int, Parameter(validator=validators.Number(gte=0))] = 0,
-    output_file: Annotated[Path | None, Parameter(name=("--output", "-o"))] = None,
+    output_file: Annotated[Path | None, OUT] = None,
 ) -> None:
     """Measure how surely a vessel picks up, for the rule `rules.capture = "calibrated"`.
 

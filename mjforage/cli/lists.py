@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from mjforage.cli.console import app, output, print_file, print_list
+from mjforage.cli.console import OUT, app, output, print_file, print_list
 from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def maps(
     /,
     *,
     set: Annotated[tuple[str, ...], Parameter(negative="")] = (),
-    output_file: Annotated[Path | None, Parameter(name=("--output", "-o"))] = None,
+    output_file: Annotated[Path | None, OUT] = None,
 ) -> None:
     """List the maps, or check one and draw it.
 

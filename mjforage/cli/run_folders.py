@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, TypedDict
 from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
-from mjforage.cli.console import app, bar, output, working
+from mjforage.cli.console import OUT, app, bar, output, working
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def evaluate(
     replay: str = "first,median,worst",
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
-    out: Path | None = None,
+    out: Annotated[Path | None, OUT] = None,
 ) -> None:
     """Run policies on the same episodes; write logs, tables, figures and report.html.
 
@@ -107,7 +107,7 @@ def compare(
     replay: str = "first,median,worst",
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
-    out: Path | None = None,
+    out: Annotated[Path | None, OUT] = None,
 ) -> None:
     """Run policies on the same episodes at graph level and in MuJoCo; report the reality gap.
 
@@ -200,7 +200,7 @@ def report(
     folder: Path,
     /,
     *others: Path,
-    out: Path | None = None,
+    out: Annotated[Path | None, OUT] = None,
     tables: str = "",
     figures: str = "",
     page: Path | None = None,

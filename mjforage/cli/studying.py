@@ -9,7 +9,7 @@ import cyclopts
 from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
-from mjforage.cli.console import app, bar, output, working
+from mjforage.cli.console import OUT, app, bar, output, working
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ class StudyOptions:
     map: str | None = None
     set: Names = ()
     metric: Names = ()
-    out: Path | None = None
+    out: Annotated[Path | None, OUT] = None
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from mjforage.cli.console import app, bar, errors, output
+from mjforage.cli.console import OUT, app, bar, errors, output
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn
 from mjforage.core.errors import UserError
 
@@ -35,7 +35,7 @@ def train(
     teacher: str = "",
     device: str = "auto",
     again: GoingOn = SAME_ONLY,
-    out: Path | None = None,
+    out: Annotated[Path | None, OUT] = None,
 ) -> None:
     """Train a policy; the same command resumes a run that was stopped.
 

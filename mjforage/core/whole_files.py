@@ -23,9 +23,25 @@ _REMEDIES = {
     **dict.fromkeys(
         (errno.EEXIST, errno.ENOTDIR, errno.EISDIR), "move what is there away or give another name"
     ),
+    **dict.fromkeys(
+        (errno.EMFILE, errno.ENFILE),
+        f"give fewer --jobs or let more files be open (ulimit -n), then {_AGAIN}",
+    ),
+    errno.EIO: f"see to that disk, then {_AGAIN}",
     errno.ENAMETOOLONG: "give a shorter name",
     errno.ENOENT: "give a place in a folder that exists",
 }
+
+
+def remedy(error: BaseException, otherwise: str = "") -> str:
+    """What helps against an error of the system, by its number.
+
+    Parameters
+    ----------
+    otherwise : against one that is nothing special
+    """
+    number = getattr(error, "errno", None) or 0
+    return _REMEDIES.get(number, otherwise or f"mend that or give another place, then {_AGAIN}")
 
 
 @contextmanager
@@ -49,9 +65,7 @@ def writing(path: Path, *others: type[Exception]) -> Iterator[None]:
         reason = getattr(error, "strerror", None) or str(error).partition("\n")[0]
         if isinstance(error, FileExistsError | NotADirectoryError):
             reason = "a file is there, or where a folder above it should be"
-        number = getattr(error, "errno", None) or 0
-        remedy = _REMEDIES.get(number, f"mend that or give another place, then {_AGAIN}")
-        raise UserError(f"{path}: cannot be written ({reason}); {remedy}") from error
+        raise UserError(f"{path}: cannot be written ({reason}); {remedy(error)}") from error
     except ValueError as error:
         if "\0" not in str(path):
             raise

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from graph_planner.extensions import Place, fault
+from graph_planner.extensions import Place, blamed, fault
 from graph_planner.policies import create_policy
 from graph_planner.policies.registry import adopt_policy, outside_class
 from graph_planner.task import digest
@@ -211,6 +211,10 @@ def keep_replay(assignment: Assignment, one: Episode) -> str | None:
             _keep(assignment.folder, replay)
     except UserError as error:
         return str(error)
+    except (Exception, SystemExit) as error:
+        if words := blamed(error):
+            return words
+        raise
     return None
 
 
@@ -264,15 +268,15 @@ def run_chunk(assignment: Assignment, chunk: Chunk) -> str | None:
                 _keep(assignment.folder, record(setup, *one[:2], assignment.seed, number))
     except UserError as error:
         return str(error)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         if words := _fault_of_a_part(assignment, chunk, error):
             return words
         raise
     return None
 
 
-def _fault_of_a_part(assignment: Assignment, chunk: Chunk, error: Exception) -> str:
-    """What a user's own policy or metric raised while a chunk was played; "" if neither did."""
+def _fault_of_a_part(assignment: Assignment, chunk: Chunk, error: BaseException) -> str:
+    """What a user's own part raised while a chunk was played; "" if none did."""
     metrics = (one if isinstance(one, str) else one.reference for one in assignment.metrics)
     parts = {f"policy {chunk.policy}": outside_class(chunk.policy)}
     for name, reference in (parts | {f"metric {one}": one for one in metrics}).items():
@@ -283,4 +287,4 @@ def _fault_of_a_part(assignment: Assignment, chunk: Chunk, error: Exception) -> 
                 f"{name}: raised {words}, in episodes {chunk.first} to {last} of world "
                 f"{chunk.world}; mend it (the checks of mjforage.testing show the whole traceback)"
             )
-    return ""
+    return blamed(error)

@@ -1,0 +1,98 @@
+"""Running a command, and what is said of whatever it raises: one line, and an exit code."""
+
+import logging
+import sys
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import cyclopts
+from rich.logging import RichHandler
+
+from mjforage.cli import (  # they add their commands
+    boarding,  # noqa: F401
+    drawing,  # noqa: F401
+    helping,  # noqa: F401
+    hulls,  # noqa: F401
+    lists,  # noqa: F401
+    run_folders,  # noqa: F401
+    schemas,  # noqa: F401
+    speeds,  # noqa: F401
+    studying,  # noqa: F401
+    train,  # noqa: F401
+    validating,  # noqa: F401
+)
+from mjforage.cli.console import app, errors
+from mjforage.cli.interrupted import CODE as INTERRUPTED
+from mjforage.cli.interrupted import WORDS
+from mjforage.cli.streams import forgiving_streams
+from mjforage.cli.words import missing, several
+from mjforage.core.errors import UserError, printable
+
+BAD_INPUT = 2  # exit code of every error that a user can mend
+
+
+def run(arguments: Sequence[str] | None, interrupted: Callable[[], bool]) -> None:
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments : by default those of the process
+    interrupted : whether Ctrl-C has come, whatever was made of it
+    """
+    with forgiving_streams():
+        logging.basicConfig(
+            level=logging.WARNING,
+            format="%(message)s",
+            handlers=[RichHandler(console=errors, show_time=False, show_path=False)],
+        )
+        try:
+            _carry_out(sys.argv[1:] if arguments is None else arguments)
+        except KeyboardInterrupt:
+            _end(WORDS, INTERRUPTED)
+        except BaseException as error:
+            if interrupted():
+                _end(WORDS, INTERRUPTED)
+            words = _words(error)
+            if not words:
+                raise
+            _end(words, BAD_INPUT)
+
+
+def _carry_out(arguments: Sequence[str]) -> None:
+    for word in arguments:
+        if any("\ud800" <= letter <= "\udfff" for letter in word):
+            raise UserError(f"{word}: is not UTF-8; give names in UTF-8, of files as well")
+    how: Any = {"exit_on_error": False, "print_error": False, "result_action": "return_value"}
+    app(several(arguments), **how)
+    sys.stdout.flush()
+
+
+def _words(error: BaseException) -> str:
+    """What is said of an error; "" of one that nobody but us can mend."""
+    if isinstance(error, cyclopts.MissingArgumentError):
+        return missing(error)
+    if isinstance(error, UserError | cyclopts.CycloptsError):
+        return str(error)
+    if words := _of_a_part(error):
+        return words
+    if isinstance(error, MemoryError):
+        return f"not enough memory ({error}); give smaller options, or fewer episodes at once"
+    if isinstance(error, OSError):  # of a file that is nobody's in particular, such as a cache
+        from mjforage.core.whole_files import remedy
+
+        where, reason = error.filename or "a file", error.strerror or str(error)
+        return f"{where}: {reason}; {remedy(error)}"
+    return ""
+
+
+def _of_a_part(error: BaseException) -> str:
+    """What is said of an error in code that the user has brought, such as a policy."""
+    extensions = sys.modules.get("graph_planner.extensions")
+    return extensions.blamed(error) if extensions is not None else ""
+
+
+def _end(words: str, code: int) -> None:
+    """Say one line on standard error, and end."""
+    line = printable(" ".join(words.split()))
+    errors.print(f"mjforage: {line}", style="red", markup=False)
+    sys.exit(code)

@@ -1,0 +1,64 @@
+"""The words of a command: lists behind one flag, and what is said of one that is missing."""
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+import cyclopts
+
+
+def several(words: Sequence[str]) -> list[str]:
+    """Words in which a flag that takes several values has one each, or one with commas.
+
+    `--policy greedy levy` is `--policy greedy --policy levy`, and `--figures pdf png` is `--figures
+    pdf,png`. A scenario or folder that follows is none of the values.
+    """
+    return list(_several(list(words)))
+
+
+def _several(words: list[str]) -> Iterator[str]:
+    """As `several`; takes the words out of the list."""
+    flags = _FLAGS.get(words[0] if words else "", {})
+    while words:
+        flag = words.pop(0)
+        yield flag
+        if flag not in flags or not words or words[0].startswith("-"):
+            continue
+        values = [words.pop(0)]
+        while words and not words[0].startswith("-") and not flags[flag](words[0]):
+            values.append(words.pop(0))
+        if flag == "--policy":
+            yield values[0]
+            yield from (part for value in values[1:] for part in (flag, value))
+        else:
+            yield ",".join(values)
+
+
+def _is_scenario(word: str) -> bool:
+    from mjforage.core.scenario_file import preset_names
+
+    name = word.partition("@")[0]
+    return name.endswith(".toml") or name.replace("_", "-") in preset_names()
+
+
+def _is_folder(word: str) -> bool:
+    return Path(word).is_dir()
+
+
+_PLAYED = {"--policy": _is_scenario, "--replay": _is_scenario}
+_FLAGS: dict[str, dict[str, Callable[[str], bool]]] = {
+    **dict.fromkeys(("evaluate", "compare", "study"), _PLAYED),
+    "report": {"--figures": _is_folder, "--tables": _is_folder},
+}
+"""Command -> flag -> what of the words behind it is another argument."""
+
+
+def missing(error: cyclopts.MissingArgumentError) -> str:
+    """What a command lacks, and what to give by the first sentence of its help."""
+    if error.argument is None or error.app is None:
+        return str(error)
+    name = error.argument.name
+    told = error.app.assemble_argument_collection(parse_docstring=True)
+    words = next((one.parameter.help for one in told if one.name == name), None) or ""
+    sentence = " ".join(words.split()).partition(". ")[0].rstrip(".")
+    where = " ".join((*(error.command_chain or ()), name))
+    return f"{where} is missing, or its value: {sentence or 'give it'}"
