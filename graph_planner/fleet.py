@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.fields import Later, Within
+from graph_planner.lending import locked
 
 UNLIMITED = int(np.iinfo(np.int64).max)
 """Capacity of an agent that can take any number of items aboard."""
@@ -74,6 +75,10 @@ class Fleet:
     relays: NDArray[np.bool_]
     antenna_m: NDArray[np.float64]
     order: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        for column in vars(self).values():
+            locked(column)
 
     @classmethod
     def of(cls, teams: Mapping[str, Role], order: Sequence[str] = ()) -> "Fleet":

@@ -23,6 +23,7 @@ from graph_planner.geodesics import (
     all_pairs,
     spread,
 )
+from graph_planner.lending import locked
 from graph_planner.visibility import NodeLists, node_lists
 
 COMPASS = ("N", "NE", "E", "SE", "S", "SW", "W", "NW", "stay")
@@ -87,7 +88,7 @@ class NavigationGraph:
     @cached_property
     def _cells(self) -> tuple[Int32Array, Int32Array]:
         rows, cols = np.nonzero(self.navigable)
-        return rows.astype(np.int32), cols.astype(np.int32)
+        return locked((rows.astype(np.int32), cols.astype(np.int32)))
 
     @property
     def rows(self) -> Int32Array:
@@ -104,12 +105,13 @@ class NavigationGraph:
         """(row, column) node of each cell, -1 on land."""
         result = np.full(self.navigable.shape, -1, np.int32)
         result[self.navigable] = np.arange(len(self), dtype=np.int32)
-        return result
+        return locked(result)
 
     @cached_property
     def water(self) -> Water:
         """Cells and nodes as kernels read them."""
-        return Water(np.pad(self.node_of_cell, 1, constant_values=-1), self.rows, self.cols)
+        framed = np.pad(self.node_of_cell, 1, constant_values=-1)
+        return locked(Water(framed, self.rows, self.cols))
 
     @cached_property
     def corners(self) -> NDArray[np.bool_]:
@@ -117,19 +119,18 @@ class NavigationGraph:
         north-west, north-east, south-west, south-east.
         """
         land, r, c = self.water.framed < 0, self.rows + 1, self.cols + 1
-        return np.stack(
-            [
-                land[r + down, c] & land[r, c + right] & land[r + down, c + right]
-                for down in (-1, 1)
-                for right in (-1, 1)
-            ],
-            axis=1,
-        )
+        shut = [
+            land[r + down, c] & land[r, c + right] & land[r + down, c + right]
+            for down in (-1, 1)
+            for right in (-1, 1)
+        ]
+        return locked(np.stack(shut, axis=1))
 
     @cached_property
     def neighbours(self) -> Int32Array:
         """(node, 8) neighbour in each compass direction, -1 where there is no edge."""
-        return _neighbours(self.node_of_cell, self.rows, self.cols, self.corner_cutting)
+        about = self.node_of_cell, self.rows, self.cols, self.corner_cutting
+        return locked(_neighbours(*about))
 
     @cached_property
     def edges(self) -> "sparse.csr_array[np.float64]":
@@ -137,21 +138,23 @@ class NavigationGraph:
         start, direction = np.nonzero(self.neighbours >= 0)
         cost = np.where(direction % 2 == 1, DIAGONAL, 1.0)
         shape = (len(self), len(self))
-        return sparse.csr_array((cost, (start, self.neighbours[start, direction])), shape=shape)
+        edges = sparse.csr_array((cost, (start, self.neighbours[start, direction])), shape=shape)
+        locked((edges.data, edges.indices, edges.indptr))
+        return edges
 
     @cached_property
     def distances(self) -> Float32Array:
         """(node, node) geodesic distances [node], or (0, 0) on a map too large for a table."""
         if len(self) > TABLE_LIMIT:
             return np.empty((0, 0), np.float32)
-        return all_pairs(self.neighbours)
+        return locked(all_pairs(self.neighbours))
 
     @cached_property
     def distance_rows(self) -> DistanceRows:
-        """Distances from single nodes, on a map of any size."""
+        """Distances from single nodes, on a map of any size; kernels of ours fill it."""
         if len(self) > TABLE_LIMIT:
-            return DistanceRows.none_yet(len(self))
-        return DistanceRows.of_table(self.distances)
+            return locked(DistanceRows.none_yet(len(self)))
+        return locked(DistanceRows.of_table(self.distances))
 
     def distances_from(self, nodes: Int32Array) -> NDArray[np.float64]:
         """(node,) geodesic distance [node] of every node to the nearest of `nodes`."""
@@ -187,7 +190,7 @@ class NavigationGraph:
 
 @lru_cache(maxsize=32)
 def _cached_lists(graph: NavigationGraph, radii: tuple[float, ...], sight: bool) -> NodeLists:
-    return node_lists(graph.node_of_cell, graph.rows, graph.cols, radii, sight)
+    return locked(node_lists(graph.node_of_cell, graph.rows, graph.cols, radii, sight))
 
 
 @lru_cache(maxsize=8)

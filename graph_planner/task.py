@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.fleet import Fleet
 from graph_planner.geodesics import Float32Array, Int32Array
+from graph_planner.lending import locked
 from graph_planner.moves import MoveRules, all_targets
 from graph_planner.navigation import NavigationGraph
 from graph_planner.visibility import NodeLists
@@ -57,7 +58,7 @@ class Pickup(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """The part of a scenario that decisions depend on.
+    """The part of a scenario that decisions depend on. All that share it can only read its arrays.
 
     Attributes
     ----------
@@ -94,7 +95,8 @@ class Task:
     @cached_property
     def radius_number(self) -> NDArray[np.int64]:
         """(agent,) index of each agent's radius in `view_radii`."""
-        return np.searchsorted(np.asarray(self.view_radii), self.fleet.radius).astype(np.int64)
+        number = np.searchsorted(np.asarray(self.view_radii), self.fleet.radius)
+        return locked(number.astype(np.int64))
 
     @cached_property
     def views(self) -> NodeLists:
@@ -105,22 +107,24 @@ class Task:
     def arrays(self) -> TaskArrays:
         """The task as kernels read it."""
         stride_number, targets = all_targets(self.graph, self.fleet.moves, self.rules)
-        return TaskArrays(
-            neighbours=self.graph.neighbours,
-            distances=self.graph.distances,
-            rows=self.graph.rows,
-            cols=self.graph.cols,
-            moves=self.fleet.moves,
-            stride_number=stride_number,
-            targets=targets,
-            collects=self.fleet.collects,
-            radius_number=self.radius_number,
-            stay=self.rules.stay,
-            shorten=self.rules.shorten,
-            forgetting=self.forgetting,
-            radius=self.fleet.radius,
-            energy=self.fleet.energy,
-            horizon=self.horizon,
+        return locked(
+            TaskArrays(
+                neighbours=self.graph.neighbours,
+                distances=self.graph.distances,
+                rows=self.graph.rows,
+                cols=self.graph.cols,
+                moves=self.fleet.moves,
+                stride_number=stride_number,
+                targets=targets,
+                collects=self.fleet.collects,
+                radius_number=self.radius_number,
+                stay=self.rules.stay,
+                shorten=self.rules.shorten,
+                forgetting=self.forgetting,
+                radius=self.fleet.radius,
+                energy=self.fleet.energy,
+                horizon=self.horizon,
+            )
         )
 
 
@@ -174,8 +178,8 @@ class Observation(NamedTuple):
 
     With ideal communication an episode is one row, and what it knows the fleet knows together;
     otherwise each holder has a row, and its answer counts for the agents that act by it.
-    The arrays are live views; a policy reads them and never writes. Idleness is kept as the step at
-    which a node was last seen: I = min(1, (step - last_seen) / (0.9 T)), 1 if never.
+    The arrays are live, read-only views: copy what shall last or be changed. Idleness is kept as
+    the step at which a node was last seen: I = min(1, (step - last_seen) / (0.9 T)), 1 if never.
     """
 
     active: NDArray[np.bool_]  # (row,) False once an episode is over
@@ -218,7 +222,7 @@ def plain(observation: Observation) -> Observation:
 class Truth(NamedTuple):
     """Where the items are and how they drift: for bounds only, never for a policy in a comparison.
 
-    Live views, like an observation.
+    Live, read-only views, like an observation.
     """
 
     item_rc: NDArray[np.float64]  # (episode, item, 2) [node]

@@ -68,6 +68,42 @@ def _with_bare(outer: Any, made: Callable[[], Any]) -> None:
     outer.get_call_template, outer.get_overload = call_template, overload
 
 
+def _writable(of: Any) -> Any:
+    """The type of an argument as if all of its arrays could be written."""
+    kinds = cast(Any, types)
+    if isinstance(of, kinds.Array):
+        return of if of.mutable else of.copy(readonly=False)
+    if isinstance(of, kinds.BaseTuple):
+        parts = tuple(map(_writable, of))
+        made = getattr(of, "instance_class", None)
+        return of if parts == tuple(of) else kinds.BaseTuple.from_types(parts, made)
+    return of
+
+
+def _with_read_only(made: Any) -> None:
+    """Let a kernel of ours run on what may only be read by its compilation for all other arrays.
+
+    So that what is lent costs no second compilation. Somebody else's kernels are compiled for such
+    arrays, and refused if they write to them.
+    """
+    compile_for = made._compile_for_args
+
+    def compile_once(*arguments: Any, **named: Any) -> Any:
+        given = tuple(map(made.typeof_pyval, arguments))
+        writable = tuple(map(_writable, given))
+        if named or given == writable:
+            return compile_for(*arguments, **named)
+        entry = made.compile(writable)
+        made._insert([of._code for of in given], entry)
+        return entry
+
+    made._compile_for_args = compile_once
+
+
+def _is_ours(function: Callable[..., object]) -> bool:
+    return function.__module__.partition(".")[0] in ("graph_planner", "mjforage")
+
+
 def _compiled(function: F, inline: str, fastmath: object = False) -> F:
     """Compile for Python, and apart for other kernels."""
     options: dict[str, Any] = {"fastmath": fastmath, "nogil": True, "inline": inline}
@@ -83,6 +119,8 @@ def _compiled(function: F, inline: str, fastmath: object = False) -> F:
     outer = dispatcher(bare=False)
     if hasattr(outer, "overloads"):
         _with_bare(outer, lambda: dispatcher(bare=True))
+        if _is_ours(function):
+            _with_read_only(outer)
     return cast(F, outer)
 
 
@@ -94,17 +132,19 @@ def kernel(function: F) -> F:
     return _compiled(function, "never")
 
 
-def kinds_of(value: object) -> object:
+def kinds_of(value: object, ours: bool = False) -> object:
     """What tells numba's types of values apart, found out a dozen times faster than those.
 
-    Of numbers and arrays and tuples of such; of kernels as arguments it would not.
+    Of numbers and arrays and tuples of such; of kernels as arguments it would not. For kernels that
+    are `ours` it is no difference whether an array may be written, see `_with_read_only`.
     """
     if isinstance(value, np.ndarray):
         flags = value.flags
-        layout = flags.c_contiguous, flags.f_contiguous, flags.writeable, flags.aligned
+        writable = ours or flags.writeable
+        layout = flags.c_contiguous, flags.f_contiguous, writable, flags.aligned
         return value.dtype, value.ndim, layout
     if isinstance(value, tuple):
-        return type(value), *map(kinds_of, value)
+        return type(value), *(kinds_of(part, ours) for part in value)
     return type(value)
 
 
@@ -129,13 +169,15 @@ class prepared(Generic[T]):  # noqa: N801  what it makes is called like a functi
         if self._entry is not None:
             return self._entry(*self._fixed, *rest)
         arguments, dispatcher = (*self._fixed, *rest), cast(Any, self._function)
-        kinds = (self._function, *map(kinds_of, arguments))
+        ours = _is_ours(self._function)
+        kinds = (self._function, *(kinds_of(each, ours) for each in arguments))
         self._entry = _entries.get(kinds)
         if self._entry is not None:
             return cast(T, self._entry(*arguments))
         answer = self._function(*arguments)
         if hasattr(dispatcher, "overloads"):  # not when numba is switched off
-            types = tuple(map(dispatcher.typeof_pyval, arguments))
+            given = tuple(map(dispatcher.typeof_pyval, arguments))
+            types = tuple(map(_writable, given)) if ours else given
             self._entry = _entries[kinds] = dispatcher.overloads[types].entry_point
         return answer
 

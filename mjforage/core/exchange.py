@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.knowledge import Knowledge, Looks
+from graph_planner.lending import Lent, locked
 from graph_planner.look_log import LookLog
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Late, Task, nothing_late
@@ -42,12 +43,15 @@ class Exchange(Protocol):
     ----------
     holder_of : (agent,) number of the holder by whose knowledge each agent acts, 0 to `holders` - 1
     holders : how many there are in an episode
-    knowledge : what they know, (episode x holder) rows
     """
 
     holder_of: NDArray[np.int64]
     holders: int
-    knowledge: Knowledge
+
+    @property
+    def knowledge(self) -> Knowledge:
+        """What they know, (episode x holder) rows; not to be written to by others."""
+        ...
 
     @property
     def uses(self) -> Set[str]:
@@ -90,15 +94,23 @@ class Ideal:
     holders = 1
     link_log = None
 
+    def __init__(self) -> None:
+        self._lent = Lent[Knowledge]()
+
+    @property
+    def knowledge(self) -> Knowledge:
+        """What the fleet knows together."""
+        return self._lent.of(self._pooled)
+
     def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes."""
-        self.late = nothing_late(looks.step.size)
-        self.holder_of = np.zeros(len(task.fleet), np.int64)
-        self.knowledge = pooled
+        self.late = locked(nothing_late(looks.step.size))
+        self.holder_of = locked(np.zeros(len(task.fleet), np.int64))
+        self._pooled = pooled
 
     def tell(self, looks: Looks, pooled: Knowledge) -> None:
         """Take in the looks of a step: the pooled knowledge has them already."""
 
     def adopt(self, rows: NDArray[np.int64], other: Self, pooled: Knowledge) -> None:
         """Replace episodes (row,) of the batch."""
-        self.knowledge = pooled
+        self._pooled = pooled

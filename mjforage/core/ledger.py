@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.knowledge import Knowledge, Looks
+from graph_planner.lending import Lent
 from graph_planner.rows import put_rows
 from graph_planner.task import Task
 from graph_planner.visibility import NodeLists
@@ -122,7 +123,16 @@ class Ledger:
     """The ledger of a batch of episodes; see `Entries` for the arrays, `Lookout` for their life."""
 
     def __init__(self, task: Task) -> None:
-        self._nodes = len(task.graph)
+        self._nodes, self._lent = len(task.graph), Lent[Entries]()
+
+    @property
+    def entries(self) -> Entries:
+        """The arrays, to be read."""
+        return self._lent.of(self._entries)
+
+    def open(self) -> Entries:
+        """The arrays for the lookout, which alone writes to them."""
+        return self._entries
 
     def reset(self, item_node: Int32Array) -> None:
         """Start a batch of episodes; the look of step 0 comes next.
@@ -132,7 +142,7 @@ class Ledger:
         item_node : (episode, item) at step 0, -1 for padding
         """
         items, nodes = item_node.shape, (item_node.shape[0], self._nodes)
-        self.entries = Entries(
+        self._entries = Entries(
             places=item_places(item_node),
             truth=np.zeros(nodes, np.int16),
             counted_node=np.full(items, -1, np.int32),
@@ -144,9 +154,9 @@ class Ledger:
 
     def adopt(self, rows: NDArray[np.int64], other: "Ledger") -> None:
         """Replace episodes (row,) of the batch by those of another ledger."""
-        mine, theirs = self.entries, other.entries
+        mine, theirs = self._entries, other._entries
         mixed: dict[str, Any] = {  # `truth` is filled with 0, others with nobody, nowhere and never
             name: put_rows(getattr(mine, name), rows, getattr(theirs, name), (name == "truth") - 1)
             for name in mine._fields
         }
-        self.entries = Entries(**mixed)
+        self._entries = Entries(**mixed)

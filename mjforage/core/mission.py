@@ -13,6 +13,7 @@ from graph_planner.compiled import kernel, prepared
 from graph_planner.fleet import UNLIMITED
 from graph_planner.geodesics import Int32Array
 from graph_planner.knowledge import Knowledge, Looks, idleness, times_seen
+from graph_planner.lending import Lent, locked, read_only
 from graph_planner.moves import Moves, Resolver, check_preferences
 from graph_planner.policies import Bound, Policy
 from graph_planner.randomness import UInt64Array, episode_keys
@@ -61,13 +62,13 @@ def _taken(collected_by: NDArray[np.int16], agents: int) -> NDArray[np.int64]:
 class Mission:
     """A batch of episodes of one scenario in one world; one episode is a batch of one.
 
+    Its arrays are live, and nobody but the mission can write to them.
+
     Attributes
     ----------
     ledger : Ledger, the truth and its history
-    knowledge : Knowledge, what the fleet knows together: one row per episode
     exchange : Exchange, what those who decide know
     task : Task, what policies are told
-    state : Transition, where everything is
     step : (episode,) int32 decisions made
     active : (episode,) bool, False once an episode is over
     moves : Moves of the last decision; None before the first
@@ -96,11 +97,13 @@ class Mission:
         _check_capabilities(setup, self.exchange)
         if dynamics is None:
             dynamics = GraphDynamics(setup.graph, setup.fleet, setup.scenario)
-        pickup = dynamics.pickup
+        pickup = locked(dynamics.pickup)
         self._asked = "policy"  # who answered last, for messages
         self.task = setup.task if pickup is None else replace(setup.task, pickup=pickup)
         self.ledger = Ledger(self.task)
         self._dynamics = dynamics
+        self._lent_state = Lent[Transition]()
+        self._lent_knowledge, self._lent_held = Lent[Knowledge](), Lent[Knowledge]()
         self._views, self._radius_number = self.task.views, self.task.radius_number
         self._resolver = Resolver(setup.graph, setup.fleet, setup.task.rules, setup.corruption)
         self._endless = bool(np.isinf(setup.fleet.energy).all())
@@ -126,25 +129,35 @@ class Mission:
         keys : (episode,) which decide them
         names : (episode,) for messages; absent: their keys
         """
-        self.keys = keys
+        self.keys = read_only(keys)
         self.initial = self.setup.create_initial_state(self.keys)
         names = names or [f"key {key}" for key in keys]
-        self.state: Transition = self._dynamics.reset(self.initial, self.keys, names)
-        self.step = np.zeros(keys.size, np.int32)
-        self.active = np.ones(keys.size, np.bool_)
+        self._state = self._dynamics.reset(self.initial, self.keys, names)
+        self.step = locked(np.zeros(keys.size, np.int32))
+        self.active = locked(np.ones(keys.size, np.bool_))
         self.moves: Moves | None = None
-        self.ledger.reset(self.state.item_node)
+        self.ledger.reset(self._state.item_node)
         self._fill_stores()
         sensors = self.setup.scenario.sensors
         self._shown = no_shown(self.task, keys.size, sensors.perfect)
         self._filtered = map_filter(self.setup.scenario, self.task, keys.size)
-        self.knowledge = Knowledge.of_starts(self._looks(), len(self.setup.graph))
+        self._knowledge = Knowledge.of_starts(self._looks(), len(self.setup.graph))
         self._post_lookout()
-        self.exchange.reset(self.task, self._see(), self.knowledge, self.keys)
-        self._acting = np.tile(self._agent_of_holder(), keys.size)
-        self._nobody = np.full(keys.size, -1, np.int32)
+        self.exchange.reset(self.task, self._see(), self._knowledge, self.keys)
+        self._acting = locked(np.tile(self._agent_of_holder(), keys.size))
+        self._nobody = locked(np.full(keys.size, -1, np.int32))
         self._nothing_late = nothing_late(keys.size)
         self.forecasts = Forecasts(keys.size)
+
+    @property
+    def state(self) -> Transition:
+        """Where everything is."""
+        return self._lent_state.of(self._state)
+
+    @property
+    def knowledge(self) -> Knowledge:
+        """What the fleet knows together: one row per episode."""
+        return self._lent_knowledge.of(self._knowledge)
 
     def _agent_of_holder(self) -> Int32Array:
         """(holder,) the agent that acts by what a holder knows, -1 if several do."""
@@ -159,25 +172,26 @@ class Mission:
         return Looks(
             active=self.active,
             step=self.step,
-            agent_node=self.state.agent_node,
-            sighted=self.ledger.entries.truth,
+            agent_node=self._state.agent_node,
+            sighted=self.ledger.open().truth,
             shown=self._shown,
             energy_left=self.energy_left,
             room_left=self.room_left,
             taken=self.taken,
-            pickup=self.state.pickup,
-            agent_yaw=self.state.agent_yaw,
+            pickup=self._state.pickup,
+            agent_yaw=self._state.agent_yaw,
         )
 
     def _see(self) -> Looks:
         """All agents look: the fleet's knowledge and the ledger come up to date."""
         looks = self._looks()
-        self._lookout.look(looks, self.state.item_node, self.state.collected_by)
+        self._lookout.look(looks, self._state.item_node, self._state.collected_by)
         return looks
 
     def _post_lookout(self) -> None:
         about = self.task, self.setup.scenario.sensors, self.keys
-        self._lookout = Lookout(*about, self.ledger.entries, self.knowledge, self._filtered)
+        kept = self.ledger.open(), self._knowledge, self._filtered
+        self._lookout = Lookout(*about, *kept)
 
     def adopt(self, rows: NDArray[np.int64], other: "Mission") -> None:
         """Replace episodes (row,) of the batch by another mission's; in the graph world only.
@@ -188,32 +202,31 @@ class Mission:
         assert isinstance(self._dynamics, GraphDynamics) and isinstance(
             other._dynamics, GraphDynamics
         )
-        self.state = self._dynamics.adopt(rows, other._dynamics)
+        self._state = self._dynamics.adopt(rows, other._dynamics)
         self.ledger.adopt(rows, other.ledger)
-        self.knowledge = self.knowledge.with_rows(rows, other.knowledge)
-        self.exchange.adopt(rows, other.exchange, self.knowledge)
+        self._knowledge = self._knowledge.with_rows(rows, other._knowledge)
+        self.exchange.adopt(rows, other.exchange, self._knowledge)
         self._shown = put_rows(self._shown, rows, other._shown)
         self.forecasts.adopt(rows, other.forecasts)
         self._filtered = self._filtered.with_rows(rows, other._filtered)
         for name in ("keys", "step", "active"):
-            setattr(self, name, put_rows(getattr(self, name), rows, getattr(other, name)))
+            mixed = put_rows(getattr(self, name), rows, getattr(other, name))
+            setattr(self, name, locked(mixed))
         self._post_lookout()
 
     @property
     def energy_left(self) -> NDArray[np.float64]:
-        """(episode, agent) distance that can still be travelled [node]; live, not to be changed.
+        """(episode, agent) distance that can still be travelled [node].
 
         A hull can overdraw its budget by the way it makes beyond a straight line; then it stays.
         """
         if self._endless:
             return self._full_energy
-        return np.maximum(self._full_energy - self.state.energy, 0.0)
+        return np.maximum(self._full_energy - self._state.energy, 0.0)
 
     @property
     def room_left(self) -> NDArray[np.int64]:
-        """(episode, agent) items that can still be taken aboard, `UNLIMITED` if any number; live,
-        not to be changed.
-        """
+        """(episode, agent) items that can still be taken aboard, `UNLIMITED` if any number."""
         if not self._holds.size:
             return self._full_room
         room = self._full_room.copy()
@@ -223,13 +236,13 @@ class Mission:
     @property
     def taken(self) -> NDArray[np.int64]:
         """(episode, agent) items that each has taken aboard."""
-        return _taken(self.state.collected_by, self.state.agent_node.shape[1])
+        return _taken(self._state.collected_by, self._state.agent_node.shape[1])
 
     def _fill_stores(self) -> None:
         """What every agent starts with, for as many episodes as there are."""
         fleet, episodes = self.setup.fleet, (self.keys.size, 1)
-        self._full_energy = np.tile(fleet.energy, episodes)
-        self._full_room = np.tile(fleet.capacity, episodes)
+        self._full_energy = locked(np.tile(fleet.energy, episodes))
+        self._full_room = locked(np.tile(fleet.capacity, episodes))
 
     @property
     def observation(self) -> Observation:
@@ -240,13 +253,15 @@ class Mission:
     def held(self) -> Observation:
         """What those who decide know before the next decision: (episode x holder) rows."""
         exchange = self.exchange
-        return self._observed(exchange.knowledge, exchange.late, exchange.holders)
+        knowledge = self._lent_held.of(exchange.knowledge)
+        return self._observed(knowledge, exchange.late, exchange.holders)
 
     def _observed(self, knowledge: Knowledge, late: Late, holders: int) -> Observation:
         """Knowledge as a policy sees it, the episodes' arrays once for each holder."""
-        active, step, keys = self.active, self.step + _ONE, self.keys
+        active, step, keys = self.active, locked(self.step + _ONE), self.keys
         if holders > 1:
-            active, step, keys = (np.repeat(each, holders) for each in (active, step, keys))
+            repeated = (np.repeat(each, holders) for each in (active, step, keys))
+            active, step, keys = map(locked, repeated)
         return Observation(
             active=active,
             step=step,
@@ -307,12 +322,13 @@ class Mission:
         apart = reveal is None or getattr(policy, "apart", False)
         holders, holder_of = self.exchange.holders if apart else 1, self.exchange.holder_of
         if reveal is not None:
-            rows = self.truth if holders == 1 else (np.repeat(a, holders, 0) for a in self.truth)
-            reveal(Truth._make(rows))
+            truth = self.truth
+            rows = truth if holders == 1 else (np.repeat(a, holders, 0) for a in truth)
+            reveal(locked(Truth._make(rows)))
         answer = policy.act(self.held if apart else self.observation)
         forecast = getattr(policy, "forecast", None)
         if forecast is not None:
-            self.forecasts.take(forecast(), self.ledger.entries.truth, self.active)
+            self.forecasts.take(forecast(), self.ledger.open().truth, self.active)
         check_preferences(answer, (self.keys.size * holders, holder_of.size), who)
         if holders == 1:
             return answer
@@ -325,8 +341,8 @@ class Mission:
         return self._resolver(
             self.active,
             preferences,
-            self.state.agent_node,
-            self.knowledge.energy_left,
+            self._state.agent_node,
+            self._knowledge.energy_left,
             self.exchange.knowledge.belief,
             self.step + _ONE,
             self.keys,
@@ -346,12 +362,12 @@ class Mission:
         UserError
             If the preferences have the wrong shape, are no numbers or contain NaN.
         """
-        self.moves = self.decide(preferences)
-        self.step = self.step + self.active.astype(np.int32)
-        self.state = self._dynamics.advance(self.active, self.step, self.moves)
-        self.exchange.tell(self._see(), self.knowledge)
-        item_node = np.ascontiguousarray(self.state.item_node, np.int32)
-        self.active = self._go_on(self.active, self.step, item_node)
+        self.moves = locked(self.decide(preferences))
+        self.step = locked(self.step + self.active.astype(np.int32))
+        self._state = self._dynamics.advance(self.active, self.step, self.moves)
+        self.exchange.tell(self._see(), self._knowledge)
+        item_node = np.ascontiguousarray(self._state.item_node, np.int32)
+        self.active = locked(self._go_on(self.active, self.step, item_node))
         return self.state
 
     def run(self, policy: Policy, observers: "tuple[Observer, ...]" = ()) -> None:
@@ -380,5 +396,5 @@ class Observer:
     """Something that looks at a mission after its reset and after every step."""
 
     def see(self, mission: Mission) -> None:
-        """Take what is wanted from the mission; its arrays are live and must be copied."""
+        """Take what is wanted from the mission; its arrays are live: copy what shall last."""
         raise NotImplementedError

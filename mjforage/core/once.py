@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from graph_planner.lending import read_only
+
 _T = TypeVar("_T")
 
 
@@ -13,8 +15,8 @@ class Once:
         self._kept: dict[object, Any] = {}
 
     def once(self, compute: Callable[[Any], _T]) -> _T:
-        """`compute(self)`, or what it gave when it was asked for before."""
+        """`compute(self)`, or what it gave when it was asked for before; arrays read-only."""
         if compute not in self._kept:
-            self._kept[compute] = compute(self)
+            self._kept[compute] = read_only(compute(self))
         found: _T = self._kept[compute]
         return found

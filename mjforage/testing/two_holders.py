@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.knowledge import Knowledge, Looks, hear
+from graph_planner.lending import Lent, locked
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Task, nothing_late
 
@@ -20,21 +21,29 @@ class TwoHolders:
     holders = HOLDERS
     link_log = None
 
+    def __init__(self) -> None:
+        self._lent = Lent[Knowledge]()
+
+    @property
+    def knowledge(self) -> Knowledge:
+        """What both know."""
+        return self._lent.of(self._knowledge)
+
     def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes with the looks of step 0."""
         self._task = task
-        self.late = nothing_late(looks.step.size * HOLDERS)
-        self.holder_of = np.arange(len(task.fleet), dtype=np.int64) % HOLDERS
-        self.knowledge = Knowledge.of_starts(looks, len(task.graph), HOLDERS)
+        self.late = locked(nothing_late(looks.step.size * HOLDERS))
+        self.holder_of = locked(np.arange(len(task.fleet), dtype=np.int64) % HOLDERS)
+        self._knowledge = Knowledge.of_starts(looks, len(task.graph), HOLDERS)
         self.tell(looks, pooled)
 
     def tell(self, looks: Looks, pooled: Knowledge) -> None:
         """Take in the looks of a step."""
         own = self.holder_of == np.arange(HOLDERS)[:, None]
         heard = np.tile(own, (looks.step.size, 1))
-        hear(looks, heard, self._task.views, self._task.radius_number, self.knowledge)
+        hear(looks, heard, self._task.views, self._task.radius_number, self._knowledge)
 
     def adopt(self, rows: NDArray[np.int64], other: Self, pooled: Knowledge) -> None:
         """Replace episodes (row,) of the batch by those of another."""
         own = (rows[:, None] * HOLDERS + np.arange(HOLDERS)).reshape(-1)
-        self.knowledge = self.knowledge.with_rows(own, other.knowledge)
+        self._knowledge = self._knowledge.with_rows(own, other._knowledge)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from graph_planner.compiled import kernel, prepared
 from graph_planner.geodesics import Int32Array
 from graph_planner.knowledge import Knowledge, Looks
+from graph_planner.lending import Lent, locked
 from graph_planner.look_log import LookLog, log_looks, take_in
 from graph_planner.map_filter import MapFilter, correct, glimpse, round_off
 from graph_planner.randomness import UInt64Array
@@ -115,15 +116,26 @@ class Radio:
         agents : in the fleet
         """
         self._scenario, self.holders = scenario, agents
-        self.holder_of = np.arange(agents, dtype=np.int64)
+        self.holder_of = locked(np.arange(agents, dtype=np.int64))
+        self._lent_knowledge, self._lent_net = Lent[Knowledge](), Lent[Net]()
+
+    @property
+    def knowledge(self) -> Knowledge:
+        """What every agent knows."""
+        return self._lent_knowledge.of(self._knowledge)
+
+    @property
+    def net(self) -> Net:
+        """All that there is of the link, to be read."""
+        return self._lent_net.of(self._net)
 
     def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes with the looks of step 0."""
         link, fleet, episodes = self._scenario.link, task.fleet, looks.step.size
         agents, rows = self.holders, episodes * self.holders
         terms = Terms(link.latency, link.bytes, link.cells, fleet.relays | link.relay)
-        self.knowledge = Knowledge.of_starts(looks, len(task.graph), agents)
-        self.net = Net(
+        self._knowledge = Knowledge.of_starts(looks, len(task.graph), agents)
+        self._net = Net(
             Air.of(link, task.graph, fleet),
             terms,
             keys,
@@ -137,7 +149,7 @@ class Radio:
             np.zeros(rows, np.int64),
             map_filter(self._scenario, task, rows),
         )
-        self._tell = prepared(_tell, self.net, self.knowledge)
+        self._tell = prepared(_tell, self._net, self._knowledge)
         self.tell(looks, pooled)
 
     def tell(self, looks: Looks, pooled: Knowledge) -> None:
@@ -147,21 +159,21 @@ class Radio:
     @property
     def late(self) -> Late:
         """The looks that holders heard in this step and that are older, in order of their steps."""
-        net = self.net
+        net = self._net
         rows, most = net.n_late.size, int(net.n_late.max(initial=0))
         looks = np.full((rows, most, 3), -1, np.int32)
         shown = np.zeros((rows, most, net.log.shown.shape[3]), np.int16)
         if most:
             _list_late(net, looks, shown)
-        return Late(looks, shown)
+        return locked(Late(looks, shown))
 
     @property
     def link_log(self) -> LinkLog:
         """What went over the links so far."""
         net, traffic = self.net, self.net.traffic
         return LinkLog(
-            contact=net.contacts.snr_db >= 0.0,
-            delivered=traffic.sent - traffic.lost - net.mail.flying,
+            contact=locked(net.contacts.snr_db >= 0.0),
+            delivered=locked(traffic.sent - traffic.lost - net.mail.flying),
             lost=traffic.lost,
             lost_now=net.contacts.lost,
             dropped=traffic.dropped,
@@ -174,15 +186,15 @@ class Radio:
 
     def adopt(self, rows: NDArray[np.int64], other: Self, pooled: Knowledge) -> None:
         """Replace episodes (row,) of the batch by those of another."""
-        mine, theirs = self.net, other.net
+        mine, theirs = self._net, other._net
         own = (rows[:, None] * self.holders + np.arange(self.holders)).reshape(-1)
-        self.knowledge = self.knowledge.with_rows(own, other.knowledge)
+        self._knowledge = self._knowledge.with_rows(own, other._knowledge)
 
         moved = {
             name: put_rows(getattr(mine.mail, name), rows, getattr(theirs.mail, name))
             for name in ("heard_at", "newest", "complete", "arrived", "flying")
         }
-        self.net = mine._replace(
+        self._net = mine._replace(
             keys=put_rows(mine.keys, rows, theirs.keys),
             log=put_all(mine.log, rows, theirs.log),
             contacts=put_all(mine.contacts, rows, theirs.contacts),
@@ -192,7 +204,7 @@ class Radio:
             n_late=put_rows(mine.n_late, own, theirs.n_late),
             filtered=mine.filtered.with_rows(own, theirs.filtered),
         )
-        self._tell = prepared(_tell, self.net, self.knowledge)
+        self._tell = prepared(_tell, self._net, self._knowledge)
 
 
 def exchange_of(scenario: Scenario, agents: int) -> Exchange:

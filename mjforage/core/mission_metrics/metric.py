@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 import metrics
 from graph_planner.fleet import Fleet
+from graph_planner.lending import read_only
 from mjforage.core.episode_log import EpisodeLog
 from mjforage.core.errors import UserError
 from mjforage.core.mission import Mission
@@ -29,7 +30,7 @@ class Moment(Once):
 
     Attributes
     ----------
-    mission : Mission, its arrays are live
+    mission : Mission, its arrays are live and read-only
     episodes : (open,) rows of the batch that were not over before this step
     """
 
@@ -64,7 +65,7 @@ class Batch(Once):
         """
         super().__init__()
         self.log, self.fleet, self.horizon = log, fleet, horizon
-        self._courses = dict(recorded)
+        self._courses = {key: read_only(course) for key, course in recorded.items()}
 
     @cached_property
     def events(self) -> metrics.EventTable:
@@ -85,7 +86,7 @@ class Batch(Once):
                 raise UserError(
                     f"metric {metric.key}: its course was not taken; add it to the run's metrics"
                 )
-            self._courses[key] = metric().course(self)
+            self._courses[key] = read_only(metric().course(self))
         return self._courses[key]
 
 

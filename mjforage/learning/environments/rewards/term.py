@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel, prepared
 from graph_planner.geodesics import Int32Array, Workspace
+from graph_planner.lending import Lent
 from graph_planner.task import Task
 from graph_planner.visibility import NodeLists
 from mjforage.core.mission import Mission
@@ -16,7 +17,7 @@ Amounts = NDArray[np.float64]  # (episode, agent)
 
 
 class Before(NamedTuple):
-    """What a reward compares the new state with. Nobody writes to it."""
+    """What a reward compares the new state with; read-only."""
 
     belief: NDArray[np.int16]  # (episode, node)
     last_seen: NDArray[np.int16]  # (episode, node)
@@ -37,6 +38,7 @@ class Follower:
 
     def __init__(self) -> None:
         self._copy: Before | None = None
+        self._lent = Lent[Before]()
         self._follow = prepared(_follow)
 
     def follow(self, mission: Mission) -> Before:
@@ -45,10 +47,10 @@ class Follower:
         if copied is None or copied.belief.shape != live.belief.shape:
             arrays: tuple[NDArray[Any], ...] = live
             self._copy = Before._make(array.copy() for array in arrays)
-            return self._copy
+            return self._lent.of(self._copy)
         looked_from = mission.knowledge.agent_node
         self._follow(live, looked_from, task.views, task.radius_number, copied)
-        return copied
+        return self._lent.of(copied)
 
 
 @kernel
@@ -91,7 +93,7 @@ class Step(Once):
 
     Attributes
     ----------
-    mission : Mission after the step; its arrays are live, and nobody writes to them
+    mission : Mission after the step; its arrays are live and read-only
     before : what was known before it, and where the agents were; of this step only
     task : Task, the map and the fleet
     workspace : room for searches of the map

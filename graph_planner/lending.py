@@ -1,0 +1,49 @@
+"""Lending arrays that must not be written: to policies, bounds, metrics, reward terms, encoders."""
+
+from typing import Any, Generic, TypeVar, cast
+
+import numpy as np
+
+T = TypeVar("T")
+
+
+def read_only(value: T) -> T:
+    """Views that cannot be written of an array, or of all arrays in a tuple; what else it is."""
+    if isinstance(value, np.ndarray):
+        return cast(T, locked(value.view()))
+    if isinstance(value, tuple):
+        parts = map(read_only, value)
+        make = getattr(type(value), "_make", tuple)  # a named tuple's
+        return cast(T, make(parts))
+    return value
+
+
+def locked(value: T) -> T:
+    """The same array, or tuple of such, which from now on cannot be written by this name."""
+    if isinstance(value, np.ndarray):
+        value.setflags(write=False)
+    elif isinstance(value, tuple):
+        for part in value:
+            locked(part)
+    return value
+
+
+class Lent(Generic[T]):
+    """Read-only views of arrays, made once and kept as long as it is asked for those of the same.
+
+    A copy, or what another process is sent, has views of its own.
+    """
+
+    def __init__(self) -> None:
+        self._of: object = None
+        self._views: T | None = None
+
+    def of(self, arrays: T) -> T:
+        """Views of a tuple of arrays (or of one)."""
+        if self._of is not arrays:
+            self._of, self._views = arrays, read_only(arrays)
+        return cast(T, self._views)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """No views: they would be of other arrays."""
+        return Lent, ()
