@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import kernel, prepared
 from graph_planner.geodesics import DIAGONAL, FAR, Int32Array, Workspace, distances_to_nearest
 from graph_planner.moves import move_length
 from graph_planner.navigation import STAY
@@ -36,7 +36,7 @@ def longest_move(moves: NDArray[np.int64]) -> float:
 
 @kernel
 def _seek(
-    seen: Observation, arrays: TaskArrays, workspace: Workspace, preferences: NDArray[np.float64]
+    arrays: TaskArrays, workspace: Workspace, seen: Observation, preferences: NDArray[np.float64]
 ) -> None:
     """Fill the preferences of those who collect, in episodes in which an item is known."""
     active, step, keys, agent_node = seen.active, seen.step, seen.keys, seen.agent_node
@@ -73,9 +73,8 @@ class ItemSeeker:
     """Preferences that take foragers to the nearest known item by a shortest path."""
 
     def __init__(self, task: Task) -> None:
-        self._arrays = task.arrays
-        self._workspace = Workspace.of(len(task.graph))
+        self._seek = prepared(_seek, task.arrays, Workspace.of(len(task.graph)))
 
     def guide(self, observation: Observation, preferences: NDArray[np.float64]) -> None:
         """Overwrite the foragers' rows of preferences (episode, agent, 9) where items are known."""
-        _seek(observation, self._arrays, self._workspace, preferences)
+        self._seek(observation, preferences)

@@ -206,19 +206,6 @@ class Observation(NamedTuple):
         return Late(self.late_looks, self.late_shown)
 
 
-_TYPES = (
-    *("?", "i4", "u8", "i4", "f8", "i8", "i2", "i2", "i4", "i4", "i4", "i8", "i1", "f8"),
-    *("i4", "i2", "i4"),
-)  # of its fields
-
-
-def plain(observation: Observation) -> Observation:
-    """An observation whose arrays are of the types above, one item beside the other, as prepared
-    kernels need them; those that are so already are not copied.
-    """
-    return Observation(*map(np.ascontiguousarray, observation, _TYPES))
-
-
 class Truth(NamedTuple):
     """Where the items are and how they drift: for bounds only, never for a policy in a comparison.
 
@@ -227,4 +214,6 @@ class Truth(NamedTuple):
 
     item_rc: NDArray[np.float64]  # (episode, item, 2) [node]
     item_node: Int32Array  # (episode, item) node, -1 once removed or for padding
-    drift_rc: NDArray[np.float64]  # (episode, 2) constant drift [node/step]
+    drift_rc: NDArray[np.float64]  # (episode, 2) mean of those of the items left [node/step]
+    item_drift_rc: NDArray[np.float64]  # (episode, item, 2) velocity at which wind and water carry
+    # each item where it is, gusts and noise left out [node/step]

@@ -23,8 +23,9 @@ from graph_planner.belief_planner.wanted import Wanted, summed
 from graph_planner.belief_planner.ways import UNREACHED, Ways, search_on
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import FAR, Int32Array
+from graph_planner.plain import plain
 from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task, TaskArrays, plain
+from graph_planner.task import Observation, Task, TaskArrays
 from graph_planner.visibility import NodeLists
 
 _LEAST = 1e-9  # what a node is worth at least, so that there is somewhere to go
@@ -104,7 +105,7 @@ class TrackingTeam:
 
     def act(self, observation: Observation, give_goals: Goals) -> NDArray[np.float64]:
         """Preferences (row, agent, 9), the goals of foragers given row by row."""
-        observation = plain(observation)
+        observation = plain(observation, self._task, len(self._preferences))
         for e in np.flatnonzero(observation.active).tolist():
             self.beliefs.learn(observation, e)
             now, goals = int(observation.step[e]) - 1, self._goals

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import kernel, prepared
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import STAY
 from graph_planner.randomness import Stream, normal, stream_key, uniform
@@ -28,12 +28,12 @@ def levy_length(key: np.uint64, index: int, step: int, cap: int) -> int:
 
 @kernel
 def _walk(
-    seen: Observation,
     arrays: TaskArrays,
     cap: int,
     heading: NDArray[np.int8],
     left: Int32Array,
     preferences: NDArray[np.float64],
+    seen: Observation,
 ) -> None:
     """Take the next step of every walk, and turn where it ends; fill preferences."""
     active, step, keys, agent_node = seen.active, seen.step, seen.keys, seen.agent_node
@@ -80,14 +80,13 @@ class Walker:
     """
 
     def __init__(self, task: Task, episodes: int, levy: bool) -> None:
-        self._arrays = task.arrays
         self.cap = max(1, int(0.8 * max(task.graph.shape))) if levy else NO_LIMIT
         agents = (episodes, len(task.fleet))
-        self._heading = np.full(agents, NO_HEADING, np.int8)
-        self._left = np.zeros(agents, np.int32)
+        heading, left = np.full(agents, NO_HEADING, np.int8), np.zeros(agents, np.int32)
         self._preferences = np.zeros((*agents, 9))
+        self._walk = prepared(_walk, task.arrays, self.cap, heading, left, self._preferences)
 
     def walk(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9) of the next step of every walk."""
-        _walk(observation, self._arrays, self.cap, self._heading, self._left, self._preferences)
+        self._walk(observation)
         return self._preferences

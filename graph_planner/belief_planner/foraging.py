@@ -136,11 +136,11 @@ def gather_legs(
     Parameters
     ----------
     agent_node, agent_yaw : (agent,) where they are, and their heading [rad]
-    drift_rc : (2,) [node/step]
+    drift_rc : (item, 2) of each, or (1, 2) of all [node/step]
     stay, taking : see `Effort`
     """
     kind, agents, at = able.kind, able.agents, agent_node[able.agents]
-    gather_stops(items, shore, ways, kind, at, drift_rc[0], drift_rc[1], taking, found)
+    gather_stops(items, shore, ways, kind, at, drift_rc, taking, found)
     n = found.number[0]
     first, between = decisions_between(found, ways, kind, at, stay)
     if n:
@@ -310,7 +310,7 @@ class Foraging(Collecting):
         Parameters
         ----------
         agent_node, agent_yaw : (agent,) where they are, and their heading [rad]
-        drift_rc : (2,) [node/step]
+        drift_rc : (item, 2) of each, or (1, 2) of all [node/step]
         room_left : (agent,) items; energy_left : (agent,) [node]
 
         Returns

@@ -17,8 +17,9 @@ from graph_planner.belief_planner.waiting import approach, regrets
 from graph_planner.belief_planner.wanted import Wanted, summed
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.geodesics import Int32Array
+from graph_planner.plain import plain
 from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task, plain
+from graph_planner.task import Observation, Task
 
 AHEAD = 6  # steps by which foragers' regret is judged
 CALM = 1.0  # worth of finding a hotspot by which they lose nothing yet
@@ -71,7 +72,7 @@ class BeliefPlanner:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9)."""
-        observation = plain(observation)
+        observation = plain(observation, self._task, len(self._preferences))
         for e in np.flatnonzero(observation.active).tolist():
             self._touch.note(observation, e)
             self.beliefs.learn(observation, e)
@@ -85,7 +86,7 @@ class BeliefPlanner:
         room, energy, busy = seen.room_left[e], seen.energy_left[e], False
         holder = int(seen.holder[e])  # whose move alone counts, unless it is nobody's
         if holder == NOBODY or self._task.fleet.collects[holder]:
-            drift = self.beliefs.wind.mean[e]
+            drift = self.beliefs.wind.mean[e : e + 1]
             busy = self._foragers.send(at, yaw, drift, room, energy, preferences) > 0
             if not busy:
                 self._wait(at, e, sighted, preferences)

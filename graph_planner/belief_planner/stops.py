@@ -83,8 +83,7 @@ def gather_stops(
     ways: tuple[Ways, ...],
     kind: NDArray[np.int64],
     at: Int32Array,
-    drift_row: float,
-    drift_col: float,
+    drift_rc: NDArray[np.float64],
     taking: Taking,
     found: Stops,
 ) -> None:
@@ -98,7 +97,7 @@ def gather_stops(
     ----------
     ways : one per kind of forager
     kind, at : (forager,) which of them, and its node
-    drift_row, drift_col : [node/step]
+    drift_rc : (item, 2) of each, or (1, 2) of all [node/step]
     found : filled
     """
     place = found.place
@@ -112,7 +111,8 @@ def gather_stops(
         if wait >= FAR:
             continue
         if wait > 1.0:
-            row, col, here = drifted(shore, row, col, drift_row, drift_col, wait - 1.0)
+            of = min(i, drift_rc.shape[0] - 1)
+            row, col, here = drifted(shore, row, col, drift_rc[of, 0], drift_rc[of, 1], wait - 1.0)
         if place[here] < 0:
             place[here] = n
             node[n], worth[n], delay[n] = here, 0.0, max(wait, 1.0)

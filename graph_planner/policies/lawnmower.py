@@ -11,10 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import kernel, prepared
 from graph_planner.geodesics import FAR, Int32Array, Workspace, distances_to_nearest
 from graph_planner.moves import move_length
 from graph_planner.navigation import STAY, NavigationGraph
+from graph_planner.plain import plain
 from graph_planner.policies.registry import register
 from graph_planner.randomness import UInt64Array
 from graph_planner.seeking import ItemSeeker, longest_move, possible_targets
@@ -55,11 +56,11 @@ class Sweep(NamedTuple):
 
 @kernel
 def _sweep(
-    seen: Observation,
     arrays: TaskArrays,
     sweep: Sweep,
     workspace: Workspace,
     preferences: NDArray[np.float64],
+    seen: Observation,
 ) -> None:
     """Fill preferences: down the way to each agent's next corner."""
     active, agent_node, moves = seen.active, seen.agent_node, arrays.moves
@@ -108,11 +109,11 @@ class LawnmowerPolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self._arrays = task.arrays
-        self._seeker = ItemSeeker(task)
-        self._workspace = Workspace.of(len(task.graph))
+        self._task, self._seeker = task, ItemSeeker(task)
         self.sweep = self._plan(task, keys.size)
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
+        room = Workspace.of(len(task.graph))
+        self._go_on = prepared(_sweep, task.arrays, self.sweep, room, self._preferences)
 
     def _plan(self, task: Task, episodes: int) -> Sweep:
         """Lay out each agent's share of its team's corners in one flat list."""
@@ -134,6 +135,7 @@ class LawnmowerPolicy:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9): down the way to the agent's next corner."""
-        _sweep(observation, self._arrays, self.sweep, self._workspace, self._preferences)
+        observation = plain(observation, self._task, len(self._preferences))
+        self._go_on(observation)
         self._seeker.guide(observation, self._preferences)
         return self._preferences

@@ -1,8 +1,9 @@
-"""The oracle: foragers that see every item and the drift. No policy but a bound.
+"""The oracle: foragers that see every item and its drift. No policy but a bound.
 
 It searches routes as the belief planner does, with the truth in place of a belief, so that the
-difference between the two is what is not known. Only the independent noise of the items to come is
-hidden from it. Its scouts look at true items that the fleet's map does not show as they are.
+difference between the two is what is not known. Only gusts and the independent noise of the items
+to come are hidden from it. Its scouts look at true items that the fleet's map does not show as they
+are.
 
 It bounds the mean and not every episode: routes are found by a beam search, and they minimise the
 times at which items are met, not how many are met before the foragers' energy is spent.
@@ -23,9 +24,10 @@ from graph_planner.belief_planner.planner import BeliefPlanner
 from graph_planner.belief_planner.scouting import Scouting
 from graph_planner.belief_planner.stops import floating
 from graph_planner.belief_planner.told import ToldBeliefs
+from graph_planner.plain import plain, plain_truth
 from graph_planner.policies.registry import register
 from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task, Truth, plain
+from graph_planner.task import Observation, Task, Truth
 
 
 @register("oracle")
@@ -38,6 +40,7 @@ class OraclePolicy:
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
         settings = replace(task.belief, joint=True, sweeps=True)
+        self._task = task
         if self.apart:
             self._planner = BeliefPlanner(replace(task, belief=settings), keys, ToldBeliefs)
             return
@@ -48,16 +51,17 @@ class OraclePolicy:
 
     def reveal(self, truth: Truth) -> None:
         """Take in where the items are."""
-        self._truth = truth
+        self._truth = plain_truth(truth, self._task)
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9)."""
-        truth, observation = self._truth, plain(observation)
+        truth = self._truth
         if self.apart:
             beliefs = self._planner.beliefs
             assert isinstance(beliefs, ToldBeliefs)
             beliefs.reveal(truth)
             return self._planner.act(observation)
+        observation = plain(observation, self._task, len(self._preferences))
         if truth.item_node.shape[1] > self._foragers.items.row.size:
             self._foragers.items = floating(truth.item_node.shape[1])
         items = self._foragers.items
@@ -70,7 +74,7 @@ class OraclePolicy:
             items.row[:n], items.col[:n] = truth.item_rc[e][present].T
             items.weight[:n] = 1.0
             room, energy = observation.room_left[e], observation.energy_left[e]
-            yaw, drift = observation.agent_yaw[e], truth.drift_rc[e]
+            yaw, drift = observation.agent_yaw[e], truth.item_drift_rc[e][present]
             self._foragers.send(at, yaw, drift, room, energy, preferences)
             self._foragers.hold(at, room, energy, preferences)
             age = np.minimum(30.0, observation.step[e] - 1.0 - observation.last_seen[e])

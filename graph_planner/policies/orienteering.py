@@ -86,8 +86,8 @@ class OrienteeringPolicy:
         if not able.agents.size:
             return []
         ways, taking, shore = collecting.group.ways, collecting.taking, collecting.shore
-        down, right = self._team.beliefs.wind.mean[e]
-        gather_stops(collecting.items, shore, ways, able.kind, at, down, right, taking, found)
+        drift = self._team.beliefs.wind.mean[e : e + 1]
+        gather_stops(collecting.items, shore, ways, able.kind, at, drift, taking, found)
         first, between = decisions_between(found, ways, able.kind, at, self._task.rules.stay)
         yaw = seen.agent_yaw[e][able.agents]
         add_pickup(taking, shore, found, able.agents, at, yaw, first, between)

@@ -13,9 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import kernel, prepared
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import OFFSETS, STAY
+from graph_planner.plain import plain
 from graph_planner.policies.registry import register
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from graph_planner.task import Observation, Task, TaskArrays
@@ -112,11 +113,11 @@ def _pull_scout(
 
 @kernel
 def _fly(
-    seen: Observation,
     arrays: TaskArrays,
     views: NodeLists,
     swarm: Swarm,
     preferences: NDArray[np.float64],
+    seen: Observation,
 ) -> None:
     """Bring all velocities up to date; fill preferences by how well moves follow them."""
     active, step, keys = seen.active, seen.step, seen.keys
@@ -156,16 +157,16 @@ class PsoPolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self._arrays, self._views = task.arrays, task.views
-        agents = (keys.size, len(task.fleet))
-        self._swarm = Swarm(
+        self._task, agents = task, (keys.size, len(task.fleet))
+        swarm = Swarm(
             velocity=np.zeros((*agents, 2)),
             best_node=np.full(agents, NOWHERE, np.int32),
             best_items=np.zeros(agents, np.int32),
         )
         self._preferences = np.zeros((*agents, 9))
+        self._fly = prepared(_fly, task.arrays, task.views, swarm, self._preferences)
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9): cosine between the velocity and each move."""
-        _fly(observation, self._arrays, self._views, self._swarm, self._preferences)
+        self._fly(plain(observation, self._task, len(self._preferences)))
         return self._preferences

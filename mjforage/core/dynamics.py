@@ -84,6 +84,20 @@ class Dynamics(Protocol):
         """
         ...
 
+    def drift_rc(self, rc: NDArray[np.float64], items: bool = False) -> NDArray[np.float64]:
+        """Velocity at which wind and water carry items now, gusts and noise left out.
+
+        Parameters
+        ----------
+        rc : (episode, place, 2) where [node]
+        items : whether place k is that of item k, which has its own leeway
+
+        Returns
+        -------
+        (episode, place, 2) [node/step]
+        """
+        ...
+
     def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:
         """Carry out one decision: move, collect, drift. Inactive episodes do not change."""
         ...

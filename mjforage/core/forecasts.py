@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 import metrics
 from graph_planner.compiled import kernel
 from graph_planner.rows import put_rows
+from mjforage.core.errors import UserError
+
+_ROUNDING = 1e-9
 
 
 @kernel
@@ -19,8 +22,10 @@ def _add(
     truth: NDArray[np.int16],
     active: NDArray[np.bool_],
     sums: NDArray[np.float64],
-) -> None:
-    """Add forecasts (row, node) of episodes that go on to their sums (row, bin, 4)."""
+) -> bool:
+    """Add forecasts (row, node) of episodes that go on to their sums (row, bin, 4); False if one is
+    no number of items.
+    """
     holders, bins = expected.shape[0] // max(1, active.size), sums.shape[1]
     for row in range(expected.shape[0]):
         e = row // max(1, holders)
@@ -28,12 +33,15 @@ def _add(
             continue
         for node in range(expected.shape[1]):
             sure = 1.0 - np.exp(-expected[row, node])
+            if not sure > -_ROUNDING:
+                return False
             there = 1.0 if truth[e, node] > 0 else 0.0
             place = min(int(sure * bins), bins - 1)
             sums[row, place, 0] += 1.0
             sums[row, place, 1] += sure
             sums[row, place, 2] += there
             sums[row, place, 3] += (sure - there) ** 2
+    return True
 
 
 class Forecasts:
@@ -48,7 +56,11 @@ class Forecasts:
         return np.asarray(self._by_row.sum(axis=1))
 
     def take(
-        self, expected: NDArray[np.float64], truth: NDArray[np.int16], active: NDArray[np.bool_]
+        self,
+        expected: NDArray[np.float64],
+        truth: NDArray[np.int16],
+        active: NDArray[np.bool_],
+        who: str = "policy",
     ) -> None:
         """Hold forecasts against the truth.
 
@@ -57,10 +69,25 @@ class Forecasts:
         expected : (row, node) items, in one row or more per episode
         truth : (episode, node) items
         active : (episode,) False once it is over
+        who : foretells so, for messages
+
+        Raises
+        ------
+        UserError
+            If it is no array of numbers of that shape, or one is negative or NaN.
         """
-        self._widen(expected.shape[0] // max(1, active.size))
+        shape, kind = np.shape(expected), getattr(getattr(expected, "dtype", None), "kind", "")
+        whole = len(shape) == 2 and shape[0] and shape[0] % max(1, active.size) == 0
+        if not whole or shape[1] != truth.shape[1] or kind not in tuple("fiub"):
+            was = f"{expected.dtype} {shape}" if kind else type(expected).__name__
+            raise UserError(
+                f"{who}: forecast gave {was}, expected numbers of shape (row, node), with "
+                f"{truth.shape[1]} nodes and as many rows as it was asked about"
+            )
+        self._widen(shape[0] // max(1, active.size))
         sums = self._by_row.reshape(-1, *self._by_row.shape[2:])
-        _add(np.ascontiguousarray(expected, np.float64), truth, active, sums)
+        if not _add(np.ascontiguousarray(expected, np.float64), truth, active, sums):
+            raise UserError(f"{who}: forecast gives items that are negative or NaN; give 0 or more")
 
     def adopt(self, rows: NDArray[np.int64], other: "Forecasts") -> None:
         """Replace episodes (row,) of the batch by those of another."""

@@ -108,6 +108,10 @@ class GraphDynamics:
         self._items.adopt(rows, other._items, self._state)
         return self._state
 
+    def drift_rc(self, rc: NDArray[np.float64], items: bool = False) -> NDArray[np.float64]:
+        """(episode, place, 2) drift of items [node/step], the same everywhere."""
+        return np.broadcast_to(self._items.drift_rc[:, None], rc.shape)
+
     def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:
         """Carry out one decision: move, collect, drift. Inactive episodes do not change."""
         self._move(active, moves)

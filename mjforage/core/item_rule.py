@@ -268,6 +268,11 @@ class ItemRule:
         )
 
     @property
+    def drift_rc(self) -> NDArray[np.float64]:
+        """(episode, 2) constant drift [node/step]."""
+        return self._around.drift_rc
+
+    @property
     def room_left(self) -> NDArray[np.int64]:
         """(episode, agent) items that can still be taken aboard; live."""
         return self._around.room_left

@@ -59,6 +59,18 @@ def _taken(collected_by: NDArray[np.int16], agents: int) -> NDArray[np.int64]:
     return taken
 
 
+def _mean_drift(drift: NDArray[np.float64], left: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """(episode, 2) mean drift of the items (episode, item) that are left; where all drift alike,
+    that drift to the bit, and whether any is left or not.
+    """
+    if not drift.shape[1]:
+        return np.zeros((len(drift), 2))
+    first, count = drift[:, :1], np.maximum(left.sum(axis=1, keepdims=True), 1)
+    off = np.where(left[..., None], drift - first, 0.0).sum(axis=1) / count
+    mean: NDArray[np.float64] = first[:, 0] + off
+    return mean
+
+
 class Mission:
     """A batch of episodes of one scenario in one world; one episode is a batch of one.
 
@@ -285,7 +297,20 @@ class Mission:
     @property
     def truth(self) -> Truth:
         """What no policy may see but a bound."""
-        return Truth(self.state.item_rc, self.state.item_node, self.initial.drift_rc)
+        state = self.state
+        drift = self._dynamics.drift_rc(state.item_rc, items=True)
+        mean = _mean_drift(drift, state.item_node >= 0)
+        return locked(Truth(state.item_rc, state.item_node, mean, drift))
+
+    @property
+    def node_drift_rc(self) -> NDArray[np.float64]:
+        """(episode, node, 2) velocity at which an item of the paper's leeway is carried in each
+        node now [node/step], gusts and noise left out.
+        """
+        graph = self.setup.graph
+        centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
+        places = np.broadcast_to(centres, (self.keys.size, *centres.shape))
+        return locked(self._dynamics.drift_rc(places))
 
     def idleness(self, episodes: NDArray[np.int64]) -> NDArray[np.float64]:
         """(chosen, node) idleness in [0, 1] of some episodes (chosen,), as the fleet knows it."""
@@ -328,7 +353,7 @@ class Mission:
         answer = policy.act(self.held if apart else self.observation)
         forecast = getattr(policy, "forecast", None)
         if forecast is not None:
-            self.forecasts.take(forecast(), self.ledger.open().truth, self.active)
+            self.forecasts.take(forecast(), self.ledger.open().truth, self.active, who)
         check_preferences(answer, (self.keys.size * holders, holder_of.size), who)
         if holders == 1:
             return answer

@@ -61,7 +61,7 @@ def truth_of(task: Task, observation: Observation) -> Truth:
     count = int(observation.n_known[0])
     node = observation.known[:, :count].astype(np.int32)
     places = np.stack((task.graph.rows[node], task.graph.cols[node]), axis=-1).astype(np.float64)
-    return Truth(places, node, np.zeros((node.shape[0], 2)))
+    return Truth(places, node, np.zeros((node.shape[0], 2)), np.zeros_like(places))
 
 
 def preferences(name: str, task: Task, observation: Observation) -> NDArray[np.float64]:

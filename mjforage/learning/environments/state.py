@@ -36,7 +36,7 @@ def state_of(mission: Mission, episode: int = 0) -> Picture:
     | 2 | believed items at the node, likewise | item | 0.1 each, at most 1 |
     | 3 | true items at the node | item | 0.1 each, at most 1 |
     | 4 | decisions taken so far, in every node | horizon | the share |
-    | 5, 6 | true drift d south and east, in every node | node/step | (1 + d) / 2, cut off |
+    | 5, 6 | drift d south and east of an item there | node/step | (1 + d) / 2, cut off |
     | 7 | energy left of the agent that is there | full store | the share; 1 without a limit |
     | 8 | room left of the agent that is there | full store | likewise |
     | 9 on | an agent each, in the fleet's order | - | 1 where it is |
@@ -53,7 +53,7 @@ def state_of(mission: Mission, episode: int = 0) -> Picture:
     levels[2] = np.clip(known.belief[episode] / MOST_ITEMS, 0.0, 1.0)
     levels[3] = np.minimum(items / MOST_ITEMS, 1.0)
     levels[4] = mission.step[episode] / setup.scenario.horizon
-    levels[5:7] = np.clip(0.5 + 0.5 * truth.drift_rc[episode], 0.0, 1.0)[:, None]
+    levels[5:7] = np.clip(0.5 + 0.5 * mission.node_drift_rc[episode], 0.0, 1.0).T
     at = mission.state.agent_node[episode]
     np.maximum.at(levels[7], at, _energy_shares(mission, episode))
     np.maximum.at(levels[8], at, _room_shares(mission, episode))

@@ -21,10 +21,11 @@ from mjforage.core.capture_chances import chances_of, pickup_of
 from mjforage.core.dynamics import Transition, start_state
 from mjforage.core.errors import UserError
 from mjforage.core.film import Film
-from mjforage.core.initial_state import InitialState, nearest_nodes
+from mjforage.core.initial_state import LEEWAY, InitialState, nearest_nodes
 from mjforage.core.item_rule import ItemRule, collect
 from mjforage.core.scenario import Scenario
 from mjforage.physics.dynamics.camera import camera_of
+from mjforage.physics.dynamics.carrying import carried, leeways
 from mjforage.physics.dynamics.fleet_scene import (
     fleet_scene,
     fleet_vessels,
@@ -118,6 +119,7 @@ class MujocoDynamics:
         """Start a batch of episodes and return their state at step 0."""
         episodes, items = initial.item_node.shape
         self._keys, self._state = keys, start_state(initial, self._centres)
+        self._wind_rc = initial.drift_rc
         self._field = Field.create(self._settings, keys, self._graph)
         self._simulation = Simulation(
             self._scene,
@@ -163,6 +165,16 @@ class MujocoDynamics:
             return
         classes = draw_classes(self._keys, initial.item_node, self._classes)
         self._simulation.place_items(self._graph.metres(initial.item_rc), classes)
+
+    def drift_rc(self, rc: NDArray[np.float64], items: bool = False) -> NDArray[np.float64]:
+        """(episode, place, 2) velocity of items by mean wind and current [node/step]."""
+        if not self._bodies:
+            return np.broadcast_to(self._wind_rc[:, None], rc.shape)
+        leeway = np.full(rc.shape[:2], LEEWAY)
+        if items:
+            leeway = leeways(self._simulation.item_class)
+        about = self._field, self._graph, self._wind_rc, self._scenario.period_s
+        return carried(*about, self._tick * CONTROL_S, rc, leeway)
 
     def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:
         """Carry out one decision: steer, drift, collect. Inactive episodes do not change."""

@@ -71,6 +71,17 @@ def _wind(
 
 
 @kernel
+def _sheltered(xy: FloatArray, mean: FloatArray, shelter: Shelter) -> FloatArray:
+    """Share of the mean wind that is left, (episode, point)."""
+    out = np.ones(xy.shape[:2])
+    if shelter.length_m > 0.0:
+        for e in range(xy.shape[0]):
+            for p in range(xy.shape[1]):
+                out[e, p] = lee(shelter, xy[e, p, 0], xy[e, p, 1], mean[e, 0], mean[e, 1])
+    return out
+
+
+@kernel
 def _current(
     t_s: FloatArray,
     xy: FloatArray,
@@ -219,6 +230,24 @@ class Field:
             settings.gust_tau_s,
             self._shelter,
         )
+
+    def sheltered(self, xy: NDArray[np.float64]) -> FloatArray:
+        """Share of the mean wind that the lee of land leaves, 1 in the open.
+
+        Parameters
+        ----------
+        xy : (episode, point, 2) [m]
+
+        Returns
+        -------
+        (episode, point)
+
+        Raises
+        ------
+        ValueError
+            If a shape does not fit.
+        """
+        return _sheltered(self._points(xy), self.mean_wind_mps, self._shelter)
 
     def current(self, t_s: ArrayLike, xy: NDArray[np.float64]) -> FloatArray:
         """Velocity of the water over ground: streams and circulation, which no quay lets through.

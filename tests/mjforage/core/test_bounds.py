@@ -33,7 +33,7 @@ class Watcher:
 
 class Peeper(Watcher):
     def reveal(self, truth: Truth) -> None:
-        self.told.append(Truth(truth.item_rc.copy(), truth.item_node.copy(), truth.drift_rc.copy()))
+        self.told.append(Truth._make(part.copy() for part in truth))
 
 
 class ApartPeeper(Peeper):

@@ -14,7 +14,8 @@ from mjforage.learning.training.rounds import Round
 
 OVERVIEW = {"truth.items": (1, COARSE, COARSE), "truth.facts": (5,)}
 """Arrays of an episode, uint8 levels: items that are left in each of the map's coarse cells; shares
-of items left, of items left but found, of decisions taken, and drift south and east."""
+of items left, of items left but found, of decisions taken, and mean drift of the items left, south
+and east."""
 
 
 def overview(played: Round) -> dict[str, NDArray[np.uint8]]:
