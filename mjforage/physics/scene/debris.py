@@ -117,10 +117,17 @@ def add_items(spec: mujoco.MjSpec, part: mujoco.MjSpec, looks: list[str | None])
     ----------
     part : of `models/debris.xml`
     """
+    parts = {look: _looking(part, look) for look in set(looks)}
     for k, look in enumerate(looks):
         frame = spec.worldbody.add_frame()
-        body = frame.attach_body(part.copy().body("item"), f"item-{k}/", "")
-        for geom in list(body.geoms):
-            kept = look is not None and geom.name.startswith(f"item-{k}/{look}")
-            if geom.classname.name.endswith("item-look") and not kept:
-                spec.delete(geom)
+        frame.attach_body(parts[look].copy().body("item"), f"item-{k}/", "")
+
+
+def _looking(part: mujoco.MjSpec, look: str | None) -> mujoco.MjSpec:
+    """The part with what one class looks like alone: what is deleted later costs a whole scene."""
+    bare = part.copy()
+    for geom in list(bare.body("item").geoms):
+        kept = look is not None and geom.name.startswith(look)
+        if geom.classname.name == "item-look" and not kept:
+            bare.delete(geom)
+    return bare
