@@ -72,6 +72,10 @@ class Table(Generic[T]):
         """All names that are registered or installed, sorted; `package.module:Name` is none."""
         return sorted(name for name in {*self._registered, *self._entries} if ":" not in name)
 
+    def ours(self) -> list[str]:
+        """Names of what ships with mjforage, sorted."""
+        return sorted(name for name, made in self._registered.items() if is_ours(made))
+
     def has(self, name: str) -> bool:
         """Whether a name is registered or installed."""
         return name in self._registered or name in self._entries

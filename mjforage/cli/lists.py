@@ -1,5 +1,6 @@
 """Commands that list what ships, and check maps."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,8 +18,11 @@ def policies() -> None:
     """List the policies, those that installed packages bring with where they come from."""
     from graph_planner.policies.registry import POLICIES, policy_names, policy_summary
 
-    found = ((name, policy_summary(name), POLICIES.origin(name)) for name in policy_names())
-    print_list((name, f"{words} [{origin}]" if origin else words) for name, words, origin in found)
+    def words(name: str) -> str:
+        origin = POLICIES.origin(name)
+        return f"{policy_summary(name)} [{origin}]" if origin else policy_summary(name)
+
+    print_list((name, _told(words, name)) for name in policy_names())
 
 
 @app.command
@@ -27,12 +31,24 @@ def metrics() -> None:
     from mjforage.core.mission_metrics import METRICS, chosen_metrics, description
 
     ways = {1: "more is better", -1: "less is better", 0: ""}
-    origins = {METRICS.find(name).key: METRICS.origin(name) for name in METRICS.names()}
-    rows = []
-    for one in map(description, chosen_metrics()):
-        facts = ", ".join(filter(None, (one.unit, ways[one.better], origins[one.key])))
-        rows.append((one.key, f"{one.definition} [{facts}]" if facts else one.definition))
-    print_list(rows)
+
+    def words(name: str) -> str:
+        (one,) = (one for one in chosen_metrics([name]) if one is METRICS.find(name))
+        told = description(one)
+        facts = ", ".join(filter(None, (told.unit, ways[told.better], METRICS.origin(name))))
+        return f"{told.definition} [{facts}]" if facts else told.definition
+
+    ours = [one.key for one in chosen_metrics()]
+    others = [name for name in METRICS.names() if name not in ours]
+    print_list((name, _told(words, name)) for name in (*ours, *others))
+
+
+def _told(words: Callable[[str], str], name: str) -> str:
+    """Words on a name, or why it cannot be used: a package that is broken spoils no list."""
+    try:
+        return words(name)
+    except UserError as error:
+        return str(error)
 
 
 @app.command

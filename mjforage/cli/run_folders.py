@@ -54,7 +54,7 @@ def evaluate(
         A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
         NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
     metric
-        MODULE:CLASS of a metric of your own, to take beside the others; repeatable.
+        A metric to take beside ours: MODULE:CLASS of your own, or what a package brings; repeatable.
     world
         graph or physics, or a world between: hulls, debris, intake (see `mjforage compare`).
     episodes
@@ -119,7 +119,7 @@ def compare(
         A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
         NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
     metric
-        MODULE:CLASS of a metric of your own, to take beside the others; repeatable.
+        A metric to take beside ours: MODULE:CLASS of your own, or what a package brings; repeatable.
     ladder
         Also the worlds between, one piece of reality more in each: hulls, debris, intake.
     episodes

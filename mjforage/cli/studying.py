@@ -46,7 +46,7 @@ class StudyOptions:
         Override KEY=VALUE in TOML syntax, for example team.scouts.count=3, or
         policy.greedy.distance=2 for an option of a policy; repeatable.
     metric
-        MODULE:CLASS of a metric of your own, to take beside the others; repeatable.
+        A metric to take beside ours: MODULE:CLASS of your own, or what a package brings; repeatable.
     out
         Study folder; default runs/SCENARIO-KIND. An unfinished study of the same settings is
         resumed.

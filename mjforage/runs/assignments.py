@@ -19,7 +19,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from graph_planner.extensions import Place, blamed, fault
+from graph_planner.extensions import Place, blamed, fault, is_ours
 from graph_planner.policies import create_policy
 from graph_planner.policies.registry import adopt_policy, outside_class
 from graph_planner.task import digest
@@ -276,10 +276,11 @@ def run_chunk(assignment: Assignment, chunk: Chunk) -> str | None:
 
 
 def _fault_of_a_part(assignment: Assignment, chunk: Chunk, error: BaseException) -> str:
-    """What a user's own part raised while a chunk was played; "" if none did."""
-    metrics = (one if isinstance(one, str) else one.reference for one in assignment.metrics)
+    """What a user's own policy or metric raised while a chunk was played; "" if neither did."""
+    metrics = [one for one in chosen_metrics(assignment.metrics) if not is_ours(one)]
+    references = [f"{one.__module__}:{one.__qualname__}" for one in metrics]
     parts = {f"policy {chunk.policy}": outside_class(chunk.policy)}
-    for name, reference in (parts | {f"metric {one}": one for one in metrics}).items():
+    for name, reference in (parts | {f"metric {one}": one for one in references}).items():
         package = reference.partition(":")[0].partition(".")[0] if ":" in reference else ""
         if words := fault(error, package) if package else "":
             last = chunk.first + chunk.count - 1

@@ -20,8 +20,8 @@ from mjforage.runs.run_info import read_json
 
 CODE = ("versions", "code")
 """Keys whose differences can be accepted."""
-UNCOMPARED = ("python",)
-"""Versions that are kept to be read: Python computes no number of a run by itself."""
+UNCOMPARED = ("mjforage", "python")
+"""Versions that are kept to be read: of mjforage the code counts, Python computes no number."""
 Resume = Literal["same", "fresh", "accept-code-change"]
 """What to do with a folder that holds a run: go on with the same one only, keep the old folder
 aside and begin anew, or go on although code or versions differ."""

@@ -20,7 +20,7 @@ from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
 OURS = ("metrics", "controllers", "graph_planner", "mjforage")
-COMPUTING = ("numpy", "numba", "scipy", "mujoco", "torch", "torchrl")
+COMPUTING = ("numpy", "numba", "scipy", "mujoco", "ortools", "torch", "torchrl")
 """Libraries whose version may change a number; the others that we use store, draw or talk."""
 WHOLE = ("metrics", "mjforage.core.mission_metrics")
 """Packages that count whole, as they are read as they stand and not by name."""

@@ -65,7 +65,7 @@ def _check_alone(trial: PartTrial, check: str, play: Play) -> None:
 
 def _played(trial: PartTrial, metric: type[Metric], episodes: list[int]) -> Scorer:
     mission = trial.mission(episodes)
-    known = [one for one in chosen_metrics() if one.key != metric.key]
+    known = [one for one in chosen_metrics(METRICS.names()) if one.key != metric.key]
     scorer = Scorer(mission, [*known, metric])  # whose courses it may ask for
     mission.run(create_policy("greedy"), (scorer,))
     return scorer

@@ -2,7 +2,8 @@
 
 `metric` says what one is, `known` which there are, `scoring` takes them from a batch; every other
 file here holds metrics. A file that is put beside them is found without an edit elsewhere; a class
-in a package of your own is found by the entry point `mjforage.metrics` or by `package.module:Name`.
+in a package of your own is taken by the name of its entry point `mjforage.metrics`, or by
+`package.module:Name`.
 """
 
 import importlib

@@ -1,4 +1,8 @@
-"""Which metrics there are: ours, those of installed packages, and any by `package.module:Name`."""
+"""The metrics that there are: ours, those of installed packages, any by `package.module:Name`.
+
+A run takes ours and those that it is told to. What else is installed or registered is known by its
+name, and no part of a run that does not name it.
+"""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -24,7 +28,7 @@ _TAKEN = frozenset({"world", "policy", "episode", "items", "step"})  # columns o
 
 
 def metric(made: _M) -> _M:
-    """Decorator that makes a metric known to every command.
+    """Decorator that makes a metric known to every command, by its key.
 
     Raises
     ------
@@ -36,7 +40,7 @@ def metric(made: _M) -> _M:
 
 
 def chosen_metrics(references: Iterable[str | Place] = ()) -> tuple[type[Metric], ...]:
-    """All metrics that are registered or installed, and those referred to, in a fixed order.
+    """Our metrics and those referred to, in a fixed order.
 
     Parameters
     ----------
@@ -48,7 +52,7 @@ def chosen_metrics(references: Iterable[str | Place] = ()) -> tuple[type[Metric]
         If one cannot be imported, is no metric, or two have one key.
     """
     found: dict[str, type[Metric]] = {}
-    for name in (*METRICS.names(), *references):
+    for name in (*METRICS.ours(), *references):
         made = METRICS.at(name) if isinstance(name, Place) else METRICS.find(name)
         one = checked(made, name if isinstance(name, str) else name.reference)
         if found.setdefault(one.key, one) is not one:

@@ -42,7 +42,7 @@ class Scorer(Observer):
 
         Parameters
         ----------
-        metrics : as of `chosen_metrics`; absent: all that are known
+        metrics : as of `chosen_metrics`; absent: ours
 
         Raises
         ------

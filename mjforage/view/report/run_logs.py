@@ -75,7 +75,7 @@ class RunLogs:
 
     @cached_property
     def metrics(self) -> dict[str, Description]:
-        """Metrics by key: those known here, also where the run was made without one, then others.
+        """Metrics by key: ours, also where the run was made without one, then others.
 
         The run's own words come first, as a metric may be of a package that is not here.
         """

@@ -1,7 +1,9 @@
 """Metrics of a user's own folder: taken, shown, carried to other processes, part of the run."""
 
+import importlib
 import json
 import math
+import shutil
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -11,7 +13,7 @@ import polars as pl
 import pytest
 
 from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import METRICS, chosen_metrics
+from mjforage.core.mission_metrics import METRICS, chosen_metrics, describe
 from mjforage.core.mission_metrics.metric import Metric
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
@@ -54,6 +56,27 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     path = list(sys.path)
     yield tmp_path
     sys.path[:] = path
+    forget()
+
+
+@pytest.fixture
+def installed(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A package with a metric, as pip leaves it, and nothing of it in the present folder."""
+    facts = folder / "site" / "own_waste-1.2.dist-info"
+    facts.mkdir(parents=True)
+    (facts / "METADATA").write_text("Metadata-Version: 2.1\nName: own-waste\nVersion: 1.2\n")
+    (facts / "entry_points.txt").write_text("[mjforage.metrics]\nleft = own_waste:Waste\n")
+    (folder / "own_waste.py").rename(folder / "site" / "own_waste.py")
+    monkeypatch.syspath_prepend(folder / "site")
+    METRICS.__dict__.pop("_entries", None)
+    yield facts
+    METRICS.__dict__.pop("_entries", None)
+
+
+def uninstall(facts: Path) -> None:
+    shutil.rmtree(facts.parent)
+    importlib.invalidate_caches()
+    METRICS.__dict__.pop("_entries", None)
     forget()
 
 
@@ -110,12 +133,15 @@ def test_commands_take_it_and_the_report_shows_it(
 def test_a_run_without_it_shows_a_dash(
     folder: Path, monkeypatch: pytest.MonkeyPatch, command: Callable[..., Any]
 ) -> None:
-    run = played("run")
-    made = METRICS.find(OWN)
-    monkeypatch.setitem(METRICS._registered, "left", made)
+    """As one of ours is that is younger than the run."""
+    with monkeypatch.context() as earlier:
+        earlier.delitem(METRICS._registered, "cleared")
+        run = played("run")
+    assert "cleared" not in RunFolder(run).table("episodes").columns
     assert command("report", run).code == 0
     page = (run / "report.html").read_text()
-    row = page[page.index("Left<sub>T</sub>") :].split("</tr>", 2)[1]
+    label = describe("cleared").label
+    row = page[page.index(f">{label}<") :].split("</tr>", 2)[1]
     assert row.count(f">{number(math.nan, 3)}<") >= 3, row
 
 
@@ -143,6 +169,36 @@ def test_its_source_is_part_of_the_run(folder: Path) -> None:
         played("run")
 
 
+def test_an_installed_one_is_part_of_the_runs_that_name_it_and_of_no_other(
+    installed: Path, command: Callable[..., Any]
+) -> None:
+    plain, named = played("plain"), played("named", "left", jobs=2)
+    assert "own-waste 1.2" in command("metrics").out
+    assert "left" not in RunFolder(plain).table("episodes").columns
+    assert "left" in RunFolder(named).table("episodes").columns
+    assert "own_waste.py" in json.loads((named / "run.json").read_text())["code"]
+    assert "own_waste.py" not in (plain / "run.json").read_text()
+    uninstall(installed)
+    played("plain")
+    with pytest.raises(UserError, match="metric left: unknown"):
+        played("named", "left")
+
+
+def test_an_installed_one_that_is_broken_stops_no_run_and_no_list(
+    installed: Path, command: Callable[..., Any]
+) -> None:
+    (installed.parent / "own_waste.py").write_text("import own_engine")
+    played("run")
+    assert "metric left: module own_waste needs own_engine" in command("metrics").out
+
+
+def test_an_error_in_an_installed_one_is_one_line(installed: Path) -> None:
+    spoilt = SOURCE.replace("removed = batch.events.collected_at", "removed = batch.missing")
+    (installed.parent / "own_waste.py").write_text(spoilt)
+    with pytest.raises(UserError, match=f"^metric {OWN}: raised AttributeError: .* in episodes 0"):
+        played("run", "left")
+
+
 @pytest.mark.usefixtures("unprinted")
 def test_a_study_takes_it(folder: Path, command: Callable[..., Any]) -> None:
     varied = variants.ablation(setup().scenario, ["greedy"])
@@ -163,7 +219,8 @@ def test_one_of_the_script_itself_needs_one_process(
             return batch.log.n_items
 
     monkeypatch.setitem(METRICS._registered, "local", Local)
-    assert "local" in RunFolder(played("run")).table("episodes").columns
+    assert "local" not in RunFolder(played("without")).table("episodes").columns
+    assert "local" in RunFolder(played("run", "local")).table("episodes").columns
     with pytest.raises(UserError, match=r"metric local: .*Local is defined in the script itself"):
-        played("other", jobs=2)
+        played("other", "local", jobs=2)
     assert not (folder / "other").exists()
