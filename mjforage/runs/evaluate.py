@@ -6,7 +6,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -27,13 +27,12 @@ from mjforage.runs.costs import Invocation, costs_content
 from mjforage.runs.distributing import keep_replays, run_chunks
 from mjforage.runs.identity import pinned, run_info
 from mjforage.runs.kept import FIRST, KEPT, check_kept, chosen, ranked, sure
+from mjforage.runs.layout import chunk_size, plan, take_apart
 from mjforage.runs.resuming import Resume, set_aside
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import metric_columns
 from mjforage.runs.workers import Workers
 
-CHUNK = 50  # episodes per unit of work at graph level
-PHYSICS_CHUNK = 10  # the same with hulls, which take a second each
 BOOTSTRAP_SEED = 0
 _logger = logging.getLogger(__name__)
 
@@ -41,17 +40,6 @@ THIS_PROCESS = Workers()
 
 Progress = Callable[[int, int], None]
 Summary = dict[str, dict[str, dict[str, dict[str, Any]]]]
-
-
-def plan(policies: Sequence[str], worlds: Sequence[str], episodes: int) -> list[Chunk]:
-    """All chunks of a run, in the order of its tables."""
-    size = {world: CHUNK if world == "graph" else PHYSICS_CHUNK for world in worlds}
-    return [
-        Chunk(world, policy, first, min(size[world], episodes - first))
-        for world in worlds
-        for policy in policies
-        for first in range(0, episodes, size[world])
-    ]
 
 
 def summarise(table: pl.DataFrame) -> Summary:
@@ -97,9 +85,9 @@ class Run:
     seed: int
     info: dict[str, Any]  # content of run.json
     folder: RunFolder
-    chunks: list[Chunk]
-    metrics: tuple[str, ...]  # references, beside those that are known
+    metrics: tuple[str, ...]  # references, beside ours
     kept: tuple[str | int, ...]  # episodes, as of `kept.parse_kept`
+    chunks: list[Chunk] = field(default_factory=list)  # of `lay_out`
 
     @classmethod
     def plan(
@@ -118,7 +106,7 @@ class Run:
 
         Parameters
         ----------
-        metrics : references to metrics, beside those that are known
+        metrics : references to metrics, beside ours
         kept : episodes of every world and policy whose replays are kept; no part of what a run is
 
         Raises
@@ -143,12 +131,11 @@ class Run:
             table_bytes(in_all, setup.scenario.horizon),
             "give fewer",
         )
-        chunks = plan(policies, worlds, episodes)
-        setup.check_memory(max(chunk.count for chunk in chunks), recorded=True)
+        setup.check_memory(min(episodes, max(map(chunk_size, worlds))), recorded=True)
         setup = pinned(setup)
         info = run_info(setup, policies, worlds, episodes, seed, metrics)
         names = tuple(policies), tuple(worlds)
-        return cls(setup, *names, seed, info, RunFolder(folder), chunks, tuple(metrics), kept)
+        return cls(setup, *names, seed, info, RunFolder(folder), tuple(metrics), kept)
 
     def open(self, accept: bool = False) -> None:
         """Create the folder, or find the same run in it.
@@ -163,6 +150,21 @@ class Run:
             If it holds something else or cannot be written.
         """
         self.info.update(self.folder.open(self.info, accept))
+
+    def lay_out(self) -> None:
+        """Divide the run into chunks, those that its folder holds included.
+
+        The folder must be claimed: merged tables of fewer episodes become chunks again.
+
+        Raises
+        ------
+        UserError
+            If a table cannot be read or a chunk not be written.
+        """
+        if not self.folder.complete:
+            take_apart(self.folder)
+        held = self.folder.held(self.worlds, self.policies)
+        self.chunks[:] = plan(self.policies, self.worlds, self.info["episodes"], held)
 
     def merge(self, wall_s: float) -> None:
         """Merge the chunks into tables, and say in `run.json` what they took.
@@ -210,7 +212,7 @@ class Run:
         """
         summary = summarise(self.folder.episodes(self.chunks))
         write_json(self.folder.path / "summary.json", summary)
-        self.folder.finish(self.chunks)
+        self.folder.finish({*self.chunks, *self.folder.held(self.worlds, self.policies)})
         return summary
 
 
@@ -244,6 +246,8 @@ def carry_out(
             run.setup, run.seed, path, run.info, run.metrics, invocation, workers, at_once
         )
 
+    for run in runs:
+        run.lay_out()
     assignments = {
         place: assigned(run) for place, run in enumerate(runs) if not run.folder.complete
     }
@@ -313,7 +317,7 @@ def evaluate(
     setup : scenario and map
     policies : references, see `create_policy`
     worlds : names
-    metrics : `package.module:Class` of metrics to take beside those that are known
+    metrics : `package.module:Class` of metrics to take beside ours
     kept : episodes whose replays are kept, as of `kept.parse_kept`; a finished run is added to
     folder : run folder; an unfinished run of the same settings in it is resumed
     episodes : episodes per policy and world, 1 or more

@@ -1,6 +1,7 @@
 """Parquet files, read and written in one way: what is missing, cut, damaged or foreign is named."""
 
 import io
+import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -83,13 +84,20 @@ def parquet_bytes(frame: pl.DataFrame) -> bytes:
 def join_parquet(sources: Iterable[Path], target: Path) -> None:
     """Write the rows of several files, in their order, into one, without holding them all.
 
+    A number that some of them have no column for is undefined in their rows: NaN.
+
     Raises
     ------
     UserError
         If the target cannot be written.
     """
     with whole(target, pl.exceptions.PolarsError) as beside:
-        frame = pl.scan_parquet(list(sources), glob=False)
+        frame = pl.scan_parquet(files := list(sources), glob=False)
+        schemas = [read_schema(file) for file in files]
+        if any(schema != schemas[0] for schema in schemas):
+            frame = pl.concat([pl.scan_parquet(file, glob=False) for file in files], how="diagonal")
+            some = {name for one in schemas for name in one if any(name not in s for s in schemas)}
+            frame = frame.with_columns(pl.col(*some).fill_null(math.nan))
         frame.sink_parquet(beside, compression="zstd")
 
 

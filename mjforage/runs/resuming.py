@@ -20,6 +20,8 @@ from mjforage.runs.run_info import read_json
 
 CODE = ("versions", "code")
 """Keys whose differences can be accepted."""
+GROWS = "episodes"
+"""The key whose value may be larger than it was: episodes hang on seed and number alone."""
 UNCOMPARED = ("mjforage", "python")
 """Versions that are kept to be read: of mjforage the code counts, Python computes no number."""
 Resume = Literal["same", "fresh", "accept-code-change"]
@@ -63,6 +65,8 @@ def _compared(info: Mapping[str, Any], key: str) -> Any:
 
 
 def _words(there: object, here: object, path: tuple[str, ...]) -> Iterator[str]:
+    if path == (GROWS,) and _is_more(there, here):
+        return
     if isinstance(there, dict) and isinstance(here, dict):
         for name in {**there, **here}:
             yield from _words(there.get(name), here.get(name), (*path, name))
@@ -75,7 +79,12 @@ def _words(there: object, here: object, path: tuple[str, ...]) -> Iterator[str]:
         elif key == "agents":
             yield "the agents are others or in another order"
         else:
-            yield f"{key} is {_short(there)} there and {_short(here)} here"
+            kept = ", and a run goes on to more only" if key == GROWS else ""
+            yield f"{key} is {_short(there)} there and {_short(here)} here{kept}"
+
+
+def _is_more(there: object, here: object) -> bool:
+    return isinstance(there, int) and isinstance(here, int) and there < here
 
 
 def _of_code(there: object, here: object, file: str) -> str:
@@ -134,6 +143,8 @@ def open_folder(
 ) -> dict[str, Any]:
     """Create a folder whose file `<kind>.json` says what it holds, or check that it says the same.
 
+    One that holds fewer episodes of the same goes on to more: it is no longer complete then.
+
     Parameters
     ----------
     path : the folder
@@ -150,7 +161,7 @@ def open_folder(
     ------
     UserError
         If the folder holds another one (the difference is named) or something else, or cannot be
-        written.
+        written, or is just being written.
     """
     file = path / f"{kind}.json"
     with writing(path):
@@ -177,9 +188,14 @@ def open_folder(
     if differing and not (accept and acceptable(differing)):
         raise UserError(f"{path}: {refusal(kind, differing)}")
     content = with_accepted(there, info, differing)
-    if differing:
-        changed = {key: content[key] for key in (*CODE, "hash", "accepted") if key in content}
-        write_json(file, there | changed)
+    grown = there.get(GROWS) != info.get(GROWS)
+    if differing or grown:
+        keys = (*CODE, "hash", "accepted", *(("command", GROWS) if grown else ()))
+        changed = {key: content[key] for key in keys if key in content}
+        with claimed(path), writing(path):
+            if grown:
+                (path / "summary.json").unlink(missing_ok=True)  # before the file asks for more
+            write_json(file, there | changed)
     return content
 
 

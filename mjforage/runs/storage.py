@@ -10,7 +10,7 @@ import contextlib
 import json
 import shutil
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -122,6 +122,21 @@ class RunFolder:
         self.costs([chunk])
         return True
 
+    def has_folder(self, chunk: Chunk) -> bool:
+        """Whether a chunk is there, whatever it holds."""
+        return (self._chunks / chunk.name).is_dir()
+
+    def held(self, worlds: Iterable[str], policies: Iterable[str]) -> list[Chunk]:
+        """All chunks of these worlds and policies that are there, whatever they hold."""
+        names = list(policies)
+        known = {f"{one}-{file_label(name)}": (one, name) for one in worlds for name in names}
+        found = (path.name.rsplit("-", 2) for path in self._chunks.glob("[!.]*-*-*"))
+        return [
+            Chunk(*known[label], int(first), int(count))
+            for label, first, count in found
+            if label in known and first.isdecimal() and count.isdecimal()
+        ]
+
     def write(self, chunk: Chunk, frames: Mapping[str, pl.DataFrame], cost: Cost) -> None:
         """Store a finished chunk, whole or not at all.
 
@@ -179,7 +194,7 @@ class RunFolder:
             sources = [self._chunks / chunk.name / f"{table}.parquet" for chunk in chunks]
             join_parquet(sources, self.path / f"{table}.parquet")
 
-    def finish(self, chunks: list[Chunk]) -> None:
+    def finish(self, chunks: Iterable[Chunk]) -> None:
         """Remove the chunks of a complete run, and what killed runs were writing.
 
         Everything that chunks hold is in the merged tables.

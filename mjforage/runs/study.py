@@ -22,7 +22,7 @@ from mjforage.runs.evaluate import THIS_PROCESS, Progress, Run, carry_out
 from mjforage.runs.identity import provenance
 from mjforage.runs.kept import FIRST, KEPT
 from mjforage.runs.lock import claimed
-from mjforage.runs.resuming import Resume, open_folder, set_aside
+from mjforage.runs.resuming import GROWS, Resume, open_folder, set_aside
 from mjforage.runs.run_info import REMEDY, read_json
 from mjforage.runs.source_code import commit
 from mjforage.runs.workers import Workers
@@ -209,8 +209,9 @@ def _check_flags(folder: Path, info: Mapping[str, Any]) -> None:
     there, here = _told(found), _told(check(StudyInfo, info, "study"))
     if found.kind != info["kind"] or there.keys() != here.keys():
         return
-    for before, now in zip(there.values(), here.values(), strict=True):
-        if before != now:
+    for flag, before, now in zip(here, there.values(), here.values(), strict=True):
+        grows = flag == GROWS and found.episodes < info["episodes"]
+        if before != now and not grows:
             raise UserError(
                 f"{folder}: holds another study, made {before}, not {now}; go on {before}, or "
                 "choose another --out"

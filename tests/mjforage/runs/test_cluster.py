@@ -20,7 +20,8 @@ from mjforage.core.setup import Setup
 from mjforage.runs import cluster, variants
 from mjforage.runs.assignments import Assignment, run_chunk
 from mjforage.runs.costs import Invocation, load_costs
-from mjforage.runs.evaluate import Run, plan
+from mjforage.runs.evaluate import Run
+from mjforage.runs.layout import plan
 from mjforage.runs.study import Study, run_study
 from mjforage.runs.workers import Workers
 

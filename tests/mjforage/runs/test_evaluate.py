@@ -17,7 +17,7 @@ from mjforage.core.scenario_file import load_scenario
 from mjforage.core.schema import json_schema
 from mjforage.core.setup import Setup
 from mjforage.runs import evaluate as module
-from mjforage.runs import identity
+from mjforage.runs import identity, layout, source_code
 from mjforage.runs.costs import Costs
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import evaluate, summarise
@@ -240,7 +240,7 @@ def test_what_follows_from_the_tables_is_mended(
         ({"policies": ["greedy"]}, 'policies is ["greedy", "levy"] there and ["greedy"] here'),
         ({"policies": ["levy", "greedy"]}, 'policies is ["greedy", "levy"] there'),
         ({"seed": 5}, "seed is 0 there and 5 here"),
-        ({"episodes": 4}, "episodes is 3 there and 4 here"),
+        ({"episodes": 2}, "episodes is 3 there and 2 here, and a run goes on to more only"),
         ({"horizon": 13}, "scenario.horizon is 12 there and 13 here"),
         ({"overrides": ["team.scouts.count=3"]}, "scenario.team.scouts.count is 2 there and 3"),
         (
@@ -273,9 +273,13 @@ def test_weights_that_changed_are_another_run(
 def test_another_version_is_refused(
     run_copy: Path, evaluate_small: Small, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(identity, "version", lambda name: "99.0")
-    with pytest.raises(UserError, match=r'versions.mjforage is "[0-9.]+" there and "99.0" here'):
+    monkeypatch.setattr(source_code, "_version", lambda name: "99.0")
+    identity._code_of.cache_clear()
+    identity._mission_code.cache_clear()
+    with pytest.raises(UserError, match=r'versions.numba is "[0-9.]+" there and "99.0" here'):
         evaluate_small(run_copy)
+    identity._code_of.cache_clear()
+    identity._mission_code.cache_clear()
 
 
 @pytest.fixture
@@ -370,7 +374,7 @@ def test_the_largest_seed_runs(evaluate_small: Small, tmp_path: Path) -> None:
 def test_progress_counts_from_what_is_done_to_all(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "CHUNK", 2)
+    monkeypatch.setattr(layout, "CHUNK", 2)
     setup = Setup.of(load_scenario("comb-port", ["horizon=3"]))
     seen: list[tuple[int, int]] = []
 

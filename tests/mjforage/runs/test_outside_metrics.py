@@ -199,6 +199,15 @@ def test_an_error_in_an_installed_one_is_one_line(installed: Path) -> None:
         played("run", "left")
 
 
+def test_episodes_that_come_when_it_is_gone_have_none(folder: Path) -> None:
+    before = RunFolder(played("run", OWN)).table("episodes")["left"].to_list()
+    run = played("run", episodes=3, resume="accept-code-change")
+    left = RunFolder(run).table("episodes")["left"].to_list()
+    assert left[:2] == before and math.isnan(left[2])
+    found = json.loads((run / "summary.json").read_text())["graph"]["greedy"]["left"]
+    assert found["n"] == 2
+
+
 @pytest.mark.usefixtures("unprinted")
 def test_a_study_takes_it(folder: Path, command: Callable[..., Any]) -> None:
     varied = variants.ablation(setup().scenario, ["greedy"])

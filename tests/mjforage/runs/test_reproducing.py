@@ -9,9 +9,8 @@ from typing import Any
 import polars as pl
 import pytest
 
-from mjforage.runs import evaluate as module
-from mjforage.runs import source_code
-from mjforage.runs.evaluate import plan
+from mjforage.runs import layout, source_code
+from mjforage.runs.layout import plan
 from mjforage.runs.tables import TABLES
 from mjforage.runs.workers import Workers
 
@@ -65,11 +64,11 @@ UNEVEN: dict[str, Any] = {
 def test_logs_do_not_depend_on_the_chunk(
     chunk: int, evaluate_small: Small, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "CHUNK", 9)
+    monkeypatch.setattr(layout, "CHUNK", 9)
     whole = evaluate_small(tmp_path / "whole", **UNEVEN)
     lengths = tables(whole)["episodes"]["length"].to_list()
     assert min(lengths) < 150 == max(lengths), "some episodes of a batch must end before others"
-    monkeypatch.setattr(module, "CHUNK", chunk)
+    monkeypatch.setattr(layout, "CHUNK", chunk)
     assert len(plan(["greedy"], ["graph"], 9)) == math.ceil(9 / chunk)
     parts = evaluate_small(tmp_path / "parts", **UNEVEN)
     assert_bitwise_equal(tables(whole), tables(parts))
@@ -78,7 +77,7 @@ def test_logs_do_not_depend_on_the_chunk(
 def test_logs_do_not_depend_on_the_workers(
     evaluate_small: Small, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "CHUNK", 2)
+    monkeypatch.setattr(layout, "CHUNK", 2)
     one = evaluate_small(tmp_path / "one", **UNEVEN)
     two = evaluate_small(tmp_path / "two", workers=Workers(2), **UNEVEN)
     assert_bitwise_equal(tables(one), tables(two))

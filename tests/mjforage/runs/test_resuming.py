@@ -8,13 +8,19 @@ import subprocess
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
+from mjforage.runs import layout
 from mjforage.runs.assignments import Assignment, run_chunk
-from mjforage.runs.evaluate import CHUNK, evaluate, plan
+from mjforage.runs.costs import load_costs
+from mjforage.runs.evaluate import evaluate
+from mjforage.runs.layout import CHUNK, plan
+from mjforage.runs.lock import claimed
 from mjforage.runs.resuming import Difference, refusal
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import TABLES
@@ -239,6 +245,101 @@ def test_only_missing_chunks_are_computed(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr("mjforage.runs.distributing.run_chunk", note)
     undisturbed(run, 2 * CHUNK + 10)
     assert asked == [CHUNK, 2 * CHUNK]
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, int, int]]:
+    """Policy, first episode and number of the chunks that are computed, two episodes at most."""
+    found: list[tuple[str, int, int]] = []
+
+    def note(assignment: Assignment, chunk: Chunk) -> str | None:
+        found.append((chunk.policy, chunk.first, chunk.count))
+        return run_chunk(assignment, chunk)
+
+    monkeypatch.setattr("mjforage.runs.distributing.run_chunk", note)
+    monkeypatch.setattr(layout, "CHUNK", 2)
+    return found
+
+
+def of_episodes(folder: Path, episodes: int, **options: Any) -> Path:
+    setup = Setup.of(load_scenario("comb-port", ["horizon=5"]))
+    evaluate(setup, ["levy", "greedy"], folder, episodes=episodes, **options)
+    return folder
+
+
+def assert_equal(run: Path, whole: Path) -> None:
+    """The same tables to the bit, in files that may be divided otherwise."""
+    assert (run / "summary.json").read_bytes() == (whole / "summary.json").read_bytes()
+    for name in TABLES:
+        one, other = RunFolder(run).table(name), RunFolder(whole).table(name)
+        assert one.equals(other) and one.schema == other.schema, name
+    assert not (run / "chunks").exists()
+
+
+def test_a_finished_run_goes_on_to_more_episodes(
+    asked: list[tuple[str, int, int]], tmp_path: Path
+) -> None:
+    run, whole = of_episodes(tmp_path / "run", 3), of_episodes(tmp_path / "whole", 6)
+    asked.clear()
+    of_episodes(run, 6)
+    assert asked == [("levy", 3, 1), ("levy", 4, 2), ("greedy", 3, 1), ("greedy", 4, 2)]
+    assert_equal(run, whole)
+    info = json.loads((run / "run.json").read_text())
+    assert info["episodes"] == 6
+    counted = [(one.policy, one.episodes) for one in load_costs(run / "costs.json")]
+    assert counted == [(name, n) for name in ("levy", "greedy") for n in (2, 1, 1, 2)]
+    asked.clear()
+    of_episodes(run, 6)
+    assert asked == []
+    with pytest.raises(UserError, match="episodes is 6 there and 3 here, and a run goes on to"):
+        of_episodes(run, 3)
+
+
+def test_a_stopped_run_goes_on_to_more_episodes(
+    asked: list[tuple[str, int, int]], tmp_path: Path
+) -> None:
+    def stop(done: int, _: int) -> None:
+        if done > 3:
+            raise KeyboardInterrupt
+
+    run = tmp_path / "run"
+    with contextlib.suppress(KeyboardInterrupt):
+        of_episodes(run, 3, progress=stop)
+    assert asked == [("levy", 0, 2), ("levy", 2, 1), ("greedy", 0, 2)]
+    asked.clear()
+    of_episodes(run, 5)
+    assert asked == [("levy", 3, 1), ("levy", 4, 1), ("greedy", 2, 2), ("greedy", 4, 1)]
+    assert_equal(run, of_episodes(tmp_path / "whole", 5))
+
+
+@pytest.mark.parametrize("moment", [1, 3])
+def test_a_run_killed_while_it_goes_on_to_more_loses_nothing(
+    asked: list[tuple[str, int, int]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: int
+) -> None:
+    """As its tables become chunks again, of which some are whole."""
+    run, write, left = of_episodes(tmp_path / "run", 3), RunFolder.write, iter(range(9))
+
+    def killed(*words: Any) -> None:
+        if next(left) == moment:
+            raise KeyboardInterrupt
+        write(*words)
+
+    with monkeypatch.context() as during, contextlib.suppress(KeyboardInterrupt):
+        during.setattr(RunFolder, "write", killed)
+        of_episodes(run, 4)
+    assert len(list((run / "chunks").iterdir())) == moment
+    assert not (run / "summary.json").exists()
+    asked.clear()
+    of_episodes(run, 4)
+    assert asked == [("levy", 3, 1), ("greedy", 3, 1)]
+    assert_equal(run, of_episodes(tmp_path / "whole", 4))
+
+
+def test_nobody_goes_on_to_more_of_a_run_that_is_being_written(tmp_path: Path) -> None:
+    run = of_episodes(tmp_path / "run", 1)
+    with claimed(run), pytest.raises(UserError, match="another process is writing this run"):
+        of_episodes(run, 2)
+    assert of_episodes(run, 1) and (run / "summary.json").exists()
 
 
 DIE_AT = """

@@ -12,6 +12,7 @@ import jsonschema
 import polars as pl
 import pytest
 
+from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.schema import json_schema
 from mjforage.core.setup import Setup
@@ -90,6 +91,17 @@ def test_a_stopped_study_goes_on_where_it_was(finished: Path, tmp_path: Path) ->
     calls = sorted({cost.started for cost in costs})
     counted = [sum(c.episodes for c in costs if c.started == call) for call in calls]
     assert counted == [30, 36], "what the stopped call computed is counted as its own"
+
+
+def test_a_finished_study_goes_on_to_more_episodes(folder: Path, tmp_path: Path) -> None:
+    seen: list[int] = []
+    run_study(plan(4), folder, progress=lambda done, total: seen.append(done))
+    assert seen[0] == 66, "finished chunks were computed again"
+    run_study(plan(4), tmp_path / "whole")
+    assert (folder / "summary.json").read_bytes() == (tmp_path / "whole/summary.json").read_bytes()
+    assert json.loads((folder / "study.json").read_text())["episodes"] == 4
+    with pytest.raises(UserError, match="made with --episodes 4, not with --episodes 3; go on"):
+        run_study(plan(3), folder)
 
 
 @pytest.mark.parametrize(
