@@ -14,7 +14,7 @@ import numba
 import numpy as np
 from numba.core import event, types
 
-from mjforage.base.kernel_cache import KernelCache
+from mjforage.base.kernel_cache import AWAITED, KernelCache
 
 F = TypeVar("F", bound=Callable[..., object])
 T = TypeVar("T")
@@ -34,11 +34,12 @@ class _Compiling(event.Listener):
 
 
 _compiling = _Compiling()
-event.register("numba:compile", _compiling)  # type: ignore[no-untyped-call]
+for _kind in ("numba:compile", AWAITED):
+    event.register(_kind, _compiling)  # type: ignore[no-untyped-call]
 
 
 def compiling() -> bool:
-    """Whether a kernel is being compiled in this process at this moment."""
+    """Whether this process compiles a kernel at this moment, or waits for one that does."""
     return _compiling.depth > 0
 
 
@@ -114,6 +115,7 @@ def _compiled(function: F, inline: str, fastmath: object = False) -> F:
         )
         if hasattr(made, "overloads"):  # not when numba is switched off
             made._cache = KernelCache(made)
+            made.compile = made._cache.once(made.compile)
         return made
 
     outer = dispatcher(bare=False)

@@ -1,8 +1,9 @@
 """Compiled kernels on disk, one file for each kernel and types of arguments, named by its content.
 
 All checkouts and installations of a user share one folder: the environment variable
-`NUMBA_CACHE_DIR` if it is set, else the user's folder for caches. A folder that cannot be written
-is read all the same; what it lacks is compiled in every process, and that is said once.
+`NUMBA_CACHE_DIR` if it is set, else the user's folder for caches. Of processes that want the same
+kernel one compiles it, and the others wait for its file. A folder that cannot be written is read
+all the same; what it lacks is compiled in every process, and that is said once.
 """
 
 import hashlib
@@ -10,20 +11,27 @@ import logging
 import os
 import sys
 import time
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
 import numba
-from numba.core import compiler, config
+from filelock import FileLock, Timeout
+from numba.core import compiler, config, event
 from numba.core.caching import IndexDataCacheFile
 
 from mjforage.base.kernel_content import content, type_content
 
 KEPT_DAYS = 60
 """Kernels that no process has read for so long are deleted when another one is written."""
+AWAITED = "mjforage:awaited"
+"""Kind of numba's events: begins and ends with waiting for a process that compiles."""
+PATIENCE_S = 300.0
+"""A kernel that another process has not compiled for so long is compiled here as well."""
 _DAY_S = 86_400.0
+_held: set[str] = set()  # kernels that this process compiles just now
 _log = logging.getLogger(__name__)
 
 
@@ -48,6 +56,40 @@ class KernelCache:
     def __init__(self, dispatcher: Any) -> None:
         self._dispatcher = dispatcher
         self.cache_path = str(kernel_folder() or "")
+
+    def once(self, compile_it: Callable[[Any], Any]) -> Callable[[Any], Any]:
+        """The dispatcher's way of compiling, of which one process at a time goes for a kernel."""
+
+        def compiled(signature: Any) -> Any:
+            with self._alone(signature):
+                return compile_it(signature)
+
+        return compiled
+
+    @contextmanager
+    def _alone(self, signature: Any) -> Iterator[None]:
+        """Keep other processes from compiling the same; the system lets go with the process.
+
+        Nothing is kept from them where the disk has the kernel, or has no locks.
+        """
+        folder, path = kernel_folder(), None
+        if folder is not None and signature not in self._dispatcher.overloads:
+            path = folder / self._name(signature, self._dispatcher.targetctx.codegen())
+        if path is None or path.name in _held or path.is_file():
+            yield
+            return
+        lock = FileLock(f"{path}.lock", timeout=PATIENCE_S)
+        with suppress(OSError, NotImplementedError, Timeout), _waiting():
+            lock.acquire()
+        _held.add(path.name)
+        try:
+            yield
+        finally:
+            _held.discard(path.name)
+            if lock.is_locked:
+                with suppress(OSError):
+                    os.unlink(lock.lock_file)
+            lock.release()
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """The compiled kernel for the types of its arguments; None if the disk has none."""
@@ -102,6 +144,10 @@ class KernelCache:
         )
         digest = hashlib.sha256(repr(depends).encode()).hexdigest()[:32]
         return f"{function.__module__}.{function.__name__}-{digest}.nbc"
+
+
+def _waiting() -> Any:
+    return cast(Any, event).trigger_event(AWAITED)
 
 
 def _files(folder: Path) -> Any:

@@ -190,3 +190,83 @@ def test_a_user_without_a_home_goes_on(tmp_path: Path) -> None:
     assert said.stdout.split() == [str(FIRST), "0"]
     assert said.stderr.count("cannot be kept") == 1 and "set NUMBA_CACHE_DIR" in said.stderr
     assert not (tmp_path / "kept").exists()
+
+
+TOGETHER = """
+import sys, time
+from pathlib import Path
+from numba.core import event
+from mjforage.base.compiled import compiling
+from flotilla.steering import Order, steer
+
+class Heard(event.Listener):
+    def __init__(self, words):
+        self.words = words
+    def on_start(self, event):
+        of = (event.data or {}).get("dispatcher")
+        bare = of and of.targetoptions.get("no_cpython_wrapper")
+        print(self.words, compiling(), of and of.py_func.__name__, bare)
+    def on_end(self, event):
+        pass
+
+event.register("numba:compile", Heard("compiles"))
+Path(sys.argv[1]).touch()
+while len(list(Path(".").glob("ready-*"))) < 3:
+    time.sleep(0.001)
+print(steer(Order(course=1.0, speed=10.0)))
+"""
+
+
+def started(folder: Path, cache: Path, number: int) -> "subprocess.Popen[str]":
+    return subprocess.Popen(
+        [sys.executable, "-c", TOGETHER, f"ready-{number}"],
+        cwd=folder,
+        env=os.environ | {"NUMBA_CACHE_DIR": str(cache)},
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+
+
+def test_of_processes_that_want_a_kernel_one_compiles_it(tmp_path: Path) -> None:
+    written(tmp_path)
+    processes = [started(tmp_path, tmp_path / "kept", number) for number in range(3)]
+    said = "".join(process.communicate(timeout=600)[0] for process in processes).splitlines()
+    assert [process.returncode for process in processes] == [0, 0, 0]
+    assert said.count(str(FIRST)) == 3
+    compiled = [line for line in said if line.startswith("compiles")]
+    assert sorted(compiled) == [
+        "compiles True rudder True",
+        "compiles True steer False",
+        "compiles True turned True",
+    ]
+    assert not list(tmp_path.rglob("*.lock"))
+
+
+KILLED = """
+import os, signal
+from numba.core import event
+
+class Dies(event.Listener):
+    def on_start(self, event):
+        os.kill(os.getpid(), signal.SIGKILL)
+    def on_end(self, event):
+        pass
+
+event.register("numba:compile", Dies())
+"""
+
+
+def test_one_that_is_killed_while_it_compiles_holds_nobody_up(tmp_path: Path) -> None:
+    written(tmp_path)
+    with pytest.raises(subprocess.CalledProcessError):
+        run(tmp_path, tmp_path / "kept", KILLED + ASK)
+    assert list(tmp_path.rglob("flotilla.steering.steer-*.lock"))
+    assert ask(tmp_path, tmp_path / "kept") == (FIRST, False)
+
+
+def test_one_that_cannot_compile_lets_others_try(tmp_path: Path) -> None:
+    package = written(tmp_path)
+    (package / "wheel.py").write_text(PACKAGE["wheel.py"].replace("2.0 * x", "x.y"))
+    with pytest.raises(subprocess.CalledProcessError) as caught:
+        run(tmp_path, tmp_path / "kept")
+    assert "TypingError" in caught.value.stderr and not list(tmp_path.rglob("*.lock"))
