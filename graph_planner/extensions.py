@@ -7,16 +7,16 @@ names travel, finds them again by `places` and `adopt`.
 
 import importlib
 import inspect
-import re
 import sys
 from collections.abc import Callable, Iterable
 from functools import cached_property
-from importlib.metadata import EntryPoint, entry_points, requires
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from traceback import walk_tb
 from typing import Any, Generic, NamedTuple, TypeVar, cast
 
 from graph_planner.errors import UserError
+from graph_planner.extras import how_to_install
 from graph_planner.references import Reference, bind, nearest, parse_reference
 
 T = TypeVar("T", bound=Callable[..., Any])
@@ -231,22 +231,6 @@ def _reach(folder: str) -> None:
         sys.path.append(folder)
 
 
-def extra_with(module: str) -> str:
-    """The extra of mjforage that brings a module, by the name of its distribution; "" if none.
-
-    Of several the smallest.
-    """
-    wanted = module.partition(".")[0].replace("_", "-").lower()
-    extras: dict[str, set[str]] = {}
-    for text in requires("mjforage") or ():
-        name = re.match(r"[\w.-]+", text)
-        extra = re.search(r"""extra == ["']([\w-]+)["']""", text)
-        if name and extra:
-            extras.setdefault(extra[1], set()).add(name[0].replace("_", "-").lower())
-    found = [extra for extra, names in extras.items() if wanted in names]
-    return min(found, key=lambda extra: len(extras[extra]), default="")
-
-
 def _imported(reference: str, what: str) -> Any:
     """Import `package.module:Name`.
 
@@ -263,11 +247,8 @@ def _imported(reference: str, what: str) -> Any:
         found: Any = importlib.import_module(module_name)
     except ModuleNotFoundError as error:
         if not error.name or not f"{module_name}.".startswith(f"{error.name}."):
-            extra = extra_with(str(error.name))
-            how = f", with `pip install 'mjforage[{extra}]'`" if extra else ""
-            raise UserError(
-                f"{what}: module {module_name} needs {error.name}; install it{how}"
-            ) from error
+            remedy = how_to_install(str(error.name))
+            raise UserError(f"{what}: module {module_name} needs {error.name}; {remedy}") from error
         raise UserError(
             f"{what}: no module {error.name} is installed or in {Path.cwd()}; go to its folder or "
             "name it in PYTHONPATH"

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from graph_planner.belief_planner.routes import Legs
-from graph_planner.errors import UserError
+from graph_planner.extras import require
 
 _TICKS = 10  # parts of a decision that the solver, which counts in integers, tells apart
 _SHARES = 100  # parts of an item that it tells apart
@@ -43,13 +43,10 @@ def routing_library() -> Library:
     UserError
         If it is not installed.
     """
-    try:
-        from ortools.constraint_solver import pywrapcp, routing_enums_pb2
-        from ortools.util import optional_boolean_pb2
-    except ImportError:
-        raise UserError(
-            "policy orienteering: OR-tools is not installed; pip install 'mjforage[orienteering]'"
-        ) from None
+    require("policy orienteering", "ortools")
+    from ortools.constraint_solver import pywrapcp, routing_enums_pb2
+    from ortools.util import optional_boolean_pb2
+
     return Library(pywrapcp, routing_enums_pb2, optional_boolean_pb2)
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from graph_planner.encodings import create_encoder, encoder_class
 from graph_planner.errors import WeightsError
 from graph_planner.plain import plain
+from graph_planner.extras import require
 from graph_planner.policies.registry import plays_weights, register
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task
@@ -27,9 +28,12 @@ class QPolicy:
     ------
     WeightsError
         If the file is missing or of another kind; on `reset`, if it does not fit the task.
+    UserError
+        If torch is not installed.
     """
 
     def __init__(self, path: Path) -> None:
+        require(f"policy {path.stem}", "torch")
         self._path = path
         self.files = (path,)
         self._header = read_header(path)

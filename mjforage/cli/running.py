@@ -73,7 +73,7 @@ def _words(error: BaseException) -> str:
         return missing(error)
     if isinstance(error, UserError | cyclopts.CycloptsError):
         return str(error)
-    if words := _of_a_part(error):
+    if words := _of_an_extra(error) or _of_a_part(error):
         return words
     if isinstance(error, MemoryError):
         return f"not enough memory ({error}); give smaller options, or fewer episodes at once"
@@ -83,6 +83,16 @@ def _words(error: BaseException) -> str:
         where, reason = error.filename or "a file", error.strerror or str(error)
         return f"{where}: {reason}; {remedy(error)}"
     return ""
+
+
+def _of_an_extra(error: BaseException) -> str:
+    """What is said of a package that only an extra brings."""
+    if not isinstance(error, ModuleNotFoundError):
+        return ""
+    from graph_planner.extras import extra_with, how_to_install
+
+    name = error.name or ""
+    return f"{name} is needed and not installed; {how_to_install(name)}" if extra_with(name) else ""
 
 
 def _of_a_part(error: BaseException) -> str:

@@ -18,9 +18,9 @@ def schemas_of_files() -> Mapping[str, tuple[str, Any]]:
     """Name -> what file it is, and its schema."""
     from mjforage.core.capture import Capture
     from mjforage.core.scenario import Scenario
-    from mjforage.learning.training.checkpoint import TrainingInfo
     from mjforage.learning.training.hyperparameters import Hyperparameters
     from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
+    from mjforage.learning.training.training_info import TrainingInfo
     from mjforage.physics.scene import DebrisClass
     from mjforage.physics.vessels import Vessel
     from mjforage.runs.costs import Costs

@@ -42,8 +42,8 @@ def train(
     Parameters
     ----------
     algorithm
-        ddqn (Double DQN), mappo (multi-agent PPO; pip install 'mjforage[mappo]'), a name that an
-        installed package brings, or MODULE:CLASS of your own.
+        ddqn (Double DQN), mappo (multi-agent PPO), a name that an installed package brings, or
+        MODULE:CLASS of your own; pip install 'mjforage[learn]' brings what training needs.
     scenario
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     world
@@ -79,8 +79,11 @@ def train(
     out
         Folder of the run; default runs/ALGORITHM-SCENARIO.
     """
+    from graph_planner.extras import require
     from graph_planner.references import with_options
     from mjforage.core.scenario_file import load_scenario
+
+    require(f"train {algorithm}", "torch", "tensorboard")
     from mjforage.learning.training.algorithms import find_algorithm
     from mjforage.learning.training.hyperparameters import changed
     from mjforage.learning.training.run import train_with

@@ -1,7 +1,6 @@
 """dask clusters: reaching one, giving it work, and what its workers must agree with."""
 
 import asyncio
-import importlib.util
 import logging
 import socket
 import time
@@ -12,6 +11,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from graph_planner.extensions import Place
+from graph_planner.extras import require
 from mjforage.core.errors import UserError
 from mjforage.core.setup import Setup
 from mjforage.runs.identity import run_info
@@ -116,8 +116,7 @@ def _client(scheduler: str, local_cluster: int, open_things: ExitStack) -> Any:
 
 def check_dask() -> None:
     """Raise UserError where dask is not installed."""
-    if importlib.util.find_spec("distributed") is None:
-        raise UserError("dask is not installed; pip install 'mjforage[cluster]'")
+    require("dask", "distributed")
 
 
 async def _answer(scheduler: str) -> None:

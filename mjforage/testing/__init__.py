@@ -8,11 +8,16 @@ Call them in your tests; what fails is a `ConformanceError` of one sentence:
         check_policy("my_policies:North(heading=2)", scenario="comb-port")
 """
 
-from mjforage.testing.algorithm_checks import check_algorithm
+from typing import TYPE_CHECKING, Any
+
+from graph_planner.extras import require
 from mjforage.testing.conformance import ConformanceError
 from mjforage.testing.environment_checks import check_environment
 from mjforage.testing.part_checks import check_metric, check_observation, check_reward
 from mjforage.testing.policy_checks import check_policy
+
+if TYPE_CHECKING:
+    from mjforage.testing.algorithm_checks import check_algorithm
 
 __all__ = [
     "ConformanceError",
@@ -23,3 +28,13 @@ __all__ = [
     "check_policy",
     "check_reward",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """`check_algorithm`, which alone needs torch."""
+    if name != "check_algorithm":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    require(name, "torch")
+    from mjforage.testing.algorithm_checks import check_algorithm
+
+    return check_algorithm

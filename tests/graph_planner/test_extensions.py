@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from graph_planner.errors import UserError
-from graph_planner.extensions import Place, Table, extra_with
+from graph_planner.extensions import Place, Table
+from graph_planner.extras import extra_with
 
 METADATA = "Metadata-Version: 2.1\nName: reef-tools\nVersion: 1.2\n"
 SOURCE = '''class Reef:
@@ -83,7 +84,7 @@ def test_a_module_of_an_extra_is_installed_with_it(installed: Path) -> None:
     assert extra_with("stable_baselines3.common") == "libraries"
     assert not extra_with("no_such_thing") and not extra_with("numpy")
     (installed / "needy.py").write_text("raise ModuleNotFoundError(name='stable_baselines3')")
-    with pytest.raises(UserError, match=r"install it, with `pip install 'mjforage\[libraries\]'`"):
+    with pytest.raises(UserError, match=r"install it with pip install 'mjforage\[libraries\]'"):
         boats().find("needy:X")
 
 

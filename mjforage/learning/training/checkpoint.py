@@ -7,7 +7,7 @@ generator are JSON in the file's header, so a checkpoint is whole or absent.
 import dataclasses
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from safetensors import SafetensorError, safe_open
 from graph_planner.encodings import encoder_class
 from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import scenario_to_tree
-from mjforage.core.schema import OPEN, check
+from mjforage.core.schema import check
 from mjforage.learning.training.algorithm import Algorithm
 from mjforage.learning.training.files import save_tensors
 from mjforage.learning.training.progress import Progress
@@ -25,41 +25,6 @@ from mjforage.learning.training.progress import Progress
 FORMAT = "mjforage training checkpoint 4"
 _NOTE = "mjforage"
 REMEDY = "remove it or give another --out"
-
-
-@dataclass(frozen=True)
-class TrainingInfo:
-    """Content of `training.json`."""
-
-    __pydantic_config__ = OPEN
-
-    command: str
-    """The command that made the folder."""
-    algorithm: str
-    """The class that trained."""
-    scenario: Mapping[str, Any]
-    """The whole scenario, defaults included."""
-    also: tuple[Mapping[str, Any], ...]
-    """Scenarios that rounds take in turn with the first."""
-    hyperparameters: Mapping[str, Any]
-    """All that the algorithm was told, defaults included."""
-    seed: int
-    """Seed of the run."""
-    device: str
-    """Kind of device that it runs on."""
-    versions: Mapping[str, str]
-    """Versions of what decides the numbers."""
-    weights: Mapping[str, str] = field(default_factory=dict)
-    """Hash of the weights of the teacher, and of those that the networks began with."""
-    evaluate: tuple[Mapping[str, Any], ...] = ()
-    """Scenarios of evaluations; absent where it is the first of the run."""
-    maps: str = ""
-    """Hash of the cells and starts of the maps; of a family, of its ends."""
-    hulls: str = ""
-    """Hash of the hulls, debris and capture models; absent in the graph world."""
-    instructions: str = ""
-    """Processor's instructions that torch used where the run began, such as AVX2: the last bits of
-    what is learned depend on them."""
 
 
 @dataclass(frozen=True)

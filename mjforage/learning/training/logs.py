@@ -4,6 +4,7 @@ from pathlib import Path
 
 import polars as pl
 
+from graph_planner.extras import require
 from mjforage.core.whole_files import write_bytes
 from mjforage.learning.training.progress import Progress, Row
 from mjforage.runs.parquet import parquet_bytes, read_parquet
@@ -23,6 +24,7 @@ class Logs:
     """
 
     def __init__(self, folder: Path, progress: Progress) -> None:
+        require("train: its log", "tensorboard")
         from torch.utils.tensorboard import SummaryWriter
 
         self._folder = folder

@@ -14,7 +14,6 @@ import av.filter
 import numpy as np
 from numpy.typing import NDArray
 
-GIF_MOST_FPS = 50  # viewers slow down frames shorter than 2/100 s
 HELD = 12  # of 255: by how much a colour may differ from the frame's and stay
 _TICK_S = Fraction(1, 100)  # in which GIF counts time
 _LOSSLESS, _PIXELS, _COLOURS = "ffv1", "bgr0", "bgra"

@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.extras import require
 from mjforage.core.errors import UserError
 
 logger = logging.getLogger(__name__)
@@ -171,6 +172,7 @@ class Canvas:
 
 def _context(backend: str, width: int, height: int) -> Any:
     """MuJoCo's context of the backend; importing it loads OpenGL."""
+    require("drawing in MuJoCo", "OpenGL")
     try:
         if backend == EGL:
             from mujoco.egl import GLContext

@@ -3,25 +3,21 @@
 import os
 import re
 from collections.abc import Callable, Iterator
-from fractions import Fraction
+from itertools import chain
 from pathlib import Path
 
-import av
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image as PilImage
 
+from graph_planner.extras import require
 from mjforage.core.errors import UserError
 from mjforage.core.whole_files import whole
-from mjforage.view.render.gif import GIF_MOST_FPS, write_gif
 
 Frames = Iterator[NDArray[np.uint8]]  # each (height, width, 3)
+Writer = Callable[[Frames, Path, float], int]
 NUMBERED = re.compile(r"%0?\d*d")
-_ENCODERS = (
-    ("libx264", {"preset": "veryfast", "crf": "19"}),
-    ("libopenh264", {"b": "8000000"}),
-    ("mpeg4", {"qscale": "3"}),
-)  # the first that this build of FFmpeg has
+GIF_MOST_FPS = 50  # viewers slow down frames shorter than 2/100 s
 _FORMATS = "FILE.mp4, FILE.gif, FILE.png, frames-%04d.png or an existing folder"
 
 
@@ -46,7 +42,7 @@ def write_video(frames: Frames, path: Path, fps: float) -> int:
     return count
 
 
-def check_target(path: Path, fps: float) -> Callable[[Frames, Path, float], int]:
+def check_target(path: Path, fps: float) -> Writer:
     """Return the writer for `path`; call it before a long job to fail early.
 
     Raises
@@ -65,6 +61,8 @@ def check_target(path: Path, fps: float) -> Callable[[Frames, Path, float], int]
         if path.suffix.lower() not in known:
             raise UserError(f"output {path}: unknown kind of file; name {_FORMATS}")
         writer = known[path.suffix.lower()]
+        if writer is not _write_png:
+            require(f"output {path}", "av")
     if path.suffix.lower() == ".gif" and fps > GIF_MOST_FPS:
         raise UserError(f"fps {fps:g}: a GIF shows at most {GIF_MOST_FPS} frames/s; name an .mp4")
     if not folder.is_dir():
@@ -94,62 +92,26 @@ def _counted(frames: Frames) -> Frames:
 
 
 def _write_mp4(frames: Frames, path: Path, fps: float) -> int:
-    first = next(frames, None)
-    if first is None:
-        return 0
-    with whole(path, av.FFmpegError) as part:
-        options = {"movflags": "faststart"}
-        with av.open(str(part), "w", format="mp4", options=options) as container:
-            stream = _video_stream(container, fps, first.shape[0], first.shape[1])
-            count = 0
-            for frame in _chain(first, frames):
-                picture = av.VideoFrame.from_ndarray(_even(frame), format="rgb24")
-                picture.pts = count
-                picture.time_base = 1 / Fraction(stream.codec_context.framerate)
-                container.mux(stream.encode(picture))
-                count += 1
-            container.mux(stream.encode(None))
-    return count
+    from mjforage.view.render.mp4 import write_mp4
 
-
-def _video_stream(
-    container: av.container.OutputContainer, fps: float, height: int, width: int
-) -> av.video.stream.VideoStream:
-    name, options = next((n, o) for n, o in _ENCODERS if _has_encoder(n))
-    rate = Fraction(fps).limit_denominator(1001)
-    stream = container.add_stream(name, rate=rate, options=dict(options))
-    assert isinstance(stream, av.video.stream.VideoStream)
-    stream.width, stream.height = width + width % 2, height + height % 2
-    stream.pix_fmt = "yuv420p"
-    return stream
-
-
-def _has_encoder(name: str) -> bool:
-    try:
-        av.codec.Codec(name, "w")
-    except av.codec.codec.UnknownCodecError:
-        return False
-    return True
-
-
-def _even(frame: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    height, width = frame.shape[:2]
-    if height % 2 == 0 and width % 2 == 0:
-        return np.ascontiguousarray(frame)
-    return np.pad(frame, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
-
-
-def _chain(first: NDArray[np.uint8], rest: Frames) -> Frames:
-    yield first
-    yield from rest
+    return _encoded(write_mp4, frames, path, fps)
 
 
 def _write_gif(frames: Frames, path: Path, fps: float) -> int:
+    from mjforage.view.render.gif import write_gif
+
+    return _encoded(write_gif, frames, path, fps)
+
+
+def _encoded(write: Writer, frames: Frames, path: Path, fps: float) -> int:
+    """Have libav write frames, if there is one."""
+    import av
+
     first = next(frames, None)
     if first is None:
         return 0
     with whole(path, av.FFmpegError) as part:
-        return write_gif(_chain(first, frames), part, fps)
+        return write(chain((first,), frames), part, fps)
 
 
 def _write_png(frames: Frames, path: Path, fps: float) -> int:
@@ -192,5 +154,5 @@ def _refuse_old(pattern: Path) -> None:
 
 
 def _save_png(frame: NDArray[np.uint8], path: Path) -> None:
-    with whole(path, av.FFmpegError) as part, part.open("wb") as file:
+    with whole(path) as part, part.open("wb") as file:
         PilImage.fromarray(frame).save(file, format="PNG", compress_level=4)

@@ -366,4 +366,4 @@ def test_dask_that_is_missing_is_named(
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     flags = ("--local-cluster", 1, "--out", tmp_path / "run")
     words = refused("evaluate", "comb-port", "--policy", "greedy", *flags)
-    assert "dask is not installed; pip install 'mjforage[cluster]'" in words
+    assert "dask: needs distributed; install it with pip install 'mjforage[cluster]'" in words

@@ -14,6 +14,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from graph_planner.extras import require
 from graph_planner.inference import one_thread
 from graph_planner.navigation import STAY
 from graph_planner.q_network import MoveNetwork
@@ -246,12 +247,7 @@ def _torchrl() -> ModuleType:
     UserError
         If it is not installed.
     """
-    try:
-        from mjforage.learning.training.mappo import updates
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] not in ("torchrl", "tensordict"):
-            raise
-        raise UserError(
-            f"train mappo: {error.name} is not installed; pip install 'mjforage[mappo]'"
-        ) from error
+    require("train mappo", "torchrl")
+    from mjforage.learning.training.mappo import updates
+
     return updates

@@ -26,13 +26,14 @@ from mjforage.core.scenario_file import load_scenario
 from mjforage.core.schema import check, json_schema
 from mjforage.core.setup import Setup
 from mjforage.learning.training import run
-from mjforage.learning.training.checkpoint import TrainingInfo, save_checkpoint
+from mjforage.learning.training.checkpoint import save_checkpoint
 from mjforage.learning.training.evaluation import HELD_OUT
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.progress import Progress, Row
 from mjforage.learning.training.run import CHECKPOINT, train
 from mjforage.learning.training.trainer import Trainer
+from mjforage.learning.training.training_info import TrainingInfo
 from tests.mjforage.learning.training.tiny_runs import TINY, hyperparameters, scenario
 
 
