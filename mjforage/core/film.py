@@ -1,7 +1,11 @@
 """Where bodies are from frame to frame of one episode, for replays."""
 
+from typing import TypeVar
+
 import numpy as np
 from numpy.typing import NDArray
+
+Scalar = TypeVar("Scalar", bound=np.generic)
 
 
 class Film:
@@ -9,10 +13,14 @@ class Film:
 
     Attributes
     ----------
-    interval_s : time between two frames; a dynamics that shoots less often sets it to its own
+    interval_s : time between two frames [s]
     """
 
-    def __init__(self, interval_s: float = 0.5) -> None:
+    def __init__(self) -> None:
+        self.start(0.5)
+
+    def start(self, interval_s: float) -> None:
+        """Begin anew, with a batch whose dynamics shoots so often [s]."""
         self.interval_s = interval_s
         self._pose: list[NDArray[np.float32]] = []
         self._items: list[NDArray[np.float32]] = []
@@ -35,27 +43,33 @@ class Film:
         present : (item,) False once removed
         wind : (2,) over ground [m/s]
         """
-        self._pose.append(pose.astype(np.float32))
-        self._items.append(items.astype(np.float32))
-        self._present.append(present.copy())
-        self._wind.append(wind.astype(np.float32))
+        self._pose.append(pose.astype(np.float32)[None])
+        self._items.append(items.astype(np.float32)[None])
+        self._present.append(present.copy()[None])
+        self._wind.append(wind.astype(np.float32)[None])
 
     @property
     def pose(self) -> NDArray[np.float32]:
         """(frame, agent, 3) x, y [m], yaw [rad]."""
-        return np.stack(self._pose)
+        return _joined(self._pose)
 
     @property
     def items(self) -> NDArray[np.float32]:
         """(frame, item, 2) [m]."""
-        return np.stack(self._items)
+        return _joined(self._items)
 
     @property
     def present(self) -> NDArray[np.bool_]:
         """(frame, item) False once removed."""
-        return np.stack(self._present)
+        return _joined(self._present)
 
     @property
     def wind(self) -> NDArray[np.float32]:
         """(frame, 2) [m/s]."""
-        return np.stack(self._wind)
+        return _joined(self._wind)
+
+
+def _joined(parts: list[NDArray[Scalar]]) -> NDArray[Scalar]:
+    """All frames as one array, which takes their place: who asks after every step copies once."""
+    parts[:] = [np.concatenate(parts)]
+    return parts[0]

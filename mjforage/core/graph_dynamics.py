@@ -70,7 +70,7 @@ class GraphDynamics:
         UserError
             If capture is calibrated and a vessel that collects is not.
         """
-        self._graph, self._film = graph, film
+        self._graph, self._film, self._period_s = graph, film, scenario.period_s
         chances = chances_of(fleet, scenario)
         self.pickup = None if chances is None else pickup_of(fleet, scenario)
         noise, walls = scenario.weather.noise_node_per_step, scenario.rules.walls
@@ -78,8 +78,6 @@ class GraphDynamics:
         self._centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         self._yaw = np.arctan2(-OFFSETS[:, 0], OFFSETS[:, 1]).astype(np.float64)
         self._mps = graph.pitch_m / scenario.period_s
-        if film is not None:
-            film.interval_s = scenario.period_s
 
     def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
         """Start a batch of episodes and return their state at step 0."""
@@ -87,6 +85,8 @@ class GraphDynamics:
         self._items.reset(initial, keys, self._state)
         drift = initial.drift_rc[0] * self._mps / LEEWAY
         self._wind = np.array((drift[1], -drift[0]))
+        if self._film is not None:
+            self._film.start(self._period_s)
         self._shoot()
         return self._state
 

@@ -11,6 +11,7 @@ from graph_planner.encodings import LegalMoves, create_encoder
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import STAY
 from graph_planner.randomness import UInt64Array
+from mjforage.core.film import Film
 from mjforage.core.mission import Mission
 from mjforage.learning.environments.checks import checked_seed, checked_started
 from mjforage.learning.environments.options import EnvironmentOptions
@@ -112,7 +113,8 @@ class Game:
         self.setup = options.setup
         self.setup.check_memory(num_envs)
         self.agents = len(self.setup.fleet)
-        self.mission = create_mission(self.setup, options.world)
+        self.film = Film() if options.camera else None
+        self.mission = create_mission(self.setup, options.world, self.film)
         graph = options.world == "graph"
         self._spare = Mission(self.setup) if graph and num_envs > 1 else None
         self._weights = options.weights

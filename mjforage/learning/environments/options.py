@@ -9,6 +9,7 @@ from mjforage.core.errors import UserError
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
+from mjforage.learning.environments.harbour_picture import check_camera
 from mjforage.learning.environments.rewards import PUBLISHED, checked_weights
 from mjforage.learning.environments.spaces import DTYPES
 from mjforage.physics.worlds import WORLDS
@@ -24,6 +25,7 @@ class EnvironmentArguments(TypedDict, total=False):
     map: str | None
     set: Sequence[str]
     render_mode: str | None
+    camera: str | None
     dtype: str
 
 
@@ -39,6 +41,7 @@ class EnvironmentOptions:
     reward : reference to a term -> weight, see `rewards`; absent: the published weights
     map : replaces the scenario's grid: a name, generated harbour, CSV or image
     set : overrides KEY=VALUE of the scenario
+    camera : of `mjforage render --camera`, to see the hulls in 3-D; None: the map from above
     dtype : "float32", values in [0, 1], or "uint8", levels that a learner divides by 255 itself
 
     Raises
@@ -54,6 +57,7 @@ class EnvironmentOptions:
     map: str | None = None
     set: Sequence[str] = ()
     render_mode: str | None = None
+    camera: str | None = None
     dtype: str = "float32"
     setup: Setup = field(init=False)
     weights: dict[str, float] = field(init=False)
@@ -63,6 +67,7 @@ class EnvironmentOptions:
             raise UserError(f"world = {self.world!r}: unknown; choose {', '.join(WORLDS)}")
         if self.dtype not in DTYPES:
             raise UserError(f"dtype = {self.dtype!r}: unknown; choose {', '.join(DTYPES)}")
+        check_camera(self.camera, self.world, self.render_mode)
         object.__setattr__(self, "observation", encoder_label(self.observation))
         scenario = self.scenario
         if isinstance(scenario, str):

@@ -1,4 +1,4 @@
-"""`rgb_array`: the map from above as it is now, drawn like the films of `mjforage render`.
+"""What `render` draws: the map from above, like the films of `mjforage render`, or hulls in 3-D.
 
 It shows the truth: items that no agent has discovered are there too, small and dim.
 """
@@ -9,50 +9,63 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.core.mission import Mission
+from mjforage.core.vessel_files import hull_names
 from mjforage.learning.environments.game import Episodes, Game
+from mjforage.learning.environments.harbour_picture import HarbourPicture
 from mjforage.runs.episode_replay import Replay
 
 LONG_SIDE = 640  # pixels
 
 
 class Picture:
-    """Remembers one sub-environment step by step, and draws its present."""
+    """Remembers the way of one sub-environment, and draws its present.
 
-    def __init__(self, env: int = 0) -> None:
+    Parameters
+    ----------
+    env : number of the sub-environment in its game
+    camera : name of a view in 3-D, None for the map from above
+    """
+
+    def __init__(self, env: int = 0, camera: str | None = None) -> None:
         self._env = env
-        self._steps: list[dict[str, NDArray[Any]]] = []
+        self._harbour = HarbourPicture(camera) if camera else None
 
     def see(self, mission: Mission) -> None:
         """Take note of the state; step 0 begins anew."""
         env, state = self._env, mission.state
-        if mission.step[env] == 0:
-            self._steps, self._items = [], np.flatnonzero(state.item_node[env] >= 0)
-        grid, fleet = mission.setup.graph.grid, mission.setup.fleet
-        own, items = np.array([env]), self._items  # without the padding for other episodes
-        scouts, foragers = (
-            mission.times_seen(team, own)[0] > 0 for team in (fleet.discoverers, fleet.collectors)
-        )
-        self._steps.append(
-            {
-                "agent_rc": state.agent_rc[env].astype(np.float32),
-                "item_rc": state.item_rc[env, items].astype(np.float32),
-                "item_present": state.item_node[env, items] >= 0,
-                "belief": grid(mission.knowledge.belief[env]).astype(np.int16),
-                "idleness": grid(mission.idleness(own)[0]).astype(np.float16),
-                "in_view": grid(scouts + np.uint8(2) * foragers).astype(np.uint8),
-            }
-        )
-        self._found = mission.ledger.entries.t_discovered[env, items]
+        self._step = int(mission.step[env])
+        if self._step == 0:
+            self._items = np.flatnonzero(state.item_node[env] >= 0)  # no padding for other episodes
+            steps = mission.setup.scenario.horizon + 1
+            self._agent_rc = np.zeros((steps, *state.agent_rc[env].shape), np.float32)
+            self._present = np.zeros((steps, self._items.size), np.bool_)
+            self._most = 0
+            if self._harbour is not None:
+                self._harbour.close()
+        self._agent_rc[self._step] = state.agent_rc[env]
+        self._present[self._step] = state.item_node[env, self._items] >= 0
+        self._most = max(self._most, int(mission.knowledge.belief[env].max(initial=0)))
 
     def draw(self, game: Game, episodes: Episodes) -> NDArray[np.uint8]:
-        """(height, width, 3) what is there now, with the seed and episode in the title."""
+        """(height, width, 3) what is there now, from above with seed and episode in the title."""
         from mjforage.view.render import TopView  # matplotlib-free, but slow to import
+        from mjforage.view.render.palette import LEAST_MOST
 
-        arrays: dict[str, Any] = {
-            name: np.stack([step[name] for step in self._steps]) for name in self._steps[0]
-        }
-        setup, fleet, items = game.setup, game.setup.fleet, self._items.size
-        replay = Replay(
+        replay = self._replay(game, episodes)
+        if self._harbour is not None:
+            return self._harbour.draw(replay, self._step)
+        most = max(LEAST_MOST, self._most)
+        return TopView(replay, LONG_SIDE, most=most).frame(float(self._step))
+
+    def close(self) -> None:
+        """Give OpenGL back, if it draws."""
+        if self._harbour is not None:
+            self._harbour.close()
+
+    def _replay(self, game: Game, episodes: Episodes) -> Replay:
+        """The episode until now; of what is drawn as it is now, every step is the present."""
+        setup, fleet = game.setup, game.setup.fleet
+        return Replay(
             navigable=setup.grid.navigable,
             pitch_m=setup.scenario.map.pitch_m,
             horizon=setup.scenario.horizon,
@@ -60,18 +73,57 @@ class Picture:
             team_names=fleet.team_names,
             agent_team=fleet.team,
             agent_collects=fleet.collects,
-            vessels=("",) * len(fleet),
-            item_class=np.zeros(items, np.int16),
-            frame_s=setup.scenario.period_s,
-            track_pose=np.zeros((1, len(fleet), 3), np.float32),
-            track_items=np.zeros((1, items, 2), np.float32),
-            track_present=np.zeros((1, items), np.bool_),
-            track_wind=np.zeros((1, 2), np.float32),
+            vessels=hull_names(fleet, setup.scenario.physics),
             world=game.options.world,
             seed=episodes.seed,
             episode=episodes.number,
-            t_discovered=self._found,
-            **arrays,
+            agent_rc=self._agent_rc[: self._step + 1],
+            item_present=self._present[: self._step + 1],
+            t_discovered=game.mission.ledger.entries.t_discovered[self._env, self._items],
+            **self._present_fields(game.mission),
+            **self._track(game),
         )
-        view = TopView(replay, LONG_SIDE)
-        return view.frame(float(view.length))
+
+    def _present_fields(self, mission: Mission) -> dict[str, NDArray[Any]]:
+        """Items, belief, idleness and views as they are, at each step of a replay."""
+        env, own, state = self._env, np.array([self._env]), mission.state
+        grid, fleet = mission.setup.graph.grid, mission.setup.fleet
+        scouts, foragers = (
+            mission.times_seen(team, own)[0] > 0 for team in (fleet.discoverers, fleet.collectors)
+        )
+        now: dict[str, NDArray[Any]] = {
+            "item_rc": state.item_rc[env, self._items].astype(np.float32),
+            "belief": grid(mission.knowledge.belief[env]).astype(np.int16),
+            "idleness": grid(mission.idleness(own)[0]).astype(np.float16),
+            "in_view": grid(scouts + np.uint8(2) * foragers).astype(np.uint8),
+        }
+        return {
+            name: np.broadcast_to(field, (self._step + 1, *field.shape))
+            for name, field in now.items()
+        }
+
+    def _track(self, game: Game) -> dict[str, Any]:
+        """What the game has filmed; a frame of nothing where it does not."""
+        film, agents, items = game.film, len(game.setup.fleet), self._items
+        if film is None:
+            return {
+                "item_class": np.zeros(items.size, np.int16),
+                "frame_s": game.setup.scenario.period_s,
+                "track_pose": np.zeros((1, agents, 3), np.float32),
+                "track_items": np.zeros((1, items.size, 2), np.float32),
+                "track_present": np.zeros((1, items.size), np.bool_),
+                "track_wind": np.zeros((1, 2), np.float32),
+            }
+        from mjforage.physics.dynamics.fleet_scene import item_choices
+        from mjforage.physics.dynamics.item_bodies import draw_classes
+
+        mission, choices = game.mission, item_choices(game.setup.scenario.physics)
+        classes = draw_classes(mission.keys, mission.initial.item_node, choices)[0]
+        return {
+            "item_class": classes[items].astype(np.int16),
+            "frame_s": film.interval_s,
+            "track_pose": film.pose,
+            "track_items": film.items[:, items],
+            "track_present": film.present[:, items],
+            "track_wind": film.wind,
+        }

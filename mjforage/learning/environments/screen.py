@@ -6,20 +6,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
-from mjforage.learning.environments.window import RENDER_MODES, Window
+from mjforage.learning.environments.window import RENDER_MODES, Window, why_no_window
 
 
 def check_mode(mode: str | None, known: list[str] = RENDER_MODES) -> None:
-    """Refuse a render mode that does not exist, or not here.
+    """Refuse a render mode that does not exist, or not here, before anything is played.
 
     Raises
     ------
     UserError
         If so.
     """
-    if mode is not None and mode not in known:
-        why = "there is no display" if mode == "human" else "unknown"
-        names = ", ".join(map(str, (None, *known)))
+    if mode is None:
+        return
+    why = "unknown" if mode not in known else why_no_window() if mode == "human" else ""
+    if why:
+        names = ", ".join(str(one) for one in (None, *known) if one != mode)
         raise UserError(f"render_mode = {mode!r}: {why}; choose {names}")
 
 

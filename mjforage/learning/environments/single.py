@@ -31,7 +31,7 @@ class SingleEnvironment:
         self.render_mode, self._dtype = options.render_mode, options.dtype
         self._game = Game(options)
         self._episodes = Episodes()
-        self._picture = Picture() if options.render_mode else None
+        self._picture = Picture(camera=options.camera) if options.render_mode else None
         self._screen = Screen(options.render_mode, self._drawn)
 
     @property
@@ -40,12 +40,14 @@ class SingleEnvironment:
         return self._game
 
     def render(self) -> Any:
-        """The map from above, (height, width, 3) uint8, or None without `rgb_array`."""
+        """The map from above or what the camera sees, (height, width, 3) uint8, or None."""
         return self._screen.render()
 
     def close(self) -> None:
-        """Close the window of `human`, if there is one."""
+        """Close the window of `human`, and give OpenGL back."""
         self._screen.close()
+        if self._picture is not None:
+            self._picture.close()
 
     def _start(self, seed: int | None, entropy: np.random.Generator) -> None:
         """Begin the next episode; with a seed, the first one of that seed."""

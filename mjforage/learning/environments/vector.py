@@ -61,7 +61,8 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         self._where = [(0, i) if batched else (i, 0) for i in range(num_envs)]
         self._episodes = [Episodes() for _ in range(num_envs)]
         self._ended = np.zeros(num_envs, np.bool_)
-        self._pictures = [Picture(env) for _, env in self._where] if self.render_mode else []
+        shown = self._where if self.render_mode else []
+        self._pictures = [Picture(env, options.camera) for _, env in shown]
         agents, shapes = self._games[0].agents, self._games[0].shapes
         self._dtype, self._copy = options.dtype, copy
         self._values: dict[str, NDArray[np.float32]] = {}  # of the last observation, to be reused
@@ -166,6 +167,11 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         return tuple(
             picture.draw(self._games[game], episodes) for picture, (game, _), episodes in each
         )
+
+    def close_extras(self, **_: Any) -> None:
+        """Give OpenGL back."""
+        for picture in self._pictures:
+            picture.close()
 
     def _play(self, actions: NDArray[np.int64]) -> list[Outcome]:
         if len(self._games) == 1:

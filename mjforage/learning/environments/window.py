@@ -1,5 +1,6 @@
 """`human`: a window on this machine's display that shows the present picture."""
 
+import contextlib
 import os
 import sys
 from importlib.util import find_spec
@@ -11,54 +12,53 @@ from PIL import Image
 from mjforage.core.errors import UserError
 
 
-def display_exists() -> bool:
-    """Whether there is a display to ask for a window, and Tk to ask with."""
-    screen = not sys.platform.startswith("linux") or bool(os.environ.get("DISPLAY"))
-    return screen and find_spec("_tkinter") is not None
+def why_no_window() -> str:
+    """What a window lacks here, in words; nothing where one can be tried."""
+    if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
+        return "there is no display"
+    if find_spec("_tkinter") is None:
+        return "this Python has no Tk (Debian: python3-tk)"
+    return ""
 
 
-RENDER_MODES = ["rgb_array", *(["human"] if display_exists() else [])]
+RENDER_MODES = ["rgb_array", "human"]
+"""Both always, or Gymnasium puts a window of its own around `rgb_array`, which wants pygame."""
 
 
 class Window:
-    """Opens with the first picture.
+    """Opens before anything is played, and shows pictures from then on.
 
     Raises
     ------
     UserError
-        If there is no display.
+        If it cannot.
     """
 
     def __init__(self, title: str) -> None:
         try:
             import tkinter
 
+            from PIL import ImageTk
+
             self._root = tkinter.Tk(className=title)
         except (ImportError, tkinter.TclError) as error:
             raise UserError(
                 f"render_mode = 'human': no window can be opened ({error}); use rgb_array"
             ) from error
+        self._of_array = lambda picture: ImageTk.PhotoImage(picture, master=self._root)
+        self._closed = tkinter.TclError
         self._root.title(title)
         self._label = tkinter.Label(self._root)
         self._label.pack()
 
     def show(self, picture: NDArray[np.uint8]) -> None:
         """Show a picture (height, width, 3); a window that was closed stays closed."""
-        import tkinter
-
-        from PIL import ImageTk
-
-        try:
-            self._photo = ImageTk.PhotoImage(Image.fromarray(picture), master=self._root)
+        with contextlib.suppress(self._closed):
+            self._photo = self._of_array(Image.fromarray(picture))
             self._label.configure(image=self._photo)
             self._root.update()
-        except tkinter.TclError:
-            return
 
     def close(self) -> None:
         """Close it."""
-        import contextlib
-        import tkinter
-
-        with contextlib.suppress(tkinter.TclError):
+        with contextlib.suppress(self._closed):
             self._root.destroy()

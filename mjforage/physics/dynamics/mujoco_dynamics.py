@@ -145,7 +145,7 @@ class MujocoDynamics:
         self._place_items(initial)
         self._tick = np.zeros(episodes, np.int64)
         if self._film is not None:
-            self._film.interval_s = WEATHER_TICKS * CONTROL_S
+            self._film.start(WEATHER_TICKS * CONTROL_S)
             self._shoot()
         return self._state
 

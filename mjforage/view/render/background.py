@@ -1,6 +1,7 @@
 """The part of the map that never changes: water, clear and hazy, and quays."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -27,7 +28,14 @@ class Background(NamedTuple):
 
 
 def paint_background(navigable: NDArray[np.bool_], layout: Layout) -> Background:
-    """Paint the map (row, column) at the size of the layout's map area."""
+    """Paint the map (row, column) at the size of the layout's map area, or take it as it was."""
+    return painted_background(navigable.tobytes(), navigable.shape, layout)
+
+
+@lru_cache(maxsize=2)
+def painted_background(cells: bytes, shape: tuple[int, ...], layout: Layout) -> Background:
+    """The same for the bytes of a map; nothing that hangs on time is in it, so one serves all."""
+    navigable = np.frombuffer(cells, np.bool_).reshape(shape)
     depth = _quay_distance(navigable, layout)  # positive in water, negative on quays
     scale = layout.scale * _SUPERSAMPLING
     water = np.clip(depth + 0.5, 0.0, 1.0)

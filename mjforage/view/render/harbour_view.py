@@ -1,5 +1,6 @@
 """A replay seen in three dimensions: one frame at any time of the episode."""
 
+import dataclasses
 from types import TracebackType
 
 import numpy as np
@@ -112,6 +113,11 @@ class HarbourView:
         return split.view, SidePanel(
             self._replay, self._timeline, split, self._colours, self.followed
         )
+
+    def go_on(self, replay: Replay) -> None:
+        """Draw from now on from a replay that goes further in the same episode."""
+        self._replay, self._track, self._timeline = replay, Track.of(replay), timeline_of(replay)
+        self._circumstances = dataclasses.replace(self._circumstances, track=self._track)
 
     @property
     def about(self) -> str:

@@ -48,10 +48,12 @@ def agent_colours(collects: Sequence[bool]) -> list[Colour]:
     """Return one colour per agent, the same as in the report."""
     return [from_hex(code) for code in style.agent_colours(map(style.role, collects))]
 
+LEAST_MOST = 4  # the count that is drawn darkest, where no belief is larger
+
 
 def most_believed(*beliefs: NDArray[np.integer]) -> int:
-    """The count that is drawn darkest in episodes, as in the replay: the largest, at least 4."""
-    return max(4, *(int(belief.max(initial=0)) for belief in beliefs))
+    """The count that is drawn darkest in episodes, as in the replay: the largest, at least so."""
+    return max(LEAST_MOST, *(int(belief.max(initial=0)) for belief in beliefs))
 
 
 def belief_shades(count: NDArray[np.integer], most: int) -> NDArray[np.float64]:

@@ -70,15 +70,13 @@ def _first(happened: NDArray[np.bool_]) -> NDArray[np.int64]:
 
 def courses(agent_rc: NDArray[np.float32]) -> NDArray[np.float64]:
     """Course per step (step, agent); a vessel that stays keeps its last, at first its next one."""
-    course = np.full(agent_rc.shape[:2], np.nan)
-    move = np.diff(agent_rc.astype(np.float64), axis=0)
+    move = np.diff(agent_rc.astype(np.float64), axis=0, prepend=agent_rc[:1].astype(np.float64))
     moving = np.any(move != 0.0, axis=-1)
-    course[1:][moving] = np.arctan2(move[..., 0], move[..., 1])[moving]
-    for step in range(1, len(course)):
-        course[step] = np.where(np.isnan(course[step]), course[step - 1], course[step])
-    for step in range(len(course) - 2, -1, -1):
-        course[step] = np.where(np.isnan(course[step]), course[step + 1], course[step])
-    return np.where(np.isnan(course), -np.pi / 2.0, course)
+    course = np.where(moving, np.arctan2(move[..., 0], move[..., 1]), -np.pi / 2.0)
+    steps = np.arange(len(course))[:, None]
+    last = np.maximum.accumulate(np.where(moving, steps, -1), axis=0)
+    first = np.where(moving.any(axis=0), moving.argmax(axis=0), 0)
+    return np.take_along_axis(course, np.where(last < 0, first, last), axis=0)
 
 
 def split_time(time: float, length: int) -> tuple[int, int, float]:
