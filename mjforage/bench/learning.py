@@ -15,6 +15,7 @@ STEPS = 150 + 1
 """Of a slice: an episode of the published scenario, and the step that begins the next."""
 ROUNDS = 2
 UPDATES = 20
+FRAMES = 20
 OBSERVATIONS = ("paper", "egocentric")
 MORE_ENVS, MANY_ENVS = 64, 256
 HANDED_OUT: dict[str, dict[str, Any]] = {
@@ -56,16 +57,33 @@ def _environment_speeds() -> dict[str, Rate]:
     return figures
 
 
+def _frames() -> Rate:
+    """Pictures of the default mission from above, each after a step whose time does not count."""
+    env = gymnasium.make("mjforage/Foraging-v0", render_mode="rgb_array").unwrapped
+    env.reset(seed=0)
+
+    def work() -> float:
+        for _ in range(FRAMES):
+            env.render()
+        return float(FRAMES)
+
+    frames = rate(work, lambda: env.step(env.action_space.sample()))
+    env.close()
+    return frames
+
+
 def learning_speeds() -> dict[str, float | Rate]:
     """Key -> number.
 
     `env_obs_steps_per_core_s_<kind>`: agent observations; `env_steps_per_core_s_<how>`: environment
     steps of 64 sub-environments with egocentric observations, by how these are handed out;
     `env_steps_per_core_s_uint8_reused_many`: of 256;
+    `env_frames_per_core_s`: pictures that `render` draws;
     `ddqn_updates_per_s`: updates of one team's network, draw and priorities included;
     `ddqn_share_<part>`: of the time of training on the published scenario.
     """
     figures: dict[str, float | Rate] = dict(_environment_speeds())
+    figures["env_frames_per_core_s"] = _frames()
     trainer = Trainer([load_scenario("published")], changed(Hyperparameters(), SMALL))
     trainer.play_round()  # compiles, and fills the replay
     for part in trainer.clock.seconds:

@@ -208,6 +208,8 @@ def _memories(large: tuple[tuple[int, int], int]) -> dict[str, float]:
 def _learning_unit(key: str) -> str:
     if "obs_steps" in key:
         return "agent observations per CPU second of one core, environment included"
+    if "frames" in key:
+        return "pictures of an environment from above, 640 pixels wide, per CPU second of one core"
     if "env_steps" in key:
         return "environment steps per CPU second of one core, observations included"
     if "updates" in key:

@@ -16,6 +16,7 @@ from mjforage.cli import main
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 from mjforage.runs.evaluate import evaluate
+from mjforage.view.render.opengl import choose_backend, egl_works, osmesa_works
 from tests.mjforage.printing import unprinted_figures
 
 HORIZON = 12
@@ -136,3 +137,12 @@ def run_copy(finished: Path, tmp_path: Path) -> Path:
 def evaluate_small() -> Callable[..., Path]:
     """Return `small_run`: folder, then `policies`, `episodes`, `overrides` and so on."""
     return small_run
+
+
+@pytest.fixture(scope="session")
+def opengl() -> str:
+    """Skip where no OpenGL driver is installed, the one reason not to draw."""
+    if not egl_works() and not osmesa_works():
+        reason = "no OpenGL driver: neither EGL nor OSMesa is installed"
+        (pytest.fail if "MJFORAGE_REQUIRE_OPENGL" in os.environ else pytest.skip)(reason)
+    return choose_backend()

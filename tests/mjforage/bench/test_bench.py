@@ -55,7 +55,7 @@ def test_bench_measures_every_promised_figure(monkeypatch: pytest.MonkeyPatch) -
         *("physics_mission_sim_s_per_core_s", "physics_core_min_per_100_episodes"),
         *(f"env_obs_steps_per_core_s_{kind}" for kind in ("egocentric", "paper")),
         *(f"env_steps_per_core_s_{name}" for name in ("float32", "uint8", "uint8_reused")),
-        "env_steps_per_core_s_uint8_reused_many",
+        *("env_steps_per_core_s_uint8_reused_many", "env_frames_per_core_s"),
         *("ddqn_updates_per_s", "ddqn_share_environment", "ddqn_share_network"),
         *(f"physics_share_{part}" for part in ("stepping", "control", "weather", "watching")),
     }

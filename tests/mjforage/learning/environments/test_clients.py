@@ -115,10 +115,18 @@ def test_a_window_shows_the_present() -> None:
     assert done.stdout.strip() == "shown", done.stderr
 
 
-def test_without_a_display_a_window_is_refused() -> None:
+@pytest.mark.parametrize(
+    "made",
+    [
+        "mjforage.parallel_env(",
+        *(f"gymnasium.make('mjforage/{name}-v0', " for name in ("Foraging", "Waypoint")),
+    ],
+)
+def test_without_a_display_a_window_is_refused(made: str) -> None:
+    """By us, in one line: Gymnasium would put a window of pygame around the pictures."""
     program = (
-        "import mjforage\nfrom mjforage.core.errors import UserError\n"
-        "try:\n    mjforage.parallel_env(render_mode='human')\n"
+        "import gymnasium, mjforage\nfrom mjforage.core.errors import UserError\n"
+        f"try:\n    {made}render_mode='human')\n"
         "except UserError as error:\n    print(error)"
     )
     hidden = {name: value for name, value in os.environ.items() if name != "DISPLAY"}

@@ -1,6 +1,5 @@
 """Replays made up for drawing: wandering vessels, drifting items, honest beliefs and views."""
 
-import os
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -9,7 +8,6 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.runs.episode_replay import Replay
-from mjforage.view.render.opengl import choose_backend, egl_works, osmesa_works
 
 PITCH_M = 4.0
 RADII = (4.0, 1.0)  # scouts, foragers [node]
@@ -176,15 +174,6 @@ def build() -> Callable[..., Replay]:
 def refine() -> Callable[..., Replay]:
     """The function `physics_like`."""
     return physics_like
-
-
-@pytest.fixture(scope="session")
-def opengl() -> str:
-    """Skip where no OpenGL driver is installed, the one reason not to draw."""
-    if not egl_works() and not osmesa_works():
-        reason = "no OpenGL driver: neither EGL nor OSMesa is installed"
-        (pytest.fail if "MJFORAGE_REQUIRE_OPENGL" in os.environ else pytest.skip)(reason)
-    return choose_backend()
 
 
 @pytest.fixture(scope="session")

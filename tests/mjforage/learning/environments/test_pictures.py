@@ -1,0 +1,146 @@
+"""What `render` draws of a foraging environment, and how little it does for a frame."""
+
+import copy
+import pickle
+from dataclasses import fields, replace
+
+import gymnasium
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import mjforage
+from graph_planner.navigation import OFFSETS
+from mjforage.core.errors import UserError
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
+from mjforage.learning.environments.pictures import LONG_SIDE, Picture
+from mjforage.runs.episode_replay import Replay
+from mjforage.runs.recording import record
+from mjforage.view.render import TopView
+from mjforage.view.render.background import painted_background
+from mjforage.view.render.opengl import Canvas
+
+SHORT = ("horizon=14",)
+BY_STEP = ("agent_rc", "item_rc", "item_present", "belief", "idleness", "in_view")
+THREE_D = {"world": "physics", "render_mode": "rgb_array", "set": ("horizon=3", "items.mean=4")}
+
+
+@pytest.fixture(scope="module")
+def played() -> Replay:
+    setup = Setup.of(load_scenario("comb-port", SHORT))
+    return replace(record(setup, "graph", "greedy", 5, 0), policy="")
+
+
+def moves_at(replay: Replay, step: int) -> NDArray[np.int64]:
+    """(agent,) moves 0-8 that led from a step to the next."""
+    made = np.sign(replay.agent_rc[step + 1] - replay.agent_rc[step])  # of one node or two
+    return np.array([np.flatnonzero((move == OFFSETS).all(axis=1))[0] for move in made])
+
+
+def until(replay: Replay, step: int) -> Replay:
+    """The replay as if it had ended; discoveries later on are not known yet."""
+    found = replay.t_discovered
+    assert found is not None
+    cut = {name: getattr(replay, name)[: step + 1] for name in BY_STEP}
+    return replace(replay, **cut, t_discovered=np.where(found > step, np.int16(-1), found))
+
+
+def test_a_picture_is_that_of_the_film_pixel_by_pixel(played: Replay) -> None:
+    env = gymnasium.make("mjforage/Foraging-v0", set=SHORT, render_mode="rgb_array")
+    env.reset(seed=5)
+    for step in range(len(played.agent_rc)):
+        drawn = TopView(until(played, step), LONG_SIDE).frame(float(step))
+        assert np.array_equal(env.render(), drawn), step
+        if step + 1 < len(played.agent_rc):
+            env.step(moves_at(played, step))
+
+
+def test_the_background_is_painted_once_however_many_pictures() -> None:
+    env = gymnasium.make("mjforage/Foraging-v0", set=SHORT, render_mode="rgb_array")
+    many = gymnasium.make_vec(
+        "mjforage/Foraging-v0", num_envs=3, set=SHORT, render_mode="rgb_array"
+    )
+    painted_background.cache_clear()
+    for one in (env, many):
+        one.reset(seed=1)
+        for _ in range(20):
+            one.render()
+            one.step(one.action_space.sample())
+    assert painted_background.cache_info().misses == 1
+
+
+def test_what_a_picture_gathers_does_not_grow_with_the_episode() -> None:
+    env = mjforage.parallel_env(set=("horizon=60",), render_mode="rgb_array")
+    env.reset(seed=1)
+    held = []
+    for _ in range(50):
+        env.step({agent: 8 for agent in env.agents})
+        replay = env._picture._replay(env.game, env._episodes)
+        held.append(sum(getattr(replay, name).base.nbytes for name in BY_STEP[3:]))
+    assert len(set(held)) == 1  # of the present alone, whatever the step
+    assert replay.belief.shape[0] == 51
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"camera": "drone", "world": "physics"}, "camera = 'drone': unknown; choose overview"),
+        ({"camera": "chase"}, "camera = 'chase': the graph world has no hulls; choose world="),
+        ({"camera": "top", "world": "hulls", "render_mode": None}, "nothing is drawn without"),
+    ],
+)
+def test_a_camera_that_shows_nothing_is_refused(options: dict[str, str], words: str) -> None:
+    with pytest.raises(UserError, match=words) as raised:
+        gymnasium.make("mjforage/Foraging-v0", **{"render_mode": "rgb_array"} | options)
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.usefixtures("opengl")
+def test_a_camera_shows_the_hulls_and_closing_gives_opengl_back() -> None:
+    env = gymnasium.make("mjforage/Foraging-v0", camera="chase", **THREE_D)
+    env.reset(seed=1)
+    first = env.render()
+    assert first.shape == (360, 640, 3) and len(np.unique(first)) > 50
+    canvas = Canvas._open
+    env.step(np.array([8, 8, 2, 2]))
+    later = env.render()
+    assert Canvas._open is canvas  # the stage is built once for an episode
+    assert not np.array_equal(first, later)
+    env.reset(seed=1)
+    assert np.array_equal(env.render(), first)
+    env.close()
+    assert Canvas._open is None
+
+
+@pytest.mark.usefixtures("opengl")
+def test_environments_in_3d_take_turns_on_the_one_canvas() -> None:
+    envs = [mjforage.parallel_env(camera=name, **THREE_D) for name in ("overview", "scout")]
+    for env in envs:
+        env.reset(seed=1)
+    first = [env.render() for env in envs]
+    again = [env.render() for env in envs]
+    assert all(map(np.array_equal, first, again))
+    for env in envs:
+        env.close()
+    assert Canvas._open is None
+
+
+@pytest.mark.usefixtures("opengl")
+def test_a_copy_of_a_picture_has_a_view_of_its_own() -> None:
+    env = mjforage.parallel_env(camera="top", **THREE_D)
+    env.reset(seed=1)
+    first = env.render()
+    for other in (copy.deepcopy(env._picture), pickle.loads(pickle.dumps(env._picture))):
+        assert isinstance(other, Picture)
+        assert np.array_equal(other.draw(env.game, env._episodes), first)
+        other.close()
+    env.close()
+
+
+def test_a_replay_of_the_present_has_all_that_a_replay_has() -> None:
+    env = mjforage.parallel_env(set=SHORT, render_mode="rgb_array")
+    env.reset(seed=1)
+    replay = env._picture._replay(env.game, env._episodes)
+    lacking = {one.name for one in fields(Replay) if getattr(replay, one.name, None) is None}
+    assert lacking == {"held"}
