@@ -150,7 +150,7 @@ def steady_vectors(keys: UInt64Array, stream: int, speed: float, toward_rad: flo
 
 def toward_of(from_deg: float | None) -> float:
     """Direction of a wind from a compass bearing: counter-clockwise from east [rad]; NaN: drawn."""
-    return math.nan if from_deg is None else math.radians(270.0 - from_deg)
+    return math.nan if from_deg is None else math.radians(270.0 - from_deg % 360.0)
 
 
 def _constant_drift(keys: UInt64Array, weather: Weather, node_mps: float) -> FloatArray:

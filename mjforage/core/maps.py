@@ -16,7 +16,7 @@ from graph_planner.navigation import navigation_graph
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
 from mjforage.core.harbours import harbour, harbour_cells, is_harbour
-from mjforage.core.map_files import map_path, read_cells
+from mjforage.core.map_files import WaterIs, is_shipped_map, map_path, read_cells
 
 Starts = tuple[tuple[int, int], ...]
 
@@ -47,31 +47,42 @@ class GridMap:
 
 
 def load_map(
-    reference: str, *, corner_cutting: bool = False, largest_component: bool = False
+    reference: str,
+    *,
+    corner_cutting: bool = False,
+    largest_component: bool = False,
+    water: WaterIs = "light",
 ) -> GridMap:
     """Load a map and check that it is one component.
 
     Parameters
     ----------
     reference : name of a shipped map (``comb_port`` or ``comb-port``) or of a generated harbour
-        (``harbour:combs:7``), or path of a table or an image (see `read_cells`)
+        (``harbour:combs:7``), or path of a map file (see `read_cells`)
     corner_cutting : whether a diagonal move may pass beside a land cell or between two
     largest_component : make an obstacle of every node outside the largest component
+    water : which cells of a file are water (see `read_cells`)
 
     Raises
     ------
     UserError
         If the file is missing, unreadable or malformed, has no navigable cell, or is not one
-        component and `largest_component` is not set; if a harbour's name is malformed.
+        component and `largest_component` is not set; if a harbour's name is malformed; if the water
+        of a shipped map or a harbour is said to be dark.
     """
+    if water == "dark" and (is_harbour(reference) or is_shipped_map(reference)):
+        raise UserError(f"map {reference}: has light water; leave out --water dark (map.water)")
     if is_harbour(reference):
         which = harbour(reference)
         return GridMap(which.name, harbour_cells(which))
     path = map_path(reference)
     name = path.stem if path.parent == models_folder() / "maps" else path.name
-    cells = read_cells(path, name)
+    cells = read_cells(path, name, water)
     if not cells.any():
-        raise UserError(f"map {name}: all {cells.size} cells are obstacles (0); mark water with 1")
+        raise UserError(
+            f"map {name}: all {cells.size} cells are obstacles (0 or dark); mark water with 1, "
+            "or give --water dark"
+        )
     cells = _one_component(cells, name, corner_cutting, largest_component)
     cells.setflags(write=False)
     return GridMap(name, cells)

@@ -12,6 +12,7 @@ from typing import Annotated, Literal
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.fields import Later, Within, source
 from graph_planner.fleet import Role
+from mjforage.core.bearings import Bearing
 
 _Cell = Annotated[int, Within(-(2**63), 2**63 - 1)]  # of a grid; the map says which there are
 _OAK = source("Luxonis OAK-D W: depth error below 2, 4, 6 % up to 3.5, 6.5, 9 m; 127 deg")
@@ -22,8 +23,10 @@ class MapChoice:
     """The grid, how it becomes a graph, and where agents start."""
 
     file: str
-    """Name of a shipped map or a generated harbour (`harbour:combs:7`), or path of a CSV file or
+    """Name of a shipped map or a generated harbour (`harbour:combs:7`), or path of a table, grid or
     image from the scenario's folder."""
+    water: Annotated[Literal["light", "dark"], Later()] = "light"
+    """Which cells of a file are water: `light` pixels of an image, 1 of a table; or `dark`, 0."""
     pitch_m: Annotated[float, Within(1e-3, 1e6, "m")] = 4.0
     """Distance between the centres of neighbouring nodes."""
     corner_cutting: bool = False
@@ -79,7 +82,7 @@ class Weather:
     wind_speed_mps: Annotated[Annotated[float, Within(0, 30, "m/s")] | None, Later()] = None
     """Mean wind, in the place of the drift: `drift_node_per_step` then says nothing; absent: the
     wind is the drift's."""
-    wind_from_deg: Annotated[Annotated[float, Within(0, 360, "deg")] | None, Later()] = None
+    wind_from_deg: Annotated[Bearing | None, Later()] = None
     """Where that wind comes from, clockwise from north (0 north, 90 east); absent: drawn per
     episode, uniform over the circle."""
     shelter_height_m: Annotated[float, Within(0, 30, "m"), Later()] = 0.0
@@ -97,7 +100,7 @@ class Weather:
     """Speed of a constant current in open water. Quays let none of it through and weaken it beside
     them; in a narrows it is faster, in a bay with one mouth it ends near the mouth. Needs water at
     the map's edge, where it comes in and goes out."""
-    current_toward_deg: Annotated[float, Within(-360, 360, "deg")] | None = None
+    current_toward_deg: Bearing | None = None
     """Where it flows to, counter-clockwise from east; absent: drawn per episode."""
     current_wander_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
     """Standard deviation per axis of a slow Gauss-Markov part of that current."""

@@ -40,6 +40,7 @@ class Setup:
             choice.file,
             corner_cutting=choice.corner_cutting,
             largest_component=choice.largest_component,
+            water=choice.water,
         )
         setup = cls(scenario, grid)
         setup.check_memory(1)

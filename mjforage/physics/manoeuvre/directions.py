@@ -2,6 +2,7 @@
 
 import math
 
+from mjforage.core.bearings import direction
 from mjforage.core.errors import UserError
 
 FASTEST_MPS = 100.0  # of wind or current that is accepted: faster than any hurricane
@@ -23,10 +24,10 @@ def parse_flow(text: str, thing: str) -> tuple[float, float]:
     """
     speed_text, separator, direction_text = text.partition("@")
     try:
-        speed, direction = float(speed_text), float(direction_text)
+        speed, degrees = float(speed_text), float(direction_text)
     except ValueError:
         speed = math.nan
-    if not separator or not math.isfinite(speed) or not math.isfinite(direction):
+    if not separator or not math.isfinite(speed) or not math.isfinite(degrees):
         raise UserError(
             f"{thing} {text}: expected SPEED@DIRECTION, for example 0.3@90: "
             "0.3 m/s towards 90 degrees, which is north"
@@ -35,6 +36,6 @@ def parse_flow(text: str, thing: str) -> tuple[float, float]:
         raise UserError(f"{thing} {text}: speed is out of range; give 0 to {FASTEST_MPS:g} m/s")
     # Quarter turns are exact, so that 0.3@90 has no part to the east.
     quarters = {0.0: (1.0, 0.0), 90.0: (0.0, 1.0), 180.0: (-1.0, 0.0), 270.0: (0.0, -1.0)}
-    angle = math.radians(direction)
-    east, north = quarters.get(direction % 360.0, (math.cos(angle), math.sin(angle)))
+    angle = direction(degrees)
+    east, north = quarters.get(degrees % 360.0, (math.cos(angle), math.sin(angle)))
     return speed * east, speed * north

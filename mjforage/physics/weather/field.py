@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from graph_planner.compiled import kernel
 from graph_planner.navigation import NavigationGraph
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
+from mjforage.core.bearings import direction
 from mjforage.core.initial_state import LEEWAY, item_noise, steady_vectors
 from mjforage.physics.weather.flow import Flow, flow_in
 from mjforage.physics.weather.gauss_markov import gauss_markov_pair
@@ -125,7 +126,7 @@ def _item_noise(
 
 
 def _radians(toward_deg: float | None) -> float:
-    return math.nan if toward_deg is None else math.radians(toward_deg)
+    return math.nan if toward_deg is None else direction(toward_deg)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from graph_planner.fields import Within
+from mjforage.core.bearings import Bearing
 from mjforage.core.initial_state import toward_of
 from mjforage.core.scenario import Weather
 from mjforage.core.schema import check_fields
@@ -25,7 +26,7 @@ class WeatherSettings:
 
     wind_speed_mps: Annotated[float, Within(0, 60, "m/s")] = 0.0
     """Mean wind."""
-    wind_toward_deg: Annotated[float, Within(-360, 360, "deg")] | None = 0.0
+    wind_toward_deg: Bearing | None = 0.0
     """None: drawn per episode, uniform over the circle."""
     drawn_drift_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
     """The paper's drift: per episode a constant vector, uniform in +- this on each axis, is drawn,
@@ -40,7 +41,7 @@ class WeatherSettings:
 
     current_speed_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
     """Constant current of open water: the free stream, of which quays make a flow around them."""
-    current_toward_deg: Annotated[float, Within(-360, 360, "deg")] | None = 0.0
+    current_toward_deg: Bearing | None = 0.0
     """None: drawn per episode, uniform over the circle."""
     current_wander_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
     """Standard deviation per axis of a slow Gauss-Markov part of the free stream."""

@@ -1,0 +1,19 @@
+"""Map formats: tables, grids and images as cells that are light, dark or unknown. Files are data
+from anybody: sizes are checked before cells are read, and nothing in them is ever run.
+"""
+
+from mjforage.core.map_formats.arrays import read_array
+from mjforage.core.map_formats.images import IMAGE_SUFFIXES, read_image
+from mjforage.core.map_formats.levels import DARK, LIGHT, UNKNOWN, Levels
+from mjforage.core.map_formats.text import read_text
+
+__all__ = [
+    "DARK",
+    "IMAGE_SUFFIXES",
+    "LIGHT",
+    "UNKNOWN",
+    "Levels",
+    "read_array",
+    "read_image",
+    "read_text",
+]
