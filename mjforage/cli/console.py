@@ -5,6 +5,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Literal
 
 import cyclopts
 from cyclopts import Parameter
@@ -25,6 +26,7 @@ from mjforage import __version__
 from mjforage.cli.progress import COMPILES, Lines, compiling, told
 
 Report = Callable[[float, float], None]  # of how many are done, of how many
+Water = Literal["light", "dark"]  # as `map.water` of a scenario
 
 PIPE_COLUMNS = 400  # tables keep their natural width where stdout is no terminal
 

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from mjforage.cli.console import OUT, app, output, print_file, print_list
+from mjforage.cli.console import OUT, Water, app, output, print_file, print_list
 from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
@@ -85,6 +85,7 @@ def maps(
     map: str | None = None,
     /,
     *,
+    water: Water | None = None,
     set: Annotated[tuple[str, ...], Parameter(negative="")] = (),
     output_file: Annotated[Path | None, OUT] = None,
 ) -> None:
@@ -94,10 +95,13 @@ def maps(
     ----------
     map
         Name of a shipped map, harbour:KIND:SEED[:ROWSxCOLUMNS] for a generated one,
-        harbours:[KIND:]FIRST-LAST for several, or path of a CSV file or image.
+        harbours:[KIND:]FIRST-LAST for several, or path of a table (CSV, text), an array (.npy), an
+        octile map, an ESRI grid or an image.
+    water
+        Which cells of a file are water, light or dark: pixels of an image, 1 or 0 of a table.
     set
-        Override KEY=VALUE of a scenario's map, as of evaluate: map.largest_component=true or
-        map.corner_cutting=true; repeatable.
+        Override KEY=VALUE of a scenario's map, as of evaluate: map.largest_component=true,
+        map.corner_cutting=true or map.water=dark; repeatable.
     output_file
         What to write: a picture, for example port.png, or the map itself as port.csv.
     """
@@ -107,7 +111,7 @@ def maps(
 
     several = map is not None and is_family(map)
     names = family(map) if map and several else (map,) if map else shipped_maps()
-    rules = _map_rules(set)
+    rules = _map_rules(set, water)
     grids = [load_map(name, **rules) for name in names]
     for grid in grids:
         rows, columns = grid.navigable.shape
@@ -116,17 +120,17 @@ def maps(
         _write(grids, output_file)
 
 
-def _map_rules(overrides: tuple[str, ...]) -> dict[str, bool]:
+def _map_rules(overrides: tuple[str, ...], water: Water | None) -> dict[str, Any]:
     """How a map is read, by the overrides of a scenario's keys."""
     from mjforage.core.scenario_file import load_scenario
 
-    names = ("corner_cutting", "largest_component")
+    names = ("corner_cutting", "largest_component", "water")
     for override in overrides:
         if override.partition("=")[0].strip() not in [f"map.{name}" for name in names]:
             raise UserError(
                 f"--set {override}: gives a map no other nodes; give map.{' or map.'.join(names)}"
             )
-    choice = load_scenario("open-bay", overrides).map
+    choice = load_scenario("open-bay", overrides, water=water).map
     return {name: getattr(choice, name) for name in names}
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, TypedDict
 from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
-from mjforage.cli.console import OUT, app, bar, output, working
+from mjforage.cli.console import OUT, Water, app, bar, output, working
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ def evaluate(
     episodes: int = 100,
     seed: int = 0,
     map: str | None = None,
+    water: Water | None = None,
     set: Overrides = (),
     replay: str = "first,median,worst",
     by: By = THIS_PROCESS,
@@ -62,8 +63,10 @@ def evaluate(
     seed
         Seed of the run; episode i is the same world for every policy.
     map
-        Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], CSV or
-        image. All else stays, starts too unless it is a generated harbour, where they are drawn.
+        Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], table,
+        grid or image. All else stays, starts too unless it is a generated harbour: drawn there.
+    water
+        Which cells of that file are water, light or dark: pixels of an image, 1 or 0 of a table.
     set
         Override KEY=VALUE in TOML syntax, for example team.scouts.count=3, or
         policy.greedy.distance=2 for an option of a policy; repeatable.
@@ -80,7 +83,7 @@ def evaluate(
     from mjforage.runs.kept import parse_kept
 
     policy, set = with_options("policy", policy, set)
-    setup = Setup.of(load_scenario(scenario, set, map))
+    setup = Setup.of(load_scenario(scenario, set, map, water))
     folder = out or Path("runs") / setup.scenario.name
     plan: Plan = {
         "worlds": (world,),
@@ -103,6 +106,7 @@ def compare(
     episodes: int = 20,
     seed: int = 0,
     map: str | None = None,
+    water: Water | None = None,
     set: Overrides = (),
     replay: str = "first,median,worst",
     by: By = THIS_PROCESS,
@@ -127,8 +131,10 @@ def compare(
     seed
         Seed of the run; episode i is the same in every world and for every policy.
     map
-        Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], CSV or
-        image. All else stays, starts too unless it is a generated harbour, where they are drawn.
+        Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], table,
+        grid or image. All else stays, starts too unless it is a generated harbour: drawn there.
+    water
+        Which cells of that file are water, light or dark: pixels of an image, 1 or 0 of a table.
     set
         Override KEY=VALUE in TOML syntax, for example weather.gust_intensity=0.2; repeatable.
     replay
@@ -145,7 +151,7 @@ def compare(
     from mjforage.runs.kept import parse_kept
 
     policy, set = with_options("policy", policy, set)
-    setup = Setup.of(load_scenario(scenario, set, map))
+    setup = Setup.of(load_scenario(scenario, set, map, water))
     worlds = ladder_of(setup.scenario) if ladder else ("graph", "physics")
     folder = out or Path("runs") / f"{setup.scenario.name}-gap"
     plan: Plan = {

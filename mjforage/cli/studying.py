@@ -9,7 +9,7 @@ import cyclopts
 from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
-from mjforage.cli.console import OUT, app, bar, output, working
+from mjforage.cli.console import OUT, Water, app, bar, output, working
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
 
 if TYPE_CHECKING:
@@ -40,8 +40,10 @@ class StudyOptions:
     seed
         Seed of the study; episode i is the same in every variant.
     map
-        Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], CSV or
-        image. All else stays, starts too unless it is a generated harbour, where they are drawn.
+        Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], table,
+        grid or image. All else stays, starts too unless it is a generated harbour: drawn there.
+    water
+        Which cells of that file are water, light or dark: pixels of an image, 1 or 0 of a table.
     set
         Override KEY=VALUE in TOML syntax, for example team.scouts.count=3, or
         policy.greedy.distance=2 for an option of a policy; repeatable.
@@ -56,6 +58,7 @@ class StudyOptions:
     episodes: int = 100
     seed: int = 0
     map: str | None = None
+    water: Water | None = None
     set: Names = ()
     metric: Names = ()
     out: Annotated[Path | None, OUT] = None
@@ -276,7 +279,7 @@ def _play(
 
     by.workers  # noqa: B018  what is wrong with them is said first
     players, overrides = with_options("policy", policies, choice.set)
-    setup = pinned(Setup.of(load_scenario(scenario, overrides, choice.map)))
+    setup = pinned(Setup.of(load_scenario(scenario, overrides, choice.map, choice.water)))
     variants = varied(setup.scenario, players)
     worlds, episodes, seed = tuple(choice.world), choice.episodes, choice.seed
     plan = Study(kind, setup, variants, worlds, episodes, seed, options, tuple(choice.metric))

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from mjforage.cli.console import OUT, app, bar, errors, output
+from mjforage.cli.console import OUT, Water, app, bar, errors, output
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn
 from mjforage.core.errors import UserError
 
@@ -28,6 +28,7 @@ def train(
     updates: int | None = None,
     seed: int = 0,
     map: str | None = None,
+    water: Water | None = None,
     set: Pairs = (),
     also: Pairs = (),
     evaluate: Pairs = (),
@@ -58,8 +59,10 @@ def train(
     seed
         Seed of the run.
     map
-        Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], CSV or
-        image.
+        Map that replaces the scenario's grid: a name, harbour:KIND:SEED[:ROWSxCOLUMNS], table,
+        grid or image.
+    water
+        Which cells of that file are water, light or dark: pixels of an image, 1 or 0 of a table.
     set
         Override KEY=VALUE of the scenario, not of those of --also and --evaluate; repeatable.
     also
@@ -89,7 +92,7 @@ def train(
     from mjforage.learning.training.run import train_with
 
     teachers, set = with_options("policy", [teacher] if teacher else [], set)
-    chosen = load_scenario(scenario, set, map)
+    chosen = load_scenario(scenario, set, map, water)
     changes = dict(_pair(text) for text in learning)
     told = {"teacher": "".join(teachers), "initial": initial, "world": world}
     changes |= {name: value for name, value in told.items() if value}
@@ -138,7 +141,7 @@ def _other(text: str) -> "Scenario":
     scenario = load_scenario(name)
     if not separator:
         return scenario
-    return replace(scenario, map=replace(scenario.map, file=file, starts=None))
+    return replace(scenario, map=replace(scenario.map, file=file, starts=None, water="light"))
 
 
 def _pair(text: str) -> tuple[str, Any]:

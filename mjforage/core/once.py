@@ -1,11 +1,19 @@
 """Work that several ask for, done once."""
 
+import logging
 from collections.abc import Callable
+from functools import cache
 from typing import Any, TypeVar
 
 from graph_planner.lending import read_only
 
 _T = TypeVar("_T")
+
+
+@cache
+def say_once(line: str) -> None:
+    """Say a line of warning, the first time that it is asked for in this process."""
+    logging.getLogger(__name__).warning("%s", line)
 
 
 class Once:

@@ -57,7 +57,10 @@ def scenario_path(reference: str) -> Path:
 
 
 def load_scenario(
-    reference: str, overrides: Iterable[str] = (), map_file: str | None = None
+    reference: str,
+    overrides: Iterable[str] = (),
+    map_file: str | None = None,
+    water: str | None = None,
 ) -> Scenario:
     """Read a preset or a file, replace the grid, then apply `KEY=VALUE` overrides in order.
 
@@ -68,8 +71,9 @@ def load_scenario(
     ----------
     reference : name of a preset, or path of a TOML file
     overrides : for example `team.scouts.count=3`; values in TOML syntax, bare words are strings
-    map_file : replaces `map.file` only; everything else stays, starts too unless it is a generated
-        harbour, where a cluster is drawn
+    map_file : replaces `map.file`, and `map.water` by its default; everything else stays, starts
+        too unless it is a generated harbour, where a cluster is drawn
+    water : replaces `map.water`
 
     Raises
     ------
@@ -81,8 +85,11 @@ def load_scenario(
     _start_paths(tree, path.parent)
     if map_file is not None:
         _put(tree, ["map", "file"], map_file, f"--map {map_file}")
+        tree["map"].pop("water", None)
         if is_harbour(map_file):
             _put(tree, ["map", "starts"], [], f"--map {map_file}")
+    if water is not None:
+        _put(tree, ["map", "water"], water, f"--water {water}")
     for override in overrides:
         _apply(tree, override)
     return _checked(tree, f"scenario {path.stem}")

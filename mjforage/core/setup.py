@@ -15,8 +15,9 @@ from graph_planner.task import Task
 from mjforage.core.initial_state import InitialState, create_initial_state, nodes_around
 from mjforage.core.link.reach import reach_m
 from mjforage.core.maps import GridMap, check_starts, load_map, load_starts, reachable_share
+from mjforage.core.once import say_once
 from mjforage.core.scenario import Scenario
-from mjforage.core.sizes import check_memory, map_bytes, mission_bytes
+from mjforage.core.sizes import check_memory, map_bytes, map_costs, mission_bytes
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +45,8 @@ class Setup:
         )
         setup = cls(scenario, grid)
         setup.check_memory(1)
+        if costs := map_costs(scenario, grid.name, grid.navigable.shape, grid.nodes):
+            say_once(costs)
         own = choice.starts is not None
         owner = f"scenario {scenario.name}" if own else "the .starts.csv beside the map"
         check_starts(setup.start_cells, grid.navigable, owner, choice.file)

@@ -20,9 +20,9 @@ def helm_of(vessel: Vessel) -> Helm:
     return Helm(
         length_m=vessel.length_m,
         beam_m=vessel.beam_m,
-        mass_surge_kg=vessel.mass_kg + vessel.added_mass_surge_kg,
+        mass_surge_kg=_surge_kg(vessel),
         mass_sway_kg=vessel.mass_kg + vessel.added_mass_sway_kg,
-        inertia_yaw_kgm2=vessel.inertia_z_kgm2 + vessel.added_mass_yaw_kgm2,
+        inertia_yaw_kgm2=_yaw_kgm2(vessel),
         munk_kg=vessel.added_mass_sway_kg - vessel.added_mass_surge_kg,
         linear_surge=vessel.linear_surge,
         quadratic_surge=vessel.quadratic_surge,
@@ -50,8 +50,7 @@ def default_control(vessel: Vessel) -> Control:
     period and thrust allow; lengths go with the hull's.
     """
     low, high = vessel.thruster.thrust_range
-    surge = vessel.mass_kg + vessel.added_mass_surge_kg
-    yaw = vessel.inertia_z_kgm2 + vessel.added_mass_yaw_kgm2
+    surge, yaw = _surge_kg(vessel), _yaw_kgm2(vessel)
     moment = -2.0 * low * vessel.lever_m if -low < high else 2.0 * high * vessel.lever_m
     brake = -2.0 * low / surge
     acceleration = 0.8 * moment / yaw
@@ -90,6 +89,45 @@ def control_table(vessel: Vessel) -> str:
         for key, value in dataclasses.asdict(default_control(vessel)).items()
     ]
     return "".join(("[control]\n", *lines))
+
+
+def full_speed_s(vessel: Vessel) -> float:
+    """Time in which full thrust would take the hull from rest to its cruise speed without drag."""
+    cruise = helm_of(vessel).tuning.cruise_ahead_mps
+    return _surge_kg(vessel) * cruise / (2.0 * vessel.thruster.thrust_range[1])
+
+
+def damping_rates(vessel: Vessel) -> dict[str, float]:
+    """Rates at which drag takes small motions [1/s]: ahead at cruise speed, aside at rest, and
+    turning at the highest rate.
+    """
+    tuning = helm_of(vessel).tuning
+    surge = vessel.linear_surge + 2.0 * vessel.quadratic_surge * tuning.cruise_ahead_mps
+    yaw = vessel.linear_yaw + 2.0 * _quadratic_yaw(vessel) * tuning.yaw_rate_radps
+    return {
+        "way ahead": surge / _surge_kg(vessel),
+        "way aside": vessel.linear_sway / (vessel.mass_kg + vessel.added_mass_sway_kg),
+        "turning": yaw / _yaw_kgm2(vessel),
+    }
+
+
+def decision_s(vessel: Vessel, distance_m: float) -> float:
+    """Time that a hull at rest takes to turn by 90 degrees, go a distance straight on and stop."""
+    helm = helm_of(vessel)
+    tuning, most = helm.tuning, 2.0 * vessel.thruster.thrust_range[1]
+    speed = min(tuning.cruise_ahead_mps, _speed(vessel.linear_surge, vessel.quadratic_surge, most))
+    ramps = 0.5 / tuning.acceleration_mps2 + 0.5 / tuning.brake_mps2
+    speed = min(speed, math.sqrt(distance_m / ramps))  # so short that it never cruises
+    straight = distance_m / speed + ramps * speed
+    return 0.5 * math.pi / tuning.yaw_rate_radps + straight
+
+
+def _surge_kg(vessel: Vessel) -> float:
+    return vessel.mass_kg + vessel.added_mass_surge_kg
+
+
+def _yaw_kgm2(vessel: Vessel) -> float:
+    return vessel.inertia_z_kgm2 + vessel.added_mass_yaw_kgm2
 
 
 def _quadratic_sway(vessel: Vessel) -> float:

@@ -21,6 +21,7 @@ from mjforage.core.setup import Setup
 from mjforage.core.sizes import check_memory, table_bytes
 from mjforage.core.whole_files import write_json
 from mjforage.physics.dynamics.fleet_scene import item_choices
+from mjforage.physics.foretold import foretold
 from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.runs.assignments import Assignment, Episode, replay_is_kept
 from mjforage.runs.costs import Invocation, costs_content
@@ -251,6 +252,7 @@ def carry_out(
     assignments = {
         place: assigned(run) for place, run in enumerate(runs) if not run.folder.complete
     }
+    _foretell([runs[place] for place in assignments])
     for place in assignments:
         run = runs[place]
         work += [(place, chunk) for chunk in run.chunks if not run.folder.has(chunk)]
@@ -281,6 +283,13 @@ def carry_out(
     for run in runs if again else ():
         _name_what_is_not_kept(run)
     return summaries
+
+
+def _foretell(runs: Sequence[Run]) -> None:
+    """Say of runs that begin what their worlds and hulls do not feel and cannot do, a line once."""
+    lines = (line for run in runs for line in foretold(run.setup, run.worlds))
+    for line in dict.fromkeys(lines):
+        _logger.warning("%s", line)
 
 
 def _name_what_is_not_kept(run: Run) -> None:

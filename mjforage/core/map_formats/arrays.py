@@ -1,14 +1,16 @@
 """Arrays that `numpy.save` wrote (`.npy`), never unpickled."""
 
-import zipfile
+import math
 from pathlib import Path
 
 import numpy as np
+from numpy.lib import format as npy
 
 from mjforage.core.errors import UserError
 from mjforage.core.map_formats.levels import Levels, check_size, levels_of
 
-MAGIC = b"\x93NUMPY"
+_HEADERS = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
+_DAMAGED = (OSError, ValueError, TypeError, EOFError, ArithmeticError, LookupError)
 
 
 def read_array(path: Path, name: str) -> Levels:
@@ -27,10 +29,17 @@ def read_array(path: Path, name: str) -> Levels:
         If it is no such array.
     """
     try:
-        array = np.load(path, mmap_mode="r", allow_pickle=False)
-    except (OSError, ValueError, TypeError, EOFError, ArithmeticError, zipfile.BadZipFile) as error:
-        raise UserError(f"map {name}: is damaged, or no array of numbers of numpy.save") from error
-    if not isinstance(array, np.ndarray) or array.dtype.kind not in "buif" or array.ndim != 2:
-        raise UserError(f"map {name}: is no array (row, column) of numbers; give one of 0 and 1")
-    check_size(*array.shape, name)
+        with path.open("rb") as file:
+            shape, _, kind = _HEADERS[npy.read_magic(file)](file)
+            if kind.kind not in "buif" or len(shape) != 2:
+                raise UserError(f"map {name}: is no array (row, column) of numbers; give 0 and 1")
+            check_size(*shape, name)
+            if path.stat().st_size < math.prod(shape) * kind.itemsize:
+                raise EOFError
+            file.seek(0)
+            array = np.load(file, allow_pickle=False)
+    except UserError:
+        raise
+    except _DAMAGED as error:
+        raise UserError(f"map {name}: is damaged, or no array of numpy.save") from error
     return levels_of(np.asarray(array, np.float64), name)

@@ -36,9 +36,10 @@ def read_table(lines: Sequence[str], name: str) -> Levels:
     UserError
         If rows differ in length, or a cell is neither.
     """
-    rows = _cells(_rows(lines))
+    rows = _rows(lines)
     if not rows:
         raise UserError(f"map {name}: is empty; give one line of 0 and 1 per row")
+    rows = _cells(rows)
     expected = Counter(len(row.fields) for row in rows).most_common(1)[0][0]
     for r, row in enumerate(rows):
         if len(row.fields) != expected:
@@ -60,7 +61,8 @@ def read_table(lines: Sequence[str], name: str) -> Levels:
 
 def _rows(lines: Sequence[str]) -> list[_Row]:
     """Fields of the lines that are no comments, without quotes."""
-    kept = [(i, line.partition("#")[0]) for i, line in enumerate(lines, 1) if line.strip()[:1] != "#"]
+    numbered = ((i, line) for i, line in enumerate(lines, 1) if not line.lstrip().startswith("#"))
+    kept = [(i, line.partition("#")[0]) for i, line in numbered]
     separator = next((mark for mark in ",;\t" if any(mark in line for _, line in kept)), None)
     rows = []
     for number, line in kept:

@@ -105,8 +105,6 @@ def _esri(lines: list[str], name: str) -> Levels:
         raise UserError(f"map {name}: {error}; give an ESRI grid of numbers") from error
     values = np.concatenate([*body, np.empty(0)])
     if values.size != rows * columns:
-        raise UserError(
-            f"map {name}: has {values.size} cells, its header says {rows} x {columns}"
-        )
+        raise UserError(f"map {name}: has {values.size} cells, its header says {rows} x {columns}")
     values = values.reshape(rows, columns)
     return levels_of(values, name, np.isnan(values) | (values == no_data))

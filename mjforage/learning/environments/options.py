@@ -6,12 +6,14 @@ from typing import TypedDict
 
 from graph_planner.encodings import encoder_label
 from mjforage.core.errors import UserError
+from mjforage.core.once import say_once
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 from mjforage.learning.environments.harbour_picture import check_camera
 from mjforage.learning.environments.rewards import PUBLISHED, checked_weights
 from mjforage.learning.environments.spaces import DTYPES
+from mjforage.physics.foretold import foretold
 from mjforage.physics.worlds import WORLDS
 
 
@@ -75,5 +77,7 @@ class EnvironmentOptions:
         elif self.map is not None or self.set:
             raise UserError("map and set change a scenario's file; give the scenario by its name")
         object.__setattr__(self, "setup", Setup.of(scenario))
+        for line in foretold(self.setup, (self.world,)):
+            say_once(line)
         weights = PUBLISHED if self.reward is None else self.reward
         object.__setattr__(self, "weights", checked_weights(weights))

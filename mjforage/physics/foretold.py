@@ -1,0 +1,138 @@
+"""What can be told before a run: what worlds and hulls do not feel, and what hulls cannot do."""
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from controllers.legs import REACTION_S
+from mjforage.core.initial_state import LEEWAY
+from mjforage.core.scenario import Physics, Scenario, Sensors, Weather
+from mjforage.core.setup import Setup
+from mjforage.core.vessel_files import hull_names
+from mjforage.physics.scaled_vessels import scaled
+from mjforage.physics.vessel_helm import damping_rates, decision_s, full_speed_s, helm_of
+from mjforage.physics.vessels import NO_LOAD, Vessel, load_vessel
+from mjforage.physics.weather.settings import WeatherSettings
+from mjforage.physics.worlds import WORLDS
+
+RK4_LIMIT = 2.785
+"""Steps per time constant beyond which Runge-Kutta of order 4 diverges (Hairer and Wanner, "Solving
+Ordinary Differential Equations II", section IV.2); the fast integrator's mean accelerations are of
+one such step."""
+PHYSICAL: tuple[tuple[str, Weather | Sensors, tuple[str, ...]], ...] = (
+    (
+        "weather",
+        Weather(),
+        (
+            *("shelter_height_m", "gust_intensity", "current_speed_mps"),
+            *("current_wander_mps", "circulation_mps"),
+        ),
+    ),
+    ("sensors", Sensors(), ("position_noise_m", "heading_noise_deg", "pickup_noise_m")),
+)
+"""Tables of a scenario, as if nothing were given, and their keys that not every world feels."""
+
+
+def foretold(setup: Setup, worlds: Sequence[str]) -> tuple[str, ...]:
+    """Lines about a run in these worlds, in the order of their weight; none where all is well."""
+    scenario, hulls = setup.scenario, [world for world in worlds if world != "graph"]
+    lines = list(_unfelt_keys(scenario, worlds))
+    if hulls:
+        for vessel, teams in _hulls(setup).items():
+            where = f"vessel {vessel.name} of {' and '.join(teams)}"
+            lines += [f"{where}: {words}" for words in _of_hull(scenario, hulls, vessel, teams)]
+    return tuple(lines)
+
+
+def _unfelt_keys(scenario: Scenario, worlds: Sequence[str]) -> Iterator[str]:
+    """Keys of the scenario that are given and that no world of the run feels."""
+    adapted = [None if world == "graph" else WORLDS[world].adapt(scenario) for world in worlds]
+    unfelt = [
+        f"{table}.{key}"
+        for table, nothing, keys in PHYSICAL
+        for key in keys
+        if getattr(getattr(scenario, table), key) != getattr(nothing, key)
+        and not any(each and _feels(each, scenario, table, key) for each in adapted)
+    ]
+    if unfelt:
+        names = " nor ".join(worlds)
+        yield f"{', '.join(unfelt)}: not felt in world {names}, and without effect in this run"
+
+
+def _feels(adapted: Scenario, scenario: Scenario, table: str, key: str) -> bool:
+    """Whether a world with hulls has a key of the scenario, and something that it acts on."""
+    if key == "pickup_noise_m" and adapted.physics.capture == "node":
+        return False  # nobody steers for an item, so that there is no camera
+    return bool(getattr(getattr(adapted, table), key) == getattr(getattr(scenario, table), key))
+
+
+def _hulls(setup: Setup) -> dict[Vessel, list[str]]:
+    """Every vessel as it moves -> the teams that have it."""
+    choice: Physics = setup.scenario.physics
+    found: dict[Vessel, list[str]] = {}
+    for team, name in zip(setup.fleet.team, hull_names(setup.fleet, choice), strict=True):
+        teams = found.setdefault(scaled(load_vessel(name), choice.scale), [])
+        if (own := setup.fleet.team_names[team]) not in teams:
+            teams.append(own)
+    return found
+
+
+def _of_hull(
+    scenario: Scenario, worlds: Iterable[str], vessel: Vessel, teams: Iterable[str]
+) -> Iterator[str]:
+    wind = max(_most_wind_mps(WORLDS[world].adapt(scenario)) for world in worlds)
+    if wind and not feels_wind(vessel):
+        yield f"has no [windage] and does not feel the wind of up to {wind:.3g} m/s"
+    if vessel.load == NO_LOAD and any(scenario.team[team].collects for team in teams):
+        yield "has no [load], so that items aboard add neither mass nor drag"
+    yield from _too_quick(scenario, vessel)
+    for team in teams:
+        yield from _too_slow(scenario, vessel, team)
+
+
+def feels_wind(vessel: Vessel) -> bool:
+    """Whether a vessel has an area that the wind meets."""
+    return vessel.windage.area_front_m2 > 0.0 or vessel.windage.area_side_m2 > 0.0
+
+
+def _most_wind_mps(scenario: Scenario) -> float:
+    weather = WeatherSettings.of_scenario(scenario.weather, scenario.map.pitch_m, scenario.period_s)
+    return weather.wind_speed_mps + 2.0**0.5 * weather.drawn_drift_mps / LEEWAY
+
+
+def _too_quick(scenario: Scenario, vessel: Vessel) -> Iterator[str]:
+    """Hulls whose control cannot keep up with them.
+
+    Thrust that is wrong is mended after a period of control and the thrusters' lag. An integrator
+    under a relay with such a dead time L swings by its slope times L, with a period of 4 L (Astrom
+    and Hagglund, "PID Controllers", 1995, section 2.6, relay feedback): by all of its cruise speed,
+    if full thrust gives that within L. In trials of a scout of 1 to 36 kg with lags of 0.2 to 3 s,
+    positions at steps of 0.1 s and 0.02 s were 0.03 m to 0.15 m apart where it took longer, and up
+    to 3.6 m where it did not.
+    """
+    reaction, rise = REACTION_S + vessel.lag_s, full_speed_s(vessel)
+    if rise < reaction:
+        yield (
+            f"full thrust gives it its cruise speed in {rise:.2g} s, control and thruster lag take "
+            f"{reaction:.2g} s: it hunts, and its ways hang on the time step; give a shorter "
+            "lag_s, less thrust or more mass"
+        )
+    step = scenario.physics.step_s or (0.1 if scenario.physics.integrator == "fast" else 0.02)
+    axis, rate = max(damping_rates(vessel).items(), key=lambda each: each[1])
+    if rate * step > RK4_LIMIT:
+        yield (
+            f"drag takes its {axis} in {1.0 / rate:.2g} s, too short for a time step of {step:g} s;"
+            f" give physics.step_s of at most {RK4_LIMIT / rate:.2g}"
+        )
+
+
+def _too_slow(scenario: Scenario, vessel: Vessel, team: str) -> Iterator[str]:
+    """Teams whose hulls are late after a straight move, turning by 90 degrees for it."""
+    moves, pitch = scenario.team[team].moves, scenario.map.pitch_m
+    needed = decision_s(vessel, moves * pitch)
+    if needed > scenario.period_s:
+        tuning = helm_of(vessel).tuning
+        yield (
+            f"team.{team}.moves = {moves} of {pitch:g} m take it {needed:.3g} s, at "
+            f"{tuning.cruise_ahead_mps:.3g} m/s after a turn of 90 degrees, and a decision has "
+            f"{scenario.period_s:g} s: moves will be late; give fewer moves, a longer period_s or "
+            "a shorter map.pitch_m"
+        )
