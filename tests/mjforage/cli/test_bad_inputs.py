@@ -137,7 +137,7 @@ PATHS = (
     ("render", "run", "-o", "a.png", "--start", "{}"),
     ("render", "run", "-o", "a.png", "--width", "{}"),
     ("render", "run", "-o", "a.png", "--episode", "{}"),
-    ("manoeuvre", "otter", "--test", "straight", "--wind", "{}"),
+    ("manoeuvre", "scout", "--test", "straight", "--wind", "{}"),
     ("manoeuvre", "otter", "--test", "straight", "--heading", "{}"),
     ("manoeuvre", "otter", "--test", "straight", "--duration", "{}"),
     ("manoeuvre", "otter", "--test", "straight", "--dt", "{}"),

@@ -110,6 +110,24 @@ def test_files_are_checked_before_the_run(
         assert f"{name}: cannot be written; name a file in a folder" in said
 
 
+def test_wind_on_a_hull_that_feels_none_is_refused(refused: Callable[..., str]) -> None:
+    words = "--wind 8@90: vessel otter has no [windage] and feels no wind; give it that table ("
+    assert words in refused("manoeuvre", "otter", "--test", "drift", "--wind", "8@90")
+
+
+def test_a_signed_direction_is_the_one_without_a_sign(
+    command: Callable[..., Any], tmp_path: Path
+) -> None:
+    drifts = []
+    for wind in ("8@-50", "8@310", "8@50"):
+        words = ("--test", "drift", "--wind", wind, "--duration", 5, "--out", tmp_path / "out.csv")
+        assert command("manoeuvre", "scout", *words).code == 0
+        drifts.append((tmp_path / "out.csv").read_text())
+    assert drifts[0] == drifts[1] != drifts[2]
+    still = command("manoeuvre", "ideal", "--test", "drift", "--wind", "0@90", "--duration", 5)
+    assert still.code == 0
+
+
 def test_schedules_out_of_order_or_range_are_refused(
     refused: Callable[..., str], tmp_path: Path
 ) -> None:

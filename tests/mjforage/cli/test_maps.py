@@ -95,6 +95,29 @@ def test_a_generated_harbour_is_a_map_like_any(
     assert info["map"]["navigable"] == ["".join("01"[int(c)] for c in row) for row in cells]
 
 
+def test_an_image_with_dark_water_is_drawn_and_played(
+    command: Callable[..., Any],
+    refused: Refused,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    monkeypatch.setattr("mjforage.view.report.write_report", lambda folder: folder / "report.html")
+    chart = Image.new("L", (6, 5), 255)
+    chart.paste(0, (1, 1, 5, 4))
+    chart.save("chart.png")
+    assert command("maps", "chart.png").out == "chart.png: 5 x 6, 18 nodes\n"
+    assert "all of its edge is water; if that is the land, give --water dark" in caplog.text
+    for dark in (("--water", "dark"), ("--set", "map.water=dark")):
+        assert command("maps", "chart.png", *dark).out == "chart.png: 5 x 6, 12 nodes\n"
+    outcome = command(
+        *("evaluate", "channels", "--policy", "greedy", "--episodes", 1, "--set", "horizon=3"),
+        *("--map", "chart.png", "--water", "dark"),
+    )
+    assert outcome.code == 0 and "12 nodes" in outcome.out
+    assert "map comb_port: has light water" in refused("maps", "comb_port", "--water", "dark")
+    assert "blue" in refused("maps", "chart.png", "--water", "blue")
+
+
 def test_a_map_in_parts_is_drawn_by_the_rules_it_is_played_by(
     command: Callable[..., Any], refused: Refused
 ) -> None:

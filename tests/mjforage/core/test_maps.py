@@ -262,9 +262,18 @@ def test_any_grid_loads_or_is_a_user_error(
 
 
 @settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(content=st.text("01,; \t\n.e-x\ufeff") | st.binary(max_size=60))
+@given(
+    content=st.text("01,; \t\n.e-x\ufeff#\"'", max_size=60)
+    | st.binary(max_size=60)
+    | st.builds(
+        bytes.__add__,
+        st.sampled_from([b"P5\n2 2\n255\n", b"type octile\n", b"ncols 2\n", b"\x93NUMPY\x01\0"]),
+        st.binary(max_size=60),
+    )
+)
 def test_any_content_loads_or_is_a_user_error(write: WriteMap, content: str | bytes) -> None:
-    for name in ("harbour.csv", "harbour.png"):
+    for name in ("csv", "png", "pgm", "tif", "npy", "map", "asc"):
+        name = f"harbour.{name}"
         try:
             assert load_map(write(content, name)).navigable.any()
         except UserError as error:

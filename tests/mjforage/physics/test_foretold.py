@@ -1,0 +1,207 @@
+"""What is told before a run: what is not felt, what hunts, what will be late; and that it is so."""
+
+import logging
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from controllers import Pilot
+from graph_planner.policies.registry import create_policy
+from mjforage.core.dynamics import LATE
+from mjforage.core.scenario_file import load_scenario, preset_names
+from mjforage.core.setup import Setup
+from mjforage.core.vessel_files import vessel_names, vessel_path
+from mjforage.learning.environments.options import EnvironmentOptions
+from mjforage.physics.foretold import foretold
+from mjforage.physics.scene import build_scene
+from mjforage.physics.simulation import Simulation
+from mjforage.physics.vessel_helm import full_speed_s, helm_of
+from mjforage.physics.vessels import Vessel, load_vessel
+from mjforage.physics.worlds import WORLDS, create_mission
+from mjforage.runs.evaluate import evaluate
+
+PHYSICS = ("physics",)
+TABLES = {"windage": "\n[windage]", "load": "\n[load]"}
+
+
+def told(worlds: Sequence[str], *overrides: str) -> list[str]:
+    return list(foretold(Setup.of(load_scenario("comb-port", overrides)), worlds))
+
+
+def copied(folder: Path, name: str, *changes: tuple[str, str], without: str = "") -> str:
+    """Path of a shipped vessel's file with numbers changed, or without a table."""
+    text = vessel_path(name).read_text("utf-8")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    if without:
+        head, _, rest = text.partition(f"\n[{without}]")
+        text = head + rest[rest.index("\n\n") :]
+    path = folder / f"{name}_.toml"
+    path.write_text(text, "utf-8")
+    return str(path)
+
+
+def light_scout(mass_kg: float, lag_s: float = 0.2) -> Vessel:
+    scout = load_vessel("scout")
+    share = mass_kg / scout.mass_kg
+    names = ("mass_kg", "inertia_z_kgm2")
+    names += ("added_mass_surge_kg", "added_mass_sway_kg", "added_mass_yaw_kgm2")
+    lighter = {name: share * getattr(scout, name) for name in names}
+    return replace(scout, **lighter, lag_s=lag_s, control=None)
+
+
+@pytest.mark.parametrize("preset", preset_names())
+def test_shipped_scenarios_have_hulls_that_feel_and_can_do_all(preset: str) -> None:
+    setup = Setup.of(load_scenario(preset))
+    assert foretold(setup, ("graph", "physics")) == ()
+    for world in WORLDS:
+        assert not any(line.startswith("vessel ") for line in foretold(setup, (world,)))
+
+
+def test_wind_that_a_hull_does_not_feel_is_told(tmp_path: Path) -> None:
+    bare = copied(tmp_path, "scout", without="windage")
+    scouts, wind = f"physics.vessels.scouts={bare}", "weather.wind_speed_mps=12"
+    line = "vessel scout_ of scouts: has no [windage] and does not feel the wind of up to 12 m/s"
+    assert told(PHYSICS, scouts, wind) == [line]
+    assert told(("graph", "hulls", "physics"), scouts, wind) == [line]
+    assert told(("graph",), scouts, wind) == []
+    calm = "weather.drift_node_per_step=0"
+    assert told(PHYSICS, scouts, calm) == []
+    drift = told(PHYSICS, scouts)  # the paper's, of 0.1 node per step on both axes: 4 m / 10 s
+    assert "the wind of up to 1.89 m/s" in drift[0]
+    assert math.sqrt(2.0) * 0.1 * 0.4 / 0.03 == pytest.approx(1.89, abs=0.005)
+
+
+def test_a_collector_without_load_is_told(tmp_path: Path) -> None:
+    bare = copied(tmp_path, "forager", without="load")
+    line = "vessel forager_ of foragers: has no [load], so that items aboard add neither mass nor "
+    assert told(PHYSICS, f"physics.vessels.foragers={bare}") == [f"{line}drag"]
+    scouts = told(PHYSICS, "physics.vessels.scouts=otter")  # they carry nothing
+    assert not any("[load]" in line for line in scouts)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "worlds"),
+    [
+        ("weather.gust_intensity", "0.1", ("graph", "debris", "intake")),
+        ("weather.circulation_mps", "0.1", ("graph", "hulls")),
+        ("weather.current_wander_mps", "0.1", ("graph", "calibrated")),
+        ("weather.shelter_height_m", "5", ("graph",)),
+        ("sensors.position_noise_m", "0.3", ("graph", "intake")),
+        ("sensors.heading_noise_deg", "1", ("debris",)),
+        ("sensors.pickup_noise_m", "0.1", ("graph", "physics")),  # node: no item is steered for
+    ],
+)
+def test_keys_that_no_world_of_a_run_feels_are_told(
+    key: str, value: str, worlds: tuple[str, ...]
+) -> None:
+    words = f"{key}: not felt in world {' nor '.join(worlds)}, and without effect in this run"
+    assert told(worlds, f"{key}={value}") == [words]
+    assert told((*worlds, "physics"), f"{key}={value}", "physics.capture=intake") == []
+
+
+def way(vessel: Vessel, step_s: float, seed: int) -> NDArray[np.float64]:
+    """(tick, 2) way of a hull through eight moves of 8 m, with turns of 17 to 69 degrees [m]."""
+    draw = np.random.default_rng(seed)
+    simulation = Simulation(build_scene([vessel]), 1, step_s=step_s, seeds=["trial"])
+    pilot, on = Pilot([helm_of(vessel)], None, 1), np.array([True])
+    simulation.place_vessels(np.array([[[0.0, 0.0, 0.3]]]))
+    here, course, found = np.zeros(2), 0.3, []
+    for _ in range(8):
+        course += draw.uniform(0.3, 1.2) * draw.choice([-1, 1])
+        there = here + 8.0 * np.array([math.cos(course), math.sin(course)])
+        pilot.order(on, here[None, None], there[None, None], np.array([[False]]))
+        here = there
+        for _ in range(100):
+            pose, velocity = simulation.vessel_pose.copy(), simulation.vessel_velocity.copy()
+            simulation.commands[:] = pilot.command(on, pose, velocity)
+            simulation.step(round(0.1 / step_s))
+            found.append(simulation.vessel_pose[0, 0, :2].copy())
+    return np.array(found)
+
+
+MADE = {"light": light_scout(5.0), "slow": light_scout(36.0, lag_s=2.0), "quick": light_scout(10.5)}
+
+
+@pytest.mark.parametrize("name", [*vessel_names(), *MADE])
+def test_ways_hang_on_the_time_step_where_it_is_told_that_control_hunts(name: str) -> None:
+    vessel = MADE.get(name) or load_vessel(name)
+    told = full_speed_s(vessel) < vessel.lag_s + 0.1
+    pairs = [(way(vessel, 0.1, seed), way(vessel, 0.02, seed)) for seed in range(6)]
+    apart = np.median([np.hypot(*(a - b).T).max() for a, b in pairs])
+    assert told == (name in ("light", "slow"))
+    assert (apart > 0.15) == told, apart
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (
+            [('36.0, unit = "kg"', '1.0, unit = "kg"')],
+            "full thrust gives it its cruise speed in 0.094 s, control and thruster lag take 0.3 s:"
+            " it hunts, and its ways hang on the time step; give a shorter lag_s, less thrust or",
+        ),
+        ([("lag_s = { value = 0.2", "lag_s = { value = 3.0")], "control and thruster lag take 3.1"),
+        (
+            [("linear_yaw = { value = 3.3", "linear_yaw = { value = 330.0")],
+            "drag takes its turning in 0.021 s, too short for a time step of 0.1 s; give "
+            "physics.step_s of at most 0.059",
+        ),
+    ],
+)
+def test_hulls_too_quick_for_control_or_step_are_told(
+    tmp_path: Path, changes: list[tuple[str, str]], words: str
+) -> None:
+    scouts = f"physics.vessels.scouts={copied(tmp_path, 'scout', *changes)}"
+    lines = told(PHYSICS, scouts)
+    assert any(words in line for line in lines), lines
+    assert all(line.startswith("vessel scout_ of scouts: ") for line in lines)
+    if "physics.step_s" in words:
+        assert told(PHYSICS, scouts, "physics.step_s=0.05") == []
+
+
+def test_moves_that_a_hull_cannot_make_are_told_and_are_late() -> None:
+    """20 m in 10 s at 1.94 m/s, after a turn of 90 degrees at 0.95 rad/s."""
+    overrides = ("map.pitch_m=10", "horizon=4", "team.foragers.count=0", "team.scouts.count=1")
+    (line,) = told(PHYSICS, *overrides)
+    assert line == (
+        "vessel scout of scouts: team.scouts.moves = 2 of 10 m take it 13.6 s, at 1.94 m/s after "
+        "a turn of 90 degrees, and a decision has 10 s: moves will be late; give fewer moves, a "
+        "longer period_s or a shorter map.pitch_m"
+    )
+    for pitch, least, most in ((10, 1.0, 1.0), (4, 0.0, 0.1)):
+        setup = Setup.of(load_scenario("comb-port", (*overrides[1:], f"map.pitch_m={pitch}")))
+        mission, policy = create_mission(setup, "hulls"), create_policy("lawnmower")
+        mission.reset(0, np.arange(5))
+        mission.prepare(policy)
+        nodes, late = (setup.graph.rows, setup.graph.cols), []
+        for _ in range(4):
+            before = mission.state.agent_node.copy()
+            mission.advance(mission.ask(policy))
+            rows, cols = (at[mission.moves.target] - at[before] for at in nodes)
+            late.append((mission.state.outcome == LATE)[np.maximum(abs(rows), abs(cols)) == 2])
+        assert least <= np.concatenate(late).mean() <= most
+
+
+def test_a_run_says_it_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    setup = Setup.of(load_scenario("comb-port", ("weather.gust_intensity=0.1", "horizon=2")))
+    line = "weather.gust_intensity: not felt in world graph, and without effect in this run"
+    with caplog.at_level(logging.WARNING):
+        evaluate(setup, ["random", "greedy"], tmp_path / "run", episodes=60)
+    assert caplog.messages.count(line) == 1
+    caplog.clear()
+    evaluate(setup, ["random", "greedy"], tmp_path / "run", episodes=60)  # it is all there
+    assert line not in caplog.messages
+
+
+def test_environments_say_it_once(caplog: pytest.LogCaptureFixture) -> None:
+    for _ in range(3):
+        EnvironmentOptions(set=("weather.gust_intensity=0.123", "weather.shelter_height_m=3"))
+    words = "weather.shelter_height_m, weather.gust_intensity: not felt in world graph"
+    assert [line.startswith(words) for line in caplog.messages] == [True]
