@@ -65,7 +65,7 @@ def test_a_wind_comes_from_its_bearing_and_takes_the_drifts_place() -> None:
     settings = WeatherSettings.of_scenario(weather, pitch_m=4.0, period_s=10.0)
     assert (settings.wind_speed_mps, settings.drawn_drift_mps) == (5.0, 0.0)
     assert (settings.wind_toward_deg, settings.shelter_height_m) == (0.0, 4.0)
-    for bearing, toward in ((0.0, 270.0), (90.0, 180.0), (180.0, 90.0), (360.0, -90.0)):
+    for bearing, toward in ((0.0, 270.0), (90.0, 180.0), (180.0, 90.0), (360.0, 270.0)):
         weather = Weather(wind_speed_mps=5.0, wind_from_deg=bearing)
         settings = WeatherSettings.of_scenario(weather, 4.0, 10.0)
         assert settings.wind_toward_deg == pytest.approx(toward, abs=1e-12)
