@@ -103,7 +103,7 @@ def read_cells(path: Path, name: str, water: WaterIs = "light") -> NDArray[np.bo
         If the file is unreadable, too large, empty or malformed.
     """
     levels = _reader(path)(path, name)
-    cells = levels == (LIGHT if water == "light" else DARK)
+    cells: NDArray[np.bool_] = levels == (LIGHT if water == "light" else DARK)
     edge = np.concatenate((cells[0], cells[-1], cells[:, 0], cells[:, -1]))
     if edge.all() and not cells.all():
         logger.warning(

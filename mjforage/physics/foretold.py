@@ -1,5 +1,6 @@
 """What can be told before a run: what worlds and hulls do not feel, and what hulls cannot do."""
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 
 from controllers.legs import REACTION_S
@@ -95,7 +96,7 @@ def feels_wind(vessel: Vessel) -> bool:
 
 def _most_wind_mps(scenario: Scenario) -> float:
     weather = WeatherSettings.of_scenario(scenario.weather, scenario.map.pitch_m, scenario.period_s)
-    return weather.wind_speed_mps + 2.0**0.5 * weather.drawn_drift_mps / LEEWAY
+    return weather.wind_speed_mps + math.sqrt(2.0) * weather.drawn_drift_mps / LEEWAY
 
 
 def _too_quick(scenario: Scenario, vessel: Vessel) -> Iterator[str]:

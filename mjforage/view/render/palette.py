@@ -48,6 +48,7 @@ def agent_colours(collects: Sequence[bool]) -> list[Colour]:
     """Return one colour per agent, the same as in the report."""
     return [from_hex(code) for code in style.agent_colours(map(style.role, collects))]
 
+
 LEAST_MOST = 4  # the count that is drawn darkest, where no belief is larger
 
 

@@ -26,7 +26,6 @@ from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.runs.evaluate import evaluate
 
 PHYSICS = ("physics",)
-TABLES = {"windage": "\n[windage]", "load": "\n[load]"}
 
 
 def told(worlds: Sequence[str], *overrides: str) -> list[str]:
@@ -50,8 +49,10 @@ def copied(folder: Path, name: str, *changes: tuple[str, str], without: str = ""
 def light_scout(mass_kg: float, lag_s: float = 0.2) -> Vessel:
     scout = load_vessel("scout")
     share = mass_kg / scout.mass_kg
-    names = ("mass_kg", "inertia_z_kgm2")
-    names += ("added_mass_surge_kg", "added_mass_sway_kg", "added_mass_yaw_kgm2")
+    names = (
+        *("mass_kg", "inertia_z_kgm2"),
+        *("added_mass_surge_kg", "added_mass_sway_kg", "added_mass_yaw_kgm2"),
+    )
     lighter = {name: share * getattr(scout, name) for name in names}
     return replace(scout, **lighter, lag_s=lag_s, control=None)
 
@@ -184,6 +185,7 @@ def test_moves_that_a_hull_cannot_make_are_told_and_are_late() -> None:
         for _ in range(4):
             before = mission.state.agent_node.copy()
             mission.advance(mission.ask(policy))
+            assert mission.moves is not None
             rows, cols = (at[mission.moves.target] - at[before] for at in nodes)
             late.append((mission.state.outcome == LATE)[np.maximum(abs(rows), abs(cols)) == 2])
         assert least <= np.concatenate(late).mean() <= most

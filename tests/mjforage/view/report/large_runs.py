@@ -29,7 +29,8 @@ def of_policies(folder: Path, count: int) -> Path:
         pl.concat(list(copies)).write_parquet(path)
     for world, found in summary.items():
         summary[world] = {
-            name: found[first] | {"pta_c": found[first]["pta_c"] | {"mean": 100.0 - 100 * i / count}}
+            name: found[first]
+            | {"pta_c": found[first]["pta_c"] | {"mean": 100.0 - 100 * i / count}}
             for i, name in enumerate(names)
         }
     _write(folder, "run", run | {"policies": names, "bounds": []})
