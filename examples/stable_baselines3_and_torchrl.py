@@ -142,10 +142,7 @@ def torchrl() -> None:
     from torchrl.envs.libs.pettingzoo import PettingZooWrapper
 
     view = mjforage.parallel_env(scenario="published")
-    teams: dict[str, list[str]] = {}
-    for agent in view.possible_agents:
-        teams.setdefault(agent.rpartition("_")[0], []).append(agent)
-    env = PettingZooWrapper(view, use_mask=True, seed=0, group_map=teams)
+    env = PettingZooWrapper(view, use_mask=True, seed=0)  # groups scouts_0, ... by their teams
     episode = env.rollout(150)
     for team in env.group_map:
         rewards = episode["next", team, "reward"]

@@ -40,11 +40,11 @@ def test_rows_of_the_mass_matrix_hold_what_the_callback_writes(model: mujoco.MjM
 def test_inertia_comes_from_the_parameters(name: str) -> None:
     vessel = load_vessel(name)
     model = build_scene([vessel]).model
-    body = model.body(f"{name}-0/hull")
+    body = model.body(f"{name}_0/hull")
     assert body.mass[0] == vessel.mass_kg
     about_midships = body.inertia[2] + vessel.mass_kg * body.ipos[0] ** 2
     assert about_midships == pytest.approx(vessel.inertia_z_kgm2, rel=1e-9)
-    size = model.geom(f"{name}-0/collider").size
+    size = model.geom(f"{name}_0/collider").size
     assert size[:2].tolist() == [0.5 * vessel.length_m, 0.5 * vessel.beam_m]
 
 
@@ -181,4 +181,4 @@ def test_a_scene_without_items_needs_no_class() -> None:
 
 def test_a_vessel_without_a_part_of_its_own_borrows_looks() -> None:
     own = dataclasses.replace(SCOUT, name="mine")
-    assert build_scene([own]).model.geom("mine-0/collider").size[0] == 0.5 * SCOUT.length_m
+    assert build_scene([own]).model.geom("mine_0/collider").size[0] == 0.5 * SCOUT.length_m
