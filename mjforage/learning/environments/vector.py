@@ -27,13 +27,14 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
     """A batch of `ForagingEnv`: number i is to the bit the environment seeded with `seed + i`.
 
     In the graph world one batched mission plays all sub-environments; elsewhere each has its own.
+    `info` is laid out as Gymnasium does: beside each key a mask `_key` (env,), of whom it is told.
 
     Parameters
     ----------
     num_envs : sub-environments
     autoreset_mode : `NEXT_STEP` (Gymnasium's default: the step after the end ignores its action
         and returns the new episode's first observation, with reward 0), `SAME_STEP` (the new first
-        observation comes at once; the last of the old episode is `info["final_obs"]`), or
+        observation comes at once; the last of the old episode is `info["final_obs"][i]`), or
         `DISABLED` (nothing starts again but by `reset(options={"reset_mask": chosen})`)
     copy : whether every observation is in memory of its own; otherwise the next `step` or `reset`
         may overwrite it, which is quicker
@@ -92,7 +93,9 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         seeds, envs = self._seeds(seed), self._chosen((options or {}).get("reset_mask"))
         super().reset(seed=seeds[0] if isinstance(seed, Integral) else None)
         self._start(envs, seeds)
-        return self._observed(), self._facts()
+        started = np.zeros(self.num_envs, np.bool_)
+        started[envs] = True
+        return self._observed(), _laid_out(self._facts(), started)
 
     def _seeds(self, seed: object) -> list[int | None]:
         """A seed for each sub-environment."""
@@ -129,7 +132,7 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
         Returns
         -------
         observations, their leading axes env and agent; rewards (env,), summed over agents;
-        terminated and truncated (env,); what `info` has, each (env,)
+        terminated and truncated (env,); what `info` has, each (env,) beside its mask
 
         Raises
         ------
@@ -137,25 +140,29 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
             If an action is not of its space, or there was no reset.
         """
         moves = checked_moves(actions, (self.num_envs, self._games[0].agents), "actions")
-        again = self._ended.copy() if self.autoreset_mode is AutoresetMode.NEXT_STEP else None
+        again = self._ended & (self.autoreset_mode is AutoresetMode.NEXT_STEP)
         parts = self._play(moves)
         rewards = _joined([part.rewards.sum(axis=1) for part in parts])
         terminated = _joined([part.terminated for part in parts])
         truncated = _joined([part.truncated for part in parts])
-        info: dict[str, Any] = {"illegal": _joined([part.illegal for part in parts])}
+        played = {"illegal": _joined([part.illegal for part in parts])}
         for name in parts[0].terms:
-            info[f"reward/{name}"] = _joined([part.terms[name].sum(axis=1) for part in parts])
-        self._ended |= terminated | truncated
-        if again is not None and again.any():
+            played[f"reward/{name}"] = _joined([part.terms[name].sum(axis=1) for part in parts])
+        over = terminated | truncated
+        self._ended |= over
+        if again.any():
             self._start(np.flatnonzero(again), [None] * self.num_envs)
         for picture, (game, _) in zip(self._pictures, self._where, strict=False):
             picture.see(self._games[game].mission)
-        info |= self._facts()
-        over = terminated | truncated
+        info: dict[str, Any] = {}
         if self.autoreset_mode is AutoresetMode.SAME_STEP and over.any():
-            info |= {"final_obs": self._observed(True), "_final_obs": over.copy()}
-            info |= {"final_info": self._facts(), "_final_info": over.copy()}
+            info = {"final_obs": self._last_seen(over), "_final_obs": over.copy()}
+            info |= {"final_info": _laid_out(self._facts() | played, over)}
+            info |= {"_final_info": over.copy()}
             self._start(np.flatnonzero(over), [None] * self.num_envs)
+            again = over
+        info |= _laid_out(self._facts(), np.ones(self.num_envs, np.bool_))
+        info |= _laid_out(played, ~again)
         return self._observed(), rewards, terminated, truncated, info
 
     def render(self) -> tuple[Any, ...] | None:
@@ -190,16 +197,27 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
             if self._pictures:
                 self._pictures[i].see(self._games[self._where[i][0]].mission)
 
-    def _observed(self, copy: bool = False) -> Pictures:
-        """Of all sub-environments; in new memory if `copy`, or if the user wants it always."""
-        parts = [game.see(np.arange(game.num_envs)) for game in self._games]
-        seen: Pictures = {}
-        for name in parts[0]:
-            seen[name] = self._shown(name, _joined([part[name] for part in parts]), copy)
+    def _observed(self) -> Pictures:
+        """Of all sub-environments; in new memory if the user wants it."""
+        seen = {name: self._shown(name, levels) for name, levels in self._levels().items()}
         return {**seen, MASK: _joined([game.masks for game in self._games])}
 
-    def _shown(self, name: str, levels: NDArray[np.uint8], copy: bool) -> NDArray[Any]:
-        if copy or self._copy:
+    def _last_seen(self, over: NDArray[np.bool_]) -> NDArray[np.object_]:
+        """(env,) observations of those that are over, each for itself; None of others."""
+        levels, masks = self._levels(), _joined([game.masks for game in self._games])
+        last = np.full(self.num_envs, None, np.object_)
+        for i in np.flatnonzero(over):
+            seen = {name: shown(level[i], self._dtype) for name, level in levels.items()}
+            last[i] = {**seen, MASK: masks[i].copy()}
+        return last
+
+    def _levels(self) -> dict[str, NDArray[np.uint8]]:
+        """Levels (env, agent, ...) that all see."""
+        parts = [game.see(np.arange(game.num_envs)) for game in self._games]
+        return {name: _joined([part[name] for part in parts]) for name in parts[0]}
+
+    def _shown(self, name: str, levels: NDArray[np.uint8]) -> NDArray[Any]:
+        if self._copy:
             return shown(levels, self._dtype)
         if self._dtype == "uint8":
             return levels
@@ -215,6 +233,14 @@ class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
 def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
     """What each game has, one after the other; that of a single game as it is."""
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+
+def _laid_out(facts: dict[str, NDArray[Any]], told: NDArray[np.bool_]) -> dict[str, Any]:
+    """Facts (env,) beside masks of whom they are told, 0 where not; none if of nobody."""
+    info, everybody = {}, bool(told.all())
+    for name, fact in facts.items() if told.any() else ():
+        info[name], info[f"_{name}"] = fact if everybody else fact * told, told.copy()
+    return info
 
 
 def _checked_mode(mode: object) -> AutoresetMode:

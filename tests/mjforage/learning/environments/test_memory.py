@@ -51,9 +51,10 @@ def test_memory_that_is_used_again_shows_the_same(dtype: str, mode: AutoresetMod
             np.testing.assert_array_equal(one[name], other[name])
             shared |= np.shares_memory(other[name], shown[name])
             assert not np.shares_memory(one[name], first[name])
-            if "final_obs" in info:
-                np.testing.assert_array_equal(info["final_obs"][name], same["final_obs"][name])
-                assert not np.shares_memory(same["final_obs"][name], other[name])
+            for i in np.flatnonzero(info.get("_final_obs", ())):
+                last, again_last = (part["final_obs"][i][name] for part in (info, same))
+                np.testing.assert_array_equal(last, again_last)
+                assert not np.shares_memory(again_last, other[name])
         shown = other
     assert shared
     for name in NAMES:
