@@ -4,7 +4,7 @@ Maps are kept by what changes in them: a look renews some ten nodes of a map of 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -63,6 +63,17 @@ class Held:
             belief[step, self.cell[own]] = self.items[own]
             seen[step, self.cell[own]] = self.seen[own]
         return belief, seen
+
+    def until(self, steps: int) -> "Held":
+        """The same as if the episode had ended after so many steps."""
+        entries = int(self.changes[: steps + 1].sum())
+        cut: dict[str, Any] = {
+            name: getattr(self, name)[:entries] for name in ("agent", "cell", "seen", "items")
+        }
+        by_step = ("changes", "heard", "linked", "lost")
+        cut |= {name: getattr(self, name)[: steps + 1] for name in by_step}
+        known = np.where(self.known_from > steps, np.int16(UNKNOWN), self.known_from)
+        return replace(self, known_from=known, **cut)
 
     def idleness(self, seen: NDArray[np.int16]) -> NDArray[np.float16]:
         """Idleness in [0, 1] of the nodes of a map (T'+1, cell), by when each was seen last."""

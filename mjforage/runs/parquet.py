@@ -59,6 +59,24 @@ def read_parquet(
     UserError
         As `read_schema`, and if a column is missing or the file is damaged inside.
     """
+    frame = scan_parquet(path, columns, remedy)
+    return collected(path, frame if rows is None else frame.filter(rows), remedy)
+
+
+def scan_parquet(
+    path: Path, columns: Sequence[str] | None = None, remedy: str = ""
+) -> pl.LazyFrame:
+    """A table of which nothing is read yet, for those too large to be held; `collected` reads it.
+
+    Parameters
+    ----------
+    path, columns, remedy : as for `read_parquet`
+
+    Raises
+    ------
+    UserError
+        As `read_schema`, and if a column is missing.
+    """
     schema = read_schema(path, remedy)
     for name in columns or ():
         if name not in schema:
@@ -67,9 +85,19 @@ def read_parquet(
                 f"{remedy or spoilt(path)}"
             )
     frame = pl.scan_parquet(path, glob=False)
-    frame = frame if columns is None else frame.select(columns)
+    return frame if columns is None else frame.select(columns)
+
+
+def collected(path: Path, frame: pl.LazyFrame, remedy: str = "") -> pl.DataFrame:
+    """The rows of what was asked of a table.
+
+    Raises
+    ------
+    UserError
+        If the file is damaged inside.
+    """
     try:
-        return (frame if rows is None else frame.filter(rows)).collect()
+        return frame.collect()
     except FAILURES as error:
         raise UserError(f"{path}: damaged ({_reason(error)}); {remedy or spoilt(path)}") from error
 

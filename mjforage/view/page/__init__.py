@@ -1,6 +1,6 @@
 """One HTML page with everything inside it: what reports, studies and validation are set with."""
 
-from mjforage.view.page.html import Shown, embedded, set_page
+from mjforage.view.page.html import Shown, embedded, embedded_within, set_page
 from mjforage.view.page.table import Number, Row, Table, groups
 
 __all__ = [
@@ -9,6 +9,7 @@ __all__ = [
     "Shown",
     "Table",
     "embedded",
+    "embedded_within",
     "groups",
     "set_page",
 ]

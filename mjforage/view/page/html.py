@@ -3,7 +3,7 @@
 import base64
 import math
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -14,7 +14,7 @@ from markupsafe import Markup, escape
 
 from graph_planner.references import file_label
 from mjforage.view.page.marked_words import CODE, SUBSCRIPT
-from mjforage.view.page.picture import Picture, save_figure
+from mjforage.view.page.picture import Picture, save_figure, smaller
 from mjforage.view.page.table import Row, Table, groups
 from mjforage.view.page.table_files import csv_text
 
@@ -42,9 +42,36 @@ def embedded(picture: Picture, folder: Path) -> Shown:
     UserError
         If a file cannot be written.
     """
-    png, svg = save_figure(folder / "figures", picture)
-    kind, content = ("png", png) if picture.wide else ("svg+xml", svg)
-    source = f"data:image/{kind};base64," + base64.b64encode(content).decode("ascii")
+    return embedded_within(math.inf, [picture], folder)[0]
+
+
+def embedded_within(budget: float, pictures: Sequence[Picture], folder: Path) -> list[Shown]:
+    """The same of several, which together have so many characters at most if they can.
+
+    The largest are embedded as PNG of few colours instead, until they fit; the files stay whole.
+
+    Raises
+    ------
+    UserError
+        If a file cannot be written.
+    """
+    saved = [save_figure(folder / "figures", picture) for picture in pictures]
+    sources = [
+        _data_uri("png", png) if picture.wide else _data_uri("svg+xml", svg)
+        for picture, (png, svg) in zip(pictures, saved, strict=True)
+    ]
+    for i in sorted(range(len(sources)), key=lambda i: -len(sources[i])):
+        if sum(map(len, sources)) <= budget:
+            break
+        sources[i] = min(sources[i], _data_uri("png", smaller(saved[i][0])), key=len)
+    return [_shown(*pair) for pair in zip(pictures, sources, strict=True)]
+
+
+def _data_uri(kind: str, content: bytes) -> str:
+    return f"data:image/{kind};base64," + base64.b64encode(content).decode("ascii")
+
+
+def _shown(picture: Picture, source: str) -> Shown:
     width, height = (round(96 * size) for size in picture.figure.get_size_inches())
     return Shown(picture.name, picture.title, picture.caption, source, picture.wide, width, height)
 

@@ -1,32 +1,36 @@
 """Tables, figures and one self-contained report.html, from a run folder's logs alone."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from mjforage.core.whole_files import write_bytes
-from mjforage.view.page import embedded
+from mjforage.view.page import embedded_within
 from mjforage.view.report.all_figures import draw_figures
-from mjforage.view.report.clearing import clearing_table
+from mjforage.view.report.all_tables import draw_tables, whole_tables
 from mjforage.view.report.exports import NOTHING_ELSE, Exports, export
-from mjforage.view.report.hull_tables import hulls_table
-from mjforage.view.report.policy_pairs import comparison_table
-from mjforage.view.report.reality_gap import gap_table, ladder_table
 from mjforage.view.report.report_page import render
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.run_pairs import write_pair
-from mjforage.view.report.text_tables import (
-    full_table,
-    headline_table,
-    paper_tables,
-    terminal_table,
-)
+from mjforage.view.report.shown import only, shown_policies
+from mjforage.view.report.text_tables import terminal_table
 
 __all__ = ["Exports", "terminal_table", "write_pair", "write_report"]
 
+FIGURES = 2_800_000  # characters of all figures on the page, which is to stay below 5 MB
 
-def write_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:
+
+def write_report(
+    folder: Path, wanted: Exports = NOTHING_ELSE, policies: Sequence[str] = ()
+) -> Path:
     """Write ``figures/*.png|svg``, ``tables/*.csv`` and ``report.html`` into a run folder.
 
-    Nothing is re-simulated, and the same logs give the same bytes.
+    Nothing is re-simulated, and the same logs give the same bytes. Of a run too large for one page
+    it shows a part, see `shown`.
+
+    Parameters
+    ----------
+    wanted : formats besides those
+    policies : what to show; none for all, or the best and the worst of very many
 
     Returns
     -------
@@ -36,17 +40,16 @@ def write_report(folder: Path, wanted: Exports = NOTHING_ELSE) -> Path:
     Raises
     ------
     UserError
-        If a log is missing, truncated, foreign or incomplete, or the folder cannot be written.
+        If a log is missing, truncated, foreign or incomplete, the folder cannot be written, or
+        there is no such policy.
     """
     logs = load_logs(folder)
-    pictures = draw_figures(logs)
-    figures = [embedded(picture, folder) for picture in pictures]
-    headline, papers, full = headline_table(logs), paper_tables(logs), full_table(logs)
-    paired, hulls, clearing = comparison_table(logs), hulls_table({"": logs}), clearing_table(logs)
-    gap = [table for table in (ladder_table(logs), gap_table(logs)) if table is not None]
-    text = render(logs, figures, headline, papers, full, paired, gap, hulls, clearing)
-    tables = (headline, clearing, *gap, hulls, *papers, full, paired)
-    export(folder, [table for table in tables if table is not None], pictures, wanted)
+    shown = only(logs, shown_policies(logs, policies))
+    pictures = draw_figures(shown)
+    figures = embedded_within(FIGURES, pictures, folder)
+    tables = draw_tables(logs, shown)
+    text = render(logs, shown, figures, tables)
+    export(folder, tables.all if shown is logs else whole_tables(logs, tables), pictures, wanted)
     target = folder / "report.html"
     write_bytes(target, text.encode("utf-8"))
     return target

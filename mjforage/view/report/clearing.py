@@ -60,12 +60,10 @@ def about(steps: float) -> int:
 
 def _episodes(logs: RunLogs, series: Series) -> list[NDArray[np.float64]]:
     """Step of each item's removal, infinite for never, episode by episode."""
-    rows = logs.select(logs.items, series)
-    times = rows.select("episode", pl.col("t_collected").cast(pl.Float64).fill_null(math.inf))
-    return [
-        times.filter(pl.col("episode") == episode)["t_collected"].to_numpy()
-        for episode in range(logs.run.episodes)
-    ]
+    rows = logs.items_of(series).sort("episode", maintain_order=True)
+    times = rows["t_collected"].cast(pl.Float64).fill_null(math.inf).to_numpy()
+    first = np.searchsorted(rows["episode"].to_numpy(), np.arange(1, logs.run.episodes))
+    return np.split(times, first)
 
 
 def _row(logs: RunLogs, series: Series, colour: str) -> Row:
@@ -98,7 +96,7 @@ def _row(logs: RunLogs, series: Series, colour: str) -> Row:
 
 def clearing_table(logs: RunLogs) -> Table | None:
     """A row per policy and world; None where every episode was cleared."""
-    if logs.items["t_collected"].null_count() == 0:
+    if not any(logs.items_of(one)["t_collected"].null_count() for one in logs.series):
         return None
     looks = style.looks(logs.policies)
     rows = tuple(

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import polars as pl
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
@@ -22,6 +21,7 @@ from mjforage.view.page.picture import (
 )
 from mjforage.view.report.published import elsewhere, published_for
 from mjforage.view.report.run_logs import RunLogs, Series
+from mjforage.view.report.step_means import COUNT, STD, drawn_steps
 from mjforage.view.report.text_tables import number
 
 FloatArray = NDArray[np.float64]
@@ -113,24 +113,15 @@ ARRANGED = (
 
 def course(logs: RunLogs, series: Series, key: str) -> Course:
     """Mean and 1.96 SEM of a per-step metric over the episodes in which it is defined."""
-    if key not in logs.steps.columns:
-        time = np.arange(logs.run.horizon + 1) / logs.run.horizon
+    if key not in logs.columns_of_steps:
+        time = drawn_steps(logs.run.horizon) / logs.run.horizon
         nothing = np.full(time.size, np.nan)
         return Course(time, nothing, nothing, np.zeros(time.size, np.int64))
-    table = (
-        logs.select(logs.steps, series)
-        .group_by("step")
-        .agg(
-            pl.col(key).mean().alias("mean"),
-            pl.col(key).std(ddof=1).alias("std"),
-            pl.col(key).count().alias("n"),
-        )
-        .sort("step")
-    )
-    n = table["n"].cast(pl.Int64).to_numpy()
-    mean = table["mean"].fill_null(math.nan).to_numpy()
-    std = table["std"].fill_null(0.0).to_numpy()
-    time = table["step"].cast(pl.Float64).to_numpy() / logs.run.horizon
+    table = logs.select(logs.means, series)
+    n = table[key + COUNT].to_numpy()
+    mean = table[key].fill_null(math.nan).to_numpy()
+    std = table[key + STD].fill_null(0.0).to_numpy()
+    time = table["step"].to_numpy() / logs.run.horizon
     return Course(time, mean, 1.96 * std / np.sqrt(np.maximum(n, 1)), n)
 
 
@@ -170,7 +161,7 @@ def _plot(axes: Axes, logs: RunLogs, panel: Panel, curve: Description) -> dict[S
 
 def _why_empty(logs: RunLogs, curve: Description) -> str:
     """Why nothing of a course is drawn."""
-    if curve.course not in logs.steps.columns:
+    if curve.course not in logs.columns_of_steps:
         return "is not in this run, which was made without it"
     return "is undefined in every episode"
 
@@ -261,7 +252,7 @@ def time_figure(
 
 def _has_numbers(logs: RunLogs, key: str) -> bool:
     """Whether a course is defined anywhere."""
-    return key in logs.steps.columns and logs.steps[key].count() > 0
+    return key in logs.columns_of_steps and bool(logs.means[key + COUNT].sum())
 
 
 def time_figures(logs: RunLogs) -> list[Picture]:
@@ -274,7 +265,7 @@ def time_figures(logs: RunLogs) -> list[Picture]:
             figures.append(time_figure(logs, *about))
     arranged = {key for one in ARRANGED for key in one.courses}
     for key, curve in courses.items():
-        if key not in arranged and key in logs.steps.columns:
+        if key not in arranged and key in logs.columns_of_steps:
             name, title = f"course-{key.replace('_', '-')}", f"{curve.course_label} over time"
             words = f"{curve.course_label}: {curve.definition}."
             figures.append(time_figure(logs, name, title, [curve], words))

@@ -26,6 +26,8 @@ from mjforage.view.report.run_logs import RunLogs, Series
 FloatArray = NDArray[np.float64]
 GOLDEN = 0.6180339887498949  # fractional golden ratio: its multiples fill an interval evenly
 LISTED = 4
+VALUES = 20_000  # whose density is drawn as it is
+DOTS, FIGURE_DOTS = 400, 6000  # points of a violin, and of all in a figure
 MARKS = "Bar: quartiles, white dot: median"
 TITLES = {"dsl": "Discovery-to-service latency", "itl": "Inter-team temporal lag"}
 
@@ -36,6 +38,13 @@ class Violin:
 
     values: FloatArray  # (value,)
     points: FloatArray  # (episode,)
+
+
+def thinned(values: FloatArray, most: int) -> FloatArray:
+    """All values, or of too many so many that are distributed alike: quantiles, evenly apart."""
+    if len(values) <= most:
+        return values
+    return np.quantile(values, (np.arange(most) + 0.5) / most)
 
 
 class Words(NamedTuple):
@@ -49,7 +58,7 @@ class Words(NamedTuple):
 def item_latencies(logs: RunLogs, series: Series) -> FloatArray:
     """Return (t_c - t_d) / T of every removed item that a scout had discovered: (item,)."""
     scouts = [i for i, collects in enumerate(logs.collects()) if not collects]
-    rows = logs.select(logs.items, series).filter(
+    rows = logs.items_of(series).filter(
         pl.col("t_collected").is_not_null() & pl.col("discovered_by").is_in(scouts)
     )
     gaps = rows.select(pl.col("t_collected") - pl.col("t_discovered")).to_series()
@@ -57,19 +66,18 @@ def item_latencies(logs: RunLogs, series: Series) -> FloatArray:
 
 
 def _draw(
-    axes: Axes, place: float, width: float, violin: Violin, colour: str, line: style.Line
+    axes: Axes, place: float, width: float, violin: Violin, colour: str, line: style.Line, dots: int
 ) -> None:
-    values = violin.values
+    values = thinned(violin.values, VALUES)
     if len(values) > 2 and np.ptp(values) > 0:
         parts = axes.violinplot([values], [place], widths=width, showextrema=False, points=200)
         for body in cast("list[PolyCollection]", parts["bodies"]):
             body.set(alpha=None, linewidth=1.3, linestyle=line)
             body.set(facecolor=(*to_rgb(colour), 0.2), edgecolor=colour)
-    spread = (np.arange(len(violin.points)) * GOLDEN % 1.0 - 0.5) * 0.34 * width
-    axes.scatter(
-        place + spread, violin.points, s=9, color=colour, alpha=0.55, linewidths=0, zorder=3
-    )
-    low, middle, high = np.quantile(values, [0.25, 0.5, 0.75])
+    points = thinned(violin.points, dots)
+    spread = (np.arange(len(points)) * GOLDEN % 1.0 - 0.5) * 0.34 * width
+    axes.scatter(place + spread, points, s=9, color=colour, alpha=0.55, linewidths=0, zorder=3)
+    low, middle, high = np.quantile(violin.values, [0.25, 0.5, 0.75])
     axes.plot(
         [place, place],
         [low, high],
@@ -92,7 +100,9 @@ def _violins(axes: Axes, logs: RunLogs, violins: dict[Series, Violin], words: st
         offset = (worlds.index(world) - (len(worlds) - 1) / 2) * width
         if len(violin.values):
             place = policies.index(policy) + offset
-            _draw(axes, place, 0.92 * width, violin, looks[policy].colour, lines[world])
+            _draw(
+                axes, place, 0.92 * width, violin, looks[policy].colour, lines[world], dots_of(logs)
+            )
     if not any(len(violin.values) for violin in violins.values()):
         undefined(axes, mathtext(words), "is undefined in every episode")
     crowded = len(policies) * max(len(name) for name in policies) > 44
@@ -103,6 +113,19 @@ def _violins(axes: Axes, logs: RunLogs, violins: dict[Series, Violin], words: st
             label.set(horizontalalignment="right", rotation_mode="anchor")
     axes.set_xlim(-0.6, len(policies) - 0.4)
     axes.grid(axis="x", visible=False)
+
+
+def dots_of(logs: RunLogs) -> int:
+    """How many episodes a violin shows as points."""
+    return max(10, min(DOTS, FIGURE_DOTS // len(logs.series)))
+
+
+def _thinned_words(logs: RunLogs) -> str:
+    """What is said of points that are left out."""
+    dots = dots_of(logs)
+    if logs.run.episodes <= dots:
+        return ""
+    return f" Of {logs.run.episodes} episodes {dots} points, evenly spaced quantiles, are drawn."
 
 
 def _counts(logs: RunLogs, violins: dict[Series, Violin], what: str) -> str:
@@ -151,7 +174,7 @@ def _latency(logs: RunLogs) -> Picture:
     caption = (
         f"{_counts(logs, violins, 'items')} Violin: every item that a scout discovered and a "
         f"forager removed; points: means of the episodes. {MARKS}, of the items. DSL: steps "
-        "from discovery to removal, over T."
+        f"from discovery to removal, over T.{_thinned_words(logs)}"
     )
     words = Words("dsl", TITLES["dsl"], caption)
     return _figure(logs, violins, "DSL", "of horizon $T$", words)
@@ -162,7 +185,7 @@ def _of_episodes(logs: RunLogs, metric: Description) -> Picture:
     violins = {s: Violin(found, found) for s, found in values.items()}
     caption = (
         f"{_counts(logs, violins, 'episodes')} Violin and points: episodes. {MARKS}. "
-        f"{metric.label}: {metric.definition}."
+        f"{metric.label}: {metric.definition}.{_thinned_words(logs)}"
     )
     title = TITLES.get(metric.key, f"{metric.plain} of the episodes")
     name = metric.key if metric.key in TITLES else f"metric-{metric.key.replace('_', '-')}"

@@ -7,8 +7,11 @@ import polars as pl
 
 from graph_planner.navigation import STAY
 from mjforage.core.dynamics import ARRIVED, BLOCKED, OUTCOMES
+from mjforage.runs.parquet import collected, scan_parquet
+from mjforage.runs.run_info import REMEDY
 from mjforage.view.page.table import Number, Row, Table
-from mjforage.view.report.run_logs import RunLogs, read_columns
+from mjforage.view.report.run_logs import RunLogs, Series
+from mjforage.view.report.step_means import BLOCK, KEYS
 from mjforage.view.report.text_tables import head_of, number
 
 COLUMNS = (
@@ -33,39 +36,63 @@ NOTE = (
 )
 
 
-def _figures(rows: pl.DataFrame, collected: float) -> tuple[float, ...]:
+_STAYS = (pl.col("direction") == STAY) & (pl.col("outcome") != OUTCOMES[BLOCKED])
+_MOVING = pl.col("speed_mps") > 0
+_WORK = pl.col("work_j").cast(pl.Float64)
+_LAST = pl.col("step") == pl.col("step").max().over("episode", "agent")
+_SUMS: dict[str, pl.Expr] = {
+    **{name: (~_STAYS & (pl.col("outcome") == name)).sum() for name in OUTCOMES},
+    "moves": (~_STAYS).sum(),
+    "stays": _STAYS.sum(),
+    "kept": (_STAYS & (pl.col("outcome") == OUTCOMES[ARRIVED])).sum(),
+    "moving": _MOVING.sum(),
+    "speed": pl.col("speed_mps").cast(pl.Float64).filter(_MOVING).sum(),
+    "touches": pl.col("collisions").filter(_LAST).sum(),
+    "episodes": pl.col("episode").n_unique(),
+    "work": _WORK.filter(_LAST).sum(),
+    "impact": pl.col("impact_mps").max().cast(pl.Float64),
+}
+"""Of the decisions made (step 1 on) in whole episodes; all but the last are added up."""
+
+
+def _figures(parts: pl.DataFrame, removed: float) -> tuple[float, ...]:
     """Numbers of one world, policy and team.
 
     Parameters
     ----------
-    rows : of the decisions made (step 1 on)
-    collected : items removed in all episodes
+    parts : `_SUMS` of blocks of its episodes
+    removed : items that were, in all episodes
     """
-    stays = (pl.col("direction") == STAY) & (pl.col("outcome") != OUTCOMES[BLOCKED])
-    moves, kept = rows.filter(~stays), rows.filter(stays)
-    shares = [_share(moves, pl.col("outcome") == name) for name in OUTCOMES]
-    moving = rows.filter(pl.col("speed_mps") > 0)["speed_mps"]
-    last = rows.filter(pl.col("step") == pl.col("step").max().over("episode", "agent"))
-    episodes = max(1, rows["episode"].n_unique())
-    work = float(last["work_j"].sum())
-    speed = moving.mean()
-    impact = rows["impact_mps"].max()
+    total = {name: float(parts[name].sum()) for name in _SUMS}
+    episodes, impact = max(1.0, total["episodes"]), parts["impact"].max()
     return (
-        len(moves),
-        *shares,
-        len(kept),
-        _share(kept, pl.col("outcome") == OUTCOMES[ARRIVED]),
-        float(speed) if isinstance(speed, float) else math.nan,
-        float(last["collisions"].sum()) / episodes,
+        int(total["moves"]),
+        *(_share(total[name], total["moves"]) for name in OUTCOMES),
+        int(total["stays"]),
+        _share(total["kept"], total["stays"]),
+        total["speed"] / total["moving"] if total["moving"] else math.nan,
+        total["touches"] / episodes,
         float(impact) if isinstance(impact, float) else math.nan,
-        work / episodes / 1000,
-        work / collected / 1000 if collected else math.nan,
+        total["work"] / episodes / 1000,
+        total["work"] / removed / 1000 if removed else math.nan,
     )
 
 
-def _share(rows: pl.DataFrame, wanted: pl.Expr) -> float:
-    """Percentage of the rows; NaN without any."""
-    return 100 * len(rows.filter(wanted)) / len(rows) if len(rows) else math.nan
+def _share(part: float, whole: float) -> float:
+    """Percentage; NaN of nothing."""
+    return 100 * part / whole if whole else math.nan
+
+
+def _blocks(logs: RunLogs, series: Series, episodes: int) -> Iterator[pl.DataFrame]:
+    """Decisions of the first episodes of a world and policy, in blocks that fit the memory."""
+    path, (world, policy) = logs.folder / "agents.parquet", series
+    each = max(1, BLOCK // ((logs.run.horizon + 1) * max(1, len(logs.run.agents))))
+    rows = scan_parquet(path, (*KEYS, *COLUMNS), REMEDY).filter(
+        pl.col("world") == world, pl.col("policy") == policy, pl.col("step") > 0
+    )
+    for first in range(0, episodes, each):
+        block = pl.col("episode").is_between(first, min(first + each, episodes) - 1)
+        yield collected(path, rows.filter(block), REMEDY)
 
 
 def hulls_table(runs: Mapping[str, RunLogs], episodes: int | None = None) -> Table | None:
@@ -87,19 +114,24 @@ def _rows(name: str, logs: RunLogs, episodes: int | None) -> Iterator[Row]:
     worlds = [world for world in logs.run.worlds if world != "graph"]
     if not worlds or not logs.run.agents:
         return
-    count = pl.col("episode") < (logs.run.episodes if episodes is None else episodes)
-    frame = read_columns(logs.folder / "agents.parquet", COLUMNS)
-    frame = frame.filter(pl.col("step") > 0)
-    teams = list(dict.fromkeys(agent.team for agent in logs.run.agents))
+    count = logs.run.episodes if episodes is None else episodes
+    teams: dict[str, list[int]] = {}
+    for i, agent in enumerate(logs.run.agents):
+        teams.setdefault(agent.team, []).append(i)
     for policy in logs.policies:
         for world in worlds:
             series = (world, policy)
-            mine = logs.select(frame, series).filter(count)
-            items = logs.select(logs.items, series).filter(count)
-            collected = float(items["t_collected"].drop_nulls().len())
+            items = logs.items_of(series).filter(pl.col("episode") < count)
+            removed = float(items["t_collected"].drop_nulls().len())
             group = ": ".join(filter(None, (name, head_of(logs, series))))
+            parts = [
+                {
+                    team: rows.filter(pl.col("agent").is_in(own)).select(**_SUMS)
+                    for team, own in teams.items()
+                }
+                for rows in _blocks(logs, series, count)
+            ]
             for team in teams:
-                numbers = [i for i, agent in enumerate(logs.run.agents) if agent.team == team]
-                found = _figures(mine.filter(pl.col("agent").is_in(numbers)), collected)
+                found = _figures(pl.concat([part[team] for part in parts]), removed)
                 cells = tuple(map(number, found, DIGITS))
                 yield Row(team, cells, group=group, values=tuple(map(Number, found)))

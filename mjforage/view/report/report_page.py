@@ -5,11 +5,15 @@ from collections.abc import Sequence
 from typing import Any
 
 from mjforage.runs.run_info import RunInfo
-from mjforage.view.page import Shown, Table, groups, set_page, style
+from mjforage.view.page import Shown, groups, set_page, style
+from mjforage.view.report.all_tables import ReportTables
 from mjforage.view.report.differences import too_few
 from mjforage.view.report.run_logs import RunLogs
+from mjforage.view.report.shown import cut, left_out
 from mjforage.view.report.text_tables import minutes, number
-from mjforage.view.report.web_replay import web_replay
+from mjforage.view.report.web_replay import BUDGET, web_replay
+
+LARGEST = 4_800_000  # characters of a page without the replay's own script
 
 
 def map_words(run: RunInfo) -> str:
@@ -75,36 +79,36 @@ def definition_notes() -> list[str]:
     ]
 
 
-def render(
-    logs: RunLogs,
-    figures: Sequence[Shown],
-    headline: Table,
-    papers: Sequence[Table],
-    full: Table,
-    paired: Table | None,
-    gap: Sequence[Table] = (),
-    hulls: Table | None = None,
-    clearing: Table | None = None,
-) -> str:
-    """Set the whole report as HTML."""
+def render(logs: RunLogs, shown: RunLogs, figures: Sequence[Shown], tables: ReportTables) -> str:
+    """Set the whole report as HTML.
+
+    Parameters
+    ----------
+    logs, shown : the run, and what of it the page shows
+    """
+    paired = cut(tables.paired)
     content: dict[str, Any] = {
         "run": logs.run,
-        "chips": {name: look.colour for name, look in style.looks(logs.policies).items()},
+        "left_out": left_out(logs, shown),
+        "chips": {name: look.colour for name, look in style.looks(shown.policies).items()},
         "facts": run_facts(logs),
-        "headline": headline,
+        "headline": tables.headline,
         "few": too_few(logs.run.episodes),
         "wide": [figure for figure in figures if figure.wide],
         "narrow": [figure for figure in figures if not figure.wide],
-        "papers": papers,
-        "full": full,
+        "papers": [cut(table) for table in tables.papers],
+        "full": cut(tables.full),
         "paired": paired,
-        "gap": gap,
-        "hulls": hulls,
-        "clearing": clearing,
+        "gap": [cut(table) for table in tables.gap],
+        "hulls": cut(tables.hulls),
+        "clearing": cut(tables.clearing),
         "pairs": len(groups(paired.rows)) if paired else 0,
         "notes": definition_notes(),
-        "replay": web_replay({"": logs.folder}),
+        "replay": None,
         "horizon_min": number(minutes(logs.run, logs.run.horizon), 0),
         "scenario_json": json.dumps(logs.run.scenario, indent=2, ensure_ascii=False),
     }
-    return set_page("report.html.j2", logs.run.versions.get("mjforage", ""), content)
+    version = logs.run.versions.get("mjforage", "")
+    room = LARGEST - len(set_page("report.html.j2", version, content))
+    replay = web_replay({"": logs.folder}, min(BUDGET, room), shown.policies)
+    return set_page("report.html.j2", version, content | {"replay": replay})

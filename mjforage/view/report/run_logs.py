@@ -15,13 +15,14 @@ from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import Description, chosen_metrics, describe, description
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.kept import replay_files
-from mjforage.runs.parquet import read_parquet, read_schema
+from mjforage.runs.parquet import collected, read_schema, scan_parquet
 from mjforage.runs.run_info import REMEDY, RunInfo, again, load_run, read_json
 from mjforage.view.page import style
+from mjforage.view.report.step_means import KEYS, metrics_in, numbers, read_means
 
-KEYS = ("world", "policy", "episode")
 ITEM_COLUMNS = ("item", "t_discovered", "discovered_by", "t_collected", "collected_by")
 AGENT_COLUMNS = ("step", "agent", "x_m", "y_m")
+TRACK_STEPS = 1000  # of an episode whose tracks are drawn
 
 
 @dataclass(frozen=True)
@@ -45,15 +46,15 @@ Series = tuple[str, str]
 
 @dataclass(frozen=True)
 class RunLogs:
-    """Everything the report is made from. Undefined numbers in the frames are null."""
+    """Everything the report is made from. Undefined numbers in the frames are null.
+
+    The larger tables stay on disk: what is asked of them is read when it is asked for.
+    """
 
     folder: Path
     run: RunInfo
     summary: Summaries
     episodes: pl.DataFrame  # a row per world, policy, episode
-    steps: pl.DataFrame  # a row per world, policy, episode, step 0..T
-    items: pl.DataFrame  # a row per world, policy, episode, item
-    tracks: pl.DataFrame  # AGENT_COLUMNS of the lowest episode of every world and policy
 
     @property
     def policies(self) -> tuple[str, ...]:
@@ -100,13 +101,46 @@ class RunLogs:
     def courses(self) -> dict[str, Description]:
         """Metrics that have a course, by its column of `steps.parquet`; unknown columns last."""
         known = {one.course: one for one in self.metrics.values() if one.course}
-        found = [name for name in self.steps.columns if name not in (*KEYS, "step")]
+        found = self.columns_of_steps
         others = {
             key: replace(describe(key), course=key, course_label=key)
             for key in found
             if key not in known
         }
         return known | others
+
+    @cached_property
+    def columns_of_steps(self) -> tuple[str, ...]:
+        """Metrics that have a course in this run."""
+        return metrics_in(self.folder / "steps.parquet")
+
+    @cached_property
+    def means(self) -> pl.DataFrame:
+        """Courses of every world and policy at the steps that are drawn, see `read_means`."""
+        return read_means(self.folder / "steps.parquet", self.run)
+
+    @cached_property
+    def tracks(self) -> pl.DataFrame:
+        """`AGENT_COLUMNS` of the lowest episode of every world and policy, as long as is drawn."""
+        path = self.folder / "agents.parquet"
+        mine = pl.col("policy").is_in(self.run.policies)
+        keys = scan_parquet(path, KEYS, REMEDY).filter(mine)
+        lowest = keys.group_by("world", "policy").agg(pl.col("episode").min())
+        found = collected(path, lowest, REMEDY)
+        rows = scan_parquet(path, (*KEYS, *AGENT_COLUMNS), REMEDY).filter(
+            mine,
+            pl.col("episode").is_in(found["episode"].unique().to_list()),
+            pl.col("step") <= TRACK_STEPS,
+        )
+        return collected(path, rows, REMEDY).join(found, on=KEYS, how="semi", nulls_equal=True)
+
+    def items_of(self, series: Series, columns: tuple[str, ...] = ITEM_COLUMNS) -> pl.DataFrame:
+        """Episode and others of the items of one world and policy, read anew: there are many."""
+        world, policy = series
+        mine = (pl.col("world") == world) & (pl.col("policy") == policy)
+        path = self.folder / "items.parquet"
+        rows = scan_parquet(path, (*KEYS, *columns), REMEDY).filter(mine)
+        return collected(path, rows.drop("world", "policy"), REMEDY)
 
     def collects(self) -> list[bool]:
         """Whether each agent collects: (agent,)."""
@@ -124,40 +158,12 @@ def scalar(rows: pl.DataFrame, key: str) -> NDArray[np.float64]:
     return column.cast(pl.Float64).fill_null(float("nan")).to_numpy()
 
 
-def read_columns(path: Path, columns: tuple[str, ...], lowest_only: bool = False) -> pl.DataFrame:
-    """Columns of a table, beside world, policy and episode.
-
-    Raises
-    ------
-    UserError
-        If the file is missing, truncated, or lacks a column.
-    """
-    lowest = pl.col("episode") == pl.col("episode").min().over("world", "policy")
-    return read_parquet(path, (*KEYS, *columns), lowest if lowest_only else None, REMEDY)
-
-
-def _read_metrics(path: Path, column: str) -> pl.DataFrame:
-    """A table of metrics, whichever it has, beside world, policy, episode and one column."""
-    columns = tuple(dict.fromkeys((*KEYS, column, *read_schema(path, REMEDY))))
-    return _numbers(path, read_parquet(path, columns, None, REMEDY))
-
-
-def _numbers(path: Path, frame: pl.DataFrame) -> pl.DataFrame:
-    """Cast all columns but the keys to float64, with null for undefined."""
-    columns = [name for name in frame.columns if name not in KEYS]
-    for name in columns:
-        if not frame.schema[name].is_numeric():
-            raise UserError(
-                f"{path}: column '{name}' is {frame.schema[name]}, not numeric; {REMEDY}"
-            )
-    return frame.with_columns(pl.col(*columns).cast(pl.Float64).fill_nan(None))
-
-
-def _check_rows(path: Path, frame: pl.DataFrame, run: RunInfo, rows: int) -> None:
+def _check_rows(path: Path, run: RunInfo, rows: int) -> None:
     """Every world and policy of the run must have its rows, and no other may be there."""
+    found = scan_parquet(path, KEYS, REMEDY).group_by("world", "policy").len()
     counts = {
         (str(world), str(policy)): int(count)
-        for world, policy, count in frame.group_by("world", "policy").len().iter_rows()
+        for world, policy, count in collected(path, found, REMEDY).iter_rows()
     }
     wanted = {(world, policy) for world in run.worlds for policy in run.policies}
     for world, policy in sorted(set(counts) - wanted):
@@ -230,9 +236,10 @@ def load_episodes(folder: Path, run: RunInfo) -> pl.DataFrame:
         If the table is missing, truncated, foreign or incomplete.
     """
     path = folder / "episodes.parquet"
-    episodes = _read_metrics(path, "items")
-    _check_rows(path, episodes, run, run.episodes)
-    return episodes
+    columns = tuple(dict.fromkeys((*KEYS, "items", *read_schema(path, REMEDY))))
+    episodes = numbers(path, scan_parquet(path, columns, REMEDY))
+    _check_rows(path, run, run.episodes)
+    return collected(path, episodes, REMEDY)
 
 
 def load_logs(folder: Path) -> RunLogs:
@@ -249,12 +256,11 @@ def load_logs(folder: Path) -> RunLogs:
     run = load_run(folder / "run.json")
     summary = _summary(folder / "summary.json", run)
     episodes = load_episodes(folder, run)
-    path = folder / "steps.parquet"
-    steps = _read_metrics(path, "step")
-    _check_rows(path, steps, run, run.episodes * (run.horizon + 1))
-    items = read_columns(folder / "items.parquet", ITEM_COLUMNS)
-    tracks = read_columns(folder / "agents.parquet", AGENT_COLUMNS, lowest_only=True)
-    return RunLogs(folder, run, summary, episodes, steps, items, tracks)
+    metrics_in(path := folder / "steps.parquet")
+    _check_rows(path, run, run.episodes * (run.horizon + 1))
+    scan_parquet(folder / "items.parquet", (*KEYS, *ITEM_COLUMNS), REMEDY)
+    scan_parquet(folder / "agents.parquet", (*KEYS, *AGENT_COLUMNS), REMEDY)
+    return RunLogs(folder, run, summary, episodes)
 
 
 def pick_replay(logs: RunLogs) -> Replay | None:

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import polars as pl
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
@@ -25,7 +24,7 @@ from mjforage.view.report.differences import (
     too_few,
 )
 from mjforage.view.report.hull_tables import hulls_table
-from mjforage.view.report.run_logs import RunLogs, Series, load_logs, read_columns
+from mjforage.view.report.run_logs import RunLogs, Series, load_logs
 from mjforage.view.report.text_tables import HEADLINE, number, row_name
 from mjforage.view.report.web_replay import web_replay
 
@@ -131,10 +130,10 @@ def _unshared(first: RunLogs, second: RunLogs, words: str) -> str:
 
 def _starts(logs: RunLogs, count: int) -> list[NDArray[np.float64]]:
     """Where the items of each episode lie at first, (item, 2) [node]; alike for every policy."""
-    table = read_columns(logs.folder / "items.parquet", ("item", "row_start", "col_start"))
-    own = logs.select(table, logs.series[0]).sort("episode", "item")
-    rows = (own.filter(pl.col("episode") == episode) for episode in range(count))
-    return [one.select("row_start", "col_start").to_numpy().astype(np.float64) for one in rows]
+    own = logs.items_of(logs.series[0], ("item", "row_start", "col_start")).sort("episode", "item")
+    first = np.searchsorted(own["episode"].to_numpy(), np.arange(1, count + 1))
+    places = own.select("row_start", "col_start").to_numpy().astype(np.float64)
+    return np.split(places, first)[:count]
 
 
 def paired_series(first: RunLogs, second: RunLogs) -> list[Pair]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from mjforage.view.page import style
 from mjforage.view.page.picture import WIDE_IN, WIDTH_IN, Picture, canvas
 from mjforage.view.report.map_figures import draw_port
-from mjforage.view.report.run_logs import RunLogs, Series
+from mjforage.view.report.run_logs import TRACK_STEPS, RunLogs, Series
 
 SPREAD = 0.34  # node; tracks over the same nodes are drawn side by side within this width
 ENDS = {False: "^", True: "D"}  # marker by whether the vessel collects
@@ -95,5 +95,10 @@ def tracks_figure(logs: RunLogs) -> Picture:
             f"Tracks of episode {lowest}, the same items and starts for every policy and world. At "
             "graph level, tracks over the same nodes are drawn side by side; elsewhere they join "
             "where midships was after each decision. An episode ends once no item is left."
+            + (
+                f" Drawn are the first {TRACK_STEPS} steps."
+                if logs.run.horizon > TRACK_STEPS
+                else ""
+            )
         )
     return Picture("tracks", "Where the fleet went", words, figure, wide=True)

@@ -20,18 +20,21 @@ from mjforage.runs.kept import ranked, replay_files
 from mjforage.runs.parquet import read_parquet
 from mjforage.runs.run_info import REMEDY, RunInfo, load_run
 from mjforage.view.page import style
-from mjforage.view.report.run_logs import KEYS, Series, load_episodes, scalar
+from mjforage.view.report.run_logs import Series, load_episodes, scalar
+from mjforage.view.report.step_means import KEYS
 from mjforage.view.report.web_entry import (
     IDLE_LEVELS,
     POSITION_M,
     WIND_MPS,
     YAW_RAD,
+    cut_entry,
     entry_of,
     fair_share,
 )
 from mjforage.view.report.web_stream import Ints
 
 BUDGET = 2_000_000  # characters of text for all replays of a page, which is to stay below 5 MB
+MOST, MOST_STEPS = 120, 40_000  # episodes that are read for a page, and steps of all of them
 HULL_M = 2.0  # length drawn for a user's vessel in a run at graph level
 SCRIPTS = (
     "decode.js",
@@ -52,6 +55,7 @@ class WebReplay:
     vessels: tuple[str, ...]  # names
     held: bool  # whether each knows what it has heard only
     left_out: int  # kept episodes for which the page has no room
+    cut: int  # shown ones that end early, for the same reason
     data: Mapping[str, Any]  # for the page's script, as JSON
     script: Markup
     stylesheet: Markup
@@ -66,10 +70,13 @@ class _File:
     episode: int
     path: Path
 
-    def entry(self, limit: int | None = None) -> dict[str, Any]:
+    def entry(self, limit: int | None = None, cut_to: int | None = None) -> dict[str, Any]:
         """It for the page; read anew each time, as all of them would fill the memory."""
         replay = Replay.load(self.path)
-        found = entry_of(replay, self.run.discovered(self, replay), limit)
+        discovered = self.run.discovered(self, replay)
+        found = entry_of(replay, discovered, limit)
+        if cut_to is not None:
+            found = cut_entry(replay, discovered, cut_to)
         return found | {"run": self.run.place, "ranks": self.run.ranks(self)}
 
 
@@ -81,11 +88,12 @@ class _Run:
     label: str
     folder: Path
     run: RunInfo
+    policies: Sequence[str]  # that are shown; none for all
 
     @cached_property
     def files(self) -> tuple[_File, ...]:
         """Worlds outermost, then policies in their fixed order, then episodes."""
-        policies = style.ordered(self.run.policies)
+        policies = style.ordered(self.policies or self.run.policies)
         return tuple(
             _File(self, (world, policy), episode, path)
             for world in self.run.worlds
@@ -170,14 +178,18 @@ class _Run:
         ]
 
 
-def web_replay(folders: Mapping[str, Path], budget: int = BUDGET) -> WebReplay | None:
+def web_replay(
+    folders: Mapping[str, Path], budget: int = BUDGET, policies: Sequence[str] = ()
+) -> WebReplay | None:
     """Gather the replays that runs on one map keep; None if they keep none.
 
     Parameters
     ----------
     folders : label, as the player names it -> run folder; one run alone needs none: `{"": folder}`
     budget : characters of text for all replays together; they are thinned in time to fit, and what
-        does not fit even so is left out, the first episodes last
+        does not fit even so is left out, the first episodes last; one that alone does not fit is
+        cut after so many steps that it does
+    policies : whose are shown; none for all
 
     Raises
     ------
@@ -185,14 +197,16 @@ def web_replay(folders: Mapping[str, Path], budget: int = BUDGET) -> WebReplay |
         If a file cannot be read, a replay is of another run, or the maps differ.
     """
     opened = [
-        _Run(place, label, folder, load_run(folder / "run.json"))
+        _Run(place, label, folder, load_run(folder / "run.json"), policies)
         for place, (label, folder) in enumerate(folders.items())
     ]
     for run in opened[1:]:
         _check_map(opened[0], run)
-    files = [file for run in opened for file in run.files]
-    if not files:
+    kept = [file for run in opened for file in run.files]
+    if not kept:
         return None
+    longest = max(run.run.horizon for run in opened)
+    files = _first_of_each(kept, max(1, min(MOST, MOST_STEPS // longest)))
     runs = list({file.run.place: file.run for file in files}.values())
     entries = _fitting(files, budget)
     worlds = {entry["world"] for entry in entries}
@@ -202,7 +216,8 @@ def web_replay(folders: Mapping[str, Path], budget: int = BUDGET) -> WebReplay |
         panels=(True, len(worlds) > 1 or len(runs) > 1)[: 1 + (len(entries) > 1)],
         vessels=tuple(dict.fromkeys(agents)),
         held=any(entry["forgetting"] is not None for entry in entries),
-        left_out=len(files) - len(entries),
+        left_out=len(kept) - len(entries),
+        cut=sum("whole" in entry for entry in entries),
         data={
             **_stage(runs[0].run),
             "runs": [facts.get(run.place) for run in opened],
@@ -223,26 +238,43 @@ def _check_map(first: _Run, other: _Run) -> None:
         )
 
 
+def _first_of_each(files: Sequence[_File], most: int) -> list[_File]:
+    """So many in their order: first one of each world and policy, then further ones."""
+    place: dict[tuple[int, Series], int] = {}
+    turn = []
+    for file in files:
+        key = file.run.place, file.series
+        place[key] = place.get(key, -1) + 1
+        turn.append(place[key])
+    chosen = sorted(range(len(files)), key=lambda i: turn[i])[:most]
+    return [files[i] for i in sorted(chosen)]
+
+
 def _fitting(files: Sequence[_File], budget: int) -> list[dict[str, Any]]:
     """Entries of the page, thinned to fit; of those that do not fit first episodes go last."""
-    entries = [file.entry() for file in files]
-    limit = fair_share([len(entry["text"]) for entry in entries], budget)
-    entries = [
-        file.entry(limit) if len(entry["text"]) > limit else entry
-        for file, entry in zip(files, entries, strict=True)
-    ]
+    few = budget // len(files)  # each may have so much whatever the others need
+    entries, sizes = {}, []
+    for i, file in enumerate(files):
+        entry = file.entry()
+        sizes.append(len(entry["text"]))
+        if sizes[-1] <= few:
+            entries[i] = entry
+    limit = fair_share(sizes, budget)
     firsts = {(file.run.place, file.series): file.episode for file in reversed(files)}
     order = sorted(
         range(len(files)),
         key=lambda i: files[i].episode != firsts[files[i].run.place, files[i].series],
     )
-    taken, size = {order[0]}, len(entries[order[0]]["text"])
-    for i in order[1:]:
-        size += len(entries[i]["text"])
-        if size > budget:
+    taken: dict[int, dict[str, Any]] = {}
+    for i in order:
+        entry = entries.get(i) or files[i].entry(limit)
+        if not taken and len(entry["text"]) > budget:
+            entry = files[i].entry(cut_to=budget)
+        budget -= len(entry["text"])
+        if taken and budget < 0:
             break
-        taken.add(i)
-    return [entries[i] for i in sorted(taken)]
+        taken[i] = entry
+    return [taken[i] for i in sorted(taken)]
 
 
 def _part(name: str) -> str:

@@ -63,10 +63,13 @@ def changes(layer: NDArray[np.integer]) -> list[Ints]:
     For each step how many cells change; then the cells, as the distance from the one before (the
     first of a step from the grid's start); then their new values.
     """
-    flat = layer.reshape(len(layer), -1).astype(np.int64)
-    step, cell = np.nonzero(np.diff(flat, axis=0, prepend=0))
+    flat = layer.reshape(len(layer), -1)
+    changed = np.empty(flat.shape, np.bool_)
+    changed[:1] = flat[:1] != 0
+    np.not_equal(flat[1:], flat[:-1], out=changed[1:])
+    step, cell = np.nonzero(changed)
     counts = np.bincount(step, minlength=len(flat)).astype(np.int64)
     gaps = np.diff(cell, prepend=0)
     opening = (np.cumsum(counts) - counts)[counts > 0]
     gaps[opening] = cell[opening]
-    return [counts, gaps, flat[step, cell]]
+    return [counts, gaps, flat[step, cell].astype(np.int64)]

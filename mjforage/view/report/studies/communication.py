@@ -5,11 +5,14 @@ import polars as pl
 from mjforage.core.errors import UserError
 from mjforage.runs.communication import AXES
 from mjforage.runs.holders_seen import HoldersSeen
+from mjforage.runs.parquet import read_parquet
 from mjforage.runs.replaying import replay_of_run
+from mjforage.runs.run_info import REMEDY
 from mjforage.runs.study import variant_folder
 from mjforage.runs.variants import COMPLETE
 from mjforage.view.page import style
 from mjforage.view.report.run_logs import RunLogs, Series, load_logs
+from mjforage.view.report.step_means import KEYS
 from mjforage.view.report.studies.axis_figure import AxisFigure, axis_figure
 from mjforage.view.report.studies.axis_tables import reference_table, tables_along
 from mjforage.view.report.studies.holder_maps import holders_picture
@@ -121,10 +124,15 @@ def _holders(logs: StudyLogs) -> Section:
 
 def _least_alike(logs: RunLogs, series: Series) -> int:
     """Step of the first episode at which maps differ most; a third of the horizon if unknown."""
-    steps = logs.select(logs.steps, series).filter(pl.col("episode") == 0).sort("step")
-    if DIFFERENCE not in steps.columns or not steps[DIFFERENCE].count():
+    if DIFFERENCE not in logs.columns_of_steps:
         return logs.run.horizon // 3
-    return int(steps[DIFFERENCE].fill_null(-1.0).to_numpy().argmax())
+    path, (world, policy) = logs.folder / "steps.parquet", series
+    mine = pl.col("world").eq(world) & pl.col("policy").eq(policy) & pl.col("episode").eq(0)
+    rows = read_parquet(path, (*KEYS, "step", DIFFERENCE), mine, REMEDY).sort("step")
+    found = rows[DIFFERENCE].cast(pl.Float64).fill_nan(None)
+    if not found.count():
+        return logs.run.horizon // 3
+    return int(found.fill_null(-1.0).to_numpy().argmax())
 
 
 def sections(logs: StudyLogs) -> list[Section]:

@@ -66,7 +66,7 @@ def test_the_table_counts_episodes_and_names_the_horizon_in_steps_and_minutes(
     assert table is not None
     greedy, levy = table.rows
     assert levy.cells == ("0 of 1", "–", "12.0", "1 of 1", UNKNOWN)
-    removed = logs.select(logs.items, ("graph", "greedy"))["t_collected"].to_numpy()
+    removed = logs.items_of(("graph", "greedy"))["t_collected"].to_numpy()
     left = int(np.isnan(removed).sum())
     assert greedy.cells[0] == ("0 of 1" if left else "1 of 1")
     if left:

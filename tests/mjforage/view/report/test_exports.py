@@ -84,9 +84,7 @@ def logs_with(folder: Path, values: dict[str, list[float]]) -> RunLogs:
     table = logs.episodes.sort("policy", "episode")
     told = [value for policy in sorted(values) for value in values[policy]]
     changed = table.with_columns(pl.Series("nt90", told))
-    return RunLogs(
-        logs.folder, logs.run, logs.summary, changed, logs.steps, logs.items, logs.tracks
-    )
+    return RunLogs(logs.folder, logs.run, logs.summary, changed)
 
 
 def test_bold_are_the_best_and_those_not_told_apart_from_it(make_run: MakeRun) -> None:

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from mjforage.core.errors import UserError
 from mjforage.view.page import html
 from mjforage.view.report import write_report
-from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.web_replay import SCRIPTS, WebReplay
 from tests.mjforage.view.report.replay_data import (
     NODE,
@@ -242,7 +241,7 @@ def test_the_browsers_code_reads_the_same(make_run: MakeRun, world: str, frame_s
     turned = linear(yaw, np.minimum(early, frames - 1) if world == "graph" else frame)
     np.testing.assert_allclose(said["poses"][..., 2], turned, atol=0.0055)
     np.testing.assert_allclose(said["items"], linear(replay.track_items, frame), atol=0.03)
-    logged = load_logs(folder).steps.filter(world=world, episode=0).sort("step")
+    logged = pl.read_parquet(folder / "steps.parquet").filter(world=world, episode=0).sort("step")
     shares = logged.select("pta_d", "pta_c").to_numpy()[: len(replay.item_present)]
     np.testing.assert_allclose(said["shares"], shares, atol=1e-9)
     both_ways = np.concatenate([replay.belief, replay.belief[::-1]])

@@ -1,0 +1,96 @@
+"""What a page shows of a run that is too large for all of it, and how it says so."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from mjforage.core.errors import UserError
+from mjforage.view.page.table import Table
+from mjforage.view.report.run_logs import RunLogs
+from mjforage.view.report.step_means import POINTS
+from mjforage.view.report.text_tables import entry_of
+
+POLICIES = 20  # that figures and pairs show
+BEST, WORST = 9, 3  # that they show of more
+PAIRS = 200  # of policies, over all worlds
+ROWS = 3000  # of a table on the page
+RANKED_BY = "pta_c"
+ALL = "the files in `tables/` have all"
+
+
+def shown_policies(logs: RunLogs, asked: Sequence[str] = ()) -> tuple[str, ...]:
+    """Policies that figures, pairs and the replay show, in their fixed order.
+
+    All of a usual run; of more than `POLICIES`, or than fit into `PAIRS`, the best and the worst
+    by the items removed in the end, mean over the worlds.
+
+    Parameters
+    ----------
+    asked : those that a user wants to see; none for these
+
+    Raises
+    ------
+    UserError
+        If one that is asked for is not of the run.
+    """
+    for policy in asked:
+        if policy not in logs.run.policies:
+            names = ", ".join(logs.policies[:POLICIES])
+            more = " and others" if len(logs.policies) > POLICIES else ""
+            raise UserError(f"--policy {policy}: is not in this run; choose {names}{more}")
+    several = tuple(one for one in logs.policies if one in asked) or logs.policies
+    if _fits(len(several), logs) and len(several) <= POLICIES:
+        return several
+    best, worst = BEST, WORST
+    while best > 1 and not _fits(best + worst, logs):
+        best, worst = best - 1, max(1, worst - (best % 2))
+    ranked = sorted(several, key=lambda policy: -_rank(logs, policy))
+    chosen = {*ranked[:best], *ranked[len(ranked) - worst :]}
+    return tuple(one for one in several if one in chosen)
+
+
+def _fits(policies: int, logs: RunLogs) -> bool:
+    return math.comb(policies, 2) * len(logs.run.worlds) <= PAIRS
+
+
+def _rank(logs: RunLogs, policy: str) -> float:
+    """Mean over the worlds of what is ranked by; undefined is worst."""
+    several = [entry_of(logs.summary, (world, policy), RANKED_BY).mean for world in logs.run.worlds]
+    mean = float(np.mean(several))
+    return -math.inf if math.isnan(mean) else mean
+
+
+def only(logs: RunLogs, policies: tuple[str, ...]) -> RunLogs:
+    """The run as if it had these policies alone."""
+    if set(policies) == set(logs.run.policies):
+        return logs
+    kept = tuple(one for one in logs.run.policies if one in policies)
+    return replace(logs, run=replace(logs.run, policies=kept))
+
+
+def left_out(logs: RunLogs, shown: RunLogs) -> tuple[str, ...]:
+    """Sentences on what is not on the page, and what shows it."""
+    said = []
+    if len(shown.policies) < len(logs.policies):
+        said.append(
+            f"Figures, pairs, replay and the longer tables show {len(shown.policies)} of the "
+            f"{len(logs.policies)} policies: the best and the worst by PTA_C, or those that were "
+            f"asked for. Result in brief and {ALL}; `mjforage report FOLDER --policy NAME --policy "
+            "NAME` shows others."
+        )
+    if logs.run.horizon > POINTS:
+        said.append(
+            f"Curves are drawn at {POINTS + 1} of the {logs.run.horizon + 1} steps, evenly apart; "
+            "`steps.parquet` has all."
+        )
+    return tuple(said)
+
+
+def cut(table: Table | None) -> Table | None:
+    """A table with no more rows than a page has room for, and a note on the others."""
+    if table is None or len(table.rows) <= ROWS:
+        return table
+    note = f"The first {ROWS} of {len(table.rows)} rows; {ALL}."
+    return replace(table, rows=table.rows[:ROWS], notes=(*table.notes, note))
