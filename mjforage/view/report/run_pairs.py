@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import Description
 from mjforage.core.whole_files import write_bytes, writing
-from mjforage.runs.run_info import read_json
+from mjforage.runs.run_info import load_run, read_json
 from mjforage.view.page import Row, Table, set_page, style
 from mjforage.view.page.table import Number
 from mjforage.view.page.table_files import write_table
@@ -25,6 +25,7 @@ from mjforage.view.report.differences import (
 )
 from mjforage.view.report.hull_tables import hulls_table
 from mjforage.view.report.run_logs import RunLogs, Series, load_logs
+from mjforage.view.report.shown import PAIRS, only, shown_policies
 from mjforage.view.report.text_tables import HEADLINE, number, row_name
 from mjforage.view.report.web_replay import web_replay
 
@@ -58,9 +59,9 @@ def write_pair(first: Path, second: Path, out: Path | None = None) -> Path:
     out = out or first / f"compared-with-{second.resolve().name}"
     if (out / "run.json").exists() or (out / "study.json").exists():
         raise UserError(f"--out {out}: holds a run or study, whose report stays; choose another")
-    runs = load_logs(first), load_logs(second)
+    runs = _shown(load_logs(first)), _shown(load_logs(second))
     count = shared_episodes(*runs)
-    several = paired_series(*runs)
+    several = paired_series(*runs)[:PAIRS]
     brief, full = _brief(runs, labels, several, count), _full(runs, labels, several, count)
     settings = _settings(runs, labels)
     hulls = hulls_table(dict(zip(labels, runs, strict=True)), count)
@@ -73,7 +74,15 @@ def write_pair(first: Path, second: Path, out: Path | None = None) -> Path:
         "full": full,
         "hulls": hulls,
         "settings": settings,
-        "replay": web_replay(dict(zip(labels, (first, second), strict=True))),
+        "left_out": tuple(
+            f"Of {label} {len(logs.policies)} policies are shown, the best and the worst by PTA_C."
+            for label, logs in zip(labels, runs, strict=True)
+            if len(logs.policies) < len(load_run(logs.folder / "run.json").policies)
+        ),
+        "replay": web_replay(
+            dict(zip(labels, (first, second), strict=True)),
+            policies=[policy for logs in runs for policy in logs.policies],
+        ),
     }
     text = set_page("pair.html.j2", runs[0].run.versions.get("mjforage", ""), content)
     with writing(out):
@@ -82,6 +91,11 @@ def write_pair(first: Path, second: Path, out: Path | None = None) -> Path:
         write_table(table, out / "tables", ("csv",))
     write_bytes(out / "report.html", text.encode("utf-8"))
     return out / "report.html"
+
+
+def _shown(logs: RunLogs) -> RunLogs:
+    """The run, or of one with very many policies what a page has room for."""
+    return only(logs, shown_policies(logs))
 
 
 def _labels(first: Path, second: Path) -> tuple[str, str]:

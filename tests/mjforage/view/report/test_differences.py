@@ -9,6 +9,7 @@ import pytest
 
 from metrics import Interval
 from mjforage.core.mission_metrics import describe
+from mjforage.view.report.all_tables import draw_tables
 from mjforage.view.report.differences import (
     LEVEL,
     Difference,
@@ -21,7 +22,6 @@ from mjforage.view.report.differences import (
 from mjforage.view.report.policy_pairs import comparison_table
 from mjforage.view.report.report_page import render
 from mjforage.view.report.run_logs import load_logs
-from mjforage.view.report.text_tables import full_table, headline_table, paper_tables
 
 NOTE = "Intervals from fewer than 10 episodes are too narrow: no difference is bold."
 
@@ -61,7 +61,7 @@ def test_a_page_of_few_episodes_says_so_and_has_no_bold_interval(
     logs = load_logs(make_run(episodes=episodes))
     table = comparison_table(logs)
     assert table is not None
-    page = render(logs, (), headline_table(logs), paper_tables(logs), full_table(logs), table)
+    page = render(logs, logs, (), draw_tables(logs, logs))
     assert (page.count(NOTE) == 1) is few
     assert any(row.best for row in table.rows) is not few
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import itertools
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -116,5 +117,6 @@ def test_agents_that_are_not_logged_are_named(logs: RunLogs, tmp_path: Path) -> 
     pl.read_parquet(logs.folder / "agents.parquet").drop("work_j").write_parquet(
         tmp_path / "agents.parquet"
     )
+    shutil.copy(logs.folder / "items.parquet", tmp_path)
     with pytest.raises(UserError, match="column 'work_j' is missing"):
         hulls_table({"": dataclasses.replace(logs, folder=tmp_path)})
