@@ -17,13 +17,12 @@ from rich.progress import (
     ProgressColumn,
     Task,
     TextColumn,
-    TimeRemainingColumn,
 )
 from rich.table import Table
 from rich.text import Text
 
 from mjforage import __version__
-from mjforage.cli.progress import COMPILES, Lines, compiling, told
+from mjforage.cli.progress import Lines, told
 
 Report = Callable[[float, float], None]  # of how many are done, of how many
 Water = Literal["light", "dark"]  # as `map.water` of a scenario
@@ -48,13 +47,17 @@ if not output.is_terminal and "COLUMNS" not in os.environ:
 errors = Console(stderr=True, soft_wrap=True, emoji=False, highlight=False)
 
 
-class _CompilesColumn(ProgressColumn):
-    """Says so while kernels are compiled."""
+class _EndColumn(ProgressColumn):
+    """How long it will take, and that kernels are compiled."""
 
     max_refresh = 0.5  # [s]
 
+    def __init__(self, lines: Lines) -> None:
+        super().__init__()
+        self._lines = lines
+
     def render(self, task: Task) -> Text:
-        return Text(COMPILES if compiling() else "")
+        return Text(self._lines.end())
 
 
 @contextmanager
@@ -70,8 +73,8 @@ def bar(words: str, unit: str) -> Iterator[Report]:
     ------
     what is called with (done, total)
     """
+    lines = Lines(words, unit, _line)
     if not errors.is_terminal:
-        lines = Lines(words, unit, _line)
         with told(lines):
             yield lines
         return
@@ -79,12 +82,16 @@ def bar(words: str, unit: str) -> Iterator[Report]:
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
-        TimeRemainingColumn(),
-        _CompilesColumn(),
+        _EndColumn(lines),
     )
     with Progress(*columns, console=errors, transient=True) as progress:
         task = progress.add_task(unit, total=None)
-        yield lambda done, total: progress.update(task, completed=done, total=total)
+
+        def report(done: float, total: float) -> None:
+            lines(done, total)
+            progress.update(task, completed=done, total=total)
+
+        yield report
 
 
 @contextmanager

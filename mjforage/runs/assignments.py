@@ -40,6 +40,7 @@ from mjforage.runs.recording import record
 from mjforage.runs.replaying import as_logged
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import frames
+from mjforage.runs.under_way import Teller, telling
 from mjforage.runs.workers import Workers, policy_places
 
 PARENT_CHECK_S = 1.0
@@ -226,52 +227,65 @@ def run_chunk(assignment: Assignment, chunk: Chunk) -> str | None:
     None, or the message of the error that a user can mend (exceptions with a cause do not survive
     the way between processes unharmed)
     """
-    cpu_s, wall_s, began_s = time.process_time(), time.perf_counter(), time.time()
+    began = time.process_time(), time.perf_counter(), time.time()
     run = RunFolder(assignment.folder)
     try:
         setup = _joined_in(assignment)
         if assignment.parent is None and run.has(chunk):
             return None  # made by a worker that was lost before it could tell
-        episodes = np.arange(chunk.first, chunk.first + chunk.count)
-        mission = create_mission(setup, chunk.world)
-        mission.reset(assignment.seed, episodes)
-        outside = bool(outside_class(chunk.policy))  # ours are known to read only
-        shared = digest(setup.task) if outside else b""
-        scorer = Scorer(mission, chosen_metrics(assignment.metrics))
-        watch = Watch()
-        mission.run(watched(create_policy(chunk.policy), watch, chunk.count), (scorer,))
-        if outside and digest(setup.task) != shared:
-            _setup.cache_clear()  # others are not to play on with it
-            return (
-                f"policy {chunk.policy}: changed arrays of the task, which other policies share; "
-                "copy what you change"
-            )
-        log, scores = scorer.log, scorer.scores()
-        tables = frames(setup, chunk.world, chunk.policy, episodes, log, scores)
-        cost = Cost(
-            chunk.world,
-            chunk.policy,
-            chunk.count,
-            int(log.length.sum()),
-            time.process_time() - cpu_s,
-            time.perf_counter() - wall_s,
-            began_s,
-            f"{socket.gethostname()}-{os.getpid()}",
-            **asdict(assignment.invocation),
-            decide_s=watch.cpu_s,
-            decisions=watch.decisions,
-        )
-        run.write(chunk, tables, cost)
-        for number in set(assignment.kept) & set(episodes.tolist()):
-            one = Episode(chunk.world, chunk.policy, number)
-            if not replay_is_kept(assignment.folder, one):
-                _keep(assignment.folder, record(setup, *one[:2], assignment.seed, number))
+        with telling(run.under_way / chunk.name, chunk.count, setup.scenario.horizon) as teller:
+            return _played(assignment, chunk, setup, teller, began)
     except UserError as error:
         return str(error)
     except (Exception, SystemExit) as error:
         if words := _fault_of_a_part(assignment, chunk, error):
             return words
         raise
+
+
+def _played(
+    assignment: Assignment,
+    chunk: Chunk,
+    setup: Setup,
+    teller: Teller,
+    began: tuple[float, float, float],
+) -> str | None:
+    """Play, score and store a chunk; as `run_chunk`. `began`: CPU time, a clock and the epoch's."""
+    cpu_s, wall_s, began_s = began
+    episodes = np.arange(chunk.first, chunk.first + chunk.count)
+    mission = create_mission(setup, chunk.world)
+    mission.reset(assignment.seed, episodes)
+    outside = bool(outside_class(chunk.policy))  # ours are known to read only
+    shared = digest(setup.task) if outside else b""
+    scorer = Scorer(mission, chosen_metrics(assignment.metrics))
+    watch = Watch()
+    mission.run(watched(create_policy(chunk.policy), watch, chunk.count), (scorer, teller))
+    if outside and digest(setup.task) != shared:
+        _setup.cache_clear()  # others are not to play on with it
+        return (
+            f"policy {chunk.policy}: changed arrays of the task, which other policies share; "
+            "copy what you change"
+        )
+    log, scores = scorer.log, scorer.scores()
+    tables = frames(setup, chunk.world, chunk.policy, episodes, log, scores)
+    cost = Cost(
+        chunk.world,
+        chunk.policy,
+        chunk.count,
+        int(log.length.sum()),
+        time.process_time() - cpu_s,
+        time.perf_counter() - wall_s,
+        began_s,
+        f"{socket.gethostname()}-{os.getpid()}",
+        **asdict(assignment.invocation),
+        decide_s=watch.cpu_s,
+        decisions=watch.decisions,
+    )
+    RunFolder(assignment.folder).write(chunk, tables, cost)
+    for number in set(assignment.kept) & set(episodes.tolist()):
+        one = Episode(chunk.world, chunk.policy, number)
+        if not replay_is_kept(assignment.folder, one):
+            _keep(assignment.folder, record(setup, *one[:2], assignment.seed, number))
     return None
 
 

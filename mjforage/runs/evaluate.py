@@ -32,6 +32,7 @@ from mjforage.runs.layout import chunk_size, plan, take_apart
 from mjforage.runs.resuming import Resume, set_aside
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import metric_columns
+from mjforage.runs.under_way import forget, waiting
 from mjforage.runs.workers import Workers
 
 BOOTSTRAP_SEED = 0
@@ -239,6 +240,13 @@ def carry_out(
     UserError
         As `run_chunks` and `Run.close`. Finished chunks stay.
     """
+    with waiting(run.folder.under_way for run in runs):
+        return _carried_out(runs, workers, invocation, progress)
+
+
+def _carried_out(
+    runs: Sequence[Run], workers: Workers, invocation: Invocation, progress: Progress
+) -> list[Summary]:
     started, work = time.perf_counter(), []
 
     def assigned(run: Run) -> Assignment:
@@ -270,6 +278,7 @@ def carry_out(
                 owner, chunk = work[next(results)]
                 left[owner] -= 1
                 done += chunk.count
+                forget(runs[owner].folder.under_way / chunk.name)
                 progress(done, total)
             if place in assignments:
                 run.merge(time.perf_counter() - started)

@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from mjforage.cli.progress import Lines, duration, told
+from mjforage.cli.progress import Lines, Pace, duration, told
 
 
 class Bench:
@@ -15,10 +15,11 @@ class Bench:
 
     def __init__(self, unit: str = "episodes") -> None:
         self.now, self.said = 1000.0, list[str]()
-        self.compiles = False
-        self.lines = Lines(
-            "evaluate", unit, self.said.append, lambda: self.now, lambda: self.compiles
-        )
+        self.compiles, self.counted = False, 0.0
+        self.lines = Lines("evaluate", unit, self.said.append, lambda: self.now, self.under_way)
+
+    def under_way(self) -> tuple[bool, float]:
+        return self.compiles, self.counted
 
     def after(self, seconds: float, done: float | None = None, total: float = 1200) -> str:
         self.now += seconds
@@ -32,10 +33,60 @@ def test_a_line_says_what_is_done_and_how_long_the_rest_takes() -> None:
     bench = Bench()
     bench.lines(0, 1200)
     assert bench.after(60, 300) == "evaluate: 300 of 1,200 episodes, 25 %, about 3 min left"
-    # nothing more is finished, but time has passed
-    assert bench.after(60) == "evaluate: 300 of 1,200 episodes, 25 %, about 2 min left"
-    # what should be over and is not is not said to be about to end
-    assert bench.after(10_000) == "evaluate: 300 of 1,200 episodes, 25 %, 2.8 h so far"
+    # nothing more is finished, so it takes longer
+    assert bench.after(60) == "evaluate: 300 of 1,200 episodes, 25 %, about 6 min left"
+    assert bench.after(10_000) == "evaluate: 300 of 1,200 episodes, 25 %, about 8.4 h left"
+
+
+def test_what_is_being_done_counts_for_the_pace_and_not_as_finished() -> None:
+    bench = Bench()
+    bench.lines(0, 100)
+    bench.counted = 25.0
+    assert bench.after(60) == "evaluate: 0 of 100 episodes, 0 %, about 3 min left"
+
+
+A_MINUTE_EACH: list[tuple[float, float, bool, float | None]] = [
+    (60.0 * n, float(n), False, 60.0 * (10 - n) if n else None) for n in range(10)
+]
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        pytest.param(A_MINUTE_EACH, id="what is done every minute"),
+        pytest.param([(0, 0, True, None), (5, 0, True, None), (9, 0, False, None)], id="nothing"),
+        pytest.param(
+            [(0, 0, True, None), (90, 0, False, None), (95, 2, False, 20), (100, 4, False, 15)],
+            id="what came before kernels were compiled does not count",
+        ),
+        pytest.param(
+            [(0, 0, False, None), (10, 2, False, 40), (20, 2, True, None), (30, 2, False, None)],
+            id="kernels of what comes later",
+        ),
+        pytest.param(
+            [(0, 0, False, None), (1, 5, False, 1), (2, 5, False, 2), (8, 5, False, 8)]
+            + [(20, 5, False, 20), (90, 5, False, 90)],
+            id="what stands still takes longer",
+        ),
+        pytest.param(
+            [(0, 0, False, None), (90, 9, False, 10), (95, 9.5, False, 5), (101, 9.9, False, None)],
+            id="an end that does not come when it should is no longer foretold",
+        ),
+        pytest.param(
+            [(0, 0, False, None), (1, 5, False, 1), (61, 6, False, 240), (121, 7, False, 180)],
+            id="slow episodes that follow quick ones",
+        ),
+        pytest.param([(0, 0, False, None), (9, 10, False, None)], id="all is done"),
+    ],
+)
+def test_the_end_is_foretold_from_what_runs(
+    table: list[tuple[float, float, bool, float | None]],
+) -> None:
+    """Rows: time, how much of 10 is done, whether kernels are compiled, seconds left."""
+    pace = Pace()
+    for now, done, compiles, left in table:
+        pace.look(now, done, compiles)
+        assert pace.left(now, 10.0) == (None if left is None else pytest.approx(left)), now
 
 
 def test_when_all_is_counted_nothing_is_foretold() -> None:
@@ -54,11 +105,12 @@ def test_what_an_earlier_call_did_says_nothing_of_the_pace() -> None:
 def test_while_kernels_are_compiled_that_is_said_and_nothing_is_foretold() -> None:
     bench = Bench()
     bench.compiles = True
-    words = "compiles kernels, once for all runs of this kind; 20 s so far"
+    words = "compiling kernels, once for all runs of this kind; 20 s so far"
     assert bench.after(20) == f"evaluate: {words}"
     bench.lines(0, 1200)
     assert bench.after(0, 600) == f"evaluate: 600 of 1,200 episodes, 50 %, {words}"
     bench.compiles = False
+    assert bench.after(0).endswith(", 20 s so far")
     assert "left" in bench.after(1, 700)
 
 
