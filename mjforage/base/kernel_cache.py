@@ -88,7 +88,7 @@ class KernelCache:
             _held.discard(path.name)
             if lock.is_locked:
                 with suppress(OSError):
-                    os.unlink(lock.lock_file)
+                    Path(lock.lock_file).unlink()
             lock.release()
 
     def load_overload(self, signature: Any, context: Any) -> Any:

@@ -32,7 +32,7 @@ class BoardOptions:
         Override KEY=VALUE in every course, in TOML syntax, or policy.greedy.distance=2 for an
         option of a policy; repeatable.
     metric
-        A metric to take beside ours: MODULE:CLASS of your own, or what a package brings; repeatable.
+        A metric to take beside ours: MODULE:CLASS of your own, or one of a package; repeatable.
     out
         Study folder. An unfinished study of the same settings is resumed.
     """

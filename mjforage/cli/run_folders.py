@@ -55,7 +55,7 @@ def evaluate(
         A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
         NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
     metric
-        A metric to take beside ours: MODULE:CLASS of your own, or what a package brings; repeatable.
+        A metric to take beside ours: MODULE:CLASS of your own, or one of a package; repeatable.
     world
         graph or physics, or a world between: hulls, debris, intake (see `mjforage compare`).
     episodes
@@ -123,7 +123,7 @@ def compare(
         A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
         NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
     metric
-        A metric to take beside ours: MODULE:CLASS of your own, or what a package brings; repeatable.
+        A metric to take beside ours: MODULE:CLASS of your own, or one of a package; repeatable.
     ladder
         Also the worlds between, one piece of reality more in each: hulls, debris, intake.
     episodes

@@ -48,7 +48,7 @@ class StudyOptions:
         Override KEY=VALUE in TOML syntax, for example team.scouts.count=3, or
         policy.greedy.distance=2 for an option of a policy; repeatable.
     metric
-        A metric to take beside ours: MODULE:CLASS of your own, or what a package brings; repeatable.
+        A metric to take beside ours: MODULE:CLASS of your own, or one of a package; repeatable.
     out
         Study folder; default runs/SCENARIO-KIND. An unfinished study of the same settings is
         resumed.

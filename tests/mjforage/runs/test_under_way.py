@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from graph_planner.policies.registry import POLICIES
 from mjforage.base.kernel_cache import AWAITED
 from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import load_scenario
@@ -64,6 +65,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     yield tmp_path
     sys.path[:] = path
     sys.modules.pop("own_slow", None)
+    for name in [name for name in POLICIES._registered if name.startswith("own_slow")]:
+        del POLICIES._registered[name]
 
 
 def played(policy: str, **options: int) -> None:
@@ -110,7 +113,7 @@ def test_what_a_stopped_run_left_is_not_taken_for_news(folder: Path) -> None:
         played("own_slow:Broken")
     assert under_way() == UnderWay(False, 0.0)
     (left,) = (folder / "run" / "chunks" / ".under-way").iterdir()
-    assert "true" in left.read_text()
+    left.write_text("[true, 1.0]")  # as one leaves it that is killed
     with module.waiting([left.parent]):
         assert under_way() == UnderWay(False, 0.0)
 
