@@ -25,8 +25,6 @@ class MapChoice:
     file: str
     """Name of a shipped map or a generated harbour (`harbour:combs:7`), or path of a table, grid or
     image from the scenario's folder."""
-    water: Annotated[Literal["light", "dark"], Later()] = "light"
-    """Which cells of a file are water: `light` pixels of an image, 1 of a table; or `dark`, 0."""
     pitch_m: Annotated[float, Within(1e-3, 1e6, "m")] = 4.0
     """Distance between the centres of neighbouring nodes."""
     corner_cutting: bool = False
@@ -35,6 +33,8 @@ class MapChoice:
     """Whether only the largest connected part of the map is kept."""
     starts: tuple[tuple[_Cell, _Cell], ...] | None = None
     """(row, column) to assign at random; absent: those beside the map; []: a random cluster."""
+    water: Annotated[Literal["light", "dark"], Later()] = "light"
+    """Which cells of a file are water: `light` pixels of an image, 1 of a table; or `dark`, 0."""
 
 
 @dataclass(frozen=True)
