@@ -23,7 +23,7 @@ from graph_planner.belief_planner.wanted import Wanted, summed
 from graph_planner.belief_planner.ways import UNREACHED, Ways, search_on
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import FAR, Int32Array
-from graph_planner.plain import plain
+from graph_planner.plain import Plain
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task, TaskArrays
 from graph_planner.visibility import NodeLists
@@ -101,11 +101,12 @@ class TrackingTeam:
         self._landmarks, self._belongs = landmarks_of(graph)
         self._worth, self._nothing = np.zeros(len(graph)), np.zeros(len(graph))
         self._goals = np.empty(fleet.collectors.size, np.int32)
+        self._plain = Plain(task, keys.size)
         self._preferences = np.zeros((keys.size, len(fleet), 9))
 
     def act(self, observation: Observation, give_goals: Goals) -> NDArray[np.float64]:
         """Preferences (row, agent, 9), the goals of foragers given row by row."""
-        observation = plain(observation, self._task, len(self._preferences))
+        observation = self._plain(observation)
         for e in np.flatnonzero(observation.active).tolist():
             self.beliefs.learn(observation, e)
             now, goals = int(observation.step[e]) - 1, self._goals

@@ -17,7 +17,7 @@ from graph_planner.belief_planner.waiting import approach, regrets
 from graph_planner.belief_planner.wanted import Wanted, summed
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.geodesics import Int32Array
-from graph_planner.plain import plain
+from graph_planner.plain import Plain
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task
 
@@ -54,6 +54,7 @@ class BeliefPlanner:
         self._nothing = np.zeros(len(graph))
         self._viewed, self._news = np.zeros(episodes, np.int64), np.zeros(episodes, np.int64)
         self._vain = np.zeros(episodes, np.bool_)
+        self._plain = Plain(task, episodes)
         self._preferences = np.zeros((episodes, len(task.fleet), 9))
 
     def _foraging(self, settings: BeliefSettings) -> Foraging:
@@ -72,7 +73,7 @@ class BeliefPlanner:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9)."""
-        observation = plain(observation, self._task, len(self._preferences))
+        observation = self._plain(observation)
         for e in np.flatnonzero(observation.active).tolist():
             self._touch.note(observation, e)
             self.beliefs.learn(observation, e)

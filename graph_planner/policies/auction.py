@@ -29,7 +29,7 @@ from graph_planner.geodesics import FAR, DistanceRows, Int32Array, Workspace, di
 from graph_planner.moves import move_length
 from graph_planner.navigation import STAY
 from graph_planner.option_ranges import check_at_least
-from graph_planner.plain import plain
+from graph_planner.plain import Plain
 from graph_planner.policies.registry import register
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from graph_planner.seeking import TIE
@@ -337,7 +337,7 @@ class AuctionPolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self._task, graph = task, task.graph
+        self._plain, graph = Plain(task, keys.size), task.graph
         discs, nodes = graph.discs((self._near,)), len(graph)
         table, workspace = graph.distance_rows, Workspace.of(nodes)
         harbour = Harbour(task.arrays, task.views, discs, table, workspace)
@@ -347,5 +347,5 @@ class AuctionPolicy:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9): down the way to what each agent won."""
-        self._decide(plain(observation, self._task, len(self._preferences)))
+        self._decide(self._plain(observation))
         return self._preferences

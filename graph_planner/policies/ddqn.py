@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from graph_planner.encodings import create_encoder, encoder_class
 from graph_planner.errors import WeightsError
-from graph_planner.plain import plain
 from graph_planner.extras import require
+from graph_planner.plain import Plain
 from graph_planner.policies.registry import plays_weights, register
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task
@@ -41,7 +41,7 @@ class QPolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self._task, self._networks = task, self._load(task)
+        self._networks, self._plain = self._load(task), Plain(task, keys.size)
         self._teams = (task.fleet.discoverers, task.fleet.collectors)
         self._encoder = create_encoder(self._header.encoding, task)
         self._encoder.reset(keys.size)
@@ -59,7 +59,7 @@ class QPolicy:
         """Values or logits (episode, agent, 9) of all moves."""
         from graph_planner.inference import values_of
 
-        observation = plain(observation, self._task, len(self._preferences))
+        observation = self._plain(observation)
         rows = np.flatnonzero(observation.active)
         levels = self._encoder.see(observation, rows)
         for team, agents in zip(TEAMS, self._teams, strict=True):

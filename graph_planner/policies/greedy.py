@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel, prepared
 from graph_planner.geodesics import FAR, Workspace, distances_to_nearest
-from graph_planner.plain import plain
+from graph_planner.plain import Plain
 from graph_planner.policies.registry import register
 from graph_planner.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
 from graph_planner.seeking import TIE, longest_move, possible_targets
@@ -108,7 +108,7 @@ class GreedyPolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self._task, graph = task, task.graph
+        self._plain, graph = Plain(task, keys.size), task.graph
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
         self._fill = prepared(
             _rewards,
@@ -121,5 +121,5 @@ class GreedyPolicy:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Instant rewards (episode, agent, 9) of all moves."""
-        self._fill(plain(observation, self._task, len(self._preferences)))
+        self._fill(self._plain(observation))
         return self._preferences

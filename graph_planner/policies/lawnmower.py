@@ -15,7 +15,7 @@ from graph_planner.compiled import kernel, prepared
 from graph_planner.geodesics import FAR, Int32Array, Workspace, distances_to_nearest
 from graph_planner.moves import move_length
 from graph_planner.navigation import STAY, NavigationGraph
-from graph_planner.plain import plain
+from graph_planner.plain import Plain
 from graph_planner.policies.registry import register
 from graph_planner.randomness import UInt64Array
 from graph_planner.seeking import ItemSeeker, longest_move, possible_targets
@@ -109,7 +109,7 @@ class LawnmowerPolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self._task, self._seeker = task, ItemSeeker(task)
+        self._plain, self._seeker = Plain(task, keys.size), ItemSeeker(task)
         self.sweep = self._plan(task, keys.size)
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
         room = Workspace.of(len(task.graph))
@@ -135,7 +135,7 @@ class LawnmowerPolicy:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9): down the way to the agent's next corner."""
-        observation = plain(observation, self._task, len(self._preferences))
+        observation = self._plain(observation)
         self._go_on(observation)
         self._seeker.guide(observation, self._preferences)
         return self._preferences

@@ -7,7 +7,7 @@ are true Levy lengths (the published code draws them and then never uses them).
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.plain import plain
+from graph_planner.plain import Plain
 from graph_planner.policies.registry import register
 from graph_planner.randomness import UInt64Array
 from graph_planner.seeking import ItemSeeker
@@ -21,13 +21,13 @@ class LevyPolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self._task, self._walker = task, Walker(task, keys.size, levy=True)
-        self._rows = keys.size
+        self._plain = Plain(task, keys.size)
+        self._walker = Walker(task, keys.size, levy=True)
         self._seeker = ItemSeeker(task)
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9)."""
-        observation = plain(observation, self._task, self._rows)
+        observation = self._plain(observation)
         preferences = self._walker.walk(observation)
         self._seeker.guide(observation, preferences)
         return preferences

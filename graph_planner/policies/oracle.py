@@ -24,7 +24,7 @@ from graph_planner.belief_planner.planner import BeliefPlanner
 from graph_planner.belief_planner.scouting import Scouting
 from graph_planner.belief_planner.stops import floating
 from graph_planner.belief_planner.told import ToldBeliefs
-from graph_planner.plain import plain, plain_truth
+from graph_planner.plain import Plain, plain_truth
 from graph_planner.policies.registry import register
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task, Truth
@@ -47,6 +47,7 @@ class OraclePolicy:
         self._foragers = Foraging(task, settings)
         self._scouts = Scouting(task, settings)
         self._nodes = len(task.graph)
+        self._plain = Plain(task, keys.size)
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
 
     def reveal(self, truth: Truth) -> None:
@@ -61,7 +62,7 @@ class OraclePolicy:
             assert isinstance(beliefs, ToldBeliefs)
             beliefs.reveal(truth)
             return self._planner.act(observation)
-        observation = plain(observation, self._task, len(self._preferences))
+        observation = self._plain(observation)
         if truth.item_node.shape[1] > self._foragers.items.row.size:
             self._foragers.items = floating(truth.item_node.shape[1])
         items = self._foragers.items

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from graph_planner.compiled import kernel, prepared
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import OFFSETS, STAY
-from graph_planner.plain import plain
+from graph_planner.plain import Plain
 from graph_planner.policies.registry import register
 from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
 from graph_planner.task import Observation, Task, TaskArrays
@@ -157,7 +157,7 @@ class PsoPolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self._task, agents = task, (keys.size, len(task.fleet))
+        self._plain, agents = Plain(task, keys.size), (keys.size, len(task.fleet))
         swarm = Swarm(
             velocity=np.zeros((*agents, 2)),
             best_node=np.full(agents, NOWHERE, np.int32),
@@ -168,5 +168,5 @@ class PsoPolicy:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9): cosine between the velocity and each move."""
-        self._fly(plain(observation, self._task, len(self._preferences)))
+        self._fly(self._plain(observation))
         return self._preferences

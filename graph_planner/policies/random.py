@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel, prepared
-from graph_planner.plain import plain
+from graph_planner.plain import Plain
 from graph_planner.policies.registry import register
 from graph_planner.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
 from graph_planner.task import Observation, Task
@@ -30,11 +30,11 @@ class RandomPolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        self._task = task
+        self._plain = Plain(task, keys.size)
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
         self._draw = prepared(_draw, self._preferences)
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Independent uniform preferences (episode, agent, 9)."""
-        self._draw(plain(observation, self._task, len(self._preferences)))
+        self._draw(self._plain(observation))
         return self._preferences

@@ -5,6 +5,7 @@ Decide -> move -> collect -> drift -> see -> tell -> log.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,7 @@ from mjforage.core.sensing import map_filter, no_shown
 from mjforage.core.setup import Setup
 
 _ONE = np.ones(1, np.int32)
+_TOLD = attrgetter(*Observation._fields[3:14])  # of knowledge
 
 
 @kernel
@@ -157,8 +159,9 @@ class Mission:
         self._post_lookout()
         self.exchange.reset(self.task, self._see(), self._knowledge, self.keys)
         self._acting = locked(np.tile(self._agent_of_holder(), keys.size))
+        self._held_keys = locked(np.repeat(self.keys, self.exchange.holders))
         self._nobody = locked(np.full(keys.size, -1, np.int32))
-        self._nothing_late = nothing_late(keys.size)
+        self._nothing_late = locked(nothing_late(keys.size))
         self.forecasts = Forecasts(keys.size)
 
     @property
@@ -224,6 +227,7 @@ class Mission:
         for name in ("keys", "step", "active"):
             mixed = put_rows(getattr(self, name), rows, getattr(other, name))
             setattr(self, name, locked(mixed))
+        self._held_keys = locked(np.repeat(self.keys, self.exchange.holders))
         self._post_lookout()
 
     @property
@@ -272,27 +276,10 @@ class Mission:
         """Knowledge as a policy sees it, the episodes' arrays once for each holder."""
         active, step, keys = self.active, locked(self.step + _ONE), self.keys
         if holders > 1:
-            repeated = (np.repeat(each, holders) for each in (active, step, keys))
-            active, step, keys = map(locked, repeated)
-        return Observation(
-            active=active,
-            step=step,
-            keys=keys,
-            agent_node=knowledge.agent_node,
-            energy_left=knowledge.energy_left,
-            room_left=knowledge.room_left,
-            belief=knowledge.belief,
-            last_seen=knowledge.last_seen,
-            known=knowledge.known,
-            n_known=knowledge.n_known,
-            agent_seen=knowledge.agent_seen,
-            taken=knowledge.taken,
-            pickup=knowledge.pickup,
-            agent_yaw=knowledge.agent_yaw,
-            late_looks=late.looks,
-            late_shown=late.shown,
-            holder=self._acting if holders > 1 else self._nobody,
-        )
+            active, step = (locked(np.repeat(each, holders)) for each in (active, step))
+            keys = self._held_keys
+        holder = self._acting if holders > 1 else self._nobody
+        return Observation(active, step, keys, *_TOLD(knowledge), late.looks, late.shown, holder)
 
     @property
     def truth(self) -> Truth:

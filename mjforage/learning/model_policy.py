@@ -16,7 +16,7 @@ from graph_planner.encodings.masks import legal_of_agent
 from graph_planner.inference import BLOCK, one_thread
 from graph_planner.moves import Corruption, Resolver
 from graph_planner.navigation import STAY
-from graph_planner.plain import plain
+from graph_planner.plain import Plain
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Observation, Task
 from mjforage.core.errors import UserError
@@ -92,11 +92,12 @@ class ModelPolicy:
         self._resolver = Resolver(task.graph, task.fleet, task.rules, calm)
         self._claimed = np.zeros((keys.size, len(task.graph)), np.int64)
         self._round = 0
+        self._plain = Plain(task, keys.size)
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9) for the moves that the model decides on."""
-        observation = plain(observation, self.task, len(self._preferences))
+        observation = self._plain(observation)
         rows = np.flatnonzero(observation.active)
         levels = self._encoder.see(observation, rows)
         seen = {name: values(level[rows]) for name, level in levels.items()}
