@@ -5,11 +5,12 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Literal
+from typing import Literal, TextIO
 
 import cyclopts
 from cyclopts import Parameter
 from rich.console import Console
+from rich.measure import Measurement
 from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
@@ -41,10 +42,17 @@ app = cyclopts.App(
     suppress_keyboard_interrupt=False,
 )
 
+
+def _is_terminal(stream: TextIO | None) -> bool:
+    """Whether somebody watches, whatever variables say of colours."""
+    return stream is not None and stream.isatty()
+
+
 output = Console(markup=False, emoji=False, highlight=False)
-if not output.is_terminal and "COLUMNS" not in os.environ:
+if not _is_terminal(sys.stdout) and not os.environ.get("COLUMNS", "").strip("0").isdigit():
     output.width = PIPE_COLUMNS
 errors = Console(stderr=True, soft_wrap=True, emoji=False, highlight=False)
+errors.is_interactive &= _is_terminal(sys.stderr)
 
 
 class _EndColumn(ProgressColumn):
@@ -74,7 +82,7 @@ def bar(words: str, unit: str) -> Iterator[Report]:
     what is called with (done, total)
     """
     lines = Lines(words, unit, _line)
-    if not errors.is_terminal:
+    if not errors.is_interactive:
         with told(lines):
             yield lines
         return
@@ -97,7 +105,7 @@ def bar(words: str, unit: str) -> Iterator[Report]:
 @contextmanager
 def working(words: str) -> Iterator[None]:
     """Show that something of unknown length is being done."""
-    if errors.is_terminal:
+    if errors.is_interactive:
         with errors.status(words):
             yield
     else:
@@ -125,4 +133,23 @@ def print_list(rows: Iterable[tuple[str, str]]) -> None:
     table = Table(box=None, show_header=False, pad_edge=False)
     for name, words in rows:
         table.add_row(Text(name, style="bold"), Text(words))
-    output.print(table)
+    print_table(table)
+
+
+def print_table(table: Table) -> None:
+    """Print a table; on a terminal too narrow for its words and numbers, line by line."""
+    anywhere = output.options.update(max_width=PIPE_COLUMNS)
+    if Measurement.get(output, anywhere, table).minimum <= output.width:
+        output.print(table)
+        return
+    if table.title:
+        output.print(table.title)
+    heads = [_line_of(column.header) for column in table.columns]
+    for first, *rest in zip(*(column.cells for column in table.columns), strict=True):
+        output.print(_line_of(first))
+        for head, cell in zip(heads[1:], map(_line_of, rest), strict=True):
+            output.print(f"  {head}: {cell}" if head else f"  {cell}")
+
+
+def _line_of(cell: object) -> str:
+    return " ".join(str(cell).split())

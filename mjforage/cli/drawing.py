@@ -4,8 +4,6 @@ import logging
 from pathlib import Path
 from typing import Annotated, Literal
 
-from cyclopts import Parameter
-
 from mjforage.cli.console import OUT, app, bar, output, working
 
 Point = Literal["overview", "chase", "top", "scout"]

@@ -7,7 +7,7 @@ from typing import Annotated
 from cyclopts import Parameter, validators
 from rich.table import Table
 
-from mjforage.cli.console import OUT, app, output, print_file, print_list
+from mjforage.cli.console import OUT, app, print_file, print_list, print_table
 
 Flow = Parameter(allow_leading_hyphen=True)  # so that a speed below 0 gets an error of its own
 
@@ -75,7 +75,7 @@ def manoeuvre(
     table = Table("figure", "value", "unit", "meaning")
     for name, figure in key_figures(path).items():
         table.add_row(name, f"{figure.value:.4g}", figure.unit, figure.meaning)
-    output.print(table)
+    print_table(table)
 
 
 @app.command
@@ -118,7 +118,7 @@ def calibrate(
         shares = itertools.accumulate(count / cell.trials for count in cell.taken)
         words = ", ".join(f"{share:.2f}" for share in shares)
         table.add_row(cell.quays, f"{cell.from_m:g}", f"{cell.from_deg:g}", words)
-    output.print(table)
+    print_table(table)
 
 
 @app.command

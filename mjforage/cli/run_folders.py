@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, TypedDict
 from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
-from mjforage.cli.console import OUT, Water, app, bar, output, working
+from mjforage.cli.console import OUT, Water, app, bar, output, print_table, working
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
 
 if TYPE_CHECKING:
@@ -195,7 +195,7 @@ def _play(
             resume=again.resume,
         )
     bounds = {policy for found in summary.values() for policy in found if is_bound(policy)}
-    output.print(terminal_table(summary, bounds))
+    print_table(terminal_table(summary, bounds))
     with working("drawing the report"):
         path = write_report(folder)
     output.print(f"report: {path}", soft_wrap=True)

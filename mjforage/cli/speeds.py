@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 from rich.table import Table
 
-from mjforage.cli.console import app, errors, output
+from mjforage.cli.console import app, errors, print_table
 from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def _measured() -> "Figures":
     for key, figure in figures.items():
         quickest = _rounded(float(figure["quickest"])) if "quickest" in figure else ""
         table.add_row(key, _rounded(float(figure["value"])), quickest, str(figure["unit"]))
-    output.print(table)
+    print_table(table)
     return figures
 
 
@@ -81,7 +81,7 @@ def _decided() -> list[dict[str, float | str]]:
         rows.setdefault(one.policy, []).append(words)
     for policy, cells in rows.items():
         table.add_row(policy, *cells)
-    output.print(table)
+    print_table(table)
     return [asdict(one) for one in times]
 
 
@@ -95,5 +95,5 @@ def _compared(other: Path, slices: int) -> list[dict[str, float | str]]:
         half = f"{pair.low:.2f} to {pair.high:.2f}"
         rates = _rounded(pair.ours), _rounded(pair.theirs)
         table.add_row(pair.name, *rates, f"{pair.ratio:.2f}", half)
-    output.print(table)
+    print_table(table)
     return [asdict(pair) for pair in pairs]

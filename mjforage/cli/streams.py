@@ -11,10 +11,8 @@ from typing import Any, TextIO, cast
 
 from mjforage.core.errors import UserError
 
-_PLAIN = {
-    **{"±": "+-", "−": "-", "–": "-", "—": "-", "…": "...", "×": "x", "·": ".", "°": "deg"},
-    **{"²": "^2", "³": "^3", "µ": "u", "≥": ">=", "≤": "<=", "→": "->", "─": "-", "│": "|"},
-}
+_ASCII = "+- - - - ... x . deg ^2 ^3 u >= <= -> - |"
+_PLAIN = dict(zip("±−–—…×·°²³µ≥≤→─│", _ASCII.split(), strict=True))
 """Letters of ours that an encoding may lack, in ASCII."""
 
 
@@ -83,7 +81,7 @@ def forgiving_streams() -> Iterator[None]:
     """
     before = sys.stdout, sys.stderr
     for name in ("stdout", "stderr"):
-        stream = getattr(sys, name) or Path(os.devnull).open("w", encoding="utf-8")
+        stream = getattr(sys, name) or Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="mjforage")
         setattr(sys, name, cast(TextIO, _Stream(stream, name)))

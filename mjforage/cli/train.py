@@ -183,7 +183,7 @@ def _report(table: str, row: "Row") -> None:
             f"train: was finished, after {row['updates']:.0f} updates, {row['seconds'] / 60:.1f} "
             "min; give more --updates or --hours to go on, --fresh to begin anew"
         )
-    elif errors.is_terminal:
+    elif errors.is_interactive:
         errors.print(
             f"round {row['rounds']:.0f}: {row['updates']:.0f} updates, PTA_C {row['pta_c']:.1f} %, "
             f"loss {row['loss']:.4f}"

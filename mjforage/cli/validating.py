@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 from rich.table import Table
 
-from mjforage.cli.console import OUT, app, bar, output, working
+from mjforage.cli.console import OUT, app, bar, output, print_table, working
 
 if TYPE_CHECKING:
     from mjforage.physics.validation import Finding
@@ -41,7 +41,7 @@ def validate(
         findings = run_checks(check, runs, shown)
     with working("drawing the report"):
         path = write_validation(findings, out)
-    output.print(_table(findings))
+    print_table(_table(findings))
     output.print(f"report: {path}", soft_wrap=True)
     if any(finding.status == "failed" for finding in findings):
         sys.exit(FAILED_CODE)

@@ -1,1 +1,5 @@
 """The same mission in MuJoCo: vessels, weather, scene, simulation, dynamics, validation."""
+
+from mjforage.core.environment import mujoco_despite
+
+mujoco_despite()

@@ -26,6 +26,7 @@ PACKAGES = (
     "install Debian's libegl1 libegl-mesa0 libgl1-mesa-dri, or libosmesa6; a graph-level run is "
     "drawn without OpenGL by --camera top"
 )
+_TOLD = (VARIABLE, "PYOPENGL_PLATFORM", "MUJOCO_EGL_DEVICE_ID")  # variables that decide
 _NAMES = {EGL: "EGL", OSMESA: "OSMesa"}
 _EGL_PLATFORM_DEVICE = 0x313F  # EGL_PLATFORM_DEVICE_EXT of EGL_EXT_platform_device
 _MOST_DEVICES = 16
@@ -122,11 +123,12 @@ class Canvas:
         """
         if Canvas._open is not None:
             raise RuntimeError("another canvas is open in this process; close it first")
+        told = _told()
         backend = choose_backend()
         os.environ.setdefault(VARIABLE, backend)
         self.width, self.height = width, height
         model.vis.global_.offwidth, model.vis.global_.offheight = width, height
-        self._gl = _context(backend, width, height)
+        self._gl = _context(backend, width, height, told)
         Canvas._open = self
         try:
             self._gl.make_current()
@@ -134,7 +136,7 @@ class Canvas:
             mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         except (mujoco.FatalError, RuntimeError) as error:
             self.close()
-            raise UserError(f"OpenGL: {_NAMES[backend]} fails ({error}); {PACKAGES}") from error
+            raise _failure(backend, error, told) from error
         self.about = f"{_NAMES[backend]}, {_driver()}"
         logger.info("OpenGL: %s", self.about)
 
@@ -170,7 +172,7 @@ class Canvas:
         self.close()
 
 
-def _context(backend: str, width: int, height: int) -> Any:
+def _context(backend: str, width: int, height: int, told: str) -> Any:
     """MuJoCo's context of the backend; importing it loads OpenGL."""
     require("drawing in MuJoCo", "OpenGL")
     try:
@@ -179,9 +181,20 @@ def _context(backend: str, width: int, height: int) -> Any:
         else:
             from mujoco.osmesa import GLContext
         return GLContext(width, height)
-    except (ImportError, AttributeError, RuntimeError, OSError) as error:
-        reason = " ".join(str(error).split())
-        raise UserError(f"OpenGL: {_NAMES[backend]} fails ({reason}); {PACKAGES}") from error
+    except Exception as error:  # OpenGL has many ways to fail
+        raise _failure(backend, error, told) from error
+
+
+def _told() -> str:
+    """What the user's environment says of OpenGL, as VARIABLE=VALUE; "" if nothing."""
+    return ", ".join(f"{name}={os.environ[name]}" for name in _TOLD if os.environ.get(name))
+
+
+def _failure(backend: str, error: Exception, told: str) -> UserError:
+    """That a library does not draw here; `told` by the user, perhaps to use another one."""
+    reason = " ".join(str(error).split())
+    words = f"OpenGL: {_NAMES[backend]} fails ({reason}); "
+    return UserError(f"{told}: {words}unset it, or {PACKAGES}" if told else f"{words}{PACKAGES}")
 
 
 def _driver() -> str:
