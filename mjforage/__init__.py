@@ -1,6 +1,7 @@
 """mjforage: cooperative foraging by autonomous surface vehicles, one mission in two worlds."""
 
 import importlib.util
+import sys
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,6 +28,16 @@ def _check_floors() -> None:
             )
 
 
+def _starts_the_command() -> bool:
+    """Whether this process is the command `mjforage`, or `python -m mjforage`."""
+    words = list(zip(sys.orig_argv, sys.orig_argv[1:], strict=False))
+    return Path(sys.argv[0]).stem == "mjforage" or ("-m", "mjforage") in words
+
+
+if _starts_the_command():
+    from mjforage.cli.interrupted import end_on_ctrl_c
+
+    end_on_ctrl_c()  # before the rest is imported, which takes a fifth of a second
 _check_floors()
 
 

@@ -28,6 +28,7 @@ from mjforage.cli.progress import Lines, told
 Report = Callable[[float, float], None]  # of how many are done, of how many
 Water = Literal["light", "dark"]  # as `map.water` of a scenario
 
+NARROW = 60  # [columns] below which help has no frames, which would cut the names of flags
 PIPE_COLUMNS = 400  # tables keep their natural width where stdout is no terminal
 
 OUT = Parameter(name=("--out", "-o"), alias="--output")
@@ -51,6 +52,8 @@ def _is_terminal(stream: TextIO | None) -> bool:
 output = Console(markup=False, emoji=False, highlight=False)
 if not _is_terminal(sys.stdout) and not os.environ.get("COLUMNS", "").strip("0").isdigit():
     output.width = PIPE_COLUMNS
+if output.width < NARROW:
+    app.help_formatter = "plain"
 errors = Console(stderr=True, soft_wrap=True, emoji=False, highlight=False)
 errors.is_interactive &= _is_terminal(sys.stderr)
 

@@ -21,22 +21,17 @@ _IMPORTS = "<frozen importlib._bootstrap>"
 
 
 @contextmanager
-def ctrl_c_kept(say: Callable[[str], None] | None = None) -> Iterator[Callable[[], bool]]:
+def ctrl_c_kept() -> Iterator[Callable[[], bool]]:
     """Keep every Ctrl-C within the block.
 
     Nothing changes in a thread beside the main one, or where the caller has a handler of its own.
-
-    Parameters
-    ----------
-    say : says the line where the process ends at once; by default it is written to stderr
 
     Yields
     ------
     Whether it has come, for an exception that something made of it.
     """
     came: list[int] = []
-    main = threading.current_thread() is threading.main_thread()
-    if not main or signal.getsignal(signal.SIGINT) not in (signal.default_int_handler, end_now):
+    if not _is_ours_to_handle():
         yield lambda: bool(came)
         return
 
@@ -58,6 +53,18 @@ def ctrl_c_kept(say: Callable[[str], None] | None = None) -> Iterator[Callable[[
     finally:
         sys.unraisablehook = before_hook
         signal.signal(signal.SIGINT, before)
+
+
+def end_on_ctrl_c() -> None:
+    """End this process by Ctrl-C from now on, while there is nothing yet to tidy up."""
+    if _is_ours_to_handle():
+        signal.signal(signal.SIGINT, end_now)
+
+
+def _is_ours_to_handle() -> bool:
+    """Whether Ctrl-C comes here and does what it does in any Python."""
+    main = threading.current_thread() is threading.main_thread()
+    return main and signal.getsignal(signal.SIGINT) in (signal.default_int_handler, end_now)
 
 
 def end_now(*_: Any) -> None:
