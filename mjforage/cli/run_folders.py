@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from mjforage.core.setup import Setup
 
 Policies = Annotated[list[str], Parameter(name="--policy", negative="")]
+ShownPolicies = Annotated[tuple[str, ...], Parameter(name="--policy", negative="")]
 Metrics = Annotated[tuple[str, ...], Parameter(name="--metric", negative="")]
 Overrides = Annotated[tuple[str, ...], Parameter(name="--set", negative="")]
 
@@ -209,6 +210,7 @@ def report(
     out: Annotated[Path | None, OUT] = None,
     tables: str = "",
     figures: str = "",
+    policy: ShownPolicies = (),
     page: Path | None = None,
 ) -> None:
     """Draw tables, figures and report.html again, from the logs of a run or study alone.
@@ -230,6 +232,9 @@ def report(
     figures
         Write every figure of one run or study into figures/ in these formats: pdf,png,svg; letters
         stay text.
+    policy
+        Show these policies of a run alone; repeatable. By default all, or of more than 20 the best
+        and the worst.
     page
         Write a board (`mjforage study board`) as one Markdown page here too, its figures beside it.
     """
@@ -249,6 +254,8 @@ def report(
         raise UserError(f"--page {page}: {folder} is not there; name the folder of a board")
     if page is not None and (others or not is_study(folder)):
         raise UserError(f"--page {page}: is for a board; name the folder of one")
+    if policy and (others or is_study(folder)):
+        raise UserError(f"--policy {policy[0]}: is for the report of one run; name its folder")
     for one in (folder, *others) if others else ():
         if is_study(one):
             raise UserError(f"{one}: holds a study; name two runs, such as those in its variants/")
@@ -260,5 +267,5 @@ def report(
                 write_board_page(folder, page)
             path = write_study_report(folder, wanted)
         else:
-            path = write_report(folder, wanted)
+            path = write_report(folder, wanted, policy)
     output.print(f"report: {path}", soft_wrap=True)

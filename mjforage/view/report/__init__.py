@@ -8,7 +8,7 @@ from mjforage.view.page import embedded_within
 from mjforage.view.report.all_figures import draw_figures
 from mjforage.view.report.all_tables import draw_tables, whole_tables
 from mjforage.view.report.exports import NOTHING_ELSE, Exports, export
-from mjforage.view.report.report_page import render
+from mjforage.view.report.report_page import ReportPage
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.run_pairs import write_pair
 from mjforage.view.report.shown import only, shown_policies
@@ -16,7 +16,7 @@ from mjforage.view.report.text_tables import terminal_table
 
 __all__ = ["Exports", "terminal_table", "write_pair", "write_report"]
 
-FIGURES = 2_800_000  # characters of all figures on the page, which is to stay below 5 MB
+FIGURES = 2_800_000  # characters of all figures on the page
 
 
 def write_report(
@@ -45,10 +45,10 @@ def write_report(
     """
     logs = load_logs(folder)
     shown = only(logs, shown_policies(logs, policies))
-    pictures = draw_figures(shown)
-    figures = embedded_within(FIGURES, pictures, folder)
-    tables = draw_tables(logs, shown)
-    text = render(logs, shown, figures, tables)
+    pictures, tables = draw_figures(shown), draw_tables(logs, shown)
+    page = ReportPage(logs, shown, tables)
+    figures = embedded_within(min(FIGURES, page.room), pictures, folder)
+    text = page.text(figures)
     export(folder, tables.all if shown is logs else whole_tables(logs, tables), pictures, wanted)
     target = folder / "report.html"
     write_bytes(target, text.encode("utf-8"))

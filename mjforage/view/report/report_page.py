@@ -11,9 +11,9 @@ from mjforage.view.report.differences import too_few
 from mjforage.view.report.run_logs import RunLogs
 from mjforage.view.report.shown import cut, left_out
 from mjforage.view.report.text_tables import minutes, number
-from mjforage.view.report.web_replay import BUDGET, web_replay
+from mjforage.view.report.web_replay import BUDGET, WebReplay, web_replay
 
-LARGEST = 4_800_000  # characters of a page without the replay's own script
+LARGEST = 4_800_000  # characters of a page, but for the captions and the player's script
 
 
 def map_words(run: RunInfo) -> str:
@@ -79,36 +79,53 @@ def definition_notes() -> list[str]:
     ]
 
 
-def render(logs: RunLogs, shown: RunLogs, figures: Sequence[Shown], tables: ReportTables) -> str:
-    """Set the whole report as HTML.
+class ReportPage:
+    """The whole report as HTML, below 5 MB.
 
     Parameters
     ----------
     logs, shown : the run, and what of it the page shows
+    tables : of both
+
+    Attributes
+    ----------
+    room : characters left for figures and replay
     """
-    paired = cut(tables.paired)
-    content: dict[str, Any] = {
-        "run": logs.run,
-        "left_out": left_out(logs, shown),
-        "chips": {name: look.colour for name, look in style.looks(shown.policies).items()},
-        "facts": run_facts(logs),
-        "headline": tables.headline,
-        "few": too_few(logs.run.episodes),
-        "wide": [figure for figure in figures if figure.wide],
-        "narrow": [figure for figure in figures if not figure.wide],
-        "papers": [cut(table) for table in tables.papers],
-        "full": cut(tables.full),
-        "paired": paired,
-        "gap": [cut(table) for table in tables.gap],
-        "hulls": cut(tables.hulls),
-        "clearing": cut(tables.clearing),
-        "pairs": len(groups(paired.rows)) if paired else 0,
-        "notes": definition_notes(),
-        "replay": None,
-        "horizon_min": number(minutes(logs.run, logs.run.horizon), 0),
-        "scenario_json": json.dumps(logs.run.scenario, indent=2, ensure_ascii=False),
-    }
-    version = logs.run.versions.get("mjforage", "")
-    room = LARGEST - len(set_page("report.html.j2", version, content))
-    replay = web_replay({"": logs.folder}, min(BUDGET, room), shown.policies)
-    return set_page("report.html.j2", version, content | {"replay": replay})
+
+    def __init__(self, logs: RunLogs, shown: RunLogs, tables: ReportTables) -> None:
+        self._logs, self._shown = logs, shown
+        self._version = logs.run.versions.get("mjforage", "")
+        paired = cut(tables.paired)
+        self._content: dict[str, Any] = {
+            "run": logs.run,
+            "left_out": left_out(logs, shown),
+            "chips": {name: look.colour for name, look in style.looks(shown.policies).items()},
+            "facts": run_facts(logs),
+            "headline": tables.headline,
+            "few": too_few(logs.run.episodes),
+            "papers": [cut(table) for table in tables.papers],
+            "full": cut(tables.full),
+            "paired": paired,
+            "gap": [cut(table) for table in tables.gap],
+            "hulls": cut(tables.hulls),
+            "clearing": cut(tables.clearing),
+            "pairs": len(groups(paired.rows)) if paired else 0,
+            "notes": definition_notes(),
+            "horizon_min": number(minutes(logs.run, logs.run.horizon), 0),
+            "scenario_json": json.dumps(logs.run.scenario, indent=2, ensure_ascii=False),
+        }
+        self.room = LARGEST - len(self._set((), None))
+
+    def text(self, figures: Sequence[Shown]) -> str:
+        """The page with these figures, and as much of the replay as there is room for."""
+        room = self.room - sum(len(figure.source) for figure in figures)
+        folders = {"": self._logs.folder}
+        return self._set(figures, web_replay(folders, min(BUDGET, room), self._shown.policies))
+
+    def _set(self, figures: Sequence[Shown], replay: WebReplay | None) -> str:
+        parts = {
+            "wide": [figure for figure in figures if figure.wide],
+            "narrow": [figure for figure in figures if not figure.wide],
+            "replay": replay,
+        }
+        return set_page("report.html.j2", self._version, self._content | parts)

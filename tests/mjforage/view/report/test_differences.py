@@ -20,7 +20,7 @@ from mjforage.view.report.differences import (
     set_apart,
 )
 from mjforage.view.report.policy_pairs import comparison_table
-from mjforage.view.report.report_page import render
+from mjforage.view.report.report_page import ReportPage
 from mjforage.view.report.run_logs import load_logs
 
 NOTE = "Intervals from fewer than 10 episodes are too narrow: no difference is bold."
@@ -61,7 +61,7 @@ def test_a_page_of_few_episodes_says_so_and_has_no_bold_interval(
     logs = load_logs(make_run(episodes=episodes))
     table = comparison_table(logs)
     assert table is not None
-    page = render(logs, logs, (), draw_tables(logs, logs))
+    page = ReportPage(logs, logs, draw_tables(logs, logs)).text(())
     assert (page.count(NOTE) == 1) is few
     assert any(row.best for row in table.rows) is not few
 

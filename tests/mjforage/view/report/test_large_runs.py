@@ -1,0 +1,197 @@
+"""Reports of very many policies, episodes and steps: how much is drawn, held and written."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pytest
+from matplotlib.collections import PathCollection
+
+from mjforage.core.errors import UserError
+from mjforage.core.mission_metrics import describe
+from mjforage.view.page import Row, Table, embedded_within
+from mjforage.view.page.picture import Picture, canvas
+from mjforage.view.report import step_means, write_report
+from mjforage.view.report.all_tables import draw_tables
+from mjforage.view.report.curves import time_figures
+from mjforage.view.report.differences import MANY, Difference, paired_difference
+from mjforage.view.report.distributions import DOTS, distribution_figures
+from mjforage.view.report.run_logs import TRACK_STEPS, load_logs
+from mjforage.view.report.shown import BEST, PAIRS, ROWS, WORST, cut, only, shown_policies
+from mjforage.view.report.step_means import COUNT, POINTS, STD, STEP, read_means
+from mjforage.view.report.track_figure import tracks_figure
+from mjforage.view.report.web_replay import web_replay
+from tests.mjforage.conftest import Command
+from tests.mjforage.view.report.large_runs import of_episodes, of_policies
+
+MakeRun = Callable[..., Path]
+MOST_BYTES = 5_000_000
+
+
+@pytest.fixture
+def many(make_run: MakeRun) -> Path:
+    """A run of 200 policies."""
+    return of_policies(make_run(policies=("greedy",), episodes=2, horizon=6), 200)
+
+
+def names(*numbers: int) -> tuple[str, ...]:
+    return tuple(f"policy-{i:04d}" for i in numbers)
+
+
+def test_of_200_policies_the_best_and_the_worst_are_shown(many: Path) -> None:
+    logs = load_logs(many)
+    chosen = names(*range(BEST), *range(200 - WORST, 200))
+    assert shown_policies(logs) == chosen
+    assert shown_policies(logs, names(7, 3)) == names(3, 7)
+    shown = only(logs, chosen)
+    tables = draw_tables(logs, shown)
+    assert len(tables.headline.rows) == 200
+    assert tables.paired is not None
+    assert {row.group.count("policy-") for row in tables.paired.rows} == {2}
+    assert len({row.group for row in tables.paired.rows}) == 12 * 11 // 2 <= PAIRS
+    assert len(tracks_figure(shown).figure.axes) <= 15
+    for picture in time_figures(shown):
+        for axes in picture.figure.axes:
+            assert len(axes.lines) <= 12
+
+
+@pytest.mark.parametrize(("policies", "worlds", "shown"), [(20, 1, 20), (21, 1, 12), (20, 4, 10)])
+def test_so_many_are_shown_that_their_pairs_have_room(
+    make_run: MakeRun, policies: int, worlds: int, shown: int
+) -> None:
+    places = ("graph", "hulls", "debris", "physics")[:worlds]
+    settings = {"policies": ("greedy",), "worlds": places, "episodes": 1, "horizon": 2}
+    logs = load_logs(of_policies(make_run(**settings), policies))
+    chosen = shown_policies(logs)
+    assert len(chosen) == shown
+    assert len(chosen) * (len(chosen) - 1) // 2 * worlds <= PAIRS
+    assert names(0)[0] in chosen and names(policies - 1)[0] in chosen
+
+
+@pytest.mark.usefixtures("unprinted")
+def test_the_page_says_what_it_leaves_out_and_the_files_have_all(
+    many: Path, command: Command, refused: Callable[..., str]
+) -> None:
+    page = write_report(many).read_text()
+    assert len(page) < MOST_BYTES / 5  # what is left is for figures and replay
+    assert "show 12 of the 200 policies: the best and the worst by" in page
+    assert "<code>mjforage report FOLDER --policy NAME --policy NAME</code> shows others" in page
+    csv = pl.read_csv(many / "tables" / "metrics.csv", infer_schema_length=None)
+    assert csv["policy"].n_unique() == 200
+    asked = command("report", many, "--policy", "policy-0100", "--policy", "policy-0050")
+    assert asked.code == 0
+    page = (many / "report.html").read_text()
+    assert "show 2 of the 200 policies" in page
+    assert re.findall("policy-0[0-9]+ − policy-0[0-9]+", page)[0] == "policy-0050 − policy-0100"
+    assert "--policy ogr: is not in this run; choose policy-0000" in refused(
+        "report", many, "--policy", "ogr"
+    )
+    assert "is for the report of one run" in refused("report", many, many, "--policy", "ogr")
+
+
+@pytest.mark.usefixtures("unprinted")
+def test_a_usual_run_leaves_nothing_out(make_run: MakeRun) -> None:
+    folder = make_run(policies=("greedy", "levy", "random"), episodes=2)
+    logs = load_logs(folder)
+    assert only(logs, shown_policies(logs)) is logs
+    page = write_report(folder).read_text()
+    assert "evenly" not in page and "shows others" not in page and "left out:" not in page
+
+
+def test_courses_of_many_episodes_are_read_block_by_block_and_come_out_the_same(
+    make_run: MakeRun, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = of_episodes(make_run(episodes=10, horizon=4), 2000)
+    path, run = folder / "steps.parquet", load_logs(folder).run
+    at_once, held, read = read_means(path, run), [], step_means.collected
+
+    def collected(*arguments: object) -> pl.DataFrame:
+        held.append(read(*arguments))  # type: ignore[arg-type]
+        return held[-1]
+
+    monkeypatch.setattr(step_means, "collected", collected)
+    monkeypatch.setattr(step_means, "BLOCK", 700)
+    by_block = read_means(path, run)
+    assert max(frame.height for frame in held) <= 700 < 2000 * 5 * 2 / 10
+    assert by_block.select(*STEP).equals(at_once.select(*STEP))
+    for column in at_once.columns[len(STEP) :]:
+        ours, theirs = (one[column].cast(float).to_numpy() for one in (by_block, at_once))
+        np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-12, err_msg=column)
+    assert at_once["pta_c" + COUNT].unique().to_list() == [2000]
+    assert at_once["pta_c" + STD].max() > 0.0
+
+
+def test_of_many_episodes_so_many_points_are_drawn(make_run: MakeRun) -> None:
+    folder = of_episodes(make_run(episodes=10, horizon=4), 20_000)
+    for picture in distribution_figures(load_logs(folder)):
+        drawn = [one for one in picture.figure.axes[0].collections if type(one) is PathCollection]
+        assert drawn and all(len(one.get_offsets()) <= DOTS for one in drawn)
+        assert f"Of 20000 episodes {DOTS} points, evenly spaced quantiles" in picture.caption
+
+
+def test_of_a_long_horizon_so_many_steps_are_drawn(make_run: MakeRun) -> None:
+    folder = make_run(policies=("greedy",), episodes=1, horizon=2500)
+    logs = load_logs(folder)
+    assert logs.means.height == POINTS + 1
+    assert logs.means["step"].to_list()[:: POINTS // 2] == [0, 1250, 2500]
+    assert logs.tracks["step"].max() <= TRACK_STEPS
+    for picture in time_figures(logs):
+        for line in picture.figure.axes[0].lines:
+            assert len(line.get_xdata()) == POINTS + 1
+
+
+def test_an_episode_that_has_no_room_is_cut_and_said_so(make_run: MakeRun) -> None:
+    folder = make_run(policies=("greedy",), episodes=1, horizon=600)
+    whole = web_replay({"": folder})
+    assert whole is not None and whole.cut == 0
+    budget = len(whole.data["replays"][0]["text"]) // 3
+    part = web_replay({"": folder}, budget)
+    assert part is not None and (part.cut, part.left_out) == (1, 0)
+    (entry,) = part.data["replays"]
+    assert len(entry["text"]) <= budget
+    assert 50 < entry["steps"] < entry["whole"] == whole.data["replays"][0]["steps"]
+    assert entry["frames"] == entry["steps"] + 1
+
+
+def test_many_kept_episodes_are_not_all_read(make_run: MakeRun) -> None:
+    kept = tuple(range(140))
+    folder = make_run(policies=("greedy",), episodes=140, horizon=2, kept=kept)
+    result = web_replay({"": folder})
+    assert result is not None
+    assert len(result.data["replays"]) == 120 and result.left_out == 20
+
+
+def test_the_largest_figures_become_pictures_until_all_have_room(tmp_path: Path) -> None:
+    pictures = []
+    for name, points in (("small", 5), ("large", 5000)):
+        figure = canvas(4.0, 3.0)
+        figure.subplots().scatter(*np.random.default_rng(0).random((2, points)))
+        pictures.append(Picture(name, name, "", figure))
+    small, large = embedded_within(200_000, pictures, tmp_path)
+    assert small.source.startswith("data:image/svg") and large.source.startswith("data:image/png")
+    assert len(small.source) + len(large.source) <= 200_000
+    assert (tmp_path / "figures" / "large.svg").stat().st_size > 200_000
+
+
+def test_a_table_too_long_for_a_page_is_cut_and_says_so() -> None:
+    rows = tuple(Row(str(i), ("1",)) for i in range(ROWS + 1))
+    table = cut(Table("long", "Long", ("one",), rows))
+    assert table is not None and len(table.rows) == ROWS
+    assert table.notes == ("The first 3000 of 3001 rows; the files in `tables/` have all.",)
+
+
+def test_of_many_episodes_an_interval_is_the_normal_one_which_is_no_other() -> None:
+    x, y = np.random.default_rng(0).gamma(2.0, size=(2, MANY))
+    found, drawn = Difference(x, y, describe("pta_c")), paired_difference(x, y, 0)
+    half = float(drawn.high - drawn.low) / 2
+    assert found.value == drawn.value and found.n == MANY
+    assert abs(found.low - float(drawn.low)) < 0.1 * half
+    assert abs(found.high - float(drawn.high)) < 0.1 * half
+    assert found.high - found.value == pytest.approx(found.value - found.low)
+
+
+def test_a_policy_that_is_not_there_is_named(many: Path) -> None:
+    with pytest.raises(UserError, match="--policy levy: is not in this run; choose policy-0000"):
+        write_report(many, policies=("levy",))
