@@ -84,7 +84,7 @@ class Picture:
             **self._track(game),
         )
 
-    def _present_fields(self, mission: Mission) -> dict[str, NDArray[Any]]:
+    def _present_fields(self, mission: Mission) -> dict[str, Any]:
         """Items, belief, idleness and views as they are, at each step of a replay."""
         env, own, state = self._env, np.array([self._env]), mission.state
         grid, fleet = mission.setup.graph.grid, mission.setup.fleet

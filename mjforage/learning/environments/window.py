@@ -45,8 +45,7 @@ class Window:
             raise UserError(
                 f"render_mode = 'human': no window can be opened ({error}); use rgb_array"
             ) from error
-        self._of_array = lambda picture: ImageTk.PhotoImage(picture, master=self._root)
-        self._closed = tkinter.TclError
+        self._photo_of, self._closed = ImageTk.PhotoImage, tkinter.TclError
         self._root.title(title)
         self._label = tkinter.Label(self._root)
         self._label.pack()
@@ -54,7 +53,7 @@ class Window:
     def show(self, picture: NDArray[np.uint8]) -> None:
         """Show a picture (height, width, 3); a window that was closed stays closed."""
         with contextlib.suppress(self._closed):
-            self._photo = self._of_array(Image.fromarray(picture))
+            self._photo = self._photo_of(Image.fromarray(picture), master=self._root)
             self._label.configure(image=self._photo)
             self._root.update()
 

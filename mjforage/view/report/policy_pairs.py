@@ -33,7 +33,8 @@ def _pair(logs: RunLogs, world: str, first: str, second: str, metric: Descriptio
     x, y = (logs.scalar((world, policy), metric.key) for policy in (first, second))
     better = math.nan
     if metric.better:
-        share = probability_of_improvement(*(metric.better * z for z in (x, y)), SEED, resamples=1)
+        ours, theirs = metric.better * x, metric.better * y
+        share = probability_of_improvement(ours, theirs, SEED, resamples=1)
         better = float(share.value)
     suffix = f" · {world}" if len(logs.run.worlds) > 1 else ""
     names = [policy_name(policy, logs.run.bounds) for policy in (first, second)]

@@ -160,10 +160,10 @@ def scalar(rows: pl.DataFrame, key: str) -> NDArray[np.float64]:
 
 def _check_rows(path: Path, run: RunInfo, rows: int) -> None:
     """Every world and policy of the run must have its rows, and no other may be there."""
-    found = scan_parquet(path, KEYS, REMEDY).group_by("world", "policy").len()
+    lengths = scan_parquet(path, KEYS, REMEDY).group_by("world", "policy").len()
     counts = {
         (str(world), str(policy)): int(count)
-        for world, policy, count in collected(path, found, REMEDY).iter_rows()
+        for world, policy, count in collected(path, lengths, REMEDY).iter_rows()
     }
     wanted = {(world, policy) for world in run.worlds for policy in run.policies}
     for world, policy in sorted(set(counts) - wanted):

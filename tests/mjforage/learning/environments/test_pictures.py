@@ -2,6 +2,7 @@
 
 import copy
 from dataclasses import fields, replace
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -22,7 +23,11 @@ from mjforage.view.render.opengl import Canvas
 
 SHORT = ("horizon=14",)
 BY_STEP = ("agent_rc", "item_rc", "item_present", "belief", "idleness", "in_view")
-THREE_D = {"world": "physics", "render_mode": "rgb_array", "set": ("horizon=3", "items.mean=4")}
+THREE_D: dict[str, Any] = {
+    "world": "physics",
+    "render_mode": "rgb_array",
+    "set": ("horizon=3", "items.mean=4"),
+}
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +40,12 @@ def moves_at(replay: Replay, step: int) -> NDArray[np.int64]:
     """(agent,) moves 0-8 that led from a step to the next."""
     made = np.sign(replay.agent_rc[step + 1] - replay.agent_rc[step])  # of one node or two
     return np.array([np.flatnonzero((move == OFFSETS).all(axis=1))[0] for move in made])
+
+
+def picture_of(env: gymnasium.Env[Any, Any]) -> NDArray[np.uint8]:
+    drawn = env.render()
+    assert isinstance(drawn, np.ndarray)
+    return drawn
 
 
 def until(replay: Replay, step: int) -> Replay:
@@ -50,7 +61,7 @@ def test_a_picture_is_that_of_the_film_pixel_by_pixel(played: Replay) -> None:
     env.reset(seed=5)
     for step in range(len(played.agent_rc)):
         drawn = TopView(until(played, step), LONG_SIDE).frame(float(step))
-        assert np.array_equal(env.render(), drawn), step
+        assert np.array_equal(picture_of(env), drawn), step
         if step + 1 < len(played.agent_rc):
             env.step(moves_at(played, step))
 
@@ -89,7 +100,7 @@ def test_what_a_picture_gathers_does_not_grow_with_the_episode() -> None:
         ({"camera": "top", "world": "hulls", "render_mode": None}, "nothing is drawn without"),
     ],
 )
-def test_a_camera_that_shows_nothing_is_refused(options: dict[str, str], words: str) -> None:
+def test_a_camera_that_shows_nothing_is_refused(options: dict[str, Any], words: str) -> None:
     with pytest.raises(UserError, match=words) as raised:
         gymnasium.make("mjforage/Foraging-v0", **{"render_mode": "rgb_array"} | options)
     assert "\n" not in str(raised.value)
@@ -99,15 +110,15 @@ def test_a_camera_that_shows_nothing_is_refused(options: dict[str, str], words: 
 def test_a_camera_shows_the_hulls_and_closing_gives_opengl_back() -> None:
     env = gymnasium.make("mjforage/Foraging-v0", camera="chase", **THREE_D)
     env.reset(seed=1)
-    first = env.render()
+    first = picture_of(env)
     assert first.shape == (360, 640, 3) and len(np.unique(first)) > 50
     canvas = Canvas._open
     env.step(np.array([8, 8, 2, 2]))
-    later = env.render()
+    later = picture_of(env)
     assert Canvas._open is canvas  # the stage is built once for an episode
     assert not np.array_equal(first, later)
     env.reset(seed=1)
-    assert np.array_equal(env.render(), first)
+    assert np.array_equal(picture_of(env), first)
     env.close()
     assert Canvas._open is None
 
@@ -131,6 +142,7 @@ def test_a_copy_of_a_picture_has_a_view_of_its_own() -> None:
     env.reset(seed=1)
     first = env.render()
     other = copy.deepcopy(env._picture)
+    assert other is not None
     assert np.array_equal(other.draw(env.game, env._episodes), first)
     other.close()
     assert np.array_equal(env.render(), first)
@@ -140,6 +152,7 @@ def test_a_copy_of_a_picture_has_a_view_of_its_own() -> None:
 def test_a_replay_of_the_present_has_all_that_a_replay_has() -> None:
     env = mjforage.parallel_env(set=SHORT, render_mode="rgb_array")
     env.reset(seed=1)
+    assert env._picture is not None
     replay = env._picture._replay(env.game, env._episodes)
     lacking = {one.name for one in fields(Replay) if getattr(replay, one.name, None) is None}
     assert lacking == {"held"}

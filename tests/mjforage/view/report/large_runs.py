@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import polars as pl
@@ -50,7 +51,7 @@ def of_episodes(folder: Path, count: int) -> Path:
 
 def _repeat(path: Path, times: int, episodes: int) -> None:
     """Write all rows so many times, block by block, world and policy by world and policy."""
-    parts = []
+    parts: list[Path] = []
     for series in pl.read_parquet(path).partition_by("world", "policy", maintain_order=True):
         for first in range(0, times, BLOCK):
             numbers = pl.DataFrame({"copy": np.arange(first, min(times, first + BLOCK))})
@@ -64,7 +65,7 @@ def _repeat(path: Path, times: int, episodes: int) -> None:
         part.unlink()
 
 
-def _read(folder: Path, name: str) -> dict:
+def _read(folder: Path, name: str) -> Any:
     return json.loads((folder / f"{name}.json").read_text())
 
 

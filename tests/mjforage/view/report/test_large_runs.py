@@ -11,6 +11,7 @@ from matplotlib.collections import PathCollection
 
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import describe
+from mjforage.runs.parquet import collected
 from mjforage.view.page import Row, Table, embedded_within
 from mjforage.view.page.picture import Picture, canvas
 from mjforage.view.report import step_means, write_report
@@ -105,13 +106,13 @@ def test_courses_of_many_episodes_are_read_block_by_block_and_come_out_the_same(
 ) -> None:
     folder = of_episodes(make_run(episodes=10, horizon=4), 2000)
     path, run = folder / "steps.parquet", load_logs(folder).run
-    at_once, held, read = read_means(path, run), [], step_means.collected
+    at_once, held = read_means(path, run), []
 
-    def collected(*arguments: object) -> pl.DataFrame:
-        held.append(read(*arguments))  # type: ignore[arg-type]
+    def noted(path: Path, frame: pl.LazyFrame, remedy: str = "") -> pl.DataFrame:
+        held.append(collected(path, frame, remedy))
         return held[-1]
 
-    monkeypatch.setattr(step_means, "collected", collected)
+    monkeypatch.setattr(step_means, "collected", noted)
     monkeypatch.setattr(step_means, "BLOCK", 700)
     by_block = read_means(path, run)
     assert max(frame.height for frame in held) <= 700 < 2000 * 5 * 2 / 10
@@ -120,14 +121,14 @@ def test_courses_of_many_episodes_are_read_block_by_block_and_come_out_the_same(
         ours, theirs = (one[column].cast(float).to_numpy() for one in (by_block, at_once))
         np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-12, err_msg=column)
     assert at_once["pta_c" + COUNT].unique().to_list() == [2000]
-    assert at_once["pta_c" + STD].max() > 0.0
+    assert (at_once["pta_c" + STD] > 0.0).any()
 
 
 def test_of_many_episodes_so_many_points_are_drawn(make_run: MakeRun) -> None:
     folder = of_episodes(make_run(episodes=10, horizon=4), 20_000)
     for picture in distribution_figures(load_logs(folder)):
         drawn = [one for one in picture.figure.axes[0].collections if type(one) is PathCollection]
-        assert drawn and all(len(one.get_offsets()) <= DOTS for one in drawn)
+        assert drawn and all(len(np.asarray(one.get_offsets())) <= DOTS for one in drawn)
         assert f"Of 20000 episodes {DOTS} points, evenly spaced quantiles" in picture.caption
 
 
@@ -136,10 +137,10 @@ def test_of_a_long_horizon_so_many_steps_are_drawn(make_run: MakeRun) -> None:
     logs = load_logs(folder)
     assert logs.means.height == POINTS + 1
     assert logs.means["step"].to_list()[:: POINTS // 2] == [0, 1250, 2500]
-    assert logs.tracks["step"].max() <= TRACK_STEPS
+    assert (logs.tracks["step"] <= TRACK_STEPS).all()
     for picture in time_figures(logs):
         for line in picture.figure.axes[0].lines:
-            assert len(line.get_xdata()) == POINTS + 1
+            assert np.size(line.get_xdata()) == POINTS + 1
 
 
 def test_an_episode_that_has_no_room_is_cut_and_said_so(make_run: MakeRun) -> None:
