@@ -155,7 +155,7 @@ def test_ctrl_c_is_one_line_and_keeps_finished_chunks(
     wait_for(lambda: chunks(run), "a finished chunk")
     os.killpg(process.pid, signal.SIGINT)
     _, err = process.communicate(timeout=PATIENCE_S)
-    assert (process.returncode, err) == (2, INTERRUPTED)
+    assert (process.returncode, err) == (130, INTERRUPTED)
     assert 1 <= len(chunks(run)) < 200
     run_folder = RunFolder(run)
     finished = [chunk for chunk in plan(["greedy"], ["graph"], 5000) if run_folder.has(chunk)]
@@ -169,7 +169,7 @@ def test_ctrl_c_while_workers_start_is_one_line(start: Start, tmp_path: Path) ->
     helpers = children(process.pid)
     os.killpg(process.pid, signal.SIGINT)
     _, err = process.communicate(timeout=PATIENCE_S)
-    assert (process.returncode, err) == (2, INTERRUPTED)
+    assert (process.returncode, err) == (130, INTERRUPTED)
     wait_for(lambda: not any(alive(pid) for pid in helpers), "the end of the workers")
 
 
