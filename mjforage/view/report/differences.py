@@ -13,6 +13,7 @@ from mjforage.view.report.text_tables import NORMAL_95, NOTHING, needed_digits, 
 SEED = 0  # of the bootstrap: a report made twice must be the same
 LEVEL = 0.05  # of a whole family of tests
 MANY = 500  # episodes from which an interval is the normal one
+NORMAL = f"; of {MANY} episodes or more an interval is ± 1.96 SEM instead"
 FEWEST = 10  # episodes of an interval that may be bold: of fewer the bootstrap's is too narrow
 
 
@@ -30,7 +31,10 @@ class Estimate:
     ----------
     value, low, high, n : as of `metrics.Interval`
     p : of the test that the number is 0
+    normal : whether the interval is ± 1.96 SEM, not the bootstrap's
     """
+
+    normal = False
 
     def __init__(self, found: Interval, p: float, digits: int) -> None:
         self.value, self.low, self.high = float(found.value), float(found.low), float(found.high)
@@ -79,7 +83,8 @@ class Difference(Estimate):
 
     def __init__(self, x: NDArray[np.float64], y: NDArray[np.float64], metric: Description) -> None:
         """Compare x (episode,) with y (episode,), where entry i of both is the same episode."""
-        found = paired_difference(x, y, SEED) if len(x) < MANY else _normal(x - y)
+        self.normal = len(x) >= MANY
+        found = _normal(x - y) if self.normal else paired_difference(x, y, SEED)
         super().__init__(found, float(paired_p(x, y)), metric.digits)
 
 
@@ -117,4 +122,5 @@ def family_note(family: Sequence[Estimate], where: str = "this table", how: str 
         f"{how} where the interval leaves out 0 and it differs from 0 by paired t-tests at the "
         f"level {LEVEL:g}, corrected by Holm's method for the {tests} test"
         f"{'s' if tests != 1 else ''} of {where}"
+        f"{NORMAL if any(one.normal for one in family) else ''}"
     )

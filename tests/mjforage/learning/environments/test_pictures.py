@@ -86,6 +86,7 @@ def test_what_a_picture_gathers_does_not_grow_with_the_episode() -> None:
     held = []
     for _ in range(50):
         env.step(dict.fromkeys(env.agents, 8))
+        assert env._picture is not None
         replay = env._picture._replay(env.game, env._episodes)
         held.append(sum(getattr(replay, name).base.nbytes for name in BY_STEP[3:]))
     assert len(set(held)) == 1  # of the present alone, whatever the step

@@ -9,6 +9,7 @@ import polars as pl
 import pytest
 from matplotlib.collections import PathCollection
 
+from metrics import paired_difference
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import describe
 from mjforage.runs.parquet import collected
@@ -17,7 +18,7 @@ from mjforage.view.page.picture import Picture, canvas
 from mjforage.view.report import step_means, write_report
 from mjforage.view.report.all_tables import draw_tables
 from mjforage.view.report.curves import time_figures
-from mjforage.view.report.differences import MANY, Difference, paired_difference
+from mjforage.view.report.differences import MANY, NORMAL, SEED, Difference, family_note
 from mjforage.view.report.distributions import DOTS, distribution_figures
 from mjforage.view.report.run_logs import TRACK_STEPS, load_logs
 from mjforage.view.report.shown import BEST, PAIRS, ROWS, WORST, cut, only, shown_policies
@@ -185,7 +186,9 @@ def test_a_table_too_long_for_a_page_is_cut_and_says_so() -> None:
 
 def test_of_many_episodes_an_interval_is_the_normal_one_which_is_no_other() -> None:
     x, y = np.random.default_rng(0).gamma(2.0, size=(2, MANY))
-    found, drawn = Difference(x, y, describe("pta_c")), paired_difference(x, y, 0)
+    found, drawn = Difference(x, y, describe("pta_c")), paired_difference(x, y, SEED)
+    few = Difference(x[:-1], y[:-1], describe("pta_c"))
+    assert NORMAL in family_note([few, found]) and NORMAL not in family_note([few])
     half = float(drawn.high - drawn.low) / 2
     assert found.value == drawn.value and found.n == MANY
     assert abs(found.low - float(drawn.low)) < 0.1 * half
