@@ -25,7 +25,7 @@ class BoardOptions:
         A course more: the rules of comb-port on this map, a name, CSV or image; with a world as in
         harbour.csv@physics. Starts are those beside it, or drawn by chance; repeatable.
     episodes
-        Episodes per course and policy.
+        Episodes per course and policy; what --out holds goes on to more.
     seed
         Seed of the study; episode i of a course is the same for every policy.
     set

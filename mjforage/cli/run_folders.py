@@ -60,7 +60,7 @@ def evaluate(
     world
         graph or physics, or a world between: hulls, debris, intake (see `mjforage compare`).
     episodes
-        Episodes per policy.
+        Episodes per policy; what --out holds goes on to more.
     seed
         Seed of the run; episode i is the same world for every policy.
     map
@@ -128,7 +128,7 @@ def compare(
     ladder
         Also the worlds between, one piece of reality more in each: hulls, debris, intake.
     episodes
-        Episodes per policy and world.
+        Episodes per policy and world; what --out holds goes on to more.
     seed
         Seed of the run; episode i is the same in every world and for every policy.
     map

@@ -36,7 +36,7 @@ class StudyOptions:
     world
         graph or physics, or a world between; repeat the flag for several.
     episodes
-        Episodes per variant, policy and world.
+        Episodes per variant, policy and world; what --out holds goes on to more.
     seed
         Seed of the study; episode i is the same in every variant.
     map

@@ -30,7 +30,7 @@ class UnderWay(NamedTuple):
     """Episodes' worth of the steps made; those of finished chunks are no part of it."""
 
 
-class Teller(Observer, event.Listener):  # type: ignore[misc]
+class Teller(Observer, event.Listener):
     """Tells how far a chunk is, as an observer of its mission and a listener of numba."""
 
     def __init__(self, file: Path, episodes: int, horizon: int) -> None:

@@ -253,7 +253,7 @@ def test_however_it_imports_a_module_that_counts(folder: Path, forget: Forget, l
 def test_a_policy_that_changes_what_others_share_is_named(folder: Path) -> None:
     reaching = (
         "    def reset(self, task, keys):\n"
-        "        task.fleet.moves.setflags(write=True)\n"  # it is read-only to who goes by the rules
+        "        task.fleet.moves.setflags(write=True)\n"  # as the rules do not allow
         "        task.fleet.moves[:] = 2\n"
     )
     source = SOURCE.replace("    def reset(self, task, keys):\n", reaching)

@@ -1,5 +1,6 @@
 """What is known of chunks while they are played, here and in other processes."""
 
+import shutil
 import sys
 import threading
 import time
@@ -9,12 +10,13 @@ from pathlib import Path
 import pytest
 
 from graph_planner.policies.registry import POLICIES
-from mjforage.base.kernel_cache import AWAITED
+from mjforage.base.kernel_cache import AWAITED, kernel_folder
 from mjforage.core.errors import UserError
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
+from mjforage.runs import layout
 from mjforage.runs import under_way as module
-from mjforage.runs.evaluate import evaluate
+from mjforage.runs.evaluate import THIS_PROCESS, evaluate
 from mjforage.runs.under_way import UnderWay, under_way
 from mjforage.runs.workers import Workers
 
@@ -69,9 +71,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
         del POLICIES._registered[name]
 
 
-def played(policy: str, **options: int) -> None:
+def played(policy: str, workers: Workers = THIS_PROCESS) -> None:
     setup = Setup.of(load_scenario("comb-port", ["horizon=4"]))
-    evaluate(setup, [policy], Path("run"), episodes=2, kept=(), workers=Workers(**options))
+    evaluate(setup, [policy], Path("run"), episodes=2, kept=(), workers=workers)
 
 
 @pytest.mark.parametrize("kind", ["numba:compile", AWAITED])
@@ -86,9 +88,9 @@ def test_steps_count_and_compiling_is_told(
     assert not (folder / "run" / "chunks").exists()
 
 
-@pytest.mark.parametrize("workers", [{"jobs": 2}, {"local_cluster": 1}])
-def test_what_other_processes_do_is_known(folder: Path, workers: dict[str, int]) -> None:
-    if "jobs" not in workers:
+@pytest.mark.parametrize("workers", [Workers(jobs=2), Workers(local_cluster=1)])
+def test_what_other_processes_do_is_known(folder: Path, workers: Workers) -> None:
+    if workers.remote:
         pytest.importorskip("distributed")
     found: list[UnderWay] = []
 
@@ -101,7 +103,7 @@ def test_what_other_processes_do_is_known(folder: Path, workers: dict[str, int])
     over, thread = threading.Event(), threading.Thread(target=look)
     thread.start()
     try:
-        played("own_slow:Waiting", **workers)
+        played("own_slow:Waiting", workers)
     finally:
         over.set()
         thread.join()
@@ -122,3 +124,64 @@ def test_a_file_that_is_just_being_written_says_nothing(tmp_path: Path) -> None:
     with module.waiting([tmp_path / "told"]), module.telling(tmp_path / "told" / "chunk", 8, 4):
         (tmp_path / "told" / "chunk").write_text("[tr")
         assert under_way() == UnderWay(False, 0.0)
+
+
+KERNEL = """import os, time
+from pathlib import Path
+import numpy as np
+from numba.core import event
+from mjforage.base.compiled import kernel
+
+
+class Heard(event.Listener):
+    def on_start(self, event):
+        with Path("compiled").open("a") as file:
+            file.write(event.data["dispatcher"].py_func.__name__ + " ")
+
+    def on_end(self, event):
+        pass
+
+
+@kernel
+def own_total(x):
+    total = 0.0
+    for i in range(x.size):
+        total += own_half(x[i])
+    return total
+
+
+@kernel
+def own_half(x):
+    return 0.5 * x
+
+
+class Compiling:
+    def reset(self, task, keys):
+        self.shape = (keys.size, len(task.fleet), 9)
+
+    def act(self, observation):
+        Path(f"here-{os.getpid()}").touch()
+        while len(list(Path().glob("here-*"))) < 2:
+            time.sleep(0.001)
+        listener = Heard()
+        event.register("numba:compile", listener)
+        own_total(np.ones(3))
+        event.unregister("numba:compile", listener)
+        return np.zeros(self.shape)
+"""
+
+
+def test_workers_compile_a_kernel_once(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each has a chunk and wants it at the same moment."""
+    monkeypatch.setattr(layout, "CHUNK", 1)
+    (folder / "own_slow.py").write_text(KERNEL)
+    cache = kernel_folder()
+    assert cache is not None
+    for told in ("own_half own_total", ""):
+        played("own_slow:Compiling", Workers(jobs=2))
+        compiled = (folder / "compiled").read_text() if (folder / "compiled").exists() else ""
+        assert " ".join(sorted(compiled.split())) == told
+        (folder / "compiled").unlink(missing_ok=True)
+        shutil.rmtree(folder / "run")
+    for path in cache.glob("own_slow.*.nbc"):
+        path.unlink()
