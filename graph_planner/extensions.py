@@ -2,7 +2,8 @@
 
 A table knows what is registered by decorator, what an installed package brings by an entry point,
 and `package.module:Name`, importable from the present folder too. A worker process, to which only
-names travel, finds them again by `places` and `adopt`.
+names travel, finds them again by `places` and `adopt`. A name that stands in a file is `told`
+first: of code that neither ships nor is installed only what the user has named may be imported.
 """
 
 import importlib
@@ -23,6 +24,26 @@ T = TypeVar("T", bound=Callable[..., Any])
 Made = TypeVar("Made")
 M = TypeVar("M", bound=Callable[..., Any])
 _OURS = ("graph_planner", "controllers", "metrics", "mjforage")
+_TRUSTED: set[str] = set()
+"""package.module:Name that the user has named in this process, by hand or in code of theirs."""
+
+
+def trust(*references: str) -> None:
+    """Let files name `package.module:Name` from here on: the user's own word, never a file's.
+
+    Raises
+    ------
+    UserError
+        If one is no such reference.
+    """
+    for reference in references:
+        _parts(reference, reference)
+        _TRUSTED.add(reference)
+
+
+def trusted() -> tuple[str, ...]:
+    """What the user has named so far, for processes that work for this one."""
+    return tuple(sorted(_TRUSTED))
 _BROUGHT: dict[str, str] = {}  # package from outside -> what it was imported for
 
 
@@ -41,10 +62,13 @@ class Table(Generic[T]):
     kind : what they are, for messages
     group : entry points of installed packages that belong to it
     given : arguments that each is called with before its options
+    methods : that each class has; what is imported is checked before it is ever called
     """
 
-    def __init__(self, kind: str, group: str, given: int = 0) -> None:
-        self.kind, self.group, self.given = kind, group, given
+    def __init__(
+        self, kind: str, group: str, given: int = 0, methods: tuple[str, ...] = ()
+    ) -> None:
+        self.kind, self.group, self.given, self.methods = kind, group, given, methods
         self._registered: dict[str, T] = {}
 
     def register(self, name: str) -> Callable[[M], M]:
@@ -83,11 +107,13 @@ class Table(Generic[T]):
     def find(self, name: str) -> T:
         """What a name without options stands for; one that is registered comes first.
 
+        The name is the user's own word; one that a file gives is `told` before.
+
         Raises
         ------
         UserError
-            If there is none of that name (the message offers the nearest), or it cannot be
-            imported.
+            If there is none of that name (the message offers the nearest), it cannot be imported,
+            or is no class with the methods of its kind.
         """
         if name in self._registered:
             return self._registered[name]
@@ -97,8 +123,40 @@ class Table(Generic[T]):
                 remedy = f"{nearest(name, self.names())} (a class of yours: package.module:Name)"
                 raise UserError(f"{self.kind} {name}: unknown; {remedy}")
             reference = self._entries[name].value
-        found: T = _imported(reference, f"{self.kind} {name}")
+        found = self._class(reference, name)
+        _TRUSTED.add(reference)
         return found
+
+    def _class(self, reference: str, name: str) -> T:
+        """Import a class and check, before anything calls it, that it has its methods."""
+        found: T = _imported(reference, f"{self.kind} {name}")
+        for method in self.methods:
+            if not callable(getattr(found, method, None)):
+                raise UserError(f"{self.kind} {name}: has no method {method}; define it")
+        return found
+
+    def told(self, name: str, where: str, reference: str = "") -> None:
+        """Refuse a name that stands in a file, of code that is not known to be trusted.
+
+        What ships, what an installed package brings and what the user has named is taken.
+
+        Parameters
+        ----------
+        name : without options
+        where : the file, for the message
+        reference : where the file says that it is, if not by its name
+
+        Raises
+        ------
+        UserError
+            Naming the flag by which the user may say so.
+        """
+        code = reference or name
+        if ":" in code and not self.has(name) and code not in _TRUSTED:
+            raise UserError(
+                f"{where}: names {self.kind} {code}, code that neither ships nor is installed; if "
+                f"you know it, add --trust {code}"
+            )
 
     def bound(self, text: str) -> tuple[Reference, T, dict[str, Any]]:
         """A reference as all spell it, what it names, and its options as keyword arguments.
@@ -171,8 +229,7 @@ class Table(Generic[T]):
             If it cannot be imported here.
         """
         _reach(place.folder)
-        found: T = _imported(place.reference, f"{self.kind} {place.reference}")
-        return found
+        return self._class(place.reference, place.reference)
 
 
 def is_ours(made: Any) -> bool:
@@ -237,11 +294,9 @@ def _imported(reference: str, what: str) -> Any:
     Raises
     ------
     UserError
-        If there is no such module or name, or the module itself does not import.
+        If there is no such module or class, or the module itself does not import.
     """
-    module_name, _, path = reference.partition(":")
-    if not all(part.isidentifier() for part in (*module_name.split("."), *path.split("."))):
-        raise UserError(f"{what}: expected package.module:Name, letters, digits and underscores")
+    module_name, path = _parts(reference, what)
     _reach(str(Path.cwd()))
     try:
         found: Any = importlib.import_module(module_name)
@@ -271,8 +326,22 @@ def _imported(reference: str, what: str) -> Any:
             names = [n for n, one in classes.items() if one.__module__.partition(".")[0] == package]
             raise UserError(f"{what}: {module_name} has no {path}; {nearest(name, names)}")
         found = getattr(found, name)
-    if not inspect.isclass(found) and not inspect.isfunction(found):
-        raise UserError(f"{what}: is a {type(found).__name__}; give a class or a function")
+    if not inspect.isclass(found):
+        raise UserError(f"{what}: is a {type(found).__name__}; give a class")
     if not is_ours(found):
         _BROUGHT.setdefault(module_name.partition(".")[0], what)
     return found
+
+
+def _parts(reference: str, what: str) -> tuple[str, str]:
+    """Module and path of `package.module:Name`.
+
+    Raises
+    ------
+    UserError
+        If it is none.
+    """
+    module, _, path = reference.partition(":")
+    if not all(part.isidentifier() for part in (*module.split("."), *path.split("."))):
+        raise UserError(f"{what}: expected package.module:Name, letters, digits and underscores")
+    return module, path

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from graph_planner.encodings import ENCODERS, Shapes, create_encoder, encoder_class
 from graph_planner.errors import UserError, WeightsError
+from graph_planner.references import parse_reference
 from graph_planner.task import Task
 
 if TYPE_CHECKING:
@@ -89,7 +90,8 @@ def read_header(path: Path) -> WeightsHeader:
     Raises
     ------
     WeightsError
-        If the file is missing, not safetensors, or holds no weights of ours.
+        If the file is missing, not safetensors, or holds no weights of ours, or names an encoder
+        of code that neither ships nor is installed, unless the user has named that (`Table.told`).
     """
     try:
         with path.open("rb") as file:
@@ -110,6 +112,7 @@ def read_header(path: Path) -> WeightsHeader:
             "package.module:Class"
         )
     try:
+        ENCODERS.told(parse_reference(encoding, ENCODERS.kind).name, "header")
         encoder_class(encoding)
     except UserError as error:
         raise WeightsError(f"weights {path}: {error}") from error

@@ -58,7 +58,9 @@ class Bound(Policy, Protocol):
 
 WeightsPlayer = TypeVar("WeightsPlayer", bound=Callable[[Path], Policy])
 
-POLICIES: Table[Callable[..., Policy]] = Table("policy", "mjforage.policies")
+POLICIES: Table[Callable[..., Policy]] = Table(
+    "policy", "mjforage.policies", methods=("reset", "act")
+)
 _PLAYERS: list[Callable[[Path], Policy]] = []
 _logger = logging.getLogger(__name__)
 
@@ -177,6 +179,26 @@ def outside_class(text: str) -> str:
     """`package.module:Class` of a policy that is not ours; "" for one of ours."""
     made = policy_class(text)
     return "" if is_ours(made) else f"{made.__module__}:{getattr(made, '__qualname__', made)}"
+
+
+def has_policy(text: str) -> bool:
+    """Whether a policy's name, without its options, is registered or installed."""
+    return POLICIES.has(parse_reference(text, "policy").name)
+
+
+def told_policy(text: str, where: str, reference: str = "") -> None:
+    """Refuse a policy that a file names, of code that is not known to be trusted.
+
+    Parameters
+    ----------
+    text, where, reference : as of `Table.told`; the name may have options
+
+    Raises
+    ------
+    UserError
+        As `Table.told`, and if it is no reference.
+    """
+    POLICIES.told(parse_reference(text, "policy").name, where, reference)
 
 
 def policy_place(text: str) -> Place | None:

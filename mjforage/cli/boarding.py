@@ -10,6 +10,7 @@ from mjforage.cli.computing import THIS_PROCESS, By
 from mjforage.cli.console import OUT, output, working
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn
 from mjforage.cli.studying import Names, Policies, carry_out, study
+from mjforage.cli.trust_flags import NOBODY, Trusted
 
 if TYPE_CHECKING:
     from mjforage.runs.study import Study
@@ -56,6 +57,7 @@ def board(
     choice: With = DEFAULT,
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
+    known: Trusted = NOBODY,
 ) -> None:
     """Every policy on the same episodes of several courses: scores, costs, and who is best where.
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from mjforage.cli.console import OUT, app, bar, output, working
+from mjforage.cli.trust_flags import NOBODY, Trusted, own_word
 
 Point = Literal["overview", "chase", "top", "scout"]
 
@@ -28,6 +29,7 @@ def render(
     speed: float | None = None,
     width: int | None = None,
     height: int | None = None,
+    known: Trusted = NOBODY,
 ) -> None:
     """Show one episode of a run: MP4, GIF, or PNG (one frame, or a numbered series).
 
@@ -74,6 +76,7 @@ def render(
     from mjforage.view.render import render_replay
 
     logging.getLogger("mjforage.view.render").setLevel(logging.INFO)  # says what draws
+    own_word(policy, beside)
     if beside is not None:
         check_beside(folder, policy, beside)
     with working("render, playing the episode again"):
@@ -130,6 +133,7 @@ def view(
     world: str | None = None,
     speed: float = 10.0,
     seed: int = 0,
+    known: Trusted = NOBODY,
 ) -> None:
     """Open MuJoCo's viewer on a scenario's scene, or on an episode of a run that it plays back.
 
@@ -154,6 +158,7 @@ def view(
     from mjforage.view.render.viewer import check_display, view_replay, view_scenario
 
     check_display()
+    own_word(policy)
     if Path(what).is_dir():
         view_replay(replay_of_run(Path(what), world, policy, episode), speed)
     else:

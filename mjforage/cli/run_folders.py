@@ -8,6 +8,7 @@ from cyclopts import Parameter
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
 from mjforage.cli.console import OUT, Water, app, bar, output, print_table, working
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
+from mjforage.cli.trust_flags import NOBODY, Trusted
 
 if TYPE_CHECKING:
     from mjforage.core.setup import Setup
@@ -44,6 +45,7 @@ def evaluate(
     replay: str = "first,median,worst",
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
+    known: Trusted = NOBODY,
     out: Annotated[Path | None, OUT] = None,
 ) -> None:
     """Run policies on the same episodes; write logs, tables, figures and report.html.
@@ -112,6 +114,7 @@ def compare(
     replay: str = "first,median,worst",
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
+    known: Trusted = NOBODY,
     out: Annotated[Path | None, OUT] = None,
 ) -> None:
     """Run policies on the same episodes at graph level and in MuJoCo; report the reality gap.
@@ -212,6 +215,7 @@ def report(
     figures: str = "",
     policy: ShownPolicies = (),
     page: Path | None = None,
+    known: Trusted = NOBODY,
 ) -> None:
     """Draw tables, figures and report.html again, from the logs of a run or study alone.
 

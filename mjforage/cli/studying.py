@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
 from mjforage.cli.console import OUT, Water, app, bar, output, working
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
+from mjforage.cli.trust_flags import NOBODY, Trusted
 
 if TYPE_CHECKING:
     from mjforage.core.scenario import Scenario
@@ -114,6 +115,7 @@ def parts(
     choice: With = DEFAULT,
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
+    known: Trusted = NOBODY,
 ) -> None:
     """What each part of the belief planner is worth, and what wrong assumptions cost it.
 
@@ -136,6 +138,7 @@ def ablation(
     choice: With = DEFAULT,
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
+    known: Trusted = NOBODY,
 ) -> None:
     """What an agent of each team is worth: marginal contributions (the paper's Tables 5 and 6).
 
@@ -162,6 +165,7 @@ def corruption(
     choice: With = DEFAULT,
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
+    known: Trusted = NOBODY,
 ) -> None:
     """How performance falls as a team's actions become random: sensitivity slopes (CSSC).
 
@@ -191,6 +195,7 @@ def paper(
     choice: With = DEFAULT,
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
+    known: Trusted = NOBODY,
 ) -> None:
     """All tables and figures of the paper, with its numbers beside ours.
 
@@ -219,6 +224,7 @@ def communication(
     choice: With = DEFAULT,
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
+    known: Trusted = NOBODY,
 ) -> None:
     """What range, quays, latency, losses and budgets of a link take, and what a relay is worth.
 
@@ -244,6 +250,7 @@ def sensing(
     choice: With = DEFAULT,
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
+    known: Trusted = NOBODY,
 ) -> None:
     """What misses and false alarms take, and what wrong assumptions about them cost the planner.
 

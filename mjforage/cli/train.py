@@ -7,6 +7,7 @@ from cyclopts import Parameter
 
 from mjforage.cli.console import OUT, Water, app, bar, errors, output
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn
+from mjforage.cli.trust_flags import NOBODY, Trusted
 from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ def train(
     teacher: str = "",
     device: str = "auto",
     again: GoingOn = SAME_ONLY,
+    known: Trusted = NOBODY,
     out: Annotated[Path | None, OUT] = None,
 ) -> None:
     """Train a policy; the same command resumes a run that was stopped.

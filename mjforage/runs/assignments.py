@@ -19,7 +19,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from graph_planner.extensions import Place, blamed, fault, is_ours
+from graph_planner.extensions import Place, blamed, fault, is_ours, trust, trusted
 from graph_planner.policies import create_policy
 from graph_planner.policies.registry import adopt_policy, outside_class
 from graph_planner.task import digest
@@ -65,6 +65,7 @@ class Assignment:
     places: tuple[tuple[str, Place], ...] = ()  # of policies, for other processes
     code: tuple[tuple[str, str], ...] = ()  # file or library -> hash or version, which must agree
     kept: tuple[int, ...] = ()  # episodes whose replays are kept along with their chunks
+    trusted: tuple[str, ...] = ()  # code that the user named, which weights may name
 
     @classmethod
     def of(
@@ -99,6 +100,7 @@ class Assignment:
             policy_places(policies) if workers.elsewhere else (),
             _facts(policies, worlds, taken),
             kept,
+            trusted() if workers.elsewhere else (),
         )
 
 
@@ -139,6 +141,7 @@ def _setup(assignment: Assignment) -> Setup:
     """
     if assignment.parent is None:
         cluster.check_threads()  # first: two threads that look for code disturb each other
+    trust(*assignment.trusted)
     for policy, place in assignment.places:
         adopt_policy(policy, place)
     if assignment.parent != os.getpid() and assignment.code:

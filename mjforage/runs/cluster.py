@@ -12,6 +12,7 @@ from urllib.parse import urlsplit
 
 from graph_planner.extensions import Place
 from graph_planner.extras import require
+from graph_planner.policies.registry import told_policy
 from mjforage.core.errors import UserError
 from mjforage.core.setup import Setup
 from mjforage.runs.identity import run_info
@@ -254,6 +255,8 @@ def check_run(
             "share, under the same path"
         )
     run = load_run(file)
+    for policy in run.policies:
+        told_policy(policy, str(file))
     own = run_info(setup, run.policies, run.worlds, 0, 0, metrics)["hash"]
     if not run_hash == own == run.hash:
         raise UserError(

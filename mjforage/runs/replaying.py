@@ -9,7 +9,13 @@ import polars as pl
 
 from graph_planner.extensions import Place
 from graph_planner.navigation import navigation_graph
-from graph_planner.policies.registry import adopt_policy, check_policies, policy_label
+from graph_planner.policies.registry import (
+    adopt_policy,
+    check_policies,
+    has_policy,
+    policy_label,
+    told_policy,
+)
 from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap, check_starts
 from mjforage.core.mission import Observer
@@ -32,6 +38,9 @@ def replay_of_run(
 ) -> Replay:
     """Simulate one logged episode again.
 
+    The folder may be anybody's: of the policies that it names only those are played that ship, that
+    an installed package brings, or whose code the user has named (`graph_planner.extensions.trust`).
+
     Parameters
     ----------
     folder : complete run folder
@@ -42,7 +51,8 @@ def replay_of_run(
     Raises
     ------
     UserError
-        If the run does not hold that episode, or the episode does not come out as it was logged.
+        If the run does not hold that episode, the episode does not come out as it was logged, or its
+        policy is of code that is not trusted.
     """
     run = load_run(folder / "run.json")
     policy, world = policy or run.policies[0], world or run.worlds[0]
@@ -52,10 +62,9 @@ def replay_of_run(
             f"{folder}: no episode {episode} of {policy} in world {world}; it holds episodes 0 to "
             f"{run.episodes - 1} of {', '.join(run.policies)} in {', '.join(run.worlds)}"
         )
-    if policy in run.classes:  # its name may be one that only its module registers
-        adopt_policy(policy, Place(run.classes[policy], ""))
-    check_policies([policy])
     where = str(folder / "run.json")
+    _known(policy, run.classes.get(policy, ""), where)
+    check_policies([policy])
     setup = Setup(
         scenario_from_tree(dict(run.scenario), where), GridMap(run.map.name, run.map.cells)
     )
@@ -73,6 +82,18 @@ def replay_of_run(
             f"different names; {again(folder)}"
         )
     return replace(replay, names=names)
+
+
+def _known(policy: str, place: str, where: str) -> None:
+    """Let a policy of a run be known here, if its code is trusted.
+
+    Parameters
+    ----------
+    place : package.module:Class, as the run says; its name may be one that only its module registers
+    """
+    told_policy(policy, where, place)
+    if place and not has_policy(policy):
+        adopt_policy(policy, Place(place, ""))
 
 
 def _cause(folder: Path, setup: Setup, worlds: Sequence[str]) -> str:

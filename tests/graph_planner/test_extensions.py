@@ -110,8 +110,8 @@ def test_what_is_of_a_function_or_script_is_refused_with_the_remedy() -> None:
         ("ending:X", "module ending ends the process"),
         ("..:X", "expected package.module:Name"),
         ("ending:", "expected package.module:Name"),
-        ("things:math", "is a module; give a class or a function"),
-        ("things:HALF", "is a partial; give a class or a function"),
+        ("things:math", "is a module; give a class"),
+        ("things:HALF", "is a partial; give a class"),
     ],
 )
 def test_what_cannot_be_had_is_one_line(installed: Path, name: str, words: str) -> None:

@@ -3,7 +3,12 @@
 import re
 from functools import lru_cache
 
-from graph_planner.policies.registry import policy_files, policy_names, policy_summary
+from graph_planner.policies.registry import (
+    policy_files,
+    policy_names,
+    policy_summary,
+    told_policy,
+)
 from graph_planner.references import parse_reference
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
@@ -45,6 +50,7 @@ def given(policy: str) -> tuple[str, str]:
     """What a policy was given, and where it is described; "" for what is not known here."""
     name = parse_reference(policy, "policy").name
     try:
+        told_policy(policy, "study.json")
         files = [path.name for path in policy_files(policy)]
     except UserError:
         files = []
