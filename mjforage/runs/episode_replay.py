@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from graph_planner.fleet import agent_names
 from mjforage.core.errors import UserError
+from mjforage.core.sizes import check_memory
 from mjforage.runs.held import AXES as HELD_AXES
 from mjforage.runs.held import Held
 from mjforage.runs.run_info import again
@@ -119,10 +120,8 @@ class Replay:
         UserError
             If the file is missing, truncated or not a replay.
         """
-        if path.is_file() and not zipfile.is_zipfile(path):
-            raise UserError(
-                f"replay {path}: truncated or not a replay; {again(path.parent.parent)}"
-            )
+        if path.is_file():
+            check_memory(f"replay {path}", _unpacked(path), again(path.parent.parent))
         try:
             with np.load(path, allow_pickle=False) as file:
                 return cls(**_values(file))
@@ -130,6 +129,23 @@ class Replay:
             raise UserError(
                 f"replay {path}: cannot be read ({error}); {again(path.parent.parent)}"
             ) from error
+
+
+def _unpacked(path: Path) -> int:
+    """Bytes of a file's arrays, which a few compressed ones can claim in any number.
+
+    Raises
+    ------
+    UserError
+        If it is no file of arrays.
+    """
+    try:
+        with zipfile.ZipFile(path) as file:
+            return sum(part.file_size for part in file.infolist())
+    except _DAMAGED as error:
+        raise UserError(
+            f"replay {path}: truncated or not a replay; {again(path.parent.parent)}"
+        ) from error
 
 
 def _values(file: Any) -> dict[str, Any]:

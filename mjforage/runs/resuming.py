@@ -15,6 +15,7 @@ from typing import Any, Literal, NamedTuple
 
 from mjforage.core.errors import UserError
 from mjforage.core.whole_files import write_json, writing
+from mjforage.runs.foreign import check_files
 from mjforage.runs.lock import claimed
 from mjforage.runs.run_info import read_json
 
@@ -175,6 +176,7 @@ def open_folder(
             )
         write_json(file, info)
         return dict(info)
+    check_files(file)
     try:
         there = read_json(file)
     except UserError as error:
@@ -226,6 +228,7 @@ def set_aside(path: Path, kind: str) -> Path | None:
     """
     if not (path / f"{kind}.json").is_file():
         return None
+    check_files(path / f"{kind}.json")
     now = f"{datetime.now(UTC):%Y%m%dT%H%M%S}"
     names = (f"{path.name}.before-{now}{more}" for more in ("", *(f"-{n}" for n in range(2, 100))))
     with claimed(path), writing(path):

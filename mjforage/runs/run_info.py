@@ -15,6 +15,7 @@ from graph_planner.fields import Note, Within
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import Description
 from mjforage.core.schema import OPEN, check
+from mjforage.runs.foreign import check_files, check_length, check_names, own_command
 
 REMEDY = (
     "run the command that made this folder again, or name a folder that evaluate, compare or study "
@@ -166,6 +167,7 @@ def read_json(path: Path) -> dict[str, Any]:
     UserError
         If the file is missing, not readable, truncated or not an object.
     """
+    check_length(path, REMEDY)
     try:
         value = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
@@ -180,9 +182,10 @@ def read_json(path: Path) -> dict[str, Any]:
 def again(folder: Path, file: str = "run.json") -> str:
     """Words that ask for the command that made a folder, as its `run.json` or `study.json` says."""
     try:
-        return f"run `{check(_Command, read_json(folder / file), file).command}` again"
+        command = own_command(check(_Command, read_json(folder / file), file).command)
     except UserError:
-        return "run the command that made this folder again"
+        command = ""
+    return f"run `{command}` again" if command else "run the command that made this folder again"
 
 
 def load_run(path: Path) -> RunInfo:
@@ -191,11 +194,22 @@ def load_run(path: Path) -> RunInfo:
     Raises
     ------
     UserError
-        If the file or one of its keys is missing or malformed.
+        If the file or one of its keys is missing or malformed, a name in it could be a path, or a
+        link is in its folder.
     """
     where = str(path)
+    check_files(path)
     run = check(RunInfo, read_json(path), where, remedy=REMEDY)
     check(_ScenarioFacts, run.scenario, f"{where}: scenario", remedy=REMEDY)
+    teams = run.scenario.get("team", {})
+    check_names(
+        where,
+        {
+            "worlds": run.worlds,
+            "agents": [name for agent in run.agents for name in (agent.name, agent.team)],
+            "scenario.team": teams if isinstance(teams, Mapping) else [teams],
+        },
+    )
     shape, lines = (run.map.rows, run.map.columns), run.map.navigable
     if len(lines) != shape[0] or any(len(one) != shape[1] or set(one) - set("01") for one in lines):
         raise UserError(

@@ -19,6 +19,7 @@ from mjforage.core.schema import OPEN, check
 from mjforage.core.setup import Setup
 from mjforage.core.whole_files import write_json
 from mjforage.runs.evaluate import THIS_PROCESS, Progress, Run, carry_out
+from mjforage.runs.foreign import check_files, check_names
 from mjforage.runs.identity import provenance
 from mjforage.runs.kept import FIRST, KEPT
 from mjforage.runs.lock import claimed
@@ -160,9 +161,13 @@ def load_study_info(file: Path) -> StudyInfo:
     Raises
     ------
     UserError
-        If the file or one of its keys is missing or malformed.
+        If the file or one of its keys is missing or malformed, a name in it could be a path, or a
+        link is in its folder.
     """
+    check_files(file)
     info = check(StudyInfo, read_json(file), str(file), remedy=REMEDY)
+    own = [world for variant in info.variants.values() for world in variant.worlds]
+    check_names(str(file), {"variants": info.variants, "worlds": [*info.worlds, *own]})
     if info.kind in ("corruption", "paper"):
         check(_CorruptionOptions, info.options, f"{file}: options", remedy=REMEDY)
     return info

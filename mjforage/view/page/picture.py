@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from PIL import Image
 
+from graph_planner.references import file_label
 from mjforage.core.whole_files import write_bytes
 from mjforage.view.page import style
 
@@ -32,11 +33,16 @@ COLOURS = 128  # of a PNG that is kept in a repository
 class Picture:
     """A drawn figure with its words. `title` and `caption` are plain text."""
 
-    name: str  # file stem in figures/
+    name: str  # as `file`, its file stem in figures/
     title: str
     caption: str
     figure: Figure
     wide: bool = False  # takes the whole width of the page
+
+    @property
+    def file(self) -> str:
+        """Its name as that of a file: names of metrics are of anybody's run."""
+        return file_label(self.name)
 
 
 @dataclass(frozen=True)
@@ -204,6 +210,6 @@ def save_figure(folder: Path, picture: Picture) -> tuple[bytes, bytes]:
     """
     with house_style():
         svg, png = svg_bytes(picture.figure), png_bytes(picture.figure)
-    write_bytes(folder / f"{picture.name}.svg", svg)
-    write_bytes(folder / f"{picture.name}.png", png)
+    write_bytes(folder / f"{picture.file}.svg", svg)
+    write_bytes(folder / f"{picture.file}.png", png)
     return png, svg

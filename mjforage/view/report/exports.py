@@ -73,4 +73,4 @@ def export(
         for kind in wanted.figures:
             with house_style():
                 content = FIGURES[kind](picture.figure)
-            write_bytes(folder / "figures" / f"{picture.name}.{kind}", content)
+            write_bytes(folder / "figures" / f"{picture.file}.{kind}", content)

@@ -32,10 +32,10 @@ def write_board_page(folder: Path, page: Path) -> Path:
         raise UserError(f"--page {page}: is for a board; {folder} holds a study of {logs.kind}")
     sections = board.sections(logs)
     pictures = {one.name: one for section in sections for one in section.pictures}
-    for name, picture in pictures.items():
+    for picture in pictures.values():
         with house_style():
             content = png_bytes(picture.figure)
-        write_bytes(page.with_name(_file(page, name)), smaller(content))
+        write_bytes(page.with_name(_file(page, picture.file)), smaller(content))
     write_bytes(page, page_text(logs, sections, page).encode("utf-8"))
     return page
 
@@ -91,4 +91,4 @@ def _section(section: Section, page: Path) -> str:
 
 
 def _figure(picture: Picture, page: Path) -> str:
-    return f"![{picture.title}]({_file(page, picture.name)})\n\n{picture.caption}"
+    return f"![{picture.title}]({_file(page, picture.file)})\n\n{picture.caption}"

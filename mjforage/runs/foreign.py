@@ -1,0 +1,78 @@
+"""What is checked of a folder that may be anybody's, before anything in it is read or written."""
+
+import os
+import re
+import shlex
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from pathlib import Path
+
+from mjforage.core.errors import UserError
+from mjforage.core.schema import shown
+
+_NAME = re.compile(r"\w[\w.@+-]{0,99}")
+_LARGEST = 200_000_000  # bytes of a JSON file: more than the summary of any run takes
+
+
+def check_files(file: Path) -> None:
+    """Refuse a folder of a run, study or training that leads out of itself.
+
+    Parameters
+    ----------
+    file : in the folder, that says what it holds; without it the folder is none of ours, and free
+
+    Raises
+    ------
+    UserError
+        If a link, a pipe or a device is in the folder, at any depth.
+    """
+    places = [str(file.parent)] if os.path.lexists(file) else []
+    while places:
+        with suppress(OSError), os.scandir(places.pop()) as entries:
+            for entry in entries:
+                if entry.is_dir(follow_symlinks=False):
+                    places.append(entry.path)
+                elif not entry.is_file(follow_symlinks=False):
+                    raise UserError(
+                        f"{entry.path}: is a link or a device, by which a folder can lead anywhere; "
+                        "remove it, or put the file itself there"
+                    )
+
+
+def check_names(where: str, names: Mapping[str, Iterable[object]]) -> None:
+    """Refuse names of a file that are to become names of files and could be paths.
+
+    Parameters
+    ----------
+    where : the file, for the message
+    names : key of the file -> names
+
+    Raises
+    ------
+    UserError
+        If one holds anything but letters, digits and `_.@+-`, or begins with a sign.
+    """
+    for key, found in names.items():
+        for name in found:
+            if not isinstance(name, str) or not _NAME.fullmatch(name):
+                raise UserError(
+                    f"{where}: {key}: {shown(name)} can be no part of a file's name; the folder is "
+                    "damaged or not of mjforage: make it again"
+                )
+
+
+def check_length(path: Path, remedy: str) -> None:
+    """Refuse a JSON file that is too large to be ours; raises `UserError`, ending in the remedy."""
+    with suppress(OSError):
+        if (size := path.stat().st_size) > _LARGEST:
+            raise UserError(f"{path}: {size / 1e6:.0f} MB are more than any run writes; {remedy}")
+
+
+def own_command(text: str) -> str:
+    """A command as `mjforage` wrote it; "" for any other, which nobody should be told to run."""
+    try:
+        words = shlex.split(text)
+    except ValueError:
+        return ""
+    plain = words[:1] == ["mjforage"] and shlex.join(words) == text and text.isprintable()
+    return text if plain else ""
