@@ -14,6 +14,7 @@ import polars as pl
 import pytest
 from numpy.typing import NDArray
 
+from graph_planner import extensions
 from graph_planner.policies import register
 from graph_planner.policies.registry import POLICIES
 from graph_planner.randomness import UInt64Array
@@ -92,6 +93,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, forget: Forget) -> I
     (tmp_path / "own_policies.py").write_text(SOURCE)
     (tmp_path / "own_compass.py").write_text("NORTH = 0\n")
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(extensions, "_TRUSTED", set())
     monkeypatch.setattr(sys, "dont_write_bytecode", True)  # stale if a file changes within a second
     path = list(sys.path)
     yield tmp_path
@@ -171,6 +173,9 @@ def test_a_registered_name_is_played_again_by_a_process_that_has_not_its_module(
     sys.path.remove(str(folder))
     run = played("run", "own-name", jobs=2)
     forget()
+    with pytest.raises(UserError, match="names policy own_named:Named, code that neither ships"):
+        replay_of_run(run, None, None, 1)
+    extensions.trust("own_named:Named")
     replay = replay_of_run(run, None, None, 1)
     assert replay.policy == "own-name"
 
