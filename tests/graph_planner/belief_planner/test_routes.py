@@ -321,6 +321,18 @@ def test_stops_are_where_items_are_met_and_add_up_their_weights() -> None:
     assert first.tolist() == [[10.0, 14.0]] and between[0, 0, 1] == between[0, 1, 0] == 15.0
 
 
+def test_items_that_drift_each_their_own_way_are_met_where_each_will_be() -> None:
+    """As above, the second by .2 to the east: nine tenths of ten decisions, 1.8 nodes."""
+    items, found = floating(10), stops(MOST, len(SEA))
+    at = SEA.node_of_cell[20:21, 0].copy()
+    for row in (20.0, 24.0):
+        float_item(items, row, 10.0, 1.0)
+    drift = np.array([[0.1, 0.0], [0.0, 0.2]])
+    gather_stops(items, SHORE, WAYS, ONE_KIND, at, drift, AT_ONCE, found)
+    cells = {(int(SEA.rows[v]), int(SEA.cols[v])) for v in found.node[: found.number[0]]}
+    assert cells == {(21, 10), (24, 12)}
+
+
 def test_an_item_in_the_foragers_own_node_takes_a_decision_or_two() -> None:
     items, found = floating(2), stops(MOST, len(SEA))
     at = SEA.node_of_cell[20:21, 7].copy()

@@ -1,10 +1,13 @@
 """Forecasts held against the truth, by hand."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 import metrics
 from graph_planner.policies import create_policy
+from mjforage.core.errors import UserError
 from mjforage.core.forecasts import Forecasts
 from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import Scorer
@@ -51,3 +54,30 @@ def test_the_belief_planner_forecasts_with_skill_and_others_not_at_all() -> None
     assert (scores["belief"]["brier_skill"] > 0.1).all()
     assert scores["belief"]["calibration_error"].mean() < 0.02
     assert np.isnan(scores["greedy"]["brier_skill"]).all()
+
+
+@pytest.mark.parametrize(
+    ("expected", "words"),
+    [
+        (np.full((2, 3), np.nan), "gives items that are negative or NaN; give 0 or more"),
+        (np.full((2, 3), -1e300), "gives items that are negative or NaN"),
+        (
+            np.zeros((2, 4)),
+            r"gave float64 \(2, 4\), expected numbers of shape \(row, node\), with 3",
+        ),
+        (np.zeros((3, 3)), r"gave float64 \(3, 3\), expected numbers"),
+        (np.zeros(6), r"gave float64 \(6,\), expected numbers"),
+        (np.full((2, 3), "items"), r"gave <U5 \(2, 3\), expected numbers"),
+        ([[0.0] * 3] * 2, "gave list, expected numbers"),
+    ],
+)
+def test_what_is_no_forecast_is_refused(expected: Any, words: str) -> None:
+    """Its chances are places in a table."""
+    with pytest.raises(UserError, match=rf"^policy Seer: forecast {words}"):
+        Forecasts(2).take(expected, TRUTH, np.ones(2, np.bool_), "policy Seer")
+
+
+def test_endlessly_many_items_are_a_sure_forecast() -> None:
+    forecasts = Forecasts(2)
+    forecasts.take(np.full((2, 3), np.inf), TRUTH, np.ones(2, np.bool_))
+    assert forecasts.sums[:, -1, 0].tolist() == [3.0, 3.0]

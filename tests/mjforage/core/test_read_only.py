@@ -301,4 +301,4 @@ def test_dataclasses_of_ours_are_walked() -> None:
     walked = [path for path, _ in _arrays(task, "", {})]
     assert {".graph.neighbours", ".fleet.energy", ".views.nodes", ".arrays.targets"} <= set(walked)
     open_ = Observation(*(np.array(part) for part in mission_of("graph", ()).held))
-    assert len(writable(open_)) == len(Observation._fields)
+    assert len(writable(open_)) == sum(part.size > 0 for part in open_) == 15

@@ -1,0 +1,88 @@
+"""What bounds and critics are told of the drift is at what velocity items go."""
+
+import numpy as np
+import pytest
+
+import mjforage
+from graph_planner.policies import create_policy
+from mjforage.core.initial_state import LEEWAY
+from mjforage.core.mission import Mission
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.setup import Setup
+from mjforage.physics.scene.debris import load_debris
+from mjforage.physics.worlds import create_mission
+
+CLASSES = 'physics.item_classes=["drifter", "bottle", "bag"]'
+STILL = ("weather.noise_node_per_step=0", "team.scouts.count=0", "horizon=8")
+STREAM = ("weather.current_speed_mps=0.2", "weather.current_toward_deg=30")
+GYRE = ("weather.circulation_mps=0.1",)
+
+
+def mission_of(*overrides: str, world: str = "physics", preset: str = "open-bay") -> Mission:
+    mission = create_mission(Setup.of(load_scenario(preset, [*STILL, *overrides])), world)
+    mission.reset(2, np.arange(3))
+    return mission
+
+
+@pytest.mark.parametrize("water", [STREAM, GYRE, ()])
+def test_items_go_as_bounds_are_told(water: tuple[str, ...]) -> None:
+    """Nobody near and no quay: by the mean of what is told before and after, each class of its own
+    share of the wind.
+    """
+    mission, policy = (
+        mission_of(*water, CLASSES, "items.covariance_node2=4"),
+        create_policy("random"),
+    )
+    mission.prepare(policy)
+    for _ in range(3):
+        mission.advance(mission.ask(policy))  # let them come up to their speed
+    before, at = mission.truth, mission.state.item_rc.copy()
+    told = before.item_drift_rc.copy()
+    mission.advance(mission.ask(policy))
+    after = mission.truth
+    left = (after.item_node >= 0) & (before.item_node >= 0)
+    expected = 0.5 * (told + after.item_drift_rc)
+    off = np.abs(mission.state.item_rc - at - expected).max(axis=-1)[left]
+    assert np.median(off) < 0.01
+    assert (off < 0.05).mean() > 0.8  # the others lie against a quay, or a hull
+    mean = [told[e][left[e]].mean(axis=0) for e in range(3)]
+    np.testing.assert_allclose(before.drift_rc, mean, atol=1e-9)
+    by_wind = np.abs(told - mission.initial.drift_rc[:, None]).max(axis=-1)[left]
+    assert by_wind.max() > (0.1 if water else 0.02)
+
+
+def test_the_share_of_the_wind_is_that_of_the_class() -> None:
+    mission = mission_of(CLASSES)
+    kinds, wind = load_debris(), mission.initial.drift_rc
+    classes = mission._dynamics._simulation.item_class  # type: ignore[attr-defined]
+    drift = mission.truth.item_drift_rc
+    for name in ("drifter", "bottle", "bag"):
+        number, kind = next((i, k) for i, k in enumerate(kinds) if k.name == name)
+        for e, k in np.argwhere(classes == number)[:20]:
+            np.testing.assert_allclose(drift[e, k], wind[e] * kind.leeway / LEEWAY, rtol=1e-5)
+
+
+def test_without_lee_and_current_the_paper_s_items_drift_as_in_the_graph_to_the_bit() -> None:
+    found = {world: mission_of(world=world).truth for world in ("graph", "hulls", "physics")}
+    for truth in found.values():
+        np.testing.assert_array_equal(truth.drift_rc, found["graph"].drift_rc)
+        np.testing.assert_array_equal(truth.item_drift_rc, found["graph"].item_drift_rc)
+
+
+def test_in_the_lee_of_land_items_drift_slower() -> None:
+    open_, behind = (
+        mission_of(f"weather.shelter_height_m={height}", preset="comb-port").node_drift_rc
+        for height in (0, 3)
+    )
+    share = np.linalg.norm(behind, axis=-1) / np.linalg.norm(open_, axis=-1)
+    assert share.min() == 0.0 and share.max() <= 1.0 + 1e-12 and 0.1 < share.mean() < 0.9
+
+
+def test_the_state_shows_the_drift_of_every_node() -> None:
+    """As `state_of` documents: 5 and 6 are drift south and east, (1 + d) / 2."""
+    env = mjforage.parallel_env(scenario="channels", world="physics", set=("horizon=5", *GYRE))
+    env.reset(seed=3)
+    graph, drift = env.game.setup.graph, env.game.mission.node_drift_rc[0]
+    shown = env.state()[5:7][:, graph.rows, graph.cols]
+    np.testing.assert_allclose(shown, (0.5 + 0.5 * drift).T, atol=1e-6)
+    assert np.ptp(drift, axis=0).min() > 0.1, "a gyre goes both ways"
