@@ -74,7 +74,7 @@ def course_on(text: str, overrides: Sequence[str] = ()) -> Course:
 
     Parameters
     ----------
-    text : MAP or MAP@WORLD: name, CSV or image
+    text : MAP or MAP@WORLD: name, table, grid or image
     overrides : as of `course`
 
     Raises

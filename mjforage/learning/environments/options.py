@@ -41,7 +41,7 @@ class EnvironmentOptions:
     world : name in `mjforage.physics.worlds.WORLDS`
     observation : reference to an encoder, see `graph_planner.encodings.create_encoder`
     reward : reference to a term -> weight, see `rewards`; absent: the published weights
-    map : replaces the scenario's grid: a name, generated harbour, CSV or image
+    map : replaces the scenario's grid: a name, generated harbour, or path of a table, grid or image
     set : overrides KEY=VALUE of the scenario
     camera : of `mjforage render --camera`, to see the hulls in 3-D; None: the map from above
     dtype : "float32", values in [0, 1], or "uint8", levels that a learner divides by 255 itself
