@@ -1,6 +1,7 @@
 """What `render` gives and shows, for every environment of one picture."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,10 @@ class Screen:
         check_mode(mode)
         self._mode, self._draw = mode, draw
         self._window = Window("mjforage") if mode == "human" else None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For a copy, which is made to think ahead and opens no window."""
+        return vars(self) | {"_window": None}
 
     def refresh(self) -> None:
         """Something has changed."""

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from graph_planner.encodings.encoder import Levels
 from mjforage.learning.environments.checks import checked_started
+from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.game import Episodes, Game, Outcome
 from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
 from mjforage.learning.environments.pictures import Picture
@@ -17,7 +18,7 @@ ONLY = np.zeros(1, np.int64)  # number of the one sub-environment
 METADATA: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 10}
 
 
-class SingleEnvironment:
+class SingleEnvironment(Copied):
     """Base of an environment; what it can be told is in `EnvironmentOptions`.
 
     Raises

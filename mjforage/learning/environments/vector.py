@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
 from mjforage.learning.environments.checks import checked_moves, checked_seed, checked_started
+from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.game import Episodes, Game, Outcome
 from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
 from mjforage.learning.environments.pictures import Picture
@@ -23,7 +24,7 @@ from mjforage.learning.environments.spaces import MASK, Pictures, picture_space,
 MODES = ["rgb_array"]
 
 
-class ForagingVectorEnv(VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
+class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
     """A batch of `ForagingEnv`: number i is to the bit the environment seeded with `seed + i`.
 
     In the graph world one batched mission plays all sub-environments; elsewhere each has its own.

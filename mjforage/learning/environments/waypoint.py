@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from controllers import Pilot
 from mjforage.learning.environments.checks import checked_started, checked_thrusts
+from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.course import TICK_S, Course
 from mjforage.learning.environments.rewards import checked_names
 from mjforage.learning.environments.screen import Screen
@@ -35,7 +36,7 @@ SCALES = np.array(
 Numbers = NDArray[np.float32]
 
 
-class WaypointEnv(gymnasium.Env[Numbers, Numbers]):
+class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
     """One hull in MuJoCo on open water; a step is 0.5 s of constant commands.
 
     **Action** `Box(-1, 1, (2,))` float32: port and starboard, -1 full astern, 1 full ahead; cut off

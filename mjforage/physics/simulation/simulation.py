@@ -34,6 +34,11 @@ CLOSING_MPS = 5.0  # faster than any hull comes to an item
 MOST_BODIES = 1024  # of a scene; MuJoCo takes a minute to build it, four for twice as many
 SPARE = 2  # bodies never lent: the last numbers of MuJoCo's sums, which are added in blocks of four
 STRIDE = 4  # by which pools grow: a few sizes, so that their scenes are built once
+_ENGAGED = (
+    *("engine", "model", "time_s", "commands", "thruster_state", "vessel_wind", "vessel_water"),
+    *("load", "_pose", "_velocity", "_bodies", "_lend", "_take_back", "_drift"),
+)
+"""What a simulation makes anew with every engine."""
 _CARRIED = ("time", "qpos", "qvel", "act", "qacc_warmstart", "ctrl", "userdata")
 
 
@@ -113,6 +118,23 @@ class Simulation:
         self._loan = max(1, int(LOAN_S / step_s + 1e-9))  # steps
         self._engage(scene)
         self.place_items(self._parking, -1)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For a copy: not the engine, whose memory is MuJoCo's, nor what looks at it."""
+        kept = {name: part for name, part in vars(self).items() if name not in _ENGAGED}
+        return kept | {"saved": [part.copy() for part in self._engine_parts()]}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take the same scene, with an engine of its own."""
+        saved = state.pop("saved")
+        vars(self).update(state, route=install())
+        self._engage(self.scene)
+        for part, content in zip(self._engine_parts(), saved, strict=True):
+            part[:] = content
+
+    def _engine_parts(self) -> tuple[NDArray[Any], ...]:
+        """What an engine remembers, and which bodies are lent, live."""
+        return self.engine.state, self.engine.warning, self._bodies.holder
 
     def _engage(self, scene: Scene) -> None:
         """Take a scene, with an engine of its own."""
