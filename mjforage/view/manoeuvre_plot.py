@@ -18,7 +18,7 @@ from mjforage.physics.manoeuvre.key_figures import KeyFigure, key_figures
 from mjforage.physics.manoeuvre.standard import AHEAD_S, APPROACH_S
 from mjforage.physics.manoeuvre.trajectory import Trajectory, check_file
 from mjforage.view.page import style
-from mjforage.view.page.picture import WIDE_IN, house_style
+from mjforage.view.page.picture import WIDE_IN, house_style, literal
 
 HULLS = 12  # outlines along the track, at most
 LARGER = (1, 2, 5, 10, 20, 50, 100)  # how much larger than life hulls are drawn
@@ -78,6 +78,7 @@ def manoeuvre_figure(trajectory: Trajectory) -> Figure:
         flows = trajectory.conditions.wind_mps, trajectory.conditions.current_mps
         _figures(below.add_axes((0.0, 0.0, 1.0, 1.0)), figures, flows)
         figure.suptitle(f"{trajectory.vessel.name}: {trajectory.test}", fontweight="bold")
+    literal(figure)
     return figure
 
 

@@ -19,6 +19,7 @@ from mjforage.core.errors import UserError
 from mjforage.core.maps import GridMap, Starts
 from mjforage.core.whole_files import whole
 from mjforage.view.page import style
+from mjforage.view.page.picture import literal
 
 LONG_SIDE_IN = 7.0  # of the map itself [inch]
 MARGIN_IN = (0.6, 0.75)  # across, up: for ticks and title [inch]
@@ -95,6 +96,7 @@ def save_figure(figure: Figure, path: Path, dpi: int) -> None:
     kind = path.suffix.lower()[1:]
     if kind not in kinds:
         raise UserError(f"picture {path}: unknown kind; give .{', .'.join(kinds)}")
+    literal(figure)
     with whole(path) as beside:
         figure.savefig(beside, dpi=dpi, format=kind)
 

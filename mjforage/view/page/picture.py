@@ -1,6 +1,7 @@
 """What every figure shares: the record of one, its canvas, its legend and its files."""
 
 import io
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.text import Text
 from PIL import Image
 
 from graph_planner.references import file_label
@@ -27,6 +29,10 @@ DPI = 150  # of a PNG, and of maps inside an SVG
 SVG_DPI = 72  # of an SVG's points
 PDF_DPI = 72  # of a PDF's
 COLOURS = 128  # of a PNG that is kept in a repository
+
+_WORDS = r"[A-Za-z0-9 ,.()-]+"
+_POWER = r"\\mathdefault\{(?:[\d.]+\\times)?\d+\^\{[-−]?\d+\}\}"  # matplotlib's, of logarithms
+_MATHEMATICS = re.compile(rf"\$(?:t/T|T|C_R|_\{{\\mathrm\{{{_WORDS}\}}\}}|{_POWER})\$")
 
 
 @dataclass(frozen=True)
@@ -92,9 +98,20 @@ def canvas(width_in: float, height_in: float) -> Figure:
 
 
 def mathtext(label: str) -> str:
-    """A label with what is after its underscore as a subscript."""
+    """A label with what is after its underscore as a subscript, if that is words."""
     stem, _, below = label.partition("_")
-    return f"{stem}$_{{\\mathrm{{{below}}}}}$" if below else stem
+    plain = re.fullmatch(_WORDS, below) and "$" not in stem
+    return f"{stem}$_{{\\mathrm{{{below}}}}}$" if plain else label
+
+
+def literal(figure: Figure) -> None:
+    """Let no text of a figure be mathematics but ours: labels are of anybody's run.
+
+    Numbers on an axis are matplotlib's own; those of a logarithmic one are mathematics.
+    """
+    for text in figure.findobj(Text):
+        assert isinstance(text, Text)
+        text.set_parse_math("$" not in _MATHEMATICS.sub("", text.get_text()))
 
 
 def undefined(axes: Axes, what: str, words: str) -> None:
@@ -170,6 +187,7 @@ def _printed(figure: Figure, paper: Paper, letters: dict[Any, Any], **options: A
     """Print a figure, laid out once for whatever it is printed on."""
     buffer = io.BytesIO()
     with mpl.rc_context(style.RC):
+        literal(figure)
         _lay_out(figure)
         with mpl.rc_context(letters):
             paper.take(figure).print_figure(buffer, dpi=DPI, **options)

@@ -57,7 +57,7 @@ class WebReplay:
     left_out: int  # kept episodes for which the page has no room
     cut: int  # shown ones that end early, for the same reason
     data: Mapping[str, Any]  # for the page's script, as JSON
-    script: Markup
+    script: Markup  # all of its element, to the letter: the page allows no other
     stylesheet: Markup
 
 
@@ -223,7 +223,7 @@ def web_replay(
             "runs": [facts.get(run.place) for run in opened],
             "replays": entries,
         },
-        script=Markup("\n".join(_part(name) for name in SCRIPTS)),
+        script=Markup("\n".join(['(() => {\n"use strict";', *map(_part, SCRIPTS), "})();"])),
         stylesheet=Markup(_part("player.css")),
     )
 

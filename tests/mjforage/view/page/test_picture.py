@@ -1,12 +1,20 @@
 """A figure has one layout, whatever it is printed on and in whichever order."""
 
+import re
 from collections.abc import Callable
 
 import matplotlib as mpl
 import pytest
 from matplotlib.figure import Figure
 
-from mjforage.view.page.picture import canvas, house_style, pdf_bytes, png_bytes, svg_bytes
+from mjforage.view.page.picture import (
+    canvas,
+    house_style,
+    mathtext,
+    pdf_bytes,
+    png_bytes,
+    svg_bytes,
+)
 
 PRINT: tuple[Callable[[Figure], bytes], ...] = (png_bytes, svg_bytes, pdf_bytes)
 
@@ -34,3 +42,34 @@ def test_the_first_print_lays_out_and_no_other_moves_anything(asks: bool) -> Non
         assert figure.get_layout_engine() is None
         found.append(printed)
     assert found[0] == found[1] == found[2]
+
+
+BROKEN = r"$\frac{$"
+
+
+@pytest.mark.parametrize("form", PRINT)
+def test_names_are_no_mathematics(form: Callable[[Figure], bytes]) -> None:
+    with house_style():
+        figure = canvas(5.6, 3.0)
+        axes = figure.subplots()
+        axes.plot([1.0, 10.0], label=BROKEN)
+        axes.set_xticks([0, 1], [BROKEN, "greedy"])
+        axes.set(yscale="log", xlabel=BROKEN, ylabel=f"{mathtext('PTA_C')} [{BROKEN}]")
+        axes.set_title(mathtext(f"a_{BROKEN}"))
+        axes.text(0.5, 5.0, BROKEN)
+        figure.legend()
+        figure.suptitle(BROKEN)
+    assert form(figure)
+
+
+def test_our_own_mathematics_stays() -> None:
+    with house_style():
+        figure = canvas(5.6, 3.0)
+        axes = figure.subplots()
+        axes.plot([1.0, 1000.0])
+        axes.set(yscale="log", xlabel="normalised time  $t/T$", ylabel=mathtext("PTA_C"))
+        axes.set_title("policy $5 and $6")
+    svg = re.sub("<!--.*?-->", "", svg_bytes(figure, as_text=True).decode(), flags=re.DOTALL)
+    assert "$t/T$" not in svg and "mathrm" not in svg and "mathdefault" not in svg
+    assert "policy $5 and $6" in svg
+    assert axes.xaxis.label.get_parse_math() and not axes.title.get_parse_math()

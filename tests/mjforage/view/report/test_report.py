@@ -1,9 +1,11 @@
+import base64
 import itertools
 import json
 import math
 import re
 import shutil
 from collections.abc import Callable
+from hashlib import sha256
 from html import unescape
 from pathlib import Path
 from typing import Any
@@ -117,6 +119,26 @@ def test_the_page_needs_nothing_from_outside(page: str) -> None:
     assert page.count("<script") == page.count("<script>") + 1  # the replay's data, and code
     assert "<link" not in page
     assert "@import" not in page
+
+
+def test_the_page_forbids_everything_from_outside_and_other_scripts(page: str) -> None:
+    """Its policy stands before all that it rules, and allows the page's own scripts alone."""
+    head = page.split("<title>", 1)[0]
+    (rules,) = re.findall(r'http-equiv="Content-Security-Policy" content="([^"]+)"', head)
+    rules = unescape(rules)
+    assert rules.startswith("default-src 'none'; script-src 'sha256-")
+    assert not re.search(r"https?:|\*|unsafe-eval|'self'", rules)
+    assert rules.count("'unsafe-inline'") == 1 and "style-src 'unsafe-inline'" in rules
+    scripts = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
+    digests = [base64.b64encode(sha256(one.encode()).digest()).decode() for one in scripts]
+    assert len(scripts) == 2
+    assert sorted(re.findall(r"'sha256-([^']+)'", rules)) == sorted(digests)
+
+
+def test_labels_cannot_break_a_figure(make_run: MakeRun) -> None:
+    name = r"$\frac{$"
+    page = written(make_run(name=name, policies=("greedy", name), replays=("greedy",)))
+    assert name in page
 
 
 def test_table_2_shows_the_summary_and_the_paper_beside_it(beside_the_paper: Path) -> None:
