@@ -72,4 +72,4 @@ def test_our_own_mathematics_stays() -> None:
     svg = re.sub("<!--.*?-->", "", svg_bytes(figure, as_text=True).decode(), flags=re.DOTALL)
     assert "$t/T$" not in svg and "mathrm" not in svg and "mathdefault" not in svg
     assert "policy $5 and $6" in svg
-    assert axes.xaxis.label.get_parse_math() and not axes.title.get_parse_math()
+    assert axes.xaxis.label.get_parse_math()
