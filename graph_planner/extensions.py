@@ -44,6 +44,8 @@ def trust(*references: str) -> None:
 def trusted() -> tuple[str, ...]:
     """What the user has named so far, for processes that work for this one."""
     return tuple(sorted(_TRUSTED))
+
+
 _BROUGHT: dict[str, str] = {}  # package from outside -> what it was imported for
 
 

@@ -34,8 +34,8 @@ def check_files(file: Path) -> None:
                     places.append(entry.path)
                 elif not entry.is_file(follow_symlinks=False):
                     raise UserError(
-                        f"{entry.path}: is a link or a device, by which a folder can lead anywhere; "
-                        "remove it, or put the file itself there"
+                        f"{entry.path}: is a link or a device, by which a folder can lead "
+                        "anywhere; remove it, or put the file itself there"
                     )
 
 

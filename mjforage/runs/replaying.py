@@ -38,8 +38,8 @@ def replay_of_run(
 ) -> Replay:
     """Simulate one logged episode again.
 
-    The folder may be anybody's: of the policies that it names only those are played that ship, that
-    an installed package brings, or whose code the user has named (`graph_planner.extensions.trust`).
+    The folder may be anybody's: of the policies that it names only those are played that ship,
+    that an installed package brings, or whose code the user has named (`extensions.trust`).
 
     Parameters
     ----------
@@ -51,8 +51,8 @@ def replay_of_run(
     Raises
     ------
     UserError
-        If the run does not hold that episode, the episode does not come out as it was logged, or its
-        policy is of code that is not trusted.
+        If the run does not hold that episode, its policy is of code that is not trusted, or the
+        episode does not come out as it was logged.
     """
     run = load_run(folder / "run.json")
     policy, world = policy or run.policies[0], world or run.worlds[0]
@@ -89,7 +89,7 @@ def _known(policy: str, place: str, where: str) -> None:
 
     Parameters
     ----------
-    place : package.module:Class, as the run says; its name may be one that only its module registers
+    place : package.module:Class, as the run says: its name may be one that only that registers
     """
     told_policy(policy, where, place)
     if place and not has_policy(policy):

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import polars as pl
 import pytest
 
 from mjforage.core import sizes
@@ -77,8 +78,14 @@ def test_names_that_could_be_paths_are_refused(run: Path, key: str, name: str) -
 def test_names_of_a_study_are_refused_alike(tmp_path: Path, key: str) -> None:
     variant = {"title": "", "policies": ["greedy"], "worlds": [AWAY] if key == "own" else []}
     info = {
-        **{"command": "", "started": "", "kind": "ablation", "scenario": {}, "episodes": 1},
-        **{"seed": 0, "options": {}, "worlds": [AWAY if key == "worlds" else "graph"]},
+        "command": "",
+        "started": "",
+        "kind": "ablation",
+        "scenario": {},
+        "episodes": 1,
+        "seed": 0,
+        "options": {},
+        "worlds": [AWAY if key == "worlds" else "graph"],
         "variants": {AWAY if key == "variants" else "complete": variant},
     }
     (tmp_path / "study.json").write_text(json.dumps(info))
@@ -88,8 +95,6 @@ def test_names_of_a_study_are_refused_alike(tmp_path: Path, key: str) -> None:
 
 def test_metrics_of_anybody_name_no_file_elsewhere(run: Path) -> None:
     """A column that nobody knows gets a figure of its own, named by it."""
-    import polars as pl
-
     path = run / "steps.parquet"
     frame = pl.read_parquet(path)
     frame.with_columns(frame["mi"].alias("../../X")).write_parquet(path)

@@ -22,7 +22,7 @@ from mjforage.runs.evaluate import evaluate
 from mjforage.runs.replaying import replay_of_run
 from mjforage.runs.workers import Workers
 
-EVIL = '''from pathlib import Path
+EVIL = """from pathlib import Path
 
 Path("imported").touch()
 
@@ -35,8 +35,8 @@ class Enc:
         Path("called").touch()
 
     see = act = reset
-'''
-MINE = '''import numpy as np
+"""
+MINE = """import numpy as np
 
 
 class North:
@@ -47,7 +47,7 @@ class North:
         preferences = np.zeros(self.shape)
         preferences[..., 0] = 1.0
         return preferences
-'''
+"""
 
 
 @pytest.fixture
@@ -91,9 +91,7 @@ def untouched(folder: Path) -> bool:
         ({"policies": ["named"], "classes": {"named": "evil:Enc"}}, "add --trust evil:Enc"),
     ],
 )
-def test_a_run_folder_runs_no_code(
-    folder: Path, changes: dict[str, object], words: str
-) -> None:
+def test_a_run_folder_runs_no_code(folder: Path, changes: dict[str, object], words: str) -> None:
     run = run_of("greedy")
     rewritten(run, **changes)
     with pytest.raises(UserError, match=words) as caught:
@@ -185,5 +183,5 @@ def test_nothing_is_called_that_is_no_class_of_policies(
 
 
 def test_what_is_no_reference_cannot_be_trusted() -> None:
-    with pytest.raises(UserError, match="evil: expected package.module:Name"):
+    with pytest.raises(UserError, match=r"evil: expected package.module:Name"):
         extensions.trust("evil")
