@@ -1,6 +1,6 @@
 """What the environments of one episode at a time share: the game, its episodes, its picture."""
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from mjforage.learning.environments.game import Episodes, Game, Outcome
 from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
 from mjforage.learning.environments.pictures import Picture
 from mjforage.learning.environments.screen import Screen
-from mjforage.learning.environments.window import RENDER_MODES
+from mjforage.learning.environments.window import RENDER_MODES, metadata_here
 
 ONLY = np.zeros(1, np.int64)  # number of the one sub-environment
 METADATA: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 10}
@@ -27,7 +27,10 @@ class SingleEnvironment(Copied):
         If an option is not valid.
     """
 
+    metadata: ClassVar[dict[str, Any]] = METADATA
+
     def __init__(self, arguments: EnvironmentArguments) -> None:
+        self.metadata = metadata_here(type(self).metadata)  # type: ignore[misc]
         options = EnvironmentOptions(**arguments)
         self.render_mode, self._dtype = options.render_mode, options.dtype
         self._game = Game(options)

@@ -14,7 +14,7 @@ from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.course import TICK_S, Course
 from mjforage.learning.environments.rewards import checked_names
 from mjforage.learning.environments.screen import Screen
-from mjforage.learning.environments.window import RENDER_MODES
+from mjforage.learning.environments.window import RENDER_MODES, metadata_here
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.weather import WeatherSettings
@@ -94,6 +94,7 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
             current_speed_mps=current_mps,
             current_toward_deg=None,
         )
+        self.metadata = metadata_here(type(self).metadata)  # type: ignore[misc]
         self.render_mode, self._screen = render_mode, Screen(render_mode, self._drawn)
         self._weights = checked_names(REWARD if reward is None else reward, REWARD)
         self._course = Course(load_vessel(vessel), weather, WAYPOINTS)

@@ -3,7 +3,9 @@
 import contextlib
 import os
 import sys
+from collections.abc import Mapping
 from importlib.util import find_spec
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +24,12 @@ def why_no_window() -> str:
 
 
 RENDER_MODES = ["rgb_array", "human"]
-"""Both always, or Gymnasium puts a window of its own around `rgb_array`, which wants pygame."""
+"""Of every class: without `human` Gymnasium shows `rgb_array` in a window that wants pygame."""
+
+
+def metadata_here(metadata: Mapping[str, Any]) -> dict[str, Any]:
+    """That of an environment made here: those modes alone that work, as checkers try each."""
+    return {**metadata, "render_modes": RENDER_MODES[: 1 if why_no_window() else 2]}
 
 
 class Window:
