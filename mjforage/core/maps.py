@@ -77,7 +77,13 @@ def load_map(
         return GridMap(which.name, harbour_cells(which))
     path = map_path(reference)
     name = path.stem if path.parent == models_folder() / "maps" else path.name
-    cells = read_cells(path, name, water)
+    return grid_of(read_cells(path, name, water), name, corner_cutting, largest_component)
+
+
+def grid_of(
+    cells: NDArray[np.bool_], name: str, corner_cutting: bool, largest_component: bool
+) -> GridMap:
+    """A map of cells (row, column) that somebody has made; arguments and errors as `load_map`."""
     if not cells.any():
         raise UserError(
             f"map {name}: all {cells.size} cells are obstacles (0 or dark); mark water with 1, "

@@ -95,6 +95,14 @@ def load_scenario(
     return _checked(tree, f"scenario {path.stem}")
 
 
+def with_overrides(scenario: Scenario, overrides: Iterable[str]) -> Scenario:
+    """The scenario after `KEY=VALUE` overrides, as of `load_scenario`."""
+    tree = scenario_to_tree(scenario)
+    for override in overrides:
+        _apply(tree, override)
+    return scenario_from_tree(tree, f"scenario {scenario.name}")
+
+
 def _start_paths(tree: Tree, folder: Path) -> None:
     """Let the paths of a file's map and vessels start from its folder; names stay as they are."""
     choice, physics = tree.get("map"), tree.get("physics")

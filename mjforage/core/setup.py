@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from graph_planner.fleet import Fleet
 from graph_planner.geodesics import Int32Array
@@ -14,7 +15,14 @@ from graph_planner.randomness import UInt64Array
 from graph_planner.task import Task
 from mjforage.core.initial_state import InitialState, create_initial_state, nodes_around
 from mjforage.core.link.reach import reach_m
-from mjforage.core.maps import GridMap, check_starts, load_map, load_starts, reachable_share
+from mjforage.core.maps import (
+    GridMap,
+    check_starts,
+    grid_of,
+    load_map,
+    load_starts,
+    reachable_share,
+)
 from mjforage.core.once import say_once
 from mjforage.core.scenario import Scenario
 from mjforage.core.sizes import check_memory, map_bytes, map_costs, mission_bytes
@@ -28,8 +36,12 @@ class Setup:
     grid: GridMap
 
     @classmethod
-    def of(cls, scenario: Scenario) -> "Setup":
+    def of(cls, scenario: Scenario, cells: NDArray[np.bool_] | None = None) -> "Setup":
         """Load the map and check that the scenario fits on it.
+
+        Parameters
+        ----------
+        cells : (row, column) water, in the place of the scenario's map
 
         Raises
         ------
@@ -37,12 +49,14 @@ class Setup:
             If the map cannot be used or a start is not on water.
         """
         choice = scenario.map
-        grid = load_map(
-            choice.file,
-            corner_cutting=choice.corner_cutting,
-            largest_component=choice.largest_component,
-            water=choice.water,
-        )
+        how = {
+            "corner_cutting": choice.corner_cutting,
+            "largest_component": choice.largest_component,
+        }
+        if cells is None:
+            grid = load_map(choice.file, water=choice.water, **how)
+        else:
+            grid = grid_of(cells.copy(), "array", **how)
         setup = cls(scenario, grid)
         setup.check_memory(1)
         if costs := map_costs(scenario, grid.name, grid.navigable.shape, grid.nodes):

@@ -1,6 +1,7 @@
 """What a user hands to an environment, checked before anything is played."""
 
 import reprlib
+from collections.abc import Mapping
 from numbers import Integral
 from typing import Any
 
@@ -78,6 +79,25 @@ def checked_seed(seed: object, name: str = "seed") -> int | None:
     if not isinstance(seed, Integral) or not 0 <= int(seed) < 1 << 64:
         raise UserError(f"{name} = {seed!r}: give a whole number from 0 to below 2**64, or None")
     return int(seed)
+
+
+def checked_options(options: object, known: tuple[str, ...] = ()) -> Mapping[str, Any]:
+    """What `reset` was told beside its seed.
+
+    Raises
+    ------
+    UserError
+        If it is no mapping, or has a key that is not known.
+    """
+    if options is None:
+        return {}
+    remedy = f"give {' and '.join(known)}" if known else "leave it out: a seed decides an episode"
+    if not isinstance(options, Mapping):
+        raise UserError(f"reset(options={reprlib.repr(options)}): is no mapping; {remedy}")
+    for key in options:
+        if key not in known:
+            raise UserError(f"reset(options={{{key!r}: ...}}): there is no such option; {remedy}")
+    return options
 
 
 def checked_started(started: bool, what: str) -> None:

@@ -6,7 +6,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.learning.environments.checks import checked_moves
+from mjforage.learning.environments.checks import checked_moves, checked_options
 from mjforage.learning.environments.options import EnvironmentArguments
 from mjforage.learning.environments.single import METADATA, SingleEnvironment, summed
 from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, shown
@@ -50,6 +50,7 @@ class ForagingEnv(SingleEnvironment, gymnasium.Env[Pictures, NDArray[np.int64]])
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Pictures, dict[str, Any]]:
         """Start the next episode; with a seed, the first one of that seed."""
+        checked_options(options)
         super().reset(seed=seed)
         self._start(seed, self.np_random)
         return self._observed(), self._game.fact()

@@ -1,15 +1,19 @@
 """What every foraging environment can be told when it is made."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import TypedDict
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any, TypedDict
+
+from numpy.typing import NDArray
 
 from graph_planner.encodings import encoder_label
+from graph_planner.references import nearest
 from mjforage.core.errors import UserError
 from mjforage.core.once import say_once
 from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
+from mjforage.learning.environments.choices import Overrides, chosen_setup
 from mjforage.learning.environments.harbour_picture import check_camera
 from mjforage.learning.environments.rewards import PUBLISHED, checked_weights
 from mjforage.learning.environments.spaces import DTYPES
@@ -20,12 +24,12 @@ from mjforage.physics.worlds import WORLDS
 class EnvironmentArguments(TypedDict, total=False):
     """Keyword arguments of the foraging environments, see `EnvironmentOptions`."""
 
-    scenario: str | Scenario
+    scenario: str | Path | Scenario
     world: str
     observation: str
     reward: Mapping[str, float] | None
-    map: str | None
-    set: Sequence[str]
+    map: str | Path | NDArray[Any] | None
+    set: Overrides
     render_mode: str | None
     camera: str | None
     dtype: str
@@ -41,8 +45,10 @@ class EnvironmentOptions:
     world : name in `mjforage.physics.worlds.WORLDS`
     observation : reference to an encoder, see `graph_planner.encodings.create_encoder`
     reward : reference to a term -> weight, see `rewards`; absent: the published weights
-    map : replaces the scenario's grid: a name, generated harbour, or path of a table, grid or image
-    set : overrides KEY=VALUE of the scenario
+    map : replaces the scenario's grid: a name, generated harbour, or path of a table, grid or image;
+        or an array (row, column), True or 1 where there is water, on which the fleet starts in a
+        cluster
+    set : overrides of the scenario: KEY -> value, or KEY=VALUE each
     camera : of `mjforage render --camera`, to see the hulls in 3-D; None: the map from above
     dtype : "float32", values in [0, 1], or "uint8", levels that a learner divides by 255 itself
 
@@ -52,12 +58,12 @@ class EnvironmentOptions:
         If a name is not known or the scenario is not a valid one.
     """
 
-    scenario: str | Scenario = "comb-port"
+    scenario: str | Path | Scenario = "comb-port"
     world: str = "graph"
     observation: str = "egocentric"
     reward: Mapping[str, float] | None = None
-    map: str | None = None
-    set: Sequence[str] = ()
+    map: str | Path | NDArray[Any] | None = None
+    set: Overrides = ()
     render_mode: str | None = None
     camera: str | None = None
     dtype: str = "float32"
@@ -71,13 +77,19 @@ class EnvironmentOptions:
             raise UserError(f"dtype = {self.dtype!r}: unknown; choose {', '.join(DTYPES)}")
         check_camera(self.camera, self.world, self.render_mode)
         object.__setattr__(self, "observation", encoder_label(self.observation))
-        scenario = self.scenario
-        if isinstance(scenario, str):
-            scenario = load_scenario(scenario, self.set, self.map)
-        elif self.map is not None or self.set:
-            raise UserError("map and set change a scenario's file; give the scenario by its name")
-        object.__setattr__(self, "setup", Setup.of(scenario))
+        object.__setattr__(self, "setup", chosen_setup(self.scenario, self.map, self.set))
         for line in foretold(self.setup, (self.world,)):
             say_once(line)
         weights = PUBLISHED if self.reward is None else self.reward
         object.__setattr__(self, "weights", checked_weights(weights))
+
+    @classmethod
+    def of(cls, arguments: Mapping[str, Any]) -> "EnvironmentOptions":
+        """Options of keyword arguments; raises as the class, and of what is no argument."""
+        known = [each.name for each in fields(cls) if each.init]
+        for name in arguments:
+            if name not in known:
+                raise UserError(
+                    f"{name}: an environment takes no such argument; {nearest(name, known)}"
+                )
+        return cls(**arguments)

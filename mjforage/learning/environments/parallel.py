@@ -10,7 +10,7 @@ from pettingzoo import ParallelEnv
 
 from graph_planner.navigation import STAY
 from mjforage.core.errors import UserError
-from mjforage.learning.environments.checks import checked_moves, checked_started
+from mjforage.learning.environments.checks import checked_moves, checked_options, checked_started
 from mjforage.learning.environments.options import EnvironmentArguments
 from mjforage.learning.environments.single import METADATA, SingleEnvironment
 from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, shown
@@ -66,6 +66,7 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Pictures, int]):  
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Pictures], dict[str, dict[str, Any]]]:
         """Start the next episode; with a seed, the first one of that seed."""
+        checked_options(options)
         self._start(seed, self._entropy)
         self.agents = list(self.possible_agents)
         return self._observed(self.agents)

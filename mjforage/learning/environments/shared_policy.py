@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from graph_planner.encodings.masks import legal_of_agent
 from graph_planner.navigation import STAY
-from mjforage.learning.environments.checks import checked_moves, checked_started
+from mjforage.learning.environments.checks import checked_moves, checked_options, checked_started
 from mjforage.learning.environments.game import CHOSEN, OTHERWISE_STAY
 from mjforage.learning.environments.options import EnvironmentArguments
 from mjforage.learning.environments.single import METADATA, SingleEnvironment, summed
@@ -44,6 +44,7 @@ class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Pictures, np.int64]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Pictures, dict[str, Any]]:
         """Start the next episode; with a seed, the first one of that seed."""
+        checked_options(options)
         super().reset(seed=seed)
         self._start(seed, self.np_random)
         self._begin_round()

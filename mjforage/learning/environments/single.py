@@ -31,7 +31,7 @@ class SingleEnvironment(Copied):
 
     def __init__(self, arguments: EnvironmentArguments) -> None:
         self.metadata = metadata_here(type(self).metadata)  # type: ignore[misc]
-        options = EnvironmentOptions(**arguments)
+        options = EnvironmentOptions.of(arguments)
         self.render_mode, self._dtype = options.render_mode, options.dtype
         self._game = Game(options)
         self._episodes = Episodes()

@@ -12,7 +12,12 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
-from mjforage.learning.environments.checks import checked_moves, checked_seed, checked_started
+from mjforage.learning.environments.checks import (
+    checked_moves,
+    checked_options,
+    checked_seed,
+    checked_started,
+)
 from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.game import Episodes, Game, Outcome
 from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
@@ -52,7 +57,7 @@ class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[A
     ) -> None:
         if num_envs < 1:
             raise UserError(f"num_envs = {num_envs}: give 1 or more")
-        options = EnvironmentOptions(**arguments)
+        options = EnvironmentOptions.of(arguments)
         check_mode(options.render_mode, MODES)
         self.num_envs, self.render_mode = num_envs, options.render_mode
         self.autoreset_mode = _checked_mode(autoreset_mode)
@@ -91,7 +96,8 @@ class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[A
         UserError
             If a seed or the mask is not one, or the first reset leaves some out.
         """
-        seeds, envs = self._seeds(seed), self._chosen((options or {}).get("reset_mask"))
+        told = checked_options(options, ("reset_mask",))
+        seeds, envs = self._seeds(seed), self._chosen(told.get("reset_mask"))
         super().reset(seed=seeds[0] if isinstance(seed, Integral) else None)
         self._start(envs, seeds)
         started = np.zeros(self.num_envs, np.bool_)

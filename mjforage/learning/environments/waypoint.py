@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, ClassVar
 
 import gymnasium
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers import Pilot
-from mjforage.learning.environments.checks import checked_started, checked_thrusts
+from mjforage.learning.environments.checks import checked_options, checked_started, checked_thrusts
 from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.course import TICK_S, Course
 from mjforage.learning.environments.rewards import checked_names
@@ -66,7 +67,7 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
 
     def __init__(
         self,
-        vessel: str = "scout",
+        vessel: str | Path = "scout",
         wind_mps: float = 3.0,
         gust_intensity: float = 0.15,
         current_mps: float = 0.15,
@@ -97,7 +98,7 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
         self.metadata = metadata_here(type(self).metadata)  # type: ignore[misc]
         self.render_mode, self._screen = render_mode, Screen(render_mode, self._drawn)
         self._weights = checked_names(REWARD if reward is None else reward, REWARD)
-        self._course = Course(load_vessel(vessel), weather, WAYPOINTS)
+        self._course = Course(load_vessel(str(vessel)), weather, WAYPOINTS)
         self._low, self._high = self._course.vessel.thruster.command_range
         self._way: list[tuple[float, float]] = []  # empty until the first reset
         self.observation_space = gymnasium.spaces.Box(-1.0, 1.0, (SCALES.size,), np.float32)
@@ -112,6 +113,7 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Numbers, dict[str, Any]]:
         """Draw new waypoints and weather."""
+        checked_options(options)
         super().reset(seed=seed)
         self._course.start(self.np_random)
         self._steps = 0

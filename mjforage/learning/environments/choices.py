@@ -1,0 +1,88 @@
+"""The scenario and the map of an environment, as a user of Python hands them over."""
+
+import json
+import reprlib
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.core.errors import UserError
+from mjforage.core.harbours import is_harbour
+from mjforage.core.scenario import Scenario
+from mjforage.core.scenario_file import load_scenario, with_overrides, with_values
+from mjforage.core.setup import Setup
+
+Overrides = Sequence[str] | Mapping[str, Any]
+
+
+def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
+    """The setup of what `scenario=`, `map=` and `set=` were given.
+
+    Raises
+    ------
+    UserError
+        If one of them is of another type, or the scenario is not a valid one.
+    """
+    if not isinstance(scenario, str | Path | Scenario):
+        raise _unknown("scenario", scenario, "a preset's name, a TOML file or a Scenario")
+    found = scenario if isinstance(scenario, Scenario) else load_scenario(str(scenario))
+    told = list(_told(overrides))
+    cells = None
+    if isinstance(grid, np.ndarray):
+        cells = _cells(grid)
+        found = with_values(found, {"map.starts": []}, "map")
+    elif isinstance(grid, str | Path):
+        starts = {"map.starts": []} if is_harbour(str(grid)) else {}
+        found = with_values(found, {"map.file": str(grid), **starts}, f"--map {grid}")
+    elif grid is not None:
+        raise _unknown("map", grid, "a name, a file or an array (row, column) of booleans")
+    return Setup.of(with_overrides(found, told) if told else found, cells)
+
+
+def _told(overrides: object) -> Iterator[str]:
+    """KEY=VALUE of each override."""
+    remedy = 'a mapping such as {"horizon": 20}, or a list such as ["horizon=20"]'
+    if isinstance(overrides, Mapping):
+        for key, value in overrides.items():
+            if isinstance(value, Mapping):
+                yield from _told({f"{key}.{inner}": one for inner, one in value.items()})
+            else:
+                yield f"{key}={_written(f'set[{key!r}]', value)}"
+    elif isinstance(overrides, Sequence) and not isinstance(overrides, str):
+        for override in overrides:
+            if not isinstance(override, str):
+                raise _unknown("set", overrides, remedy)
+            yield override
+    else:
+        raise _unknown("set", overrides, remedy)
+
+
+def _written(name: str, value: object) -> str:
+    """A value as TOML has it, which is JSON's way for all that a key can be."""
+    plain = value.tolist() if isinstance(value, np.generic | np.ndarray) else value
+    try:
+        if plain is None:
+            raise TypeError("None")
+        return json.dumps(plain, default=_path)
+    except (TypeError, ValueError) as error:
+        raise _unknown(name, value, "a number, a boolean, a text, or a list of these") from error
+
+
+def _path(value: object) -> str:
+    if isinstance(value, Path):
+        return str(value)
+    raise TypeError(type(value).__name__)
+
+
+def _cells(grid: NDArray[Any]) -> NDArray[np.bool_]:
+    if grid.ndim != 2 or grid.dtype.kind not in "biu" or not np.isin(grid, (0, 1)).all():
+        words = "two axes, row and column, of booleans or of 0 and 1, 1 where there is water"
+        raise UserError(f"map: an array of {grid.dtype}, shape {grid.shape}; give {words}")
+    return grid.astype(np.bool_)
+
+
+def _unknown(name: str, value: object, remedy: str) -> UserError:
+    return UserError(f"{name} = {reprlib.repr(value)}: is {type(value).__name__}; give {remedy}")
