@@ -3,6 +3,8 @@
 # `make test`: ruff, mypy, import-linter, and all tests but those of whole runs: ten minutes.
 # `make thorough`: those: commands, runs that are killed and go on, trainings, hulls, reports, films, blocks of pages.
 # `make capabilities`: tests of what learns, under each set of instructions of processors.
+# `make mujoco`: hulls, items and scenarios with MuJoCo 4 too, and both versions beside each other.
+# `make lowest`: core, physics, runs and commands with the lowest versions that pyproject.toml allows.
 # `make dist`: a wheel and an sdist in dist/, checked, installed elsewhere and used.
 # `make docs`: the site, under build/site; open build/site/index.html.
 # `make links`: its links to other sites; fails on broken ones, and says which could not be checked.
@@ -22,12 +24,12 @@ unexport PYTHONDONTWRITEBYTECODE
 CAPABILITIES := default avx2 avx512
 LEARNING := tests/mjforage/learning tests/graph_planner/test_weights.py
 
-.PHONY: demo quick test thorough types collected planner hulls capabilities mutants evidence evidence-pages dist docs links pages gallery install clean
+.PHONY: demo quick test thorough types collected planner hulls capabilities mujoco lowest mutants evidence evidence-pages dist docs links pages gallery install clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable .
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[film]'
 	touch $@
 
 $(VENV)/.installed-dev: $(VENV)/.installed
@@ -83,6 +85,46 @@ capabilities: $(VENV)/.installed-dev
 		echo "learning, ATEN_CPU_CAPABILITY=$$capability"; \
 		ATEN_CPU_CAPABILITY=$$capability $(BIN)/pytest -n 2 -rs -m every_capability $(LEARNING) || exit 1; \
 	done
+
+# The second MuJoCo lies before all other libraries, which both environments share. Version 4 splits
+# its package: the core is all that we use.
+MUJOCO := 4.0.0
+HULLS := tests/mjforage/physics/callback tests/mjforage/physics/scene tests/mjforage/physics/simulation \
+	tests/mjforage/physics/floating tests/mjforage/physics/manoeuvre tests/mjforage/physics/dynamics
+
+$(VENV)/mujoco-$(MUJOCO)/.installed: $(VENV)/.installed-dev
+	rm -rf $(@D)
+	$(BIN)/python -m venv $(@D)
+	$(BIN)/python -c "import sysconfig; print(sysconfig.get_path('purelib'))" \
+		>"$$($(@D)/bin/python -c "import sysconfig; print(sysconfig.get_path('purelib'))")/libraries.pth"
+	$(@D)/bin/pip install --quiet --no-deps mujoco==$(MUJOCO) mujoco-core==$(MUJOCO)
+	touch $@
+
+mujoco: $(VENV)/mujoco-$(MUJOCO)/.installed
+	PYTHONPATH=$(CURDIR) $(BIN)/python tests/mjforage/physics/simulation/crowd.py \
+		--beside $(CURDIR)/$(<D)/bin/python
+	PYTHONPATH=$(CURDIR) $(<D)/bin/python -m pytest -n 2 --dist worksteal -m 'not thorough' $(HULLS)
+	rm -rf $(<D)/run
+	PYTHONPATH=$(CURDIR) $(<D)/bin/python -m mjforage compare comb-port-weather --policy greedy \
+		--out $(<D)/run $(COMPILE)
+
+# Their own warnings are not ours: what is deprecated today was not when they were made.
+OLD := tests/mjforage/core tests/mjforage/physics/callback tests/mjforage/physics/scene \
+	tests/mjforage/physics/simulation tests/mjforage/runs/test_evaluate.py tests/mjforage/runs/test_storage.py \
+	tests/mjforage/runs/test_tables.py tests/mjforage/runs/test_resuming.py tests/mjforage/cli/test_maps.py \
+	tests/mjforage/cli/test_run_folders.py tests/mjforage/view/render/test_video.py
+
+$(VENV)/lowest/.installed: lowest.txt constraints.txt pyproject.toml
+	rm -rf $(@D)
+	$(PYTHON) -m venv $(@D)
+	$(@D)/bin/pip install --quiet --requirement lowest.txt
+	$(@D)/bin/pip install --quiet --constraint constraints.txt pytest pytest-xdist hypothesis psutil jsonschema
+	$(@D)/bin/pip install --quiet --no-deps --editable .
+	$(@D)/bin/pip check
+	touch $@
+
+lowest: $(VENV)/lowest/.installed
+	$(<D)/bin/python -m pytest -n 2 --dist worksteal -m 'not slow' -W ignore::DeprecationWarning $(OLD)
 
 mutants: $(VENV)/.installed-dev
 	$(BIN)/python -m tests.mutants --out docs/mutants.md

@@ -1,6 +1,7 @@
 """What the packages import is declared: always needed, or in an extra."""
 
 import ast
+import re
 import sys
 import tomllib
 from importlib.metadata import packages_distributions
@@ -68,7 +69,7 @@ def test_constraints_have_every_requirement() -> None:
     fixed = {name_of(line) for line in lines if line and not line.startswith("#")}
     extras = PROJECT["optional-dependencies"].values()
     asked = {name_of(line) for part in (PROJECT["dependencies"], *extras) for line in part}
-    assert asked - fixed == set()
+    assert asked - fixed - {"mjforage"} == set()
 
 
 def test_classifiers_name_the_pythons_that_are_asked_for() -> None:
@@ -81,3 +82,33 @@ def test_classifiers_name_the_pythons_that_are_asked_for() -> None:
 def test_packages_are_typed() -> None:
     for name in PACKAGES:
         assert Path(REPOSITORY, name, "py.typed").is_file()
+
+
+def test_lowest_versions_are_those_that_are_allowed() -> None:
+    """`make lowest` tries each lower bound of what is not left out; a bound has one form."""
+    lines = (REPOSITORY / "lowest.txt").read_text("utf-8").splitlines()
+    lowest = dict(line.split("==") for line in lines if line and not line.startswith("#"))
+    extras = PROJECT["optional-dependencies"]
+    for line in (*PROJECT["dependencies"], *extras["film"], *extras["cluster"]):
+        bound = re.search(r">=([\d.]+)", line)
+        assert bound is not None, line
+        assert _numbers(lowest[name_of(line)]) == _numbers(bound[1]), line
+
+
+def test_what_is_patched_has_an_upper_bound() -> None:
+    assert any(re.fullmatch(r"numba>=[\d.]+,<0\.\d+", line) for line in PROJECT["dependencies"])
+
+
+def test_the_base_has_nothing_that_an_extra_brings() -> None:
+    extras = PROJECT["optional-dependencies"]
+    base = {name_of(line) for line in PROJECT["dependencies"]}
+    for extra in ("cluster", "film", "learn", "libraries", "orienteering"):
+        assert base.isdisjoint(map(name_of, extras[extra])), extra
+
+
+def _numbers(version: str) -> list[int]:
+    """The parts of a version, without zeros at its end: 2025.1 is 2025.1.0."""
+    parts = list(map(int, version.split(".")))
+    while parts and not parts[-1]:
+        parts.pop()
+    return parts

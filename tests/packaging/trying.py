@@ -12,17 +12,25 @@ from tests.packaging.contents import PACKAGES, REPOSITORY
 
 USES = (
     ("mjforage", "--help"),
-    ("mjforage", "evaluate", "comb-port", "--policy", "ddqn", "--episodes", "2", "--out", "run"),
+    ("mjforage", "evaluate", "comb-port", "--policy", "greedy", "--episodes", "2", "--out", "run"),
     ("mjforage", "report", "run"),
+    ("mjforage", "compare", "comb-port", "--policy", "levy", "--episodes", "1", "--out", "both"),
+    ("mjforage", "render", "run", "-o", "run.png"),
     ("mjforage", "maps", "harbour:combs:7", "-o", "harbour.png"),
     ("mjforage", "schemas", "--out", "schemas"),
 )
 """Commands, each after those before it."""
 
-MADE = ("run/report.html", "harbour.png", "schemas/scenario.json")
+MADE = ("run/report.html", "both/report.html", "run.png", "harbour.png", "schemas/scenario.json")
 
-EXTRAS = ("distributed", "ortools", "tensordict", "torchrl")
+EXTRAS = (
+    *("av", "distributed", "ortools", "stable_baselines3", "tensorboard", "tensordict", "torch"),
+    "torchrl",
+)
 """Modules that an installation without extras lacks."""
+
+WITHOUT = f"import sys; sys.modules.update(dict.fromkeys({EXTRAS}))"
+"""A line of a path file: modules of extras are not to be found, whatever is installed."""
 
 IMPORTS = f"""
 import importlib, importlib.metadata, pkgutil, sys
@@ -67,7 +75,7 @@ def run(command: Sequence[str], folder: Path) -> None:
 
 
 def sharing(place: Path) -> Path:
-    """Make an environment that finds the libraries of this one, but not this checkout.
+    """Make an environment that finds the libraries of this one, but not this checkout or extras.
 
     The path files of a folder that a path file adds are not read: an editable install of the
     checkout, which is such a file, does not come with the libraries.
@@ -75,7 +83,7 @@ def sharing(place: Path) -> Path:
     venv.create(place, with_pip=True)
     inside = {"base": str(place), "platbase": str(place)}
     packages = Path(sysconfig.get_path("purelib", "venv", inside))
-    (packages / "libraries.pth").write_text(f"{sysconfig.get_path('purelib')}\n")
+    (packages / "libraries.pth").write_text(f"{sysconfig.get_path('purelib')}\n{WITHOUT}\n")
     return place / "bin"
 
 

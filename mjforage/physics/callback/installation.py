@@ -67,7 +67,7 @@ def install(route: Route | None = None) -> Route:
     if problem:
         raise UserError(
             f"{chosen.value} MuJoCo callback: {problem}; MuJoCo {mujoco.__version__} is not "
-            "supported, install one of >=3.17,<4"
+            "supported, install one of >=3.17,<5"
         )
     if chosen is Route.NATIVE:
         mujoco.set_mjcb_passive(native_callback().ctypes)

@@ -1,0 +1,35 @@
+"""Sixteen vessels among 300 items, packed in a corner: what a sparse solver must get right."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from mjforage.physics.simulation import Integrator
+from tests.mjforage.physics.simulation.crowd import (
+    ITEMS,
+    TOLERANCE_M,
+    VESSELS,
+    crowd,
+    places,
+)
+
+SECONDS = 20
+
+
+@pytest.mark.parametrize("integrator", Integrator)
+def test_sparse_and_dense_solvers_agree(integrator: Integrator) -> None:
+    """Their answers are the same numbers by two ways; of those one was wrong in MuJoCo 4.0.0."""
+    sparse, dense = crowd(integrator), crowd(integrator)
+    dense.model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    first, second = places(sparse, SECONDS), places(dense, SECONDS)
+    assert first.shape == (SECONDS, len(VESSELS) + ITEMS, 2)
+    assert np.abs(first - second).max() < TOLERANCE_M
+
+
+def test_hulls_and_items_are_in_contact() -> None:
+    simulation = crowd(Integrator.FAST)
+    data = mujoco.MjData(simulation.model)
+    places(simulation, SECONDS)
+    data.qpos[:] = simulation.engine.bind("qpos")[0]
+    mujoco.mj_forward(simulation.model, data)
+    assert data.ncon > 40
