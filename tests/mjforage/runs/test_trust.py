@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import polars as pl
 import pytest
 
 from graph_planner import extensions
@@ -21,6 +22,8 @@ from mjforage.runs.costs import Invocation
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.replaying import replay_of_run
 from mjforage.runs.workers import Workers
+from mjforage.view.report.run_logs import load_logs
+from mjforage.view.report.studies.board_policies import given
 
 EVIL = """from pathlib import Path
 
@@ -154,14 +157,31 @@ def test_weights_run_no_code(folder: Path) -> None:
     assert (folder / "imported").exists() and not (folder / "called").exists()
 
 
+def test_reports_run_no_code(folder: Path) -> None:
+    """Of policies, as a board shows them, and of metrics that only a table names."""
+    for name in ("evil:Enc", 'subprocess:getoutput(cmd="touch pwned")'):
+        assert given(name) == ("", "")
+    run = run_of("greedy")
+    for table in ("episodes", "steps"):
+        frame = pl.read_parquet(run / f"{table}.parquet")
+        frame.with_columns(frame["pta_c"].alias("evil:Enc")).write_parquet(run / f"{table}.parquet")
+    summary = json.loads((run / "summary.json").read_text())
+    found = summary["graph"]["greedy"]
+    found["evil:Enc"] = found["pta_c"]
+    (run / "summary.json").write_text(json.dumps(summary))
+    logs = load_logs(run)
+    assert logs.metrics["evil:Enc"].label == logs.courses["evil:Enc"].label == "evil:Enc"
+    assert untouched(folder)
+
+
 def test_workers_take_what_their_parent_was_told(folder: Path) -> None:
     extensions.trust("trust_mine:North")
     setup, here = Setup.of(load_scenario("comb-port", ["horizon=4"])), Invocation("", "", 1)
     info = {"hash": "", "policies": ["greedy"], "worlds": ["graph"]}
-    given = Assignment.of(setup, 0, folder, info, (), here, Workers(2))
-    assert given.trusted == ("trust_mine:North",)
+    work = Assignment.of(setup, 0, folder, info, (), here, Workers(2))
+    assert work.trusted == ("trust_mine:North",)
     extensions._TRUSTED.clear()
-    assignments._setup(replace(given, parent=1, code=()))
+    assignments._setup(replace(work, parent=1, code=()))
     assert extensions.trusted() == ("trust_mine:North",)
 
 
