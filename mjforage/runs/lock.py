@@ -8,6 +8,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from mjforage.core.errors import UserError
+from mjforage.runs.foreign import check_files
 
 _LOCK = ".lock"
 _READ_ONLY = (errno.EACCES, errno.EPERM, errno.EROFS)
@@ -24,8 +25,10 @@ def claimed(path: Path) -> Iterator[None]:
     Raises
     ------
     UserError
-        If another process is writing it, or the disk has no locks.
+        If another process is writing it, the disk has no locks, or a link is in the folder, by
+        which the lock could be a file elsewhere.
     """
+    check_files(path / _LOCK)
     lock = FileLock(path / _LOCK)
     try:
         lock.acquire(timeout=0)

@@ -228,7 +228,6 @@ def set_aside(path: Path, kind: str) -> Path | None:
     """
     if not (path / f"{kind}.json").is_file():
         return None
-    check_files(path / f"{kind}.json")
     now = f"{datetime.now(UTC):%Y%m%dT%H%M%S}"
     names = (f"{path.name}.before-{now}{more}" for more in ("", *(f"-{n}" for n in range(2, 100))))
     with claimed(path), writing(path):

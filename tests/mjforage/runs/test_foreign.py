@@ -127,6 +127,17 @@ def test_links_in_a_folder_are_refused(run: Path, place: str, kind: str) -> None
     assert (victim / "file").read_text() == "mine"
 
 
+def test_a_lock_is_no_file_elsewhere(tmp_path: Path) -> None:
+    """Not even in a folder that holds nothing else: to lock a file empties it."""
+    (tmp_path / "victim").write_text("mine")
+    (tmp_path / "new").mkdir()
+    (tmp_path / "new" / ".lock").symlink_to(tmp_path / "victim")
+    setup = Setup.of(load_scenario("comb-port", ["horizon=4"]))
+    with pytest.raises(UserError, match=r"\.lock: is a link or a device"):
+        evaluate(setup, ["greedy"], tmp_path / "new", episodes=1)
+    assert (tmp_path / "victim").read_text() == "mine"
+
+
 def test_a_pipe_is_refused_and_not_waited_for(run: Path) -> None:
     (run / "run.json").unlink()
     os.mkfifo(run / "run.json")
