@@ -44,7 +44,8 @@ def run_checks(checks: Sequence[Callable[[T], None]], trial: T) -> None:
         except Exception as error:
             name = check.__name__.removeprefix("check_")
             who = getattr(trial, "name", "")
-            words = f"{who} raised {fault(error, _package(trial)) or fault(error)}; mend it"
+            remedy = "copy what you change" if "read-only" in str(error) else "mend it"
+            words = f"{who} raised {fault(error, _package(trial)) or fault(error)}; {remedy}"
             raise ConformanceError(name, words) from error
 
 

@@ -104,9 +104,11 @@ def check_metric_ends(trial: PartTrial) -> None:
     scorer = _played(trial, metric, [0, 1, 2])
     plain, log = _scores(scorer, metric), scorer.log
     over = np.arange(log.agent_node.shape[1]) > log.length[:, None]
-    for array in (getattr(log, name) for name in (*Tracks._fields, "item_node")):
+    for name in (*Tracks._fields, "item_node"):
+        array = getattr(log, name).copy()
         if over.any() and array.size:
             array[over] = array.max()
+        setattr(log, name, array)
     for before, after in zip(plain, _scores(scorer, metric), strict=True):
         found = first_difference(before, after)
         if found:

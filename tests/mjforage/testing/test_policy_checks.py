@@ -52,9 +52,17 @@ class Writing(Good):
         return super().act(observation)
 
 
+class Forcing(Good):
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        observation.belief.flags.writeable = True
+        observation.belief[:, 0] += 1
+        return super().act(observation)
+
+
 class Reaching(Good):
     def reset(self, task: Task, keys: UInt64Array) -> None:
         super().reset(task, keys)
+        task.fleet.energy.flags.writeable = True
         task.fleet.energy[:] = np.minimum(task.fleet.energy, 1e6)
 
 
@@ -91,6 +99,7 @@ class Denying(Good):
     """Writes only where items are known, so not at first."""
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
+        observation.belief.flags.writeable = True
         for row in np.flatnonzero(observation.active):
             nodes = observation.known[row, : observation.n_known[row]]
             observation.belief[row, nodes] = 0
@@ -120,7 +129,8 @@ BAD: list[tuple[type[Policy], str, str]] = [
         r"raised IndexError: no such lane \(test_policy_checks.py, line \d+\); mend it",
     ),
     (Undefined, "values", "gave inf for move 3 of agent 0 at step 1; give finite numbers, or -inf"),
-    (Writing, "observation_is_only_read", "changed observation.belief at step 1; copy"),
+    (Writing, "shape", r"raised ValueError: output array is read-only .*; copy what you"),
+    (Forcing, "observation_is_only_read", "changed observation.belief at step 1; copy"),
     (Reaching, "task_is_only_read", "changed arrays of the task; copy what you change"),
     (Chancy, "repeatable", "at step 1 for the same keys; draw random numbers from the keys"),
     (Remembering, "reset", "at step 1 fresh and after other episodes; let reset forget"),
