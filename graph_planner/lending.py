@@ -20,10 +20,10 @@ def read_only(value: T) -> T:
 
 def locked(value: T) -> T:
     """The same array, or tuple of such, which from now on cannot be written by this name."""
-    if isinstance(value, np.ndarray):
-        value.setflags(write=False)
-    elif isinstance(value, tuple):
-        for part in value:
+    for part in value if isinstance(value, tuple) else (value,):
+        if isinstance(part, np.ndarray):
+            part.setflags(write=False)
+        elif isinstance(part, tuple):
             locked(part)
     return value
 

@@ -274,7 +274,8 @@ class Mission:
 
     def _observed(self, knowledge: Knowledge, late: Late, holders: int) -> Observation:
         """Knowledge as a policy sees it, the episodes' arrays once for each holder."""
-        active, step, keys = self.active, locked(self.step + _ONE), self.keys
+        active, step, keys = self.active, self.step + _ONE, self.keys
+        step.setflags(write=False)
         if holders > 1:
             active, step = (locked(np.repeat(each, holders)) for each in (active, step))
             keys = self._held_keys
@@ -374,12 +375,16 @@ class Mission:
         UserError
             If the preferences have the wrong shape, are no numbers or contain NaN.
         """
-        self.moves = locked(self.decide(preferences))
-        self.step = locked(self.step + self.active.astype(np.int32))
+        self.moves = self.decide(preferences)
+        for part in self.moves:  # a call of `locked` costs as much as the flags of three arrays
+            part.setflags(write=False)
+        self.step = self.step + self.active
+        self.step.setflags(write=False)
         self._state = self._dynamics.advance(self.active, self.step, self.moves)
         self.exchange.tell(self._see(), self._knowledge)
         item_node = np.ascontiguousarray(self._state.item_node, np.int32)
-        self.active = locked(self._go_on(self.active, self.step, item_node))
+        self.active = self._go_on(self.active, self.step, item_node)
+        self.active.setflags(write=False)
         return self.state
 
     def run(self, policy: Policy, observers: "tuple[Observer, ...]" = ()) -> None:

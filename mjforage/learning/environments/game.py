@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from graph_planner.compiled import kernel, prepared
 from graph_planner.encodings import LegalMoves, create_encoder
 from graph_planner.geodesics import Int32Array
 from graph_planner.navigation import STAY
@@ -119,6 +119,7 @@ class Game:
         self._spare = Mission(self.setup) if graph and num_envs > 1 else None
         self._weights = options.weights
         self._terms = RewardTerms(self.setup.task, self._weights)
+        self._share_happened = prepared(_share_happened)
         self._legal_moves = LegalMoves(self.setup.task)
         self._encoder = create_encoder(options.observation, self.setup.task)
         self.shapes = self._encoder.shapes
@@ -206,7 +207,7 @@ class Game:
         """Steps (env,) made, and shares (env,) of items discovered and removed so far [%]."""
         entries, shares = self.mission.ledger.entries, {}
         for name, when in (("pta_d", entries.t_discovered), ("pta_c", entries.t_collected)):
-            shares[name] = _share_happened(when, self.n_items)
+            shares[name] = self._share_happened(when, self.n_items)
         return {"step": self.mission.step.astype(np.int64), **shares}
 
     def fact(self) -> dict[str, float]:

@@ -43,13 +43,12 @@ class Follower:
 
     def follow(self, mission: Mission) -> Before:
         """The copy, brought up to date; call once before every step of one mission."""
-        live, copied, task = Before.of(mission), self._copy, mission.task
+        live, copied, task, known = Before.of(mission), self._copy, mission.task, mission.knowledge
         if copied is None or copied.belief.shape != live.belief.shape:
             arrays: tuple[NDArray[Any], ...] = live
             self._copy = Before._make(array.copy() for array in arrays)
             return self._lent.of(self._copy)
-        looked_from = mission.knowledge.agent_node
-        self._follow(live, looked_from, task.views, task.radius_number, copied)
+        self._follow(live, known.agent_node, task.views, task.radius_number, copied)
         return self._lent.of(copied)
 
 
