@@ -69,7 +69,7 @@ def board(
         comb-port-weather comb-port-radio comb-port@physics comb-port-weather@physics.
     policy
         A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
-        NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several;
+        NAME.safetensors here; with options as in "greedy(distance=2)". Several may follow the flag;
         one that cannot play a course is refused. Default: all that have a name; who cannot play a
         course is left out of it, and the page says why.
     """

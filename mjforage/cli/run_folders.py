@@ -56,7 +56,7 @@ def evaluate(
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     policy
         A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
-        NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
+        NAME.safetensors here; with options as in "greedy(distance=2)". Several may follow the flag.
     metric
         A metric to take beside ours: MODULE:CLASS of your own, or one of a package; repeatable.
     world
@@ -125,7 +125,7 @@ def compare(
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     policy
         A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
-        NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
+        NAME.safetensors here; with options as in "greedy(distance=2)". Several may follow the flag.
     metric
         A metric to take beside ours: MODULE:CLASS of your own, or one of a package; repeatable.
     ladder
@@ -231,10 +231,10 @@ def report(
     out
         Folder for the page on two runs; default FOLDER/compared-with-NAME.
     tables
-        Write every table of one run or study into tables/ as well, in these formats:
-        latex,csv,markdown.
+        Write every table of one run or study into tables/ as well, in these formats: latex csv
+        markdown.
     figures
-        Write every figure of one run or study into figures/ in these formats: pdf,png,svg; letters
+        Write every figure of one run or study into figures/ in these formats: pdf png svg; letters
         stay text.
     policy
         Show these policies of a run alone; repeatable. By default all, or of more than 20 the best

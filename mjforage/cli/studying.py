@@ -148,7 +148,7 @@ def ablation(
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     policy
         A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
-        NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
+        NAME.safetensors here; with options as in "greedy(distance=2)". Several may follow the flag.
     """
     from mjforage.runs import variants
 
@@ -175,7 +175,7 @@ def corruption(
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     policy
         A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
-        NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
+        NAME.safetensors here; with options as in "greedy(distance=2)". Several may follow the flag.
     """
     from mjforage.runs import variants
 
@@ -205,7 +205,7 @@ def paper(
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     policy
         A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
-        NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
+        NAME.safetensors here; with options as in "greedy(distance=2)". Several may follow the flag.
     """
     from mjforage.runs import variants
 
@@ -234,7 +234,7 @@ def communication(
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     policy
         A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
-        NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
+        NAME.safetensors here; with options as in "greedy(distance=2)". Several may follow the flag.
     """
     from mjforage.runs.communication import communication as varied
 
@@ -260,7 +260,7 @@ def sensing(
         Name of a preset (see `mjforage scenarios`) or path of a TOML file.
     policy
         A policy (see `mjforage policies`), MODULE:CLASS of your own, or NAME for weights
-        NAME.safetensors here; with options as in "greedy(distance=2)". Repeat the flag for several.
+        NAME.safetensors here; with options as in "greedy(distance=2)". Several may follow the flag.
     """
     from mjforage.runs.sensing import sensing as varied
 

@@ -21,7 +21,7 @@ from mjforage.core.harbours import is_harbour
 from mjforage.core.link.gossip import LOOK_BYTES
 from mjforage.core.map_files import is_shipped_map
 from mjforage.core.scenario import Link, Scenario
-from mjforage.core.schema import check, shown
+from mjforage.core.schema import NAME, check, rows, shown
 from mjforage.core.toml_files import read_toml
 
 Tree = dict[str, Any]
@@ -90,9 +90,29 @@ def load_scenario(
             _put(tree, ["map", "starts"], [], f"--map {map_file}")
     if water is not None:
         _put(tree, ["map", "water"], water, f"--water {water}")
+    teams, overrides = tree.get("team"), list(overrides)
+    names = list(teams) if isinstance(teams, dict) else []
     for override in overrides:
         _apply(tree, override)
-    return _checked(tree, f"scenario {path.stem}")
+    try:
+        return _checked(tree, f"scenario {path.stem}")
+    except UserError as error:
+        raise _near_miss(overrides, names, error) or error from error
+
+
+def _near_miss(overrides: list[str], teams: list[str], error: UserError) -> UserError | None:
+    """The error of an override whose key is not known but nearly one that is."""
+    known = set()
+    for row in rows(Scenario):
+        table, name, rest = row.key.partition(f".{NAME}")
+        known |= {f"{table}.{team}{rest}" for team in teams} if name else {row.key}
+    for override in overrides:
+        key = override.partition("=")[0].strip()
+        close = [one for one in sorted(known) if one.endswith(f".{key}")]
+        close = close or difflib.get_close_matches(key, known, n=1)
+        if close and key not in known:
+            return UserError(f"--set {override}: did you mean {close[0]}? As it is, {error}")
+    return None
 
 
 def with_overrides(scenario: Scenario, overrides: Iterable[str]) -> Scenario:

@@ -6,6 +6,7 @@ Two processes that write the same file never share a temporary name; the last on
 import errno
 import json
 import os
+import re
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -15,6 +16,7 @@ from mjforage.core.errors import UserError, printable
 
 _AGAIN = "run the same command again: finished work is kept"
 _PART = ".part"
+_NUMBER = re.compile(r"\(os error (\d+)\)")
 _REMEDIES = {
     **dict.fromkeys(
         (errno.ENOSPC, errno.EDQUOT, errno.EFBIG), f"free some space there, then {_AGAIN}"
@@ -40,7 +42,8 @@ def remedy(error: BaseException, otherwise: str = "") -> str:
     ----------
     otherwise : against one that is nothing special
     """
-    number = getattr(error, "errno", None) or 0
+    told = _NUMBER.search(str(error))  # as polars has it
+    number = getattr(error, "errno", None) or (int(told[1]) if told else 0)
     return _REMEDIES.get(number, otherwise or f"mend that or give another place, then {_AGAIN}")
 
 

@@ -61,7 +61,9 @@ def _remote(
 def _local(
     call: Callable[[Assignment, Work], str | None], work: Sequence[Task[Work]], workers: Workers
 ) -> Results:
-    parallel = joblib.Parallel(n_jobs=min(workers.jobs, len(work)), return_as="generator")
+    jobs = min(workers.jobs, len(work))
+    # no arrays travel: nothing to map into memory, so no folder for that, which could stay behind
+    parallel = joblib.Parallel(jobs, return_as="generator", max_nbytes=None, temp_folder=".")
     results = None
     if workers.jobs > 1:
         start_quiet_tracker()

@@ -1,6 +1,7 @@
 """The command line: lists, help, and what a user can mend."""
 
 import json
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,8 @@ import pytest
 
 from graph_planner.policies import policy_names
 from mjforage import __version__
+from mjforage.cli.console import app
+from mjforage.cli.studying import study
 from mjforage.core.mission_metrics import chosen_metrics
 from mjforage.core.scenario_file import load_scenario, preset_names
 from tests.mjforage.cli.short_runs import EVALUATE, GREEDY, Refused
@@ -22,8 +25,14 @@ pytestmark = pytest.mark.usefixtures("here")
         (["evalute"], 'Unknown command "evalute". Did you mean "evaluate"?'),
         (["--nonsense"], "--nonsense"),
         (["evaluate", "--polcy", "greedy"], "--polcy. Did you mean --policy?"),
-        (["evaluate"], "--policy requires an argument"),
-        (["evaluate", "--policy"], "--policy"),
+        (
+            ["evaluate"],
+            "evaluate --policy is missing, or its value: A policy (see `mjforage",
+        ),
+        (["compare", "--policy"], "compare --policy is missing, or its value: A policy"),
+        (["train"], "train ALGORITHM is missing, or its value: ddqn (Double DQN), mappo"),
+        (["completion", "csh"], "choose"),
+        (["help", "evalute"], 'Unknown command "evalute". Did you mean "evaluate"?'),
         (["evaluate", "--policy", "gredy"], "policy gredy: unknown; did you mean greedy?"),
         (["evaluate", "--policy", "greedy", "--policy", "greedy"], "policy greedy: given twice"),
         (
@@ -37,14 +46,22 @@ pytestmark = pytest.mark.usefixtures("here")
         ([*EVALUATE, "--map", "comb_prot"], "did you mean comb_port?"),
         ([*EVALUATE, "--map", "open_bay"], "is on land in map open_bay; give --set map.starts="),
         ([*EVALUATE, "--set", "team.scouts.count=-1"], "team.scouts.count = -1 is out of range"),
-        ([*EVALUATE, "--set", "team.scuots.count=1"], "missing team.scuots.moves"),
+        (
+            [*EVALUATE, "--set", "team.scout.count=3"],
+            "--set team.scout.count=3: did you mean team.scouts.count? As it is, scenario "
+            "comb-port: missing team.scout.moves",
+        ),
+        ([*EVALUATE, "--set", "teams.scouts.count=3"], "did you mean team.scouts.count? As it is"),
+        ([*EVALUATE, "--set", "wind_speed_mps=3"], "did you mean weather.wind_speed_mps? As it"),
+        ([*EVALUATE, "--set", "mean=3"], "did you mean items.mean? As it is"),
+        ([*EVALUATE, "--set", "zzz=3"], "scenario comb-port: unknown key zzz; known: name"),
         ([*EVALUATE, "--set", "horizon"], "--set horizon: expected KEY=VALUE"),
         ([*EVALUATE, "--out", "/proc/nowhere/run"], "/proc/nowhere/run: cannot be written"),
         (["evaluate", "comb-prot", "--policy", "greedy"], "did you mean comb-port?"),
         (["report", "nowhere"], "nowhere: no such folder"),
         (["report"], "FOLDER"),
         (["render", "nowhere", "-o", "a.png"], "nowhere/run.json: file is missing"),
-        (["render", "nowhere"], "--output"),
+        (["render", "nowhere"], "render --out is missing, or its value: FILE.mp4, FILE.gif"),
         (["maps", "nowhere"], "map 'nowhere': no such file or shipped map"),
         (["maps", "harbour:comb:7"], "no kind 'comb'; give harbour:KIND:SEED or harbour:KIND:SEED"),
         (["maps", "harbours:0-2", "-o", "a.csv"], "picture a.csv: unknown kind; give"),
@@ -98,12 +115,40 @@ def test_memory_that_is_not_there_is_one_line(
 
 
 def test_version_and_help(command: Callable[..., Any]) -> None:
-    assert command("--version").out.strip() == __version__
+    assert command("--version").out.strip() == command("-V").out.strip() == __version__
     text = command("--help").out
     for name in ("bench", "compare", "evaluate", "maps", "policies", "render", "validate", "view"):
         assert name in text
         assert "Usage" in command(name, "--help").out
-    assert command().out == text
+    assert command().out == command("help").out == text
+    assert command("help", "study", "board").out == command("study", "board", "--help").out
+
+
+def test_every_command_that_writes_takes_the_same_flag() -> None:
+    other = {"bench": "--json", "schemas": "--out"}  # a table of figures; folders of two kinds
+    writing = 0
+    for told in app, study:
+        for name in told:
+            if name.startswith("-") or name in ("study", "help", "completion", "view"):
+                continue
+            flags = {
+                flag for one in told[name].assemble_argument_collection() for flag in one.names
+            }
+            if flags & {"--out", "--output", "-o"}:
+                writing += 1
+                assert {"--out", "--output", "-o"} <= flags, name
+            else:
+                assert name in (*other, "policies", "metrics", "scenarios", "vessels"), name
+    assert writing >= 16
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_a_shell_completes_commands_and_flags(shell: str, command: Callable[..., Any]) -> None:
+    script = command("completion", shell).out
+    assert "evaluate" in script and "accept-code-change" in script
+    if shell == "bash":
+        done = subprocess.run(["bash", "-n"], input=script, text=True, check=False)
+        assert done.returncode == 0
 
 
 def test_bench_writes_its_figures(

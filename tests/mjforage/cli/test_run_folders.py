@@ -2,16 +2,15 @@
 
 import json
 import shutil
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import polars as pl
 import pytest
-from rich.console import Console
 
 from graph_planner.policies import policy_names
+from mjforage.cli import console
 from mjforage.core.mission_metrics import chosen_metrics
 from mjforage.view.report import terminal_table
 from tests.mjforage.cli.short_runs import EVALUATE, Refused
@@ -35,7 +34,10 @@ def test_a_pipe_gets_the_whole_table(reported: tuple[Path, list[str]]) -> None:
     assert f"{mean:.2f}" in table
 
 
-def test_the_table_fits_a_terminal_of_80_columns() -> None:
+@pytest.mark.parametrize("width", [10, 30, 60, 79, 80, 200])
+def test_the_figures_are_whole_on_a_terminal_of_any_width(
+    width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     widest = dict.fromkeys((one.key for one in chosen_metrics()), 1.0) | {
         "pta_d": 100.0,
         "pta_c": 100.0,
@@ -46,13 +48,13 @@ def test_the_table_fits_a_terminal_of_80_columns() -> None:
         for key, mean in widest.items()
     }
     summary = {"graph": dict.fromkeys(policy_names(), entries)}
-    console = Console(width=80, file=sys.stdout)
-    with console.capture() as captured:
-        console.print(terminal_table(summary))
-    assert "…" not in captured.get()
-    with console.capture() as captured:
-        console.print(terminal_table(summary), width=60)
-    assert "…" in captured.get()
+    monkeypatch.setattr(console.output, "width", width)
+    console.print_table(terminal_table(summary))
+    told = capsys.readouterr().out
+    assert "…" not in told
+    assert told.count("100.00") == 2 * len(policy_names())
+    assert told.count("PTA D") == (1 if width >= 80 else len(policy_names()))
+    assert max(map(len, told.splitlines())) <= width
 
 
 def test_the_same_command_again_says_the_same(

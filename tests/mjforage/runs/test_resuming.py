@@ -5,6 +5,7 @@ import json
 import os
 import signal
 import subprocess
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -171,6 +172,20 @@ def test_ctrl_c_while_workers_start_is_one_line(start: Start, tmp_path: Path) ->
     _, err = process.communicate(timeout=PATIENCE_S)
     assert (process.returncode, err) == (130, INTERRUPTED)
     wait_for(lambda: not any(alive(pid) for pid in helpers), "the end of the workers")
+
+
+@needs_proc
+def test_a_run_that_is_killed_with_all_its_helpers_leaves_no_folder_for_arrays(
+    start: Start, tmp_path: Path
+) -> None:
+    """Not even joblib's own helper is left to remove it."""
+    process = start(*arguments(tmp_path / "run", 5000, 2))
+    wait_for(lambda: chunks(tmp_path / "run"), "a finished chunk")
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait(PATIENCE_S)
+    places = (Path("/dev/shm"), Path(tempfile.gettempdir()), Path.cwd())
+    left = [path for place in places for path in place.glob(f"joblib_memm*_{process.pid}_*")]
+    assert left == []
 
 
 @needs_proc
