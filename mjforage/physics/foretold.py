@@ -80,18 +80,13 @@ def _of_hull(
     scenario: Scenario, worlds: Iterable[str], vessel: Vessel, teams: Iterable[str]
 ) -> Iterator[str]:
     wind = max(_most_wind_mps(WORLDS[world].adapt(scenario)) for world in worlds)
-    if wind and not feels_wind(vessel):
+    if wind and not vessel.windage.any:
         yield f"has no [windage] and does not feel the wind of up to {wind:.3g} m/s"
     if vessel.load == NO_LOAD and any(scenario.team[team].collects for team in teams):
         yield "has no [load], so that items aboard add neither mass nor drag"
     yield from _too_quick(scenario, vessel)
     for team in teams:
         yield from _too_slow(scenario, vessel, team)
-
-
-def feels_wind(vessel: Vessel) -> bool:
-    """Whether a vessel has an area that the wind meets."""
-    return vessel.windage.area_front_m2 > 0.0 or vessel.windage.area_side_m2 > 0.0
 
 
 def _most_wind_mps(scenario: Scenario) -> float:

@@ -115,6 +115,11 @@ class Windage:
     s_l_m: Annotated[float, Quantity("m", -1e3, 1e3)]
     """Centroid of the side area, forward of midships."""
 
+    @property
+    def any(self) -> bool:
+        """Whether there is an area that the wind meets."""
+        return self.area_front_m2 > 0.0 or self.area_side_m2 > 0.0
+
 
 @dataclass(frozen=True)
 class Load:

@@ -4,7 +4,6 @@ import math
 from pathlib import Path
 
 from mjforage.core.errors import UserError
-from mjforage.physics.foretold import feels_wind
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.hydrodynamics.ode_hull import OdeHull
 from mjforage.physics.manoeuvre.directions import parse_flow
@@ -52,7 +51,7 @@ def manoeuvre(
             f"{-MOST_DEG:g} to {MOST_DEG:g}"
         )
     hull = load_vessel(vessel)
-    if any(parse_flow(wind, "--wind")) and not feels_wind(hull):
+    if any(parse_flow(wind, "--wind")) and not hull.windage.any:
         raise UserError(
             f"--wind {wind}: vessel {hull.name} has no [windage] and feels no wind; give it that "
             "table (`mjforage vessels scout` has one), or leave out --wind"

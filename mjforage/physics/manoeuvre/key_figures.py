@@ -129,7 +129,7 @@ def _drift(t: Trajectory) -> dict[str, KeyFigure]:
     east = math.cos(yaw) * surge - math.sin(yaw) * sway
     north = math.sin(yaw) * surge + math.cos(yaw) * sway
     wind = math.hypot(*t.conditions.wind_mps)
-    leeway = math.hypot(east, north) / wind * 100.0 if wind else math.nan
+    leeway = math.hypot(east, north) / wind * 100.0 if wind and t.vessel.windage.any else math.nan
     over_ground = math.hypot(*t.states[-1, 3:5])
     return {
         "drift_speed": KeyFigure(over_ground, "m/s", "over ground at the end"),

@@ -149,3 +149,8 @@ def test_drift_in_a_current_reports_no_leeway_without_wind() -> None:
     found = figures("otter", "drift", Conditions(current_mps=(0.3, 0.0)))
     assert found["drift_speed"] == pytest.approx(0.3, rel=1e-3)
     assert "leeway" not in found
+
+
+def test_a_hull_that_feels_no_wind_has_no_leeway_rather_than_none_of_it() -> None:
+    found = figures("otter", "drift", Conditions(wind_mps=(0.0, 8.0)))
+    assert "leeway" not in found and found["drift_speed"] == 0.0
