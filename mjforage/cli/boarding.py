@@ -23,7 +23,7 @@ class BoardOptions:
     Parameters
     ----------
     map
-        A course more: the rules of comb-port on this map, a name, table or image; with a world as in
+        A course more: the rules of comb-port on this map, a name, grid or image; with a world as in
         harbour.csv@physics. Starts are those beside it, or drawn by chance; repeatable.
     episodes
         Episodes per course and policy; what --out holds goes on to more.
