@@ -36,7 +36,9 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
         found = with_values(found, {"map.starts": []}, "map")
     elif isinstance(grid, str | Path):
         starts = {"map.starts": []} if is_harbour(str(grid)) else {}
-        found = with_values(found, {"map.file": str(grid), **starts}, f"--map {grid}")
+        found = with_values(
+            found, {"map.file": str(grid), "map.water": "light", **starts}, f"--map {grid}"
+        )
     elif grid is not None:
         raise _unknown("map", grid, "a name, a file or an array (row, column) of booleans")
     return Setup.of(with_overrides(found, told) if told else found, cells)

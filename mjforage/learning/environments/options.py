@@ -45,7 +45,7 @@ class EnvironmentOptions:
     world : name in `mjforage.physics.worlds.WORLDS`
     observation : reference to an encoder, see `graph_planner.encodings.create_encoder`
     reward : reference to a term -> weight, see `rewards`; absent: the published weights
-    map : replaces the scenario's grid: a name, generated harbour, or path of a table, grid or image;
+    map : replaces the scenario's grid: a name, generated harbour, path of a table, grid or image;
         or an array (row, column), True or 1 where there is water, on which the fleet starts in a
         cluster
     set : overrides of the scenario: KEY -> value, or KEY=VALUE each

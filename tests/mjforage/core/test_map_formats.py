@@ -19,6 +19,7 @@ from mjforage.core.map_formats.levels import MOST_CELLS
 from mjforage.core.maps import load_map
 from mjforage.core.scenario_file import load_scenario, scenario_to_tree
 from mjforage.core.setup import Setup
+from mjforage.learning.environments.options import EnvironmentOptions
 
 Read = Callable[..., list[str]]
 
@@ -197,6 +198,7 @@ def test_the_water_of_a_scenario_goes_with_its_map(tmp_path: Path) -> None:
     own = str(tmp_path / "own.toml")
     assert Setup.of(load_scenario(own)).grid.nodes == 3
     assert load_scenario(own, map_file="comb_port").map.water == "light"
+    assert EnvironmentOptions(scenario=own, map="comb_port").setup.grid.nodes == 1297
     chart = str(tmp_path / "chart.csv")
     assert Setup.of(load_scenario(own, map_file=chart, water="dark")).grid.nodes == 3
     assert Setup.of(load_scenario(own, ["map.water=dark"], chart)).grid.nodes == 3
