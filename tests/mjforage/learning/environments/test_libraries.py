@@ -1,0 +1,163 @@
+"""Three updates through each library that people bring, without an adapter of ours."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+import torch
+from gymnasium.vector import AutoresetMode
+from stable_baselines3 import DQN, PPO
+from torch import nn
+
+import mjforage
+
+SHARED = "mjforage/SharedPolicy-v0"
+TOLD: dict[str, Any] = {"scenario": "published", "set": {"horizon": 6}}
+UPDATES = 3
+pytestmark = pytest.mark.filterwarnings("ignore:PettingZoo in TorchRL is tested")
+
+
+def moved(before: dict[str, torch.Tensor], module: nn.Module) -> bool:
+    """Whether weights are finite and have changed."""
+    after = module.state_dict()
+    assert all(bool(torch.isfinite(value).all()) for value in after.values())
+    return any(not torch.equal(before[name], value) for name, value in after.items())
+
+
+def kept(module: nn.Module) -> dict[str, torch.Tensor]:
+    return {name: value.clone() for name, value in module.state_dict().items()}
+
+
+def test_agents_are_grouped_by_their_teams() -> None:
+    libraries = pytest.importorskip("torchrl.envs.libs.pettingzoo")
+    env = libraries.PettingZooWrapper(mjforage.parallel_env(**TOLD), use_mask=True)
+    assert env.group_map == {
+        "scouts": ["scouts_0", "scouts_1"],
+        "foragers": ["foragers_0", "foragers_1"],
+    }
+
+
+def _actor(group: str) -> Any:
+    """A masked policy of a group, which reads what an agent knows of itself."""
+    from tensordict.nn import ProbabilisticTensorDictModule, ProbabilisticTensorDictSequential
+    from tensordict.nn import TensorDictModule as Module
+    from torchrl.modules import MaskedCategorical
+
+    mask = (group, "action_mask")
+    logits = Module(
+        nn.Linear(12, 9), in_keys=[(group, "observation", "own")], out_keys=[(group, "logits")]
+    )
+    choice = ProbabilisticTensorDictModule(
+        in_keys={"logits": (group, "logits"), "mask": mask},
+        out_keys=[(group, "action")],
+        distribution_class=MaskedCategorical,
+        return_log_prob=True,
+        log_prob_key=(group, "log_prob"),
+    )
+    return ProbabilisticTensorDictSequential(logits, choice)
+
+
+@pytest.mark.parametrize("several", [False, True])
+def test_torchrl_trains_with_masks(several: bool) -> None:
+    libraries = pytest.importorskip("torchrl.envs.libs.pettingzoo")
+    from tensordict.nn import TensorDictSequential
+    from torchrl.envs import SerialEnv
+
+    def make() -> Any:
+        return libraries.PettingZooWrapper(mjforage.parallel_env(**TOLD), use_mask=True, seed=1)
+
+    torch.manual_seed(0)
+    env = SerialEnv(2, make) if several else make()
+    actors = {group: _actor(group) for group in ("scouts", "foragers")}
+    policy = TensorDictSequential(*actors.values())
+    before, optimiser = kept(policy), torch.optim.SGD(policy.parameters(), lr=0.01)
+    for _ in range(UPDATES):
+        episode = env.rollout(6, policy, break_when_any_done=False)
+        loss = torch.zeros(())
+        for group, actor in actors.items():
+            chosen = episode[group, "action"].unsqueeze(-1)
+            assert bool(episode[group, "action_mask"].gather(-1, chosen).all())
+            reward = episode["next", group, "reward"].squeeze(-1)
+            loss = (
+                loss - (actor.get_dist(episode).log_prob(episode[group, "action"]) * reward).mean()
+            )
+        optimiser.zero_grad()
+        loss.backward()
+        optimiser.step()
+    assert moved(before, policy)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        partial(PPO, n_steps=8, batch_size=8, n_epochs=1),
+        partial(DQN, learning_starts=4, train_freq=4, batch_size=4, buffer_size=64),
+    ],
+)
+def test_stable_baselines_trains(make: Callable[..., Any]) -> None:
+    model = make("MultiInputPolicy", gymnasium.make(SHARED, **TOLD), seed=0, device="cpu")
+    before = kept(model.policy)
+    model.learn(8 * UPDATES)
+    assert model._n_updates >= UPDATES and moved(before, model.policy)
+
+
+def test_sb3_contrib_trains_with_masks() -> None:
+    contrib = pytest.importorskip("sb3_contrib")
+    env: Any = gymnasium.make(SHARED, **TOLD)
+    told: dict[str, Any] = {"n_steps": 8, "batch_size": 8, "n_epochs": 1, "device": "cpu"}
+    model = contrib.MaskablePPO("MultiInputPolicy", env, seed=0, **told)
+    before = kept(model.policy)
+    model.learn(8 * UPDATES)
+    assert model._n_updates == UPDATES and moved(before, model.policy)
+    seen, _ = env.reset(seed=2)
+    masks = env.unwrapped.action_masks()
+    assert masks[int(model.predict(seen, action_masks=masks)[0])]
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+def test_vector_environments_are_read_as_cleanrl_does(mode: AutoresetMode) -> None:
+    """PPO's rollout: rewards, dones and values of last observations, in each way of starting again.
+
+    A step that only starts an episode is left out by `NEXT_STEP`, its value is bootstrapped from
+    `final_obs` in `SAME_STEP`, and by hand in `DISABLED`.
+    """
+    envs: Any = gymnasium.make_vec("mjforage/Foraging-v0", 3, autoreset_mode=mode, **TOLD)
+    torch.manual_seed(0)
+    agents = int(np.prod(envs.single_action_space.shape))
+    actor, critic = nn.Linear(12, 9), nn.Linear(12 * agents, 1)
+    both = nn.ModuleList([actor, critic])
+    before, optimiser = kept(both), torch.optim.SGD(both.parameters(), lr=0.01)
+    seen, _ = envs.reset(seed=1)
+    done = np.zeros(3, np.bool_)
+    ends = 0
+    for _ in range(UPDATES):
+        loss = torch.zeros(())
+        for _ in range(5):
+            own = torch.as_tensor(seen["own"])
+            legal = torch.as_tensor(seen["action_mask"]).bool()
+            logits = actor(own).masked_fill(~legal, -1e9)
+            choice = torch.distributions.Categorical(logits=logits)
+            actions, value = choice.sample(), critic(own.flatten(1)).squeeze(1)
+            seen, rewards, ended, late, infos = envs.step(actions.numpy())
+            last = torch.as_tensor(seen["own"]).clone()
+            for i in np.flatnonzero(infos.get("_final_obs", ())):
+                last[i] = torch.as_tensor(infos["final_obs"][i]["own"])
+            counts = torch.as_tensor(~done if mode is AutoresetMode.NEXT_STEP else done | True)
+            future = critic(last.flatten(1)).squeeze(1).detach() * torch.as_tensor(~ended)
+            gain = torch.as_tensor(rewards, dtype=torch.float32) + 0.99 * future - value
+            log = choice.log_prob(actions).sum(1)
+            loss = loss + (counts * (gain.square() - gain.detach() * log)).mean()
+            over = ended | late
+            played = counts.numpy() & ~(over & (mode is AutoresetMode.SAME_STEP))
+            assert (infos.get("_illegal", np.zeros(3, np.bool_)) == played).all()
+            done = over
+            ends += int(done.sum())
+            if mode is AutoresetMode.DISABLED and done.any():
+                seen, _ = envs.reset(options={"reset_mask": done})
+        optimiser.zero_grad()
+        loss.backward()
+        optimiser.step()
+    assert ends >= 3 and moved(before, both)
