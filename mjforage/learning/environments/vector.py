@@ -67,7 +67,8 @@ class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[A
         self._games = [Game(options, size) for size in sizes]
         self._where = [(0, i) if batched else (i, 0) for i in range(num_envs)]
         self._episodes = [Episodes() for _ in range(num_envs)]
-        self._ended = np.zeros(num_envs, np.bool_)
+        self._ended, self._everybody = np.zeros(num_envs, np.bool_), np.ones(num_envs, np.bool_)
+        self._rows = [np.arange(game.num_envs) for game in self._games]
         shown = self._where if self.render_mode else []
         self._pictures = [Picture(env, options.camera) for _, env in shown]
         agents, shapes = self._games[0].agents, self._games[0].shapes
@@ -102,7 +103,7 @@ class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[A
         self._start(envs, seeds)
         started = np.zeros(self.num_envs, np.bool_)
         started[envs] = True
-        return self._observed(), _laid_out(self._facts(), started)
+        return self._observed(), self._laid_out(self._facts(), started)
 
     def _seeds(self, seed: object) -> list[int | None]:
         """A seed for each sub-environment."""
@@ -147,29 +148,34 @@ class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[A
             If an action is not of its space, or there was no reset.
         """
         moves = checked_moves(actions, (self.num_envs, self._games[0].agents), "actions")
-        again = self._ended & (self.autoreset_mode is AutoresetMode.NEXT_STEP)
+        again = self._ended.copy() if self.autoreset_mode is AutoresetMode.NEXT_STEP else None
         parts = self._play(moves)
-        rewards = _joined([part.rewards.sum(axis=1) for part in parts])
+        rewards = _joined([np.add.reduce(part.rewards, axis=1) for part in parts])
         terminated = _joined([part.terminated for part in parts])
         truncated = _joined([part.truncated for part in parts])
         played = {"illegal": _joined([part.illegal for part in parts])}
         for name in parts[0].terms:
-            played[f"reward/{name}"] = _joined([part.terms[name].sum(axis=1) for part in parts])
+            term = [np.add.reduce(part.terms[name], axis=1) for part in parts]
+            played[f"reward/{name}"] = _joined(term)
         over = terminated | truncated
         self._ended |= over
-        if again.any():
+        if again is not None and again.any():
             self._start(np.flatnonzero(again), [None] * self.num_envs)
+        else:
+            again = None
         for picture, (game, _) in zip(self._pictures, self._where, strict=False):
             picture.see(self._games[game].mission)
         info: dict[str, Any] = {}
         if self.autoreset_mode is AutoresetMode.SAME_STEP and over.any():
             info = {"final_obs": self._last_seen(over), "_final_obs": over.copy()}
-            info |= {"final_info": _laid_out(self._facts() | played, over)}
-            info |= {"_final_info": over.copy()}
+            info["final_info"] = self._laid_out(self._facts() | played, over)
+            info["_final_info"] = over.copy()
             self._start(np.flatnonzero(over), [None] * self.num_envs)
             again = over
-        info |= _laid_out(self._facts(), np.ones(self.num_envs, np.bool_))
-        info |= _laid_out(played, ~again)
+        if again is None:
+            info |= self._laid_out(self._facts() | played)
+        else:
+            info |= self._laid_out(self._facts()) | self._laid_out(played, ~again)
         return self._observed(), rewards, terminated, truncated, info
 
     def render(self) -> tuple[Any, ...] | None:
@@ -220,7 +226,7 @@ class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[A
 
     def _levels(self) -> dict[str, NDArray[np.uint8]]:
         """Levels (env, agent, ...) that all see."""
-        parts = [game.see(np.arange(game.num_envs)) for game in self._games]
+        parts = [game.see(rows) for game, rows in zip(self._games, self._rows, strict=True)]
         return {name: _joined([part[name] for part in parts]) for name in parts[0]}
 
     def _shown(self, name: str, levels: NDArray[np.uint8]) -> NDArray[Any]:
@@ -234,20 +240,29 @@ class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[A
 
     def _facts(self) -> dict[str, Any]:
         facts = [game.facts() for game in self._games]
+        if len(facts) == 1:
+            return facts[0]
         return {name: _joined([fact[name] for fact in facts]) for name in facts[0]}
+
+    def _laid_out(
+        self, facts: dict[str, NDArray[Any]], told: NDArray[np.bool_] | None = None
+    ) -> dict[str, Any]:
+        """Facts (env,) beside masks of whom they are told, by default all; 0 where not."""
+        if told is None:
+            told = self._everybody
+        elif told.any():
+            facts = {name: fact * told for name, fact in facts.items()}
+        else:
+            return {}
+        info: dict[str, Any] = {}
+        for name, fact in facts.items():
+            info[name], info["_" + name] = fact, told.copy()
+        return info
 
 
 def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
     """What each game has, one after the other; that of a single game as it is."""
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
-
-
-def _laid_out(facts: dict[str, NDArray[Any]], told: NDArray[np.bool_]) -> dict[str, Any]:
-    """Facts (env,) beside masks of whom they are told, 0 where not; none if of nobody."""
-    info, everybody = {}, bool(told.all())
-    for name, fact in facts.items() if told.any() else ():
-        info[name], info[f"_{name}"] = fact if everybody else fact * told, told.copy()
-    return info
 
 
 def _checked_mode(mode: object) -> AutoresetMode:
