@@ -35,7 +35,7 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
         cells = _cells(grid)
         found = with_values(found, {"map.starts": []}, "map")
     elif isinstance(grid, str | Path):
-        starts: dict[str, Any] = {"map.starts": []} if is_harbour(str(grid)) else {}
+        starts: dict[str, object] = {"map.starts": []} if is_harbour(str(grid)) else {}
         found = with_values(
             found, {"map.file": str(grid), "map.water": "light", **starts}, f"--map {grid}"
         )

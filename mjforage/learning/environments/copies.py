@@ -48,7 +48,8 @@ class _Memory:
         self.root = root  # kept, or another one could get its address
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _memory, (pickle.PickleBuffer(self.root.ravel("K").view(np.uint8)),)
+        content: Any = self.root.ravel("K").view(np.uint8)
+        return _memory, (pickle.PickleBuffer(content),)
 
 
 def _memory(content: Any) -> NDArray[np.uint8]:

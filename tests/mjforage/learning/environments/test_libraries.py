@@ -76,7 +76,7 @@ def test_torchrl_trains_with_masks(several: bool) -> None:
     before, optimiser = kept(policy), torch.optim.SGD(policy.parameters(), lr=0.01)
     for _ in range(UPDATES):
         episode = env.rollout(6, policy, break_when_any_done=False)
-        loss = torch.zeros(())
+        loss: Any = torch.zeros(())
         for group, actor in actors.items():
             chosen = episode[group, "action"].unsqueeze(-1)
             assert bool(episode[group, "action_mask"].gather(-1, chosen).all())
@@ -134,12 +134,12 @@ def test_vector_environments_are_read_as_cleanrl_does(mode: AutoresetMode) -> No
     done = np.zeros(3, np.bool_)
     ends = 0
     for _ in range(UPDATES):
-        loss = torch.zeros(())
+        loss: Any = torch.zeros(())
         for _ in range(5):
             own = torch.as_tensor(seen["own"])
             legal = torch.as_tensor(seen["action_mask"]).bool()
             logits = actor(own).masked_fill(~legal, -1e9)
-            choice = torch.distributions.Categorical(logits=logits)
+            choice: Any = torch.distributions.Categorical(logits=logits)
             actions, value = choice.sample(), critic(own.flatten(1)).squeeze(1)
             seen, rewards, ended, late, infos = envs.step(actions.numpy())
             last = torch.as_tensor(seen["own"]).clone()

@@ -45,7 +45,7 @@ def same(ours: Any, theirs: Any, path: str = "") -> None:
 def test_all_is_laid_out_as_gymnasium_does(mode: AutoresetMode, world: str) -> None:
     envs = pair(mode, world=world, **FEW)
     assert envs[0].metadata["autoreset_mode"] is envs[1].metadata["autoreset_mode"]
-    same(*(env.reset(seed=4) for env in envs), "reset")
+    same(envs[0].reset(seed=4), envs[1].reset(seed=4), "reset")
     random, ends = np.random.default_rng(1), 0
     apart = np.array([False, True, False])
     for step in range(14):
@@ -53,7 +53,7 @@ def test_all_is_laid_out_as_gymnasium_does(mode: AutoresetMode, world: str) -> N
             same(*(env.reset(seed=9, options={"reset_mask": apart.copy()}) for env in envs))
         actions = random.integers(0, 9, (NUM, 4))
         found = [env.step(actions) for env in envs]
-        same(*found, f"step {step}")
+        same(found[0], found[1], f"step {step}")
         over = found[0][2] | found[0][3]
         ends += over.sum()
         assert over.sum() < NUM
@@ -67,7 +67,7 @@ def test_returns_are_read_as_cleanrl_does(mode: AutoresetMode) -> None:
     """By Gymnasium's own wrapper; and the value of the last observation where it is at hand."""
     told: list[list[tuple[float, int]]] = []
     for env in pair(mode, **FEW):
-        envs = RecordEpisodeStatistics(env)
+        envs: Any = RecordEpisodeStatistics(env)
         assert envs.single_action_space.nvec.tolist() == [9] * 4
         envs.reset(seed=3)
         random, found = np.random.default_rng(0), []
