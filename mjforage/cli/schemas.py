@@ -1,5 +1,6 @@
 """The command that writes what editors and the documentation know of our files and commands."""
 
+import importlib
 import json
 import re
 from collections.abc import Mapping
@@ -78,11 +79,18 @@ def schema_text(name: str, schema: Any) -> str:
     return json.dumps(head | {**json_schema(schema), **head}, indent=1) + "\n"
 
 
+def _in_order(text: str, level: str = "##") -> str:
+    """Sections by their titles: commands are known in the order in which modules are imported."""
+    head, *sections = re.split(rf"(?m)^(?={level} )", text)
+    return head + "".join(sorted(_in_order(one, f"{level}#") for one in sections))
+
+
 def commands_page() -> str:
     """The reference page of all commands and flags, as the commands themselves say it."""
+    importlib.import_module("mjforage.cli.running")  # has all commands known
     text = app.generate_docs(output_format="markdown", usage_name="mjforage")
     _, separator, commands = text.partition("\n**Commands**:\n")
     if not separator:
         raise ValueError("cyclopts' page has another form: no list of commands")
-    told = _STARTED_AS.sub("\\1", commands.rstrip())
+    told = _in_order(_STARTED_AS.sub("\\1", commands.rstrip()) + "\n\n").rstrip()
     return f"{_NOTE.format('docstring of the command')}\n# Command line\n{told}\n"
