@@ -1,6 +1,6 @@
 """Lending arrays that must not be written: to policies, bounds, metrics, reward terms, encoders."""
 
-from typing import Any, Generic, TypeVar, cast
+from typing import Any, ClassVar, Generic, TypeVar, cast
 
 import numpy as np
 
@@ -26,6 +26,28 @@ def locked(value: T) -> T:
         elif isinstance(part, tuple):
             locked(part)
     return value
+
+
+class Lending:
+    """Base of what shows arrays of its own as read-only views, by other names: a copy, or what
+    another process is sent, makes its own.
+    """
+
+    _shows: ClassVar[dict[str, str]] = {}  # name of the views -> name of the arrays
+
+    def _show(self, name: str, arrays: object) -> None:
+        """Keep arrays, and show views of them by a name."""
+        setattr(self, self._shows[name], arrays)
+        setattr(self, name, read_only(arrays))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: of for name, of in vars(self).items() if name not in self._shows}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        for name, own in self._shows.items():
+            if own in state:
+                self._show(name, state[own])
 
 
 class Lent(Generic[T]):

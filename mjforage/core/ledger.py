@@ -5,7 +5,7 @@ to counts per node; agents look; first discoveries are credited at the look, who
 and a tie goes to an agent that does not collect.
 """
 
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.knowledge import Knowledge, Looks
-from graph_planner.lending import Lent
+from graph_planner.lending import Lending
 from graph_planner.rows import put_rows
 from graph_planner.task import Task
 from graph_planner.visibility import NodeLists
@@ -119,16 +119,15 @@ def credit(
             in_view[np.uint64(known[e, i])] = False
 
 
-class Ledger:
+class Ledger(Lending):
     """The ledger of a batch of episodes; see `Entries` for the arrays, `Lookout` for their life."""
 
-    def __init__(self, task: Task) -> None:
-        self._nodes, self._lent = len(task.graph), Lent[Entries]()
+    entries: Entries
+    _entries: Entries
+    _shows: ClassVar = {"entries": "_entries"}
 
-    @property
-    def entries(self) -> Entries:
-        """The arrays, to be read."""
-        return self._lent.of(self._entries)
+    def __init__(self, task: Task) -> None:
+        self._nodes = len(task.graph)
 
     def open(self) -> Entries:
         """The arrays for the lookout, which alone writes to them."""
@@ -142,7 +141,7 @@ class Ledger:
         item_node : (episode, item) at step 0, -1 for padding
         """
         items, nodes = item_node.shape, (item_node.shape[0], self._nodes)
-        self._entries = Entries(
+        entries = Entries(
             places=item_places(item_node),
             truth=np.zeros(nodes, np.int16),
             counted_node=np.full(items, -1, np.int32),
@@ -151,6 +150,7 @@ class Ledger:
             t_collected=np.full(items, -1, np.int16),
             collected_by=np.full(items, -1, np.int16),
         )
+        self._show("entries", entries)
 
     def adopt(self, rows: NDArray[np.int64], other: "Ledger") -> None:
         """Replace episodes (row,) of the batch by those of another ledger."""
@@ -159,4 +159,4 @@ class Ledger:
             name: put_rows(getattr(mine, name), rows, getattr(theirs, name), (name == "truth") - 1)
             for name in mine._fields
         }
-        self._entries = Entries(**mixed)
+        self._show("entries", Entries(**mixed))

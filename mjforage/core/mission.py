@@ -6,6 +6,7 @@ Decide -> move -> collect -> drift -> see -> tell -> log.
 from collections.abc import Sequence
 from dataclasses import replace
 from operator import attrgetter
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from graph_planner.compiled import kernel, prepared
 from graph_planner.fleet import UNLIMITED
 from graph_planner.geodesics import Int32Array
 from graph_planner.knowledge import Knowledge, Looks, idleness, times_seen
-from graph_planner.lending import Lent, locked, read_only
+from graph_planner.lending import Lending, Lent, locked, read_only
 from graph_planner.moves import Moves, Resolver, check_preferences
 from graph_planner.policies import Bound, Policy
 from graph_planner.randomness import UInt64Array, episode_keys
@@ -73,7 +74,7 @@ def _mean_drift(drift: NDArray[np.float64], left: NDArray[np.bool_]) -> NDArray[
     return mean
 
 
-class Mission:
+class Mission(Lending):
     """A batch of episodes of one scenario in one world; one episode is a batch of one.
 
     Its arrays are live, and nobody but the mission can write to them.
@@ -81,13 +82,21 @@ class Mission:
     Attributes
     ----------
     ledger : Ledger, the truth and its history
+    knowledge : Knowledge, what the fleet knows together: one row per episode
     exchange : Exchange, what those who decide know
     task : Task, what policies are told
+    state : Transition, where everything is
     step : (episode,) int32 decisions made
     active : (episode,) bool, False once an episode is over
     moves : Moves of the last decision; None before the first
     forecasts : what a policy that forecasts foretold, held against the truth
     """
+
+    state: Transition
+    knowledge: Knowledge
+    _state: Transition
+    _knowledge: Knowledge
+    _shows: ClassVar = {"state": "_state", "knowledge": "_knowledge"}
 
     def __init__(
         self, setup: Setup, dynamics: Dynamics | None = None, exchange: Exchange | None = None
@@ -116,8 +125,7 @@ class Mission:
         self.task = setup.task if pickup is None else replace(setup.task, pickup=pickup)
         self.ledger = Ledger(self.task)
         self._dynamics = dynamics
-        self._lent_state = Lent[Transition]()
-        self._lent_knowledge, self._lent_held = Lent[Knowledge](), Lent[Knowledge]()
+        self._lent_held = Lent[Knowledge]()
         self._views, self._radius_number = self.task.views, self.task.radius_number
         self._resolver = Resolver(setup.graph, setup.fleet, setup.task.rules, setup.corruption)
         self._endless = bool(np.isinf(setup.fleet.energy).all())
@@ -146,7 +154,7 @@ class Mission:
         self.keys = read_only(keys)
         self.initial = self.setup.create_initial_state(self.keys)
         names = names or [f"key {key}" for key in keys]
-        self._state = self._dynamics.reset(self.initial, self.keys, names)
+        self._show("state", self._dynamics.reset(self.initial, self.keys, names))
         self.step = locked(np.zeros(keys.size, np.int32))
         self.active = locked(np.ones(keys.size, np.bool_))
         self.moves: Moves | None = None
@@ -155,7 +163,7 @@ class Mission:
         sensors = self.setup.scenario.sensors
         self._shown = no_shown(self.task, keys.size, sensors.perfect)
         self._filtered = map_filter(self.setup.scenario, self.task, keys.size)
-        self._knowledge = Knowledge.of_starts(self._looks(), len(self.setup.graph))
+        self._show("knowledge", Knowledge.of_starts(self._looks(), len(self.setup.graph)))
         self._post_lookout()
         self.exchange.reset(self.task, self._see(), self._knowledge, self.keys)
         self._acting = locked(np.tile(self._agent_of_holder(), keys.size))
@@ -163,16 +171,6 @@ class Mission:
         self._nobody = locked(np.full(keys.size, -1, np.int32))
         self._nothing_late = locked(nothing_late(keys.size))
         self.forecasts = Forecasts(keys.size)
-
-    @property
-    def state(self) -> Transition:
-        """Where everything is."""
-        return self._lent_state.of(self._state)
-
-    @property
-    def knowledge(self) -> Knowledge:
-        """What the fleet knows together: one row per episode."""
-        return self._lent_knowledge.of(self._knowledge)
 
     def _agent_of_holder(self) -> Int32Array:
         """(holder,) the agent that acts by what a holder knows, -1 if several do."""
@@ -217,9 +215,9 @@ class Mission:
         assert isinstance(self._dynamics, GraphDynamics) and isinstance(
             other._dynamics, GraphDynamics
         )
-        self._state = self._dynamics.adopt(rows, other._dynamics)
+        self._show("state", self._dynamics.adopt(rows, other._dynamics))
         self.ledger.adopt(rows, other.ledger)
-        self._knowledge = self._knowledge.with_rows(rows, other._knowledge)
+        self._show("knowledge", self._knowledge.with_rows(rows, other._knowledge))
         self.exchange.adopt(rows, other.exchange, self._knowledge)
         self._shown = put_rows(self._shown, rows, other._shown)
         self.forecasts.adopt(rows, other.forecasts)
@@ -380,7 +378,9 @@ class Mission:
             part.setflags(write=False)
         self.step = self.step + self.active
         self.step.setflags(write=False)
-        self._state = self._dynamics.advance(self.active, self.step, self.moves)
+        state = self._dynamics.advance(self.active, self.step, self.moves)
+        if state is not self._state:
+            self._show("state", state)
         self.exchange.tell(self._see(), self._knowledge)
         item_node = np.ascontiguousarray(self._state.item_node, np.int32)
         self.active = self._go_on(self.active, self.step, item_node)

@@ -1,5 +1,7 @@
 """Nobody but the mission can write to what it hands over."""
 
+import copy
+import pickle
 from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass
 from pathlib import Path
@@ -278,8 +280,6 @@ def test_evaluate_says_in_one_line_which_policy_writes(
 
 
 def test_views_follow_their_arrays_and_a_copy_makes_its_own() -> None:
-    import copy
-
     arrays, lent = (np.zeros(2), (np.ones(1), "words")), Lent[Any]()
     views = lent.of(arrays)
     assert lent.of(arrays) is views and views[1][1] == "words"
@@ -292,6 +292,14 @@ def test_views_follow_their_arrays_and_a_copy_makes_its_own() -> None:
     assert lent.of(arrays)[0].tolist() == [3.0, 7.0]
     assert not read_only(np.ones(1)).flags.writeable
     assert not locked((np.ones(1),))[0].flags.writeable
+
+
+def test_a_copy_shows_its_own_arrays() -> None:
+    ledger = mission_of("graph", ()).ledger
+    for twin in (copy.deepcopy(ledger), pickle.loads(pickle.dumps(ledger))):  # noqa: S301  ours
+        twin.open().truth[0, 5] = 77
+        assert twin.entries.truth[0, 5] == 77 != ledger.entries.truth[0, 5]
+        assert writable(twin) == []
 
 
 def test_dataclasses_of_ours_are_walked() -> None:
