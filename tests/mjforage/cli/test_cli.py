@@ -31,7 +31,7 @@ pytestmark = pytest.mark.usefixtures("here")
         ),
         (["compare", "--policy"], "compare --policy is missing, or its value: A policy"),
         (["train"], "train ALGORITHM is missing, or its value: ddqn (Double DQN), mappo"),
-        (["completion", "csh"], "choose"),
+        (["completion", "csh"], "Choose from"),
         (["help", "evalute"], 'Unknown command "evalute". Did you mean "evaluate"?'),
         (["evaluate", "--policy", "gredy"], "policy gredy: unknown; did you mean greedy?"),
         (["evaluate", "--policy", "greedy", "--policy", "greedy"], "policy greedy: given twice"),
