@@ -44,7 +44,7 @@ def _is_folder(word: str) -> bool:
     return Path(word).is_dir()
 
 
-_PLAYED = {"--policy": _is_scenario, "--replay": _is_scenario}
+_PLAYED: dict[str, Callable[[str], bool]] = {"--policy": _is_scenario, "--replay": _is_scenario}
 _FLAGS: dict[str, dict[str, Callable[[str], bool]]] = {
     **dict.fromkeys(("evaluate", "compare", "study"), _PLAYED),
     "report": {"--figures": _is_folder, "--tables": _is_folder},

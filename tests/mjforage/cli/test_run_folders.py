@@ -53,7 +53,7 @@ def test_the_figures_are_whole_on_a_terminal_of_any_width(
     told = capsys.readouterr().out
     assert "…" not in told
     assert told.count("100.00") == 2 * len(policy_names())
-    assert told.count("PTA D") == (1 if width >= 80 else len(policy_names()))
+    assert told.count("PTA D") == (1 if width >= 79 else len(policy_names()))
     assert max(map(len, told.splitlines())) <= width
 
 

@@ -46,7 +46,7 @@ def parts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         ("parts_of_mine:EndsInAct", "raised SystemExit: 0 (parts_of_mine.py, line 14), in episod"),
         ("parts_of_mine:Option", "give more"),
         ("ends_of_mine:X", "module ends_of_mine ends the process; let it only define"),
-        ("fails_of_mine:X", "cannot be imported (RuntimeError: no luck); mend it"),
+        ("fails_of_mine:X", "module fails_of_mine cannot be imported (RuntimeError: no luck)"),
     ],
 )
 def test_a_policy_that_raises_or_ends(
