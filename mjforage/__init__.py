@@ -35,7 +35,7 @@ def _starts_the_command() -> bool:
 
 
 if _starts_the_command():
-    from mjforage.cli.interrupted import end_on_ctrl_c
+    from mjforage.base.interrupted import end_on_ctrl_c
 
     end_on_ctrl_c()  # before the rest is imported, which takes a fifth of a second
 _check_floors()

@@ -1,1 +1,1 @@
-"""The ground that everything stands on: compiled kernels and where they are kept."""
+"""The ground that everything stands on: compiled kernels, Ctrl-C."""

@@ -5,7 +5,7 @@ Nothing else is imported here, so that Ctrl-C is understood before all else is.
 
 from collections.abc import Sequence
 
-from mjforage.cli.interrupted import ctrl_c_kept
+from mjforage.base.interrupted import ctrl_c_kept
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -8,6 +8,8 @@ from typing import Any
 import cyclopts
 from rich.logging import RichHandler
 
+from mjforage.base.interrupted import CODE as INTERRUPTED
+from mjforage.base.interrupted import WORDS
 from mjforage.cli import (  # they add their commands
     boarding,  # noqa: F401
     drawing,  # noqa: F401
@@ -22,8 +24,6 @@ from mjforage.cli import (  # they add their commands
     validating,  # noqa: F401
 )
 from mjforage.cli.console import app, errors
-from mjforage.cli.interrupted import CODE as INTERRUPTED
-from mjforage.cli.interrupted import WORDS
 from mjforage.cli.streams import forgiving_streams
 from mjforage.cli.words import missing, several
 from mjforage.core.errors import UserError, printable

@@ -154,7 +154,12 @@ BAD: list[tuple[Check, str, str, str]] = [
         "'pta_c' is that of ItemsRemoved, too; give it an",
     ),
     (check_metric, "Ranked", "metric_alone", "alone: .*let an episode depend on nothing but"),
-    (check_reward, "Writing", "reward_only_reads", "raised ValueError: .* read-only .*; copy what you"),
+    (
+        check_reward,
+        "Writing",
+        "reward_only_reads",
+        "raised ValueError: .* read-only .*; copy what you",
+    ),
     (check_reward, "Forcing", "reward_only_reads", "changed mission.belief; copy what you change"),
     (check_reward, "WritingBefore", "reward_only_reads", "changed before.agent_node; copy what"),
     (check_reward, "Counting", "reward_remembers_nothing", "at step 0 fresh and after other epi"),

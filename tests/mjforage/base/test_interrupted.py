@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mjforage.cli.interrupted import WORDS
+from mjforage.base.interrupted import WORDS
 
 LINE = f"mjforage: {WORDS}\n"
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs signals")
