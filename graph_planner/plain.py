@@ -132,8 +132,8 @@ def _check_shapes(observation: Observation, task: Task, rows: int) -> None:
             _check_shape(f"observation.{name}", getattr(observation, name), shape)
 
 
-def _check_shape(name: str, array: object, shape: tuple[int, ...]) -> None:
-    if np.shape(array) != shape:  # type: ignore[arg-type]
+def _check_shape(name: str, array: Any, shape: tuple[int, ...]) -> None:
+    if np.shape(array) != shape:
         raise UserError(f"{name}: has shape {np.shape(array)}, expected {shape}; {_REMEDY}")
 
 

@@ -278,7 +278,8 @@ class Mission(Lending):
             active, step = (locked(np.repeat(each, holders)) for each in (active, step))
             keys = self._held_keys
         holder = self._acting if holders > 1 else self._nobody
-        return Observation(active, step, keys, *_TOLD(knowledge), late.looks, late.shown, holder)
+        told = _TOLD(knowledge)
+        return Observation._make((active, step, keys, *told, late.looks, late.shown, holder))
 
     @property
     def truth(self) -> Truth:

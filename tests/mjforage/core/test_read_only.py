@@ -185,7 +185,7 @@ class ListingEncoder:
     found: ClassVar[list[str]] = []
 
     def __init__(self, task: Task) -> None:
-        self.found += writable(task)
+        self.found.extend(writable(task))
 
     def reset(self, rows: int) -> None:
         self.rows = rows
@@ -308,5 +308,5 @@ def test_dataclasses_of_ours_are_walked() -> None:
     assert is_dataclass(task) and {"graph", "fleet"} <= {one.name for one in fields(task)}
     walked = [path for path, _ in _arrays(task, "", {})]
     assert {".graph.neighbours", ".fleet.energy", ".views.nodes", ".arrays.targets"} <= set(walked)
-    open_ = Observation(*(np.array(part) for part in mission_of("graph", ()).held))
+    open_ = Observation._make(np.array(part) for part in mission_of("graph", ()).held)
     assert len(writable(open_)) == sum(part.size > 0 for part in open_) == 15

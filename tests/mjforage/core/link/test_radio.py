@@ -331,7 +331,7 @@ def test_a_budget_for_no_look_is_refused() -> None:
 def test_of_two_looks_of_a_step_the_larger_count_of_a_node_is_believed() -> None:
     """Whichever is heard first, where agents do not see alike."""
     mission, radio = started(setup_of("link.model=none"), 1)
-    net, other = radio.net, int(mission.state.agent_node[0, 0])
+    net, other = radio._net, int(mission.state.agent_node[0, 0])
     net.log.node[0, 1, :2] = other
     view = net.views.of(other, int(net.radius_number[0])).tolist()
     net.log.shown[0, 1, :2, view.index(other)] = (1, 3)
