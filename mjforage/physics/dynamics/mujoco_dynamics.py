@@ -170,9 +170,8 @@ class MujocoDynamics:
         """(episode, place, 2) velocity of items by mean wind and current [node/step]."""
         if not self._bodies:
             return np.broadcast_to(self._wind_rc[:, None], rc.shape)
-        leeway = np.full(rc.shape[:2], LEEWAY)
-        if items:
-            leeway = leeways(self._simulation.item_class)
+        of_items = leeways(self._simulation.item_class) if items else LEEWAY
+        leeway: NDArray[np.float64] = np.broadcast_to(of_items, rc.shape[:2]).astype(np.float64)
         about = self._field, self._graph, self._wind_rc, self._scenario.period_s
         return carried(*about, self._tick * CONTROL_S, rc, leeway)
 

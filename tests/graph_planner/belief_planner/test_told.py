@@ -21,7 +21,7 @@ def truth_of(*places: tuple[float, float], gone: tuple[int, ...] = ()) -> Truth:
     item_rc = np.array([places])
     node = np.array([[SEA.node_of_cell[round(r), round(c)] for r, c in places]], np.int32)
     node[0, list(gone)] = -1
-    return Truth(item_rc, node, DRIFT)
+    return Truth(item_rc, node, DRIFT, np.broadcast_to(DRIFT, item_rc.shape).copy())
 
 
 def seen_at(step: int, shows: dict[tuple[int, int], int]) -> Observation:
