@@ -171,9 +171,9 @@ class MujocoDynamics:
         if not self._bodies:
             return np.broadcast_to(self._wind_rc[:, None], rc.shape)
         of_items = leeways(self._simulation.item_class) if items else LEEWAY
-        leeway: NDArray[np.float64] = np.broadcast_to(of_items, rc.shape[:2]).astype(np.float64)
+        leeway = np.broadcast_to(of_items, rc.shape[:2]).astype(np.float64)
         about = self._field, self._graph, self._wind_rc, self._scenario.period_s
-        return carried(*about, self._tick * CONTROL_S, rc, leeway)
+        return carried(*about, (self._tick * CONTROL_S).astype(np.float64), rc, leeway)
 
     def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:
         """Carry out one decision: steer, drift, collect. Inactive episodes do not change."""
