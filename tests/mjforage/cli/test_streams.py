@@ -32,11 +32,16 @@ def shell(line: str, folder: Path, **variables: str) -> "subprocess.CompletedPro
     )
 
 
+def faults(done: "subprocess.CompletedProcess[bytes]") -> list[bytes]:
+    """Return what was said on stderr, without how far it has come, which a slow machine says."""
+    return [line for line in done.stderr.splitlines() if not line.endswith((b"so far", b"left"))]
+
+
 @pytest.mark.parametrize("reader", ["| head -1", "2>&1 | true"])
 def test_a_reader_that_goes_leaves_a_whole_run_and_no_word(reader: str, tmp_path: Path) -> None:
     line = f"mjforage {' '.join(RUN)} --replay none -o run {reader}; exit ${{PIPESTATUS[0]}}"
     done = shell(line, tmp_path)
-    assert (done.returncode, done.stderr) == (0, b"")
+    assert (done.returncode, faults(done)) == (0, [])
     assert done.stdout.count(b"\n") == reader.count("head")
     assert (tmp_path / "run" / "summary.json").is_file()
     assert (tmp_path / "run" / "report.html").is_file()
@@ -70,7 +75,7 @@ def test_an_encoding_without_our_letters_is_no_fault(
     variables: dict[str, str], tmp_path: Path
 ) -> None:
     done = shell(f"mjforage {' '.join(RUN)} --replay none -o run", tmp_path, **variables)
-    assert (done.returncode, done.stderr) == (0, b"")
+    assert (done.returncode, faults(done)) == (0, [])
     spelt = "mean ±" if variables.get("PYTHONIOENCODING") == "latin-1" else "mean +- 1.96 SEM"
     assert spelt.encode("latin-1") in done.stdout
     (tmp_path / "mine.toml").write_text('name = "x"  # °, ±\n', encoding="utf-8")
