@@ -155,9 +155,9 @@ class Mission(Lending):
         self.initial = self.setup.create_initial_state(self.keys)
         names = names or [f"key {key}" for key in keys]
         self._show("state", self._dynamics.reset(self.initial, self.keys, names))
-        self.step = locked(np.zeros(keys.size, np.int32))
+        self._begin_step(np.zeros(keys.size, np.int32))
         self.active = locked(np.ones(keys.size, np.bool_))
-        self.moves: Moves | None = None
+        self._moves: Moves | None = None
         self.ledger.reset(self._state.item_node)
         self._fill_stores()
         sensors = self.setup.scenario.sensors
@@ -206,6 +206,17 @@ class Mission(Lending):
         kept = self.ledger.open(), self._knowledge, self._filtered
         self._lookout = Lookout(*about, *kept)
 
+    def _begin_step(self, step: Int32Array) -> None:
+        """Set (episode,) the steps made so far, and that to be decided next."""
+        self.step, self._next_step = step, step + _ONE
+        self.step.setflags(write=False)
+        self._next_step.setflags(write=False)
+
+    @property
+    def moves(self) -> Moves | None:
+        """What the last decision came to; None before the first."""
+        return None if self._moves is None else locked(self._moves)
+
     def adopt(self, rows: NDArray[np.int64], other: "Mission") -> None:
         """Replace episodes (row,) of the batch by another mission's; in the graph world only.
 
@@ -222,7 +233,8 @@ class Mission(Lending):
         self._shown = put_rows(self._shown, rows, other._shown)
         self.forecasts.adopt(rows, other.forecasts)
         self._filtered = self._filtered.with_rows(rows, other._filtered)
-        for name in ("keys", "step", "active"):
+        self._begin_step(put_rows(self.step, rows, other.step))
+        for name in ("keys", "active"):
             mixed = put_rows(getattr(self, name), rows, getattr(other, name))
             setattr(self, name, locked(mixed))
         self._held_keys = locked(np.repeat(self.keys, self.exchange.holders))
@@ -272,8 +284,7 @@ class Mission(Lending):
 
     def _observed(self, knowledge: Knowledge, late: Late, holders: int) -> Observation:
         """Knowledge as a policy sees it, the episodes' arrays once for each holder."""
-        active, step, keys = self.active, self.step + _ONE, self.keys
-        step.setflags(write=False)
+        active, step, keys = self.active, self._next_step, self.keys
         if holders > 1:
             active, step = (locked(np.repeat(each, holders)) for each in (active, step))
             keys = self._held_keys
@@ -356,7 +367,7 @@ class Mission(Lending):
             self._state.agent_node,
             self._knowledge.energy_left,
             self.exchange.knowledge.belief,
-            self.step + _ONE,
+            self._next_step,
             self.keys,
             self.exchange.holder_of,
             self._asked,
@@ -374,12 +385,9 @@ class Mission(Lending):
         UserError
             If the preferences have the wrong shape, are no numbers or contain NaN.
         """
-        self.moves = self.decide(preferences)
-        for part in self.moves:  # a call of `locked` costs as much as the flags of three arrays
-            part.setflags(write=False)
-        self.step = self.step + self.active
-        self.step.setflags(write=False)
-        state = self._dynamics.advance(self.active, self.step, self.moves)
+        self._moves = self.decide(preferences)
+        self._begin_step(self.step + self.active)
+        state = self._dynamics.advance(self.active, self.step, self._moves)
         if state is not self._state:
             self._show("state", state)
         self.exchange.tell(self._see(), self._knowledge)
