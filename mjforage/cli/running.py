@@ -52,7 +52,7 @@ def run(arguments: Sequence[str] | None, interrupted: Callable[[], bool]) -> Non
         except BaseException as error:
             if interrupted():
                 _end(WORDS, INTERRUPTED)
-            words = _words(error)
+            words = _words(error, sys.argv[1:] if arguments is None else arguments)
             if not words:
                 raise
             _end(words, BAD_INPUT)
@@ -67,13 +67,13 @@ def _carry_out(arguments: Sequence[str]) -> None:
     sys.stdout.flush()
 
 
-def _words(error: BaseException) -> str:
+def _words(error: BaseException, arguments: Sequence[str]) -> str:
     """What is said of an error; "" of one that nobody but us can mend."""
     if isinstance(error, cyclopts.MissingArgumentError):
         return missing(error)
     if isinstance(error, UserError | cyclopts.CycloptsError):
         return str(error)
-    if words := _of_an_extra(error) or _of_a_part(error):
+    if words := _of_an_extra(error, arguments) or _of_a_part(error):
         return words
     if isinstance(error, MemoryError):
         return f"not enough memory ({error}); give smaller options, or fewer episodes at once"
@@ -85,14 +85,14 @@ def _words(error: BaseException) -> str:
     return ""
 
 
-def _of_an_extra(error: BaseException) -> str:
+def _of_an_extra(error: BaseException, arguments: Sequence[str]) -> str:
     """What is said of a package that only an extra brings."""
     if not isinstance(error, ModuleNotFoundError):
         return ""
     from graph_planner.extras import extra_with, how_to_install
 
-    name = error.name or ""
-    return f"{name} is needed and not installed; {how_to_install(name)}" if extra_with(name) else ""
+    name, command = error.name or "", "".join(arguments[:1])
+    return f"{command}: needs {name}; {how_to_install(name)}" if extra_with(name) else ""
 
 
 def _of_a_part(error: BaseException) -> str:

@@ -101,7 +101,11 @@ def load_scenario(
 
 
 def _near_miss(overrides: list[str], teams: list[str], error: UserError) -> UserError | None:
-    """The error of an override whose key is not known but nearly one that is."""
+    """The error of an override whose key is not known but nearly one that is; None if the error
+    says so itself.
+    """
+    if "did you mean" in str(error):
+        return None
     known = set()
     for row in rows(Scenario):
         table, name, rest = row.key.partition(f".{NAME}")
@@ -109,7 +113,7 @@ def _near_miss(overrides: list[str], teams: list[str], error: UserError) -> User
     for override in overrides:
         key = override.partition("=")[0].strip()
         close = [one for one in sorted(known) if one.endswith(f".{key}")]
-        close = close or difflib.get_close_matches(key, known, n=1)
+        close = close or difflib.get_close_matches(key, known, n=1, cutoff=0.9)
         if close and key not in known:
             return UserError(f"--set {override}: did you mean {close[0]}? As it is, {error}")
     return None

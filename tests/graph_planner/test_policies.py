@@ -152,7 +152,7 @@ def walk(
     policy_name: str, graph: NavigationGraph, steps: int, episodes: int = 40
 ) -> tuple[list[NDArray[np.int64]], list[NDArray[np.int32]]]:
     """Headings and nodes of a lone one-node scout that always gets its first choice."""
-    task = task_of(graph, scouts=Role(1, 1, 1.0, False))
+    task = task_of(graph, horizon=steps, scouts=Role(1, 1, 1.0, False))
     start = (int(graph.rows[0]), int(graph.cols[0]))
     observation = observation_of(task, [start], episodes=episodes)
     policy = create_policy(policy_name)

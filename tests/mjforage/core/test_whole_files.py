@@ -28,7 +28,7 @@ def error_of(number: int, path: Path) -> str:
         (errno.ENAMETOOLONG, "(File name too long); give a shorter name"),
         (errno.ENOTDIR, "(a file is there, or where a folder above it should be); move what is"),
         (errno.EISDIR, "(Is a directory); move what is there away"),
-        (errno.EIO, "(Input/output error); mend that or give another place"),
+        (errno.EIO, "(Input/output error); see to that disk"),
     ],
 )
 def test_the_cause_is_named_and_not_another(number: int, words: str, tmp_path: Path) -> None:
