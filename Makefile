@@ -89,8 +89,6 @@ capabilities: $(VENV)/.installed-dev
 # The second MuJoCo lies before all other libraries, which both environments share. Version 4 splits
 # its package: the core is all that we use.
 MUJOCO := 4.0.0
-HULLS := tests/mjforage/physics/callback tests/mjforage/physics/scene tests/mjforage/physics/simulation \
-	tests/mjforage/physics/floating tests/mjforage/physics/manoeuvre tests/mjforage/physics/dynamics
 
 $(VENV)/mujoco-$(MUJOCO)/.installed: $(VENV)/.installed-dev
 	rm -rf $(@D)
@@ -103,7 +101,7 @@ $(VENV)/mujoco-$(MUJOCO)/.installed: $(VENV)/.installed-dev
 mujoco: $(VENV)/mujoco-$(MUJOCO)/.installed
 	PYTHONPATH=$(CURDIR) $(BIN)/python tests/mjforage/physics/simulation/crowd.py \
 		--beside $(CURDIR)/$(<D)/bin/python
-	PYTHONPATH=$(CURDIR) $(<D)/bin/python -m pytest -n 2 --dist worksteal -m 'not thorough' $(HULLS)
+	PYTHONPATH=$(CURDIR) $(<D)/bin/python -m pytest -n 2 --dist worksteal tests/mjforage/physics
 	rm -rf $(<D)/run
 	PYTHONPATH=$(CURDIR) $(<D)/bin/python -m mjforage compare comb-port-weather --policy greedy \
 		--out $(<D)/run $(COMPILE)

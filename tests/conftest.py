@@ -9,6 +9,7 @@ the process, so such tests are skipped there.
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from functools import cache
 
 import pytest
@@ -59,3 +60,11 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     why = os.environ.get(LACKING)
     if why and item.get_closest_marker("every_capability"):
         pytest.skip(why)
+
+
+@pytest.fixture(autouse=True)
+def own_parts_only() -> Iterator[None]:
+    """Forget after each test the parts that it brought: faults of others are not theirs."""
+    yield
+    if loaded := sys.modules.get("graph_planner.extensions"):
+        loaded._BROUGHT.clear()

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from graph_planner import extensions
 from graph_planner.errors import UserError
 from graph_planner.extensions import blamed, built
 
@@ -58,9 +57,7 @@ def test_a_policy_that_raises_or_ends(
     assert said.startswith(f"mjforage: policy {name}: {words}")
 
 
-def test_a_fault_of_ours_is_nobody_elses(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(extensions, "_BROUGHT", {})  # other tests bring parts of their own
-
+def test_a_fault_of_ours_is_nobody_elses() -> None:
     def fail() -> None:
         raise KeyError("ours")
 
