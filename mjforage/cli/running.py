@@ -2,6 +2,7 @@
 
 import logging
 import sys
+import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -26,6 +27,7 @@ from mjforage.cli import (  # they add their commands
 from mjforage.cli.console import app, errors
 from mjforage.cli.streams import forgiving_streams
 from mjforage.cli.words import missing, several
+from mjforage.core.environment import drop_thread_counts, library_of, refusal
 from mjforage.core.errors import UserError, printable
 
 BAD_INPUT = 2  # exit code of every error that a user can mend
@@ -39,12 +41,15 @@ def run(arguments: Sequence[str] | None, interrupted: Callable[[], bool]) -> Non
     arguments : by default those of the process
     interrupted : whether Ctrl-C has come, whatever was made of it
     """
-    with forgiving_streams():
+    drop_thread_counts()
+    with forgiving_streams(), warnings.catch_warnings():
+        warnings.showwarning = _show_warning
         logging.basicConfig(
             level=logging.WARNING,
             format="%(message)s",
             handlers=[RichHandler(console=errors, show_time=False, show_path=False)],
         )
+        logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it warns of its cache
         try:
             _carry_out(sys.argv[1:] if arguments is None else arguments)
         except KeyboardInterrupt:
@@ -77,12 +82,22 @@ def _words(error: BaseException, arguments: Sequence[str]) -> str:
         return words
     if isinstance(error, MemoryError):
         return f"not enough memory ({error}); give smaller options, or fewer episodes at once"
-    if isinstance(error, OSError):  # of a file that is nobody's in particular, such as a cache
+    if cause := _of_the_system(error):
         from mjforage.core.whole_files import remedy
 
-        where, reason = error.filename or "a file", error.strerror or str(error)
-        return f"{where}: {reason}; {remedy(error)}"
-    return ""
+        where, reason = cause.filename or "a file", cause.strerror or str(cause)
+        return f"{where}: {reason}; {remedy(cause)}"
+    return refusal(error)
+
+
+def _of_the_system(error: BaseException) -> OSError | None:
+    """An error of a file that is nobody's in particular, such as a cache, or the one on which a
+    library stumbled.
+    """
+    if isinstance(error, OSError):
+        return error
+    before = error.__cause__ or error.__context__
+    return _of_the_system(before) if before is not None and library_of(error) else None
 
 
 def _of_an_extra(error: BaseException, arguments: Sequence[str]) -> str:
@@ -99,6 +114,12 @@ def _of_a_part(error: BaseException) -> str:
     """What is said of an error in code that the user has brought, such as a policy."""
     extensions = sys.modules.get("graph_planner.extensions")
     return extensions.blamed(error) if extensions is not None else ""
+
+
+def _show_warning(message: Warning | str, category: type[Warning], *where: Any) -> None:
+    """Tell a warning of a library in its first line."""
+    first = str(message).strip().partition("\n")[0]
+    errors.print(f"{category.__name__}: {printable(first)}", style="yellow", markup=False)
 
 
 def _end(words: str, code: int) -> None:

@@ -1,9 +1,15 @@
 """Variables of other people's libraries matter only where something is drawn."""
 
+import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+
+from graph_planner.extensions import trust
+from mjforage.core.environment import drop_thread_counts, refusal
+from mjforage.core.errors import UserError
 
 IMPORTS = """
 import os
@@ -42,3 +48,46 @@ def test_a_backend_that_is_there_is_chosen() -> None:
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)
     assert done.stdout.strip() == b"svg"
+
+
+REFUSED = """
+import sys
+import polars
+from mjforage.core.environment import refusal
+try:
+    polars.DataFrame({"a": [1]}).with_columns(polars.col("a") + 1)
+except BaseException as error:
+    sys.stdout.write(refusal(error))
+"""
+
+
+def test_a_library_that_gives_up_is_told_with_its_variables() -> None:
+    variables = {"POLARS_MAX_THREADS": "0", "NUMBA_NUM_THREADS": "0"}
+    done = subprocess.run(
+        [sys.executable, "-c", REFUSED], env=os.environ | variables, capture_output=True, check=True
+    )
+    assert done.stdout.startswith(b"POLARS_MAX_THREADS=0: polars fails (Worker threads cannot be")
+    assert b"NUMBA" not in done.stdout
+
+
+def test_errors_of_ours_and_without_variables_have_no_such_reason(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "0")
+    monkeypatch.setenv("NUMPY_OF_SOMEBODY", "1")
+    with pytest.raises(UserError, match="SOURCE_DATE_EPOCH") as ours:
+        trust("SOURCE_DATE_EPOCH")
+    assert refusal(ours.value) == ""
+    with pytest.raises(np.linalg.LinAlgError) as theirs:
+        np.linalg.inv(np.zeros((2, 2)))
+    assert refusal(theirs.value) == ""
+
+
+def test_counts_of_threads_that_are_none_are_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
+    bad = {"NUMBA_NUM_THREADS": "0", "POLARS_MAX_THREADS": "-1", "MKL_NUM_THREADS": "many"}
+    good = {"OMP_NUM_THREADS": "4,2", "OPENBLAS_NUM_THREADS": "1", "USE_THREADS": "no"}
+    for name, value in (bad | good).items():
+        monkeypatch.setenv(name, value)
+    drop_thread_counts()
+    assert not bad.keys() & os.environ.keys()
+    assert {name: os.environ[name] for name in good} == good
