@@ -4,7 +4,7 @@ import logging
 import sys
 import warnings
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TextIO
 
 import cyclopts
 from rich.logging import RichHandler
@@ -116,8 +116,15 @@ def _of_a_part(error: BaseException) -> str:
     return extensions.blamed(error) if extensions is not None else ""
 
 
-def _show_warning(message: Warning | str, category: type[Warning], *where: Any) -> None:
-    """Tell a warning of a library in its first line."""
+def _show_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    """Tell a warning of a library in its first line: a `warnings.showwarning`."""
     first = str(message).strip().partition("\n")[0]
     errors.print(f"{category.__name__}: {printable(first)}", style="yellow", markup=False)
 

@@ -105,6 +105,7 @@ def test_a_picture_from_above_needs_none_of_them(run: Path, tmp_path: Path) -> N
     assert (tmp_path / "x.png").is_file()
 
 
+@pytest.mark.usefixtures("opengl")
 @pytest.mark.parametrize(
     "variable", ["MUJOCO_GL=osmesa", "MUJOCO_GL=nonsense", "PYOPENGL_PLATFORM=nonsense"]
 )
