@@ -4,7 +4,7 @@ import logging
 import sys
 import warnings
 from collections.abc import Callable, Sequence
-from typing import Any, TextIO
+from typing import Any
 
 import cyclopts
 from rich.logging import RichHandler
@@ -27,7 +27,7 @@ from mjforage.cli import (  # they add their commands
 from mjforage.cli.console import app, errors
 from mjforage.cli.streams import forgiving_streams
 from mjforage.cli.words import missing, several
-from mjforage.core.environment import drop_thread_counts, library_of, refusal
+from mjforage.core.environment import drop_thread_counts, library_of, refusal, shorten_warnings
 from mjforage.core.errors import UserError, printable
 
 BAD_INPUT = 2  # exit code of every error that a user can mend
@@ -43,7 +43,7 @@ def run(arguments: Sequence[str] | None, interrupted: Callable[[], bool]) -> Non
     """
     drop_thread_counts()
     with forgiving_streams(), warnings.catch_warnings():
-        warnings.showwarning = _show_warning
+        shorten_warnings()
         logging.basicConfig(
             level=logging.WARNING,
             format="%(message)s",
@@ -114,19 +114,6 @@ def _of_a_part(error: BaseException) -> str:
     """What is said of an error in code that the user has brought, such as a policy."""
     extensions = sys.modules.get("graph_planner.extensions")
     return extensions.blamed(error) if extensions is not None else ""
-
-
-def _show_warning(
-    message: Warning | str,
-    category: type[Warning],
-    filename: str,
-    lineno: int,
-    file: TextIO | None = None,
-    line: str | None = None,
-) -> None:
-    """Tell a warning of a library in its first line: a `warnings.showwarning`."""
-    first = str(message).strip().partition("\n")[0]
-    errors.print(f"{category.__name__}: {printable(first)}", style="yellow", markup=False)
 
 
 def _end(words: str, code: int) -> None:

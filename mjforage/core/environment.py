@@ -5,11 +5,15 @@ import linecache
 import os
 import re
 import sys
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from itertools import takewhile
 from traceback import walk_tb
 from types import TracebackType
+from typing import TextIO
+
+from mjforage.core.errors import printable
 
 _OURS = ("mjforage", "controllers", "graph_planner", "metrics", "__main__")
 _COUNT = re.compile(r"[A-Z]+_(NUM|MAX)_THREADS")
@@ -62,6 +66,24 @@ def drop_thread_counts() -> None:
     for name, value in list(os.environ.items()):
         if _COUNT.fullmatch(name) and not _COUNTS.fullmatch(value):
             del os.environ[name]
+
+
+def shorten_warnings() -> None:
+    """Tell warnings in their first line, as some libraries put a whole traceback into one."""
+    warnings.showwarning = _show_warning
+
+
+def _show_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    if stream := file or sys.stderr:
+        first = str(message).strip().partition("\n")[0]
+        stream.write(f"{category.__name__}: {printable(first)}\n")
 
 
 def library_of(error: BaseException) -> str:
