@@ -17,6 +17,7 @@ PAGES = {  # file of the repository -> page of the site that has its text
     "README.md": "index",
     "CHANGELOG.md": "changelog",
     "CONTRIBUTING.md": "contributing",
+    "SECURITY.md": "security",
     "models/weights/README.md": "policies/weights",
 }
 _TARGET = re.compile(r"\]\((?P<path>[^()\s:#]+)(?=[#)])")

@@ -43,7 +43,7 @@ for name in {PACKAGES}:
             try:
                 importlib.import_module(found.name)
             except ModuleNotFoundError as error:
-                if error.name not in {EXTRAS}:
+                if (error.name or "").partition(".")[0] not in {EXTRAS}:
                     raise
 environment = gymnasium.make("mjforage/Foraging-v0", scenario="comb-port")
 environment.reset(seed=1)
