@@ -6,6 +6,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
 from graph_planner.moves import Moves
 from graph_planner.randomness import UInt64Array
@@ -60,6 +61,29 @@ def start_state(initial: InitialState, centres: NDArray[np.float64]) -> Transiti
         work=np.zeros(agents),
         pickup=np.zeros(agents, np.int8),
     )
+
+
+@kernel
+def taken_by(collected_by: NDArray[np.int16], agents: int) -> NDArray[np.int64]:
+    """(episode, agent) items that each has collected."""
+    taken = np.zeros((collected_by.shape[0], agents), np.int64)
+    for e in range(collected_by.shape[0]):
+        for k in range(collected_by.shape[1]):
+            if collected_by[e, k] >= 0:
+                taken[e, collected_by[e, k]] += 1
+    return taken
+
+
+def mean_drift(drift: NDArray[np.float64], left: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """(episode, 2) mean drift of the items (episode, item) that are left; where all drift alike,
+    that drift to the bit, and whether any is left or not.
+    """
+    if not drift.shape[1]:
+        return np.zeros((len(drift), 2))
+    first, count = drift[:, :1], np.maximum(left.sum(axis=1, keepdims=True), 1)
+    off = np.where(left[..., None], drift - first, 0.0).sum(axis=1) / count
+    mean: NDArray[np.float64] = first[:, 0] + off
+    return mean
 
 
 class Dynamics(Protocol):

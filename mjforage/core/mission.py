@@ -21,7 +21,7 @@ from graph_planner.policies import Bound, Policy
 from graph_planner.randomness import UInt64Array, episode_keys
 from graph_planner.rows import put_rows
 from graph_planner.task import Late, Observation, Truth, nothing_late
-from mjforage.core.dynamics import Dynamics, Transition
+from mjforage.core.dynamics import Dynamics, Transition, mean_drift, taken_by
 from mjforage.core.errors import UserError
 from mjforage.core.exchange import Exchange
 from mjforage.core.forecasts import Forecasts
@@ -49,29 +49,6 @@ def _go_on(
                     going[e] = True
                     break
     return going
-
-
-@kernel
-def _taken(collected_by: NDArray[np.int16], agents: int) -> NDArray[np.int64]:
-    """(episode, agent) items that each has collected."""
-    taken = np.zeros((collected_by.shape[0], agents), np.int64)
-    for e in range(collected_by.shape[0]):
-        for k in range(collected_by.shape[1]):
-            if collected_by[e, k] >= 0:
-                taken[e, collected_by[e, k]] += 1
-    return taken
-
-
-def _mean_drift(drift: NDArray[np.float64], left: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """(episode, 2) mean drift of the items (episode, item) that are left; where all drift alike,
-    that drift to the bit, and whether any is left or not.
-    """
-    if not drift.shape[1]:
-        return np.zeros((len(drift), 2))
-    first, count = drift[:, :1], np.maximum(left.sum(axis=1, keepdims=True), 1)
-    off = np.where(left[..., None], drift - first, 0.0).sum(axis=1) / count
-    mean: NDArray[np.float64] = first[:, 0] + off
-    return mean
 
 
 class Mission(Lending):
@@ -262,7 +239,7 @@ class Mission(Lending):
     @property
     def taken(self) -> NDArray[np.int64]:
         """(episode, agent) items that each has taken aboard."""
-        return _taken(self._state.collected_by, self._state.agent_node.shape[1])
+        return taken_by(self._state.collected_by, self._state.agent_node.shape[1])
 
     def _fill_stores(self) -> None:
         """What every agent starts with, for as many episodes as there are."""
@@ -297,7 +274,7 @@ class Mission(Lending):
         """What no policy may see but a bound."""
         state = self.state
         drift = self._dynamics.drift_rc(state.item_rc, items=True)
-        mean = _mean_drift(drift, state.item_node >= 0)
+        mean = mean_drift(drift, state.item_node >= 0)
         return locked(Truth(state.item_rc, state.item_node, mean, drift))
 
     @property
