@@ -11,12 +11,10 @@ from mjforage.view.report.exports import NOTHING_ELSE, Exports, export
 from mjforage.view.report.report_page import ReportPage
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.run_pairs import write_pair
-from mjforage.view.report.shown import only, shown_policies
+from mjforage.view.report.shown import FIGURES, only, shown_policies
 from mjforage.view.report.text_tables import terminal_table
 
 __all__ = ["Exports", "terminal_table", "write_pair", "write_report"]
-
-FIGURES = 2_800_000  # characters of all figures on the page
 
 
 def write_report(

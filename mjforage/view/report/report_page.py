@@ -9,11 +9,9 @@ from mjforage.view.page import Shown, groups, set_page, style
 from mjforage.view.report.all_tables import ReportTables
 from mjforage.view.report.differences import too_few
 from mjforage.view.report.run_logs import RunLogs
-from mjforage.view.report.shown import cut, left_out
+from mjforage.view.report.shown import LARGEST, cut, left_out
 from mjforage.view.report.text_tables import minutes, number
 from mjforage.view.report.web_replay import BUDGET, WebReplay, web_replay
-
-LARGEST = 4_800_000  # characters of a page, but for the captions and the player's script
 
 
 def map_words(run: RunInfo) -> str:

@@ -12,6 +12,8 @@ from mjforage.view.report.run_logs import RunLogs
 from mjforage.view.report.step_means import POINTS
 from mjforage.view.report.text_tables import entry_of
 
+LARGEST = 4_800_000  # characters of a page, but for the captions and the player's script
+FIGURES = 2_800_000  # characters of all its figures
 POLICIES = 20  # that figures and pairs show
 BEST, WORST = 9, 3  # that they show of more
 PAIRS = 200  # of policies, over all worlds
@@ -88,9 +90,9 @@ def left_out(logs: RunLogs, shown: RunLogs) -> tuple[str, ...]:
     return tuple(said)
 
 
-def cut(table: Table | None) -> Table | None:
+def cut(table: Table | None, rows: int = ROWS, all_of_it: str = ALL) -> Table | None:
     """A table with no more rows than a page has room for, and a note on the others."""
-    if table is None or len(table.rows) <= ROWS:
+    if table is None or len(table.rows) <= rows:
         return table
-    note = f"The first {ROWS} of {len(table.rows)} rows; {ALL}."
-    return replace(table, rows=table.rows[:ROWS], notes=(*table.notes, note))
+    note = f"The first {rows} of {len(table.rows)} rows; {all_of_it}."
+    return replace(table, rows=table.rows[:rows], notes=(*table.notes, note))

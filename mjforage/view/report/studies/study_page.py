@@ -3,9 +3,10 @@
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
-from mjforage.view.page import embedded, set_page, style
+from mjforage.view.page import Shown, embedded_within, set_page, style
 from mjforage.view.page.picture import Picture, house_style
 from mjforage.view.page.table import Table
 from mjforage.view.report.clearing import TITLE, clearing_table
@@ -13,11 +14,14 @@ from mjforage.view.report.differences import too_few
 from mjforage.view.report.map_figures import scenario_figure
 from mjforage.view.report.report_page import horizon_words, map_words
 from mjforage.view.report.run_logs import pick_replay
+from mjforage.view.report.shown import FIGURES, LARGEST, ROWS, cut
 from mjforage.view.report.studies.cost import cost_table, throughput_picture, throughput_table
 from mjforage.view.report.studies.study_logs import StudyLogs
-from mjforage.view.report.web_replay import web_replay
+from mjforage.view.report.web_replay import BUDGET, WebReplay, web_replay
 
 CLEARING = "clearing"  # section of horizons, which has no differences
+ALL = "`mjforage report FOLDER --tables csv` writes all"
+FEWEST_ROWS = 20  # of a table on the page, however large the others are
 
 
 @dataclass(frozen=True)
@@ -116,19 +120,44 @@ def cost_sections(logs: StudyLogs) -> list[Section]:
 
 
 def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -> str:
-    """Set the page as HTML, and save its figures in the study's folder."""
+    """Set the page as HTML, below 5 MB, and save its figures in the study's folder.
+
+    Tables have fewer rows where they leave no room for figures, and say so.
+    """
+    rows = ROWS
+    room = LARGEST - len(_set(logs, sections, notes, rows))
+    while room < FIGURES and rows > FEWEST_ROWS:
+        rows //= 2
+        room = LARGEST - len(_set(logs, sections, notes, rows))
+    pictures = [picture for section in sections for picture in section.pictures]
+    figures = embedded_within(min(FIGURES, room), pictures, logs.folder)
+    left = room - sum(len(figure.source) for figure in figures)
+    replay = web_replay({"": logs.whole.folder}, min(BUDGET, left))
+    return _set(logs, sections, notes, rows, figures, replay)
+
+
+def _set(
+    logs: StudyLogs,
+    sections: Sequence[Section],
+    notes: Sequence[str],
+    rows: int,
+    figures: Sequence[Shown] = (),
+    replay: WebReplay | None = None,
+) -> str:
+    """The page with at most so many rows in a table, and the figures of all sections in turn."""
     parts: list[dict[str, Any]] = []
+    drawn = iter(figures)
     for section in sections:
-        figures = [embedded(picture, logs.folder) for picture in section.pictures]
+        shown = list(islice(drawn, len(section.pictures)))
         parts.append(
             {
                 "name": section.name,
                 "title": section.title,
                 "words": section.words,
-                "tables": section.tables,
-                "folded": section.folded,
-                "wide": [figure for figure in figures if figure.wide],
-                "narrow": [figure for figure in figures if not figure.wide],
+                "tables": [cut(table, rows, ALL) for table in section.tables],
+                "folded": [cut(table, rows, ALL) for table in section.folded],
+                "wide": [figure for figure in shown if figure.wide],
+                "narrow": [figure for figure in shown if not figure.wide],
             }
         )
     content: dict[str, Any] = {
@@ -140,7 +169,7 @@ def render(logs: StudyLogs, sections: Sequence[Section], notes: Sequence[str]) -
             (name, logs.title(name), ", ".join(run.policies)) for name, run in logs.runs.items()
         ],
         "sections": parts,
-        "replay": web_replay({"": logs.whole.folder}),
+        "replay": replay,
         "few": too_few(logs.info.episodes),
         "first_with_numbers": next(
             (one["name"] for one in parts if one["tables"] and one["name"] != CLEARING), ""
