@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
@@ -11,6 +11,9 @@ from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
     from mjforage.core.maps import GridMap
+    from mjforage.core.scenario import Scenario
+
+MAP_RULES = ("corner_cutting", "largest_component", "water")  # keys by which a map is read
 
 
 @app.command
@@ -108,30 +111,33 @@ def maps(
     from mjforage.core.harbours import family, is_family
     from mjforage.core.map_files import shipped_maps
     from mjforage.core.maps import load_map
+    from mjforage.core.once import say_once
+    from mjforage.core.sizes import map_costs
 
     several = map is not None and is_family(map)
     names = family(map) if map and several else (map,) if map else shipped_maps()
-    rules = _map_rules(set, water)
+    scenario = _map_scenario(set, water)
+    rules = {name: getattr(scenario.map, name) for name in MAP_RULES}
     grids = [load_map(name, **rules) for name in names]
     for grid in grids:
         rows, columns = grid.navigable.shape
         output.print(f"{grid.name}: {rows} x {columns}, {grid.nodes} nodes")
+        if costs := map_costs(scenario, grid.name, grid.navigable.shape, grid.nodes):
+            say_once(costs)
     if output_file is not None and map:
         _write(grids, output_file)
 
 
-def _map_rules(overrides: tuple[str, ...], water: Water | None) -> dict[str, Any]:
-    """How a map is read, by the overrides of a scenario's keys."""
+def _map_scenario(overrides: tuple[str, ...], water: Water | None) -> "Scenario":
+    """A scenario that says how a map is read, by overrides of its keys."""
     from mjforage.core.scenario_file import load_scenario
 
-    names = ("corner_cutting", "largest_component", "water")
     for override in overrides:
-        if override.partition("=")[0].strip() not in [f"map.{name}" for name in names]:
+        if override.partition("=")[0].strip() not in [f"map.{name}" for name in MAP_RULES]:
             raise UserError(
-                f"--set {override}: gives a map no other nodes; give map.{' or map.'.join(names)}"
+                f"--set {override}: gives a map no other nodes; give map.{' or map.'.join(MAP_RULES)}"
             )
-    choice = load_scenario("open-bay", overrides, water=water).map
-    return {name: getattr(choice, name) for name in names}
+    return load_scenario("open-bay", overrides, water=water)
 
 
 def _write(grids: "list[GridMap]", path: Path) -> None:

@@ -27,6 +27,7 @@ from mjforage.core.whole_files import whole
 
 WaterIs = Literal["light", "dark"]
 """Which cells of a map file are water."""
+DESCRIPTIONS = (".yaml", ".yml")
 
 logger = logging.getLogger(__name__)
 
@@ -102,6 +103,11 @@ def read_cells(path: Path, name: str, water: WaterIs = "light") -> NDArray[np.bo
     UserError
         If the file is unreadable, too large, empty or malformed.
     """
+    if path.suffix.lower() in DESCRIPTIONS:
+        raise UserError(
+            f"map {name}: only describes a map of map_server; give the image that its line "
+            "`image:` names (a .pgm)"
+        )
     levels = _reader(path)(path, name)
     cells: NDArray[np.bool_] = levels == (LIGHT if water == "light" else DARK)
     edge = np.concatenate((cells[0], cells[-1], cells[:, 0], cells[:, -1]))

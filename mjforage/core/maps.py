@@ -17,6 +17,7 @@ from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
 from mjforage.core.harbours import harbour, harbour_cells, is_harbour
 from mjforage.core.map_files import WaterIs, is_shipped_map, map_path, read_cells
+from mjforage.core.map_formats import decoded
 
 Starts = tuple[tuple[int, int], ...]
 
@@ -199,7 +200,7 @@ def load_starts(reference: str) -> Starts | None:
     if not file.is_file():
         return None
     try:
-        lines = file.read_text(encoding="utf-8-sig").splitlines()
+        lines = decoded(file.read_bytes()).splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"starts {file.name}: cannot be read ({error})") from error
     starts = tuple(_start(line, i + 1, file.name) for i, line in enumerate(lines) if line.strip())

@@ -18,7 +18,7 @@ RK4_LIMIT = 2.785
 """Steps per time constant beyond which Runge-Kutta of order 4 diverges (Hairer and Wanner, "Solving
 Ordinary Differential Equations II", section IV.2); the fast integrator's mean accelerations are of
 one such step."""
-PHYSICAL: tuple[tuple[str, Weather | Sensors, tuple[str, ...]], ...] = (
+PHYSICAL: tuple[tuple[str, Weather | Sensors | Physics, tuple[str, ...]], ...] = (
     (
         "weather",
         Weather(),
@@ -28,6 +28,7 @@ PHYSICAL: tuple[tuple[str, Weather | Sensors, tuple[str, ...]], ...] = (
         ),
     ),
     ("sensors", Sensors(), ("position_noise_m", "heading_noise_deg", "pickup_noise_m")),
+    ("physics", Physics(), ("capture", "item_classes", "integrator", "step_s", "scale")),
 )
 """Tables of a scenario, as if nothing were given, and their keys that not every world feels."""
 
@@ -62,6 +63,10 @@ def _feels(adapted: Scenario, scenario: Scenario, table: str, key: str) -> bool:
     """Whether a world with hulls has a key of the scenario, and something that it acts on."""
     if key == "pickup_noise_m" and adapted.physics.capture == "node":
         return False  # nobody steers for an item, so that there is no camera
+    if key == "item_classes":
+        return adapted.physics.items == "bodies"  # others have the paper's leeway
+    if key == "capture" and adapted.rules.capture == "calibrated":
+        return True  # chances of the intake
     return bool(getattr(getattr(adapted, table), key) == getattr(getattr(scenario, table), key))
 
 
@@ -76,15 +81,30 @@ def _hulls(setup: Setup) -> dict[Vessel, list[str]]:
     return found
 
 
+def foretold_of_hull(
+    vessel: Vessel, wind_mps: float, step_s: float, remedy: str = "give physics.step_s of at most"
+) -> Iterator[str]:
+    """Lines about one hull, whatever it is to do; none where all is well.
+
+    Parameters
+    ----------
+    wind_mps : the most that blows
+    step_s : of the integrator
+    remedy : what to say before the longest step that the hull's drag allows [s]
+    """
+    if wind_mps and not vessel.windage.any:
+        yield f"has no [windage] and does not feel the wind of up to {wind_mps:.3g} m/s"
+    yield from _too_quick(vessel, step_s, remedy)
+
+
 def _of_hull(
     scenario: Scenario, worlds: Iterable[str], vessel: Vessel, teams: Iterable[str]
 ) -> Iterator[str]:
     wind = max(_most_wind_mps(WORLDS[world].adapt(scenario)) for world in worlds)
-    if wind and not vessel.windage.any:
-        yield f"has no [windage] and does not feel the wind of up to {wind:.3g} m/s"
     if vessel.load == NO_LOAD and any(scenario.team[team].collects for team in teams):
         yield "has no [load], so that items aboard add neither mass nor drag"
-    yield from _too_quick(scenario, vessel)
+    step_s = scenario.physics.step_s or (0.1 if scenario.physics.integrator == "fast" else 0.02)
+    yield from foretold_of_hull(vessel, wind, step_s)
     for team in teams:
         yield from _too_slow(scenario, vessel, team)
 
@@ -94,7 +114,7 @@ def _most_wind_mps(scenario: Scenario) -> float:
     return weather.wind_speed_mps + math.sqrt(2.0) * weather.drawn_drift_mps / LEEWAY
 
 
-def _too_quick(scenario: Scenario, vessel: Vessel) -> Iterator[str]:
+def _too_quick(vessel: Vessel, step_s: float, remedy: str) -> Iterator[str]:
     """Hulls whose control cannot keep up with them.
 
     Thrust that is wrong is mended after a period of control and the thrusters' lag. An integrator
@@ -111,12 +131,11 @@ def _too_quick(scenario: Scenario, vessel: Vessel) -> Iterator[str]:
             f"{reaction:.2g} s: it hunts, and its ways hang on the time step; give a shorter "
             "lag_s, less thrust or more mass"
         )
-    step = scenario.physics.step_s or (0.1 if scenario.physics.integrator == "fast" else 0.02)
     axis, rate = max(damping_rates(vessel).items(), key=lambda each: each[1])
-    if rate * step > RK4_LIMIT:
+    if rate * step_s > RK4_LIMIT:
         yield (
-            f"drag takes its {axis} in {1.0 / rate:.2g} s, too short for a time step of {step:g} s;"
-            f" give physics.step_s of at most {RK4_LIMIT / rate:.2g}"
+            f"drag takes its {axis} in {1.0 / rate:.2g} s, too short for a time step of {step_s:g} s; "
+            f"{remedy} {RK4_LIMIT / rate:.2g} s"
         )
 
 

@@ -5,7 +5,7 @@ from anybody: sizes are checked before cells are read, and nothing in them is ev
 from mjforage.core.map_formats.arrays import read_array
 from mjforage.core.map_formats.images import IMAGE_SUFFIXES, read_image
 from mjforage.core.map_formats.levels import DARK, LIGHT, UNKNOWN, Levels
-from mjforage.core.map_formats.text import read_text
+from mjforage.core.map_formats.text import decoded, read_text
 
 __all__ = [
     "DARK",
@@ -13,6 +13,7 @@ __all__ = [
     "LIGHT",
     "UNKNOWN",
     "Levels",
+    "decoded",
     "read_array",
     "read_image",
     "read_text",

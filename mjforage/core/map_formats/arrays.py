@@ -14,7 +14,7 @@ _DAMAGED = (OSError, ValueError, TypeError, EOFError, ArithmeticError, LookupErr
 
 
 def read_array(path: Path, name: str) -> Levels:
-    """Levels of an array (row, column) of booleans, of 0 and 1, or of 0 and 255.
+    """Levels of an array (row, column) of booleans, of 0 and 1, or of 0 and 255; NaN is unknown.
 
     Its header is checked against the file's length before any cell is read.
 
@@ -42,4 +42,5 @@ def read_array(path: Path, name: str) -> Levels:
         raise
     except _DAMAGED as error:
         raise UserError(f"map {name}: is damaged, or no array of numpy.save") from error
-    return levels_of(np.asarray(array, np.float64), name)
+    values = np.asarray(array, np.float64)
+    return levels_of(values, name, np.isnan(values))

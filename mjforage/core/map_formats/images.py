@@ -14,7 +14,7 @@ from mjforage.core.map_formats.levels import UNKNOWN, Levels, check_size, levels
 
 IMAGE_SUFFIXES = (
     *(".png", ".jpg", ".jpeg", ".bmp", ".gif"),
-    *(".pgm", ".pbm", ".ppm", ".pnm", ".tif", ".tiff"),
+    *(".pgm", ".pbm", ".ppm", ".pnm", ".tif", ".tiff", ".webp"),
 )
 HALF = {255: 128, 65535: 32768}  # lightest grey -> this light or lighter is light
 FREE, OCCUPIED = 0.196, 0.65  # of ROS map_server: thresholds of darkness; between them: unknown

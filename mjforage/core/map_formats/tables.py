@@ -23,8 +23,9 @@ def read_table(lines: Sequence[str], name: str) -> Levels:
     """Levels of a table.
 
     Fields are separated by commas, semicolons, tabs or blanks, in quotes or not, and are numbers
-    (0 and 1, or 0 and 255) or True and False. What follows a `#`, a separator at the end of every
-    row, and header and index of a data frame are left out.
+    (0 and 1, or 0 and 255) or True and False; between semicolons a comma is a decimal one. What
+    follows a `#`, a spreadsheet's `sep=`, a separator at the end of every row, and header and index
+    of a data frame are left out.
 
     Parameters
     ----------
@@ -61,14 +62,19 @@ def read_table(lines: Sequence[str], name: str) -> Levels:
 
 def _rows(lines: Sequence[str]) -> list[_Row]:
     """Fields of the lines that are no comments, without quotes."""
-    numbered = ((i, line) for i, line in enumerate(lines, 1) if not line.lstrip().startswith("#"))
+    numbered = ((i, line) for i, line in enumerate(lines, 1) if not _is_comment(line))
     kept = [(i, line.partition("#")[0]) for i, line in numbered]
-    separator = next((mark for mark in ",;\t" if any(mark in line for _, line in kept)), None)
+    separator = next((mark for mark in ";,\t" if any(mark in line for _, line in kept)), None)
     rows = []
     for number, line in kept:
+        line = line.replace(",", ".") if separator == ";" else line
         fields = line.split(separator) if line.strip() else []
         rows.append(_Row(number, [field.strip().strip("\"'").strip() for field in fields]))
     return rows
+
+
+def _is_comment(line: str) -> bool:
+    return line.lstrip().lower().startswith(("#", "sep="))
 
 
 def _cells(rows: list[_Row]) -> list[_Row]:

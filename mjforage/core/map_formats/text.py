@@ -4,6 +4,7 @@ Octile maps: Sturtevant (2012), "Benchmarks for Grid-Based Pathfinding". ESRI AS
 format of ArcGIS and GDAL.
 """
 
+import codecs
 from pathlib import Path
 
 import numpy as np
@@ -44,20 +45,32 @@ def _lines(path: Path, name: str) -> list[str]:
     try:
         if path.stat().st_size > MOST_BYTES:
             raise UserError(f"map {name}: has more than {MOST_BYTES:,} bytes; give fewer cells")
-        text = path.read_bytes().decode("utf-8-sig")
+        text = decoded(path.read_bytes())
     except OSError as error:
         raise UserError(f"map {name}: cannot be read ({error.strerror})") from error
     except UnicodeDecodeError:
         text = "\0"
     if "\0" in text:
         raise UserError(
-            f"map {name}: is neither UTF-8 text nor an image nor an array by the end of its name; "
+            f"map {name}: is neither UTF-8 nor UTF-16 text, nor an image nor an array by the end of its name; "
             "give .csv, .txt, .map, .asc, .npy, .png, .pgm, .tif or another image"
         )
     lines = text.replace("\r\n", "\n").replace("\r", "\n").rstrip().split("\n")
     if lines == [""]:
         raise UserError(f"map {name}: is empty; give one line of 0 and 1 per row")
     return lines
+
+
+def decoded(content: bytes) -> str:
+    """Text in UTF-8, or in UTF-16 where it begins with its mark, as spreadsheets write it.
+
+    Raises
+    ------
+    UnicodeDecodeError
+        If it is neither.
+    """
+    marked = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return content.decode("utf-16" if marked else "utf-8-sig")
 
 
 def _size(head: dict[str, str], rows: str, columns: str, name: str) -> tuple[int, int]:

@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers import Pilot
+from mjforage.core.once import say_once
 from mjforage.learning.environments.checks import checked_options, checked_started, checked_thrusts
 from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.course import TICK_S, Course
 from mjforage.learning.environments.rewards import checked_names
 from mjforage.learning.environments.screen import Screen
 from mjforage.learning.environments.window import RENDER_MODES, metadata_here
+from mjforage.physics.foretold import foretold_of_hull
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.weather import WeatherSettings
@@ -23,6 +25,7 @@ from mjforage.physics.weather import WeatherSettings
 TICKS = 5  # of 0.1 s in a step
 WAYPOINTS = 8
 HORIZON = 300  # steps of 0.5 s
+STEP_REMEDY = "its motion will not be that of the hull; such drag needs steps of at most"
 
 REWARD = {"progress": 1.0, "reached": 5.0, "time": -0.1, "effort": -0.05}
 """Term -> weight: metres nearer to the waypoint, waypoints reached, steps, mean square action.
@@ -99,6 +102,8 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
         self.render_mode, self._screen = render_mode, Screen(render_mode, self._drawn)
         self._weights = checked_names(REWARD if reward is None else reward, REWARD)
         self._course = Course(load_vessel(str(vessel)), weather, WAYPOINTS)
+        for line in foretold_of_hull(self._course.vessel, wind_mps, TICK_S, STEP_REMEDY):
+            say_once(f"vessel {self._course.vessel.name}: {line}")
         self._low, self._high = self._course.vessel.thruster.command_range
         self._way: list[tuple[float, float]] = []  # empty until the first reset
         self.observation_space = gymnasium.spaces.Box(-1.0, 1.0, (SCALES.size,), np.float32)

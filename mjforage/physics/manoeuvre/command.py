@@ -4,6 +4,8 @@ import math
 from pathlib import Path
 
 from mjforage.core.errors import UserError
+from mjforage.core.once import say_once
+from mjforage.physics.foretold import foretold_of_hull
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.hydrodynamics.ode_hull import OdeHull
 from mjforage.physics.manoeuvre.directions import parse_flow
@@ -56,6 +58,8 @@ def manoeuvre(
             f"--wind {wind}: vessel {hull.name} has no [windage] and feels no wind; give it that "
             "table (`mjforage vessels scout` has one), or leave out --wind"
         )
+    for line in foretold_of_hull(hull, 0.0, min(dt_s, STEP_S, hull.lag_s), "give --dt of at most"):
+        say_once(f"vessel {hull.name}: {line}")
     conditions = Conditions(
         current_mps=parse_flow(current, "--current"),
         wind_mps=parse_flow(wind, "--wind"),

@@ -69,6 +69,9 @@ def image(array: NDArray[np.generic], kind: str, **options: object) -> bytes:
         "255,255,0\n0,255,255\n",
         "255.0,255.0,0.0\n0.0,255.0,255.0\n",
         "a,b,c\n1,1,0\n0,1,1\n",
+        "1,0;1,0;0,0\n0,0;1,0;1,0\n",  # of a European spreadsheet
+        ";a;b, c;d\nnorth;1;1;0\nsouth;0;1;1\n",
+        "sep=;\n1;1;0\n0;1;1\n",
         ",0,1,2\n0,1,1,0\n1,0,1,1\n",
         ",a,b,c\nnorth,1,1,0\nsouth,0,1,1\n",
         '"","V1","V2","V3"\n"1",1,1,0\n"2",0,1,1\n',
@@ -84,6 +87,19 @@ def image(array: NDArray[np.generic], kind: str, **options: object) -> bytes:
 @pytest.mark.parametrize("name", ["port.csv", "port.map", "port.asc"])
 def test_a_text_as_programs_write_it(read: Read, name: str, content: str) -> None:
     assert read(name, content) == SEA
+
+
+@pytest.mark.parametrize("mark", ["utf-16-le", "utf-16-be"])
+def test_a_text_in_utf_16_as_spreadsheets_write_it(read: Read, mark: str) -> None:
+    assert read("port.csv", "\ufeffNäht;b;c\r\n1;1;0\r\n0;1;1\r\n".encode(mark)) == SEA
+    with pytest.raises(UserError, match="map port.csv: is neither UTF-8 nor UTF-16 text"):
+        read("port.csv", "\ufeff1;1".encode(mark) + b"1")
+
+
+def test_cells_of_an_array_without_a_value_are_land(read: Read) -> None:
+    array = np.array([[1.0, np.nan, 0.0]])
+    assert read("port.npy", npy(array)) == ["100"]
+    assert read("port.npy", npy(array), "dark") == ["001"]
 
 
 def frame(rows: list[str], spelt: str, separator: str, header: bool, index: bool) -> str:
@@ -129,6 +145,7 @@ def test_an_array_of_numpy(read: Read, kind: str, top: int) -> None:
         ("port.png", image(np.array([[254, 254, 0], [205, 254, 254]], np.uint8), "PNG")),
         ("port.png", image(np.array([[200, 205, 0], [9, 254, 254]], np.uint8), "PNG")),
         ("port.tif", image(np.array([[200, 205, 0], [9, 254, 254]], np.uint8), "TIFF")),
+        ("port.webp", image(255 * cells(SEA), "WEBP", lossless=True)),
         ("port.tiff", image(255 * cells(SEA), "TIFF", compression="tiff_deflate")),
         ("port.tif", image(cells(SEA), "TIFF")),  # a mask of 0 and 1
         ("port.tif", image(cells(SEA).astype(np.float32), "TIFF")),
@@ -299,6 +316,7 @@ OCTILE = "type octile\nheight {}\nwidth {}\nmap\n"
         ("a.pgm", b"P5\n13300 13300\n255\n", "13300 x 13300 cells are more than 40,000,000"),
         ("a.pgm", b"P5\n2 2\n255\n\x00", "cannot be read as an image"),
         ("a.tif", image(np.array([[0.5]], np.float32), "TIFF"), "row 0, column 0 is 0.5, expected"),
+        ("a.yaml", "image: a.pgm\n", "only describes a map of map_server; give the image that"),
         ("a.tif", b"II*\x00", "is no image, or one of size 0, or damaged"),
     ],
 )

@@ -130,9 +130,9 @@ def test_numpy_savetxt_loads(tmp_path: Path, pattern: str) -> None:
         ("", "is empty"),
         ("\n \n", "is empty"),
         ("0,0\n0,0\n", "all 4 cells are obstacles"),
-        (b"\x00\x01\x02", "neither UTF-8 text nor an image"),
-        (b"\x89PNG\r\n\x1a\n\xff", "neither UTF-8 text nor an image"),
-        (b"1\x00,\x00", "neither UTF-8 text nor an image"),
+        (b"\x00\x01\x02", "neither UTF-8 nor UTF-16 text, nor an image"),
+        (b"\x89PNG\r\n\x1a\n\xff", "neither UTF-8 nor UTF-16 text, nor an image"),
+        (b"1\x00,\x00", "neither UTF-8 nor UTF-16 text, nor an image"),
     ],
 )
 def test_bad_table_is_named(write: WriteMap, content: str | bytes, message: str) -> None:
@@ -377,7 +377,7 @@ def test_starts_beside_a_map_are_read(write: WriteMap) -> None:
         ("0,1.5\n", "line 1 is '0,1.5'"),
         ("row,column\n", "line 1 is 'row,column'"),
         ("\n", "is empty"),
-        (b"\xff\xfe", "cannot be read"),
+        (b"\xff\xfe1", "cannot be read"),
     ],
 )
 def test_bad_starts_file_is_named(write: WriteMap, content: str | bytes, message: str) -> None:

@@ -17,10 +17,10 @@ from mjforage.core.scenario_file import load_scenario, preset_names
 from mjforage.core.setup import Setup
 from mjforage.core.vessel_files import vessel_names, vessel_path
 from mjforage.learning.environments.options import EnvironmentOptions
-from mjforage.physics.foretold import foretold
+from mjforage.physics.foretold import foretold, foretold_of_hull
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
-from mjforage.physics.vessel_helm import full_speed_s, helm_of
+from mjforage.physics.vessel_helm import decision_s, full_speed_s, helm_of
 from mjforage.physics.vessels import Vessel, load_vessel
 from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.runs.evaluate import evaluate
@@ -105,6 +105,48 @@ def test_keys_that_no_world_of_a_run_feels_are_told(
     words = f"{key}: not felt in world {' nor '.join(worlds)}, and without effect in this run"
     assert told(worlds, f"{key}={value}") == [words]
     assert told((*worlds, "physics"), f"{key}={value}", "physics.capture=intake") == []
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "worlds", "felt"),
+    [
+        ("physics.item_classes", '["bag"]', ("graph", "hulls", "calibrated"), "debris"),
+        ("physics.capture", "intake", ("graph", "hulls", "debris"), "calibrated"),
+        ("physics.integrator", "reference", ("graph",), "hulls"),
+        ("physics.step_s", "0.05", ("graph",), "hulls"),
+        ("physics.scale.mass", "1.1", ("graph",), "hulls"),
+    ],
+)
+def test_keys_of_physics_that_no_world_of_a_run_feels_are_told(
+    key: str, value: str, worlds: tuple[str, ...], felt: str
+) -> None:
+    table_key = ".".join(key.split(".")[:2])
+    words = f"{table_key}: not felt in world {' nor '.join(worlds)}, and without effect in this run"
+    assert told(worlds, f"{key}={value}") == [words]
+    assert told((*worlds, felt), f"{key}={value}") == []
+
+
+def test_items_without_bodies_have_no_classes() -> None:
+    words = "physics.item_classes: not felt in world physics, and without effect in this run"
+    assert told(PHYSICS, 'physics.item_classes=["bag"]', "physics.items=graph") == [words]
+
+
+@pytest.mark.parametrize(("longer_s", "hunts"), [(-0.01, False), (0.01, True)])
+def test_a_hull_hunts_from_a_dead_time_as_long_as_its_rise(longer_s: float, hunts: bool) -> None:
+    scout = load_vessel("scout")
+    rise = full_speed_s(scout)
+    vessel = replace(scout, lag_s=rise - 0.1 + longer_s)
+    assert full_speed_s(vessel) == rise
+    lines = list(foretold_of_hull(vessel, 0.0, 0.02))
+    assert [": it hunts, and its ways" in line for line in lines] == [True] * hunts
+
+
+@pytest.mark.parametrize(("longer_s", "late"), [(-0.1, True), (0.1, False)])
+def test_moves_are_late_where_they_take_longer_than_a_decision(longer_s: float, late: bool) -> None:
+    period_s = decision_s(load_vessel("scout"), 20.0) + longer_s
+    overrides = ("map.pitch_m=10", "team.foragers.count=0", "team.scouts.count=1")
+    lines = told(PHYSICS, *overrides, f"period_s={period_s}")
+    assert ["moves will be late" in line for line in lines] == [True] * late
 
 
 def way(vessel: Vessel, step_s: float, seed: int) -> NDArray[np.float64]:

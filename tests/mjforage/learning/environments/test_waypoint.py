@@ -1,9 +1,13 @@
+import logging
+from pathlib import Path
+
 import gymnasium
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from mjforage.core.errors import UserError
+from mjforage.core.vessel_files import vessel_path
 from mjforage.learning.environments.course import FARTHEST_M, NEAREST_M
 from mjforage.learning.environments.waypoint import REWARD, WaypointEnv
 
@@ -53,6 +57,33 @@ def test_entries_in_the_body_frame(env: WaypointEnv) -> None:
     assert np.hypot(*observation[11:13]) * 15.0 > 0.5  # there is wind
     assert np.hypot(*observation[13:15]) == pytest.approx(0.15, abs=1e-6)  # and current
     assert observation[15] == 1.0
+
+
+def test_what_a_hull_does_not_feel_and_that_it_hunts_is_told_once(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    text = vessel_path("scout").read_text("utf-8")
+    head, _, rest = text.partition("\n[windage]")
+    bare, light = tmp_path / "bare_one.toml", tmp_path / "light_one.toml"
+    bare.write_text(head + rest[rest.index("\n\n") :], "utf-8")
+    light.write_text(text.replace('36.0, unit = "kg"', '1.0, unit = "kg"'), "utf-8")
+    stiff = tmp_path / "stiff_one.toml"
+    stiff.write_text(text.replace("linear_yaw = { value = 3.3", "linear_yaw = { value = 330.0"))
+    with caplog.at_level(logging.WARNING):
+        for _ in range(2):
+            for hull in (bare, light, stiff, "scout"):
+                gymnasium.make("mjforage/Waypoint-v0", vessel=hull, wind_mps=12)
+        gymnasium.make("mjforage/Waypoint-v0", vessel=bare, wind_mps=0)
+    told = [line for line in caplog.messages if line.startswith("vessel ")]
+    windless, hunting, steep = told
+    assert windless == (
+        "vessel bare_one: has no [windage] and does not feel the wind of up to 12 m/s"
+    )
+    assert hunting.startswith("vessel light_one: full thrust") and "it hunts" in hunting
+    assert steep.startswith("vessel stiff_one: drag takes its turning in 0.021 s, too short for a ")
+    assert steep.endswith(
+        "; its motion will not be that of the hull; such drag needs steps of at most 0.059 s"
+    )
 
 
 def test_calm_water_and_other_hulls() -> None:
