@@ -132,11 +132,10 @@ def _map_scenario(overrides: tuple[str, ...], water: Water | None) -> "Scenario"
     """A scenario that says how a map is read, by overrides of its keys."""
     from mjforage.core.scenario_file import load_scenario
 
+    names = " or ".join(f"map.{name}" for name in MAP_RULES)
     for override in overrides:
-        if override.partition("=")[0].strip() not in [f"map.{name}" for name in MAP_RULES]:
-            raise UserError(
-                f"--set {override}: gives a map no other nodes; give map.{' or map.'.join(MAP_RULES)}"
-            )
+        if override.partition("=")[0].strip() not in names.split(" or "):
+            raise UserError(f"--set {override}: gives a map no other nodes; give {names}")
     return load_scenario("open-bay", overrides, water=water)
 
 

@@ -134,8 +134,8 @@ def _too_quick(vessel: Vessel, step_s: float, remedy: str) -> Iterator[str]:
     axis, rate = max(damping_rates(vessel).items(), key=lambda each: each[1])
     if rate * step_s > RK4_LIMIT:
         yield (
-            f"drag takes its {axis} in {1.0 / rate:.2g} s, too short for a time step of {step_s:g} s; "
-            f"{remedy} {RK4_LIMIT / rate:.2g} s"
+            f"drag takes its {axis} in {1.0 / rate:.2g} s, too short for a time step of "
+            f"{step_s:g} s; {remedy} {RK4_LIMIT / rate:.2g} s"
         )
 
 

@@ -52,8 +52,8 @@ def _lines(path: Path, name: str) -> list[str]:
         text = "\0"
     if "\0" in text:
         raise UserError(
-            f"map {name}: is neither UTF-8 nor UTF-16 text, nor an image nor an array by the end of its name; "
-            "give .csv, .txt, .map, .asc, .npy, .png, .pgm, .tif or another image"
+            f"map {name}: is neither UTF-8 nor UTF-16 text, nor an image nor an array by the "
+            "end of its name; give .csv, .txt, .map, .asc, .npy, .png, .pgm, .tif or another image"
         )
     lines = text.replace("\r\n", "\n").replace("\r", "\n").rstrip().split("\n")
     if lines == [""]:

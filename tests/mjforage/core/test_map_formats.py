@@ -92,7 +92,7 @@ def test_a_text_as_programs_write_it(read: Read, name: str, content: str) -> Non
 @pytest.mark.parametrize("mark", ["utf-16-le", "utf-16-be"])
 def test_a_text_in_utf_16_as_spreadsheets_write_it(read: Read, mark: str) -> None:
     assert read("port.csv", "\ufeffNäht;b;c\r\n1;1;0\r\n0;1;1\r\n".encode(mark)) == SEA
-    with pytest.raises(UserError, match="map port.csv: is neither UTF-8 nor UTF-16 text"):
+    with pytest.raises(UserError, match=r"map port\.csv: is neither UTF-8 nor UTF-16 text"):
         read("port.csv", "\ufeff1;1".encode(mark) + b"1")
 
 
