@@ -10,7 +10,7 @@ import inspect
 import json
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import NoneType, UnionType
@@ -108,7 +108,9 @@ def with_options(
         meant = [place for place, one in enumerate(found) if one.name == name]
         if not sign or not meant:
             given = ", ".join(one.name for one in found) or "none"
-            raise UserError(f"--set {text}: give {kind}.NAME.OPTION=VALUE, NAME of {given}")
+            close = difflib.get_close_matches(name, [one.name for one in found], n=1)
+            hint = f"did you mean {kind}.{close[0]}.{option}? As it is, " if close else ""
+            raise UserError(f"--set {text}: {hint}give {kind}.NAME.OPTION=VALUE, NAME of {given}")
         for place in meant:
             there = {**parsed.options, **found[place].options}
             if there[option] != parsed.options[option]:
@@ -161,9 +163,9 @@ def file_label(label: str) -> str:
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """A remedy for an unknown name: the nearest known one, or all."""
-    names = sorted(known)
-    close = difflib.get_close_matches(name, names, n=1)
+    """A remedy for an unknown name: the nearest known one, or all in their order."""
+    names = sorted(known) if isinstance(known, Set) else list(known)
+    close = difflib.get_close_matches(str(name), names, n=1)
     return f"did you mean {close[0]}?" if close else f"choose {', '.join(names) or 'none'}"
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By
-from mjforage.cli.console import OUT, output, working
+from mjforage.cli.console import FOLDER, output, working
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn
 from mjforage.cli.studying import Names, Policies, carry_out, study
 from mjforage.cli.trust_flags import NOBODY, Trusted
@@ -43,7 +43,7 @@ class BoardOptions:
     seed: int = 0
     set: Names = ()
     metric: Names = ()
-    out: Annotated[Path, OUT] = Path("runs/board")
+    out: Annotated[Path, FOLDER] = Path("runs/board")
 
 
 DEFAULT = BoardOptions()

@@ -32,7 +32,17 @@ NARROW = 60  # [columns] below which help has no frames, which would cut the nam
 PIPE_COLUMNS = 400  # tables keep their natural width where stdout is no terminal
 
 OUT = Parameter(name=("--out", "-o"), alias="--output")
-"""The flag of every command that writes: a folder, or a file."""
+"""The flag of every command that writes a file."""
+
+
+def _names_no_page(kind: object, folder: Path | None) -> None:
+    """Refuse a new folder that is named as the page in it."""
+    if folder is not None and folder.suffix.lower() in (".html", ".htm") and not folder.is_dir():
+        raise ValueError(f"It is a folder, for report.html and more; give --out {folder.stem}")
+
+
+FOLDER = Parameter(name=OUT.name, alias=OUT.alias, validator=_names_no_page)
+"""The same flag of every command that writes a folder."""
 
 app = cyclopts.App(
     name="mjforage",

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, TypedDict
 from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
-from mjforage.cli.console import OUT, Water, app, bar, output, print_table, working
+from mjforage.cli.console import FOLDER, Water, app, bar, output, print_table, working
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
 from mjforage.cli.trust_flags import NOBODY, Trusted
 
@@ -46,7 +46,7 @@ def evaluate(
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
     known: Trusted = NOBODY,
-    out: Annotated[Path | None, OUT] = None,
+    out: Annotated[Path | None, FOLDER] = None,
 ) -> None:
     """Run policies on the same episodes; write logs, tables, figures and report.html.
 
@@ -115,7 +115,7 @@ def compare(
     by: By = THIS_PROCESS,
     again: GoingOn = SAME_ONLY,
     known: Trusted = NOBODY,
-    out: Annotated[Path | None, OUT] = None,
+    out: Annotated[Path | None, FOLDER] = None,
 ) -> None:
     """Run policies on the same episodes at graph level and in MuJoCo; report the reality gap.
 
@@ -210,7 +210,7 @@ def report(
     folder: Path,
     /,
     *others: Path,
-    out: Annotated[Path | None, OUT] = None,
+    out: Annotated[Path | None, FOLDER] = None,
     tables: str = "",
     figures: str = "",
     policy: ShownPolicies = (),

@@ -26,7 +26,7 @@ from mjforage.cli import (  # they add their commands
 )
 from mjforage.cli.console import app, errors
 from mjforage.cli.streams import forgiving_streams
-from mjforage.cli.words import missing, several
+from mjforage.cli.words import missing, several, unknown
 from mjforage.core.environment import drop_thread_counts, library_of, refusal, shorten_warnings
 from mjforage.core.errors import UserError, printable
 
@@ -75,7 +75,9 @@ def _carry_out(arguments: Sequence[str]) -> None:
 def _words(error: BaseException, arguments: Sequence[str]) -> str:
     """What is said of an error; "" of one that nobody but us can mend."""
     if isinstance(error, cyclopts.MissingArgumentError):
-        return missing(error)
+        return missing(error, arguments)
+    if isinstance(error, cyclopts.UnknownOptionError):
+        return unknown(error)
     if isinstance(error, UserError | cyclopts.CycloptsError):
         return str(error)
     if words := _of_an_extra(error, arguments) or _of_a_part(error):

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-from mjforage.cli.console import OUT, app, print_list
+from mjforage.cli.console import FOLDER, app, print_list
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _NOTE = "<!-- Written by `mjforage schemas --pages docs/reference`; edit the {} instead. -->"
@@ -43,7 +43,7 @@ def schemas_of_files() -> Mapping[str, tuple[str, Any]]:
 
 
 @app.command
-def schemas(*, out: Annotated[Path | None, OUT] = None, pages: Path | None = None) -> None:
+def schemas(*, out: Annotated[Path | None, FOLDER] = None, pages: Path | None = None) -> None:
     """List the kinds of files, or write what their keys are.
 
     Parameters

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 from rich.table import Table
 
-from mjforage.cli.console import app, errors, print_table
+from mjforage.cli.console import OUT, app, errors, print_table
 from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ def _rounded(value: float) -> str:
 @app.command
 def bench(
     *,
-    json_file: Annotated[Path | None, Parameter(name="--json")] = None,
+    out: Annotated[Path | None, Parameter(name=OUT.name, alias=("--output", "--json"))] = None,
     against: Path | None = None,
     slices: int = 9,
     decisions: Annotated[bool, Parameter(negative="")] = False,
@@ -30,7 +30,7 @@ def bench(
 
     Parameters
     ----------
-    json_file
+    out
         Also write the figures to this file: {key: {"value", "unit"}}, and the
         "quickest" slice of a speed, whose value is the median; or a list of comparisons.
     against
@@ -43,8 +43,8 @@ def bench(
     """
     from mjforage.core.whole_files import write_json
 
-    if json_file is not None and not json_file.parent.is_dir():
-        raise UserError(f"--json {json_file}: cannot be written, no folder {json_file.parent}")
+    if out is not None and not out.parent.is_dir():
+        raise UserError(f"--out {out}: cannot be written, no folder {out.parent}")
     if decisions and against is not None:
         raise UserError(f"--decisions, --against {against}: give one of them")
     found: object
@@ -52,8 +52,8 @@ def bench(
         found = _decided()
     else:
         found = _measured() if against is None else _compared(against, slices)
-    if json_file is not None:
-        write_json(json_file, found)
+    if out is not None:
+        write_json(out, found)
 
 
 def _measured() -> "Figures":

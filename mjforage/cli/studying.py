@@ -9,7 +9,7 @@ import cyclopts
 from cyclopts import Parameter
 
 from mjforage.cli.computing import THIS_PROCESS, By, Computing
-from mjforage.cli.console import OUT, Water, app, bar, output, working
+from mjforage.cli.console import FOLDER, Water, app, bar, output, working
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
 from mjforage.cli.trust_flags import NOBODY, Trusted
 
@@ -62,7 +62,7 @@ class StudyOptions:
     water: Water | None = None
     set: Names = ()
     metric: Names = ()
-    out: Annotated[Path | None, OUT] = None
+    out: Annotated[Path | None, FOLDER] = None
 
 
 @dataclass(frozen=True)

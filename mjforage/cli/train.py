@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from mjforage.cli.console import OUT, Water, app, bar, errors, output
+from mjforage.cli.console import FOLDER, Water, app, bar, errors, output
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn
 from mjforage.cli.trust_flags import NOBODY, Trusted
 from mjforage.core.errors import UserError
@@ -38,7 +38,7 @@ def train(
     device: str = "auto",
     again: GoingOn = SAME_ONLY,
     known: Trusted = NOBODY,
-    out: Annotated[Path | None, OUT] = None,
+    out: Annotated[Path | None, FOLDER] = None,
 ) -> None:
     """Train a policy; the same command resumes a run that was stopped.
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 from rich.table import Table
 
-from mjforage.cli.console import OUT, app, bar, output, print_table, working
+from mjforage.cli.console import FOLDER, app, bar, output, print_table, working
 
 if TYPE_CHECKING:
     from mjforage.physics.validation import Finding
@@ -18,7 +18,7 @@ FAILED_CODE = 1
 @app.command
 def validate(
     *,
-    out: Annotated[Path, OUT] = Path("runs/validation"),
+    out: Annotated[Path, FOLDER] = Path("runs/validation"),
     check: Annotated[tuple[str, ...], Parameter(name="--check", negative="")] = (),
     runs: int = 40,
 ) -> None:

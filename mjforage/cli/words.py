@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import cyclopts
+from cyclopts import Token
 
 
 def several(words: Sequence[str]) -> list[str]:
@@ -52,10 +53,40 @@ _FLAGS: dict[str, dict[str, Callable[[str], bool]]] = {
 """Command -> flag -> what of the words behind it is another argument."""
 
 
-def missing(error: cyclopts.MissingArgumentError) -> str:
-    """What a command lacks, and what to give by the first sentence of its help."""
+def unknown(error: cyclopts.UnknownOptionError) -> str:
+    """Which flag is not known, and the near miss, or the command that has it."""
+    flag = (error.token.keyword or error.token.value).partition("=")[0]
+    if flag in _FLAGS["report"]:
+        return f"Unknown option: {flag}. Give it afterwards: mjforage report FOLDER {flag}"
+    return str(error)
+
+
+def _misspelt(error: cyclopts.MissingArgumentError, given: Sequence[str]) -> str:
+    """The same of the first flag that the command does not know; "" if it knows all."""
+    known = error.app.assemble_argument_collection() if error.app else cyclopts.ArgumentCollection()
+    for word in given:
+        flag = word.partition("=")[0]
+        if flag.startswith("--") and flag != "--":
+            try:
+                known.match(flag)
+            except ValueError:
+                token = Token(keyword=flag, source="cli")
+                return unknown(
+                    cyclopts.UnknownOptionError(
+                        token=token, argument_collection=known, verbose=False
+                    )
+                )
+    return ""
+
+
+def missing(error: cyclopts.MissingArgumentError, given: Sequence[str]) -> str:
+    """What a command lacks, and what to give by the first sentence of its help; of a flag that was
+    given misspelt, that flag.
+    """
     if error.argument is None or error.app is None:
         return str(error)
+    if words := _misspelt(error, given):
+        return words
     name = error.argument.name
     told = error.app.assemble_argument_collection(parse_docstring=True)
     words = next((one.parameter.help for one in told if one.name == name), None) or ""

@@ -104,8 +104,6 @@ def _near_miss(overrides: list[str], teams: list[str], error: UserError) -> User
     """The error of an override whose key is not known but nearly one that is; None if the error
     says so itself.
     """
-    if "did you mean" in str(error):
-        return None
     known = set()
     for row in rows(Scenario):
         table, name, rest = row.key.partition(f".{NAME}")
@@ -114,8 +112,9 @@ def _near_miss(overrides: list[str], teams: list[str], error: UserError) -> User
         key = override.partition("=")[0].strip()
         close = [one for one in sorted(known) if one.endswith(f".{key}")]
         close = close or difflib.get_close_matches(key, known, n=1, cutoff=0.9)
-        if close and key not in known:
-            return UserError(f"--set {override}: did you mean {close[0]}? As it is, {error}")
+        if close and key not in known and f"did you mean {close[0]}?" not in str(error):
+            fault = str(error).partition("; did you mean ")[0]
+            return UserError(f"--set {override}: did you mean {close[0]}? As it is, {fault}")
     return None
 
 

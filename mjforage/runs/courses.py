@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from graph_planner.references import file_label
+from graph_planner.references import file_label, nearest
 from mjforage.core.errors import UserError
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario
@@ -46,7 +46,7 @@ def _parted(text: str) -> tuple[str, str, str]:
     if not sign:
         return text, USUAL_WORLD, ""
     if world not in WORLDS:
-        raise UserError(f"course {text}: no world {world!r}; after the @ give {', '.join(WORLDS)}")
+        raise UserError(f"course {text}: no world {world!r}; {nearest(world, WORLDS)}")
     return start, world, "" if world == USUAL_WORLD else f"@{world}"
 
 

@@ -14,6 +14,7 @@ import polars as pl
 
 import metrics
 from graph_planner.policies.registry import check_policies
+from graph_planner.references import nearest
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import chosen_metrics
 from mjforage.core.mission_metrics.known import course_metrics
@@ -120,7 +121,7 @@ class Run:
         course_metrics(chosen_metrics(metrics))
         for world in worlds:
             if world not in WORLDS:
-                raise UserError(f"world {world}: unknown; choose {', '.join(WORLDS)}")
+                raise UserError(f"world {world}: unknown; {nearest(world, WORLDS)}")
             if list(worlds).count(world) > 1:
                 raise UserError(f"world {world}: given twice")
             create_mission(setup, world)  # what cannot be run says so before anything is written

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Optional
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.references import nearest
 from mjforage.core.errors import UserError
 from mjforage.runs.episode_replay import Replay
 
@@ -27,7 +28,7 @@ def check_camera(camera: str | None, world: str, mode: str | None) -> None:
     from mjforage.view.render.cameras import CAMERAS
 
     if camera not in CAMERAS:
-        raise UserError(f"camera = {camera!r}: unknown; choose {', '.join(CAMERAS)}")
+        raise UserError(f"camera = {camera!r}: unknown; {nearest(camera, CAMERAS)}")
     if world == "graph":
         raise UserError(
             f"camera = {camera!r}: the graph world has no hulls; choose world='physics', or leave "

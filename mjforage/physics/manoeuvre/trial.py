@@ -7,6 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.references import nearest
 from mjforage.core.errors import UserError
 from mjforage.physics.hydrodynamics.conditions import Conditions, Hull
 from mjforage.physics.hydrodynamics.ode_hull import OdeHull
@@ -77,7 +78,7 @@ def run_test(
         If there is no such test, or duration or step is out of range.
     """
     if test not in STANDARD_TESTS:
-        raise UserError(f"--test {test}: unknown; choose {', '.join(STANDARD_TESTS)}")
+        raise UserError(f"--test {test}: unknown; {nearest(test, STANDARD_TESTS)}")
     standard = STANDARD_TESTS[test]
     here = conditions or Conditions()
     length = standard.duration_s if duration_s is None else duration_s

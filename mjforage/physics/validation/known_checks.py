@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from graph_planner.references import nearest
 from mjforage.core.errors import UserError
 from mjforage.physics.validation.finding import Finding, Measure, Panel
 
@@ -64,7 +65,7 @@ def find_check(name: str) -> Check:
         If there is none of that name.
     """
     if name not in _CHECKS:
-        raise UserError(f"--check {name}: unknown; choose {', '.join(check_names())}")
+        raise UserError(f"--check {name}: unknown; {nearest(name, check_names())}")
     return _CHECKS[name]
 
 

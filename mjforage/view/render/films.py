@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.references import nearest
 from mjforage.core.errors import UserError
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.render import palette
@@ -99,7 +100,7 @@ def render_replay(
     check_target(path, fps)
     name = camera or default_camera(replay.world)
     if name not in CAMERAS:
-        raise UserError(f"camera {name}: unknown; choose {', '.join(CAMERAS)}")
+        raise UserError(f"camera {name}: unknown; {nearest(name, CAMERAS)}")
     if speed is None:
         speed = CAMERAS[name].steps_per_film_s * replay.period_s
     shown = [as_seen_by(each, seen_by) for each in (replay, beside) if each is not None]

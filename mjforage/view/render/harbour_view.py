@@ -6,6 +6,7 @@ from types import TracebackType
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.references import nearest
 from mjforage.core.errors import UserError
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.cameras import CAMERAS, Area, Camera, Circumstances, View, magnified
@@ -241,7 +242,7 @@ class HarbourView:
 
 def _camera_named(name: str) -> Camera:
     if name not in CAMERAS:
-        raise UserError(f"camera {name}: unknown; choose {', '.join(CAMERAS)}")
+        raise UserError(f"camera {name}: unknown; {nearest(name, CAMERAS)}")
     return CAMERAS[name]
 
 

@@ -25,6 +25,21 @@ pytestmark = pytest.mark.usefixtures("here")
         (["evalute"], 'Unknown command "evalute". Did you mean "evaluate"?'),
         (["--nonsense"], "--nonsense"),
         (["evaluate", "--polcy", "greedy"], "--polcy. Did you mean --policy?"),
+        (["evaluate", "comb-port", "--polcy", "greedy"], ": Unknown option: --polcy. Did you mean"),
+        (["compare", "comb-port", "--policies=greedy"], "--policies. Did you mean --policy?"),
+        (["render", "--polcy", "greedy"], "Unknown option: --polcy. Did you mean --policy?"),
+        ([*GREEDY, "--figures", "pdf", "png"], "afterwards: mjforage report FOLDER --figures"),
+        (["compare", "open-bay", "--tables=csv"], "afterwards: mjforage report FOLDER --tables"),
+        (["study", "board", "--figures", "pdf"], "afterwards: mjforage report FOLDER --figures"),
+        ([*EVALUATE, "--world", "physic"], "world physic: unknown; did you mean physics?"),
+        (["manoeuvre", "otter", "--test", "drft"], "drft: unknown; did you mean drift?"),
+        (["validate", "--check", "drft"], "--check drft: unknown; "),
+        (
+            [*EVALUATE, "--set", "policy.gredy.distance=2"],
+            "did you mean policy.greedy.distance? As it is, give policy.NAME.OPTION=VALUE",
+        ),
+        (["report", "r1", "r3", "--output", "x.html"], "It is a folder, for report.html and more"),
+        ([*EVALUATE, "--out", "x.html"], "for report.html and more; give --out x"),
         (
             ["evaluate"],
             "evaluate --policy is missing, or its value: A policy (see `mjforage",
@@ -125,7 +140,6 @@ def test_version_and_help(command: Callable[..., Any]) -> None:
 
 
 def test_every_command_that_writes_takes_the_same_flag() -> None:
-    other = {"bench": "--json", "schemas": "--out"}  # a table of figures; folders of two kinds
     writing = 0
     for told in app, study:
         for name in told:
@@ -138,8 +152,8 @@ def test_every_command_that_writes_takes_the_same_flag() -> None:
                 writing += 1
                 assert {"--out", "--output", "-o"} <= flags, name
             else:
-                assert name in (*other, "policies", "metrics", "scenarios", "vessels"), name
-    assert writing >= 16
+                assert name in ("policies", "metrics", "scenarios", "vessels"), name
+    assert writing >= 18
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
@@ -159,8 +173,14 @@ def test_bench_writes_its_figures(
         "peak_memory": {"value": 5.0, "unit": "MB"},
     }
     monkeypatch.setattr("mjforage.bench.running.bench", lambda progress: figures)
-    told = command("bench", "--json", "figures.json").out
-    assert "1,235" in told
-    assert "2,346" in told
-    assert json.loads(Path("figures.json").read_text()) == figures
+    for flag in ("-o", "--out", "--json"):
+        told = command("bench", flag, f"figures{flag}.json").out
+        assert "1,235" in told
+        assert "2,346" in told
+        assert json.loads(Path(f"figures{flag}.json").read_text()) == figures
     assert "cannot be written" in refused("bench", "--json", "nowhere/figures.json")
+
+
+def test_a_near_miss_is_named_once(refused: Refused) -> None:
+    for override in ("link.latenzy=3", "team.scouts.cont=2", "teams.scouts.count=3"):
+        assert refused(*EVALUATE, "--set", override).count("did you mean") == 1
