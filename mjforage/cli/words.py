@@ -63,7 +63,9 @@ def unknown(error: cyclopts.UnknownOptionError) -> str:
 
 def _misspelt(error: cyclopts.MissingArgumentError, given: Sequence[str]) -> str:
     """The same of the first flag that the command does not know; "" if it knows all."""
-    known = error.app.assemble_argument_collection() if error.app else cyclopts.ArgumentCollection()
+    if error.app is None:
+        return ""
+    known = error.app.assemble_argument_collection()
     for word in given:
         flag = word.partition("=")[0]
         if flag.startswith("--") and flag != "--":

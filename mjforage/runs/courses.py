@@ -46,7 +46,7 @@ def _parted(text: str) -> tuple[str, str, str]:
     if not sign:
         return text, USUAL_WORLD, ""
     if world not in WORLDS:
-        raise UserError(f"course {text}: no world {world!r}; {nearest(world, WORLDS)}")
+        raise UserError(f"course {text}: no world {world!r} after the @; {nearest(world, WORLDS)}")
     return start, world, "" if world == USUAL_WORLD else f"@{world}"
 
 

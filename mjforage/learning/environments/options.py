@@ -74,7 +74,7 @@ class EnvironmentOptions:
         if self.world not in WORLDS:
             raise UserError(f"world = {self.world!r}: unknown; {nearest(self.world, WORLDS)}")
         if self.dtype not in DTYPES:
-            raise UserError(f"dtype = {self.dtype!r}: unknown; {nearest(self.dtype, DTYPES)}")
+            raise UserError(f"dtype = {self.dtype!r}: unknown; choose {', '.join(DTYPES)}")
         check_camera(self.camera, self.world, self.render_mode)
         object.__setattr__(self, "observation", encoder_label(self.observation))
         object.__setattr__(self, "setup", chosen_setup(self.scenario, self.map, self.set))

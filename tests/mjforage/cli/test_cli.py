@@ -33,7 +33,7 @@ pytestmark = pytest.mark.usefixtures("here")
         (["study", "board", "--figures", "pdf"], "afterwards: mjforage report FOLDER --figures"),
         ([*EVALUATE, "--world", "physic"], "world physic: unknown; did you mean physics?"),
         (["manoeuvre", "otter", "--test", "drft"], "drft: unknown; did you mean drift?"),
-        (["validate", "--check", "drft"], "--check drft: unknown; "),
+        (["validate", "--check", "drft"], "--check drft: unknown; did you mean drift?"),
         (
             [*EVALUATE, "--set", "policy.gredy.distance=2"],
             "did you mean policy.greedy.distance? As it is, give policy.NAME.OPTION=VALUE",

@@ -41,7 +41,10 @@ def test_maps_come_after_scenarios_and_the_usual_ones_are_played_unless_others_a
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: course("comb-port@moon"), "course comb-port@moon: no world 'moon'; after the @"),
+        (
+            lambda: course("comb-port@moon"),
+            "course comb-port@moon: no world 'moon' after the @; choose graph",
+        ),
         (lambda: course("comb-prt"), "did you mean comb-port?"),
         (lambda: course_on("nowhere"), "nowhere"),
         (lambda: courses_of(["channels", "channels@graph"], []), "course channels: given twice"),

@@ -46,8 +46,10 @@ def test_numbers_and_limits_in_words() -> None:
 
 
 def test_unknown_checks_and_numbers_of_runs_are_refused() -> None:
-    with pytest.raises(UserError, match=r"--check zigzg: unknown; choose rest, energy, straight"):
+    with pytest.raises(UserError, match=r"--check zigzg: unknown; did you mean zigzag\?"):
         run_checks(["zigzg"])
+    with pytest.raises(UserError, match=r"--check moon: unknown; choose rest, energy, straight"):
+        run_checks(["moon"])
     for runs in (0, -3, 10**9):
         with pytest.raises(UserError, match=f"--runs {runs}: give 1 to 100000"):
             run_checks(["rest"], runs)

@@ -102,7 +102,7 @@ def test_the_folder_is_checked_before_the_checks_run(
 @pytest.mark.parametrize(
     ("words", "named"),
     [
-        (("--check", "zigzg"), "--check zigzg: unknown; choose rest"),
+        (("--check", "zigzg"), "--check zigzg: unknown; did you mean zigzag?"),
         (("--runs", "0"), "--runs 0: give 1 to"),
         (("--chek", "rest"), "--chek"),
     ],
