@@ -2,18 +2,43 @@
 
 import json
 import reprlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from graph_planner.references import nearest
 from mjforage.core.errors import UserError
 from mjforage.core.harbours import is_harbour
+from mjforage.core.map_formats.levels import LIGHT, check_size, levels_of
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario, with_overrides, with_values
 from mjforage.core.setup import Setup
+
+
+class UnknownArgumentError(UserError, TypeError):
+    """An argument that no environment takes; a `TypeError` too, in the words that TorchRL's
+    `GymEnv`, which tries arguments of its own, looks for.
+    """
+
+
+def check_known(arguments: Iterable[str], known: Sequence[str]) -> None:
+    """Refuse an argument that is not known.
+
+    Raises
+    ------
+    UnknownArgumentError
+        Naming the first of them, and the nearest that is known.
+    """
+    for name in arguments:
+        if name not in known:
+            raise UnknownArgumentError(
+                f"an environment got an unexpected keyword argument {name!r}; "
+                f"{nearest(name, known)}"
+            )
+
 
 Overrides = Sequence[str] | Mapping[str, Any]
 
@@ -31,7 +56,7 @@ def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
     found = scenario if isinstance(scenario, Scenario) else load_scenario(str(scenario))
     told = list(_told(overrides))
     cells = None
-    if isinstance(grid, np.ndarray):
+    if isinstance(grid, np.ndarray | list):
         cells = _cells(grid)
         found = with_values(found, {"map.starts": []}, "map")
     elif isinstance(grid, str | Path):
@@ -79,11 +104,19 @@ def _path(value: object) -> str:
     raise TypeError(type(value).__name__)
 
 
-def _cells(grid: NDArray[Any]) -> NDArray[np.bool_]:
-    if grid.ndim != 2 or grid.dtype.kind not in "biu" or not np.isin(grid, (0, 1)).all():
+def _cells(grid: NDArray[Any] | list[Any]) -> NDArray[np.bool_]:
+    """Water of an array, as of a file of `numpy.save`."""
+    try:
+        array = np.asarray(grid)
+    except ValueError as error:  # rows of several lengths
+        raise UserError(f"map: no array (row, column); {error}") from error
+    if array.ndim != 2 or array.dtype.kind not in "buif":
         words = "two axes, row and column, of booleans or of 0 and 1, 1 where there is water"
-        raise UserError(f"map: an array of {grid.dtype}, shape {grid.shape}; give {words}")
-    return grid.astype(np.bool_)
+        raise UserError(f"map: an array of {array.dtype}, shape {array.shape}; give {words}")
+    check_size(len(array), array.shape[1], "array")
+    values = array.astype(np.float64)
+    cells: NDArray[np.bool_] = levels_of(values, "array", np.isnan(values)) == LIGHT
+    return cells
 
 
 def _unknown(name: str, value: object, remedy: str) -> UserError:

@@ -13,7 +13,7 @@ from mjforage.core.errors import UserError
 from mjforage.core.once import say_once
 from mjforage.core.scenario import Scenario
 from mjforage.core.setup import Setup
-from mjforage.learning.environments.choices import Overrides, chosen_setup
+from mjforage.learning.environments.choices import Overrides, check_known, chosen_setup
 from mjforage.learning.environments.harbour_picture import check_camera
 from mjforage.learning.environments.rewards import PUBLISHED, checked_weights
 from mjforage.learning.environments.spaces import DTYPES
@@ -28,7 +28,7 @@ class EnvironmentArguments(TypedDict, total=False):
     world: str
     observation: str
     reward: Mapping[str, float] | None
-    map: str | Path | NDArray[Any] | None
+    map: str | Path | NDArray[Any] | list[Any] | None
     set: Overrides
     render_mode: str | None
     camera: str | None
@@ -62,7 +62,7 @@ class EnvironmentOptions:
     world: str = "graph"
     observation: str = "egocentric"
     reward: Mapping[str, float] | None = None
-    map: str | Path | NDArray[Any] | None = None
+    map: str | Path | NDArray[Any] | list[Any] | None = None
     set: Overrides = ()
     render_mode: str | None = None
     camera: str | None = None
@@ -87,9 +87,5 @@ class EnvironmentOptions:
     def of(cls, arguments: Mapping[str, Any]) -> "EnvironmentOptions":
         """Options of keyword arguments; raises as the class, and of what is no argument."""
         known = [each.name for each in fields(cls) if each.init]
-        for name in arguments:
-            if name not in known:
-                raise UserError(
-                    f"{name}: an environment takes no such argument; {nearest(name, known)}"
-                )
+        check_known(arguments, known)
         return cls(**arguments)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from controllers import Pilot
 from mjforage.core.once import say_once
 from mjforage.learning.environments.checks import checked_options, checked_started, checked_thrusts
+from mjforage.learning.environments.choices import check_known
 from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.course import TICK_S, Course
 from mjforage.learning.environments.rewards import checked_names
@@ -38,6 +39,8 @@ SCALES = np.array(
 )  # value at which an entry of the observation is 1; more is cut off
 
 Numbers = NDArray[np.float32]
+
+ARGUMENTS = ("vessel", "wind_mps", "gust_intensity", "current_mps", "reward", "render_mode")
 
 
 class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
@@ -76,6 +79,7 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
         current_mps: float = 0.15,
         reward: Mapping[str, float] | None = None,
         render_mode: str | None = None,
+        **unknown: object,
     ) -> None:
         """Prepare.
 
@@ -89,8 +93,9 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
         Raises
         ------
         UserError
-            If an argument is not valid.
+            If an argument is not valid, or not known.
         """
+        check_known(unknown, ARGUMENTS)
         weather = WeatherSettings(
             wind_speed_mps=wind_mps,
             wind_toward_deg=None,

@@ -91,13 +91,13 @@ def test_a_map_may_be_a_path(tmp_path: Path) -> None:
         ({"set": {"horizon": object}}, "set['horizon'] = <class 'object'>: is type; give a number"),
         ({"set": {"horizn": 20}}, "horizn"),
         ({"map": np.ones(3, np.bool_)}, "map: an array of bool, shape (3,); give two axes"),
-        ({"map": np.full((3, 3), 0.5)}, "map: an array of float64, shape (3, 3); give two axes"),
-        ({"map": np.full((3, 3), 2)}, "map: an array of int64, shape (3, 3); give two axes"),
+        ({"map": np.full((3, 3), 0.5)}, "map array: row 0, column 0 is 0.5, expected 0 or 1"),
+        ({"map": np.full((3, 3), 2)}, "map array: row 0, column 0 is 2, expected 0 or 1"),
         ({"map": np.zeros((3, 3), np.bool_)}, "map array: all 9 cells are obstacles"),
         ({"map": 7}, "map = 7: is int; give a name, a file or an array"),
         ({"scenario": 7}, "scenario = 7: is int; give a preset's name"),
         ({"scenario": {"horizon": 3}}, "scenario = {'horizon': 3}: is dict; give a preset's name"),
-        ({"senario": "published"}, "senario: an environment takes no such argument; did you mean "),
+        ({"senario": "published"}, "an environment got an unexpected keyword argument 'senario'; "),
     ],
 )
 def test_what_is_not_understood_is_named(given: dict[str, Any], words: str) -> None:
@@ -116,3 +116,21 @@ def test_options_of_a_reset_are_named(options: Any) -> None:
         env.reset(seed=1, options={})
         with pytest.raises(UserError, match=r"reset\(options=.*map"):
             env.unwrapped.reset(options=options)
+
+
+@pytest.mark.parametrize(
+    "cells",
+    [np.ones((9, 8)), np.full((9, 8), 255, np.uint8), np.ones((9, 8), np.float32), [[1] * 8] * 9],
+)
+def test_an_array_is_taken_as_a_file_of_it_would_be(cells: Any) -> None:
+    env: Any = gymnasium.make(NAME, map=cells, set={"horizon": 2}).unwrapped
+    assert env.game.setup.grid.navigable.shape == (9, 8)
+    assert env.game.setup.grid.navigable.all()
+
+
+@pytest.mark.parametrize("name", [NAME, "mjforage/SharedPolicy-v0", "mjforage/Waypoint-v0"])
+def test_an_argument_that_no_environment_takes_is_a_type_error_in_pythons_words(name: str) -> None:
+    words = "got an unexpected keyword argument 'frameskip'; (choose|did you mean) "
+    with pytest.raises(TypeError, match=words) as caught:
+        gymnasium.make(name, frameskip=1)
+    assert isinstance(caught.value, UserError)

@@ -40,6 +40,14 @@ def test_agents_are_grouped_by_their_teams() -> None:
     }
 
 
+@pytest.mark.parametrize("name", ["Foraging-v0", "SharedPolicy-v0", "Waypoint-v0"])
+def test_torchrl_makes_the_ids(name: str) -> None:
+    """It gives every environment an argument of its own, and takes it back if that is refused."""
+    libraries = pytest.importorskip("torchrl.envs.libs.gym")
+    env = libraries.GymEnv(f"mjforage/{name}")
+    assert env.rollout(3).batch_size == (3,)
+
+
 def _actor(group: str) -> Any:
     """A masked policy of a group, which reads what an agent knows of itself."""
     from tensordict.nn import ProbabilisticTensorDictModule, ProbabilisticTensorDictSequential
