@@ -45,7 +45,8 @@ def test_what_is_of_other_types_is_converted() -> None:
         agent_node=observation.agent_node.astype(np.int64),
         belief=np.asfortranarray(observation.belief),
     )
-    for one, array in zip(observation, Plain(TASK, 2)(other), strict=True):
+    pairs: Any = zip(observation, Plain(TASK, 2)(other), strict=True)
+    for one, array in pairs:
         assert array.dtype == one.dtype and array.flags.c_contiguous
         np.testing.assert_array_equal(array, one)
 
