@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 import mjforage
 from graph_planner.compiled import kinds_of
 from graph_planner.lending import Lent
+from mjforage.learning.environments.copies import Copied
 
 SHORT = ("horizon=5",)
 OURS = ("mjforage", "graph_planner", "controllers")
@@ -179,3 +180,19 @@ def test_a_copy_before_the_first_episode_draws_the_same() -> None:
     env = mjforage.parallel_env(set=SHORT)
     other = copy.deepcopy(env)
     assert flat(other.reset()) == flat(env.reset())
+
+
+class Halves(Copied):
+    """Two views of memory that nobody can write."""
+
+    def __init__(self) -> None:
+        whole = np.arange(6.0)
+        whole.flags.writeable = False
+        self.first, self.last = whole[:4], whole[2:]
+
+
+def test_views_of_one_read_only_array_are_of_one_in_a_copy() -> None:
+    halves = pickle.loads(pickle.dumps(Halves()))  # noqa: S301  ours
+    assert np.shares_memory(halves.first, halves.last)
+    assert halves.first.tolist() == [0.0, 1.0, 2.0, 3.0] and halves.last[0] == 2.0
+    assert not halves.first.flags.writeable
