@@ -35,10 +35,12 @@ WARNED = ("NUMBA_DEVELOPER_MODE", "NUMBA_OPT", "POLARS_ENGINE_AFFINITY", "POLARS
 
 def command(folder: Path, *words: str, **variables: str) -> "subprocess.CompletedProcess[str]":
     """Run the command in a folder, as a process with these variables."""
+    drawn = ("MUJOCO_GL", "PYOPENGL_PLATFORM")  # are set here once a test has drawn
+    own = {name: value for name, value in os.environ.items() if name not in drawn}
     return subprocess.run(
         [sys.executable, "-m", "mjforage", *words],
         cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[3])} | variables,
+        env=own | {"PYTHONPATH": str(Path(__file__).parents[3])} | variables,
         capture_output=True,
         text=True,
         check=False,
