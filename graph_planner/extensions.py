@@ -153,12 +153,12 @@ class Table(Generic[T]):
         UserError
             Naming the flag by which the user may say so.
         """
-        code = reference or name
-        if ":" in code and not self.has(name) and code not in _TRUSTED:
-            raise UserError(
-                f"{where}: names {self.kind} {code}, code that neither ships nor is installed; if "
-                f"you know it, add --trust {code}"
-            )
+        for code in (reference, name):
+            if ":" in code and not self.has(name) and code not in _TRUSTED:
+                raise UserError(
+                    f"{where}: names {self.kind} {code}, code that neither ships nor is installed; "
+                    f"if you know it, add --trust {code}"
+                )
 
     def bound(self, text: str) -> tuple[Reference, T, dict[str, Any]]:
         """A reference as all spell it, what it names, and its options as keyword arguments.

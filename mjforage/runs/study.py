@@ -217,9 +217,10 @@ def _check_flags(folder: Path, info: Mapping[str, Any]) -> None:
     for flag, before, now in zip(here, there.values(), here.values(), strict=True):
         grows = flag == GROWS and found.episodes < info["episodes"]
         if before != now and not grows:
+            code = flag == "policy" and ":" in before  # a file's word is no advice to name code
+            remedy = "choose" if code else f"go on {before}, or choose"
             raise UserError(
-                f"{folder}: holds another study, made {before}, not {now}; go on {before}, or "
-                "choose another --out"
+                f"{folder}: holds another study, made {before}, not {now}; {remedy} another --out"
             )
 
 

@@ -99,6 +99,9 @@ def checked(made: object, name: str) -> type[Metric]:
         raise UserError(f"metric {name}: better = {made.better!r}: give 1, -1 or 0")
     if type(made.digits) is not int or not 0 <= made.digits <= 12:
         raise UserError(f"metric {name}: digits = {made.digits!r}: give 0 to 12")
+    for method in ("value", "course", "at"):
+        if not callable(getattr(made, method)):
+            raise UserError(f"metric {name}: {method} is no method; define it, or leave it out")
     if not made.has_course() and made.value is Metric.value:
         raise UserError(f"metric {name}: has no formula; define value, course or at")
     return made

@@ -14,6 +14,7 @@ import pytest
 
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import METRICS, chosen_metrics, describe
+from mjforage.core.mission_metrics.known import checked
 from mjforage.core.mission_metrics.metric import Metric
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
@@ -233,3 +234,11 @@ def test_one_of_the_script_itself_needs_one_process(
     with pytest.raises(UserError, match=r"metric local: .*Local is defined in the script itself"):
         played("other", "local", jobs=2)
     assert not (folder / "other").exists()
+
+
+@pytest.mark.parametrize("method", ["value", "course", "at"])
+def test_a_formula_that_cannot_be_called_is_named_before_a_run(method: str) -> None:
+    formula = {"value": lambda self, batch: batch.log.length, method: None}
+    made = type("Odd", (Metric,), {"key": "odd", "label": "odd", **formula})
+    with pytest.raises(UserError, match=f"^metric own:Odd: {method} is no method; define it"):
+        checked(made, "own:Odd")

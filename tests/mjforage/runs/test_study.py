@@ -123,6 +123,14 @@ def test_other_settings_are_named(
     assert words in refused(*PAPER, "--out", folder, *changes)
 
 
+def test_code_that_a_study_names_is_no_advice(folder: Path, refused: Refused) -> None:
+    file = folder / "study.json"
+    file.write_text(file.read_text().replace('"levy"', '"evil:Enc"'))
+    line = refused(*PAPER, "--out", folder)
+    assert "--policy evil:Enc, not with" in line and "go on" not in line
+    assert line.endswith("; choose another --out\n")
+
+
 def test_another_step_is_named_rather_than_the_variants_that_it_makes(
     folder: Path, refused: Refused
 ) -> None:

@@ -92,6 +92,7 @@ def untouched(folder: Path) -> bool:
         ({"policies": ['subprocess:getoutput(cmd="touch pwned")']}, "add --trust subprocess:geto"),
         ({"policies": ["evil:Enc"]}, "add --trust evil:Enc"),
         ({"policies": ["named"], "classes": {"named": "evil:Enc"}}, "add --trust evil:Enc"),
+        ({"policies": ["evil:Enc"], "classes": {"evil:Enc": "evil"}}, "add --trust evil:Enc"),
     ],
 )
 def test_a_run_folder_runs_no_code(folder: Path, changes: dict[str, object], words: str) -> None:
