@@ -64,6 +64,21 @@ def start_state(initial: InitialState, centres: NDArray[np.float64]) -> Transiti
 
 
 @kernel
+def goes_on(
+    horizon: int, active: NDArray[np.bool_], step: Int32Array, item_node: Int32Array
+) -> NDArray[np.bool_]:
+    """(episode,) whether it has steps to go and an item left, of those that went on so far."""
+    going = np.zeros(active.size, np.bool_)
+    for e in range(active.size):
+        if active[e] and step[e] < horizon:
+            for k in range(item_node.shape[1]):
+                if item_node[e, k] >= 0:
+                    going[e] = True
+                    break
+    return going
+
+
+@kernel
 def taken_by(collected_by: NDArray[np.int16], agents: int) -> NDArray[np.int64]:
     """(episode, agent) items that each has collected."""
     taken = np.zeros((collected_by.shape[0], agents), np.int64)

@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel, prepared
+from graph_planner.compiled import prepared
 from graph_planner.fleet import UNLIMITED
 from graph_planner.geodesics import Int32Array
 from graph_planner.knowledge import Knowledge, Looks, idleness, times_seen
@@ -21,7 +21,7 @@ from graph_planner.policies import Bound, Policy
 from graph_planner.randomness import UInt64Array, episode_keys
 from graph_planner.rows import put_rows
 from graph_planner.task import Late, Observation, Truth, nothing_late
-from mjforage.core.dynamics import Dynamics, Transition, mean_drift, taken_by
+from mjforage.core.dynamics import Dynamics, Transition, goes_on, mean_drift, taken_by
 from mjforage.core.errors import UserError
 from mjforage.core.exchange import Exchange
 from mjforage.core.forecasts import Forecasts
@@ -34,21 +34,6 @@ from mjforage.core.setup import Setup
 
 _ONE = np.ones(1, np.int32)
 _TOLD = attrgetter(*Observation._fields[3:14])  # of knowledge
-
-
-@kernel
-def _go_on(
-    horizon: int, active: NDArray[np.bool_], step: Int32Array, item_node: Int32Array
-) -> NDArray[np.bool_]:
-    """(episode,) whether it has steps to go and an item left, of those that went on so far."""
-    going = np.zeros(active.size, np.bool_)
-    for e in range(active.size):
-        if active[e] and step[e] < horizon:
-            for k in range(item_node.shape[1]):
-                if item_node[e, k] >= 0:
-                    going[e] = True
-                    break
-    return going
 
 
 class Mission(Lending):
@@ -107,7 +92,7 @@ class Mission(Lending):
         self._resolver = Resolver(setup.graph, setup.fleet, setup.task.rules, setup.corruption)
         self._endless = bool(np.isinf(setup.fleet.energy).all())
         self._holds = np.flatnonzero(setup.fleet.capacity < UNLIMITED)  # whose room has an end
-        self._go_on = prepared(_go_on, setup.scenario.horizon)
+        self._go_on = prepared(goes_on, setup.scenario.horizon)
 
     def reset(self, seed: int, episodes: NDArray[np.int64]) -> None:
         """Start the given episodes of a seed.
