@@ -11,20 +11,8 @@ from rich.logging import RichHandler
 
 from mjforage.base.interrupted import CODE as INTERRUPTED
 from mjforage.base.interrupted import WORDS
-from mjforage.cli import (  # they add their commands
-    boarding,  # noqa: F401
-    drawing,  # noqa: F401
-    helping,  # noqa: F401
-    hulls,  # noqa: F401
-    lists,  # noqa: F401
-    run_folders,  # noqa: F401
-    schemas,  # noqa: F401
-    speeds,  # noqa: F401
-    studying,  # noqa: F401
-    train,  # noqa: F401
-    validating,  # noqa: F401
-)
-from mjforage.cli.console import app, errors
+from mjforage.cli.commands import app
+from mjforage.cli.console import errors
 from mjforage.cli.streams import forgiving_streams
 from mjforage.cli.words import missing, several, unknown
 from mjforage.core.environment import drop_thread_counts, library_of, refusal, shorten_warnings

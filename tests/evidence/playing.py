@@ -13,7 +13,7 @@ from unittest.mock import patch
 
 from numpy.typing import NDArray
 
-from mjforage.cli.console import app
+from mjforage.cli.commands import app
 from mjforage.core.errors import UserError
 from mjforage.runs.run_info import RunInfo, load_run, read_json
 from mjforage.view.report.run_logs import load_episodes, scalar

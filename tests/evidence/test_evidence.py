@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from graph_planner.policies.registry import policy_names
-from mjforage.cli.console import app
+from mjforage.cli.commands import app
 from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import chosen_metrics
 from mjforage.core.scenario_file import load_scenario

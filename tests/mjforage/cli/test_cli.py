@@ -10,7 +10,7 @@ import pytest
 
 from graph_planner.policies import policy_names
 from mjforage import __version__
-from mjforage.cli.console import app
+from mjforage.cli.commands import app
 from mjforage.cli.studying import study
 from mjforage.core.mission_metrics import chosen_metrics
 from mjforage.core.scenario_file import load_scenario, preset_names
