@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.fields import Later, Within
-from graph_planner.lending import locked
+from graph_planner.lending import read_only
 
 UNLIMITED = int(np.iinfo(np.int64).max)
 """Capacity of an agent that can take any number of items aboard."""
@@ -77,8 +77,8 @@ class Fleet:
     order: NDArray[np.int64]
 
     def __post_init__(self) -> None:
-        for column in vars(self).values():
-            locked(column)
+        for name, column in vars(self).items():
+            object.__setattr__(self, name, read_only(column))
 
     @classmethod
     def of(cls, teams: Mapping[str, Role], order: Sequence[str] = ()) -> "Fleet":

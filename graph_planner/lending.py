@@ -8,23 +8,16 @@ T = TypeVar("T")
 
 
 def read_only(value: T) -> T:
-    """Views that cannot be written of an array, or of all arrays in a tuple; what else it is."""
+    """Views that cannot be written of an array, or of all arrays in a tuple; what else it is.
+
+    They are of a read-only buffer, so numpy refuses `setflags(write=True)` as well.
+    """
     if isinstance(value, np.ndarray):
-        return cast(T, locked(value.view()))
+        return cast(T, np.asarray(memoryview(value).toreadonly()))
     if isinstance(value, tuple):
         parts = map(read_only, value)
         make = getattr(type(value), "_make", tuple)  # a named tuple's
         return cast(T, make(parts))
-    return value
-
-
-def locked(value: T) -> T:
-    """The same array, or tuple of such, which from now on cannot be written by this name."""
-    for part in value if isinstance(value, tuple) else (value,):
-        if isinstance(part, np.ndarray):
-            part.setflags(write=False)
-        elif isinstance(part, tuple):
-            locked(part)
     return value
 
 

@@ -23,7 +23,7 @@ from graph_planner.geodesics import (
     all_pairs,
     spread,
 )
-from graph_planner.lending import locked
+from graph_planner.lending import read_only
 from graph_planner.visibility import NodeLists, node_lists
 
 COMPASS = ("N", "NE", "E", "SE", "S", "SW", "W", "NW", "stay")
@@ -88,7 +88,7 @@ class NavigationGraph:
     @cached_property
     def _cells(self) -> tuple[Int32Array, Int32Array]:
         rows, cols = np.nonzero(self.navigable)
-        return locked((rows.astype(np.int32), cols.astype(np.int32)))
+        return read_only((rows.astype(np.int32), cols.astype(np.int32)))
 
     @property
     def rows(self) -> Int32Array:
@@ -105,13 +105,13 @@ class NavigationGraph:
         """(row, column) node of each cell, -1 on land."""
         result = np.full(self.navigable.shape, -1, np.int32)
         result[self.navigable] = np.arange(len(self), dtype=np.int32)
-        return locked(result)
+        return read_only(result)
 
     @cached_property
     def water(self) -> Water:
         """Cells and nodes as kernels read them."""
         framed = np.pad(self.node_of_cell, 1, constant_values=-1)
-        return locked(Water(framed, self.rows, self.cols))
+        return read_only(Water(framed, self.rows, self.cols))
 
     @cached_property
     def corners(self) -> NDArray[np.bool_]:
@@ -124,13 +124,13 @@ class NavigationGraph:
             for down in (-1, 1)
             for right in (-1, 1)
         ]
-        return locked(np.stack(shut, axis=1))
+        return read_only(np.stack(shut, axis=1))
 
     @cached_property
     def neighbours(self) -> Int32Array:
         """(node, 8) neighbour in each compass direction, -1 where there is no edge."""
         about = self.node_of_cell, self.rows, self.cols, self.corner_cutting
-        return locked(_neighbours(*about))
+        return read_only(_neighbours(*about))
 
     @cached_property
     def edges(self) -> "sparse.csr_array[np.float64]":
@@ -139,7 +139,8 @@ class NavigationGraph:
         cost = np.where(direction % 2 == 1, DIAGONAL, 1.0)
         shape = (len(self), len(self))
         edges = sparse.csr_array((cost, (start, self.neighbours[start, direction])), shape=shape)
-        locked((edges.data, edges.indices, edges.indptr))
+        for name in ("data", "indices", "indptr"):
+            setattr(edges, name, read_only(getattr(edges, name)))
         return edges
 
     @cached_property
@@ -147,14 +148,14 @@ class NavigationGraph:
         """(node, node) geodesic distances [node], or (0, 0) on a map too large for a table."""
         if len(self) > TABLE_LIMIT:
             return np.empty((0, 0), np.float32)
-        return locked(all_pairs(self.neighbours))
+        return read_only(all_pairs(self.neighbours))
 
     @cached_property
     def distance_rows(self) -> DistanceRows:
         """Distances from single nodes, on a map of any size; kernels of ours fill it."""
         if len(self) > TABLE_LIMIT:
-            return locked(DistanceRows.none_yet(len(self)))
-        return locked(DistanceRows.of_table(self.distances))
+            return read_only(DistanceRows.none_yet(len(self)))
+        return read_only(DistanceRows.of_table(self.distances))
 
     def distances_from(self, nodes: Int32Array) -> NDArray[np.float64]:
         """(node,) geodesic distance [node] of every node to the nearest of `nodes`."""
@@ -190,7 +191,7 @@ class NavigationGraph:
 
 @lru_cache(maxsize=32)
 def _cached_lists(graph: NavigationGraph, radii: tuple[float, ...], sight: bool) -> NodeLists:
-    return locked(node_lists(graph.node_of_cell, graph.rows, graph.cols, radii, sight))
+    return read_only(node_lists(graph.node_of_cell, graph.rows, graph.cols, radii, sight))
 
 
 @lru_cache(maxsize=8)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from graph_planner.belief_settings import BeliefSettings
 from graph_planner.fleet import Fleet
 from graph_planner.geodesics import Float32Array, Int32Array
-from graph_planner.lending import locked
+from graph_planner.lending import read_only
 from graph_planner.moves import MoveRules, all_targets
 from graph_planner.navigation import NavigationGraph
 from graph_planner.visibility import NodeLists
@@ -96,7 +96,7 @@ class Task:
     def radius_number(self) -> NDArray[np.int64]:
         """(agent,) index of each agent's radius in `view_radii`."""
         number = np.searchsorted(np.asarray(self.view_radii), self.fleet.radius)
-        return locked(number.astype(np.int64))
+        return read_only(number.astype(np.int64))
 
     @cached_property
     def views(self) -> NodeLists:
@@ -107,7 +107,7 @@ class Task:
     def arrays(self) -> TaskArrays:
         """The task as kernels read it."""
         stride_number, targets = all_targets(self.graph, self.fleet.moves, self.rules)
-        return locked(
+        return read_only(
             TaskArrays(
                 neighbours=self.graph.neighbours,
                 distances=self.graph.distances,

@@ -2,15 +2,13 @@
 
 import importlib.util
 import sys
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mjforage.learning.environments.parallel import ForagingParallelEnv
 
-__version__ = version("mjforage")
-
+    __version__: str
 _FLOORS = ("metrics", "controllers", "graph_planner")
 
 
@@ -39,6 +37,15 @@ if _starts_the_command():
 
     end_on_ctrl_c()  # before the rest is imported, which takes a fifth of a second
 _check_floors()
+
+
+def __getattr__(name: str) -> str:
+    """`__version__`, which takes a while to find out."""
+    if name != "__version__":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib.metadata import version
+
+    return version("mjforage")
 
 
 def parallel_env(**options: Any) -> "ForagingParallelEnv":

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import inlined, kernel
 from graph_planner.geodesics import Float32Array, Int32Array
-from graph_planner.lending import locked
+from graph_planner.lending import read_only
 from graph_planner.navigation import NavigationGraph
 
 MOST_CODES = 2**16
@@ -48,7 +48,7 @@ class Codes(NamedTuple):
 @lru_cache(maxsize=8)
 def distance_codes(graph: NavigationGraph) -> Codes:
     """Codes of a map's distances."""
-    return locked(Codes.of(graph.distances))
+    return read_only(Codes.of(graph.distances))
 
 
 @kernel

@@ -15,7 +15,7 @@ from types import FrameType
 from typing import Any
 
 CODE = 130  # of a shell: 128 and the number of the signal
-WORDS = "interrupted; finished work is kept, run the same command again to resume"
+WORDS = "interrupted; a run, study or training goes on when the same command is given again"
 
 _IMPORTS = "<frozen importlib._bootstrap>"
 

@@ -12,7 +12,7 @@ EVERY_S, LOOK_S = 10.0, 1.0
 WINDOW_S, SOON_S = 60.0, 10.0
 MINUTE_S, HOUR_S = 60.0, 3600.0
 
-COMPILES = "compiling kernels, once for all runs of this kind"
+COMPILES, KEPT = "compiling kernels", ", once for all runs of this kind"
 
 Clock = Callable[[], float]  # seconds from anywhere
 Say = Callable[[str], None]
@@ -121,8 +121,14 @@ class Lines:
             left = self._pace.left(now, self._total)
         spent = f"{duration(now - self._began)} so far"
         if self._compiles:
-            return f"{COMPILES}; {spent}"
+            return f"{COMPILES}{KEPT if _are_kept() else ''}; {spent}"
         return spent if left is None else f"about {duration(left)} left"
+
+
+def _are_kept() -> bool:
+    """Whether what is compiled lasts; the library that compiles is not loaded to find out."""
+    cache = sys.modules.get("mjforage.base.kernel_cache")
+    return cache is None or cache.kernels_are_kept()
 
 
 def duration(seconds: float) -> str:

@@ -59,11 +59,8 @@ class _Stream:
         windows_pipe = os.name == "nt" and error.errno == errno.EINVAL
         if self._name == "stderr" or isinstance(error, BrokenPipeError) or windows_pipe:
             return
-        from mjforage.core.whole_files import remedy
-
         raise UserError(
-            f"standard output: cannot be written ({error.strerror}); "
-            f"{remedy(error, 'send it elsewhere')}"
+            f"standard output: cannot be written ({error.strerror}); send it elsewhere"
         ) from error
 
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 import metrics
 from graph_planner.compiled import kernel, prepared
-from graph_planner.lending import locked
+from graph_planner.lending import read_only
 from graph_planner.moves import Moves
 from mjforage.core.dynamics import Transition
 from mjforage.core.mission import Mission, Observer
@@ -101,7 +101,7 @@ class EpisodeLog(Observer):
             self.seen = np.arange(mission.step.size)
         else:
             self.seen = np.flatnonzero(self._open)
-        locked(self.seen)
+        self.seen = read_only(self.seen)
         self._write(mission, self.seen)
         self._open = mission.active.copy()
         self.length = mission.step.copy()
@@ -156,8 +156,8 @@ class EpisodeLog(Observer):
         self.forecasts = mission.forecasts.sums
         self.t_discovered, self.discovered_by = entries.t_discovered, entries.discovered_by
         self.t_collected, self.collected_by = entries.t_collected, entries.collected_by
-        for mine in vars(self).values():
-            locked(mine)
+        for name, mine in vars(self).items():
+            setattr(self, name, read_only(mine))
 
     def event_table(self) -> metrics.EventTable:
         """The items' events of a batch that is over: (episode, item)."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.knowledge import Knowledge, Looks
-from graph_planner.lending import Lent, locked
+from graph_planner.lending import Lent, read_only
 from graph_planner.look_log import LookLog
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Late, Task, nothing_late
@@ -104,8 +104,8 @@ class Ideal:
 
     def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes."""
-        self.late = locked(nothing_late(looks.step.size))
-        self.holder_of = locked(np.zeros(len(task.fleet), np.int64))
+        self.late = read_only(nothing_late(looks.step.size))
+        self.holder_of = read_only(np.zeros(len(task.fleet), np.int64))
         self._pooled = pooled
 
     def tell(self, looks: Looks, pooled: Knowledge) -> None:

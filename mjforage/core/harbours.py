@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import ndimage
 
+from graph_planner.lending import read_only
 from graph_planner.randomness import Stream, episode_keys, stream_key
 from mjforage.core.errors import UserError
 from mjforage.core.harbour_shapes import KINDS, Cells, Draw, drawn
@@ -117,9 +118,7 @@ def harbour_cells(which: Harbour) -> Cells:
     cells = cells.T if turned else cells
     for axis in (0, 1):
         cells = np.flip(cells, axis) if drawn(key, Draw.TURN, 1 + axis, 0, 1) else cells
-    cells = _roomy(cells)
-    cells.setflags(write=False)
-    return cells
+    return read_only(_roomy(cells))
 
 
 def _roomy(water: Cells) -> Cells:

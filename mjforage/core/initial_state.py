@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
-from graph_planner.lending import locked
+from graph_planner.lending import read_only
 from graph_planner.navigation import NavigationGraph, Water
 from graph_planner.randomness import Stream, UInt64Array, bits, normal, stream_key, uniform
 from graph_planner.walls import WALLS, into_water
@@ -241,11 +241,11 @@ def create_initial_state(
     UserError
         If there are more agents than nodes.
     """
-    counts, item_rc, item_node = locked(_place_items(graph, items, WALLS.index(walls), keys))
+    counts, item_rc, item_node = read_only(_place_items(graph, items, WALLS.index(walls), keys))
     return InitialState(
         n_items=counts,
         item_rc=item_rc,
         item_node=item_node,
-        drift_rc=locked(_constant_drift(keys, weather, node_mps)),
-        agent_node=locked(_place_agents(graph, starts, n_agents, keys)),
+        drift_rc=read_only(_constant_drift(keys, weather, node_mps)),
+        agent_node=read_only(_place_agents(graph, starts, n_agents, keys)),
     )

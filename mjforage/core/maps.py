@@ -12,6 +12,7 @@ from scipy import ndimage
 
 from graph_planner.compiled import kernel
 from graph_planner.geodesics import Int32Array
+from graph_planner.lending import read_only
 from graph_planner.navigation import navigation_graph
 from mjforage.core.assets import models_folder
 from mjforage.core.errors import UserError
@@ -91,8 +92,7 @@ def grid_of(
             "or give --water dark"
         )
     cells = _one_component(cells, name, corner_cutting, largest_component)
-    cells.setflags(write=False)
-    return GridMap(name, cells)
+    return GridMap(name, read_only(cells))
 
 
 def components(

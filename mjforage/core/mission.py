@@ -15,7 +15,7 @@ from graph_planner.compiled import prepared
 from graph_planner.fleet import UNLIMITED
 from graph_planner.geodesics import Int32Array
 from graph_planner.knowledge import Knowledge, Looks, idleness, times_seen
-from graph_planner.lending import Lending, Lent, locked, read_only
+from graph_planner.lending import Lending, Lent, read_only
 from graph_planner.moves import Moves, Resolver, check_preferences
 from graph_planner.policies import Bound, Policy
 from graph_planner.randomness import UInt64Array, episode_keys
@@ -82,7 +82,7 @@ class Mission(Lending):
         _check_capabilities(setup, self.exchange)
         if dynamics is None:
             dynamics = GraphDynamics(setup.graph, setup.fleet, setup.scenario)
-        pickup = locked(dynamics.pickup)
+        pickup = read_only(dynamics.pickup)
         self._asked = "policy"  # who answered last, for messages
         self.task = setup.task if pickup is None else replace(setup.task, pickup=pickup)
         self.ledger = Ledger(self.task)
@@ -118,7 +118,7 @@ class Mission(Lending):
         names = names or [f"key {key}" for key in keys]
         self._show("state", self._dynamics.reset(self.initial, self.keys, names))
         self._begin_step(np.zeros(keys.size, np.int32))
-        self.active = locked(np.ones(keys.size, np.bool_))
+        self.active = read_only(np.ones(keys.size, np.bool_))
         self._moves: Moves | None = None
         self.ledger.reset(self._state.item_node)
         self._fill_stores()
@@ -128,10 +128,10 @@ class Mission(Lending):
         self._show("knowledge", Knowledge.of_starts(self._looks(), len(self.setup.graph)))
         self._post_lookout()
         self.exchange.reset(self.task, self._see(), self._knowledge, self.keys)
-        self._acting = locked(np.tile(self._agent_of_holder(), keys.size))
-        self._held_keys = locked(np.repeat(self.keys, self.exchange.holders))
-        self._nobody = locked(np.full(keys.size, -1, np.int32))
-        self._nothing_late = locked(nothing_late(keys.size))
+        self._acting = read_only(np.tile(self._agent_of_holder(), keys.size))
+        self._held_keys = read_only(np.repeat(self.keys, self.exchange.holders))
+        self._nobody = read_only(np.full(keys.size, -1, np.int32))
+        self._nothing_late = read_only(nothing_late(keys.size))
         self.forecasts = Forecasts(keys.size)
 
     def _agent_of_holder(self) -> Int32Array:
@@ -170,14 +170,12 @@ class Mission(Lending):
 
     def _begin_step(self, step: Int32Array) -> None:
         """Set (episode,) the steps made so far, and that to be decided next."""
-        self.step, self._next_step = step, step + _ONE
-        self.step.setflags(write=False)
-        self._next_step.setflags(write=False)
+        self.step, self._next_step = read_only((step, step + _ONE))
 
     @property
     def moves(self) -> Moves | None:
         """What the last decision came to; None before the first."""
-        return None if self._moves is None else locked(self._moves)
+        return None if self._moves is None else read_only(self._moves)
 
     def adopt(self, rows: NDArray[np.int64], other: "Mission") -> None:
         """Replace episodes (row,) of the batch by another mission's; in the graph world only.
@@ -198,8 +196,8 @@ class Mission(Lending):
         self._begin_step(put_rows(self.step, rows, other.step))
         for name in ("keys", "active"):
             mixed = put_rows(getattr(self, name), rows, getattr(other, name))
-            setattr(self, name, locked(mixed))
-        self._held_keys = locked(np.repeat(self.keys, self.exchange.holders))
+            setattr(self, name, read_only(mixed))
+        self._held_keys = read_only(np.repeat(self.keys, self.exchange.holders))
         self._post_lookout()
 
     @property
@@ -229,8 +227,8 @@ class Mission(Lending):
     def _fill_stores(self) -> None:
         """What every agent starts with, for as many episodes as there are."""
         fleet, episodes = self.setup.fleet, (self.keys.size, 1)
-        self._full_energy = locked(np.tile(fleet.energy, episodes))
-        self._full_room = locked(np.tile(fleet.capacity, episodes))
+        self._full_energy = read_only(np.tile(fleet.energy, episodes))
+        self._full_room = read_only(np.tile(fleet.capacity, episodes))
 
     @property
     def observation(self) -> Observation:
@@ -248,7 +246,7 @@ class Mission(Lending):
         """Knowledge as a policy sees it, the episodes' arrays once for each holder."""
         active, step, keys = self.active, self._next_step, self.keys
         if holders > 1:
-            active, step = (locked(np.repeat(each, holders)) for each in (active, step))
+            active, step = (read_only(np.repeat(each, holders)) for each in (active, step))
             keys = self._held_keys
         holder = self._acting if holders > 1 else self._nobody
         told = _TOLD(knowledge)
@@ -260,7 +258,7 @@ class Mission(Lending):
         state = self.state
         drift = self._dynamics.drift_rc(state.item_rc, items=True)
         mean = mean_drift(drift, state.item_node >= 0)
-        return locked(Truth(state.item_rc, state.item_node, mean, drift))
+        return read_only(Truth(state.item_rc, state.item_node, mean, drift))
 
     @property
     def node_drift_rc(self) -> NDArray[np.float64]:
@@ -270,7 +268,7 @@ class Mission(Lending):
         graph = self.setup.graph
         centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
         places = np.broadcast_to(centres, (self.keys.size, *centres.shape))
-        return locked(self._dynamics.drift_rc(places))
+        return read_only(self._dynamics.drift_rc(places))
 
     def idleness(self, episodes: NDArray[np.int64]) -> NDArray[np.float64]:
         """(chosen, node) idleness in [0, 1] of some episodes (chosen,), as the fleet knows it."""
@@ -309,7 +307,7 @@ class Mission(Lending):
         if reveal is not None:
             truth = self.truth
             rows = truth if holders == 1 else (np.repeat(a, holders, 0) for a in truth)
-            reveal(locked(Truth._make(rows)))
+            reveal(read_only(Truth._make(rows)))
         answer = policy.act(self.held if apart else self.observation)
         forecast = getattr(policy, "forecast", None)
         if forecast is not None:
@@ -354,8 +352,7 @@ class Mission(Lending):
             self._show("state", state)
         self.exchange.tell(self._see(), self._knowledge)
         item_node = np.ascontiguousarray(self._state.item_node, np.int32)
-        self.active = self._go_on(self.active, self.step, item_node)
-        self.active.setflags(write=False)
+        self.active = read_only(self._go_on(self.active, self.step, item_node))
         return self.state
 
     def run(self, policy: Policy, observers: "tuple[Observer, ...]" = ()) -> None:

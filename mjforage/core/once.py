@@ -5,7 +5,7 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any, TypeVar
 
-from graph_planner.lending import locked
+from graph_planner.lending import read_only
 
 _T = TypeVar("_T")
 
@@ -25,6 +25,6 @@ class Once:
     def once(self, compute: Callable[[Any], _T]) -> _T:
         """`compute(self)`, or what it gave when it was asked for before; arrays read-only."""
         if compute not in self._kept:
-            self._kept[compute] = locked(compute(self))
+            self._kept[compute] = read_only(compute(self))
         found: _T = self._kept[compute]
         return found

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from graph_planner.fleet import Fleet
 from graph_planner.geodesics import Int32Array
-from graph_planner.lending import locked
+from graph_planner.lending import read_only
 from graph_planner.moves import Corruption, MoveRules
 from graph_planner.navigation import NavigationGraph, navigation_graph
 from graph_planner.randomness import UInt64Array
@@ -139,7 +139,7 @@ class Setup:
     def start_nodes(self) -> Int32Array:
         """(start,) nodes to assign; empty for a random cluster."""
         nodes = [self.graph.node_of_cell[rc] for rc in self.start_cells]
-        return locked(np.array(nodes, np.int32))
+        return read_only(np.array(nodes, np.int32))
 
     @cached_property
     def corruption(self) -> Corruption:
@@ -147,7 +147,7 @@ class Setup:
         choice = self.scenario.corruption
         names = np.array(self.fleet.team_names)[self.fleet.team]
         epsilon = np.where(names == choice.team, choice.epsilon, 0.0)
-        return Corruption(locked(epsilon), choice.whole_team)
+        return Corruption(read_only(epsilon), choice.whole_team)
 
     def create_initial_state(self, keys: UInt64Array) -> InitialState:
         """Initial state of the episodes with the given keys (episode,)."""

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graph_planner.knowledge import Knowledge, Looks, hear
-from graph_planner.lending import Lent, locked
+from graph_planner.lending import Lent, read_only
 from graph_planner.randomness import UInt64Array
 from graph_planner.task import Task, nothing_late
 
@@ -32,8 +32,8 @@ class TwoHolders:
     def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
         """Start a batch of episodes with the looks of step 0."""
         self._task = task
-        self.late = locked(nothing_late(looks.step.size * HOLDERS))
-        self.holder_of = locked(np.arange(len(task.fleet), dtype=np.int64) % HOLDERS)
+        self.late = read_only(nothing_late(looks.step.size * HOLDERS))
+        self.holder_of = read_only(np.arange(len(task.fleet), dtype=np.int64) % HOLDERS)
         self._knowledge = Knowledge.of_starts(looks, len(task.graph), HOLDERS)
         self.tell(looks, pooled)
 

@@ -92,7 +92,7 @@ def test_rows_of_distances_make_room_for_one_another(
         np.testing.assert_array_equal(row, ragged_coast.distances[node_asked])
         assert (rows.kept.slot >= 0).sum() == (rows.kept.owner >= 0).sum()
     table = ragged_coast.distance_rows
-    assert table.distance is ragged_coast.distances
+    assert np.shares_memory(table.distance, ragged_coast.distances)
 
 
 def test_a_scout_sees_49_nodes_in_open_water_and_a_forager_5(open_water: NavigationGraph) -> None:

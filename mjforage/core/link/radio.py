@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from graph_planner.compiled import kernel, prepared
 from graph_planner.geodesics import Int32Array
 from graph_planner.knowledge import Knowledge, Looks
-from graph_planner.lending import Lent, locked
+from graph_planner.lending import Lent, read_only
 from graph_planner.look_log import LookLog, log_looks, take_in
 from graph_planner.map_filter import MapFilter, correct, glimpse, round_off
 from graph_planner.randomness import UInt64Array
@@ -116,7 +116,7 @@ class Radio:
         agents : in the fleet
         """
         self._scenario, self.holders = scenario, agents
-        self.holder_of = locked(np.arange(agents, dtype=np.int64))
+        self.holder_of = read_only(np.arange(agents, dtype=np.int64))
         self._lent_knowledge, self._lent_net = Lent[Knowledge](), Lent[Net]()
 
     @property
@@ -165,15 +165,15 @@ class Radio:
         shown = np.zeros((rows, most, net.log.shown.shape[3]), np.int16)
         if most:
             _list_late(net, looks, shown)
-        return locked(Late(looks, shown))
+        return read_only(Late(looks, shown))
 
     @property
     def link_log(self) -> LinkLog:
         """What went over the links so far."""
         net, traffic = self.net, self.net.traffic
         return LinkLog(
-            contact=locked(net.contacts.snr_db >= 0.0),
-            delivered=locked(traffic.sent - traffic.lost - net.mail.flying),
+            contact=read_only(net.contacts.snr_db >= 0.0),
+            delivered=read_only(traffic.sent - traffic.lost - net.mail.flying),
             lost=traffic.lost,
             lost_now=net.contacts.lost,
             dropped=traffic.dropped,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from mjforage.core.errors import UserError
-from mjforage.core.map_formats.levels import UNKNOWN, Levels, check_size, levels_of
+from mjforage.core.map_formats.levels import MOST_CELLS, UNKNOWN, Levels, check_size, levels_of
 
 IMAGE_SUFFIXES = (
     *(".png", ".jpg", ".jpeg", ".bmp", ".gif"),
@@ -23,10 +23,8 @@ COLOURED = 48  # between the largest and the least of red, green and blue: more 
 MANY = 0.01  # share of pixels that is worth a word
 BAND = 256  # rows whose colours are mixed at a time
 NO_DATA = 42113  # tag of a GeoTIFF (GDAL): the value of cells without one
-_BROKEN = (
-    *(OSError, ValueError, TypeError, SyntaxError, EOFError, ArithmeticError, LookupError),
-    Image.DecompressionBombError,
-)  # what Pillow raises on damaged files
+_BROKEN = OSError, ValueError, TypeError, SyntaxError, EOFError, ArithmeticError, LookupError
+"""Raised by Pillow on damaged files."""
 
 logger = logging.getLogger(__name__)
 
@@ -57,6 +55,11 @@ def read_image(path: Path, name: str) -> Levels:
             return _levels(image, name)
     except UserError:
         raise
+    except Image.DecompressionBombError as error:
+        raise UserError(
+            f"map {name}: has more pixels than the {MOST_CELLS:,} cells of a map; cut out the part "
+            "that you need, or make its cells larger"
+        ) from error
     except UnidentifiedImageError as error:
         raise UserError(f"map {name}: is no image, or one of size 0, or damaged") from error
     except _BROKEN as error:

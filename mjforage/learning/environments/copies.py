@@ -64,9 +64,13 @@ def _view(
     kind: np.dtype[Any],
     writeable: bool,
 ) -> NDArray[Any]:
-    array: NDArray[Any] = np.ndarray(shape, kind, memory, offset, strides)
-    array.flags.writeable = writeable
-    return array
+    of: Any = memory if writeable else memoryview(memory).toreadonly()
+    return np.ndarray(shape, kind, of, offset, strides)
+
+
+def _looked_at(array: NDArray[Any]) -> object:
+    """Whose memory an array looks at, read-only views included."""
+    return array.base.obj if isinstance(array.base, memoryview) else array.base
 
 
 def _proxy(content: dict[Any, Any]) -> MappingProxyType[Any, Any]:
@@ -91,9 +95,9 @@ class _Pickler(pickle.Pickler):
         return NotImplemented
 
     def _array(self, array: NDArray[Any]) -> Any:
-        root = array
-        while isinstance(root.base, np.ndarray):
-            root = root.base
+        root: Any = array
+        while isinstance(base := _looked_at(root), np.ndarray):
+            root = base
         plain = root.flags.writeable and root.flags.c_contiguous
         if plain and root is array:
             return NotImplemented

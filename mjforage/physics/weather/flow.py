@@ -25,6 +25,7 @@ from functools import lru_cache
 import numpy as np
 
 from graph_planner.compiled import kernel
+from graph_planner.lending import read_only
 from graph_planner.navigation import NavigationGraph
 from mjforage.core.errors import UserError
 from mjforage.physics.weather.settings import WeatherSettings
@@ -111,8 +112,7 @@ def flow_of(graph: NavigationGraph, streams: bool, circulation: bool) -> Flow:
     patches *= np.array([spacing_m, 1.0, 1.0, 1.0 / spacing_m])[:, None]
     if circulation:
         patches[..., 2] /= _peak_speed(patches, spacing_m)
-    patches.setflags(write=False)
-    return Flow(patches, spacing_m, -0.5 * graph.pitch_m)
+    return Flow(read_only(patches), spacing_m, -0.5 * graph.pitch_m)
 
 
 def flow_in(settings: WeatherSettings, graph: NavigationGraph | None) -> Flow:

@@ -4,10 +4,12 @@ import re
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
-from mjforage.cli.progress import Lines, Pace, duration, told
+import mjforage.base.kernel_cache  # noqa: F401  as loaded by whoever compiles
+from mjforage.cli.progress import COMPILES, KEPT, Lines, Pace, duration, told
 
 
 class Bench:
@@ -111,6 +113,18 @@ def test_while_kernels_are_compiled_that_is_said_and_nothing_is_foretold() -> No
     bench.compiles = False
     assert bench.after(0).endswith(", 20 s so far")
     assert "left" in bench.after(1, 700)
+
+
+def test_kernels_that_cannot_be_kept_are_not_said_to_last(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    bench = Bench()
+    bench.compiles = True
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "new" / "folder"))
+    assert bench.after(20) == f"evaluate: {COMPILES}{KEPT}; 20 s so far"
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "file"))
+    assert bench.after(0) == f"evaluate: {COMPILES}; 20 s so far"
 
 
 def test_before_anything_is_known_only_the_time_is_said() -> None:

@@ -244,6 +244,13 @@ def png(width: int, height: int) -> bytes:
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", body) + chunk(b"IEND", b"")
 
 
+def gif(width: int, height: int) -> bytes:
+    """A GIF that says this size and holds one pixel."""
+    size, colours = struct.pack("<HH", width, height), b"\0\0\0\xff\xff\xff"
+    pixel = b"\x2c" + bytes(4) + size + b"\0\2\2\x4c\1\0\x3b"
+    return b"GIF89a" + size + b"\x80\0\0" + colours + pixel
+
+
 def huge_npy(shape: tuple[int, int]) -> bytes:
     head = f"{{'descr': '|b1', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
     return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head.encode()
@@ -312,7 +319,8 @@ OCTILE = "type octile\nheight {}\nwidth {}\nmap\n"
         ("a.npy", huge_npy((6000, 6000)), "is damaged, or no array"),
         ("a.npy", huge_npy((10**30, 10**30)), "cells are more than 40,000,000"),
         ("a.png", png(13_300, 13_300), "13300 x 13300 cells are more than 40,000,000; cut out"),
-        ("a.png", png(19_000, 19_000), "cannot be read as an image"),
+        ("a.png", png(19_000, 19_000), "has more pixels than the 40,000,000 cells"),
+        ("a.gif", gif(20_000, 20_000), "more pixels than the 40,000,000 cells of a map; cut out"),
         ("a.pgm", b"P5\n13300 13300\n255\n", "13300 x 13300 cells are more than 40,000,000"),
         ("a.pgm", b"P5\n2 2\n255\n\x00", "cannot be read as an image"),
         ("a.tif", image(np.array([[0.5]], np.float32), "TIFF"), "row 0, column 0 is 0.5, expected"),

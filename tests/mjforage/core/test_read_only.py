@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.lending import Lent, locked, read_only
+from graph_planner.lending import Lent, read_only
 from graph_planner.policies import create_policy
 from graph_planner.randomness import UInt64Array, episode_keys
 from graph_planner.task import Observation, Task, Truth
@@ -40,7 +40,17 @@ MISSIONS: list[tuple[str, tuple[str, ...]]] = [
 
 def writable(root: object) -> list[str]:
     """Every array that can be reached from something and be written to, but for fresh copies."""
-    return [path for path, array in _arrays(root, "", {}) if array.flags.writeable]
+    return [path for path, array in _arrays(root, "", {}) if _unlocks(array)]
+
+
+def _unlocks(array: NDArray[Any]) -> bool:
+    """Whether numpy lets somebody write to it, by `setflags(write=True)` where it must."""
+    again = array.view()
+    try:
+        again.setflags(write=True)
+    except ValueError:
+        return False
+    return True
 
 
 def _arrays(
@@ -240,7 +250,16 @@ class Moving(Ending):
         truth.item_node[:] = 5
 
 
-@pytest.mark.parametrize("policy", [Ending, Dreaming, Widening, Moving])
+class Unlocking(Ending):
+    """Asks numpy to let it write after all."""
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        with pytest.raises(ValueError, match="cannot set WRITEABLE flag"):
+            observation.agent_node.setflags(write=True)
+        return super().act(observation)
+
+
+@pytest.mark.parametrize("policy", [Ending, Dreaming, Widening, Moving, Unlocking])
 @pytest.mark.parametrize(("world", "overrides"), MISSIONS)
 def test_who_writes_is_stopped(
     policy: type[Ending], world: str, overrides: tuple[str, ...]
@@ -291,7 +310,7 @@ def test_views_follow_their_arrays_and_a_copy_makes_its_own() -> None:
     arrays[0][1] = 7.0
     assert lent.of(arrays)[0].tolist() == [3.0, 7.0]
     assert not read_only(np.ones(1)).flags.writeable
-    assert not locked((np.ones(1),))[0].flags.writeable
+    assert not read_only((np.ones(1),))[0].flags.writeable
 
 
 def test_a_copy_shows_its_own_arrays() -> None:

@@ -28,7 +28,9 @@ from mjforage.runs.tables import TABLES
 
 PATIENCE_S = 120.0
 Start = Callable[..., "subprocess.Popen[str]"]
-INTERRUPTED = "mjforage: interrupted; finished work is kept, run the same command again to resume\n"
+INTERRUPTED = (
+    "mjforage: interrupted; a run, study or training goes on when the same command is given again\n"
+)
 TELL_CHUNKS = """
 import json
 from mjforage.runs.storage import RunFolder
