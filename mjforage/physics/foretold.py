@@ -37,6 +37,7 @@ def foretold(setup: Setup, worlds: Sequence[str]) -> tuple[str, ...]:
     """Lines about a run in these worlds, in the order of their weight; none where all is well."""
     scenario, hulls = setup.scenario, [world for world in worlds if world != "graph"]
     lines = list(_unfelt_keys(scenario, worlds))
+    lines += _still_items(scenario, hulls)
     if hulls:
         for vessel, teams in _hulls(setup).items():
             where = f"vessel {vessel.name} of {' and '.join(teams)}"
@@ -57,6 +58,21 @@ def _unfelt_keys(scenario: Scenario, worlds: Sequence[str]) -> Iterator[str]:
     if unfelt:
         names = " nor ".join(worlds)
         yield f"{', '.join(unfelt)}: not felt in world {names}, and without effect in this run"
+
+
+def _still_items(scenario: Scenario, hulls: Sequence[str]) -> Iterator[str]:
+    """Currents that move hulls and, by the graph world's rule, no items."""
+    adapted = [WORLDS[world].adapt(scenario) for world in hulls]
+    currents = [
+        f"weather.{key}"
+        for key in ("current_speed_mps", "current_wander_mps", "circulation_mps")
+        if any(one.physics.items == "graph" and getattr(one.weather, key) for one in adapted)
+    ]
+    if currents:
+        yield (
+            f'{", ".join(currents)}: hulls feel it, items do not by physics.items = "graph"; '
+            'give "bodies" for items that do'
+        )
 
 
 def _feels(adapted: Scenario, scenario: Scenario, table: str, key: str) -> bool:

@@ -1,5 +1,6 @@
 """`mjforage/Waypoint-v0`: the thrusters of one hull, to be steered to waypoints in weather."""
 
+import inspect
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -39,8 +40,6 @@ SCALES = np.array(
 )  # value at which an entry of the observation is 1; more is cut off
 
 Numbers = NDArray[np.float32]
-
-ARGUMENTS = ("vessel", "wind_mps", "gust_intensity", "current_mps", "reward", "render_mode")
 
 
 class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
@@ -95,7 +94,7 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
         UserError
             If an argument is not valid, or not known.
         """
-        check_known(unknown, ARGUMENTS)
+        check_known(unknown, [*inspect.signature(WaypointEnv).parameters][:-1])
         weather = WeatherSettings(
             wind_speed_mps=wind_mps,
             wind_toward_deg=None,

@@ -126,6 +126,16 @@ def test_keys_of_physics_that_no_world_of_a_run_feels_are_told(
     assert told((*worlds, felt), f"{key}={value}") == []
 
 
+@pytest.mark.parametrize("key", ["current_speed_mps", "current_wander_mps", "circulation_mps"])
+def test_currents_that_only_hulls_feel_are_told(key: str) -> None:
+    current = f"weather.{key}=0.1"
+    (line,) = told(PHYSICS, current, "physics.items=graph")
+    assert line.startswith(f"weather.{key}: hulls feel it, items do not by physics.items")
+    assert told(PHYSICS, current, "physics.items=bodies") == []
+    assert told(PHYSICS, "physics.items=graph") == []
+    assert line not in told(("graph",), current, "physics.items=graph")
+
+
 def test_items_without_bodies_have_no_classes() -> None:
     words = "physics.item_classes: not felt in world physics, and without effect in this run"
     assert told(PHYSICS, 'physics.item_classes=["bag"]', "physics.items=graph") == [words]

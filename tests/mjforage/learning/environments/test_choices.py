@@ -94,6 +94,7 @@ def test_a_map_may_be_a_path(tmp_path: Path) -> None:
         ({"map": np.full((3, 3), 0.5)}, "map array: row 0, column 0 is 0.5, expected 0 or 1"),
         ({"map": np.full((3, 3), 2)}, "map array: row 0, column 0 is 2, expected 0 or 1"),
         ({"map": np.zeros((3, 3), np.bool_)}, "map array: all 9 cells are obstacles"),
+        ({"map": [[1, 1], [1]]}, "map: no array (row, column); "),
         ({"map": 7}, "map = 7: is int; give a name, a file or an array"),
         ({"scenario": 7}, "scenario = 7: is int; give a preset's name"),
         ({"scenario": {"horizon": 3}}, "scenario = {'horizon': 3}: is dict; give a preset's name"),
@@ -126,6 +127,13 @@ def test_an_array_is_taken_as_a_file_of_it_would_be(cells: Any) -> None:
     env: Any = gymnasium.make(NAME, map=cells, set={"horizon": 2}).unwrapped
     assert env.game.setup.grid.navigable.shape == (9, 8)
     assert env.game.setup.grid.navigable.all()
+
+
+def test_cells_of_an_array_without_a_number_are_land() -> None:
+    cells = np.ones((9, 8))
+    cells[0, 3:] = np.nan
+    env: Any = gymnasium.make(NAME, map=cells, set={"horizon": 2}).unwrapped
+    assert np.argwhere(~env.game.setup.grid.navigable).tolist() == [[0, k] for k in range(3, 8)]
 
 
 @pytest.mark.parametrize("name", [NAME, "mjforage/SharedPolicy-v0", "mjforage/Waypoint-v0"])
