@@ -13,7 +13,7 @@ def read_only(value: T) -> T:
     They are of a read-only buffer, so numpy refuses `setflags(write=True)` as well.
     """
     if isinstance(value, np.ndarray):
-        return cast(T, np.asarray(memoryview(value).toreadonly()))
+        return cast(T, np.asarray(memoryview(cast(Any, value)).toreadonly()))
     if isinstance(value, tuple):
         parts = map(read_only, value)
         make = getattr(type(value), "_make", tuple)  # a named tuple's

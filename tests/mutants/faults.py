@@ -1,45 +1,103 @@
-"""Single faults of the physics as data: what is changed, and which check has to fail."""
+"""Single faults as data: what is changed, and which check has to fail."""
 
+import ast
 import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from functools import cache
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]  # of the repository
-PHYSICS = "mjforage/physics"
+PACKAGES = ("mjforage", "controllers", "graph_planner", "metrics")
+"""Folders of Python files in which a fault's place is looked for."""
 
 
 @dataclass(frozen=True)
 class Mutant:
-    """One fault.
+    """One fault, named by the content of its place, which may move to another file.
 
     Attributes
     ----------
     name : on the command line
     fault : in words
-    file : in `mjforage/physics`, or in the repository if it is there
-    old, new : text that occurs once in the file, and what takes its place
+    where : qualified name of a function or class, such as `Mission.adopt`; "" for text of a file
+        outside of functions; the path of a file that is no Python
+    old, new : text that occurs once there and in no other place of that name, and what takes its
+        place
     check : of `mjforage validate`, or a test, `tests/.../test_file.py::test_name`
+    room : name of the TOML file that holds it
     """
 
     name: str
     fault: str
-    file: str
+    where: str
     old: str
     new: str
     check: str
-
-    def path(self, root: Path = ROOT) -> Path:
-        """The file in a copy of the repository."""
-        return root / (self.file if (ROOT / self.file).is_file() else f"{PHYSICS}/{self.file}")
+    room: str
 
     @property
     def is_test(self) -> bool:
         """Whether the check is a test, not one of `mjforage validate`."""
         return "::" in self.check
 
+    def spoilt(self, root: Path = ROOT) -> tuple[Path, str]:
+        """The file in a copy of the repository, and its text with the fault.
 
-def mutants() -> list[Mutant]:
+        Raises
+        ------
+        ValueError
+            If the text is in no such place, or in several.
+        """
+        if (data := root / self.where).is_file():
+            found = [(data, 0, data.read_text("utf-8"))]
+        else:
+            found = list(self._places(root))
+        places = [each for each in found if self.old in each[2]]
+        times = sum(text.count(self.old) for _, _, text in places)
+        if times != 1:
+            raise ValueError(f"mutant {self.name}: {times} times {self.old!r} in {self.where!r}")
+        ((path, begin, text),) = places
+        whole = path.read_text("utf-8")
+        return path, whole[:begin] + text.replace(self.old, self.new) + whole[begin + len(text) :]
+
+    def _places(self, root: Path) -> Iterator[tuple[Path, int, str]]:
+        """File, offset and text of every place of the name."""
+        for path in _sources(root):
+            whole = path.read_text("utf-8")
+            if self.old not in whole:
+                continue
+            if not self.where:
+                yield path, 0, whole
+                continue
+            starts = [0, *(m for m, c in enumerate(whole, 1) if c == "\n")]
+            for name, node in _named(ast.parse(whole)):
+                if name == self.where:
+                    first = min([node.lineno, *(each.lineno for each in node.decorator_list)])
+                    begin = starts[first - 1]
+                    yield path, begin, whole[begin : (*starts, len(whole))[node.end_lineno or -1]]
+
+
+Named = ast.FunctionDef | ast.ClassDef
+
+
+def _named(tree: ast.AST, outer: str = "") -> Iterator[tuple[str, Named]]:
+    """Functions and classes by qualified names."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, Named):
+            yield f"{outer}{node.name}", node
+            yield from _named(node, f"{outer}{node.name}.")
+        else:
+            yield from _named(node, outer)
+
+
+@cache
+def _sources(root: Path) -> tuple[Path, ...]:
+    return tuple(path for name in PACKAGES for path in sorted((root / name).rglob("*.py")))
+
+
+def mutants(folder: Path = HERE) -> list[Mutant]:
     """All mutants, in the order of their files.
 
     Raises
@@ -48,12 +106,12 @@ def mutants() -> list[Mutant]:
         If an entry has other keys than `Mutant`, or a name stands twice.
     """
     found = []
-    wanted = {field.name for field in fields(Mutant)}
-    for file in sorted(HERE.glob("*.toml")):
+    wanted = {field.name for field in fields(Mutant)} - {"room"}
+    for file in sorted(folder.glob("*.toml")):
         for entry in tomllib.loads(file.read_text(encoding="utf-8"))["mutant"]:
             if entry.keys() != wanted:
                 raise ValueError(f"{file.name}: {entry.get('name')} has keys {sorted(entry)}")
-            found.append(Mutant(**entry))
+            found.append(Mutant(**entry, room=file.stem))
     names = [mutant.name for mutant in found]
     if twice := {name for name in names if names.count(name) > 1}:
         raise ValueError(f"mutants named twice: {', '.join(sorted(twice))}")

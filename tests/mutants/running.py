@@ -7,11 +7,12 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.mutants.faults import PHYSICS, ROOT, Mutant
+from tests.mutants.faults import PACKAGES, ROOT, Mutant
 from tests.mutants.kernels import interpreted
 
-COPIED = ("mjforage", "controllers", "graph_planner", "metrics", "models", "tests")
+COPIED = (*PACKAGES, "models", "tests", "docs", "examples")
 LEFT_OUT = shutil.ignore_patterns("__pycache__")
+PHYSICS = "mjforage/physics"
 PLAIN = frozenset({"wind-load", "mouth", "touch-speed", "energy-drawn", "added-mass", "ramming"})
 """Checks that take less time than the kernels take to compile, and so do the tests of `UNITS`."""
 UNITS = ("hydrodynamics", "dynamics")
@@ -39,6 +40,15 @@ class Outcome:
     def verdict(self) -> str:
         """Caught, survived, or that the check did not run."""
         return {PASSED: "SURVIVED", FAILED: "caught"}.get(self.code, f"broke ({self.code})")
+
+    @property
+    def passed(self) -> bool:
+        """Whether the check found nothing."""
+        return self.code == PASSED
+
+    def without_fault(self) -> "Outcome":
+        """The same, of a check that fails without a fault, which catches none."""
+        return Outcome(-2, f"without a fault: {self.words}")
 
 
 def copied(folder: Path, plain: bool) -> Path:
@@ -92,9 +102,9 @@ def run_check(mutant: Mutant, copy: Path) -> Outcome:
 
 def run_mutant(mutant: Mutant, copy: Path) -> Outcome:
     """Spoil the copy, run the check, and put the copy right again."""
-    path = mutant.path(copy)
+    path, spoilt = mutant.spoilt(copy)
     kept, time = path.read_text(encoding="utf-8"), path.stat().st_mtime_ns
-    path.write_text(kept.replace(mutant.old, mutant.new), encoding="utf-8")
+    path.write_text(spoilt, encoding="utf-8")
     try:
         return run_check(mutant, copy)
     finally:

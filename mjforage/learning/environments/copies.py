@@ -64,7 +64,8 @@ def _view(
     kind: np.dtype[Any],
     writeable: bool,
 ) -> NDArray[Any]:
-    of: Any = memory if writeable else memoryview(memory).toreadonly()
+    whole: Any = memory
+    of: Any = whole if writeable else memoryview(whole).toreadonly()
     return np.ndarray(shape, kind, of, offset, strides)
 
 
