@@ -12,7 +12,8 @@
 # `make pages`: whether report pages and the site can be read and worked by everybody, in headless Chromium.
 # `make evidence`: numbers of the pages made again, hours of them; ONLY="name name" JOBS=2 for some.
 # `make evidence-pages`: their tables drawn from docs/evidence/data.
-# `make mutants`: whether every single fault of the physics is noticed; half an hour.
+# `make mutants`: whether every single fault of a list is noticed; half an hour.
+# `make mutants-tenth`: the same for a tenth of them, another one after each commit.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -24,7 +25,7 @@ unexport PYTHONDONTWRITEBYTECODE
 CAPABILITIES := default avx2 avx512
 LEARNING := tests/mjforage/learning tests/graph_planner/test_weights.py
 
-.PHONY: demo quick test thorough types collected planner hulls capabilities mujoco lowest mutants evidence evidence-pages dist docs links pages gallery install clean
+.PHONY: demo quick test thorough types collected planner hulls capabilities mujoco lowest mutants mutants-tenth evidence evidence-pages dist docs links pages gallery install clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/.installed: pyproject.toml constraints.txt
@@ -125,7 +126,10 @@ lowest: $(VENV)/lowest/.installed
 	$(<D)/bin/python -m pytest -n 2 --dist worksteal -m 'not slow' -W ignore::DeprecationWarning $(OLD)
 
 mutants: $(VENV)/.installed-dev
-	$(BIN)/python -m tests.mutants --out docs/mutants.md
+	$(BIN)/python -m tests.mutants --jobs 2 --out docs/mutants.md
+
+mutants-tenth: $(VENV)/.installed-dev
+	$(BIN)/python -m tests.mutants --jobs 2 --tenth $$(git rev-list --count HEAD 2>/dev/null || echo 0)
 
 # What was stopped goes on; without ONLY what is of this very code already is left out, and the long
 # blocks of pages that no piece runs come last.
