@@ -1,6 +1,5 @@
 """What a policy is told before an episode, and what it sees at every step."""
 
-import hashlib
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -126,17 +125,6 @@ class Task:
                 horizon=self.horizon,
             )
         )
-
-
-def digest(task: Task) -> bytes:
-    """Hash of the arrays of a task, which all missions of a setup share and nobody may change."""
-    fleet, graph = task.fleet, task.graph
-    arrays = (fleet.moves, fleet.radius, fleet.collects, fleet.capacity, fleet.energy, fleet.order)
-    found = hashlib.sha256()
-    pickup = () if task.pickup is None else task.pickup
-    for array in (*arrays, graph.neighbours, graph.rows, graph.cols, *task.views, *pickup):
-        found.update(np.ascontiguousarray(array).data)
-    return found.digest()
 
 
 class Late(NamedTuple):

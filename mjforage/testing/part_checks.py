@@ -16,7 +16,7 @@ from mjforage.core.mission_metrics import METRICS, Metric, Scorer, chosen_metric
 from mjforage.core.mission_metrics.known import checked
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
-from mjforage.learning.environments.rewards import Before, RewardTerms, term_class
+from mjforage.learning.environments.rewards import RewardTerms, term_class
 from mjforage.learning.environments.spaces import MASK
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
 
@@ -157,36 +157,6 @@ def check_reward_remembers_nothing(trial: PartTrial) -> None:
             )
 
 
-def check_reward_only_reads(trial: PartTrial) -> None:
-    """A term changes nothing of the mission, nor of what was known before, which terms share."""
-    mission, policy = trial.mission([0, 1]), create_policy("greedy")
-    terms = RewardTerms(trial.setup.task, [trial.name])
-    mission.prepare(policy)
-    while mission.active.any():
-        known_before = terms.before(mission)
-        mission.advance(mission.ask(policy))
-        before = _state(mission, known_before)
-        terms.after(mission, mission.active)
-        for name, value in _state(mission, known_before).items():
-            if first_difference(before[name], value):
-                raise trial.error("reward_only_reads", f"changed {name}; copy what you change")
-
-
-def _state(mission: Mission, known_before: Before) -> dict[str, NDArray[Any]]:
-    """All that a term is shown, in copies."""
-    parts = {
-        "mission": (mission.knowledge, mission.ledger.entries, mission.state),
-        "before": (known_before,),
-    }
-    return {
-        f"{place}.{name}": np.array(value, copy=True)
-        for place, each in parts.items()
-        for part in each
-        for name, value in part._asdict().items()
-        if isinstance(value, np.ndarray)
-    }
-
-
 def check_reward_alone(trial: PartTrial) -> None:
     """An episode gives the same alone, in another order and beside others, and again."""
     _check_alone(trial, "reward_alone", partial(_amounts, trial))
@@ -244,7 +214,7 @@ def check_observation_alone(trial: PartTrial) -> None:
 
 
 METRIC_CHECKS = (check_metric_is_described, check_metric_alone, check_metric_ends)
-REWARD_CHECKS = (check_reward_only_reads, check_reward_alone, check_reward_remembers_nothing)
+REWARD_CHECKS = (check_reward_alone, check_reward_remembers_nothing)
 OBSERVATION_CHECKS = (
     check_observation_shapes,
     check_observation_twice,

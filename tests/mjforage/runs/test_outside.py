@@ -255,18 +255,6 @@ def test_however_it_imports_a_module_that_counts(folder: Path, forget: Forget, l
         played("run", "own_policies:North")
 
 
-def test_a_policy_that_changes_what_others_share_is_named(folder: Path) -> None:
-    reaching = (
-        "    def reset(self, task, keys):\n"
-        "        task.fleet.moves.setflags(write=True)\n"  # as the rules do not allow
-        "        task.fleet.moves[:] = 2\n"
-    )
-    source = SOURCE.replace("    def reset(self, task, keys):\n", reaching)
-    (folder / "own_policies.py").write_text(source)
-    with pytest.raises(UserError, match="own_policies:North: changed arrays of the task, which"):
-        played("run", "own_policies:North", "greedy")
-
-
 @pytest.mark.parametrize(
     ("answer", "words"),
     [
