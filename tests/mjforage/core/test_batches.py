@@ -122,7 +122,7 @@ def test_adopted_episodes_are_those_of_a_fresh_mission(name: str) -> None:
 )
 def test_a_batch_that_starts_again_is_a_fresh_one(name: str, world: str) -> None:
     setup = setup_of(*SETTINGS[name])
-    used = played(started(setup, 1, 2, 3, world=world), 6, "belief")
+    used = played(started(setup, 1, 2, world=world), 6, "belief")
     used.start(episode_keys(5, np.array([7, 8])))
     fresh = started(setup, 7, 8, world=world)
     for steps in (0, 6):
