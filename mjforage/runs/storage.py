@@ -37,6 +37,7 @@ IDENTITY = (
     "weights",
     "agents",
     "hulls",
+    "metrics",
     *CODE,
 )
 

@@ -1,4 +1,4 @@
-"""Episodes that start again or are adopted hold nothing of those before, in any array of any part."""
+"""Episodes that start again or are adopted hold nothing of those before, in any array."""
 
 from typing import Any
 
