@@ -146,6 +146,39 @@ def with_accepted(
     return {**here, "accepted": before} if before else dict(here)
 
 
+def found_in(
+    path: Path, kind: str, info: Mapping[str, Any], identity: Iterable[str], accept: bool = False
+) -> tuple[dict[str, Any] | None, list[Difference]]:
+    """What a folder's file says, None if the folder may be begun; and what differs and is accepted.
+
+    Nothing is written. Parameters and errors are those of `open_folder`.
+    """
+    file = path / f"{kind}.json"
+    with writing(path):
+        inside = path.iterdir() if path.is_dir() else ()
+        found = sorted(entry.name for entry in inside if entry.name[0] != ".")
+    if file.name not in found:
+        if found:
+            raise UserError(
+                f"{path}: holds {found[0]} but no {file.name}, so it is no {kind} folder; choose "
+                "another --out"
+            )
+        return None, []
+    check_files(file)
+    try:
+        there = read_json(file)
+    except UserError as error:
+        raise UserError(
+            f"{file}: is not the {file.name} of a {kind}; choose another --out"
+        ) from error
+    differing = differences(there, info, identity)
+    if differing and set(identity) <= set(there) and _holds_nothing(path, file.name):
+        return None, []
+    if differing and not (accept and acceptable(differing)):
+        raise UserError(f"{path}: {refusal(kind, differing)}")
+    return there, differing
+
+
 def open_folder(
     path: Path, kind: str, info: Mapping[str, Any], identity: Iterable[str], accept: bool = False
 ) -> dict[str, Any]:
@@ -171,31 +204,13 @@ def open_folder(
         If the folder holds another one (the difference is named) or something else, or cannot be
         written, or is just being written.
     """
-    file = path / f"{kind}.json"
     with writing(path):
         path.mkdir(parents=True, exist_ok=True)
-        found = sorted(entry.name for entry in path.iterdir() if entry.name[0] != ".")
-    if file.name not in found:
-        if found:
-            raise UserError(
-                f"{path}: holds {found[0]} but no {file.name}, so it is no {kind} folder; choose "
-                "another --out"
-            )
+    file = path / f"{kind}.json"
+    there, differing = found_in(path, kind, info, identity, accept)
+    if there is None:
         write_json(file, info)
         return dict(info)
-    check_files(file)
-    try:
-        there = read_json(file)
-    except UserError as error:
-        raise UserError(
-            f"{file}: is not the {file.name} of a {kind}; choose another --out"
-        ) from error
-    differing = differences(there, info, identity)
-    if differing and set(identity) <= set(there) and _holds_nothing(path, file.name):
-        write_json(file, info)
-        return dict(info)
-    if differing and not (accept and acceptable(differing)):
-        raise UserError(f"{path}: {refusal(kind, differing)}")
     content = with_accepted(there, info, differing)
     grown = there.get(GROWS) != info.get(GROWS)
     if differing or grown:
