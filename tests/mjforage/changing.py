@@ -1,9 +1,12 @@
-"""One change of every field of a dataclass, made by its type: new fields are among them."""
+"""One change of everything that something is, made by its type: new fields are among them."""
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+
+from mjforage.core.errors import UserError
 
 
 def changes(whole: Any, path: str = "") -> Iterator[tuple[str, Any]]:
@@ -64,3 +67,40 @@ def another(value: Any, hint: Any) -> Any:
     if kind is Any:
         return "x"
     raise TypeError(f"{hint}: no other value known for this type")
+
+
+def leaves(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """Paths of what stands in JSON; of a list, its last."""
+    if isinstance(value, dict) and value:
+        for key, one in value.items():
+            yield from leaves(one, (*path, key))
+    elif isinstance(value, list) and value:
+        yield from leaves(value[-1], (*path, len(value) - 1))
+    else:
+        yield path
+
+
+def with_other(value: Any, path: tuple[Any, ...]) -> Any:
+    """The same with something else in one place."""
+    if not path:
+        return "something else"
+    changed = value.copy()
+    changed[path[0]] = with_other(value[path[0]], path[1:])
+    return changed
+
+
+def tree_of(folder: Path) -> dict[str, bytes]:
+    """Every file of a folder."""
+    return {str(path): path.read_bytes() for path in folder.rglob("[!.]*") if path.is_file()}
+
+
+def assert_refused(folder: Path, ask: Callable[[], object], name: str) -> None:
+    """That nothing is computed, and the folder stays as it was."""
+    before = tree_of(folder)
+    try:
+        ask()
+    except UserError as error:
+        assert "holds another" in str(error), (name, error)
+    else:
+        raise AssertionError(f"{name}: gone on with")
+    assert tree_of(folder) == before, name

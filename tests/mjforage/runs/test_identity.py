@@ -2,7 +2,6 @@
 
 import inspect
 import json
-from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
@@ -12,7 +11,6 @@ import numpy as np
 import pytest
 
 from mjforage.core.assets import models_folder
-from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import Metric
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
@@ -22,7 +20,7 @@ from mjforage.runs.resuming import differences
 from mjforage.runs.run_info import RunInfo
 from mjforage.runs.storage import IDENTITY, RunFolder
 from mjforage.runs.study import Study, Variant, run_study
-from tests.mjforage.changing import changes
+from tests.mjforage.changing import assert_refused, changes, leaves, with_other
 
 FREE = {
     "command": "names flags such as --jobs, which decide nothing",
@@ -57,23 +55,6 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("identity") / "run"
     evaluate(setup_of(), PLAYERS, folder, episodes=2)
     return folder
-
-
-def tree_of(folder: Path) -> dict[str, bytes]:
-    """Every file of a folder."""
-    return {str(path): path.read_bytes() for path in folder.rglob("[!.]*") if path.is_file()}
-
-
-def assert_refused(folder: Path, ask: Callable[[], object], name: str) -> None:
-    """That nothing is computed, and the folder stays as it was."""
-    before = tree_of(folder)
-    try:
-        ask()
-    except UserError as error:
-        assert "holds another" in str(error), (name, error)
-    else:
-        raise AssertionError(f"{name}: gone on with")
-    assert tree_of(folder) == before, name
 
 
 def test_every_key_of_a_scenario_is_of_the_run(played: Path) -> None:
@@ -125,26 +106,6 @@ def test_every_argument_of_evaluate_is_of_the_run_or_free(played: Path) -> None:
         for value in values:
             again = partial(evaluate, folder=played, **told | {name: value})
             assert_refused(played, again, name)
-
-
-def leaves(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    """Paths of what stands in JSON; of a list, its last."""
-    if isinstance(value, dict) and value:
-        for key, one in value.items():
-            yield from leaves(one, (*path, key))
-    elif isinstance(value, list) and value:
-        yield from leaves(value[-1], (*path, len(value) - 1))
-    else:
-        yield path
-
-
-def with_other(value: Any, path: tuple[Any, ...]) -> Any:
-    """The same with something else in one place."""
-    if not path:
-        return "something else"
-    changed = value.copy()
-    changed[path[0]] = with_other(value[path[0]], path[1:])
-    return changed
 
 
 def test_whatever_run_json_says_decides_or_is_free_for_a_reason() -> None:
