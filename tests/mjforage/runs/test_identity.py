@@ -43,9 +43,10 @@ def setup_of(*overrides: str) -> Setup:
 
 
 def other_map(setup: Setup) -> Setup:
-    """A map of the same name with one more cell of land, far from the starts."""
+    """A map of the same name and size, with one cell of land for one of water."""
     navigable = setup.grid.navigable.copy()
-    navigable[tuple(np.argwhere(navigable)[0])] = False
+    for water in (True, False):
+        navigable[tuple(np.argwhere(setup.grid.navigable == water)[0])] = not water
     return replace(setup, grid=replace(setup.grid, navigable=navigable))
 
 
