@@ -74,7 +74,7 @@ def test_every_key_of_a_scenario_is_of_the_run(played: Path) -> None:
 def test_the_order_of_teams_is_of_the_run(played: Path) -> None:
     """It numbers the agents."""
     setup = setup_of()
-    turned = replace(setup.scenario, team=dict(reversed(setup.scenario.team.items())))
+    turned = replace(setup.scenario, team=dict(reversed(list(setup.scenario.team.items()))))
     again = partial(evaluate, replace(setup, scenario=turned), PLAYERS, played, episodes=2)
     assert_refused(played, again, "teams")
 
@@ -102,7 +102,7 @@ def test_every_argument_of_evaluate_is_of_the_run_or_free(played: Path) -> None:
         "resume": "what to do with another run",
     }
     assert asked.keys() | free.keys() == inspect.signature(evaluate).parameters.keys()
-    told = {"setup": setup, "policies": PLAYERS, "episodes": 2}
+    told: dict[str, Any] = {"setup": setup, "policies": PLAYERS, "episodes": 2}
     for name, values in asked.items():
         for value in values:
             again = partial(evaluate, folder=played, **told | {name: value})

@@ -83,7 +83,8 @@ def test_sub_environments_are_single_environments_to_the_bit(
     mode: AutoresetMode, more: tuple[str, ...]
 ) -> None:
     """Ends, final observations and rewards included: the bootstrap mask is what one env shows."""
-    num_envs, options = 3, {"scenario": "published", "set": (*FEW, *more)}
+    num_envs = 3
+    options: dict[str, Any] = {"scenario": "published", "set": (*FEW, *more)}
     batch: Any = gymnasium.make_vec(NAMES[0], num_envs, autoreset_mode=mode, **options)
     assert batch.metadata["autoreset_mode"] is mode
     singles = [make(NAMES[0], **options) for _ in range(num_envs)]
