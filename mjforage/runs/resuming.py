@@ -20,7 +20,8 @@ from mjforage.runs.lock import claimed
 from mjforage.runs.run_info import read_json
 
 CODE = ("versions", "code")
-"""Keys whose differences can be accepted."""
+ACCEPTABLE = (*CODE, "metrics")
+"""Keys whose differences can be accepted: episodes hang on neither name nor number of metrics."""
 GROWS = "episodes"
 """The key whose value may be larger than it was: episodes hang on seed and number alone."""
 UNCOMPARED = ("mjforage", "python")
@@ -62,6 +63,8 @@ def _compared(info: Mapping[str, Any], key: str) -> Any:
     value = info.get(key)
     if key == "versions" and isinstance(value, dict):
         return {name: text for name, text in value.items() if name not in UNCOMPARED}
+    if key == "metrics" and isinstance(value, list):
+        return {one.get("key"): True for one in value if isinstance(one, dict)}
     return value
 
 
@@ -73,7 +76,11 @@ def _words(there: object, here: object, path: tuple[str, ...]) -> Iterator[str]:
             yield from _words(there.get(name), here.get(name), (*path, name))
     elif there != here:
         key = ".".join(path)
-        if path[0] == "code":
+        if key == "metrics":  # of a run made before they were listed
+            return
+        if path[0] == "metrics":
+            yield f"metric {path[-1]} is {'not there' if there is None else 'gone'}"
+        elif path[0] == "code":
             yield _of_code(there, here, path[-1])
         elif key == "map.navigable":
             yield "the map's cells differ"
@@ -117,8 +124,8 @@ def refusal(kind: str, found: list[Difference]) -> str:
 
 
 def acceptable(found: list[Difference]) -> bool:
-    """Whether code and versions alone differ."""
-    return all(one.key in CODE for one in found)
+    """Whether code, versions and metrics alone differ."""
+    return all(one.key in ACCEPTABLE for one in found)
 
 
 def with_accepted(
@@ -137,6 +144,39 @@ def with_accepted(
         }
         before = [*before, note]
     return {**here, "accepted": before} if before else dict(here)
+
+
+def found_in(
+    path: Path, kind: str, info: Mapping[str, Any], identity: Iterable[str], accept: bool = False
+) -> tuple[dict[str, Any] | None, list[Difference]]:
+    """What a folder's file says, None if the folder may be begun; and what differs and is accepted.
+
+    Nothing is written. Parameters and errors are those of `open_folder`.
+    """
+    file = path / f"{kind}.json"
+    with writing(path):
+        inside = path.iterdir() if path.is_dir() else ()
+        found = sorted(entry.name for entry in inside if entry.name[0] != ".")
+    if file.name not in found:
+        if found:
+            raise UserError(
+                f"{path}: holds {found[0]} but no {file.name}, so it is no {kind} folder; choose "
+                "another --out"
+            )
+        return None, []
+    check_files(file)
+    try:
+        there = read_json(file)
+    except UserError as error:
+        raise UserError(
+            f"{file}: is not the {file.name} of a {kind}; choose another --out"
+        ) from error
+    differing = differences(there, info, identity)
+    if differing and set(identity) <= set(there) and _holds_nothing(path, file.name):
+        return None, []
+    if differing and not (accept and acceptable(differing)):
+        raise UserError(f"{path}: {refusal(kind, differing)}")
+    return there, differing
 
 
 def open_folder(
@@ -164,35 +204,17 @@ def open_folder(
         If the folder holds another one (the difference is named) or something else, or cannot be
         written, or is just being written.
     """
-    file = path / f"{kind}.json"
     with writing(path):
         path.mkdir(parents=True, exist_ok=True)
-        found = sorted(entry.name for entry in path.iterdir() if entry.name[0] != ".")
-    if file.name not in found:
-        if found:
-            raise UserError(
-                f"{path}: holds {found[0]} but no {file.name}, so it is no {kind} folder; choose "
-                "another --out"
-            )
+    file = path / f"{kind}.json"
+    there, differing = found_in(path, kind, info, identity, accept)
+    if there is None:
         write_json(file, info)
         return dict(info)
-    check_files(file)
-    try:
-        there = read_json(file)
-    except UserError as error:
-        raise UserError(
-            f"{file}: is not the {file.name} of a {kind}; choose another --out"
-        ) from error
-    differing = differences(there, info, identity)
-    if differing and set(identity) <= set(there) and _holds_nothing(path, file.name):
-        write_json(file, info)
-        return dict(info)
-    if differing and not (accept and acceptable(differing)):
-        raise UserError(f"{path}: {refusal(kind, differing)}")
     content = with_accepted(there, info, differing)
     grown = there.get(GROWS) != info.get(GROWS)
     if differing or grown:
-        keys = (*CODE, "hash", "accepted", *(("command", GROWS) if grown else ()))
+        keys = (*ACCEPTABLE, "hash", "accepted", *(("command", GROWS) if grown else ()))
         changed = {key: content[key] for key in keys if key in content}
         with claimed(path), writing(path):
             if grown:

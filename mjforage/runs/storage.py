@@ -23,7 +23,7 @@ from mjforage.core.whole_files import remove_parts, writing
 from mjforage.runs.costs import Cost
 from mjforage.runs.lock import claimed
 from mjforage.runs.parquet import join_parquet, parquet_bytes
-from mjforage.runs.resuming import CODE, open_folder
+from mjforage.runs.resuming import CODE, found_in, open_folder
 from mjforage.runs.run_info import again, read_json
 from mjforage.runs.tables import KEYS, TABLES, check_table, read_table
 
@@ -37,6 +37,7 @@ IDENTITY = (
     "weights",
     "agents",
     "hulls",
+    "metrics",
     *CODE,
 )
 
@@ -68,6 +69,10 @@ class RunFolder:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._chunks = path / "chunks"
+
+    def check(self, info: Mapping[str, Any], accept: bool = False) -> None:
+        """Refuse what `open` refuses, and write nothing."""
+        found_in(self.path, "run", info, IDENTITY, accept)
 
     def open(self, info: Mapping[str, Any], accept: bool = False) -> dict[str, Any]:
         """Create the folder for a run, or check that it holds the same one.

@@ -23,7 +23,7 @@ from mjforage.runs.foreign import check_files, check_names
 from mjforage.runs.identity import provenance
 from mjforage.runs.kept import FIRST, KEPT
 from mjforage.runs.lock import claimed
-from mjforage.runs.resuming import GROWS, Resume, open_folder, set_aside
+from mjforage.runs.resuming import GROWS, Resume, found_in, open_folder, set_aside
 from mjforage.runs.run_info import REMEDY, read_json
 from mjforage.runs.source_code import commit
 from mjforage.runs.workers import Workers
@@ -258,6 +258,9 @@ def run_study(
     if resume == "fresh":
         set_aside(folder, "study")
     _check_flags(folder, study.info)
+    found_in(folder, "study", study.info, IDENTITY)
+    for run in runs:  # before anything is written: a study that is refused stays as it was
+        run.folder.check(run.info, resume == "accept-code-change")
     open_folder(folder, "study", study.info, IDENTITY)
     with ExitStack() as stack:
         stack.enter_context(claimed(folder))

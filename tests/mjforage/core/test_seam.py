@@ -254,13 +254,3 @@ def test_episodes_are_adopted_with_what_each_holder_knows() -> None:
     )
     np.testing.assert_array_equal(into.exchange.knowledge.belief[[0, 1, 4, 5]], kept)
     np.testing.assert_array_equal(into.ledger.entries.truth[1], source.ledger.entries.truth[0])
-
-
-def test_what_is_one_array_stays_one_when_episodes_are_adopted() -> None:
-    """Ideal hearers know what all know."""
-    into, source = Mission(setup_of({})), Mission(setup_of({}))
-    into.reset(5, np.arange(3))
-    source.reset(5, np.array([7]))
-    into.adopt(np.array([1]), source)
-    for one, other in zip(into.exchange.knowledge, into.knowledge, strict=True):
-        assert np.shares_memory(one, other)

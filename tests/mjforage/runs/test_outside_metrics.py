@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import polars as pl
 import pytest
 
@@ -166,8 +167,23 @@ def test_its_source_is_part_of_the_run(folder: Path) -> None:
     (folder / "own_waste.py").write_text(SOURCE + "\n# edited\n")
     with pytest.raises(UserError, match=r"another run: own_waste.py differs; give --accept-code"):
         played("run", OWN)
-    with pytest.raises(UserError, match=r"another run: own_waste.py is gone; give --accept-code"):
+    with pytest.raises(UserError, match="another run: metric left is gone; give --accept-code"):
         played("run")
+
+
+def test_another_one_of_the_same_file_is_another_run(folder: Path) -> None:
+    """It was once left out without a word, as the file of both is the same."""
+    other = SOURCE[SOURCE.index("class") :].replace("Waste", "More").replace('"left"', '"more"')
+    (folder / "own_waste.py").write_text(f"{SOURCE}\n\n{other}")
+    run = played("run", OWN)
+    with pytest.raises(UserError, match="run: metric left is gone; metric more is not there; give"):
+        played("run", "own_waste:More")
+    played("run", OWN, "own_waste:More", episodes=3, resume="accept-code-change")
+    more = RunFolder(run).table("episodes")["more"].to_list()
+    assert np.isnan(more).tolist() == [True, True, False]
+    told = json.loads((run / "run.json").read_text())
+    assert {"left", "more"} <= {one["key"] for one in told["metrics"]}
+    assert told["accepted"][0]["differences"] == ["metric more is not there"]
 
 
 def test_an_installed_one_is_part_of_the_runs_that_name_it_and_of_no_other(

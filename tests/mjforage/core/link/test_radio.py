@@ -222,6 +222,37 @@ def test_episodes_are_adopted_with_their_mail(ahead: int) -> None:
     np.testing.assert_array_equal(mine.net.contacts.bad[1], theirs.net.contacts.bad[0])
 
 
+def test_a_filtered_map_is_of_all_looks_that_its_holder_has_heard_each_once() -> None:
+    """Of the prior and, step by step, of the best chance and largest count; late ones included."""
+    eyes = ("sensors.detection=0.6", "sensors.half_range_node=6", "sensors.false_rate=0.01")
+    link = (DISK, "link.range_m=60", "link.loss=0.3", "link.latency=2")
+    mission, radio = started(setup_of(*link, *eyes, "sensors.map=filtered"), 2)
+    advanced(mission, "greedy", 14)
+    net, graph, late = radio.net, mission.setup.graph, 0
+    for row in range(8):
+        e, h = divmod(row, 4)
+        expected = np.full(len(graph), 75.0 / len(graph))
+        for s in range(15):
+            chance, count = np.zeros(len(graph)), np.full(len(graph), -1)
+            for a in np.flatnonzero(net.mail.heard_at[e, h, :, s] >= 0):
+                if net.mail.heard_at[e, h, a, s] > 14:
+                    continue
+                late += net.mail.heard_at[e, h, a, s] > s
+                at = int(net.log.node[e, s, a])
+                view = net.views.of(at, int(net.radius_number[a]))
+                far = np.hypot(graph.rows[view] - graph.rows[at], graph.cols[view] - graph.cols[at])
+                chance[view] = np.maximum(chance[view], 0.6 / (1.0 + np.exp(far - 6.0)))
+                count[view] = np.maximum(count[view], net.log.shown[e, s, a, : view.size])
+            real = chance * expected / (chance * expected + 0.01)
+            after = (1.0 - chance) * expected + count * real
+            expected = np.where(count >= 0, after, expected)
+        np.testing.assert_allclose(net.filtered.density[row], expected, rtol=1e-9)
+        seen = radio.knowledge.last_seen[row] >= 0
+        believed = np.where(seen, np.floor(expected + 0.5), 0.0)
+        np.testing.assert_array_equal(radio.knowledge.belief[row], believed)
+    assert late > 100
+
+
 def test_only_relays_pass_on_where_the_others_do_not() -> None:
     team = ("team.relays.count=1", "team.relays.moves=1", "team.relays.radius=0.0")
     keys = (*team, "team.relays.collects=false", "team.relays.relays=true")

@@ -3,7 +3,7 @@
 import copy
 import multiprocessing
 import pickle
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -11,15 +11,13 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
-from numpy.typing import NDArray
 
 import mjforage
 from graph_planner.compiled import kinds_of
-from graph_planner.lending import Lent
 from mjforage.learning.environments.copies import Copied
+from tests.mjforage.walking import arrays, memories
 
 SHORT = ("horizon=5",)
-OURS = ("mjforage", "graph_planner", "controllers")
 Make = Callable[[], Any]
 
 
@@ -33,12 +31,15 @@ def foraging(**options: Any) -> dict[str, Make]:
     }
 
 
-RADIO = (*SHORT, "link.model=disk", "link.range_m=40")
+LOSSY = ("link.loss=0.3", "link.burst=2", "link.latency=1")
+RADIO = (*SHORT, "link.model=disk", "link.range_m=40", *LOSSY)
+BLURRED = ("sensors.detection=0.7", "sensors.false_rate=0.01", "sensors.map=filtered")
 ENVIRONMENTS: dict[str, Make] = {
     **{f"graph {name}": make for name, make in foraging().items()},
     **{f"physics {name}": make for name, make in foraging(world="physics").items()},
     "paper": foraging(observation="paper", dtype="uint8")["Foraging"],
     "link": foraging(set=RADIO)["parallel"],
+    "link, sensors": foraging(set=(*RADIO, *BLURRED))["batch"],
     "drawn": foraging(render_mode="rgb_array")["SharedPolicy"],
     "same step": foraging(autoreset_mode="SameStep", copy=False)["batch"],
     "waypoint": partial(gymnasium.make, "mjforage/Waypoint-v0"),
@@ -87,37 +88,6 @@ def begun(make: Make) -> Any:
     env.reset(seed=3)
     played(env, 3, 0)
     return env
-
-
-def arrays(value: Any, path: str, met: dict[int, Any]) -> Iterator[tuple[str, NDArray[Any]]]:
-    """All arrays that something of ours holds, each once; views that are lent are made anew."""
-    if id(value) in met or isinstance(value, Lent):
-        return
-    met[id(value)] = value
-    if isinstance(value, np.ndarray):
-        yield path, value
-    elif isinstance(value, dict | list | tuple):
-        for key, one in value.items() if isinstance(value, dict) else enumerate(value):
-            yield from arrays(one, f"{path}/{key}", met)
-    elif type(value).__module__.partition(".")[0] in (*OURS, "gymnasium"):
-        slots = getattr(type(value), "__slots__", ())
-        parts = getattr(value, "__dict__", {name: getattr(value, name) for name in slots})
-        yield from arrays(dict(parts), path, met)
-
-
-def memories(found: dict[str, NDArray[Any]]) -> list[list[str]]:
-    """Who look at one piece of memory."""
-    bounds = {path: np.lib.array_utils.byte_bounds(array) for path, array in found.items()}
-    groups: list[list[str]] = []
-    end = 0
-    for path in sorted(bounds, key=lambda path: (bounds[path], path)):
-        if found[path].size == 0:
-            continue
-        if bounds[path][0] >= end:
-            groups.append([])
-        groups[-1].append(path)
-        end = max(end, bounds[path][1])
-    return sorted(sorted(group) for group in groups)
 
 
 @pytest.mark.parametrize("how", HOW)

@@ -73,65 +73,77 @@ def test_a_seed_has_many_episodes() -> None:
     assert second != episode(one, None, 0)
 
 
-@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
-def test_sub_environments_are_single_environments_to_the_bit(mode: AutoresetMode) -> None:
+EYES = ("sensors.detection=0.7", "sensors.false_rate=0.02", "sensors.map=filtered")
+RADIO = ("link.model=disk", "link.range_m=40", "link.loss=0.3", "link.burst=2", "link.latency=2")
+
+
+@pytest.mark.parametrize("mode", AutoresetMode)
+@pytest.mark.parametrize("more", [(), EYES, (*EYES, *RADIO)], ids=["plain", "eyes", "radio"])
+def test_sub_environments_are_single_environments_to_the_bit(
+    mode: AutoresetMode, more: tuple[str, ...]
+) -> None:
     """Ends, final observations and rewards included: the bootstrap mask is what one env shows."""
-    num_envs = 4
-    batch = gymnasium.make_vec(
-        NAMES[0], num_envs, scenario="published", set=FEW, autoreset_mode=mode
-    )
+    num_envs = 3
+    options: dict[str, Any] = {"scenario": "published", "set": (*FEW, *more)}
+    batch: Any = gymnasium.make_vec(NAMES[0], num_envs, autoreset_mode=mode, **options)
     assert batch.metadata["autoreset_mode"] is mode
-    singles = [make(NAMES[0]) for _ in range(num_envs)]
-    together, _ = batch.reset(seed=7)
+    singles = [make(NAMES[0], **options) for _ in range(num_envs)]
+    together, info = batch.reset(seed=7)
     for i, env in enumerate(singles):
-        assert flat(env.reset(seed=7 + i)[0]) == of_env(together, i)
+        assert shown_of(*env.reset(seed=7 + i)) == of_env(together, i, info)
     random, again, ends = np.random.default_rng(0), [False] * num_envs, 0
-    for _ in range(60):
+    for _ in range(50):
         actions = random.integers(0, 9, (num_envs, 4))
         together, rewards, terminated, truncated, info = batch.step(actions)
-        for i, env in enumerate(singles):
-            if again[i]:
-                assert flat(env.reset()[0]) == of_env(together, i)
-                assert rewards[i] == 0.0 and not terminated[i] and not truncated[i]
-                again[i] = False
-                continue
-            seen, reward, ended, late, _ = env.step(actions[i])
+        over = terminated | truncated
+        restarted = [i for i in range(num_envs) if again[i]]
+        for i in restarted:
+            assert rewards[i] == 0.0 and not over[i]
+        for i in {*range(num_envs)} - {*restarted}:
+            *seen, reward, ended, late, told = singles[i].step(actions[i])
             assert (reward, ended, late) == (rewards[i], terminated[i], truncated[i])
-            if ended or late:
-                ends += 1
-                if mode is AutoresetMode.SAME_STEP:
-                    assert info["_final_obs"][i]
-                    assert flat(seen) == flat(info["final_obs"][i])
-                    seen, _ = env.reset()
-                else:
-                    again[i] = True
-            assert flat(seen) == of_env(together, i)
+            last = together, i, info
+            if over[i] and mode is AutoresetMode.SAME_STEP:
+                assert info["_final_obs"][i] and info["_final_info"][i]
+                last = info["final_obs"], i, info["final_info"]
+                restarted.append(i)
+            assert shown_of(seen[0], told) == of_env(*last)
+            ends += bool(over[i])
+        again = [mode is AutoresetMode.NEXT_STEP and bool(one) for one in over]
+        if mode is AutoresetMode.DISABLED and over.any():
+            together, info = batch.reset(options={"reset_mask": over})
+            restarted = np.flatnonzero(over).tolist()
+            assert info["_step"].tolist() == over.tolist()
+        for i in restarted:
+            assert shown_of(*singles[i].reset()) == of_env(together, i, info)
     assert ends >= 2 * num_envs
 
 
-def of_env(observation: dict[str, NDArray[Any]], i: int) -> bytes:
-    return b"".join(observation[name][i].tobytes() for name in sorted(observation))
+def shown_of(observation: Any, info: dict[str, Any]) -> tuple[bytes, dict[str, float]]:
+    """All that one environment shows."""
+    return flat(observation), {name: float(value) for name, value in info.items()}
 
 
-def test_sub_environments_start_again_only_when_told_if_autoreset_is_off() -> None:
-    batch = gymnasium.make_vec(
-        NAMES[0], 2, scenario="published", set=("horizon=3",), autoreset_mode="Disabled"
-    )
-    batch.reset(seed=0)
-    for _ in range(3):
-        _, _, _, truncated, _ = batch.step(np.full((2, 4), 8))
-    assert truncated.all()
-    _, info = batch.reset(options={"reset_mask": np.array([True, False])})
-    assert info["step"].tolist() == [0, 0] and info["_step"].tolist() == [True, False]
+def of_env(together: Any, i: int, info: dict[str, Any]) -> tuple[bytes, dict[str, float]]:
+    """The same of one of a batch, of what its info is told of."""
+    own = [name for name in info if f"_{name}" in info and not name.startswith("final_")]
+    told = {name: float(info[name][i]) for name in own if info[f"_{name}"][i]}
+    if isinstance(together, dict):
+        together = {name: each[i] for name, each in together.items()}
+    else:
+        together = together[i]
+    return flat(together), told
 
 
 def test_physics_sub_environments_have_missions_of_their_own() -> None:
     batch = gymnasium.make_vec(NAMES[0], 2, world="physics", set=("horizon=4",))
     single = make(NAMES[0], scenario="comb-port", world="physics", set=("horizon=4",))
-    together, _ = batch.reset(seed=1)
-    assert flat(single.reset(seed=2)[0]) == of_env(together, 1)
+    together, info = batch.reset(seed=1)
+    assert shown_of(*single.reset(seed=2)) == of_env(together, 1, info)
     actions = np.full((2, 4), 2)
-    assert flat(single.step(actions[1])[0]) == of_env(batch.step(actions)[0], 1)
+    seen, *_, told = single.step(actions[1])
+    together, *_, info = batch.step(actions)
+    assert shown_of(seen, told) == of_env(together, 1, info)
 
 
 PLACES = [

@@ -51,16 +51,6 @@ def test_without_a_link_they_see_less_and_each_something_else() -> None:
     assert any((ideal[-1][name] != alone[-1][name]).any() for name in ideal[-1])
 
 
-@pytest.mark.parametrize("link", ["link.model=disk", "link.model=none"])
-def test_a_restarted_episode_is_seen_as_from_its_start(link: str) -> None:
-    one, _ = played(link, 5)
-    one.start(np.array([1]), np.array([9], np.uint64))
-    again = game(link)
-    again.start(np.arange(3), np.array([3, 9, 5], np.uint64))
-    for name, level in again.see(np.arange(3)).items():
-        np.testing.assert_array_equal(one.see(np.arange(3))[name][1], level[1])
-
-
 @pytest.mark.parametrize("kind", ["egocentric", "paper"])
 def test_an_agent_sees_its_own_row_of_the_mission(kind: str) -> None:
     """Its row alone, encoded by an encoder of its own, is what it sees, in every view."""
