@@ -60,8 +60,8 @@ def test_episodes_that_one_of_two_lacks_are_no_pairs() -> None:
 
 
 def test_bounds_are_named_and_metrics_without_a_direction_have_no_winner() -> None:
-    means = {("graph", "greedy"): {"itl": 3.0}, ("graph", "oracle"): {"itl": 1.0}}
+    means = {("graph", "greedy"): {"oddness": 3.0}, ("graph", "oracle"): {"oddness": 1.0}}
     table = comparison_table(known_run(means, bounds=("oracle",)))
     ((place, row),) = cells(table).items()
-    assert place == ("greedy − oracle (bound)", "ITL")
-    assert (row[0], row[3]) == ("*2.000*", "–")
+    assert place == ("greedy − oracle (bound)", "oddness")
+    assert (row[0], row[3]) == ("*2.0000*", "–")
