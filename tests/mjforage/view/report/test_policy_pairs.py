@@ -1,5 +1,9 @@
 """Two policies of each world against each other, on numbers that are known."""
 
+from dataclasses import replace
+
+import numpy as np
+
 from mjforage.view.report.policy_pairs import comparison_table
 from tests.mjforage.view.report.known_data import cells, known_run, three_worlds
 
@@ -65,3 +69,33 @@ def test_bounds_are_named_and_metrics_without_a_direction_have_no_winner() -> No
     ((place, row),) = cells(table).items()
     assert place == ("greedy − oracle (bound)", "oddness")
     assert (row[0], row[3]) == ("*2.0000*", "–")
+
+
+def test_which_pairs_differ_is_told_pair_by_pair() -> None:
+    """PTA_C is alike on average in the graph, and differs in hulls."""
+    turn = [1.0, -1.0] * 5
+    means = {
+        ("graph", "greedy"): {"pta_c": [50.0 + one for one in turn]},
+        ("graph", "levy"): {"pta_c": [50.0] * 10},
+        ("hulls", "greedy"): {"pta_c": [60.0 + one for one in turn]},
+        ("hulls", "levy"): {"pta_c": [50.0] * 10},
+    }
+    table = comparison_table(known_run(means))
+    assert table is not None
+    assert [(row.group, set(row.best)) for row in table.rows] == [
+        ("greedy − levy · graph", set()),
+        ("greedy − levy · hulls", {0}),
+    ]
+
+
+def test_episodes_are_paired_by_their_number_not_by_their_row() -> None:
+    """Rows of a file come in any order. Episode by episode greedy has one more."""
+    means = {
+        ("graph", "greedy"): {"pta_c": [float(n) + 1 for n in range(10)]},
+        ("graph", "levy"): {"pta_c": [float(n) for n in range(10)]},
+    }
+    logs = known_run(means)
+    of_levy = logs.episodes["policy"].to_numpy() == "levy"
+    shuffled = [*np.flatnonzero(~of_levy), *np.flatnonzero(of_levy)[::-1]]
+    table = comparison_table(replace(logs, episodes=logs.episodes[[int(n) for n in shuffled]]))
+    assert [row[:2] for row in cells(table).values()] == [("*1.00*", "1.00 to 1.00")]
