@@ -226,6 +226,10 @@ def test_profiles_are_shares_of_the_runs_of_all_shared_courses(board: Board) -> 
     assert share[-1] == 0.0
     fourth = drawn.figure.axes[3]
     assert fourth.get_xlabel() == "NT$_{\\mathrm{90}}$ ≤ τ"
+    lines = {str(line.get_color()): line for line in fourth.lines}
+    tau, share = np.asarray(lines[policy_colour("greedy")].get_xydata()).T
+    assert share[np.argmin(abs(tau - 0.5))] == 0.0, "its .6 is at most .7, not at most .5"
+    assert share[np.argmin(abs(tau - 0.7))] == 1.0
 
 
 def test_the_frontier_names_who_is_on_it_and_where_less_is_better_it_is_turned(
