@@ -201,6 +201,7 @@ def test_the_table_of_all_courses_has_the_best_first_and_bounds_last(board: Boar
     table = overall_table(Standing.of(board))
     assert [one.head for one in table.rows] == ["greedy", "levy", "random", "oracle (bound)"]
     assert table.columns[:3] == ("all scores", "PTA_C", "NT_90"), "no column without a score"
+    assert table.better == (1, 1, 1, 1, -1, -1, 0), "normalised, NT90 too is better upwards"
     place = table.columns.index("best")
     won = {one.head: one.cells[place] for one in table.rows}
     judged = sum(bool(board.winners(cell)) for cell in board.cells)
