@@ -4,10 +4,12 @@ import math
 from pathlib import Path
 
 import numpy as np
+import polars as pl
 import pytest
 from matplotlib.lines import Line2D
 
 from mjforage.runs.axes import Axis, Point
+from mjforage.runs.study import variant_folder
 from mjforage.view.page.style import policy_colour
 from mjforage.view.report.studies import communication
 from mjforage.view.report.studies.axis_figure import AxisFigure, axis_figure
@@ -244,6 +246,34 @@ def test_courses_are_a_line_per_variant_the_best_in_ink(logs: StudyLogs) -> None
     assert [text.get_text() for text in drawn.legends[0].get_texts()] == ["16 m", "32 m", "ideal"]
     assert [panel.get_title(loc="left") for panel in drawn.axes[:2]] == ["greedy", "levy"]
     assert "is not in this study" in drawn.axes[2].texts[0].get_text()
+
+
+def test_bands_of_courses_lie_about_their_means(tmp_path: Path) -> None:
+    """Ten episodes, five of 1 and five of 7: 4 ± 1.96 at every step."""
+    made = made_up_study(tmp_path / "s", dict.fromkeys(("near", "complete"), ("greedy",)), 10)
+    path = variant_folder(made.folder, "near") / "steps.parquet"
+    value = pl.when(pl.col("episode") % 2 == 0).then(1.0).otherwise(7.0)
+    pl.read_parquet(path).with_columns(aoi=value).write_parquet(path)
+    variants = [("near", "16 m"), ("complete", "ideal")]
+    drawn = courses_picture(made, "ages", "T", "C.", variants, ("aoi",), "graph")
+    panel = drawn.figure.axes[0]
+    band = np.asarray(panel.collections[0].get_paths()[0].vertices)
+    assert (band[:, 1].min(), band[:, 1].max()) == pytest.approx((4 - 1.96, 4 + 1.96))
+    line = np.asarray(panel.lines[0].get_xydata())
+    assert line[:, 1].tolist() == [4.0] * 13
+    assert (line[0, 0], line[-1, 0]) == (0.0, 1.0)
+
+
+def test_maps_are_shown_where_they_are_least_alike(tmp_path: Path) -> None:
+    """Step 5 of the first episode of greedy in the graph, whatever others differ by."""
+    made = made_up_study(tmp_path / "s", {"complete": BOTH}, 3)
+    path = variant_folder(made.folder, "complete") / "steps.parquet"
+    mine = (pl.col("policy") == "greedy") & (pl.col("episode") == 0)
+    most = pl.when(pl.col("step") == 5).then(2.0).otherwise(1.0)
+    value = pl.when(mine).then(most).otherwise(pl.col("step").cast(pl.Float64))
+    pl.read_parquet(path).with_columns(disagreement=value).write_parquet(path)
+    assert communication._least_alike(made.whole, ("graph", "greedy")) == 5
+    assert communication._least_alike(made.whole, ("graph", "levy")) == 12
 
 
 def test_a_study_without_the_variant_or_its_scenario_shows_no_maps(tmp_path: Path) -> None:

@@ -135,7 +135,7 @@ def test_the_best_and_those_not_told_from_it_are_marked_bounds_aside(board: Boar
     assert row(table, "greedy").best == {0, 3}
     assert row(table, "levy").best == {3}
     assert row(table, "oracle (bound)").best == frozenset()
-    assert table.columns[-1] == "Decision"
+    assert (table.columns[-1], table.better[-1]) == ("Decision", -1)
     assert row(table, "greedy").cells[0].startswith("60.00 ± ")
 
 
@@ -162,6 +162,19 @@ def test_differences_to_the_best_are_corrected_by_holm_within_course_and_score(
     assert row(table, "oracle (bound)", "bay").also[0] == "", "bounds are not tested"
     assert row(table, "oracle (bound)", "bay").best == frozenset()
     assert not [one for one in table.rows if (one.head, one.group) == ("levy", "far")]
+
+
+def test_differences_are_to_the_lowest_where_less_is_better(made: StudyLogs) -> None:
+    """Of NT90: levy .5 is best, greedy .125 and random .5 later; the oracle is a bound."""
+    values = {("bay", "levy", "nt90"): 0.5 + 0.0 * NOISE}
+    values |= {("bay", "greedy", "nt90"): 0.625 + 0.0 * NOISE}
+    table = differences_table(Board(with_values(made, values)))
+    place = table.columns.index("NT_90")
+    assert table.better[place] == -1
+    assert row(table, "levy", "bay").cells[place] == "best"
+    assert row(table, "greedy", "bay").cells[place] == "0.125 (0.125 to 0.125)"
+    assert row(table, "random", "bay").cells[place] == "0.500 (0.500 to 0.500)"
+    assert place in row(table, "greedy", "bay").best
 
 
 def test_interquartile_means_leave_out_the_outer_quarters(made: StudyLogs) -> None:
