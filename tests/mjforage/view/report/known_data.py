@@ -7,7 +7,6 @@ least of ten pairs.
 """
 
 from collections.abc import Mapping
-from dataclasses import fields
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -48,11 +47,11 @@ def _facts(scenario: str) -> dict[str, Any]:
     setup = Setup.of(load_scenario(scenario))
     grid, team = setup.grid, setup.scenario.team
     cells = tuple("".join(str(int(one)) for one in row) for row in grid.navigable)
-    shape, nodes = grid.navigable.shape, int(grid.navigable.sum())
+    (rows, columns), nodes = grid.navigable.shape, int(grid.navigable.sum())
     fleet = [(name, role.collects, i) for name, role in team.items() for i in range(role.count)]
     return {
         "scenario": scenario_to_tree(setup.scenario),
-        "map": MapInfo("comb-port", *shape, nodes, setup.scenario.map.pitch_m, cells),
+        "map": MapInfo("comb-port", rows, columns, nodes, setup.scenario.map.pitch_m, cells),
         "agents": tuple(Agent(f"{name}_{i}", name, collects) for name, collects, i in fleet),
     }
 
@@ -61,9 +60,14 @@ def _run(means: Means, scenario: str, bounds: tuple[str, ...]) -> RunInfo:
     worlds = tuple(dict.fromkeys(world for world, _ in means))
     policies = tuple(dict.fromkeys(policy for _, policy in means))
     count = len(next(iter(_values(means).values())))
-    known = {"command": "", "versions": {}, "seed": 0, "episodes": count, "worlds": worlds}
+    known: dict[str, Any] = {
+        "command": "",
+        "versions": {},
+        "seed": 0,
+        "episodes": count,
+        "worlds": worlds,
+    }
     known |= {"policies": policies, "hulls": Hulls(), "started": "", "timings": {}, "hash": ""}
-    assert {one.name for one in fields(RunInfo)} >= set(known)
     return RunInfo(**known, **_facts(scenario), bounds=bounds)
 
 
@@ -90,9 +94,9 @@ def _summary(means: Means) -> Summaries:
     found: Summaries = {}
     for (world, policy, key), values in _values(means).items():
         one = summarise(values, 0)
-        numbers = [float(x) for x in (one.mean, one.sem, one.low, one.high, one.iqm)]
+        mean, sem, low, high, iqm = map(float, (one.mean, one.sem, one.low, one.high, one.iqm))
         here = found.setdefault(world, {}).setdefault(policy, {})
-        here[key] = Summary(*numbers, int(one.n))
+        here[key] = Summary(mean, sem, low, high, iqm, int(one.n))
     return found
 
 

@@ -105,8 +105,8 @@ def test_contributions_are_drawn_in_their_row_and_panel_with_the_papers_star(
                     found[int(y[0])] = (float(x[0]), line.get_color(), full)
             for row, (team, policy) in enumerate(order):
                 worth = WORTH[team, world, policy][place]
-                assert found[row] == (
-                    *(pytest.approx(worth, abs=1e-12), policy_colour(policy), bool(worth)),
-                )
+                at, colour, full = found[row]
+                assert at == pytest.approx(worth, abs=1e-12)
+                assert (colour, full) == (policy_colour(policy), bool(worth))
     names = [one.get_text() for one in graph.figure.axes[0].get_yticklabels()]
     assert names == [f"{policy}, {team}" for team, policy in order]

@@ -114,12 +114,12 @@ def test_our_numbers_stand_beside_the_papers_with_their_difference() -> None:
     share = (89.5 - 70) / 89.5
     assert found[hulls, "MC of PTA_C, one of scouts"][2] == f"{share:.4f}"
     assert found[here, "RMSE"] == ("–", "0.0069", *("–",) * 4), "ours are not defined"
-    (row,) = (
-        [one for one in table.rows if (one.group, one.head) == (here, "PTA_C")] if table else []
-    )
-    ours = [one and one.value for one in row.values]
-    assert ours[1:3] == [97.2, 97.5] and ours[4] == pytest.approx(0.3)
-    assert row.values[1] is not None and row.values[1][1:] == pytest.approx((96.69, 97.71))
+    assert table is not None
+    (full,) = [row for row in table.rows if (row.group, row.head) == (here, "PTA_C")]
+    theirs, ours, apart = full.number(1), full.number(2), full.number(4)
+    assert theirs == pytest.approx((97.2, 96.69, 97.71))
+    assert ours is not None and apart is not None
+    assert [ours.value, apart.value] == pytest.approx([97.5, 0.3])
 
 
 def verdicts(table: Table | None) -> dict[str, str]:

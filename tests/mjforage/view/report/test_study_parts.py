@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mjforage.runs.variants import PARTS
+from mjforage.runs.variants import PARTS, WRONG
 from mjforage.view.page.table import Table
 from mjforage.view.report.studies import planner_parts
 from mjforage.view.report.studies.study_logs import StudyLogs
@@ -17,8 +17,8 @@ PTA = {  # variant -> belief, greedy, oracle
     f"no-{FIRST}": (72.0, None, None),
     f"no-{SECOND}": (81.0, None, None),
     "complete-robust": (78.0, None, None),
-    **{name: (60.0 + 2 * n, 52.0, 90.0) for n, name in enumerate(planner_parts.WRONG)},
-    **{f"{name}-robust": (66.0 + n, None, None) for n, name in enumerate(planner_parts.WRONG)},
+    **{name: (60.0 + 2 * n, 52.0, 90.0) for n, name in enumerate(WRONG)},
+    **{f"{name}-robust": (66.0 + n, None, None) for n, name in enumerate(WRONG)},
 }
 
 
@@ -95,13 +95,13 @@ def test_in_each_wrong_world_the_planner_is_held_against_greedy_there(
     assert found["expected world belief"] == "10.00 (10.00 to 10.00)"
     assert found["expected world belief, robust"] == "8.00 (8.00 to 8.00)"
     assert found["expected world oracle (bound)"] == "26.00 (26.00 to 26.00)"
-    for n, name in enumerate(planner_parts.WRONG):
+    for n, name in enumerate(WRONG):
         plain, robust = (f"{x:.2f}" for x in (8.0 + 2 * n, 14.0 + n))
         assert found[f"is {name} belief"] == f"{plain} ({plain} to {plain})"
         assert found[f"is {name} belief, robust"] == f"{robust} ({robust} to {robust})"
         assert found[f"is {name} oracle (bound)"] == "38.00 (38.00 to 38.00)"
     means = cells(table(sections[1], "wrong-hulls"))
-    assert means[f"is {planner_parts.WRONG[1]}", "belief"][1] == "46.00 ± 1.96"
+    assert means[f"is {WRONG[1]}", "belief"][1] == "46.00 ± 1.96"
 
 
 def test_figures_show_what_their_tables_do_and_which_side_is_worse(
