@@ -17,12 +17,14 @@ LOST = {
     ("hulls", "greedy"): 40.0,
 }
 
+SHARE = {"graph": 128.0, "hulls": 256.0}
+
 
 def means(pta_c: float) -> Means:
     """What hulls and greedy lose doubles where there is less than 80 without them."""
     factor = 1.0 if pta_c >= 80.0 else 2.0
     return {
-        one: {"pta_c": pta_c - factor * lost, "nt90": (96.0 - pta_c) / 128.0}
+        one: {"pta_c": pta_c - factor * lost, "nt90": (96.0 - pta_c) / SHARE[one[0]]}
         for one, lost in LOST.items()
     }
 
@@ -81,12 +83,13 @@ def test_a_relay_is_worth_what_it_adds_to_nobody(links: StudyLogs) -> None:
 
 
 def test_the_cost_of_information_begins_with_no_link(links: StudyLogs) -> None:
-    """NT90 falls by 16/128 in 16 m: 7.8125 per kilometre."""
+    """NT90 falls by 16/128 in 16 m, 7.8125 per kilometre; with hulls by half of that."""
     tables = communication._range_cost(links).tables
     assert [table.name for table in tables] == ["range-cost-graph", "range-cost-hulls"]
-    for table in tables:
+    for table, cost in zip(tables, (-7.8125, -3.90625), strict=True):
         assert table.columns == ("0 to 16 m",)
-        assert [row.values[0] for row in table.rows] == [pytest.approx((-7.8125,) * 3)] * 2
+        for row in table.rows:
+            assert row.number(0) == pytest.approx((cost,) * 3)
 
 
 def test_what_is_sensed_and_what_is_assumed_are_drawn_world_by_world(looks: StudyLogs) -> None:

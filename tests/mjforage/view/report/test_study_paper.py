@@ -81,16 +81,16 @@ def test_our_numbers_stand_beside_the_papers_with_their_difference() -> None:
     """
     shift = {"graph": 0.0, "hulls": -8.0}
 
-    def means(pta_c: float, pta_d: float = 98.0) -> Means:
+    def means(pta_c: float, part: float = 1.0) -> Means:
         other = {"nt90": 0.591, "csr": 0.875}
         return {
-            (world, "greedy"): {"pta_c": [pta_c + by] * 10, "pta_d": [pta_d] * 10, **other}
+            (world, "greedy"): {"pta_c": [pta_c + part * by] * 10, "pta_d": [98.0] * 10, **other}
             for world, by in shift.items()
         }
 
     variants = {"complete": means(97.5), "scouts-less": means(78.0)}
     for level in (0.25, 0.5, 0.75, 1.0):
-        variants[corrupted_name("scouts", level)] = means(97.5 - 44.0 * level)
+        variants[corrupted_name("scouts", level)] = means(97.5 - 44.0 * level, 1 - level)
         variants[corrupted_name("foragers", level)] = means(97.5)
     logs = known_study(variants, scenario="published", step=0.25, whole_team=True)
     table = paper.beside_table(logs, corruption.Fits(logs))
@@ -113,6 +113,7 @@ def test_our_numbers_stand_beside_the_papers_with_their_difference() -> None:
     assert found[hulls, "PTA_C"][2:] == ("89.50", "89.50 to 89.50", "−7.70", NOTHING)
     share = (89.5 - 70) / 89.5
     assert found[hulls, "MC of PTA_C, one of scouts"][2] == f"{share:.4f}"
+    assert found[hulls, "SS of PTA_C, scouts corrupted"][2] == "−36.00", "8 less at no level"
     assert found[here, "RMSE"] == ("–", "0.0069", *("–",) * 4), "ours are not defined"
     assert table is not None
     (full,) = [row for row in table.rows if (row.group, row.head) == (here, "PTA_C")]

@@ -28,6 +28,13 @@ def test_the_best_of_each_world_is_marked_by_the_way_of_its_metric() -> None:
     assert table.rows[0].values[0] == pytest.approx((80.0, 80 - 1.96, 80 + 1.96))
 
 
+def test_steps_are_told_in_minutes_by_their_period() -> None:
+    """30 steps of 10 s."""
+    logs = known_run({("graph", "greedy"): {"length": 30.0}})
+    (row,) = metric_table(logs, "t", "T", ("length",), paper=False).rows
+    assert (row.cells, row.also) == (("30.0 ± 0.0",), ("5.0 min",))
+
+
 def test_a_bound_is_not_best_and_not_in_the_way_of_it() -> None:
     means: Means = {
         ("graph", "oracle"): {"pta_c": 99.0, "nt90": 0.125},
