@@ -346,19 +346,6 @@ def test_the_page_says_whether_the_map_was_cleared_and_what_horizon_would_do(stu
     assert "T = 30 steps of 10 s: 5 min" in page
 
 
-def test_times_of_fleets_stand_in_minutes_too(study: Make) -> None:
-    table = ablation.setups_table(study(True))
-    ours = [row for row in table.rows if not row.paper]
-    places = [table.columns.index(name) for name in ("NT_50", "NT_90")]
-    minutes = study(True).base.horizon * study(True).base.period_s / 60
-    for row in ours:
-        for place in places:
-            number = row.number(place)
-            assert number is not None
-            assert row.also[place] == f"{number.value * minutes:.1f} min"
-        assert not row.also[0]
-
-
 def test_subjects_of_a_forest_have_the_markers_of_their_policies(study: Make) -> None:
     logs = study(True)
     (look,) = looks(("greedy",)).values()
