@@ -146,7 +146,7 @@ def starred(row: Row) -> tuple[str, ...]:
 def three_worlds() -> RunLogs:
     """Two policies in three worlds: ranks that differ between metrics and between worlds.
 
-    Greedy collects more but with physics; it is sooner in the graph alone. Oracle is a bound.
+    Greedy collects more but with physics; it is sooner in the graph alone.
     """
     return known_run(
         {

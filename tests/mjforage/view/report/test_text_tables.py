@@ -61,11 +61,11 @@ def test_the_papers_numbers_stand_below_the_last_world_of_their_policy() -> None
 
 
 def test_who_is_not_told_from_the_best_is_marked_with_it() -> None:
-    """Of 10 episodes: b is below a in five and above in five, c below in all."""
+    """Of 10 episodes c is below a in all; b is .1 below with an SEM of 1/3: t = .3, p = .771."""
     turn = np.resize([1.0, -1.0], 10)
     values = {"a": np.full(10, 5.0), "b": 4.9 + turn, "c": np.full(10, 3.0)}
     assert best(values, 1) == "a" and best(values, -1) == "c"
-    assert against_best(values, 1) == pytest.approx({"b": against_best(values, 1)["b"], "c": 2**-8})
+    assert against_best(values, 1) == pytest.approx({"b": 0.771, "c": 2**-8}, abs=5e-4)
     assert best_and_alike(values, 1) == {"a", "b"}
     assert best_and_alike(values, -1) == {"c"}
     nine = {name: found[:9] for name, found in values.items()}
