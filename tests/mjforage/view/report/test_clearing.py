@@ -64,9 +64,9 @@ def test_the_table_counts_episodes_and_tells_times_in_minutes(make_run: MakeRun)
     In two other episodes two items stay and one; levy leaves all four times three.
     """
     folder = make_run(policies=("greedy", "levy"), episodes=4, items=3)
-    path, last = folder / "items.parquet", [[3, 6, 12], [6, 3, 3], [None, None, 2], [None, 1, 2]]
+    path = folder / "items.parquet"
+    taken = [3, 6, 12, 6, 3, 3, None, None, 2, None, 1, 2, *[None] * 12]
     items = pl.read_parquet(path).sort("policy", "episode", "item")
-    taken = [one for episode in last for one in episode] + [None] * 12
     items.with_columns(t_collected=pl.Series(taken, dtype=pl.Int64)).write_parquet(path)
     table = clearing_table(load_logs(folder))
     assert table is not None and table.better[:3] == (1, -1, -1)
