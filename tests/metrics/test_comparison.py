@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from metrics import holm, paired_difference, paired_p, probability_of_improvement
+from metrics import holm, iqm, paired_difference, paired_p, probability_of_improvement
 
 NAN = np.nan
 SMALL = st.lists(st.integers(-3, 3), min_size=1, max_size=9)
@@ -95,6 +95,23 @@ def test_improvement_interval_agrees_with_scipy() -> None:
     tolerance = 0.08 * float(theirs.standard_error)
     np.testing.assert_allclose(ours.low, theirs.confidence_interval.low, atol=tolerance)
     np.testing.assert_allclose(ours.high, theirs.confidence_interval.high, atol=tolerance)
+
+
+def test_a_paired_difference_has_the_statistic_strata_and_level_asked_for() -> None:
+    """Of 1 to 11 and 1000 the middle half is 4 to 9. Two maps differ by 100 and not within."""
+    x = np.array([*range(1, 12), 1000.0])
+    assert float(paired_difference(x, np.zeros(12), 0, statistic=iqm).value) == 6.5
+    maps = np.repeat([0, 1], 10)
+    kept = paired_difference(100.0 * maps, np.zeros(20), 0, strata=maps)
+    np.testing.assert_array_equal([kept.low, kept.high], 50.0)
+    wide, narrow = (paired_difference(x, np.zeros(12), 0, level=one) for one in (0.95, 0.5))
+    assert wide.low < narrow.low < narrow.high < wide.high
+
+
+def test_an_improvement_has_the_level_asked_for() -> None:
+    x, y = np.random.default_rng(2).normal(size=(2, 20))
+    wide, narrow = (probability_of_improvement(x, y, 0, level=one) for one in (0.95, 0.5))
+    assert wide.low < narrow.low < narrow.high < wide.high
 
 
 def test_rows_do_not_influence_each_other() -> None:

@@ -51,3 +51,17 @@ def test_shapes_must_fit() -> None:
         paired_contribution([1.0, 2.0], [1.0], 0, higher_is_better=True)
     with pytest.raises(ValueError, match=r"\(episode,\) is needed"):
         paired_contribution([[1.0]], [[1.0]], 0, higher_is_better=True)
+
+
+def test_intervals_of_costs_are_of_the_cost_and_have_the_level_and_draws_asked_for() -> None:
+    """Without the agent each episode costs twice as much: a half of it, in every resample."""
+    found = paired_contribution(WITHOUT[:3], FULL[:3], 0, higher_is_better=False)
+    assert (float(found.low), float(found.high)) == (0.5, 0.5)
+    whole = np.linspace(1.0, 9.0, 20)
+    rest = np.random.default_rng(1).permutation(whole) / 2
+    wide, narrow, other = (
+        paired_contribution(whole, rest, seed, higher_is_better=True, level=level)
+        for seed, level in ((0, 0.95), (0, 0.5), (1, 0.95))
+    )
+    assert wide.low < narrow.low < narrow.high < wide.high
+    assert (wide.low, wide.high) != (other.low, other.high)

@@ -12,10 +12,11 @@ from mjforage.core.errors import UserError
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.held import Held
 from mjforage.view.render import TopView, palette, render_replay
-from mjforage.view.render.frame_split import split_frame
+from mjforage.view.render.frame_split import Box, split_frame
 from mjforage.view.render.harbour_view import HarbourView
 from mjforage.view.render.inset import Inset
-from mjforage.view.render.seen_by import last_heard, seen_by, shown_name
+from mjforage.view.render.seen_by import age_of, last_heard, seen_by, shown_name
+from mjforage.view.render.side_panel import paint_signs
 from mjforage.view.render.timeline import timeline_of
 
 Build = Callable[..., Replay]
@@ -181,6 +182,19 @@ def test_contacts_are_lines_and_broken_red_ones_where_looks_were_lost(apart: Rep
         changed.append(across.astype(float))
     assert reds[0] > 0.01 and reds[1] == reds[2] == 0.0
     assert np.abs(changed[1] - changed[2]).max() > 60.0, "a dark line"
+
+
+def test_the_age_of_a_look_is_told_in_seconds(apart: Replay) -> None:
+    """Two and a half steps of 10 s."""
+    assert apart.period_s == 10.0 and age_of(apart, 3.5, 1) == "25 s"
+
+
+def test_the_panel_has_a_sign_for_contacts_and_one_for_losses(apart: Replay) -> None:
+    image = np.zeros((180, 260, 3), np.uint8)
+    paint_signs(image, Box(0, 0, 260, 180), 1.0, apart, 4, drawn=True)
+    rows = [image[22 * n : 22 * n + 22, :36].astype(float) for n in (4, 5)]
+    away = [np.abs(row - palette.LOST).max(axis=2).min() for row in rows]
+    assert away[1] < 30.0 < away[0], "in contact, then lost, in red"
 
 
 def test_the_inset_shows_the_same(apart: Replay) -> None:

@@ -70,26 +70,58 @@ def test_figures_change_with_the_story(replay: Replay) -> None:
     assert (images[0][:180, :200] != images[1][:180, :200]).any()
 
 
-def test_collected_and_discovered_are_told_apart_as_are_beliefs_of_then_and_now(
-    replay: Replay, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    said: list[str] = []
-    belief = replay.belief.copy()
-    belief[5, 8, 8] += 3
-    replay = dataclasses.replace(replay, belief=belief)
+@pytest.fixture
+def said(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """What is written, instead of its letters."""
+    words: list[str] = []
+    monkeypatch.setattr(side_panel, "write", lambda image, text, *at, **how: words.append(text))
+    return words
 
-    def hear(image: Image, words: str, *args: object, **others: object) -> None:
-        said.append(words)
 
-    monkeypatch.setattr(side_panel, "write", hear)
-    split, timeline, items = split_frame(1280, 720, 1.0), timeline_of(replay), 10
-    image = np.zeros((720, 1280, 3), np.uint8)
-    panel_of(replay, split).paint(image, 5.5, moment(replay, 5))
-    found, taken = (int((e <= 5).sum()) for e in (timeline.discovered, timeline.removed))
-    assert found != taken
-    assert {f"{found} of {items} discovered", f"{taken} of {items} collected"} <= set(said)
-    assert str(int(replay.belief[5].sum())) in said
-    assert replay.belief[5].sum() != replay.belief[0].sum()
+@pytest.fixture
+def told(replay: Replay) -> Replay:
+    """Of ten items seven are discovered and four collected by step 5; all in the end."""
+    present = np.ones((9, 10), np.bool_)
+    present[5:, :4] = present[8:, 4:] = False
+    found = np.array([0, 1, 2, 3, 4, 5, 5, 8, 8, 8], np.int16)
+    belief = np.zeros_like(replay.belief)
+    belief[0, 8, 8], belief[5, 8, 8], belief[6, 8, 8] = 2, 3, 6
+    return dataclasses.replace(replay, item_present=present, t_discovered=found, belief=belief)
+
+
+def test_score_and_clock_tell_what_is_known_then(told: Replay, said: list[str]) -> None:
+    """At step 5.5 of steps of 10 s, each bar as long as its share."""
+    split, image = split_frame(1280, 720, 1.0), np.zeros((720, 1280, 3), np.uint8)
+    panel_of(told, split).paint(image, 5.5, moment(told, 5))
+    place = said.index("PTA_D")
+    assert said[place : place + 3] == ["PTA_D", "7 of 10 discovered", "70 %"]
+    assert said[place + 3 : place + 6] == ["PTA_C", "4 of 10 collected", "40 %"]
+    assert said[place - 2 : place] == ["00:55", f"step 5 of {told.horizon}"]
+    assert "3" in said, "believed items of then"
+    bar = side_panel.SCORE_WIDTH * split.unit
+    for colour, share in ((palette.SCOUT, 0.7), (palette.FORAGER, 0.4)):
+        lengths = (np.abs(image.astype(float) - np.array(colour)).max(axis=2) < 3).sum(axis=1)
+        assert np.sort(lengths)[-3] == pytest.approx(share * bar, abs=8.0)
+
+
+def test_one_line_tells_the_same(told: Replay, said: list[str]) -> None:
+    split = split_frame(480, 200, None)
+    assert split.kind is Kind.LINE
+    panel_of(told, split).paint(np.zeros((200, 480, 3), np.uint8), 5.5, moment(told, 5))
+    assert said == ["00:55   PTA_D 70 %   PTA_C 40 %"]
+
+
+def test_signs_of_items_and_idleness_are_as_on_the_map(replay: Replay, said: list[str]) -> None:
+    image = np.zeros((140, 260, 3), np.uint8)
+    paint_signs(image, Box(0, 0, 260, 140), 1.0, replay, 9, drawn=True)
+    assert said[:4] == ["item, discovered", "item, not yet", "believed: 1, 2, 9", "idleness 0–1"]
+    bright = [
+        np.abs(image[22 * n : 22 * n + 22, :36].astype(float) - palette.ITEM).max(axis=2).min()
+        for n in (0, 1)
+    ]
+    assert bright[0] < 2.0 < 10.0 < bright[1]
+    scale = image[22 * 3 + 11, :34]
+    assert tuple(scale[0]) == palette.CLEAR_DEEP and tuple(scale[-1]) == palette.HAZY_DEEP
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from mjforage.core.mission_metrics import describe
 from mjforage.view.report.all_tables import draw_tables
 from mjforage.view.report.differences import (
     LEVEL,
+    MANY,
     Difference,
     Estimate,
     corrected,
@@ -93,3 +94,12 @@ def test_nothing_is_set_apart_whose_printed_interval_reaches_zero() -> None:
     assert touching.interval.startswith("0.00 to")
     assert set_apart([clear, touching, below]) == [True, False, False]
     assert "where the interval leaves out 0" in family_note([clear])
+
+
+def test_of_many_episodes_the_interval_is_196_sem() -> None:
+    """500 differences of 1 or 3 in turn: mean 2, SEM 1 / sqrt(499)."""
+    x = np.resize([4.0, 2.0], MANY)
+    found = Difference(x, np.ones(MANY), describe("pta_c"))
+    half = 1.96 / math.sqrt(MANY - 1)
+    assert (found.value, found.low, found.high) == pytest.approx((2.0, 2 - half, 2 + half))
+    assert found.normal and "± 1.96 SEM instead" in family_note([found])

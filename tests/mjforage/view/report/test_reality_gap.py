@@ -1,23 +1,20 @@
-"""Tables of the reality gap, from a real run of two short episodes in three worlds."""
+"""Tables of the reality gap, from known numbers, and of hulls, from a real run of three worlds."""
 
 import dataclasses
-import itertools
 import shutil
 from pathlib import Path
 
-import numpy as np
 import polars as pl
 import pytest
 
 from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import chosen_metrics, description
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 from mjforage.runs.evaluate import evaluate
 from mjforage.view.report.hull_tables import hulls_table
 from mjforage.view.report.reality_gap import gap_table, ladder_table
 from mjforage.view.report.run_logs import RunLogs, load_logs
-from mjforage.view.report.text_tables import NOTHING
+from tests.mjforage.view.report.known_data import cells, known_run, starred, three_worlds
 
 
 @pytest.fixture(scope="module")
@@ -32,39 +29,49 @@ def cell(text: str) -> float:
     return float(text.split(" ")[0].replace("−", "-"))
 
 
-def test_every_metric_has_its_paired_difference(logs: RunLogs) -> None:
-    table = gap_table(logs)
+def test_every_metric_has_its_paired_difference_last_minus_first() -> None:
+    """Four tests of p = 2^-9 each: .008. Hulls, in between, are not in it."""
+    table = gap_table(three_worlds())
     assert table is not None and table.columns[:2] == ("graph", "physics")
-    rows = {(row.group, row.head): row for row in table.rows}
-    shown = [description(metric) for metric in chosen_metrics()]
-    assert ("greedy", "PTA_C [%]") in rows
-    for policy, metric in itertools.product(("greedy", "random"), shown):
-        here, there = (logs.scalar((world, policy), metric.key) for world in ("physics", "graph"))
-        both = np.isfinite(here) & np.isfinite(there)
-        if not (np.isfinite(here) | np.isfinite(there)).any():
-            assert (policy, metric.head) not in rows
-            continue
-        row = rows[policy, metric.head]
-        assert (row.better, row.cells[5]) == (metric.better, str(both.sum()))
-        if both.any():
-            step = float((here - there)[both].mean())
-            half_digit = 0.501 * 10 ** -len(row.cells[2].partition(".")[2])
-            assert row.values[2] is not None and row.values[2].value == pytest.approx(step)
-            assert cell(row.cells[2]) == pytest.approx(step, abs=half_digit)
-        else:
-            assert row.cells[2] == NOTHING
+    assert cells(table) == {
+        ("greedy", "PTA_C [%]"): (
+            *("80.00 ± 1.96", "50.00 ± 1.96", "*−30.00*", "−30.00 to −30.00", "0.008", "10"),
+        ),
+        ("greedy", "NT_90"): (
+            *("0.500 ± 0.061", "1.000 ± 0.061", "*0.500*", "0.500 to 0.500", "0.008", "10"),
+        ),
+        ("levy", "PTA_C [%]"): (
+            *("60.00 ± 1.96", "56.00 ± 1.96", "*−4.00*", "−4.00 to −4.00", "0.008", "10"),
+        ),
+        ("levy", "NT_90"): (
+            *("0.750 ± 0.061", "0.875 ± 0.061", "*0.125*", "0.125 to 0.125", "0.008", "10"),
+        ),
+    }
+    assert [row.better for row in table.rows] == [1, -1, 1, -1]
 
 
-def test_each_world_is_measured_against_the_one_below(logs: RunLogs) -> None:
-    table = ladder_table(logs)
+def test_a_metric_that_one_world_lacks_has_no_difference() -> None:
+    logs = known_run({("graph", "greedy"): {"csr": 0.5}, ("hulls", "greedy"): {"pta_c": 70.0}})
+    assert cells(gap_table(logs)) == {
+        ("greedy", "PTA_C [%]"): ("–", "70.00 ± 1.96", "–", "–", "–", "0"),
+        ("greedy", "CSR"): ("0.500 ± 0.000", "–", "–", "–", "–", "0"),
+    }
+
+
+def test_each_world_is_measured_against_the_one_below() -> None:
+    """PTA_C of greedy is 80, 60 and 50, of levy 60, 50 and 56; NT90 .5, .625, 1; .75, .5, .875."""
+    table = ladder_table(three_worlds())
     assert table is not None
-    assert [row.head for row in table.rows] == ["+ hulls", "+ physics"] * 2
-    assert table.columns[1] == "PTA_C"
-    for row, (before, world) in zip(
-        table.rows, [("graph", "hulls"), ("hulls", "physics")], strict=False
-    ):
-        step = logs.scalar((world, "greedy"), "pta_c") - logs.scalar((before, "greedy"), "pta_c")
-        assert cell(row.cells[1]) == pytest.approx(step.mean(), abs=0.006)
+    pta, nt = table.columns.index("PTA_C"), table.columns.index("NT_90")
+    found = {(row.group, row.head): (starred(row)[pta], starred(row)[nt]) for row in table.rows}
+    assert found == {
+        ("greedy", "+ hulls"): ("*−20.00 (−20.00 to −20.00)*", "*0.125 (0.125 to 0.125)*"),
+        ("greedy", "+ physics"): ("*−10.00 (−10.00 to −10.00)*", "*0.375 (0.375 to 0.375)*"),
+        ("levy", "+ hulls"): ("*−10.00 (−10.00 to −10.00)*", "*−0.250 (−0.250 to −0.250)*"),
+        ("levy", "+ physics"): ("*6.00 (6.00 to 6.00)*", "*0.375 (0.375 to 0.375)*"),
+    }
+    assert (table.better[pta], table.better[nt]) == (1, -1)
+    assert "+ hulls: hulls, thrusters" in table.notes[0]
     assert "+ physics: items as bodies in wind and water" in table.notes[0]
     assert "gusts" not in table.notes[0]
 

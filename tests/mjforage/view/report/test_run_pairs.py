@@ -12,9 +12,11 @@ import polars as pl
 import pytest
 
 from mjforage.core.errors import UserError
+from mjforage.view.report import run_pairs
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.run_pairs import paired_series, shared_episodes, write_pair
 from tests.mjforage.conftest import Command
+from tests.mjforage.view.report.known_data import cells, known_run
 from tests.mjforage.view.report.replay_data import MakeRun
 
 GREEDY = ("graph", "greedy")
@@ -56,6 +58,41 @@ def test_differences_are_of_the_episodes_that_both_have(make_run: MakeRun) -> No
     text = page.read_text("utf-8")
     assert "4 shared episodes" in text and "run-0 minus run-1" in text
     assert table(page, "pair")[0]["metric"] == "PTA_D [%]"
+
+
+def test_differences_point_and_are_signed_as_their_metrics_say() -> None:
+    """Of the first run minus the second: greedy collects 10 more, an eighth of the horizon sooner.
+
+    Levy collects 4 less, a quarter later. Four tests of p = 2^-9 each: .008.
+    """
+    one = known_run(
+        {
+            ("graph", "greedy"): {"pta_c": 80.0, "nt90": 0.5},
+            ("graph", "levy"): {"pta_c": 60.0, "nt90": 0.75},
+        }
+    )
+    two = known_run(
+        {
+            ("graph", "greedy"): {"pta_c": 70.0, "nt90": 0.625},
+            ("graph", "levy"): {"pta_c": 64.0, "nt90": 0.5},
+        }
+    )
+    asked = (one, two), ("one", "two"), paired_series(one, two), 10
+    brief, full = run_pairs._brief(*asked), run_pairs._full(*asked)
+    assert (brief.columns, brief.better) == (("PTA_C", "NT_90"), (1, -1))
+    assert cells(brief) == {
+        ("", "greedy"): ("*10.00 (10.00 to 10.00)*", "*−0.125 (−0.125 to −0.125)*"),
+        ("", "levy"): ("*−4.00 (−4.00 to −4.00)*", "*0.250 (0.250 to 0.250)*"),
+    }
+    assert cells(full)["greedy", "NT_90"] == (
+        *("0.500", "0.625", "*−0.125*", "−0.125 to −0.125", "0.008", "10"),
+    )
+    assert cells(full)["levy", "PTA_C [%]"] == (
+        *("60.00", "64.00", "*−4.00*", "−4.00 to −4.00", "0.008", "10"),
+    )
+    assert [row.better for row in full.rows] == [1, -1, 1, -1]
+    numbers = [[x and x.value for x in row.values][:3] for row in full.rows[:2]]
+    assert numbers == [[80.0, 70.0, 10.0], [0.5, 0.625, -0.125]]
 
 
 def test_both_runs_are_in_the_replay_by_name(make_run: MakeRun) -> None:

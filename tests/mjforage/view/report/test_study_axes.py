@@ -4,10 +4,12 @@ import math
 from pathlib import Path
 
 import numpy as np
+import polars as pl
 import pytest
 from matplotlib.lines import Line2D
 
 from mjforage.runs.axes import Axis, Point
+from mjforage.runs.study import variant_folder
 from mjforage.view.page.style import policy_colour
 from mjforage.view.report.studies import communication
 from mjforage.view.report.studies.axis_figure import AxisFigure, axis_figure
@@ -16,6 +18,7 @@ from mjforage.view.report.studies.range_cost import Costs, cost_picture, cost_ta
 from mjforage.view.report.studies.study_logs import StudyLogs
 from mjforage.view.report.studies.variant_courses import courses_picture
 from mjforage.view.report.text_tables import NOTHING
+from tests.mjforage.view.report.known_data import cells, known_study
 from tests.mjforage.view.report.made_up_study import made_up_study, with_values, without
 
 BOTH = ("greedy", "levy")
@@ -69,6 +72,88 @@ def test_means_stand_at_their_values_filled_where_they_differ(logs: StudyLogs) -
     assert {line.get_color() for line in dashed if np.size(line.get_xdata())} == {
         policy_colour("greedy")
     }
+
+
+LEVELS = {"complete": 80.0, "near": 48.0, "far": 72.0}  # PTA_C of greedy in the graph
+LOST = {("graph", "greedy"): 0.0, ("graph", "levy"): 8.0, ("hulls", "greedy"): 16.0}
+LOST |= {("hulls", "levy"): 40.0}
+
+
+@pytest.fixture(scope="module")
+def two_worlds() -> StudyLogs:
+    """What is lost in a world by a policy grows with what the variant costs: 80 less each."""
+    variants = {
+        name: {
+            one: {"pta_c": pta - lost * (96.0 - pta) / 16.0, "nt90": (96.0 - pta + lost) / 128.0}
+            for one, lost in LOST.items()
+        }
+        for name, pta in LEVELS.items()
+    }
+    return known_study(variants, "communication")
+
+
+def test_every_world_and_policy_has_its_own_tables(two_worlds: StudyLogs) -> None:
+    """Lost at complete, near and far: one, three and one and a half times the loss."""
+    tables = tables_along(two_worlds, (AXIS,), ("pta_c", "nt90"), ("pta_c",))
+    found = {table.name: cells(table) for table in tables}
+    for (world, policy), lost in LOST.items():
+        near, far = 32.0 + 2 * lost, 8.0 + 0.5 * lost
+        differences = found[f"minus-{world}-{policy}"]
+        assert differences["Range", "is near"] == (
+            f"*−{near:.2f} (−{near:.2f} to −{near:.2f})*",
+            "*0.250 (0.250 to 0.250)*",
+        )
+        assert differences["Range", "is far"][0] == f"*−{far:.2f} (−{far:.2f} to −{far:.2f})*"
+        means = found[f"means-{world}-{policy}"]
+        assert means["", "is complete"] == (f"{80 - lost:.2f} ± 1.96",)
+        assert means["Range", "is near"] == (f"{48 - 3 * lost:.2f} ± 1.96".replace("-", "−"),)
+    assert {table.name: table.better for table in tables}["minus-graph-levy"] == (1, -1)
+
+
+def test_a_reference_is_that_of_the_same_world_and_policy(two_worlds: StudyLogs) -> None:
+    axis = Axis("relay", "", "", {"": (Point(0.0, "near"), Point(1.0, "far"))}, against="near")
+    found = cells(reference_table(two_worlds, axis, "relay", "Relay", ("pta_c",)))
+    for (world, policy), lost in LOST.items():
+        gain = f"{24 + 1.5 * lost:.2f}"
+        assert found[f"{policy} · {world}", "is far"] == (f"*{gain} ({gain} to {gain})*",)
+
+
+def test_figures_and_costs_of_a_world_are_of_that_world(two_worlds: StudyLogs) -> None:
+    """From 16 to 32 m NT90 falls by 24/128 in both; PTA_C at 16 m is 48 less 3 times the loss."""
+    drawn = axis_figure(
+        "a", "T", "C.", AxisFigure(two_worlds, "hulls", (AXIS,), ("greedy", "levy"))
+    )
+    panel, below = drawn.figure.axes
+    for policy, lost in (("greedy", 16.0), ("levy", 40.0)):
+        means = [float(np.ravel(dot.get_ydata())[0]) for dot in dots(list(panel.lines), policy)]
+        assert means == [48 - 3 * lost, 72 - 1.5 * lost, 80 - lost]
+        times = [float(np.ravel(dot.get_ydata())[0]) for dot in dots(list(below.lines), policy)]
+        assert times == [(48 + lost) / 128, (24 + lost) / 128, (16 + lost) / 128]
+    (row, *_) = cost_table(two_worlds, "hulls", Costs(two_worlds, AXIS, "hulls")).rows
+    assert row.values[0] == pytest.approx((-24 / 128 / 0.016,) * 3)
+
+
+def test_costs_of_information_are_of_their_world_and_step() -> None:
+    """Greedy gains nothing from 16 to 32 m in hulls, levy a quarter: -15.625 per kilometre."""
+    times = {("graph", "greedy"): (0.75, 0.5), ("graph", "levy"): (0.5, 0.5)}
+    times |= {("hulls", "greedy"): (0.5, 0.5), ("hulls", "levy"): (0.75, 0.5)}
+    variants = {
+        name: {one: {"nt90": pair[place]} for one, pair in times.items()}
+        for place, name in enumerate(("near", "far"))
+    }
+    logs = known_study({"complete": variants["far"], **variants}, "communication")
+    for world, falls in (("graph", {"greedy"}), ("hulls", {"levy"})):
+        costs = Costs(logs, AXIS, world)
+        found = cells(cost_table(logs, world, costs))
+        for policy in ("greedy", "levy"):
+            (cell,) = found["open", policy]
+            assert cell.strip("*").startswith("−15.62" if policy in falls else "0.00")
+            assert (cell[0] == "*") == (policy in falls)
+        panel = cost_picture(logs, world, costs).figure.axes[0]
+        for policy in ("greedy", "levy"):
+            (dot,) = dots(list(panel.lines), policy)
+            full = dot.get_markerfacecolor() == policy_colour(policy)
+            assert full == (policy in falls)
 
 
 def test_everything_drawn_lies_inside_the_panels(logs: StudyLogs) -> None:
@@ -161,6 +246,34 @@ def test_courses_are_a_line_per_variant_the_best_in_ink(logs: StudyLogs) -> None
     assert [text.get_text() for text in drawn.legends[0].get_texts()] == ["16 m", "32 m", "ideal"]
     assert [panel.get_title(loc="left") for panel in drawn.axes[:2]] == ["greedy", "levy"]
     assert "is not in this study" in drawn.axes[2].texts[0].get_text()
+
+
+def test_bands_of_courses_lie_about_their_means(tmp_path: Path) -> None:
+    """Ten episodes, five of 1 and five of 7: 4 ± 1.96 at every step."""
+    made = made_up_study(tmp_path / "s", dict.fromkeys(("near", "complete"), ("greedy",)), 10)
+    path = variant_folder(made.folder, "near") / "steps.parquet"
+    value = pl.when(pl.col("episode") % 2 == 0).then(1.0).otherwise(7.0)
+    pl.read_parquet(path).with_columns(aoi=value).write_parquet(path)
+    variants = [("near", "16 m"), ("complete", "ideal")]
+    drawn = courses_picture(made, "ages", "T", "C.", variants, ("aoi",), "graph")
+    panel = drawn.figure.axes[0]
+    band = np.asarray(panel.collections[0].get_paths()[0].vertices)
+    assert (band[:, 1].min(), band[:, 1].max()) == pytest.approx((4 - 1.96, 4 + 1.96))
+    line = np.asarray(panel.lines[0].get_xydata())
+    assert line[:, 1].tolist() == [4.0] * 13
+    assert (line[0, 0], line[-1, 0]) == (0.0, 1.0)
+
+
+def test_maps_are_shown_where_they_are_least_alike(tmp_path: Path) -> None:
+    """Step 5 of the first episode of greedy in the graph, whatever others differ by."""
+    made = made_up_study(tmp_path / "s", {"complete": BOTH}, 3)
+    path = variant_folder(made.folder, "complete") / "steps.parquet"
+    mine = (pl.col("policy") == "greedy") & (pl.col("episode") == 0)
+    most = pl.when(pl.col("step") == 5).then(2.0).otherwise(1.0)
+    value = pl.when(mine).then(most).otherwise(pl.col("step").cast(pl.Float64))
+    pl.read_parquet(path).with_columns(disagreement=value).write_parquet(path)
+    assert communication._least_alike(made.whole, ("graph", "greedy")) == 5
+    assert communication._least_alike(made.whole, ("graph", "levy")) == 12
 
 
 def test_a_study_without_the_variant_or_its_scenario_shows_no_maps(tmp_path: Path) -> None:

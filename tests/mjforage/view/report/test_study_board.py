@@ -135,7 +135,7 @@ def test_the_best_and_those_not_told_from_it_are_marked_bounds_aside(board: Boar
     assert row(table, "greedy").best == {0, 3}
     assert row(table, "levy").best == {3}
     assert row(table, "oracle (bound)").best == frozenset()
-    assert table.columns[-1] == "Decision"
+    assert (table.columns[-1], table.better[-1]) == ("Decision", -1)
     assert row(table, "greedy").cells[0].startswith("60.00 ± ")
 
 
@@ -162,6 +162,19 @@ def test_differences_to_the_best_are_corrected_by_holm_within_course_and_score(
     assert row(table, "oracle (bound)", "bay").also[0] == "", "bounds are not tested"
     assert row(table, "oracle (bound)", "bay").best == frozenset()
     assert not [one for one in table.rows if (one.head, one.group) == ("levy", "far")]
+
+
+def test_differences_are_to_the_lowest_where_less_is_better(made: StudyLogs) -> None:
+    """Of NT90: levy .5 is best, greedy .125 and random .5 later; the oracle is a bound."""
+    values = {("bay", "levy", "nt90"): 0.5 + 0.0 * NOISE}
+    values |= {("bay", "greedy", "nt90"): 0.625 + 0.0 * NOISE}
+    table = differences_table(Board(with_values(made, values)))
+    place = table.columns.index("NT_90")
+    assert table.better[place] == -1
+    assert row(table, "levy", "bay").cells[place] == "best"
+    assert row(table, "greedy", "bay").cells[place] == "0.125 (0.125 to 0.125)"
+    assert row(table, "random", "bay").cells[place] == "0.500 (0.500 to 0.500)"
+    assert place in row(table, "greedy", "bay").best
 
 
 def test_interquartile_means_leave_out_the_outer_quarters(made: StudyLogs) -> None:
@@ -201,6 +214,7 @@ def test_the_table_of_all_courses_has_the_best_first_and_bounds_last(board: Boar
     table = overall_table(Standing.of(board))
     assert [one.head for one in table.rows] == ["greedy", "levy", "random", "oracle (bound)"]
     assert table.columns[:3] == ("all scores", "PTA_C", "NT_90"), "no column without a score"
+    assert table.better == (1, 1, 1, 1, -1, -1, 0), "normalised, NT90 too is better upwards"
     place = table.columns.index("best")
     won = {one.head: one.cells[place] for one in table.rows}
     judged = sum(bool(board.winners(cell)) for cell in board.cells)
@@ -226,6 +240,10 @@ def test_profiles_are_shares_of_the_runs_of_all_shared_courses(board: Board) -> 
     assert share[-1] == 0.0
     fourth = drawn.figure.axes[3]
     assert fourth.get_xlabel() == "NT$_{\\mathrm{90}}$ ≤ τ"
+    lines = {str(line.get_color()): line for line in fourth.lines}
+    tau, share = np.asarray(lines[policy_colour("greedy")].get_xydata()).T
+    assert share[np.argmin(abs(tau - 0.5))] == 0.0, "its .6 is at most .7, not at most .5"
+    assert share[np.argmin(abs(tau - 0.7))] == 1.0
 
 
 def test_the_frontier_names_who_is_on_it_and_where_less_is_better_it_is_turned(

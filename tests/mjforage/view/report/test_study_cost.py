@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from mjforage.runs.costs import Cost
 from mjforage.runs.study import StudyInfo
@@ -46,18 +47,30 @@ def cells(table: Table, head: str) -> dict[str, str]:
 
 
 def test_the_whole_paper_is_extrapolated_from_cpu_time_per_episode_of_each_policy() -> None:
-    # Greedy: 10 episodes took 8 and 16 CPU s in two variants after a first chunk that compiled:
+    # Greedy: 10 episodes took 8, 8 and 16 CPU s in two variants after a first chunk that compiled:
     # 0.8 and 1.6 s per episode, mean 1.2, SEM sqrt(0.32 / 2) = 0.4, so 1.2 +- 0.784 s; times 4,300
     # / 3,600 = 1.1944 that is 1.433 +- 0.936 hours. Levy has one chunk: no interval.
     logs = study(
-        (chunk("greedy", 0.0, 500.0), chunk("greedy", 500.0, 10.0), chunk("levy", 510.0, 50.0)),
+        (
+            chunk("greedy", 0.0, 500.0),
+            chunk("greedy", 500.0, 10.0),
+            chunk("levy", 510.0, 50.0),
+            chunk("greedy", 600.0, 10.0),
+        ),
         (chunk("greedy", 560.0, 20.0),),
     )
     table = cost_table(logs)
     greedy, levy = cells(table, "greedy"), cells(table, "levy")
     assert greedy["CPU time s per episode"] == "1.20 ± 0.78"
     assert greedy["all of the paper CPU hours"] == "1.43 ± 0.94"
-    assert (greedy["variants"], greedy["episodes"]) == ("2", "20")
+    assert (greedy["variants"], greedy["episodes"]) == ("2", "30")
+    assert greedy["CPU time ms per decision"] == "10.7", "32 CPU s for 3,000 of them"
+    assert greedy["episodes per chunk"] == "10.0"
+    (hours,) = [one.values[-1] for one in table.rows if one.head == "greedy"]
+    assert hours is not None
+    half = 1.96 * 0.4
+    by_hand = [4300 / 3600 * one for one in (1.2, 1.2 - half, 1.2 + half)]
+    assert hours == pytest.approx(tuple(by_hand))
     assert levy["CPU time s per episode"] == "4.00"
     assert levy["all of the paper CPU hours"] == "4.78"
 

@@ -19,6 +19,7 @@ from mjforage.core.setup import Setup
 from mjforage.runs import communication, variants
 from mjforage.runs.kept import FIRST, KEPT, chosen, ranked, replay_files
 from mjforage.runs.study import Study, Variant, run_study, variant_folder
+from mjforage.runs.variants import corrupted_name
 from mjforage.view.page.html import environment
 from mjforage.view.page.style import MARKERS, looks
 from mjforage.view.page.table import Row, Table
@@ -42,6 +43,7 @@ from mjforage.view.report.studies.study_page import (
     scene_sections,
 )
 from mjforage.view.report.text_tables import NOTHING
+from tests.mjforage.view.report.known_data import Means, cells, known_study
 
 pytestmark = pytest.mark.usefixtures("unprinted")
 Make = Callable[..., StudyLogs]
@@ -70,6 +72,55 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Make:
 
 def _with_fits(logs: StudyLogs) -> tuple[StudyLogs, corruption.Fits]:
     return logs, corruption.Fits(logs)
+
+
+def test_our_numbers_stand_beside_the_papers_with_their_difference() -> None:
+    """Greedy of its public code: PTA_D 98.56 ± .40, PTA_C 97.20 ± .51, NT90 .591, CSR .908.
+
+    Without a scout it collects 82.26 %, whose contribution is .1623; SS of PTA_C is -45.14.
+    """
+    shift = {"graph": 0.0, "hulls": -8.0}
+
+    def means(pta_c: float, part: float = 1.0) -> Means:
+        other = {"nt90": 0.591, "csr": 0.875}
+        return {
+            (world, "greedy"): {"pta_c": [pta_c + part * by] * 10, "pta_d": [98.0] * 10, **other}
+            for world, by in shift.items()
+        }
+
+    variants = {"complete": means(97.5), "scouts-less": means(78.0)}
+    for level in (0.25, 0.5, 0.75, 1.0):
+        variants[corrupted_name("scouts", level)] = means(97.5 - 44.0 * level, 1 - level)
+        variants[corrupted_name("foragers", level)] = means(97.5)
+    logs = known_study(variants, scenario="published", step=0.25, whole_team=True)
+    table = paper.beside_table(logs, corruption.Fits(logs))
+    found = cells(table)
+    here, hulls = (f"greedy · {world}, beside the paper's Greedy (graph)" for world in shift)
+    expected = {
+        "PTA_D": ("Table 2", "98.56 ± 0.40", "98.00", "98.00 to 98.00", "−0.56", "no"),
+        "PTA_C": ("Table 2", "97.20 ± 0.51", "97.50", "97.50 to 97.50", "0.30", "yes"),
+        "CSR": ("Table 4", "0.908", "0.875", "0.875 to 0.875", "−0.033", "no"),
+        "PTA_C, is scouts-less": ("Table 5", "82.26", "78.00", "78.00 to 78.00", "−4.26", "no"),
+        "MC of PTA_C, one of scouts": (
+            *("Table 6", "0.1623", "0.2000", "0.2000 to 0.2000", "0.0377", "no"),
+        ),
+        "SS of PTA_C, scouts corrupted": (
+            *("Table 4", "−45.14", "−44.00", "−44.00 to −44.00", "1.14", "no"),
+        ),
+    }
+    for head, row in expected.items():
+        assert found[here, head] == row, head
+    assert found[hulls, "PTA_C"][2:] == ("89.50", "89.50 to 89.50", "−7.70", NOTHING)
+    share = (89.5 - 70) / 89.5
+    assert found[hulls, "MC of PTA_C, one of scouts"][2] == f"{share:.4f}"
+    assert found[hulls, "SS of PTA_C, scouts corrupted"][2] == "−36.00", "8 less at no level"
+    assert found[here, "RMSE"] == ("–", "0.0069", *("–",) * 4), "ours are not defined"
+    assert table is not None
+    (full,) = [row for row in table.rows if (row.group, row.head) == (here, "PTA_C")]
+    theirs, ours, apart = full.number(1), full.number(2), full.number(4)
+    assert theirs == pytest.approx((97.2, 96.69, 97.71))
+    assert ours is not None and apart is not None
+    assert [ours.value, apart.value] == pytest.approx([97.5, 0.3])
 
 
 def verdicts(table: Table | None) -> dict[str, str]:
@@ -230,17 +281,6 @@ def test_titles_name_the_papers_tables_and_figures(study: Make) -> None:
     assert "paper's" not in titles["slopes"]
 
 
-def test_numbers_beside_the_papers_say_where_it_has_them(study: Make) -> None:
-    logs = study(True)
-    table = paper.beside_table(logs, corruption.Fits(logs))
-    assert table is not None
-    where = {row.head: row.cells[table.columns.index("in the paper")] for row in table.rows}
-    assert where["NT_90"] == "Table 3"
-    assert where["MC of PTA_C, one of scouts"] == "Table 6"
-    assert where["SS of PTA_C, scouts corrupted"] == "Table 4"
-    assert where["PTA_C, scouts 1, foragers 2"] == "Table 5"
-
-
 def test_who_was_taught_is_marked_wherever_it_is_named() -> None:
     rows = tuple(Row(name, ("1",), group=name) for name in ("ddqn", "ddqn · hulls", "ddqn-reward"))
     section = Section("s", "S", tables=[Table("t", "T", ("a",), rows)])
@@ -304,29 +344,6 @@ def test_the_page_says_whether_the_map_was_cleared_and_what_horizon_would_do(stu
     page = write_study_report(logs.folder).read_text(encoding="utf-8")
     assert page.count(clearing.TITLE) >= 1 and 'href="#clearing"' in page
     assert "T = 30 steps of 10 s: 5 min" in page
-
-
-def test_times_of_fleets_stand_in_minutes_too(study: Make) -> None:
-    table = ablation.setups_table(study(True))
-    ours = [row for row in table.rows if not row.paper]
-    places = [table.columns.index(name) for name in ("NT_50", "NT_90")]
-    minutes = study(True).base.horizon * study(True).base.period_s / 60
-    for row in ours:
-        for place in places:
-            number = row.number(place)
-            assert number is not None
-            assert row.also[place] == f"{number.value * minutes:.1f} min"
-        assert not row.also[0]
-
-
-def test_slopes_say_which_way_is_better(study: Make) -> None:
-    """A slope is better the way its metric is: up for what is collected, down for an error."""
-    logs = study(True)
-    fits = corruption.Fits(logs)
-    assert paper.table_4(logs, fits).better == (1, 1, -1)
-    ways = {row.group: row.group_better for row in corruption.slopes_table(logs, fits).rows}
-    assert ways["scouts corrupted, PTA_C"] == 1
-    assert ways["foragers corrupted, RMSE"] == -1
 
 
 def test_subjects_of_a_forest_have_the_markers_of_their_policies(study: Make) -> None:
