@@ -77,6 +77,8 @@ def _items(mission: Mission, e: int, oracle: SlowMission) -> None:
         assert state.item_node[e, k] == oracle.item_nodes[-1][k]
     np.testing.assert_array_equal(entries.truth[e], oracle.truth())
     assert mission.initial.n_items[e] == oracle.total
+    assert mission.truth.drift_rc[e] == pytest.approx(oracle.drift, abs=1e-12)
+    assert mission.node_drift_rc[e, -1] == pytest.approx(oracle.drift, abs=1e-12)
     for k in range(oracle.total):
         found = (int(entries.t_discovered[e, k]), int(entries.discovered_by[e, k]))
         taken = (int(entries.t_collected[e, k]), int(entries.collected_by[e, k]))
@@ -121,10 +123,15 @@ class SlowScores:
 
     def __init__(self, oracle: SlowMission) -> None:
         self.oracle, self.courses = oracle, dict[str, list[float]]()
+        self.tracks: list[list[tuple[float, ...]]] = []  # step, agent
         self.see()
 
     def see(self) -> None:
-        """Take the courses now."""
+        """Take the courses and the tracks now."""
+        each = self.oracle.agents
+        self.tracks.append(
+            [(a.node, a.yaw, a.way, a.took, 2 * a.blocked, a.direction) for a in each]
+        )
         for key, value in self._now().items():
             self.courses.setdefault(key, []).append(value)
 
@@ -155,7 +162,9 @@ class SlowScores:
         }
         return now | (self._linked(oracle.link, truth) if oracle.link else {})
 
-    def _linked(self, link: SlowLink, truth: np.ndarray[tuple[int], np.dtype[np.int64]]) -> dict[str, float]:
+    def _linked(
+        self, link: SlowLink, truth: np.ndarray[tuple[int], np.dtype[np.int64]]
+    ) -> dict[str, float]:
         oracle, n = self.oracle, len(self.oracle.agents)
         maps = [oracle.map_of(mind.belief()) for mind in oracle.minds]
         pairs = [(i, j) for i in range(n) for j in range(n) if i != j]
@@ -224,9 +233,8 @@ class SlowScores:
         if not link:
             keys = ("delivered", "lost", "dropped", "bytes_sent", "handover")
             return dict.fromkeys(keys, math.nan)
-        heard = [when for (h, a, _), when in link.heard.items() if h != a and when <= now]
         return {
-            "delivered": len(heard),
+            "delivered": sum(when <= now for when in link.copies),
             "lost": link.lost,
             "dropped": link.dropped,
             "bytes_sent": link.bytes,
@@ -256,8 +264,11 @@ def _per(count: int, over: int) -> float:
 
 def score_alike(scorer: Scorer, slow: list[SlowScores]) -> None:
     """Compare the metrics of a batch that is over."""
-    scores = scorer.scores()
+    scores, log = scorer.scores(), scorer.log
     for e, oracle in enumerate(slow):
+        names = ("agent_node", "yaw", "distance", "pickup", "outcome", "direction")
+        logged = np.stack([getattr(log, name)[e, : log.length[e] + 1] for name in names], axis=-1)
+        np.testing.assert_allclose(logged, oracle.tracks, rtol=1e-5, atol=1e-6)
         for key, course in oracle.courses.items():
             taken = scores.courses[key][e]
             expected = course + [course[-1]] * (taken.size - len(course))

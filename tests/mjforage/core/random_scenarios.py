@@ -1,5 +1,6 @@
 """Small scenarios of all kinds, for hypothesis."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -57,7 +58,7 @@ FALLING = (
     {},
     {"sensors.half_range_node": 2.0},
     {"sensors.detection_table": [[0.0, 0.9], [2.0, 0.5]]},
-    {"sensors.detection": 1.0, "sensors.persistence": 0.0},
+    {"sensors.detection": 1.0, "sensors.persistence": 0.0, "sensors.merge": 0.3},
 )
 LINK = {
     "link.model": ("none", "disk", "disk", "log-distance"),
@@ -91,9 +92,25 @@ def ragged(seed: int, share: float) -> NDArray[np.bool_]:
                 return largest
 
 
+@dataclass(frozen=True)
+class Drawn:
+    """A scenario on a map of its own, as it is told when a test fails."""
+
+    overrides: tuple[str, ...]
+    map_seed: int
+    share: float  # of water
+
+    @property
+    def setup(self) -> Setup:
+        """The setup."""
+        base = ("map.starts=[]", "items.std=2", "horizon=12")
+        scenario = load_scenario("comb-port", [*base, *self.overrides])
+        return Setup.of(scenario, ragged(self.map_seed, self.share))
+
+
 @st.composite
-def setups(draw: st.DrawFn) -> Setup:
-    """A scenario on a map of its own."""
+def scenarios(draw: st.DrawFn) -> Drawn:
+    """Scenarios of all kinds."""
     choices = TEAMS | WORLD
     for part in (WIND, CORRUPTION, EYES, LINK):
         choices = choices | (part if draw(st.booleans()) else {})
@@ -104,8 +121,5 @@ def setups(draw: st.DrawFn) -> Setup:
         drawn |= draw(st.sampled_from(FALLING))
     if "link.model" in drawn:
         drawn["team.scouts.relays"] = draw(st.booleans())
-    water = ragged(draw(st.integers(0, 999)), draw(st.sampled_from((0.6, 0.9))))
-    given = [written(*each) for each in drawn.items() if each[1] is not None]
-    return Setup.of(
-        load_scenario("comb-port", ["map.starts=[]", "items.std=2", "horizon=12", *given]), water
-    )
+    given = tuple(written(*each) for each in drawn.items() if each[1] is not None)
+    return Drawn(given, draw(st.integers(0, 999)), draw(st.sampled_from((0.6, 0.9))))

@@ -25,7 +25,8 @@ class SlowLink:
         self.relays = [one or link.relay for one in relays]
         self.heard: dict[tuple[int, int, int], int] = {}
         self.bad: set[tuple[int, int]] = set()
-        self.sent = self.lost = self.dropped = self.bytes = 0
+        self.copies: list[int] = []  # when each arrives, whoever has sent it too
+        self.lost = self.dropped = self.bytes = 0
 
     def signal(self, water: SlowMap, at: list[int], i: int, j: int, step: int) -> float:
         """Signal to noise [dB]; below 0 there is no contact."""
@@ -97,11 +98,11 @@ class SlowLink:
                 budget, cells = budget - 6 - 3 * full, cells - 1 - full
                 self.bytes += 6 + 3 * full
                 for j in lacking:
-                    self.sent += 1
                     about = look, 6 + 3 * full, self.snr[i, j], now
                     if (i, j) in self.bad or self.garbled(n, i, j, *about):
                         self.lost += 1
                     else:
                         arriving.add((j, a, s))
+                        self.copies.append(now + self.link.latency)
         for each in arriving:
             self.heard[each] = now + self.link.latency

@@ -4,6 +4,7 @@ Draws are of the streams of `graph_planner.randomness`; what they decide is work
 """
 
 import math
+from collections import Counter
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -39,6 +40,7 @@ class Eyes:
 
     def __init__(self, scenario: Scenario, water: SlowMap, key: int) -> None:
         self.sensors, self.water, self.key = scenario.sensors, water, key
+        self.met = Counter[str]()  # how often something has happened
 
     def chance(self, distance: float) -> float:
         """Chance to detect a mean item."""
@@ -70,7 +72,9 @@ class Eyes:
             to_row, to_col = self.water.cells[other]
             off = math.atan2(row - to_row, to_col - col) - yaw
             off = abs(math.remainder(off, 2.0 * math.pi))
-            if other == node or off <= math.radians(self.sensors.fov_deg) / 2.0 + 1e-9:
+            ahead = off <= math.radians(self.sensors.fov_deg) / 2.0 + 1e-9
+            self.met["out of the field of view"] += not ahead
+            if other == node or ahead:
                 seen.append(other)
         return seen
 
@@ -80,13 +84,18 @@ class Eyes:
             return True
         chance = self.chance(distance) * self.hardness(item)
         if drawn(self.key, Stream.DETECTION, item, step) >= chance:
+            self.met["missed"] += 1
             return False
-        return not another or drawn(self.key, Stream.MERGING, item, step) >= self.sensors.merge
+        merged = another and drawn(self.key, Stream.MERGING, item, step) < self.sensors.merge
+        self.met["overlooked beside another"] += merged
+        return not merged
 
     def ghost(self, node: int, step: int) -> bool:
         """Whether an item is seen in a node that is none."""
         epoch = step // self.sensors.false_hold
-        return drawn(self.key, Stream.GHOSTS, node, epoch) < self.sensors.false_rate
+        there = drawn(self.key, Stream.GHOSTS, node, epoch) < self.sensors.false_rate
+        self.met["invented"] += there
+        return there
 
 
 @dataclass

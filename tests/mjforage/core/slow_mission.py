@@ -156,6 +156,7 @@ class SlowMission:
             known = [d for d in open_to if d != STAY and belief.get(options[d][0], 0) > 0]
             open_to = known or open_to
         draw = drawn(self.key, Stream.CORRUPTION, len(self.agents) + number, self.step)
+        self.eyes.met["random action"] += 1
         return open_to[int(draw * len(open_to))]
 
     def mind_of(self, number: int) -> Mind:
@@ -173,6 +174,7 @@ class SlowMission:
                 best = max(options, key=lambda d, n=number: preferences[n, d])  # type: ignore[misc]
             ways[number] = (STAY, agent.node, 0) if best is None else (best, *options[best])
             agent.blocked = best is None
+            self.eyes.met["blocked"] += agent.blocked
             chosen.add(ways[number][1])
         for number, (direction, node, steps) in ways.items():
             agent = self.agents[number]
@@ -186,6 +188,8 @@ class SlowMission:
         """Agents that collect take what is in their node, while they have room."""
         for number, agent in enumerate(self.agents):
             agent.took = False
+            self.eyes.met["full"] += agent.room_left == 0
+            self.eyes.met["out of energy"] += agent.energy_left < 1.0
             for k in sorted(self.items) if agent.role.collects else ():
                 if self.water.node_of(self.items[k]) == agent.node and agent.room_left > 0:
                     del self.items[k]
@@ -263,6 +267,7 @@ class SlowMission:
                 self.minds[holder].hear(self.looks[a, s])
                 if s < self.step:
                     self.late[holder].append(self.looks[a, s])
+                    self.eyes.met["heard late"] += 1
 
     def advance(self, preferences: NDArray[np.float64]) -> None:
         """One step: move, collect, drift, look."""
