@@ -12,7 +12,7 @@ from graph_planner.walls import WALLS
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 
-TEAMS = {
+TEAMS: dict[str, Any] = {
     "team.scouts.count": (0, 1, 2, 3),
     "team.scouts.moves": (1, 2, 3),
     "team.scouts.radius": (1.0, 2.5, 4.0),
@@ -26,7 +26,7 @@ TEAMS = {
     "rules.walls": WALLS,
     "rules.order": ([], ["scouts", "foragers"]),
 }
-WORLD = {
+WORLD: dict[str, Any] = {
     "items.mean": (2.0, 8.0, 25.0),
     "items.hotspots": (1, 3),
     "map.corner_cutting": (True, False),
@@ -35,16 +35,16 @@ WORLD = {
     "weather.drift_node_per_step": (0.1, 0.6),
     "weather.noise_node_per_step": (0.0, 0.09),
 }
-WIND = {
+WIND: dict[str, Any] = {
     "weather.wind_speed_mps": (2.0, 7.0),
     "weather.wind_from_deg": (0.0, 70.0, 200.0, None),
 }
-CORRUPTION = {
+CORRUPTION: dict[str, Any] = {
     "corruption.team": ("scouts", "foragers"),
     "corruption.epsilon": (0.3, 1.0),
     "corruption.whole_team": (True, False),
 }
-EYES = {
+EYES: dict[str, Any] = {
     "sensors.detection": (0.6, 0.9),
     "sensors.slope_node": (0.5, 1.0),
     "sensors.persistence": (0.0, 0.3),
@@ -54,13 +54,13 @@ EYES = {
     "sensors.fov_deg": (360.0, 200.0, 90.0),
     "sensors.map": ("last", "filtered"),
 }
-FALLING = (
+FALLING: tuple[dict[str, Any], ...] = (
     {},
     {"sensors.half_range_node": 2.0},
     {"sensors.detection_table": [[0.0, 0.9], [2.0, 0.5]]},
     {"sensors.detection": 1.0, "sensors.persistence": 0.0, "sensors.merge": 0.3},
 )
-LINK = {
+LINK: dict[str, Any] = {
     "link.model": ("none", "disk", "disk", "log-distance"),
     "link.range_m": (6.0, 15.0, 1000.0),
     "link.wall_db": (0.0, 10.0),
@@ -111,10 +111,10 @@ class Drawn:
 @st.composite
 def scenarios(draw: st.DrawFn) -> Drawn:
     """Scenarios of all kinds."""
-    choices = TEAMS | WORLD
+    choices: dict[str, Any] = TEAMS | WORLD
     for part in (WIND, CORRUPTION, EYES, LINK):
         choices = choices | (part if draw(st.booleans()) else {})
-    drawn = {key: draw(st.sampled_from(values)) for key, values in choices.items()}
+    drawn: dict[str, Any] = {key: draw(st.sampled_from(values)) for key, values in choices.items()}
     if drawn["team.scouts.count"] + drawn["team.foragers.count"] == 0:
         drawn["team.scouts.count"] = 2
     if "sensors.detection" in drawn:

@@ -29,7 +29,7 @@ class Look:
     node: int
     counts: dict[int, int]  # node -> items, of the nodes that it sees
     energy_left: float
-    room_left: int
+    room_left: float
     taken: int
     took: bool
     yaw: float
@@ -46,7 +46,8 @@ class Eyes:
         """Chance to detect a mean item."""
         eyes = self.sensors
         if eyes.detection_table:
-            return float(np.interp(distance, *zip(*eyes.detection_table, strict=True)))
+            at, chances = np.array(eyes.detection_table).T
+            return float(np.interp(distance, at, chances))
         if eyes.half_range_node == 0.0:
             return eyes.detection
         return eyes.detection / (

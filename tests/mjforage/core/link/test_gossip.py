@@ -115,7 +115,7 @@ def test_what_arrives_is_heard_once_in_the_order_of_its_steps() -> None:
 
 
 def test_a_look_that_two_send_at_once_is_under_way_twice() -> None:
-    """0 and 1 both tell 2 of the look of 0 in decision 1: the second copy has not arrived either."""
+    """0 and 1 both tell 2 of the look of 0: the second copy has not arrived either."""
     talk = Talk((0, 1), latency=1)
     talk.step(0)
     talk.hear(0)
