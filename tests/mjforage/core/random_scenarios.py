@@ -19,7 +19,7 @@ TEAMS: dict[str, Any] = {
     "team.scouts.energy": (0.0, 9.0),
     "team.foragers.count": (0, 1, 2, 3),
     "team.foragers.radius": (0.0, 1.0, 2.0),
-    "team.foragers.capacity": (0, 2),
+    "team.foragers.capacity": (0, 1),
     "team.foragers.energy": (0.0, 6.0),
     "rules.stay": (True, False),
     "rules.shorten": (True, False),
