@@ -40,7 +40,8 @@ class Mail(NamedTuple):
     newest: NDArray[np.int64]  # (episode, holder, agent) step of the newest heard or in flight
     complete: NDArray[np.int64]  # (episode, holder, agent) all up to this step are
     arrived: NDArray[np.int64]  # (episode, holder, agent) all up to this step are heard
-    flying: NDArray[np.int64]  # (episode,) looks sent that have not arrived
+    flying: NDArray[np.int64]  # (episode,) copies of looks sent that have not arrived
+    landing: NDArray[np.int64]  # (episode, step) copies that arrive then, whoever else sent them
     arriving: NDArray[np.int64]  # memory: flat places in `heard_at` of an episode
     wanted: NDArray[np.int64]  # (agent, 2) memory: first and last step of what to look through
     heard: Int32Array  # (look, 4) memory: row, episode, step and agent of what is heard
@@ -65,6 +66,7 @@ def mail(episodes: int, agents: int, horizon: int) -> Mail:
         complete=np.full(pairs, NOT_HEARD, np.int64),
         arrived=np.full(pairs, NOT_HEARD, np.int64),
         flying=np.zeros(episodes, np.int64),
+        landing=np.zeros((episodes, horizon + 1), np.int64),
         arriving=np.empty(looks, np.int64),
         wanted=np.empty((agents, 2), np.int64),
         heard=np.empty((looks, 4), np.int32),
@@ -238,7 +240,7 @@ def pass_on(
     """
     heard_at, newest, complete, arriving = mail.heard_at, mail.newest, mail.complete, mail.arriving
     agents, steps, snr_db = heard_at.shape[1], heard_at.shape[3], contacts.snr_db
-    met, flying = traffic.contacts, mail.flying
+    met, sent, lost = traffic.contacts, traffic.sent, traffic.lost
     for e in range(active.size):
         if not active[e]:
             continue
@@ -247,9 +249,12 @@ def pass_on(
             _post(e, (i * agents + i) * steps + now, now, heard_at, newest, complete)
             for j in range(i):
                 met[e] += snr_db[e, i, j] >= 0.0
+        before = sent[e] - lost[e]
         number = _exchange(terms, keys[e], e, now, log, contacts, mail, traffic)
-        flying[e] += number
-        at = min(now + terms.latency, LAST)
+        copies, at = sent[e] - lost[e] - before, min(now + terms.latency, LAST)
+        mail.flying[e] += copies
+        if at < steps:
+            mail.landing[e, at] += copies
         for k in range(number):
             _post(e, arriving[k], at, heard_at, newest, complete)
 
@@ -279,5 +284,5 @@ def arrivals(e: int, now: int, mail: Mail) -> int:
         for a in range(agents):
             while arrived[e, h, a] < now and 0 <= heard_at[e, h, a, arrived[e, h, a] + 1] <= now:
                 arrived[e, h, a] += 1
-    mail.flying[e] -= number - agents  # one's own look does not fly
+    mail.flying[e] -= mail.landing[e, now]
     return number

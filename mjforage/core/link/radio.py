@@ -192,7 +192,7 @@ class Radio:
 
         moved = {
             name: put_rows(getattr(mine.mail, name), rows, getattr(theirs.mail, name))
-            for name in ("heard_at", "newest", "complete", "arrived", "flying")
+            for name in ("heard_at", "newest", "complete", "arrived", "flying", "landing")
         }
         self._net = mine._replace(
             keys=put_rows(mine.keys, rows, theirs.keys),

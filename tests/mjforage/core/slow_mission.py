@@ -1,161 +1,309 @@
 """The mission of scenario section 1 in plain Python, one episode at a time: the kernels' oracle.
 
-It shares with the code under test the initial world, the noise numbers and the graph's edges and
-views (which have oracles of their own), and nothing else.
+It shares with the code under test the scenario, the cells of the map, where agents start, and the
+numbers of the counter-based streams; what is decided with them is worked out here.
 """
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from graph_planner.randomness import Stream, episode_keys, stream_key
+from graph_planner.fleet import Role
+from graph_planner.randomness import Stream, episode_keys, normal, stream_key
 from mjforage.core.initial_state import item_noise
 from mjforage.core.setup import Setup
+from tests.mjforage.core.slow_link import SlowLink
+from tests.mjforage.core.slow_map import COMPASS, SlowMap
+from tests.mjforage.core.slow_minds import Eyes, Look, Mind, drawn
+
+STAY = 8
 
 
 @dataclass
-class Slow:
-    """State of one episode, in Python objects."""
+class Agent:
+    """One vessel."""
 
-    nodes: list[int]
-    items: dict[int, tuple[float, float]]
-    idleness: NDArray[np.float64]
-    belief: NDArray[np.int64]
-    found: dict[int, tuple[int, int]] = field(default_factory=dict)
-    taken: dict[int, tuple[int, int]] = field(default_factory=dict)
-    step: int = 0
+    role: Role
+    team: str
+    node: int
+    yaw: float = 0.0  # to the east, counter-clockwise
+    way: float = 0.0  # so far
+    taken: int = 0
+    took: bool = False  # in this step
+    blocked: bool = False
+    direction: int = -1
+    steps: int = 0
+
+    @property
+    def energy_left(self) -> float:
+        """Way that it can still go."""
+        return max(self.role.energy - self.way, 0.0) if self.role.energy else math.inf
+
+    @property
+    def room_left(self) -> float:
+        """Items that it can still take."""
+        return self.role.capacity - self.taken if self.role.capacity else math.inf
+
+
+def length_of(direction: int, steps: int) -> float:
+    """Way of a move [node]."""
+    return steps * math.hypot(*COMPASS[direction]) if direction < STAY else 0.0
 
 
 class SlowMission:
     """Plays one episode by the book."""
 
     def __init__(self, setup: Setup, seed: int, episode: int) -> None:
-        self.setup, self.graph, self.fleet = setup, setup.graph, setup.fleet
+        self.scenario = scenario = setup.scenario
+        self.water = SlowMap(setup.grid.navigable, scenario.map.corner_cutting)
         keys = episode_keys(seed, np.array([episode]))
-        world = setup.create_initial_state(keys)
-        self.drift = world.drift_rc[0]
-        self.noise_key = np.uint64(stream_key(keys[0], Stream.NOISE))
-        n = int(world.n_items[0])
-        self.state = Slow(
-            nodes=world.agent_node[0].tolist(),
-            items={k: (world.item_rc[0, k, 0], world.item_rc[0, k, 1]) for k in range(n)},
-            idleness=np.ones(len(self.graph)),
-            belief=np.zeros(len(self.graph), np.int64),
-        )
-        self.total = n
-        self.travelled = [0.0] * len(self.fleet)
-        self._see()
+        self.key, self.step = int(keys[0]), 0
+        starts = setup.create_initial_state(keys).agent_node[0].tolist()
+        roles = [(name, role) for name, role in scenario.team.items() for _ in range(role.count)]
+        self.agents = [
+            Agent(role, name, node) for (name, role), node in zip(roles, starts, strict=True)
+        ]
+        self.items, self.drift = self._items(), self._drift()
+        self.total = len(self.items)
+        self.found: dict[int, tuple[int, int]] = {}  # item -> (step, agent)
+        self.taken: dict[int, tuple[int, int]] = {}
+        self.eyes = Eyes(scenario, self.water, self.key)
+        self.looks: dict[tuple[int, int], Look] = {}
+        self.pooled = Mind(scenario, self.eyes)
+        self.late: list[list[Look]] = []
+        self.link, self.minds = None, [self.pooled]
+        if scenario.link.model != "ideal":
+            relays = [agent.role.relays for agent in self.agents]
+            about = scenario.map.pitch_m, scenario.horizon, relays, self.key
+            self.link = SlowLink(scenario.link, *about)
+            self.minds = [Mind(scenario, self.eyes) for _ in self.agents]
+        self.item_nodes: list[dict[int, int]] = []
+        self._look()
 
-    def node_of(self, position: tuple[float, float]) -> int:
-        r, c = (int(np.floor(v + 0.5)) for v in position)
-        inside = 0 <= r < self.graph.shape[0] and 0 <= c < self.graph.shape[1]
-        return int(self.graph.node_of_cell[r, c]) if inside else -1
+    def _normal(self, index: int, step: int) -> float:
+        stream = stream_key(np.uint64(self.key), Stream.ITEMS)
+        return float(normal(np.uint64(stream), index, step))
 
-    def truth(self) -> NDArray[np.int64]:
-        counts = np.zeros(len(self.graph), np.int64)
-        for position in self.state.items.values():
-            counts[self.node_of(position)] += 1
-        return counts
+    def _items(self) -> dict[int, tuple[float, float]]:
+        """Items around the hotspots, dealt out in turn."""
+        items, cells = self.scenario.items, self.water.cells
+        count = max(1, round(items.mean + items.std * self._normal(0, 0)))
+        spread, walls = math.sqrt(items.covariance_node2), self.scenario.rules.walls
+        places = {}
+        for k in range(count):
+            pick = drawn(self.key, Stream.ITEMS, 1 + k % items.hotspots, 1)
+            row, col = cells[int(pick * len(cells))]
+            off = spread * self._normal(2 * k, 2), spread * self._normal(2 * k + 1, 2)
+            places[k] = self.water.pushed_into_water((row + off[0], col + off[1]), walls)
+        return places
 
-    def views(self, agent: int) -> set[int]:
-        task = self.setup.task
-        radius = int(task.radius_number[agent])
-        return set(task.views.of(self.state.nodes[agent], radius).tolist())
+    def _drift(self) -> tuple[float, float]:
+        """(row, column) of the episode's drift [node/step]: 3 % of a wind, or the paper's."""
+        weather, scenario = self.scenario.weather, self.scenario
+        if weather.wind_speed_mps is None:
+            reach = weather.drift_node_per_step
+            row, col = (2.0 * drawn(self.key, Stream.WEATHER, axis, 0) - 1.0 for axis in (0, 1))
+            return reach * row, reach * col
+        nodes = 0.03 * weather.wind_speed_mps * scenario.period_s / scenario.map.pitch_m
+        if weather.wind_from_deg is None:
+            toward = 2.0 * math.pi * drawn(self.key, Stream.WEATHER, 0, 1000)
+            return -nodes * math.sin(toward), nodes * math.cos(toward)
+        bearing = math.radians(weather.wind_from_deg)
+        return nodes * math.cos(bearing), -nodes * math.sin(bearing)  # from the north: southward
+
+    @property
+    def over(self) -> bool:
+        """Whether the episode has ended."""
+        return self.step >= self.scenario.horizon or not self.items
+
+    def order(self) -> list[int]:
+        """Agents as they choose: teams that collect first, in a team the highest number."""
+        team, first = self.scenario.team, list(self.scenario.rules.order)
+        names = first or sorted(team, key=lambda name: (not team[name].collects, name))
+        numbers = range(len(self.agents))
+        return sorted(numbers, key=lambda a: (names.index(self.agents[a].team), -a))
+
+    def legal(self, agent: Agent, chosen: set[int]) -> dict[int, tuple[int, int]]:
+        """Direction -> (node, steps) of the moves that an agent can make."""
+        rules, options = self.scenario.rules, {}
+        for d in range(8):
+            way = [agent.node]
+            for _ in range(agent.role.moves):
+                following = self.water.beside(way[-1], d)
+                if following < 0 or following in chosen:
+                    break
+                way.append(following)
+            steps = len(way) - 1
+            whole = steps == agent.role.moves or (rules.shorten and steps > 0)
+            if whole and length_of(d, steps) <= agent.energy_left + 1e-9:
+                options[d] = (way[-1], steps)
+        if rules.stay and agent.node not in chosen:
+            options[STAY] = (agent.node, 0)
+        return options
+
+    def corrupted(self, number: int, options: dict[int, tuple[int, int]]) -> int | None:
+        """The move that takes the place of an agent's own; None if it keeps that."""
+        choice, agent = self.scenario.corruption, self.agents[number]
+        who = -1 if choice.whole_team else number
+        hit = drawn(self.key, Stream.CORRUPTION, who, self.step) < choice.epsilon
+        if agent.team != choice.team or not hit or not options:
+            return None
+        open_to, belief = list(options), self.mind_of(number).belief()
+        if choice.whole_team and agent.role.collects:
+            known = [d for d in open_to if d != STAY and belief.get(options[d][0], 0) > 0]
+            open_to = known or open_to
+        draw = drawn(self.key, Stream.CORRUPTION, len(self.agents) + number, self.step)
+        self.eyes.met["random action"] += 1
+        return open_to[int(draw * len(open_to))]
+
+    def mind_of(self, number: int) -> Mind:
+        """By what an agent acts."""
+        return self.minds[number if self.link else 0]
 
     def move(self, preferences: NDArray[np.float64]) -> None:
-        rules, chosen = self.setup.scenario.rules, set[int]()
-        for agent in self.fleet.order.tolist():
-            here, options = self.state.nodes[agent], {}
-            for d in range(8):
-                way = [here]
-                for _ in range(int(self.fleet.moves[agent])):
-                    following = int(self.graph.neighbours[way[-1], d])
-                    if following < 0 or following in chosen:
-                        break
-                    way.append(following)
-                whole = len(way) == self.fleet.moves[agent] + 1
-                length = (len(way) - 1) * (np.sqrt(2) if d % 2 else 1.0)
-                enough = self.travelled[agent] + length <= self.fleet.energy[agent] + 1e-9
-                if len(way) > 1 and (whole or rules.shorten) and enough:
-                    options[d] = (way[-1], length)
-            if rules.stay and here not in chosen:
-                options[8] = (here, 0.0)
-            best = max(options, key=lambda d, a=agent: preferences[a, d], default=None)  # type: ignore[misc]
-            target, length = options[best] if best is not None else (here, 0.0)
-            self.state.nodes[agent] = target
-            self.travelled[agent] += length
-            chosen.add(target)
+        """Let agents choose one after the other; nobody enters a node that is taken."""
+        chosen, ways = set[int](), {}
+        for number in self.order():
+            agent = self.agents[number]
+            options = self.legal(agent, chosen)
+            best = self.corrupted(number, options)
+            if best is None and options:
+                best = max(options, key=lambda d, n=number: preferences[n, d])  # type: ignore[misc]
+            ways[number] = (STAY, agent.node, 0) if best is None else (best, *options[best])
+            agent.blocked = best is None
+            self.eyes.met["blocked"] += agent.blocked
+            chosen.add(ways[number][1])
+        for number, (direction, node, steps) in ways.items():
+            agent = self.agents[number]
+            agent.direction, agent.node, agent.steps = direction, node, steps
+            agent.way += length_of(direction, steps)
+            if direction < STAY:
+                down, right = COMPASS[direction]
+                agent.yaw = math.atan2(-down, right)
 
     def collect(self) -> None:
-        for agent in range(len(self.fleet)):
-            room = int(self.fleet.capacity[agent]) - sum(
-                by == agent for _, by in self.state.taken.values()
-            )
-            for k in sorted(self.state.items):
-                here = self.node_of(self.state.items[k]) == self.state.nodes[agent]
-                if self.fleet.collects[agent] and here and room > 0:
-                    del self.state.items[k]
-                    room -= 1
-                    self.state.taken[k] = (self.state.step, agent)
-                    self.state.found.setdefault(k, (self.state.step, agent))
+        """Agents that collect take what is in their node, while they have room."""
+        for number, agent in enumerate(self.agents):
+            agent.took = False
+            self.eyes.met["full"] += agent.room_left == 0
+            self.eyes.met["out of energy"] += agent.energy_left < 1.0
+            for k in sorted(self.items) if agent.role.collects else ():
+                if self.water.node_of(self.items[k]) == agent.node and agent.room_left > 0:
+                    del self.items[k]
+                    agent.taken, agent.took = agent.taken + 1, True
+                    self.taken[k] = (self.step, number)
+                    self.found.setdefault(k, (self.step, number))
 
     def drift_items(self) -> None:
-        strength = self.setup.scenario.weather.noise_node_per_step
-        for k, (row, col) in self.state.items.items():
-            noise = item_noise(self.noise_key, k, self.state.step)
-            row = row + (self.drift[0] + strength * noise[0])
-            col = col + (self.drift[1] + strength * noise[1])
-            self.state.items[k] = self.pushed_into_water(row, col)
+        """Items drift by the constant vector and their own noise."""
+        stream = np.uint64(stream_key(np.uint64(self.key), Stream.NOISE))
+        strength, walls = self.scenario.weather.noise_node_per_step, self.scenario.rules.walls
+        for k, (row, col) in self.items.items():
+            noise = item_noise(stream, k, self.step)
+            place = (
+                row + (self.drift[0] + strength * noise[0]),
+                col + (self.drift[1] + strength * noise[1]),
+            )
+            self.items[k] = self.water.pushed_into_water(place, walls)
 
-    def pushed_into_water(self, row: float, col: float) -> tuple[float, float]:
-        if self.node_of((row, col)) >= 0:
-            return row, col
-        height, width = self.graph.shape
-        row, col = min(max(row, 0.0), height - 1.0), min(max(col, 0.0), width - 1.0)
-        squared = (self.graph.rows - row) ** 2 + (self.graph.cols - col) ** 2
-        node = int(np.argmin(squared))
-        r, c = int(self.graph.rows[node]), int(self.graph.cols[node])
-        walls, off = self.setup.scenario.rules.walls, np.array((row - r, col - c))
-        if walls == "clip" or abs(off).max() <= 0.49:
-            return min(max(row, r - 0.49), r + 0.49), min(max(col, c - 0.49), c + 0.49)
-        back = off * (0.49 / abs(off).max())
-        if walls == "published":
-            smaller = 0 if abs(off[0]) < abs(off[1]) else 1
-            back[smaller] = abs(back[smaller]) * np.sign(off.min())
-        return r + float(back[0]), c + float(back[1])
+    def truth(self) -> NDArray[np.int64]:
+        """(node,) items."""
+        counts = np.zeros(len(self.water.cells), np.int64)
+        np.add.at(counts, [self.water.node_of(place) for place in self.items.values()], 1)
+        return counts
 
-    def _see(self) -> None:
-        state, truth = self.state, self.truth()
-        if state.step > 0:
-            growth = 1.0 / (0.9 * self.setup.scenario.horizon)
-            state.idleness = np.clip(state.idleness + growth, 0.0, 1.0)
-        for agent in [*self.fleet.discoverers.tolist(), *self.fleet.collectors.tolist()]:
-            for node in self.views(agent):
-                state.idleness[node] = 0.0
-                state.belief[node] = truth[node]
-            for k, position in state.items.items():
-                if k not in state.found and self.node_of(position) in self.views(agent):
-                    state.found[k] = (state.step, agent)
+    def in_view(self, number: int) -> list[int]:
+        """Nodes that an agent sees now."""
+        agent = self.agents[number]
+        return self.eyes.in_view(agent.node, agent.role.radius, agent.yaw)
+
+    def _seen_by(self, number: int, where: dict[int, int]) -> dict[int, int]:
+        """Node -> items that an agent sees; items not seen by anybody before are found."""
+        agent, sensors = self.agents[number], self.scenario.sensors
+        counts = dict.fromkeys(self.in_view(number), 0)
+        for k, node in where.items():
+            if node not in counts:
+                continue
+            away = self.water.apart(agent.node, node)
+            if self.eyes.detects(k, away, self.step, counts[node] > 0):
+                counts[node] += 1
+                self.found.setdefault(k, (self.step, number))
+        manned = {other.node for other in self.agents if other.role.collects}
+        for node in counts if sensors.false_rate else ():
+            counts[node] += node not in manned and self.eyes.ghost(node, self.step)
+        return counts
+
+    def _look(self) -> None:
+        """All look, those that do not collect first; then looks are passed on."""
+        where = {k: self.water.node_of(place) for k, place in sorted(self.items.items())}
+        self.item_nodes.append(where)
+        numbers = range(len(self.agents))
+        for number in sorted(numbers, key=lambda a: (self.agents[a].role.collects, a)):
+            agent = self.agents[number]
+            self.looks[number, self.step] = look = Look(
+                step=self.step,
+                agent=number,
+                node=agent.node,
+                counts=self._seen_by(number, where),
+                energy_left=agent.energy_left,
+                room_left=agent.room_left,
+                taken=agent.taken,
+                took=agent.took,
+                yaw=agent.yaw,
+            )
+            self.pooled.hear(look)
+        if self.link:
+            self._pass_on(self.link)
+
+    def _pass_on(self, link: SlowLink) -> None:
+        at = [agent.node for agent in self.agents]
+        link.exchange(self.looks, at, self.water, self.step)
+        self.late = [[] for _ in self.minds]
+        for (holder, a, s), when in sorted(link.heard.items(), key=lambda one: one[0][::-1]):
+            if when == self.step:
+                self.minds[holder].hear(self.looks[a, s])
+                if s < self.step:
+                    self.late[holder].append(self.looks[a, s])
+                    self.eyes.met["heard late"] += 1
 
     def advance(self, preferences: NDArray[np.float64]) -> None:
-        self.state.step += 1
+        """One step: move, collect, drift, look."""
+        self.step += 1
         self.move(preferences)
         self.collect()
         self.drift_items()
-        self._see()
+        self._look()
 
-    def rmse(self) -> tuple[float, float]:
-        grid = np.zeros((2, *self.graph.shape))
-        grid[0][self.graph.navigable] = self.truth()
-        grid[1][self.graph.navigable] = self.state.belief
+    def idleness(self) -> NDArray[np.float64]:
+        """(node,) 1 before the first look, then 0 and growing by 1 / (0.9 T)."""
+        growth = 1.0 / (0.9 * self.scenario.horizon)
+        seen = self.pooled.newest
+        unseen_for = [self.step - seen[n][0] if n in seen else math.inf for n in self._nodes]
+        return np.minimum(1.0, growth * np.array(unseen_for))
+
+    @property
+    def _nodes(self) -> range:
+        return range(len(self.water.cells))
+
+    def map_of(self, belief: dict[int, int]) -> NDArray[np.int64]:
+        """(node,) items believed."""
+        return np.array([belief.get(node, 0) for node in self._nodes])
+
+    def rmse(self, one: NDArray[np.int64], other: NDArray[np.int64]) -> tuple[float, float]:
+        """Error between two maps, over the nodes and per column."""
+        grid = np.zeros((2, self.water.height, self.water.width))
+        rows, cols = zip(*self.water.cells, strict=True)
+        grid[0, rows, cols], grid[1, rows, cols] = one, other
         squared = (gaussian_filter(grid[0], 1.0) - gaussian_filter(grid[1], 1.0)) ** 2
-        nodes = float(np.sqrt(squared[self.graph.navigable].mean()))
+        nodes = float(np.sqrt(squared[rows, cols].mean()))
         return nodes, float(np.sqrt(squared.mean(axis=0)).mean())
 
-    def overlap(self, team: NDArray[np.int64]) -> float:
-        seen = [node for agent in team.tolist() for node in self.views(agent)]
-        distinct = set(seen)
-        twice = {node for node in distinct if seen.count(node) >= 2}
-        return len(twice) / len(distinct) if distinct else float("nan")
+    def overlap(self, collects: bool) -> float:
+        """Nodes that two of a kind see, of those that one sees."""
+        numbers = [n for n, agent in enumerate(self.agents) if agent.role.collects == collects]
+        seen = [node for number in numbers for node in self.in_view(number)]
+        twice = {node for node in seen if seen.count(node) >= 2}
+        return len(twice) / len(set(seen)) if seen else math.nan

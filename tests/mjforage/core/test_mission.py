@@ -1,33 +1,16 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from graph_planner.policies import create_policy
 from graph_planner.task import Observation, Task
 from graph_planner.walls import WALLS
 from mjforage.core.errors import UserError
-from mjforage.core.maps import GridMap
 from mjforage.core.mission import Mission
 from mjforage.core.mission_metrics import Scorer
 from mjforage.core.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree
 from mjforage.core.setup import Setup
 from tests.brief_policies import brief_policies
-from tests.mjforage.core.slow_mission import SlowMission
-
-VARIANTS = {
-    "published": (),
-    "comb-port": (),
-    "open-bay": (
-        "team.foragers.radius=2.5",
-        "weather.drift_node_per_step=0.6",
-        "rules.walls=project",
-    ),
-    "channels": (
-        *("team.scouts.moves=3", "team.scouts.energy=25", "team.foragers.capacity=3"),
-        "rules.walls=published",
-    ),
-}
 
 
 def setup_of(preset: str, *overrides: str) -> Setup:
@@ -42,83 +25,6 @@ def played(
     scorer = Scorer(mission)
     mission.run(create_policy(policy), (scorer,))
     return scorer, mission
-
-
-@pytest.mark.parametrize("preset", VARIANTS)
-def test_kernels_agree_with_the_mission_in_plain_python(preset: str) -> None:
-    """Every step of two episodes: nodes, items, belief, idleness, events, RMSE and overlap."""
-    more = ("horizon=60", "items.mean=40", "team.foragers.count=3", *VARIANTS[preset])
-    setup = setup_of(preset, *more)
-    mission = Mission(setup)
-    mission.reset(5, np.arange(2))
-    scorer = Scorer(mission)
-    scorer.see(mission)
-    slow = [SlowMission(setup, 5, episode) for episode in range(2)]
-    rng = np.random.default_rng(0)
-    while mission.active.any():
-        agree(mission, slow)
-        preferences = rng.random((2, len(setup.fleet), 9))
-        active = mission.active.copy()
-        mission.advance(preferences)
-        scorer.see(mission)
-        for e in np.flatnonzero(active).tolist():
-            slow[e].advance(preferences[e])
-    agree(mission, slow)
-    courses = scorer.scores().courses
-    for i, oracle in enumerate(slow):
-        end = oracle.state.step
-        errors = courses["rmse"][i, end], courses["rmse_columns"][i, end]
-        assert errors == pytest.approx(oracle.rmse(), abs=1e-12)
-        assert courses["mi"][i, end] == pytest.approx(oracle.state.idleness.mean(), abs=1e-12)
-        assert courses["co_scouts"][i, -1] == oracle.overlap(setup.fleet.discoverers)
-        assert courses["co_foragers"][i, -1] == oracle.overlap(setup.fleet.collectors)
-        assert mission.state.distance[i] == pytest.approx(oracle.travelled)
-
-
-@pytest.mark.parametrize("seed", range(12))
-def test_kernels_agree_on_small_ragged_maps_with_water_at_the_border(seed: int) -> None:
-    """Items drift hard against land and against the edge of the array."""
-    rng = np.random.default_rng(seed)
-    label, _ = ndimage.label(rng.random((rng.integers(3, 12), rng.integers(3, 12))) < 0.75)
-    navigable = label == np.bincount(label.ravel())[1:].argmax() + 1
-    overrides = (
-        *("horizon=25", "items.mean=30", "map.starts=[]", "team.scouts.count=1"),
-        *("team.foragers.count=1", "weather.drift_node_per_step=0.4"),
-        f"map.corner_cutting={str(bool(seed % 2)).lower()}",
-        f"rules.walls={WALLS[seed % 3]}",
-    )
-    setup = Setup(load_scenario("comb-port", overrides), GridMap("ragged", navigable))
-    mission, slow = Mission(setup), [SlowMission(setup, seed, e) for e in range(3)]
-    mission.reset(seed, np.arange(3))
-    while mission.active.any():
-        agree(mission, slow)
-        preferences = rng.random((3, 2, 9))
-        active = mission.active.copy()
-        mission.advance(preferences)
-        for e in np.flatnonzero(active).tolist():
-            slow[e].advance(preferences[e])
-    agree(mission, slow)
-
-
-def agree(mission: Mission, slow: list[SlowMission]) -> None:
-    for e, oracle in enumerate(slow):
-        state, model, entries = oracle.state, mission.knowledge, mission.ledger.entries
-        assert mission.state.agent_node[e].tolist() == state.nodes
-        present = np.flatnonzero(mission.state.item_node[e] >= 0).tolist()
-        assert present == sorted(state.items)
-        for k in present:
-            assert mission.state.item_rc[e, k] == pytest.approx(state.items[k], abs=1e-12)
-        np.testing.assert_array_equal(entries.truth[e], oracle.truth())
-        np.testing.assert_array_equal(model.belief[e], state.belief)
-        known = model.known[e, : model.n_known[e]]
-        assert sorted(known.tolist()) == np.flatnonzero(state.belief).tolist()
-        idleness = mission.idleness(np.array([e]))[0]
-        np.testing.assert_allclose(idleness, state.idleness, atol=1e-12)
-        for k in range(oracle.total):
-            found = (int(entries.t_discovered[e, k]), int(entries.discovered_by[e, k]))
-            taken = (int(entries.t_collected[e, k]), int(entries.collected_by[e, k]))
-            assert found == state.found.get(k, (-1, -1))
-            assert taken == state.taken.get(k, (-1, -1))
 
 
 @pytest.mark.parametrize("policy", brief_policies())

@@ -103,6 +103,7 @@ def test_what_arrives_is_heard_once_in_the_order_of_its_steps() -> None:
         talk.contacts.bad[:] = False
         if now == 1:
             talk.mail.heard_at[0, 1, 0, 0] = 5  # the lost one is still longer under way
+            talk.mail.landing[0, [3, 5]] += [-1, 1]
         expected = [(h, now, a) for h, a in own]
         expected += [(0, now - 2, 1)] * (now >= 2) + [(1, now - 2, 0)] * (now >= 3)
         expected += [(1, 0, 0)] * (now == 5)
@@ -111,6 +112,18 @@ def test_what_arrives_is_heard_once_in_the_order_of_its_steps() -> None:
         assert talk.mail.arrived[0, 1, 0] == (-1 if now < 5 else 3)
         left = sum(1 for at in talk.mail.heard_at[0].ravel() if at > now)
         assert talk.mail.flying[0] == left
+
+
+def test_a_look_that_two_send_at_once_is_under_way_twice() -> None:
+    """0 and 1 both tell 2 of the look of 0: the second copy has not arrived either."""
+    talk = Talk((0, 1), latency=1)
+    talk.step(0)
+    talk.hear(0)
+    talk.contacts.snr_db[0, :, 2] = talk.contacts.snr_db[0, 2, :] = np.inf
+    talk.step(1)
+    talk.hear(1)
+    copies = int(talk.traffic.sent[0]) - 2  # of which the first two have arrived
+    assert talk.mail.flying[0] == copies > (talk.mail.heard_at == 2).sum()
 
 
 def test_only_who_relays_passes_on_looks_of_others() -> None:
