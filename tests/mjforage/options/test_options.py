@@ -1,0 +1,66 @@
+"""Every option of a policy and every key of a scenario does what it is for, and nothing else."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from graph_planner.auctions import BID_RULES
+from mjforage.core.scenario import Scenario
+from mjforage.core.scenario_file import load_scenario
+from mjforage.core.schema import rows
+from tests.mjforage.core.written_scenarios import MINIMAL, write
+from tests.mjforage.options.scenes import (
+    Scene,
+    differences,
+    excused,
+    key_of,
+    policy_options,
+    scenario_keys,
+    scenes,
+)
+
+SCENES = scenes()
+SHOWN = {(key_of(scene.option), scene.value) for scene in SCENES if scene.changes}
+OF_POLICIES = {one.player: one for one in SCENES if one.option in policy_options()}
+OF_POLICIES = {name: one for name, one in OF_POLICIES.items() if "(" not in name}
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=str)
+def test_an_option_changes_what_it_is_for_and_nothing_else(scene: Scene) -> None:
+    assert differences(scene) == set(scene.changes.split())
+
+
+@pytest.mark.parametrize("scene", OF_POLICIES.values(), ids=OF_POLICIES.keys())
+def test_a_policy_with_its_options_at_their_defaults_is_the_one_without(scene: Scene) -> None:
+    told = {o: v for o, v in policy_options().items() if o.startswith(f"{scene.player}.")}
+    first, *others = (f"{o.partition('.')[2]}={str(v).lower()}" for o, v in told.items())
+    start = replace(scene, option=next(iter(told)))
+    assert not differences(start, ", ".join([first.partition("=")[2], *others]))
+
+
+def test_a_key_at_its_default_is_as_if_it_were_absent(tmp_path: Path) -> None:
+    file = write(tmp_path, MINIMAL)
+    for key, default in scenario_keys().items():
+        if default not in ("", "required", "absent"):
+            given = f"{key.replace('NAME', 'pilots')}={default}"
+            assert load_scenario(file, [given]) == load_scenario(file), given
+
+
+def test_every_option_has_a_scene_or_a_reason_to_have_none() -> None:
+    known = policy_options().keys() | scenario_keys().keys()
+    shown = {option for option, _ in SHOWN}
+    assert known - shown - excused().keys() == set(), "give each a scene (see scenes.py)"
+    assert (shown | excused().keys()) - known == set(), "there are no such options"
+    assert shown & excused().keys() == set(), "these have scenes"
+
+
+def test_every_word_that_an_option_can_be_has_a_scene() -> None:
+    wanted = {("auction.bid", rule) for rule in BID_RULES}
+    default = {("auction.bid", policy_options()["auction.bid"])}
+    for row in rows(Scenario):
+        if row.type == "text" and row.range:
+            wanted |= {(row.key, word) for word in row.range.split(" or ")}
+            default.add((row.key, row.default.strip('"')))
+    assert default < wanted
+    assert wanted - default - SHOWN == set()
