@@ -41,6 +41,21 @@ def test_all_holders_of_an_episode_count() -> None:
     assert (forecasts.sums[1] == 0.0).all() and forecasts.sums[0].sum() > 0.0
 
 
+def test_items_in_view_are_foretold_with_certainty_and_others_are_not() -> None:
+    """Before the first move, by perfect eyes: the last tenth of the chances are those nodes."""
+    mission = Mission(Setup.of(load_scenario("comb-port", ["items.covariance_node2=200"])))
+    mission.reset(2, np.arange(6))
+    in_view = (mission.knowledge.belief > 0).sum(axis=1)
+    assert (in_view > 0).sum() > 1
+    policy = create_policy("belief")
+    mission.prepare(policy)
+    mission.ask(policy)
+    foretold, chances, there, _ = mission.forecasts.sums[:, -1].T
+    np.testing.assert_array_equal(foretold, in_view)
+    np.testing.assert_array_equal(there, in_view)
+    assert (chances >= 0.95 * in_view).all()
+
+
 def test_the_belief_planner_forecasts_with_skill_and_others_not_at_all() -> None:
     """Better than the base rate, and calibrated to .02 where it knows its eyes."""
     overrides = ["horizon=60", "sensors.detection=0.7", "belief.detection=0.7"]
