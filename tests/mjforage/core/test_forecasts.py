@@ -43,8 +43,8 @@ def test_all_holders_of_an_episode_count() -> None:
 
 def test_items_in_view_are_foretold_with_certainty_and_others_are_not() -> None:
     """Before the first move, by perfect eyes: the last tenth of the chances are those nodes."""
-    mission = Mission(Setup.of(load_scenario("comb-port", ["items.covariance_node2=200"])))
-    mission.reset(2, np.arange(6))
+    mission = Mission(Setup.of(load_scenario("comb-port", ["belief.fast=true"])))
+    mission.reset(2, np.arange(24))
     in_view = (mission.knowledge.belief > 0).sum(axis=1)
     assert (in_view > 0).sum() > 1
     policy = create_policy("belief")
