@@ -66,13 +66,10 @@ class Scene:
         return self.policy or self.option.partition(".")[0]
 
 
-def scenes() -> list[Scene]:
-    """All scenes."""
-    found = []
-    for file in sorted(HERE.glob("scenes-*.toml")):
-        tables = _read(file.name)
-        found += [Scene(**tables["common"] | entry) for entry in tables["scenes"]]
-    return found
+def scenes(file: str) -> list[Scene]:
+    """All scenes of `scenes-FILE.toml`."""
+    tables = _read(f"scenes-{file}.toml")
+    return [Scene(**tables["common"] | entry) for entry in tables["scenes"]]
 
 
 def excused() -> dict[str, str]:

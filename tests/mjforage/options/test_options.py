@@ -20,14 +20,32 @@ from tests.mjforage.options.scenes import (
     scenes,
 )
 
-SCENES = scenes()
-SHOWN = {(key_of(scene.option), scene.value) for scene in SCENES if scene.changes}
-OF_POLICIES = {one.player: one for one in SCENES if one.option in policy_options()}
-OF_POLICIES = {name: one for name, one in OF_POLICIES.items() if "(" not in name}
+SCENES = {file: scenes(file) for file in ("policies", "belief", "scenario", "physics")}
+SHOWN = {(key_of(one.option), one.value) for all_ in SCENES.values() for one in all_ if one.changes}
+OF_POLICIES = {one.player: one for one in SCENES["policies"] if "(" not in one.player}
 
 
-@pytest.mark.parametrize("scene", SCENES, ids=str)
-def test_an_option_changes_what_it_is_for_and_nothing_else(scene: Scene) -> None:
+def of_file(file: str) -> pytest.MarkDecorator:
+    return pytest.mark.parametrize("scene", SCENES[file], ids=str)
+
+
+@of_file("policies")
+def test_options_of_policies_change_what_they_are_for_and_nothing_else(scene: Scene) -> None:
+    assert differences(scene) == set(scene.changes.split())
+
+
+@of_file("belief")
+def test_keys_of_belief_change_what_they_are_for_and_nothing_else(scene: Scene) -> None:
+    assert differences(scene) == set(scene.changes.split())
+
+
+@of_file("scenario")
+def test_keys_of_a_scenario_change_what_they_are_for_and_nothing_else(scene: Scene) -> None:
+    assert differences(scene) == set(scene.changes.split())
+
+
+@of_file("physics")
+def test_keys_that_hulls_feel_change_what_they_are_for_and_nothing_else(scene: Scene) -> None:
     assert differences(scene) == set(scene.changes.split())
 
 
