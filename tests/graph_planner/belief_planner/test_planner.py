@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from graph_planner.belief_planner.waiting import approach, regrets
 from graph_planner.belief_planner.ways import ways_of
@@ -76,16 +77,14 @@ def test_a_late_or_blocked_move_does_not_confuse_it() -> None:
 class Watch:
     """What the planner makes of views: everything within `reach` of the middle, and items there."""
 
-    def __init__(
-        self, settings: BeliefSettings = FAST, scout_at: tuple[int, int] = (0, 0)
-    ) -> None:
+    def __init__(self, settings: BeliefSettings = FAST, scout_at: tuple[int, int] = (0, 0)) -> None:
         self.scout_at = scout_at
         self.task = task_of(SEA, scouts=Role(1, 1, 4.0, False), foragers=Role(1, 1, 1.0, True))
         self.task = with_settings(self.task, settings)
         self.policy = BeliefPolicy()
         self.last_seen = np.full(len(SEA), -1, np.int16)
 
-    def look(self, step: int, reach: int, *items: tuple[int, int]) -> None:
+    def look(self, step: int, reach: int, *items: tuple[int, int]) -> NDArray[np.float64]:
         """Decide at a step, with the nodes within reach of (15, 15) in view."""
         near = np.maximum(np.abs(SEA.rows - 15), np.abs(SEA.cols - 15)) <= reach
         self.last_seen[near] = step - 1
@@ -95,7 +94,7 @@ class Watch:
         )
         if step == 1:
             self.policy.reset(self.task, observation.keys)
-        self.policy.act(observation)
+        return self.policy.act(observation)
 
     @property
     def particles(self) -> int:
@@ -213,6 +212,26 @@ def test_a_map_beyond_the_distance_table_works() -> None:
     observation.last_seen[0, large.node_of_cell[40, 50]] = 0
     moves = preferences("belief", task, observation)
     assert int(moves[0, 1].argmax()) in (NE, E, SE)
+
+
+def test_without_hotspots_foragers_go_only_to_what_was_seen() -> None:
+    """An item was seen and is gone; items are expected wherever nobody has looked for long."""
+    parts = {"particles": False, "preposition": False}
+    moves = {}
+    for hotspot in (True, False):
+        watch = Watch(replace(FAST, hotspot=hotspot, **parts))
+        watch.look(1, 1, (15, 15))
+        moves[hotspot] = watch.look(2, 1)[0, 1].argmax()
+        assert (watch.policy.forecast().sum() > 0.5) and watch.sightings == 1
+    assert moves[True] in (N, NW, W) and moves[False] == STAY
+
+
+def test_without_hotspots_scouts_look_where_nobody_has_looked_for_long() -> None:
+    task = task_of(SEA, scouts=Role(1, 1, 4.0, False), foragers=Role(1, 1, 1.0, True))
+    task = with_settings(task, replace(FAST, hotspot=False))
+    last_seen = np.where(SEA.cols > 17, 0, 39).astype(np.int16)
+    observation = observation_of(task, [(15, 15), (0, 0)], {}, last_seen, step=40)
+    assert int(preferences("belief", task, observation)[0, 0].argmax()) in (NE, E, SE)
 
 
 def foretold(seen: list[tuple[tuple[int, int], ...]], **assumptions: float) -> float:

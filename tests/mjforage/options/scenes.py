@@ -130,9 +130,13 @@ def _with_option(policy: str, option: str) -> str:
     return f"{name}({', '.join(filter(None, (given, option)))})"
 
 
+def overrides_of(base: str, *more: str) -> list[str]:
+    """Overrides of the preset open-bay that make a base of it, and more."""
+    return [override.replace("HERE", str(HERE)) for override in (*_bases()[base], *more)]
+
+
 def _mission(scene: Scene, changes: list[str]) -> Mission:
-    overrides = [*_bases()[scene.base], *scene.set.split(), *changes]
-    overrides = [override.replace("HERE", str(HERE)) for override in overrides]
+    overrides = overrides_of(scene.base, *scene.set.split(), *changes)
     mission = create_mission(Setup.of(load_scenario("open-bay", overrides)), scene.world)
     mission.reset(scene.seed, np.arange(1))
     return mission

@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 
 from graph_planner.auctions import BID_RULES
+from graph_planner.moves import MoveRules
 from mjforage.core.scenario import Scenario
 from mjforage.core.scenario_file import load_scenario
 from mjforage.core.schema import rows
+from mjforage.core.setup import Setup
 from tests.mjforage.core.written_scenarios import MINIMAL, write
 from tests.mjforage.options.scenes import (
     Scene,
@@ -82,3 +84,13 @@ def test_every_word_that_an_option_can_be_has_a_scene() -> None:
             default.add((row.key, row.default.strip('"')))
     assert default < wanted
     assert wanted - default - SHOWN == set()
+
+
+def test_policies_are_told_the_rules_that_the_mission_goes_by() -> None:
+    """None of them at its default: nodes of 8 m, so that a link of 24 m reaches three."""
+    rules = ("horizon=33", "rules.stay=false", "rules.walls=published", "belief.items=7")
+    link = ("map.pitch_m=8", "link.model=disk", "link.range_m=24", "link.latency=2")
+    task = Setup.of(load_scenario("open-bay", (*rules, *link))).task
+    assert task.rules == MoveRules(stay=False, shorten=True)
+    assert (task.horizon, task.walls, task.belief.items) == (33, "published", 7.0)
+    assert (task.reach_node, task.latency) == (3.0, 2)
