@@ -234,9 +234,9 @@ def test_without_hotspots_scouts_look_where_nobody_has_looked_for_long() -> None
     assert int(preferences("belief", task, observation)[0, 0].argmax()) in (NE, E, SE)
 
 
-def foretold(seen: list[tuple[tuple[int, int], ...]], **assumptions: float) -> float:
+def foretold(seen: list[tuple[tuple[int, int], ...]], detection: float = 1.0) -> float:
     """Chance of an item in (15, 15) after decisions by what is seen around it, known items only."""
-    watch = Watch(replace(FAST, **assumptions), scout_at=(15, 13))
+    watch = Watch(replace(FAST, detection=detection), scout_at=(15, 13))
     for step, items in enumerate(seen, 1):
         watch.look(step, 1, *items)
     node = SEA.node_of_cell[15, 15]

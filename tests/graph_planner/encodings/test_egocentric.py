@@ -129,14 +129,14 @@ def test_the_agent_knows_itself() -> None:
     assert facts["moves"] == 64 and facts["radius"] == 64
 
 
-def lake(*fleet: Role) -> tuple[NavigationGraph, Task]:
-    graph = navigation_graph(np.ones((9, 9), np.bool_), 1.0, False)
-    return graph, task_of(graph, **{f"team{i}": role for i, role in enumerate(fleet)})
+def lake() -> NavigationGraph:
+    return navigation_graph(np.ones((9, 9), np.bool_), 1.0, False)
 
 
 def test_each_agent_knows_its_own_team_store_and_ways() -> None:
     """Of a scout and two foragers; two nodes of the east edge have never been seen."""
-    graph, task = lake(SCOUT, Role(2, 1, 1.0, True, energy=50.0))
+    graph = lake()
+    task = task_of(graph, scouts=SCOUT, foragers=Role(2, 1, 1.0, True, energy=50.0))
     last_seen = np.full(81, 9, np.int16)
     last_seen[graph.node_of_cell[4, [6, 8]]] = -32768
     seen = observation_of(task, [(4, 8), (4, 4), (4, 1)], {}, last_seen, step=10)
@@ -152,7 +152,8 @@ def test_each_agent_knows_its_own_team_store_and_ways() -> None:
 
 def test_moves_are_told_by_what_is_unseen_and_by_each_agents_own_energy() -> None:
     """In view of a move's end: itself and four nodes. One agent has no energy left."""
-    graph, task = lake(Role(2, 1, 1.0, True))
+    graph = lake()
+    task = task_of(graph, foragers=FORAGER)
     last_seen = np.full(81, 9, np.int16)
     last_seen[graph.node_of_cell[4, [6, 8]]] = -32768
     seen = observation_of(task, [(4, 4), (4, 5)], {(4, 3): 1, (4, 0): 1}, last_seen, step=10)

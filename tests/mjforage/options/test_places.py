@@ -56,7 +56,7 @@ def test_the_order_of_the_teams_plays_no_part(name: str) -> None:
     play, one, other = mission(EPISODES), create_policy(name), create_policy(name)
     roles, order = play.setup.scenario.team, np.array([2, 3, 0, 1])
     play.prepare(one)
-    other.reset(replace(play.task, fleet=Fleet.of(dict(reversed(roles.items())))), play.keys)
+    other.reset(replace(play.task, fleet=Fleet.of(dict(reversed(list(roles.items()))))), play.keys)
     while play.active.any():
         if isinstance(other, Bound):
             other.reveal(play.truth)
