@@ -13,7 +13,7 @@ from graph_planner.fleet import Role
 from graph_planner.navigation import TABLE_LIMIT, NavigationGraph, navigation_graph
 from graph_planner.policies import create_policy, is_bound
 from graph_planner.policies.belief import BeliefPolicy
-from graph_planner.task import Task
+from graph_planner.task import NEVER, Task
 from tests.graph_planner.driver import observation_of, preferences, task_of
 
 N, NE, E, SE, S, SW, W, NW, STAY = range(9)
@@ -220,6 +220,7 @@ def test_without_hotspots_foragers_go_only_to_what_was_seen() -> None:
     moves = {}
     for hotspot in (True, False):
         watch = Watch(replace(FAST, hotspot=hotspot, **parts))
+        watch.last_seen[:] = NEVER
         watch.look(1, 1, (15, 15))
         moves[hotspot] = watch.look(2, 1)[0, 1].argmax()
         assert (watch.policy.forecast().sum() > 0.5) and watch.sightings == 1
