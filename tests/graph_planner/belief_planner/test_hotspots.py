@@ -84,11 +84,12 @@ class Belief:
         return self.expected.reshape(40, 40)
 
 
-def test_before_anything_is_seen_all_items_are_expected_anywhere() -> None:
-    belief = Belief()
+@pytest.mark.parametrize("hotspots", [1, 2, 5])
+def test_before_anything_is_seen_all_items_are_expected_anywhere(hotspots: int) -> None:
+    belief = Belief(hotspots=hotspots)
     expected = belief.expect()
-    assert expected.sum() == pytest.approx(75, rel=1e-6)
-    np.testing.assert_allclose(belief.spots.chance[0, 0], 1 / 1600)
+    assert expected.sum() == belief.spots.total[0] == pytest.approx(75, rel=1e-6)
+    np.testing.assert_allclose(belief.spots.chance[0, :hotspots], 1 / 1600)
     np.testing.assert_allclose(expected[18:22, 18:22], 75 / 1600, rtol=0.02)
 
 
@@ -210,13 +211,18 @@ def test_one_hotspot_does_not_refute_itself() -> None:
         assert hs.believed(belief.spots, 0) == 1
 
 
-def test_an_unsighted_second_hotspot_is_still_expected_somewhere() -> None:
-    one, two = Belief(), Belief(hotspots=2, items=150.0)
-    for belief in (one, two):
-        belief.look(0, np.arange(1600).reshape(40, 40) < 800)
-        belief.sight([(10, 10 + i // 2) for i in range(20)])
-    assert one.expect()[30:].sum() < 0.1
-    assert two.expect()[25:].sum() > 20
+def test_an_unsighted_second_hotspot_is_expected_where_nobody_has_looked() -> None:
+    """Of 150 +- 10 items it has a gamma number, a = 225 and b = 3: a / (b + share seen) of them."""
+    belief = Belief(hotspots=2, items=150.0)
+    seen = np.arange(1600) < 800
+    belief.look(0, seen.reshape(40, 40))
+    belief.sight([(10, 10 + i // 2) for i in range(20)])
+    starts = table(SEA, 4.47)
+    rate = 3.0 + starts @ seen
+    weight = rate**-225.0 / (rate**-225.0).sum()
+    expected = np.where(seen, 0.0, (weight * 225.0 / rate) @ starts).reshape(40, 40)
+    np.testing.assert_allclose(belief.expect()[30:], expected[30:], rtol=1e-3)
+    assert expected[30:].sum() > 40.0, "of the 75 of that hotspot; the first has none there"
 
 
 def test_currents_carry_every_start_and_are_made_step_by_step() -> None:

@@ -129,6 +129,62 @@ def test_the_agent_knows_itself() -> None:
     assert facts["moves"] == 64 and facts["radius"] == 64
 
 
+def lake() -> NavigationGraph:
+    return navigation_graph(np.ones((9, 9), np.bool_), 1.0, False)
+
+
+def test_each_agent_knows_its_own_team_store_and_ways() -> None:
+    """Of a scout and two foragers; two nodes of the east edge have never been seen."""
+    graph = lake()
+    task = task_of(graph, scouts=SCOUT, foragers=Role(2, 1, 1.0, True, energy=50.0))
+    last_seen = np.full(81, 9, np.int16)
+    last_seen[graph.node_of_cell[4, [6, 8]]] = -32768
+    seen = observation_of(task, [(4, 8), (4, 4), (4, 1)], {}, last_seen, step=10)
+    seen.energy_left[0, 1:] = 25.0, 10.0
+    view = Egocentric(task)
+    view.reset(1)
+    own = {name: view.see(seen, ROW)["own"][0, :, i].tolist() for i, name in enumerate(OWN)}
+    assert own["team size"] == [32, 64, 64] and own["others"] == [64, 32, 32]
+    assert own["energy left"] == [255, 127, 51]
+    assert own["unseen share"] == [255 * 2 // 81] * 3
+    assert own["way to unseen"] == [255, 255 - 2 * 2, 255 - 2 * 5]
+
+
+def test_moves_are_told_by_what_is_unseen_and_by_each_agents_own_energy() -> None:
+    """In view of a move's end: itself and four nodes. One agent has no energy left."""
+    graph = lake()
+    task = task_of(graph, foragers=FORAGER)
+    last_seen = np.full(81, 9, np.int16)
+    last_seen[graph.node_of_cell[4, [6, 8]]] = -32768
+    seen = observation_of(task, [(4, 4), (4, 5)], {(4, 3): 1, (4, 0): 1}, last_seen, step=10)
+    seen.energy_left[0, 1] = 0.5
+    view = Egocentric(task)
+    view.reset(1)
+    moves = view.see(seen, ROW)["moves"][0]
+    east, west, feature = moves[0, 2], moves[0, 6], MOVE_FEATURES.index
+    assert east[feature("idleness")] == 255 // 5 and west[feature("idleness")] == 0
+    for name in ("nearer unseen", "nearer unseen on average"):
+        assert (east[feature(name)], west[feature(name)]) == (128 + 40, 128 - 40)
+    for name in ("nearer item", "nearer items on average"):
+        assert (east[feature(name)], west[feature(name)]) == (128 - 40, 128 + 40)
+    assert np.flatnonzero(moves[0, :, 0]).tolist() == list(range(9))
+    assert np.flatnonzero(moves[1, :, 0]).tolist() == [STAY]
+
+
+def test_the_trail_fades_by_a_tenth_per_step() -> None:
+    """One agent goes east, one west, for twelve steps; both have their ten last places."""
+    graph = navigation_graph(np.ones((3, 30), np.bool_), 1.0, False)
+    task = task_of(graph, foragers=Role(2, 1, 1.0, True))
+    view = Egocentric(task)
+    view.reset(1)
+    for step in range(1, 13):
+        cells = [(0, 9 + step), (2, 20 - step)]
+        crop = view.see(observation_of(task, cells, step=step), ROW)["crop"][0, :, 7, REACH]
+    fading = [255 * (10 - k) // 10 for k in range(8)]
+    assert crop[0].tolist() == [*fading[::-1], *[0] * 7]
+    assert crop[1].tolist() == [*[0] * 7, *fading]
+
+
 @given(st.integers(0, 2**32 - 1))
 def test_the_batch_changes_no_level(seed: int) -> None:
     graph, task = harbour()
