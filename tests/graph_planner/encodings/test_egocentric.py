@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 from graph_planner.encodings.chart import COARSE, REACH
 from graph_planner.encodings.egocentric import OWN, Egocentric
 from graph_planner.encodings.encoder import Levels
-from graph_planner.encodings.move_features import MOVE_FEATURES
 from graph_planner.fleet import Role
 from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
 from graph_planner.task import Task
@@ -178,13 +177,6 @@ def test_the_batch_changes_no_level(seed: int) -> None:
         alone.reset(1)
         for name, level in alone.see(state, ROW).items():
             np.testing.assert_array_equal(level[0], all_at_once[name][e])
-
-
-def test_every_feature_has_a_name() -> None:
-    _, task = harbour()
-    shapes = Egocentric(task).shapes
-    assert shapes["moves"] == (9, len(MOVE_FEATURES))
-    assert shapes["own"] == (len(OWN),)
 
 
 def test_nodes_to_look_at_again_are_where_items_were_and_nobody_has_looked_since() -> None:

@@ -64,7 +64,7 @@ class Toll:
     def __call__(self, step: Step) -> Amounts:
         assert step.mission.moves is not None
         wrong = step.mission.moves.direction != np.array(RIGHT)
-        return np.array([1.0, 2.0]) * (1.0 + wrong)
+        return np.asarray(np.array([1.0, 2.0]) * (1.0 + wrong), np.float64)
 
 
 def channel(folder: Path) -> Scenario:
@@ -140,7 +140,7 @@ class Again:
     seen: NDArray[np.uint8]
     legal: NDArray[np.bool_]
     made: NDArray[np.int8]
-    removed: NDArray[np.float64]
+    removed: NDArray[np.int64]
     over: bool
 
 
@@ -150,7 +150,8 @@ def again(scenario: Scenario, key: NDArray[np.uint64], moves: NDArray[np.int64])
     mission.start(key)
     agents, encoder = len(mission.setup.fleet), Where(mission.task)
     encoder.reset(1)
-    seen, legal, made, removed = [], [], [], []
+    seen, legal, made = [], [], []
+    removed: list[NDArray[np.int64]] = []
 
     def look() -> None:
         seen.append(encoder.see(mission.observation, np.zeros(1, np.int64))["x"][0].copy())
@@ -164,7 +165,7 @@ def again(scenario: Scenario, key: NDArray[np.uint64], moves: NDArray[np.int64])
         assert mission.moves is not None
         made.append(mission.moves.direction[0].copy())
         new = mission.state.collected_by[0][mission.state.collected_by[0] != before]
-        removed.append(np.bincount(new[new >= 0], minlength=agents).astype(np.float64))
+        removed.append(np.bincount(new[new >= 0], minlength=agents))
         look()
     over = not (mission.state.item_node >= 0).any()
     return Again(np.array(seen), np.array(legal), np.array(made), np.array(removed), over)

@@ -262,19 +262,6 @@ def test_trained_weights_are_a_policy_by_their_file_name(
     assert "weights" in refused(*words, "--policy", "bad")
 
 
-def test_a_teacher_is_followed(tmp_path: Path) -> None:
-    """Shown moves are stored for every decision, and its sub-environments play them."""
-    trainer = Trainer([scenario()], hyperparameters(teacher="greedy", teacher_updates=1000), seed=0)
-    trainer.play_round()
-    for learner in trainer.learners.values():
-        replay = learner.memory
-        rows = replay.tree[replay.tree.size // 2 :][: replay.kind.size] > 0
-        shown, moves = replay.shown[: replay.kind.size][rows], replay.moves[rows].astype(np.int64)
-        assert shown.any(axis=1).all()
-        same = np.take_along_axis(shown, moves[:, None], axis=1)
-        assert same.mean() > 0.8  # the first ones are all the teacher's
-
-
 def test_rounds_take_scenarios_in_turn(tmp_path: Path) -> None:
     other = load_scenario("open-bay", ("horizon=12",))
     trainer = Trainer([scenario(), other], hyperparameters(), seed=0)

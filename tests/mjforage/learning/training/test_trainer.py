@@ -1,6 +1,7 @@
 """The Double DQN's training itself, on a chain of two agents in two environments."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -33,7 +34,7 @@ TINY: dict[str, object] = {
 }
 
 
-def made(folder: Path, seed: int = 0, **changes: object) -> Trainer:
+def made(folder: Path, seed: int = 0, **changes: Any) -> Trainer:
     return Trainer([channel(folder)], told(**changes), seed=seed)
 
 
@@ -62,7 +63,8 @@ def values_found(trainer: Trainer, updates: int) -> NDArray[np.float64]:
     if not trainer.hyperparameters.explore_to:  # agents go the cheaper way in the end
         cost = -(1.0 + 2.0) / 2.0 * row["length"]
         assert row["return_forager"] == pytest.approx(cost)
-    return np.array(ordered) / np.array([1.0, 2.0])[:, None, None]
+    found: NDArray[np.float64] = np.array(ordered) / np.array([1.0, 2.0])[:, None, None]
+    return found
 
 
 @pytest.mark.every_capability
