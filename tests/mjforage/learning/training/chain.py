@@ -113,13 +113,18 @@ class Eastward:
         return preferences
 
 
-def pond(folder: Path) -> Scenario:
-    """Two scouts and two foragers in open water of 4 x 5 nodes, with three items."""
+def pond(folder: Path, items: int = 3) -> Scenario:
+    """Two scouts and two foragers in open water of 4 x 5 nodes, with so many items."""
     path = folder / "pond.csv"
     path.write_text("\n".join([",".join("1" * 5)] * 4) + "\n", "utf-8")
     values = (
         *("horizon=9", f"map.file='{path}'", "map.starts=[[0, 0], [0, 4], [3, 0], [3, 4]]"),
-        *("items.mean=3", "items.std=0", "items.covariance_node2=1", "team.foragers.moves=2"),
+        *(
+            f"items.mean={items}",
+            "items.std=0",
+            "items.covariance_node2=1",
+            "team.foragers.moves=2",
+        ),
     )
     return load_scenario("comb-port", values)
 

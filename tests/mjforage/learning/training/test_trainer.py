@@ -173,10 +173,10 @@ def test_steps_earn_updates_and_updates_end_the_exploring(tmp_path: Path) -> Non
 
 
 def test_a_teacher_plays_its_environments_and_the_networks_the_others(tmp_path: Path) -> None:
-    """Half of its updates gone, it plays half of the episodes, and shows moves in all."""
+    """A quarter of its updates gone, it plays most episodes, and shows moves in all."""
     changes = {"explore_from": 0.0, "explore_to": 0.0, "warmup": 1000}
     trainer = made(tmp_path, teacher=TEACHER, teacher_updates=100, **changes, num_envs=16)
-    trainer.progress.updates = 50
+    trainer.progress.updates = 25
     trainer.play_round()
     memory = trainer.learners["forager"].memory
     shape = memory.written, 16, 2
@@ -194,4 +194,4 @@ def test_a_teacher_plays_its_environments_and_the_networks_the_others(tmp_path: 
         east, own = (moves[played, env] == EAST).all(), moves[played, env] == best[played, env]
         assert east or own.all()
         taught.append(bool(east))
-    assert (best != EAST).any() and 4 <= sum(taught) <= 12
+    assert (best != EAST).any() and 9 <= sum(taught) <= 15

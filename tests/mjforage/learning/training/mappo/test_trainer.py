@@ -66,8 +66,8 @@ def in_a_pond(
     folder: Path, monkeypatch: pytest.MonkeyPatch, **changes: object
 ) -> tuple[MappoTrainer, Decisions]:
     """A round that was played, and what is learnt from it, before it is."""
-    settings = {"observation": WHERE, "vary": {}, "reward": {"removed": 1.0}, "num_envs": 4}
-    trainer, found = MappoTrainer([pond(folder)], told(**settings, **changes), seed=0), []
+    settings = {"observation": WHERE, "vary": {}, "reward": {"removed": 1.0}, "num_envs": 6}
+    trainer, found = MappoTrainer([pond(folder, 1)], told(**settings, **changes), seed=0), []
 
     def note(round: Decisions, *_: Any) -> list[dict[str, float]]:
         found.append(round)
@@ -86,10 +86,10 @@ def test_a_round_is_learnt_from_as_it_was_played(
     """
     trainer, round = in_a_pond(tmp_path, monkeypatch)
     keys, ends = trainer.round.games[0].mission.keys, set()
-    for env in range(4):
+    for env in range(6):
         rows = np.flatnonzero(round.env == env)
         assert round.step[rows].tolist() == list(range(rows.size))
-        one = again(pond(tmp_path), keys[[env]], round.moves[rows])
+        one = again(pond(tmp_path, 1), keys[[env]], round.moves[rows])
         assert len(one.removed) == rows.size
         np.testing.assert_array_equal(round.levels["x"][rows], one.seen[:-1])
         np.testing.assert_array_equal(round.legal[rows], one.legal[:-1])
