@@ -34,8 +34,8 @@ TINY: dict[str, object] = {
 }
 
 
-def made(folder: Path, seed: int = 0, **changes: Any) -> Trainer:
-    return Trainer([channel(folder)], told(**changes), seed=seed)
+def made(folder: Path, **changes: Any) -> Trainer:
+    return Trainer([channel(folder)], told(**changes), seed=0)
 
 
 def told(**changes: object) -> Hyperparameters:
