@@ -23,7 +23,9 @@ class Played(NamedTuple):
 
 
 class Round:
-    """One episode in every sub-environment (env,).
+    """One episode in every sub-environment (env,), up to its end as an environment has it.
+
+    A mission goes on to the horizon when nobody can move; such decisions are no part of a round.
 
     Attributes
     ----------
@@ -39,18 +41,24 @@ class Round:
         each = (self.num_envs, self.agents)
         self._levels = {n: np.zeros((*each, *s), np.uint8) for n, s in games[0].shapes.items()}
         self._teachers: list[Policy] = []
+        self._nothing_yet()
+
+    def _nothing_yet(self) -> None:
         self.earned: dict[str, float] = {}
+        self._over = np.zeros(self.num_envs, np.bool_)  # (env,) terminated
+        self._steps = np.zeros(self.num_envs, np.int32)
 
     def start(self, keys: UInt64Array) -> None:
         """Start episodes of the given keys (env,)."""
-        self.earned, self._teachers = {}, []
+        self._teachers = []
+        self._nothing_yet()
         for game, envs in zip(self.games, self.envs, strict=True):
             game.start(np.arange(envs.size), keys[envs])
 
     @property
     def active(self) -> NDArray[np.bool_]:
         """(env,) whether an episode goes on."""
-        return self._joined(game.mission.active for game in self.games)
+        return self._joined(game.mission.active for game in self.games) & ~self._over
 
     @property
     def masks(self) -> NDArray[np.int8]:
@@ -76,17 +84,19 @@ class Round:
             If they are no such array, or one of them is NaN.
         """
         check_preferences(preferences, (self.num_envs, self.agents), "algorithm", "play was given")
+        played = self.active
         each = [
             game.play(preferences[envs]) for game, envs in zip(self.games, self.envs, strict=True)
         ]
-        for outcome in each:
+        for outcome, envs in zip(each, self.envs, strict=True):
             for name, amounts in outcome.terms.items():
-                self.earned[name] = self.earned.get(name, 0.0) + float(amounts.sum())
-        return Played(
-            self._joined(outcome.taken for outcome in each),
-            self._joined(outcome.rewards for outcome in each),
-            self._joined(outcome.terminated for outcome in each),
-        )
+                amount = (amounts * played[envs, None]).sum()
+                self.earned[name] = self.earned.get(name, 0.0) + float(amount)
+        terminated = self._joined(outcome.terminated for outcome in each) & played
+        self._over |= terminated
+        self._steps += played
+        rewards = self._joined(outcome.rewards for outcome in each) * played[:, None]
+        return Played(self._joined(outcome.taken for outcome in each), rewards, terminated)
 
     def teach(self, name: str) -> None:
         """Have a policy ready that shows moves in the episodes that were started."""
@@ -124,7 +134,7 @@ class Round:
     @property
     def steps(self) -> NDArray[np.int32]:
         """(env,) decisions made."""
-        return self._joined(game.mission.step for game in self.games)
+        return self._steps
 
     def _joined(self, parts: Iterable[NDArray[_Kind]]) -> NDArray[_Kind]:
         """(env, ...) of what each game has for its own; that of a single game as it is."""

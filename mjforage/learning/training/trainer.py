@@ -78,6 +78,7 @@ class Trainer(Algorithm[Hyperparameters]):
         taught = self.teach(self.hyperparameters.teacher, self.hyperparameters.teacher_updates)
         returns = np.zeros((self.round.num_envs, self.round.agents))
         learned: list[dict[str, float]] = []
+        self._present = np.zeros(self.round.num_envs, np.bool_)
         while self.round.active.any():
             outcome = self._step(taught)
             returns += outcome.rewards
@@ -104,8 +105,8 @@ class Trainer(Algorithm[Hyperparameters]):
 
     def _step(self, taught: NDArray[np.bool_] | None) -> Played:
         clock = self.clock
-        self._present = self.round.active.copy()
-        self._open(np.where(self._present, PLAYED, NOTHING))
+        before, self._present = self._present, self.round.active.copy()
+        self._open(np.where(self._present, PLAYED, np.where(before, FINAL, NOTHING)))
         preferences = self._preferences()
         shown = np.zeros(preferences.shape, np.bool_)
         if taught is not None:

@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 from graph_planner.encodings.chart import COARSE, REACH
 from graph_planner.encodings.egocentric import OWN, Egocentric
 from graph_planner.encodings.encoder import Levels
-from graph_planner.encodings.move_features import MOVE_FEATURES
 from graph_planner.fleet import Role
 from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
 from graph_planner.task import Task
@@ -185,6 +184,40 @@ def test_the_trail_fades_by_a_tenth_per_step() -> None:
     assert crop[1].tolist() == [*[0] * 7, *fading]
 
 
+def test_the_agent_knows_what_it_has_left_and_who_is_with_it() -> None:
+    """Half of the energy, three of 28 nodes unseen, the nearest of them one node away."""
+    graph, _ = harbour()
+    scarce = Role(1, 2, 4.0, False, energy=40.0)
+    task = task_of(graph, scouts=scarce, foragers=FORAGER)
+    last_seen = np.zeros(len(graph), np.int16)
+    last_seen[[graph.node_of_cell[rc] for rc in ((0, 0), (0, 1), (0, 9))]] = -32768
+    cells = [(0, 2), (4, 2), (4, 9)]
+    seen = observation_of(task, cells, {(0, 4): 1, (4, 4): 12}, last_seen, step=3)
+    seen.energy_left[0, 0] = 20.0
+    view = Egocentric(task)
+    view.reset(1)
+    levels = view.see(seen, ROW)
+    facts = [dict(zip(OWN, own, strict=True)) for own in levels["own"][0]]
+    assert facts[0]["energy left"] == 127 and facts[1]["energy left"] == 255
+    assert [each["team size"] for each in facts] == [32, 64, 64]
+    assert [each["others"] for each in facts] == [64, 32, 32]
+    assert [each["moves"] for each in facts] == [64, 32, 32]
+    assert [each["radius"] for each in facts] == [64, 16, 16]
+    assert {each["unseen share"] for each in facts} == {255 * 3 // len(graph)}
+    assert facts[0]["way to unseen"] == 253 and facts[0]["way to items"] == 251
+    assert facts[1]["way to items"] == 251
+    moves, here, nodes = levels["moves"][0], graph.node_of_cell[4, 2], graph.rows.size
+    idle = np.where(last_seen < 0, 1.0, 2 / 135)
+    assert moves[1, 2, 1] == 0 and moves[0, 2, 1] == 25  # two nodes east there is an item
+    near = task.views.of(graph.node_of_cell[4, 3], int(task.radius_number[1]))
+    assert nodes > here and moves[1, 2, 3] == int(255 * idle[near].sum() / 5)  # a disc of five
+    globe = levels["globe"][0]
+    assert sorted(globe[0, 2][globe[0, 2] > 0]) == [25, 255]
+    assert [globe[a, 5].astype(bool).sum() for a in range(3)] == [0, 1, 1]
+    assert [globe[a, 6].astype(bool).sum() for a in range(3)] == [2, 1, 1]
+    assert globe[0, 1, 0, 0] == 255 and globe[0, 1].max() == 255
+
+
 @given(st.integers(0, 2**32 - 1))
 def test_the_batch_changes_no_level(seed: int) -> None:
     graph, task = harbour()
@@ -200,13 +233,6 @@ def test_the_batch_changes_no_level(seed: int) -> None:
         alone.reset(1)
         for name, level in alone.see(state, ROW).items():
             np.testing.assert_array_equal(level[0], all_at_once[name][e])
-
-
-def test_every_feature_has_a_name() -> None:
-    _, task = harbour()
-    shapes = Egocentric(task).shapes
-    assert shapes["moves"] == (9, len(MOVE_FEATURES))
-    assert shapes["own"] == (len(OWN),)
 
 
 def test_nodes_to_look_at_again_are_where_items_were_and_nobody_has_looked_since() -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import mjforage
 from graph_planner.policies import create_policy
 from mjforage.core.dynamics import ARRIVED, BLOCKED
 from mjforage.core.mission import Mission
@@ -156,3 +157,25 @@ def test_what_was_known_is_followed_among_hulls_and_over_a_link() -> None:
         np.testing.assert_array_equal(copied.belief, live.belief)
         np.testing.assert_array_equal(copied.last_seen, live.last_seen)
         mission.advance(random.random((2, 4, 9)))
+
+
+def test_each_agent_is_paid_for_the_items_that_it_removed_itself() -> None:
+    """Also when others, who come before it in the fleet, are over."""
+    few = ("horizon=60", "items.mean=80", "team.scouts.energy=6")
+    env = mjforage.parallel_env(set=few, reward={"removed": 2.0, "time": -0.5})
+    env.reset(seed=4)
+    mission, policy = env.game.mission, create_policy("greedy")
+    policy.reset(mission.task, mission.keys)
+    earned, names = np.zeros(4), list(env.possible_agents)
+    while env.agents:
+        present = list(env.agents)
+        moves = mission.decide(policy.act(mission.observation)).direction[0]
+        before = (mission.state.collected_by[0][:, None] == np.arange(4)).sum(axis=0)
+        chosen = {a: int(moves[names.index(a)]) for a in present}
+        _, rewards, *_, infos = env.step(chosen)
+        after = (mission.state.collected_by[0][:, None] == np.arange(4)).sum(axis=0)
+        for a in present:
+            own = 2.0 * (after - before)[names.index(a)]
+            assert infos[a]["reward/removed"] == own and rewards[a] == own - 0.5
+            earned[names.index(a)] += own
+    assert not earned[:2].any() and earned[2] != earned[3] and present == names[2:]

@@ -135,26 +135,6 @@ def play_chain(one: Learner, pairs: NDArray[np.int64]) -> None:
         one.memory.finish()
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_the_average_learns_the_values_of_a_chain(seed: int) -> None:
-    """Every pair of moves is played five times: no seed decides what there is to learn from.
-
-    Steps have one size, so the last weights swing, by other amounts with every set of instructions
-    of the processor; their average does not: 12 seeds, with each of two sets, came within 0.04.
-    """
-    one = learner(seed, batch=32, target_rate=0.1)
-    random = np.random.default_rng(seed)
-    play_chain(one, random.permutation(5 * list(itertools.product(range(9), repeat=2))))
-    for _ in range(400):
-        drawn = one.memory.draw(32, 0.5, random)
-        _, errors = one.learn(drawn)
-        one.memory.reprioritise(drawn.rows, errors, 0.6)
-    values = values_of(one.average, {"x": np.concatenate((FIRST, SECOND))})
-    assert values.argmax(axis=1).tolist() == [1, 2]
-    assert values[1, 2] == pytest.approx(3.0, abs=0.1)
-    assert values[0, 1] == pytest.approx(1.0 + 0.5 * 3.0, abs=0.1)
-
-
 def test_advantage_learning_widens_the_gaps_and_leaves_the_best() -> None:
     """With alpha = 0.5 every move is twice as far behind the best, whose value stays."""
     one = learner(0, batch=32, target_rate=0.1, advantage_learning=0.5)

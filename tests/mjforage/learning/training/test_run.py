@@ -223,6 +223,24 @@ def test_what_a_run_leaves_behind(finished: tuple[Path, Trainer]) -> None:
     assert not mission.active.any()
 
 
+def test_the_best_weights_are_those_of_the_lowest_rank(tmp_path: Path) -> None:
+    """They change when an evaluation is better than all before it, and at no other time."""
+    ranks, kept = [], []
+
+    def note(table: str, row: Row) -> None:
+        if table == "evaluations":
+            ranks.append(row["rank"])
+            best = tmp_path / "best.safetensors"
+            kept.append(best.read_bytes() if best.is_file() else b"")
+
+    told = hyperparameters(evaluate_every=1)
+    train(scenario(), told, tmp_path, seed=3, updates=60, report=note)
+    kept.append((tmp_path / "best.safetensors").read_bytes())
+    better = [i == 0 or rank < min(ranks[:i]) for i, rank in enumerate(ranks)]
+    assert [kept[i] != kept[i + 1] for i in range(len(ranks))] == better
+    assert 1 < sum(better) < len(better), "some are better, some are not"
+
+
 def test_trained_weights_are_a_policy_by_their_file_name(
     finished: tuple[Path, Trainer],
     command: Callable[..., object],
@@ -242,19 +260,6 @@ def test_trained_weights_are_a_policy_by_their_file_name(
     assert done.code == 0, done  # type: ignore[attr-defined]
     Path("bad.safetensors").write_bytes(b"none")
     assert "weights" in refused(*words, "--policy", "bad")
-
-
-def test_a_teacher_is_followed(tmp_path: Path) -> None:
-    """Shown moves are stored for every decision, and its sub-environments play them."""
-    trainer = Trainer([scenario()], hyperparameters(teacher="greedy", teacher_updates=1000), seed=0)
-    trainer.play_round()
-    for learner in trainer.learners.values():
-        replay = learner.memory
-        rows = replay.tree[replay.tree.size // 2 :][: replay.kind.size] > 0
-        shown, moves = replay.shown[: replay.kind.size][rows], replay.moves[rows].astype(np.int64)
-        assert shown.any(axis=1).all()
-        same = np.take_along_axis(shown, moves[:, None], axis=1)
-        assert same.mean() > 0.8  # the first ones are all the teacher's
 
 
 def test_rounds_take_scenarios_in_turn(tmp_path: Path) -> None:

@@ -100,6 +100,26 @@ def test_the_critic_alone_is_shown_where_items_are() -> None:
     assert not set(trainer.shapes) & set(found)
 
 
+def test_the_critic_is_told_how_far_it_has_come_and_how_items_drift() -> None:
+    """In 255ths, rounded down: items left, those found and left, the time, drift south and east."""
+    long = load_scenario("published", ("horizon=60",))
+    trainer = MappoTrainer([long], told(), seed=0)
+    trainer.start_round()
+    trainer.round.teach("greedy")
+    for _ in range(45):
+        trainer.round.play(trainer.round.shown()[0])
+    found, mission = overview(trainer.round)["truth.facts"], trainer.round.games[0].mission
+    for env in range(3):
+        here = mission.truth.item_node[env] >= 0
+        items, entries = int(mission.initial.n_items[env]), mission.ledger.entries
+        known = int((here & (entries.t_discovered[env] >= 0)).sum())
+        south, east = mission.truth.drift_rc[env]
+        shares = [here.sum() / items, known / items, 45 / 60, (1 + south) / 2, (1 + east) / 2]
+        assert found[env].tolist() == [int(255 * share) for share in shares]
+    assert (found[:, 1] > 0).any() and (found[:, 3] != found[:, 4]).any()
+    assert (found[:, 0] < 255).any()
+
+
 def test_rewards_are_an_agents_own_or_the_fleets(monkeypatch: pytest.MonkeyPatch) -> None:
     paid = {}
     for shared in (0.0, 1.0):
