@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from graph_planner.encodings.chart import COARSE, REACH
 from graph_planner.encodings.egocentric import OWN, Egocentric
 from graph_planner.encodings.encoder import Levels
+from graph_planner.encodings.move_features import MOVE_FEATURES
 from graph_planner.fleet import Role
 from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
 from graph_planner.task import Task
