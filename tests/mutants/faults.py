@@ -51,7 +51,7 @@ class Mutant:
             If the text is in no such place, or in several.
         """
         if (data := root / self.where).is_file():
-            found = [(data, 0, data.read_text("utf-8"))]
+            found = [(data, 0, _text(data))]
         else:
             found = list(self._places(root))
         places = [each for each in found if self.old in each[2]]
@@ -59,13 +59,13 @@ class Mutant:
         if times != 1:
             raise ValueError(f"mutant {self.name}: {times} times {self.old!r} in {self.where!r}")
         ((path, begin, text),) = places
-        whole = path.read_text("utf-8")
+        whole = _text(path)
         return path, whole[:begin] + text.replace(self.old, self.new) + whole[begin + len(text) :]
 
     def _places(self, root: Path) -> Iterator[tuple[Path, int, str]]:
         """File, offset and text of every place of the name."""
         for path in _sources(root):
-            whole = path.read_text("utf-8")
+            whole = _text(path)
             if self.old not in whole:
                 continue
             if not self.where:
@@ -90,6 +90,12 @@ def _named(tree: ast.AST, outer: str = "") -> Iterator[tuple[str, Named]]:
             yield from _named(node, f"{outer}{node.name}.")
         else:
             yield from _named(node, outer)
+
+
+@cache
+def _text(path: Path) -> str:
+    """Text of a file as it is without a fault."""
+    return path.read_text("utf-8")
 
 
 @cache
