@@ -173,7 +173,7 @@ def retract(store: Store, e: int) -> None:
 
     They were of nothing, or else the item will be sighted again, and would count twice. To take
     back but those that were unlikely, and never of what a forager may have taken, was worse:
-    `docs/sensing.md`.
+    `docs/evidence/design-choices.md`.
     """
     lost, spots = store.lost, store.spots
     for i in range(lost.number[0]):
