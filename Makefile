@@ -12,7 +12,7 @@
 # `make pages`: whether report pages and the site can be read and worked by everybody, in headless Chromium.
 # `make evidence`: numbers of the pages made again, hours of them; ONLY="name name" JOBS=2 for some.
 # `make evidence-pages`: their tables drawn from docs/evidence/data.
-# `make mutants`: whether every single fault of a list is noticed; half an hour.
+# `make mutants`: whether every single fault of a list is noticed; an hour on two cores.
 # `make mutants-tenth`: the same for a tenth of them, another one after each commit.
 PYTHON ?= python3
 VENV := .venv
@@ -126,7 +126,7 @@ lowest: $(VENV)/lowest/.installed
 	$(<D)/bin/python -m pytest -n 2 --dist worksteal -m 'not slow' -W ignore::DeprecationWarning $(OLD)
 
 mutants: $(VENV)/.installed-dev
-	$(BIN)/python -m tests.mutants --jobs 2 --out docs/mutants.md
+	$(BIN)/python -m tests.mutants --jobs 2
 
 mutants-tenth: $(VENV)/.installed-dev
 	$(BIN)/python -m tests.mutants --jobs 2 --tenth $$(git rev-list --count HEAD 2>/dev/null || echo 0)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from math import prod
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -57,8 +58,9 @@ class EventTable:
         _check_order(self.discovered_at, self.collected_at)
 
     def _set(self, name: str, array: FloatArray | IntArray | BoolArray) -> None:
-        array.setflags(write=False)
-        object.__setattr__(self, name, array)
+        """Keep an array that numpy lets nobody write, as all metrics share it."""
+        content: Any = array
+        object.__setattr__(self, name, np.asarray(memoryview(content).toreadonly()))
 
 
 def counts_by_step(times: ArrayLike, horizon: int) -> IntArray:

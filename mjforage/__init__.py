@@ -1,6 +1,7 @@
 """mjforage: cooperative foraging by autonomous surface vehicles, one mission in two worlds."""
 
 import importlib.util
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,6 +36,8 @@ def _starts_the_command() -> bool:
 if _starts_the_command():
     from mjforage.base.interrupted import end_on_ctrl_c
 
+    if ("-m", "mjforage") not in zip(sys.orig_argv, sys.orig_argv[1:], strict=False):
+        os.environ["PYTHONSAFEPATH"] = "1"  # nor do workers import from the present folder
     end_on_ctrl_c()  # before the rest is imported, which takes a fifth of a second
 _check_floors()
 

@@ -42,6 +42,9 @@ class GridMap:
     name: str
     navigable: NDArray[np.bool_]
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "navigable", read_only(self.navigable))
+
     @property
     def nodes(self) -> int:
         """Number of navigable cells."""
@@ -92,7 +95,7 @@ def grid_of(
             "or give --water dark"
         )
     cells = _one_component(cells, name, corner_cutting, largest_component)
-    return GridMap(name, read_only(cells))
+    return GridMap(name, cells)
 
 
 def components(

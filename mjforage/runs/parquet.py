@@ -8,8 +8,10 @@ from pathlib import Path
 import polars as pl
 
 from mjforage.core.errors import UserError
+from mjforage.core.sizes import check_memory
 from mjforage.core.whole_files import whole
 
+UNPACKED = 40  # bytes of a number in memory, with the copies that are made of a table
 AGAIN = "run the command that wrote it again"
 FAILURES = (OSError, pl.exceptions.PolarsError, pl.exceptions.PanicException)
 
@@ -57,10 +59,20 @@ def read_parquet(
     Raises
     ------
     UserError
-        As `read_schema`, and if a column is missing or the file is damaged inside.
+        As `read_schema`, and if a column is missing, the file is damaged inside, or unpacks to
+        more than this machine has memory for.
     """
     frame = scan_parquet(path, columns, remedy)
+    if rows is None:
+        number = count_rows(path, remedy)
+        wanted = UNPACKED * number * len(frame.collect_schema())
+        check_memory(f"{path}: {number:,} rows", wanted, remedy or spoilt(path))
     return collected(path, frame if rows is None else frame.filter(rows), remedy)
+
+
+def count_rows(path: Path, remedy: str = "") -> int:
+    """How many rows a table says that it has, of which none is read; raises as `collected`."""
+    return int(collected(path, pl.scan_parquet(path, glob=False).select(pl.len()), remedy).item())
 
 
 def scan_parquet(

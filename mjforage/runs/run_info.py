@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from annotated_types import MinLen
+from annotated_types import MaxLen, MinLen
 from numpy.typing import NDArray
 
 from graph_planner.fields import Note, Within
@@ -23,6 +23,7 @@ REMEDY = (
 )
 
 Names = Annotated[tuple[str, ...], MinLen(1)]
+MOST_AGENTS = 255  # of a scenario
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ class RunInfo:
     """Worlds that were run."""
     policies: Names
     """Policies that were run."""
-    agents: tuple[Agent, ...]
+    agents: Annotated[tuple[Agent, ...], MaxLen(MOST_AGENTS)]
     """The fleet."""
     hulls: Hulls
     started: str

@@ -32,6 +32,8 @@ def test_valid_table_keeps_its_values_and_cannot_be_written() -> None:
         np.testing.assert_array_equal(getattr(events, name), column)
         with pytest.raises(ValueError, match="read-only"):
             getattr(events, name)[0] = 1
+        with pytest.raises(ValueError, match="cannot set WRITEABLE"):
+            getattr(events, name).setflags(write=True)
     given_columns["collected_at"][0] = 99.0
     assert events.collected_at[0] == 4.0
 

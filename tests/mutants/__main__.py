@@ -8,6 +8,7 @@ one survives.
 import argparse
 import sys
 import tempfile
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from itertools import groupby, pairwise
 from pathlib import Path
@@ -15,18 +16,19 @@ from pathlib import Path
 from tests.mutants.faults import Mutant, mutants
 from tests.mutants.running import Outcome, copied, is_plain, run_check, run_mutant
 
-_PAGE = """<!-- Written by `python -m tests.mutants --out docs/mutants.md`. -->
+_PAGE = """<!-- Written by `python -m tests.mutants --page docs/mutants.md`. -->
 # Mutation tests: single faults, and what notices them
 
-Each fault is made alone, in a copy of the repository. Then its check is run, which must fail:
-one of `mjforage validate`, or a test. The faults are data, `tests/mutants/*.toml`. Each names its
-place by function and text, and a test sees to it that this place still exists.
+`make mutants` makes each fault alone, in a copy of the repository, and runs its check, which must
+fail: one of `mjforage validate`, or a test. Continuous integration does so with a tenth of them,
+another one after each commit. The faults are data, `tests/mutants/*.toml`. Each names its place by
+function and text, and a test sees to it that this place still exists.
 """
 _HEAD = """
 ## {room}
 
-| mutant | fault | check | |
-|---|---|---|---|
+| mutant | fault | check |
+|---|---|---|
 """
 
 
@@ -43,18 +45,18 @@ def _chosen(names: list[str]) -> list[Mutant]:
     return [known[name] for name in names or known]
 
 
-def _row(mutant: Mutant, outcome: Outcome) -> str:
+def _row(mutant: Mutant) -> str:
     """A row of the table in Markdown."""
     check = mutant.check.split("/")[-1].replace("::", " ")
-    return f"| `{mutant.name}` | {mutant.fault} | `{check}` | {outcome.verdict} |"
+    return f"| `{mutant.name}` | {mutant.fault} | `{check}` |"
 
 
-def page(outcomes: dict[Mutant, Outcome]) -> str:
+def page(mutants: Iterable[Mutant]) -> str:
     """The page of all mutants, room by room."""
     parts = [_PAGE]
-    for room, those in groupby(outcomes, key=lambda mutant: mutant.room):
+    for room, those in groupby(mutants, key=lambda mutant: mutant.room):
         parts.append(_HEAD.format(room=room.capitalize()))
-        parts += [f"{_row(mutant, outcomes[mutant])}\n" for mutant in those]
+        parts += [f"{_row(mutant)}\n" for mutant in those]
     return "".join(parts)
 
 
@@ -69,21 +71,22 @@ def _run_all(chosen: list[Mutant]) -> dict[Mutant, Outcome]:
             sound[mutant.check] = before
             found = run_mutant(mutant, copy) if before.passed else before.without_fault()
             outcomes[mutant] = found
-            _say(f"{_row(mutant, found)} {found.words}")
+            _say(f"{found.verdict}: {mutant.name} ({mutant.fault}), {mutant.check}: {found.words}")
     return outcomes
 
 
 def main() -> None:
-    """Run the mutants that are named and print a table."""
+    """Run the mutants that are named and say what each came to."""
     parser = argparse.ArgumentParser(prog="python -m tests.mutants", description=__doc__)
     parser.add_argument("name", nargs="*", help="mutants to run, all by default")
     parser.add_argument("--list", action="store_true", help="name them and run nothing")
-    parser.add_argument("--out", type=Path, help="file to write the page with the table to")
+    parser.add_argument("--page", type=Path, help="file to write the list to; nothing is run")
     parser.add_argument("--jobs", type=int, default=1, help="copies of the repository at work")
     parser.add_argument("--tenth", type=int, help="every tenth mutant, from this one of the first")
     words = parser.parse_args()
-    if words.out and (words.name or words.tenth is not None):
-        sys.exit("mutants: --out is for the whole table; give neither names nor --tenth with it")
+    if words.page:
+        words.page.write_text(page(mutants()), encoding="utf-8")
+        return
     chosen = _chosen(words.name)
     if words.tenth is not None:
         chosen = chosen[words.tenth % 10 :: 10]
@@ -95,10 +98,7 @@ def main() -> None:
     with ThreadPoolExecutor(words.jobs) as pool:
         runs = pool.map(_run_all, _shares(by_check, words.jobs))
         found = {mutant: outcome for done in runs for mutant, outcome in done.items()}
-    outcomes = {mutant: found[mutant] for mutant in chosen}
-    if words.out:
-        words.out.write_text(page(outcomes), encoding="utf-8")
-    survived = sum(outcome.verdict != "caught" for outcome in outcomes.values())
+    survived = sum(outcome.verdict != "caught" for outcome in found.values())
     _say(f"{len(chosen) - survived} of {len(chosen)} caught")
     sys.exit(1 if survived else 0)
 

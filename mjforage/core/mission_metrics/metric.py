@@ -8,12 +8,13 @@ import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, TypeVar
+from typing import Annotated, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 import metrics
+from graph_planner.fields import Within
 from graph_planner.fleet import Fleet
 from graph_planner.lending import read_only
 from mjforage.core.episode_log import EpisodeLog
@@ -168,7 +169,7 @@ class Description:
     definition: str = "no description"
     unit: str = ""
     better: int = 0
-    digits: int = 4
+    digits: Annotated[int, Within(0, 12, "decimals")] = 4
     compared: bool = True
     drawn: bool = True
     course: str = ""

@@ -74,7 +74,8 @@ def restore_checkpoint(trainer: Algorithm[Any], path: Path) -> None:
     Raises
     ------
     UserError
-        If the file is not a checkpoint, or one of another scenario, seed or hyperparameters.
+        If the file is not a checkpoint, one of another scenario, seed or hyperparameters, or holds
+        what no training writes.
     """
     try:
         with safe_open(path, "pt") as file:
@@ -97,7 +98,16 @@ def restore_checkpoint(trainer: Algorithm[Any], path: Path) -> None:
             }
     except (OSError, ValueError, RecursionError, AttributeError, SafetensorError) as error:
         raise UserError(f"checkpoint {path}: cannot be read ({error}); {REMEDY}") from error
-    trainer.restore(tensors)
+    try:
+        for name, tensor in tensors.items():
+            if tensor.is_floating_point() and not tensor.isfinite().all():
+                raise ValueError(f"{name} is not finite")
+        trainer.restore(tensors)
+        trainer.random = np.random.Generator(np.random.PCG64())
+        trainer.random.bit_generator.state = notes.random
+    except (LookupError, ValueError, TypeError, RuntimeError, OverflowError) as error:
+        words = " ".join(str(error).split())
+        raise UserError(
+            f"checkpoint {path}: is damaged, or of another training ({words}); {REMEDY}"
+        ) from error
     trainer.progress = notes.progress
-    trainer.random = np.random.Generator(np.random.PCG64())
-    trainer.random.bit_generator.state = notes.random

@@ -1,11 +1,15 @@
-"""Safetensors files of training: whole or absent, and equal bytes for equal content."""
+"""Safetensors files of training: whole or absent, and equal bytes for equal content; what of an
+optimiser is in them.
+"""
 
 from collections.abc import Mapping
 from pathlib import Path
 
+import torch
 from safetensors import SafetensorError
 from safetensors.torch import save_file
 from torch import Tensor
+from torch.optim import Adam
 
 from mjforage.core.whole_files import whole
 
@@ -25,3 +29,42 @@ def save_tensors(path: Path, tensors: Mapping[str, Tensor], note: tuple[str, str
     with whole(path, SafetensorError) as beside:
         save_file(dict(tensors), beside, metadata=dict([note]))
         beside.chmod(0o644)  # safetensors leaves it to the owner alone
+
+
+def count_of(tensor: Tensor) -> int:
+    """A count that a file holds.
+
+    Raises
+    ------
+    ValueError
+        If it is none.
+    """
+    if (count := int(tensor)) < 0:
+        raise ValueError(f"a count is {count}")
+    return count
+
+
+def restore_moments(optimiser: Adam, state: Mapping[str, Tensor]) -> None:
+    """Give an optimiser back its moments.
+
+    Parameters
+    ----------
+    state : "number of the parameter.name of the moment" -> tensor
+
+    Raises
+    ------
+    ValueError
+        If they are not of its parameters.
+    """
+    parameters = [one for group in optimiser.param_groups for one in group["params"]]
+    moments: dict[int, dict[str, Tensor]] = {}
+    for i in sorted({int(name.partition(".")[0]) for name in state}):
+        shape = parameters[i].shape
+        shapes = {"step": (), "exp_avg": shape, "exp_avg_sq": shape}
+        moments[i] = {key: state.get(f"{i}.{key}", torch.empty(0, 0)) for key in shapes}
+        if any(moments[i][key].shape != wanted for key, wanted in shapes.items()):
+            raise ValueError(f"moments of parameter {i} are not of its shape")
+    if len(state) != sum(map(len, moments.values())):
+        raise ValueError("moments of other parameters")
+    groups = optimiser.state_dict()["param_groups"]
+    optimiser.load_state_dict({"state": moments, "param_groups": groups})

@@ -21,6 +21,7 @@ from torch import Tensor
 from graph_planner.encodings import Shapes
 from graph_planner.inference import one_thread, values_of
 from graph_planner.q_network import DuelingNetwork
+from mjforage.learning.training.files import count_of, restore_moments
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.replay_memory import Batch, ReplayMemory
 
@@ -189,11 +190,6 @@ class Learner:
 
         for name in NETWORKS:
             getattr(self, name).load_state_dict(part(f"{name}."))
-        moments: dict[int, dict[str, Tensor]] = {}
-        for name, value in part("optimiser.").items():
-            i, key = name.split(".")
-            moments.setdefault(int(i), {})[key] = value
-        groups = self.optimiser.state_dict()["param_groups"]
-        self.optimiser.load_state_dict({"state": moments, "param_groups": groups})
+        restore_moments(self.optimiser, part("optimiser."))
         self.memory.restore({name: value.numpy() for name, value in part("memory.").items()})
-        self.updates = int(state["updates"])
+        self.updates = count_of(state["updates"])

@@ -5,9 +5,10 @@ from pathlib import Path
 import polars as pl
 
 from graph_planner.extras import require
+from mjforage.core.errors import UserError
 from mjforage.core.whole_files import write_bytes
 from mjforage.learning.training.progress import Progress, Row
-from mjforage.runs.parquet import parquet_bytes, read_parquet
+from mjforage.runs.parquet import parquet_bytes, read_parquet, read_schema
 
 TABLES = ("training", "evaluations")
 
@@ -56,5 +57,8 @@ class Logs:
 
 def _read(path: Path, rounds: int) -> list[Row]:
     """Rows of a table up to a round."""
-    table = read_parquet(path, remedy="move it away, or give another --out")
+    remedy = "move it away, or give another --out"
+    if not read_schema(path, remedy).get("rounds", pl.String()).is_numeric():
+        raise UserError(f"{path}: is no log of a training; {remedy}")
+    table = read_parquet(path, remedy=remedy)
     return table.filter(pl.col("rounds") <= rounds).to_dicts() if table.height else []

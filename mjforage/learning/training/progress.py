@@ -3,10 +3,12 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
+from graph_planner.fields import Within
 from mjforage.core.schema import OPEN
 
+Count = Annotated[int, Within(0, 10**15)]
 Row = dict[str, float]
 """Of a log: name -> number."""
 
@@ -17,13 +19,13 @@ class Progress:
 
     __pydantic_config__ = OPEN | {"allow_inf_nan": True}  # `best` before an evaluation
 
-    rounds: int = 0
-    episodes: int = 0
-    decisions: int = 0  # steps of all episodes
-    updates: int = 0  # of each team's network
-    due: float = 0.0  # updates that steps have earned
-    seconds: float = 0.0  # since the start of the run, over all processes that worked on it
-    evaluated: int = 0  # updates at the last evaluation that was due
+    rounds: Count = 0
+    episodes: Count = 0
+    decisions: Count = 0  # steps of all episodes
+    updates: Count = 0  # of each team's network
+    due: Annotated[float, Within(0, 1e15)] = 0.0  # updates that steps have earned
+    seconds: Annotated[float, Within(0, 1e9)] = 0.0  # over all processes that worked on the run
+    evaluated: Count = 0  # updates at the last evaluation that was due
     best: float = float("inf")  # of the evaluations' `rank`
 
 

@@ -240,13 +240,32 @@ class ReplayMemory:
         }
 
     def restore(self, arrays: dict[str, NDArray[np.generic]]) -> None:
-        """Take back what `arrays` gave."""
-        for name, values in arrays.items():
-            if name.startswith("levels."):
-                self.levels[name.removeprefix("levels.")][: len(values)] = values
-            elif name == "priorities":
-                _put(self.tree, np.arange(values.size), np.asarray(values, np.float64))
+        """Take back what `arrays` gave.
+
+        Raises
+        ------
+        ValueError
+            If they are not of such a memory, or hold what none can.
+        """
+        counters = np.asarray(arrays.get("counters", ()), np.float64)
+        if counters.shape != (3,) or not np.isfinite(counters).all():
+            raise ValueError("counters of a replay are three numbers")
+        written, ready, self.most = int(counters[0]), int(counters[1]), float(counters[2])
+        if not 0 <= ready <= written <= 2**53 or self.most <= 0.0:
+            raise ValueError(f"counters of a replay are {counters.tolist()}")
+        self.written, self.ready = written, ready
+        for name, mine in self.arrays().items():
+            values = arrays.get(name, np.empty(0))
+            if values.shape != mine.shape or values.dtype != mine.dtype:
+                raise ValueError(f"{name} of a replay is {values.dtype} {values.shape}")
+            if name == "priorities":
+                self._take_priorities(np.asarray(values, np.float64))
             elif name != "counters":
-                getattr(self, name)[: len(values)] = values
-        counters = np.asarray(arrays["counters"], np.float64)
-        self.written, self.ready, self.most = int(counters[0]), int(counters[1]), counters[2].item()
+                mine[...] = values
+        if len(arrays) != len(self.arrays()) or self.moves.max() > 8:
+            raise ValueError("a replay of other arrays, or of moves that are none")
+
+    def _take_priorities(self, values: NDArray[np.float64]) -> None:
+        if not (np.isfinite(values) & (values >= 0.0)).all():
+            raise ValueError("priorities of a replay are below 0 or not finite")
+        _put(self.tree, np.arange(values.size), values)

@@ -15,7 +15,7 @@ from mjforage.core.errors import UserError
 from mjforage.core.mission_metrics import Description, chosen_metrics, describe, description
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.kept import replay_files
-from mjforage.runs.parquet import collected, read_schema, scan_parquet
+from mjforage.runs.parquet import collected, count_rows, read_schema, scan_parquet
 from mjforage.runs.run_info import REMEDY, RunInfo, again, load_run, read_json
 from mjforage.view.page import style
 from mjforage.view.report.step_means import KEYS, metrics_in, numbers, read_means
@@ -23,6 +23,7 @@ from mjforage.view.report.step_means import KEYS, metrics_in, numbers, read_mean
 ITEM_COLUMNS = ("item", "t_discovered", "discovered_by", "t_collected", "collected_by")
 AGENT_COLUMNS = ("step", "agent", "x_m", "y_m")
 TRACK_STEPS = 1000  # of an episode whose tracks are drawn
+MOST_ITEMS = 40_000  # of an episode: no scenario has room for more
 
 
 @dataclass(frozen=True)
@@ -177,6 +178,13 @@ def _check_rows(path: Path, run: RunInfo, rows: int) -> None:
             )
 
 
+def _check_most(path: Path, run: RunInfo, of_an_episode: int) -> None:
+    """A table that packs well could unpack to any size: it has no more rows than a run makes."""
+    most = of_an_episode * run.episodes * len(run.worlds) * len(run.policies)
+    if (rows := count_rows(path, REMEDY)) > most:
+        raise UserError(f"{path}: has {rows:,} rows, at most {most:,} are of this run; {REMEDY}")
+
+
 def _summary(path: Path, run: RunInfo) -> Summaries:
     summaries = parse_summary(read_json(path), str(path))
     for world in run.worlds:
@@ -258,8 +266,10 @@ def load_logs(folder: Path) -> RunLogs:
     episodes = load_episodes(folder, run)
     metrics_in(path := folder / "steps.parquet")
     _check_rows(path, run, run.episodes * (run.horizon + 1))
-    scan_parquet(folder / "items.parquet", (*KEYS, *ITEM_COLUMNS), REMEDY)
-    scan_parquet(folder / "agents.parquet", (*KEYS, *AGENT_COLUMNS), REMEDY)
+    scan_parquet(items := folder / "items.parquet", (*KEYS, *ITEM_COLUMNS), REMEDY)
+    scan_parquet(agents := folder / "agents.parquet", (*KEYS, *AGENT_COLUMNS), REMEDY)
+    _check_most(items, run, MOST_ITEMS)
+    _check_most(agents, run, (run.horizon + 1) * len(run.agents))
     return RunLogs(folder, run, summary, episodes)
 
 

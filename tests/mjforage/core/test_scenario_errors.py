@@ -126,6 +126,13 @@ def test_unknown_scenario_is_named(reference: str, words: str) -> None:
     assert words in message
 
 
+def test_a_file_as_large_as_no_scenario_is_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "large.toml"
+    with path.open("wb") as file:
+        file.truncate(2 * 10**9)
+    assert "2,000,000,000 bytes are more than such a file has" in error_of(str(path))
+
+
 @pytest.mark.parametrize("content", [b"name = ", b"\xff\xfe", b"a = " + b"[" * 50_000])
 def test_a_file_that_is_not_toml_is_named(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "bad.toml"

@@ -64,6 +64,17 @@ def spoil(run: Path, key: str, name: str) -> None:
     (run / "run.json").write_text(json.dumps(info))
 
 
+def test_what_no_run_holds_is_refused_before_it_is_drawn(run: Path) -> None:
+    """A few thousand bytes that would take gigabytes: decimals, agents."""
+    info = content(run)
+    decimals = [one | {"digits": 10**6} for one in info["metrics"]]
+    for key, value in (("metrics", decimals), ("agents", info["agents"] * 300)):
+        (run / "run.json").write_text(json.dumps(info | {key: value}))
+        with pytest.raises(UserError, match=rf"run.json: {key}.*; ") as caught:
+            load_run(run / "run.json")
+        assert "\n" not in str(caught.value) and len(str(caught.value)) < 1000
+
+
 @pytest.mark.parametrize("key", ["worlds", "agents.team", "agents.name", "scenario.team"])
 @pytest.mark.parametrize("name", [AWAY, "..", "", "C:x", "a\0b", "x\n", "/etc", "a\\b"])
 def test_names_that_could_be_paths_are_refused(run: Path, key: str, name: str) -> None:

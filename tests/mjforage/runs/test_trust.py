@@ -1,6 +1,7 @@
 """Names that stand in files of anybody: no code of them runs, but what the user names too."""
 
 import json
+import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -206,3 +207,16 @@ def test_nothing_is_called_that_is_no_class_of_policies(
 def test_what_is_no_reference_cannot_be_trusted() -> None:
     with pytest.raises(UserError, match=r"evil: expected package.module:Name"):
         extensions.trust("evil")
+
+
+def test_workers_of_the_command_import_nothing_of_the_present_folder(folder: Path) -> None:
+    """Neither do processes that check determinism."""
+    for name in ("joblib", "multiprocessing", "numpy"):
+        (folder / f"{name}.py").write_text(EVIL)
+    command = Path(sys.executable).with_name("mjforage")
+    run = ("evaluate", "comb-port", "--policy", "greedy", "--policy", "levy", "--jobs", "2")
+    few = ("--episodes", "2", "--set", "horizon=2", "--replay", "none", "--out", "run")
+    for words in ((*run, *few), ("validate", "--check", "determinism")):
+        done = subprocess.run([command, *words], capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        assert not (folder / "imported").exists()

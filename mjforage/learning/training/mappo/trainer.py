@@ -24,6 +24,7 @@ from mjforage.core.scenario import Scenario
 from mjforage.core.sizes import check_memory
 from mjforage.learning.environments.game import CHOSEN, OTHERWISE_STAY
 from mjforage.learning.training.algorithm import Algorithm, teacher_label
+from mjforage.learning.training.files import count_of, restore_moments
 from mjforage.learning.training.mappo.critic import Critic
 from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
 from mjforage.learning.training.mappo.overview import overview
@@ -193,19 +194,15 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
     def restore(self, state: Mapping[str, Tensor]) -> None:
         """Take back what `tensors` gave."""
         made = self.updates
-        made.updates = int(state["updates"])
+        made.updates = count_of(state["updates"])
         for name, module in self._modules():
             start = f"{name}."
             module.load_state_dict(
                 {k.removeprefix(start): v for k, v in state.items() if k.startswith(start)}
             )
-        moments: dict[int, dict[str, Tensor]] = {}
-        for name, value in state.items():
-            if name.startswith("optimiser."):
-                _, i, key = name.split(".")
-                moments.setdefault(int(i), {})[key] = value
-        groups = made.optimiser.state_dict()["param_groups"]
-        made.optimiser.load_state_dict({"state": moments, "param_groups": groups})
+        start = "optimiser."
+        moments = {k.removeprefix(start): v for k, v in state.items() if k.startswith(start)}
+        restore_moments(made.optimiser, moments)
 
     def _modules(self) -> list[tuple[str, nn.Module]]:
         made = self.updates

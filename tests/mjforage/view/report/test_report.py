@@ -287,6 +287,11 @@ def drop_rows(path: Path) -> None:
     pl.read_parquet(path).head(-1).write_parquet(path)
 
 
+def inflate(path: Path) -> None:
+    """Rows that pack into next to nothing."""
+    pl.concat([pl.read_parquet(path).head(1)] * 500_000).write_parquet(path)
+
+
 def text(path: Path) -> None:
     path.write_text("not what it says")
 
@@ -310,6 +315,8 @@ def text(path: Path) -> None:
         ("steps.parquet", cut, "truncated or not Parquet"),
         ("steps.parquet", drop_rows, "has 38 rows, expected 39"),
         ("items.parquet", foreign, "column 'world' is missing"),
+        ("items.parquet", inflate, "has 500,000 rows, at most 240,000 are of this run"),
+        ("agents.parquet", inflate, "has 500,000 rows, at most "),
         ("agents.parquet", cut, "truncated or not Parquet"),
         ("replay/graph-greedy-0.npz", cut, "greedy-0.npz"),
     ],
