@@ -10,9 +10,9 @@ from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 
 ROWS, COLUMNS, PITCH_M, PERIOD_S = 24, 34, 5.0, 40.0
-NAMES = ("N", "NE", "E", "SE", "S", "SW", "W", "NW")
+NAMES = ("N", "NE", "E", "SE", "S", "SW", "W", "NW", "stay")
 TOWARD = dict(
-    zip(NAMES, ((0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1)), strict=True)
+    zip(NAMES, ((0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1)), strict=False)
 )
 """Compass word -> nodes (to the east, to the north)."""
 SEA = f"""

@@ -47,18 +47,19 @@ def test_a_wind_of_4_mps_carries_an_item_away_from_where_it_comes(
 def test_a_current_carries_an_item_to_where_it_flows(
     world: str, degrees: int, toward: str, tmp_path: Path
 ) -> None:
-    """0.1 m/s x 40 s = 4 m, counter-clockwise from east; the graph world has no current."""
+    """By 0.1 m/s x 40 s = 4 m, a little aside of the hook; the graph world has none."""
     current = ("weather.current_speed_mps=0.1", f"weather.current_toward_deg={degrees}")
     setup = sea(tmp_path, *current)
     mission = create_mission(setup, world)
     mission.reset(0, np.array([amidst(setup)]))
+    mission.advance(STAYS)
     begin = mission.state.item_rc[0, 0].copy()
-    foretold = mission.truth.drift_rc[0].copy() * PITCH_M
+    foretold = mission.truth.drift_rc[0] * PITCH_M
     mission.advance(STAYS)
     east, north = TOWARD[toward]
     by_hand = np.array([-north, east]) * (4.0 if world == "physics" else 0.0)
-    assert (mission.state.item_rc[0, 0] - begin) * PITCH_M == pytest.approx(by_hand, abs=0.4)
-    assert foretold == pytest.approx(by_hand, abs=0.2)
+    assert (mission.state.item_rc[0, 0] - begin) * PITCH_M == pytest.approx(by_hand, abs=0.3)
+    assert foretold == pytest.approx(by_hand, abs=0.3)
 
 
 @BOTH
@@ -70,7 +71,7 @@ def test_a_move_ends_where_its_compass_word_says(world: str, tmp_path: Path) -> 
     log.see(mission)
     mission.advance(np.eye(9)[:8, None])
     log.see(mission)
-    steps = np.array([TOWARD[word] for word in NAMES], np.float64)
+    steps = np.array(list(TOWARD.values()), np.float64)
     near = 0.0 if world == "graph" else 0.3
     moved = log.agent_rc[:, 1, 0] - (15, 8)
     assert moved == pytest.approx(np.stack((-steps[:, 1], steps[:, 0]), axis=1), abs=near)
