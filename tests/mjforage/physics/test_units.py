@@ -113,12 +113,12 @@ def test_a_current_carries_an_item_where_it_flows_to(direction: str) -> None:
 
 
 def test_the_noise_of_an_item_is_that_of_the_graph() -> None:
-    """The same draw moves its water for a decision: at the end it has 0.97 of that speed."""
+    """The same draw moves its water for a decision, and the item comes up to 0.97 of that speed."""
     weather = replace(CALM, noise_node_per_step=0.2)
     graph, physics = (played(world, weather) for world in ("graph", "physics"))
     noise = graph.carried(1)  # of 8 s [m]
     assert np.abs(noise).min() > 0.5
-    np.testing.assert_allclose(16.0 * physics.carried(1), 0.97 * noise, atol=0.02)
+    np.testing.assert_allclose(16.0 * physics.carried(1), 0.97 * noise, rtol=0.08)
 
 
 @pytest.mark.parametrize("world", ["graph", "physics"])
