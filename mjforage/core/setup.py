@@ -147,7 +147,7 @@ class Setup:
         choice = self.scenario.corruption
         names = np.array(self.fleet.team_names)[self.fleet.team]
         epsilon = np.where(names == choice.team, choice.epsilon, 0.0)
-        return Corruption(read_only(epsilon), True)
+        return Corruption(read_only(epsilon), choice.whole_team)
 
     def create_initial_state(self, keys: UInt64Array) -> InitialState:
         """Initial state of the episodes with the given keys (episode,)."""

@@ -1,107 +1,110 @@
-"""What a scenario's numbers come to on a mission: metres and nodes, seconds and steps, teams."""
+"""A scenario by hand: what missions and policies are told of it, in whose unit."""
 
-from pathlib import Path
+import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from graph_planner.randomness import episode_keys
-from mjforage.core.mission import Mission
-from mjforage.core.setup import Setup
-from tests.mjforage.core.hands import NAMES, amidst, sea, told
+from graph_planner.task import Task
+from mjforage.core.scenario import CorruptionChoice, Link, MapChoice, Rules, Weather
+from tests.mjforage.core.by_hand import CALM, PERIOD_S, PITCH_M, SCENARIO, by_hand, water
 
-KEYS = episode_keys(0, np.arange(40))
-
-
-@pytest.mark.parametrize(("pitch_m", "period_s"), [(5.0, 40.0), (2.0, 30.0), (10.0, 5.0)])
-def test_a_wind_carries_items_by_so_many_nodes(
-    pitch_m: float, period_s: float, tmp_path: Path
-) -> None:
-    """At 0.03 of 4 m/s for a period, in nodes of a pitch: a wind from the west to the east."""
-    units = (f"map.pitch_m={pitch_m}", f"period_s={period_s}")
-    setup = sea(tmp_path, "weather.wind_speed_mps=4", "weather.wind_from_deg=270", *units)
-    nodes = 0.03 * 4.0 * period_s / pitch_m
-    drift = setup.create_initial_state(KEYS).drift_rc
-    np.testing.assert_allclose(drift, [[0.0, nodes]] * len(KEYS), atol=1e-12)
+KEYS = episode_keys(3, np.arange(4))
+BLOWS = {  # from where, in compass degrees -> (rows, columns) that it takes an item in a unit
+    0.0: (1.0, 0.0),
+    90.0: (0.0, -1.0),
+    180.0: (-1.0, 0.0),
+    270.0: (0.0, 1.0),
+    225.0: (-math.sqrt(0.5), math.sqrt(0.5)),
+    -45.0: (math.sqrt(0.5), math.sqrt(0.5)),
+}
 
 
-def test_a_drift_in_nodes_knows_neither_metres_nor_seconds(tmp_path: Path) -> None:
-    drift = ("weather.drift_node_per_step=0.5", "map.pitch_m=2")
-    drawn = [
-        sea(tmp_path, *drift, f"period_s={each}").create_initial_state(KEYS).drift_rc
-        for each in (5, 40)
-    ]
-    np.testing.assert_array_equal(*drawn)
-    assert 0.4 < np.abs(drawn[0]).max() <= 0.5
+def test_cells_are_nodes_by_rows_from_the_northwest() -> None:
+    """Cell (1, 2) is land: 7 nodes in the first row, so (1, 5) is the fifth of the second."""
+    setup = by_hand()
+    assert len(setup.graph) == 28 - 3 and setup.graph.shape == (4, 7)
+    assert setup.start_nodes.tolist() == [7 + 4, 7 + 6 + 1, 3]
+    # Two metres of y to a metre of x would be a map lying on its side: row 1 of 4, column 5 of 7.
+    assert setup.graph.metres(np.array([1.0, 5.0])).tolist() == [25.0, 10.0]
+    assert setup.graph.row_column(np.array([25.0, 10.0])).tolist() == [1.0, 5.0]
 
 
-TEAMS = ("team.pilots.count=2", "team.skimmers.count=2")
-STARTS = "map.starts=[[15, 8], [15, 12], [9, 8], [9, 12]]"
+@pytest.mark.parametrize("degrees", BLOWS)
+def test_a_wind_from_a_compass_point_takes_items_to_the_other_side(degrees: float) -> None:
+    """4 m/s take an item 0.03 * 4 * 8 = 0.96 m a decision, which is 0.192 node of 5 m."""
+    weather = replace(CALM, wind_speed_mps=4.0, wind_from_deg=degrees, drift_node_per_step=0.1)
+    drift = by_hand(weather=weather).create_initial_state(KEYS).drift_rc
+    expected = 0.03 * 4.0 * PERIOD_S / PITCH_M * np.array(BLOWS[degrees])
+    np.testing.assert_allclose(drift, np.tile(expected, (4, 1)), atol=1e-12)
 
 
-@pytest.mark.parametrize(("team", "places"), [("pilots", [0, 1]), ("skimmers", [2, 3])])
-def test_the_team_that_is_named_is_corrupted(team: str, places: list[int], tmp_path: Path) -> None:
-    """All want to go east: those do, but whom chance moves goes there once in nine times."""
-    choice = (f"corruption.team={team}", "corruption.epsilon=1")
-    setup = sea(tmp_path, *TEAMS, STARTS, *choice)
-    assert setup.fleet.names == ("pilots_0", "pilots_1", "skimmers_0", "skimmers_1")
-    assert np.flatnonzero(setup.corruption.epsilon).tolist() == places
-    mission = Mission(setup)
-    mission.reset(0, np.arange(90))
-    east = np.eye(9)[np.full((90, 4), NAMES.index("E"))]
-    to_east = (mission.decide(east).direction == NAMES.index("E")).mean(axis=0)
-    true = [k for k in range(4) if k not in places]
-    assert (to_east[true] == 1.0).all()
-    assert (to_east[places] < 0.3).all()
+def test_the_papers_drift_is_in_nodes_whatever_their_length() -> None:
+    drift = by_hand(weather=Weather(drift_node_per_step=0.1)).create_initial_state(KEYS).drift_rc
+    longer = by_hand(map=replace(SCENARIO.map, pitch_m=50.0), weather=Weather())
+    assert 0.05 < np.abs(drift).max() <= 0.1
+    np.testing.assert_array_equal(longer.create_initial_state(KEYS).drift_rc, drift)
 
 
-def test_an_epsilon_is_the_share_of_corrupted_decisions(tmp_path: Path) -> None:
-    """One in four is drawn from nine moves: 3/4 + 1/36 = 7/9 go where they want, of 2000."""
-    choice = ("corruption.team=pilots", "corruption.epsilon=0.25")
-    mission = Mission(sea(tmp_path, *choice))
-    mission.reset(0, np.arange(2000))
-    moves = mission.decide(np.eye(9)[np.full((2000, 1), NAMES.index("W"))])
-    share = (moves.direction == NAMES.index("W")).mean()
-    assert abs(share - 7 / 9) < 4 * np.sqrt(7 / 9 * 2 / 9 / 2000)
+def test_the_team_that_is_named_is_corrupted() -> None:
+    for team, epsilon in (("scouts", [0.3, 0.3, 0.0]), ("foragers", [0.0, 0.0, 0.3])):
+        found = by_hand(corruption=CorruptionChoice(team, 0.3)).corruption
+        assert found.epsilon.tolist() == epsilon
+        assert not found.whole_team
+    assert by_hand(corruption=CorruptionChoice("scouts", 0.3, whole_team=True)).corruption[1]
+    assert not by_hand().corruption.epsilon.any()
 
 
-def _pair(tmp_path: Path, apart: int, *overrides: str) -> Setup:
-    """Two pilots, so many nodes to the east of each other."""
-    starts = f"map.starts=[[15, 8], [15, {8 + apart}]]"
-    return sea(tmp_path, "team.pilots.count=2", starts, *overrides)
+def task_of(**link: object) -> Task:
+    return by_hand(link=Link(**link)).task  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize(("apart", "heard"), [(6, True), (7, False)])
-def test_a_radio_reaches_metres(apart: int, heard: bool, tmp_path: Path) -> None:
-    """31 m, 6.2 nodes of 5 m: what one has just seen is known to the other, or not."""
-    setup = _pair(tmp_path, apart, "link.model=disk", "link.range_m=31")
-    assert setup.task.reach_node == pytest.approx(6.2)
-    mission = Mission(setup)
-    mission.reset(0, np.array([amidst(setup)]))
-    told(mission, "stay", "stay")
-    beyond = setup.graph.node_of_cell[17, [8, 8 + apart]]  # in view of one of them
-    known = mission.held.last_seen[:, beyond] >= 0
-    assert known.sum() == (4 if heard else 2)
-    assert known[[0, 1]].any(axis=1).all()
+def test_planners_know_how_far_radios_reach_in_nodes() -> None:
+    assert task_of(model="disk", range_m=64.0).reach_node == 64.0 / PITCH_M
+    assert task_of().reach_node == np.inf
+    assert task_of(model="none").reach_node == 0.0
 
 
-def test_a_reach_that_comes_too_late_is_none(tmp_path: Path) -> None:
-    """A look that is heard after 9 decisions is of no use in an episode of 9."""
-    disk = ("link.model=disk", "link.range_m=31")
-    late = [_pair(tmp_path, 6, *disk, f"link.latency={n}").task for n in (8, 9)]
-    assert [task.reach_node for task in late] == [pytest.approx(6.2), 0.0]
-    assert [task.latency for task in late] == [8, 9]
+def test_what_is_heard_after_the_mission_is_never_heard() -> None:
+    for latency, reach_node in ((0, 12.8), (19, 12.8), (20, 0.0)):
+        task = task_of(model="disk", range_m=64.0, latency=latency)
+        assert (task.latency, task.reach_node) == (latency, reach_node)
 
 
-def test_a_field_of_view_is_in_degrees_about_the_bow(tmp_path: Path) -> None:
-    """After a move to the north, 90 degrees of view: 3 nodes ahead, none abeam or astern."""
-    setup = sea(tmp_path, "sensors.fov_deg=90")
-    mission = Mission(setup)
-    mission.reset(0, np.array([amidst(setup)]))
-    for _ in range(2):
-        told(mission, "N")
-    row, col = 13, 8
-    around = [(row - 3, col), (row, col + 3), (row + 3, col), (row, col - 3), (row - 2, col + 1)]
-    nodes = [setup.graph.node_of_cell[cell] for cell in around]
-    seen = mission.knowledge.last_seen[0, nodes] == 2
-    assert seen.tolist() == [True, False, False, False, True]
+def test_policies_are_told_the_rules_of_the_scenario() -> None:
+    for stay in (False, True):
+        task = by_hand(rules=Rules(stay=stay, shorten=not stay, walls="project")).task
+        assert (task.rules.stay, task.rules.shorten) == (stay, not stay)
+        assert (task.walls, task.horizon) == ("project", 20)
+    # Nobody forgets a node for nine tenths of the horizon.
+    assert task.forgetting == pytest.approx(1.0 / 18.0)
+
+
+def test_starts_are_those_of_the_scenario_and_every_agent_has_one() -> None:
+    setup = by_hand()
+    placed = setup.create_initial_state(episode_keys(0, np.arange(30))).agent_node
+    assert (np.sort(placed, axis=1) == [3, 11, 14]).all()
+    assert len({tuple(each) for each in placed.tolist()}) == 6, "every order comes up"
+    cluster = by_hand(map=MapChoice("by-hand", starts=())).create_initial_state(KEYS).agent_node
+    assert {tuple(sorted(each)) for each in cluster.tolist()} != {(3, 11, 14)}
+
+
+def test_a_role_reaches_what_its_moves_end_on() -> None:
+    """A channel of 1 x 6: all or nothing, two-node moves end on every other node."""
+    channel = water(("111111",))
+    where = MapChoice("channel", starts=((0, 1), (0, 2), (0, 3)))
+    shares = by_hand(channel, map=where, rules=Rules(shorten=False)).reachable_shares
+    assert shares == {"scouts": 3 / 6, "foragers": 1.0}
+    assert by_hand(channel, map=where).reachable_shares == {"scouts": 1.0, "foragers": 1.0}
+
+
+def test_corners_are_cut_where_the_map_says_so() -> None:
+    """Of two squares that touch in a corner the first is reached alone, unless it may be cut."""
+    squares = water(("1100", "1100", "0011", "0011"))
+    one = MapChoice("squares", starts=((0, 0), (0, 1), (1, 0)), largest_component=True)
+    assert len(by_hand(squares, map=one).graph) == 4
+    cut = replace(one, corner_cutting=True)
+    assert len(by_hand(squares, map=cut).graph) == 8
+    assert by_hand(squares, map=cut).reachable_shares["foragers"] == 1.0
