@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from graph_planner.navigation import COMPASS
 from graph_planner.randomness import episode_keys
 from graph_planner.task import Task
 from mjforage.core.scenario import CorruptionChoice, Items, Link, MapChoice, Rules, Weather
@@ -106,7 +107,9 @@ def test_corners_are_cut_where_the_map_says_so() -> None:
     one = MapChoice("squares", starts=((0, 0), (0, 1), (1, 0)), largest_component=True)
     assert len(by_hand(squares, map=one).graph) == 4
     cut = replace(one, corner_cutting=True)
-    assert len(by_hand(squares, map=cut).graph) == 8
+    graph = by_hand(squares, map=cut).graph
+    assert len(graph) == 8
+    assert graph.neighbours[3, COMPASS.index("SE")] == 4  # from (1, 1) to (2, 2)
     assert by_hand(squares, map=cut).reachable_shares["foragers"] == 1.0
 
 
