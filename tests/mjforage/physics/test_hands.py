@@ -1,0 +1,109 @@
+"""Metres and compass words in both worlds: wind, current, moves, films and logs by hand."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mjforage.core.dynamics import ARRIVED
+from mjforage.core.episode_log import EpisodeLog
+from mjforage.core.film import Film
+from mjforage.physics.worlds import create_mission
+from tests.mjforage.core.hands import COLUMNS, NAMES, PERIOD_S, PITCH_M, ROWS, TOWARD, amidst, sea
+
+BOTH = pytest.mark.parametrize("world", ["graph", "physics"])
+FROM = {"N": 0, "E": 90, "S": 180, "W": 270}
+WIND_M = 0.03 * 4.0 * PERIOD_S  # in a decision, of an item in a wind of 4 m/s
+STAYS = np.eye(9)[None, None, 8]
+
+
+@BOTH
+@pytest.mark.parametrize(("bearing", "toward"), [("N", "S"), ("E", "W"), ("S", "N"), ("W", "E")])
+def test_a_wind_of_4_mps_carries_an_item_away_from_where_it_comes(
+    world: str, bearing: str, toward: str, tmp_path: Path
+) -> None:
+    """By 0.03 x 4 m/s x 40 s = 4.8 m in a decision, 0.96 node of 5 m."""
+    wind = ("weather.wind_speed_mps=4", f"weather.wind_from_deg={FROM[bearing]}")
+    setup = sea(tmp_path, *wind)
+    film = Film()
+    mission = create_mission(setup, world, film)
+    mission.reset(0, np.array([amidst(setup)]))
+    begin = mission.state.item_rc[0, 0].copy()
+    foretold = mission.truth.drift_rc[0].copy()
+    mission.advance(STAYS)
+    east, north = TOWARD[toward]
+    moved = (mission.state.item_rc[0, 0] - begin) * PITCH_M
+    assert moved == pytest.approx([-north * WIND_M, east * WIND_M], abs=0.12)
+    by_hand = np.array([-north, east]) * WIND_M / PITCH_M
+    assert foretold == pytest.approx(by_hand, abs=0.02)
+    assert mission.node_drift_rc[0] == pytest.approx(np.tile(by_hand, (len(setup.graph), 1)))
+    filmed = film.items[-1, 0] - film.items[0, 0]
+    assert filmed == pytest.approx([east * WIND_M, north * WIND_M], abs=0.12)
+    assert film.wind[-1] == pytest.approx([4.0 * east, 4.0 * north], abs=1e-6)
+
+
+@BOTH
+@pytest.mark.parametrize(("degrees", "toward"), [(0, "E"), (90, "N"), (180, "W"), (270, "S")])
+def test_a_current_carries_an_item_to_where_it_flows(
+    world: str, degrees: int, toward: str, tmp_path: Path
+) -> None:
+    """By 0.1 m/s x 40 s = 4 m, a little aside of the hook; the graph world has none."""
+    current = ("weather.current_speed_mps=0.1", f"weather.current_toward_deg={degrees}")
+    setup = sea(tmp_path, *current)
+    mission = create_mission(setup, world)
+    mission.reset(0, np.array([amidst(setup)]))
+    mission.advance(STAYS)
+    begin = mission.state.item_rc[0, 0].copy()
+    foretold = mission.truth.drift_rc[0] * PITCH_M
+    mission.advance(STAYS)
+    east, north = TOWARD[toward]
+    by_hand = np.array([-north, east]) * (4.0 if world == "physics" else 0.0)
+    assert (mission.state.item_rc[0, 0] - begin) * PITCH_M == pytest.approx(by_hand, abs=0.3)
+    assert foretold == pytest.approx(by_hand, abs=0.3)
+
+
+@BOTH
+def test_a_move_ends_where_its_compass_word_says(world: str, tmp_path: Path) -> None:
+    setup = sea(tmp_path)
+    mission = create_mission(setup, world)
+    mission.reset(0, np.full(8, amidst(setup)))
+    log = EpisodeLog(mission)
+    log.see(mission)
+    mission.advance(np.eye(9)[:8, None])
+    log.see(mission)
+    steps = np.array(list(TOWARD.values()), np.float64)
+    near = 0.0 if world == "graph" else 0.3
+    moved = log.agent_rc[:, 1, 0] - (15, 8)
+    assert moved == pytest.approx(np.stack((-steps[:, 1], steps[:, 0]), axis=1), abs=near)
+    assert (mission.state.outcome == ARRIVED).all()
+    assert log.direction[:, 1, 0].tolist() == list(range(8))
+    cells = [(setup.graph.rows[n], setup.graph.cols[n]) for n in log.target[:, 1, 0]]
+    assert cells == [(15 - north, 8 + east) for east, north in steps.tolist()]
+    np.testing.assert_array_equal(log.agent_node[:, 1], log.target[:, 1])
+    assert mission.state.distance[:, 0] == pytest.approx(
+        np.hypot(*steps.T), abs=0.5 if world == "physics" else 0.0
+    )
+    if world == "graph":  # headings counter-clockwise from east
+        to_go = np.degrees(log.yaw[:, 1, 0])
+        assert to_go % 360.0 == pytest.approx([90.0, 45.0, 0.0, 315.0, 270.0, 225.0, 180.0, 135.0])
+
+
+@BOTH
+def test_a_film_of_a_move_to_the_north_east(world: str, tmp_path: Path) -> None:
+    """In metres east and north of the south-west cell; the bow 45 degrees from east."""
+    setup, film = sea(tmp_path), Film()
+    mission = create_mission(setup, world, film)
+    mission.reset(0, np.array([amidst(setup)]))
+    for _ in range(3):
+        mission.advance(np.eye(9)[None, None, NAMES.index("NE")])
+    x, y = 8 * PITCH_M, (ROWS - 1 - 15) * PITCH_M
+    assert film.pose[0, 0] == pytest.approx([x, y, 0.0])
+    assert film.pose[-1, 0, :2] == pytest.approx([x + 15.0, y + 15.0], abs=1.5)
+    assert film.pose[:, 0, :2].max() < COLUMNS * PITCH_M
+    under_way = film.pose[len(film.pose) // 2, 0, 2]
+    assert np.degrees(under_way) == pytest.approx(45.0, abs=12.0)
+    frames = 3 if world == "graph" else 3 * PERIOD_S / 0.5
+    assert len(film.pose) == 1 + frames
+    assert film.interval_s == (PERIOD_S if world == "graph" else 0.5)
+    row, col = mission.state.item_rc[0, 0]
+    assert film.items[-1, 0] == pytest.approx([col * PITCH_M, (ROWS - 1 - row) * PITCH_M], rel=1e-6)
