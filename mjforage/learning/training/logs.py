@@ -58,7 +58,8 @@ class Logs:
 def _read(path: Path, rounds: int) -> list[Row]:
     """Rows of a table up to a round."""
     remedy = "move it away, or give another --out"
-    if not read_schema(path, remedy).get("rounds", pl.String()).is_numeric():
+    kinds = read_schema(path, remedy)  # none before the first evaluation
+    if kinds and not kinds.get("rounds", pl.String()).is_numeric():
         raise UserError(f"{path}: is no log of a training; {remedy}")
     table = read_parquet(path, remedy=remedy)
     return table.filter(pl.col("rounds") <= rounds).to_dicts() if table.height else []
