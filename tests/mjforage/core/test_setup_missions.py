@@ -1,39 +1,13 @@
-"""What a scenario's numbers come to on a mission: metres and nodes, seconds and steps, teams."""
+"""What a scenario's numbers come to in missions: whose moves are random, who is heard and seen."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from graph_planner.randomness import episode_keys
 from mjforage.core.mission import Mission
 from mjforage.core.setup import Setup
 from tests.mjforage.core.hands import NAMES, amidst, sea, told
-
-KEYS = episode_keys(0, np.arange(40))
-
-
-@pytest.mark.parametrize(("pitch_m", "period_s"), [(5.0, 40.0), (2.0, 30.0), (10.0, 5.0)])
-def test_a_wind_carries_items_by_so_many_nodes(
-    pitch_m: float, period_s: float, tmp_path: Path
-) -> None:
-    """At 0.03 of 4 m/s for a period, in nodes of a pitch: a wind from the west to the east."""
-    units = (f"map.pitch_m={pitch_m}", f"period_s={period_s}")
-    setup = sea(tmp_path, "weather.wind_speed_mps=4", "weather.wind_from_deg=270", *units)
-    nodes = 0.03 * 4.0 * period_s / pitch_m
-    drift = setup.create_initial_state(KEYS).drift_rc
-    np.testing.assert_allclose(drift, [[0.0, nodes]] * len(KEYS), atol=1e-12)
-
-
-def test_a_drift_in_nodes_knows_neither_metres_nor_seconds(tmp_path: Path) -> None:
-    drift = ("weather.drift_node_per_step=0.5", "map.pitch_m=2")
-    drawn = [
-        sea(tmp_path, *drift, f"period_s={each}").create_initial_state(KEYS).drift_rc
-        for each in (5, 40)
-    ]
-    np.testing.assert_array_equal(*drawn)
-    assert 0.4 < np.abs(drawn[0]).max() <= 0.5
-
 
 TEAMS = ("team.pilots.count=2", "team.skimmers.count=2")
 STARTS = "map.starts=[[15, 8], [15, 12], [9, 8], [9, 12]]"
@@ -83,14 +57,6 @@ def test_a_radio_reaches_metres(apart: int, heard: bool, tmp_path: Path) -> None
     known = mission.held.last_seen[:, beyond] >= 0
     assert known.sum() == (4 if heard else 2)
     assert known[[0, 1]].any(axis=1).all()
-
-
-def test_a_reach_that_comes_too_late_is_none(tmp_path: Path) -> None:
-    """A look that is heard after 9 decisions is of no use in an episode of 9."""
-    disk = ("link.model=disk", "link.range_m=31")
-    late = [_pair(tmp_path, 6, *disk, f"link.latency={n}").task for n in (8, 9)]
-    assert [task.reach_node for task in late] == [pytest.approx(6.2), 0.0]
-    assert [task.latency for task in late] == [8, 9]
 
 
 def test_a_field_of_view_is_in_degrees_about_the_bow(tmp_path: Path) -> None:
