@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mjforage.core.vessel_files import vessel_names
-from mjforage.physics.vessel_helm import default_control, helm_of
+from mjforage.physics.vessel_helm import decision_s, default_control, helm_of
 from mjforage.physics.vessels import (
     CrossFlow,
     ForceThruster,
@@ -84,6 +84,14 @@ def test_controllers_know_every_number_of_a_hull() -> None:
     assert {name: known[name] for name in NUMBERS} == NUMBERS
     otter = helm_of(load_vessel("otter"))
     assert (otter.k_ahead, otter.k_astern) == (0.01108, 0.006445)
+
+
+def test_a_decision_takes_a_quarter_turn_and_the_way() -> None:
+    tuning = helm_of(WORKBOAT).tuning
+    quarter = np.radians(90.0) / tuning.yaw_rate_radps
+    assert decision_s(WORKBOAT, 1e-12) == pytest.approx(quarter, rel=1e-4)
+    farther = decision_s(WORKBOAT, 400.0) - decision_s(WORKBOAT, 300.0)
+    assert farther == pytest.approx(100.0 / tuning.cruise_ahead_mps)
 
 
 def test_cross_flow_is_part_of_the_drag() -> None:
