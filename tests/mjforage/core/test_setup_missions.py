@@ -60,14 +60,15 @@ def test_a_radio_reaches_metres(apart: int, heard: bool, tmp_path: Path) -> None
 
 
 def test_a_field_of_view_is_in_degrees_about_the_bow(tmp_path: Path) -> None:
-    """After a move to the north, 90 degrees of view: 3 nodes ahead, none abeam or astern."""
-    setup = sea(tmp_path, "sensors.fov_deg=90")
+    """After a move to the north, 60 degrees of view: what is up to 30 degrees off the bow."""
+    setup = sea(tmp_path, "sensors.fov_deg=60")
     mission = Mission(setup)
     mission.reset(0, np.array([amidst(setup)]))
     for _ in range(2):
         told(mission, "N")
     row, col = 13, 8
-    around = [(row - 3, col), (row, col + 3), (row + 3, col), (row, col - 3), (row - 2, col + 1)]
+    around = [(row - 3, col), (row, col + 3), (row + 3, col), (row, col - 3)]
+    around += [(row - 2, col + 1), (row - 2, col + 2)]  # 27 and 45 degrees to starboard
     nodes = [setup.graph.node_of_cell[cell] for cell in around]
     seen = mission.knowledge.last_seen[0, nodes] == 2
-    assert seen.tolist() == [True, False, False, False, True]
+    assert seen.tolist() == [True, False, False, False, True, False]

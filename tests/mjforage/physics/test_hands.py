@@ -30,6 +30,8 @@ def test_a_mission_tells_how_wind_and_current_carry_items(world: str, tmp_path: 
     assert truth.drift_rc[0] == pytest.approx([-each, each + flow], abs=0.06)
     west = setup.graph.node_of_cell[15, 2]  # where the hook does not turn the stream
     assert mission.node_drift_rc[0, west] == pytest.approx([-each, each + flow], abs=0.06)
+    here = mission.state.item_node[0, 0]  # whose centre the item is on
+    assert mission.node_drift_rc[0, here] == pytest.approx(truth.drift_rc[0], rel=1e-5)
     before = mission.state.item_rc[0, 0].copy()
     mission.advance(STAYS)
     assert mission.state.item_rc[0, 0] - before == pytest.approx([-each, each + flow], abs=0.1)
