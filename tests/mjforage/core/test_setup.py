@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from graph_planner.navigation import COMPASS
 from graph_planner.randomness import episode_keys
 from graph_planner.task import Task
-from mjforage.core.scenario import CorruptionChoice, Link, MapChoice, Rules, Weather
+from mjforage.core.scenario import CorruptionChoice, Items, Link, MapChoice, Rules, Weather
 from tests.mjforage.core.by_hand import CALM, PERIOD_S, PITCH_M, SCENARIO, by_hand, water
 
 KEYS = episode_keys(3, np.arange(4))
@@ -27,7 +28,7 @@ def test_cells_are_nodes_by_rows_from_the_northwest() -> None:
     setup = by_hand()
     assert len(setup.graph) == 28 - 3 and setup.graph.shape == (4, 7)
     assert setup.start_nodes.tolist() == [7 + 4, 7 + 6 + 1, 3]
-    # Two metres of y to a metre of x would be a map lying on its side: row 1 of 4, column 5 of 7.
+    # Row 1 of 4 is two rows of 5 m from the south edge's centres, column 5 is 25 m from the west.
     assert setup.graph.metres(np.array([1.0, 5.0])).tolist() == [25.0, 10.0]
     assert setup.graph.row_column(np.array([25.0, 10.0])).tolist() == [1.0, 5.0]
 
@@ -106,5 +107,32 @@ def test_corners_are_cut_where_the_map_says_so() -> None:
     one = MapChoice("squares", starts=((0, 0), (0, 1), (1, 0)), largest_component=True)
     assert len(by_hand(squares, map=one).graph) == 4
     cut = replace(one, corner_cutting=True)
-    assert len(by_hand(squares, map=cut).graph) == 8
+    graph = by_hand(squares, map=cut).graph
+    assert len(graph) == 8
+    assert graph.neighbours[3, COMPASS.index("SE")] == 4  # from (1, 1) to (2, 2)
     assert by_hand(squares, map=cut).reachable_shares["foragers"] == 1.0
+
+
+def test_of_two_parts_the_larger_is_kept_wherever_it_lies() -> None:
+    parts = water(("1100000", "0000111", "0000111"))
+    where = MapChoice("parts", starts=((1, 4), (1, 5), (2, 6)), largest_component=True)
+    assert by_hand(parts, map=where).grid.navigable.tolist() == [
+        *([False] * 7, [False] * 4 + [True] * 3, [False] * 4 + [True] * 3)
+    ]
+
+
+def test_items_on_land_are_put_back_as_the_scenario_says() -> None:
+    """Into a pond of one node amidst land: each side cut to 0.49, or the longer one alone."""
+    pond = np.zeros((41, 61), np.bool_)
+    pond[20, 30] = True
+    one = {
+        "team": {"foragers": SCENARIO.team["foragers"]},
+        "map": MapChoice("pond", starts=((20, 30),)),
+        "items": Items(mean=50.0, std=0.0, covariance_node2=16.0),
+    }
+    for rules, both in ((Rules(), True), (Rules(walls="project"), False)):
+        state = by_hand(pond, rules=rules, **one).create_initial_state(KEYS[:1])
+        off = np.abs(state.item_rc[0] - (20.0, 30.0))
+        assert off.max() == pytest.approx(0.49)
+        corners = np.isclose(off, 0.49).all(axis=1).mean()
+        assert (corners > 0.5) if both else (corners == 0.0)

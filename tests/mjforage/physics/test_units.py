@@ -19,8 +19,7 @@ from tests.mjforage.core.by_hand import CALM, EAST, NORTH, PITCH_M, SOUTH, WEST,
 
 SEA = np.ones((9, 15), np.bool_)
 ITEM = np.array([3.0, 9.25])  # row, column: 46.25 m to the east, 25 m to the north
-START = (5, 4)  # of the scout: 20 m to the east, 15 m to the north
-TEAM = {"scouts": Role(count=1, moves=2, radius=2.5, collects=False)}
+START = (5, 4)  # of the vessel: 20 m to the east, 15 m to the north
 FROM = {"north": 0.0, "east": 90.0, "south": 180.0, "west": 270.0}
 PUSHED = {"north": SOUTH, "east": WEST, "south": NORTH, "west": EAST}
 TOWARD = {"east": 0.0, "north": 90.0, "west": 180.0, "south": 270.0}
@@ -38,7 +37,7 @@ HEADS = {  # compass word -> (x, y) of a move of a node, yaw [degrees counter-cl
 
 
 class Played(NamedTuple):
-    """Some decisions of one scout and one item."""
+    """Some decisions of one vessel and one item."""
 
     dynamics: Dynamics
     state: Transition
@@ -56,14 +55,17 @@ def played(
     direction: int = STAY,
     decisions: int = 1,
     period_s: float = 8.0,
+    collects: bool = False,
+    item: NDArray[np.float64] = ITEM,
 ) -> Played:
     where = MapChoice("sea", pitch_m=PITCH_M, starts=(START,))
-    setup = by_hand(SEA, map=where, team=TEAM, weather=weather, period_s=period_s)
+    team = {"team": Role(count=1, moves=2, radius=2.5, collects=collects)}
+    setup = by_hand(SEA, map=where, team=team, weather=weather, period_s=period_s)
     kind, film, keys = WORLDS[world], Film(), episode_keys(0, np.arange(1))
     dynamics = kind.dynamics(setup.graph, setup.fleet, kind.adapt(setup.scenario), film)
     initial = setup.create_initial_state(keys)
-    node = int(setup.graph.node_of_cell[3, 9])
-    initial = replace(initial, item_rc=ITEM[None, None], item_node=np.array([[node]], np.int32))
+    node = setup.graph.node_of_cell[int(item[0]), int(item[1])]
+    initial = replace(initial, item_rc=item[None, None], item_node=np.array([[node]], np.int32))
     state = dynamics.reset(initial, keys, ["0"])
     for step in range(1, decisions + 1):
         node = int(state.agent_node[0, 0])
@@ -88,8 +90,8 @@ def frames_of(world: str) -> int:
 @pytest.mark.parametrize("world", ["graph", "physics"])
 @pytest.mark.parametrize("origin", FROM)
 def test_a_wind_carries_an_item_away_from_where_it_blows(world: str, origin: str) -> None:
-    """4 m/s for 8 s at 0.03 of it: 0.96 m, which is 0.192 node of 5 m."""
-    weather = replace(CALM, wind_speed_mps=4.0, wind_from_deg=FROM[origin])
+    """4 m/s for 8 s at 0.03 of it: 0.96 m, 0.192 node of 5 m; no drift blows beside a wind."""
+    weather = replace(CALM, wind_speed_mps=4.0, wind_from_deg=FROM[origin], drift_node_per_step=0.1)
     found, (x, y) = played(world, weather, decisions=2), PUSHED[origin]
     exact = 1e-5 if world == "graph" else 0.02  # films have 32 bits; an item gathers speed
     np.testing.assert_allclose(found.carried(frames_of(world)), (0.96 * x, 0.96 * y), atol=exact)
@@ -112,13 +114,30 @@ def test_a_current_carries_an_item_where_it_flows_to(direction: str) -> None:
     np.testing.assert_array_equal(played("graph", weather).state.item_rc[0, 0], ITEM)
 
 
-def test_the_noise_of_an_item_is_that_of_the_graph() -> None:
-    """The same draw moves its water for a decision, and the item comes up to 0.97 of that speed."""
-    weather = replace(CALM, noise_node_per_step=0.2)
-    graph, physics = (played(world, weather) for world in ("graph", "physics"))
-    noise = graph.carried(1)  # of 8 s [m]
-    assert np.abs(noise).min() > 0.5
-    np.testing.assert_allclose(16.0 * physics.carried(1), 0.97 * noise, rtol=0.08)
+def test_the_noise_of_an_item_is_that_of_the_graph_in_every_decision() -> None:
+    """The same draw moves its water for 4 s, and the item comes up to 0.97 of that speed."""
+    weather = replace(CALM, noise_node_per_step=0.5)
+    graph, physics = (
+        played(world, weather, decisions=3, period_s=4.0).film.items[:, 0]
+        for world in ("graph", "physics")
+    )
+    noise = np.diff(graph, axis=0)  # of each decision [m]
+    ends = physics[8::8] - physics[7::8]  # in its last half second
+    np.testing.assert_allclose(8.0 * ends, 0.97 * noise, atol=0.1)
+    assert np.abs(np.diff(noise, axis=0)).max(axis=1).min() > 0.5
+
+
+@pytest.mark.parametrize("side", AXES)
+@pytest.mark.parametrize("water", [False, True])
+def test_wind_and_current_push_a_hull_that_stays_at_first(side: str, water: bool) -> None:
+    blown, borne = {toward: origin for origin, toward in PUSHED.items()}, TOWARD[side]
+    wind = replace(CALM, wind_speed_mps=8.0, wind_from_deg=FROM[blown[AXES[side]]])
+    weather = replace(CALM, current_speed_mps=0.3, current_toward_deg=borne) if water else wind
+    pushed = played("physics", weather).film.pose[2, 0, :2] - (20.0, 15.0)
+    x, y = AXES[side]
+    along, aside = pushed[0] * x + pushed[1] * y, pushed[0] * y - pushed[1] * x
+    assert along > 0.01
+    assert abs(aside) < 0.3 * along
 
 
 @pytest.mark.parametrize("world", ["graph", "physics"])
@@ -138,3 +157,20 @@ def test_a_move_of_two_nodes_takes_a_vessel_ten_metres_that_way(world: str, word
         off = np.angle(np.exp(1j * (yaw - np.radians(degrees))))
         assert abs(off) < (1e-6 if world == "graph" else 0.5)
     assert found.film.interval_s == (20.0 if world == "graph" else 0.5)
+
+
+@pytest.mark.parametrize("world", ["graph", "physics"])
+def test_ways_add_up_and_speeds_do_not(world: str) -> None:
+    state = played(world, direction=COMPASS.index("E"), decisions=2, period_s=20.0).state
+    exact = 1e-9 if world == "graph" else 0.3
+    assert [state.distance[0, 0], state.energy[0, 0]] == pytest.approx([4.0, 4.0], abs=2 * exact)
+    assert state.agent_speed[0, 0] == pytest.approx(2.0, abs=exact)
+
+
+@pytest.mark.parametrize("world", ["graph", "physics"])
+@pytest.mark.parametrize("collects", [False, True])
+def test_a_vessel_takes_the_item_of_its_node_if_it_collects(world: str, collects: bool) -> None:
+    found = played(world, collects=collects, item=np.array([5.25, 4.25]))
+    assert found.state.collected_by.tolist() == [[0 if collects else -1]]
+    assert (found.state.item_node[0, 0] == -1) == collects
+    assert found.film.present[:, 0].tolist()[-1] != collects
