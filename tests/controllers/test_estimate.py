@@ -11,20 +11,21 @@ from tests.controllers.plant import blank
 P = packed(helm_of(load_vessel("forager")))
 
 
-def after(ticks: int, noise_m: float = 0.0, **velocity: float) -> VesselState:
+def after(ticks: int, noise_m: float = 0.0, yaw: float = 0.0, **velocity: float) -> VesselState:
     """State after moving at a constant velocity, seen with noise."""
     s, rng = blank(), np.random.default_rng(0)
-    v = np.array([velocity.get("x", 0.0), velocity.get("y", 0.0), 0.0])
+    v = np.array([velocity.get(axis, 0.0) for axis in ("x", "y", "turn")])
     for tick in range(ticks):
-        fix = 0.1 * tick * v + noise_m * rng.normal(size=3) * (1.0, 1.0, 0.1)
+        fix = (0.0, 0.0, yaw) + 0.1 * tick * v + noise_m * rng.normal(size=3) * (1.0, 1.0, 0.1)
         estimate(s, P, fix, v, 0.1)
     return s
 
 
 def test_without_noise_the_estimate_is_the_fix() -> None:
-    s = after(50, x=0.7, y=-0.2)
+    s = after(50, x=0.7, y=-0.2, turn=0.3)
     assert s.x == pytest.approx(4.9 * 0.7)
     assert s.y == pytest.approx(4.9 * -0.2)
+    assert s.yaw == pytest.approx(4.9 * 0.3)
 
 
 def test_noise_is_averaged_away() -> None:
@@ -39,8 +40,10 @@ def test_a_jump_is_believed_at_once() -> None:
     assert (s.x, s.y, s.yaw) == (50.0, 9.0, 1.0)
 
 
-def test_an_unpowered_hull_that_moves_shows_the_drift() -> None:
-    s = after(300, x=0.2, y=0.1)
+@pytest.mark.parametrize("degrees", [0, 60, 135, -90])
+def test_an_unpowered_hull_that_moves_shows_the_drift(degrees: int) -> None:
+    """To the east and north, wherever the bow points."""
+    s = after(300, x=0.2, y=0.1, yaw=np.radians(degrees))
     assert s.drift_x == pytest.approx(0.2, abs=0.01)
     assert s.drift_y == pytest.approx(0.1, abs=0.01)
 

@@ -66,12 +66,21 @@ def test_reset_forgets() -> None:
 
 
 def test_inactive_episodes_get_nothing_and_keep_what_they_know() -> None:
-    pilot, case = Pilot(HELMS, CHART, 2), cases(2)
-    first = commands(pilot, case)
-    still = pilot.command(np.array([True, False]), case["pose"], case["velocity"])
-    assert not still[1].any()
-    assert still[0].any()
-    assert first.any()
+    """An order for the first episode alone leaves the second at what it was told before."""
+    pilots, case = [Pilot(HELMS, CHART, 2) for _ in range(2)], cases(2)
+    for pilot in pilots:
+        assert commands(pilot, case).any()
+    first = np.array([True, False])
+    stay = np.zeros((2, 2), np.bool_)
+    pilots[0].order(first, case["target"], case["origin"], stay)
+    still = pilots[0].command(first, case["pose"], case["velocity"])
+    assert still[0].any() and not still[1].any()
+    pilots[1].command(first, case["pose"], case["velocity"])
+    told, old = (
+        pilot.command(~first, case["pose"], case["velocity"])[1].copy() for pilot in pilots
+    )
+    assert old.any()
+    np.testing.assert_array_equal(told, old)
 
 
 def test_a_stay_at_the_place_needs_no_thrust() -> None:

@@ -80,6 +80,14 @@ def test_strata_keep_what_differs_between_them_out_of_the_interval() -> None:
     assert bootstrap(values, seed=0).low < 40.0
 
 
+def test_strata_go_with_their_episodes_where_some_are_undefined() -> None:
+    """Three of the bay are undefined: 7 of 0 and 10 of 100 are left, and nothing varies."""
+    values, maps = np.repeat([0.0, 100.0], 10), np.repeat(["bay", "port"], 10)
+    values[:3] = NAN
+    found = bootstrap(values, seed=0, strata=maps)
+    np.testing.assert_allclose([found.value, found.low, found.high], 1000.0 / 17.0)
+
+
 def test_many_resamples_are_drawn_in_blocks() -> None:
     values = np.arange(3000.0)  # 333 resamples fill a block
     rng = np.random.default_rng(9)

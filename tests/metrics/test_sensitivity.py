@@ -57,6 +57,9 @@ def test_two_segments_are_the_global_optimum(seed: int) -> None:
         return float(np.sum((design @ solution - curve) ** 2))
 
     np.testing.assert_allclose(fit.sse, sse(float(fit.break_point)), rtol=1e-6, atol=1e-9)
+    off = levels - fit.break_point
+    drawn = fit.height + np.where(off < 0.0, fit.slope_before, fit.slope_after) * off
+    np.testing.assert_allclose(np.sum((drawn - curve) ** 2), fit.sse, rtol=1e-6, atol=1e-9)
     on_grid = min(sse(at) for at in np.linspace(levels[1], levels[-2], 400))
     refined = optimize.minimize_scalar(sse, bounds=(levels[1], levels[-2]), method="bounded")
     assert fit.sse <= min(on_grid, refined.fun) + 1e-9

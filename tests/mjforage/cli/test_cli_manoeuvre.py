@@ -47,6 +47,21 @@ def test_current_and_heading_are_counter_clockwise_from_east(
     assert last[4] == pytest.approx(0.5, abs=1e-3)  # surge over ground, bow to the north
 
 
+@pytest.mark.parametrize(("degrees", "axis", "sign"), [(0, 1, 1), (90, 2, 1), (180, 1, -1)])
+def test_a_wind_blows_a_hull_to_where_it_is_told(
+    command: Callable[..., Any], tmp_path: Path, degrees: int, axis: int, sign: int
+) -> None:
+    """`--wind 8@90` is 8 m/s to the north: so goes a hull whose thrusters stand still."""
+    out = tmp_path / "out.csv"
+    words = ("--test", "drift", "--wind", f"8@{degrees}", "--duration", 60, "--out", out)
+    assert command("manoeuvre", "scout", *words).code == 0
+    rows = rows_of(out)
+    assert sign * rows[-1, axis] > 5.0
+    half = rows[rows[:, 0] <= 10.0]
+    assert (sign * np.diff(half[:, axis]) >= 0.0).all(), "from the first moment on"
+    assert np.abs(half[:, 3 - axis]).max() < 0.3 * np.abs(half[:, axis]).max()
+
+
 def test_a_hull_that_hunts_is_told(
     command: Callable[..., Any], tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

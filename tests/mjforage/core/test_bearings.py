@@ -33,6 +33,12 @@ def test_a_bearing_is_one_direction_however_it_is_written(signed: float, plain: 
     assert np.array_equal(fields[0].mean_current_mps, fields[1].mean_current_mps)
 
 
+def test_an_oblique_flow_is_counter_clockwise_from_east() -> None:
+    """2 m/s at 30 degrees: the root of 3 to the east, 1 to the north."""
+    assert parse_flow("2@30", "--wind") == pytest.approx((np.sqrt(3.0), 1.0))
+    assert parse_flow("2@-60", "--current") == pytest.approx((1.0, -np.sqrt(3.0)))
+
+
 @pytest.mark.parametrize("key", ["wind_from_deg", "current_toward_deg"])
 @pytest.mark.parametrize("degrees", [-361, 400])
 def test_more_than_a_turn_is_refused(key: str, degrees: int) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mjforage.core.vessel_files import vessel_names
-from mjforage.physics.vessel_helm import default_control, helm_of
+from mjforage.physics.vessel_helm import decision_s, default_control, helm_of
 from mjforage.physics.vessels import (
     CrossFlow,
     ForceThruster,
@@ -46,6 +46,28 @@ WORKBOAT = Vessel(
 )
 
 
+NUMBERS = {
+    "length_m": 6.0,
+    "beam_m": 2.4,
+    "lever_m": 0.9,
+    "lag_s": 0.4,
+    "mass_surge_kg": 1920.0,
+    "mass_sway_kg": 3300.0,
+    "inertia_yaw_kgm2": 8500.0,
+    "munk_kg": 1380.0,
+    "linear_surge": 150.0,
+    "linear_sway": 900.0,
+    "linear_yaw": 3000.0,
+    "quadratic_surge": 120.0,
+    "command_low": -800.0,
+    "command_high": 1200.0,
+    "exponent": 1.0,
+    "dead_zone": 10.0,
+    "k_ahead": 1.0,
+    "k_astern": 1.0,
+}
+
+
 def test_numbers_of_a_propeller_and_of_a_force() -> None:
     otter, scout = helm_of(load_vessel("otter")), helm_of(load_vessel("scout"))
     assert (otter.mass_surge_kg, otter.mass_sway_kg) == (80.0 + 5.28, 80.0 + 82.5)
@@ -54,6 +76,22 @@ def test_numbers_of_a_propeller_and_of_a_force() -> None:
     assert (otter.exponent, otter.k_ahead, otter.dead_zone) == (2.0, 0.01108, 0.0)
     assert (scout.exponent, scout.k_ahead, scout.dead_zone) == (1.0, 1.0, 1.0)
     assert (scout.command_low, scout.command_high) == (-19.9, 33.6)
+
+
+def test_controllers_know_every_number_of_a_hull() -> None:
+    """Of a hull whose numbers are unlike, all that does not follow from several, by its name."""
+    known = dataclasses.asdict(helm_of(WORKBOAT))
+    assert {name: known[name] for name in NUMBERS} == NUMBERS
+    otter = helm_of(load_vessel("otter"))
+    assert (otter.k_ahead, otter.k_astern) == (0.01108, 0.006445)
+
+
+def test_a_decision_takes_a_quarter_turn_and_the_way() -> None:
+    tuning = helm_of(WORKBOAT).tuning
+    quarter = np.radians(90.0) / tuning.yaw_rate_radps
+    assert decision_s(WORKBOAT, 1e-12) == pytest.approx(quarter, rel=1e-4)
+    farther = decision_s(WORKBOAT, 400.0) - decision_s(WORKBOAT, 300.0)
+    assert farther == pytest.approx(100.0 / tuning.cruise_ahead_mps)
 
 
 def test_cross_flow_is_part_of_the_drag() -> None:

@@ -40,16 +40,22 @@ def test_the_default_port_has_only_hulls_and_bodies() -> None:
     assert ladder_of(load_scenario("comb-port")) == ("graph", "hulls", "physics")
 
 
+def whole(*values: float) -> bool:
+    """Whether a piece is there; all that belongs to it comes and goes together."""
+    (there,) = {value > 0.0 for value in values}
+    return there
+
+
 def pieces(scenario: Scenario) -> tuple[bool, ...]:
     """Chance, bodies, current, intake, gusts, noise."""
     weather, physics, sensors = scenario.weather, scenario.physics, scenario.sensors
     return (
         scenario.rules.capture == "calibrated",
         physics.items == "bodies",
-        weather.circulation_mps > 0 and weather.current_wander_mps > 0,
+        whole(weather.circulation_mps, weather.current_wander_mps),
         physics.capture == "intake",
         weather.gust_intensity > 0,
-        sensors.position_noise_m > 0 and sensors.detection < 1,
+        whole(sensors.position_noise_m, sensors.heading_noise_deg, sensors.pickup_noise_m),
     )
 
 
