@@ -7,13 +7,18 @@ import numpy as np
 T = TypeVar("T")
 
 
-def read_only(value: T) -> T:
-    """Views that cannot be written of an array, or of all arrays in a tuple; what else it is.
+def view_of(array: Any) -> Any:
+    """A view of an array that cannot be written.
 
-    They are of a read-only buffer, so numpy refuses `setflags(write=True)` as well.
+    It is of a read-only buffer, so numpy refuses `setflags(write=True)` as well.
     """
+    return np.asarray(memoryview(array).toreadonly())
+
+
+def read_only(value: T) -> T:
+    """Views that cannot be written of an array, or of all arrays in a tuple; what else it is."""
     if isinstance(value, np.ndarray):
-        return cast(T, np.asarray(memoryview(cast(Any, value)).toreadonly()))
+        return cast(T, view_of(value))
     if isinstance(value, tuple):
         parts = map(read_only, value)
         make = getattr(type(value), "_make", tuple)  # a named tuple's

@@ -15,7 +15,7 @@ from graph_planner.compiled import prepared
 from graph_planner.fleet import UNLIMITED
 from graph_planner.geodesics import Int32Array
 from graph_planner.knowledge import Knowledge, Looks, idleness, times_seen
-from graph_planner.lending import Lending, Lent, read_only
+from graph_planner.lending import Lending, Lent, read_only, view_of
 from graph_planner.moves import Moves, Resolver, check_preferences
 from graph_planner.policies import Bound, Policy
 from graph_planner.randomness import UInt64Array, episode_keys
@@ -170,7 +170,7 @@ class Mission(Lending):
 
     def _begin_step(self, step: Int32Array) -> None:
         """Set (episode,) the steps made so far, and that to be decided next."""
-        self.step, self._next_step = read_only((step, step + _ONE))
+        self.step, self._next_step = view_of(step), view_of(step + _ONE)
 
     @property
     def moves(self) -> Moves | None:
@@ -352,7 +352,7 @@ class Mission(Lending):
             self._show("state", state)
         self.exchange.tell(self._see(), self._knowledge)
         item_node = np.ascontiguousarray(self._state.item_node, np.int32)
-        self.active = read_only(self._go_on(self.active, self.step, item_node))
+        self.active = view_of(self._go_on(self.active, self.step, item_node))
         return self.state
 
     def run(self, policy: Policy, observers: "tuple[Observer, ...]" = ()) -> None:
