@@ -7,18 +7,19 @@ import numpy as np
 T = TypeVar("T")
 
 
-def view_of(array: Any) -> Any:
+def view_of(array: T) -> T:
     """A view of an array that cannot be written.
 
     It is of a read-only buffer, so numpy refuses `setflags(write=True)` as well.
     """
-    return np.asarray(memoryview(array).toreadonly())
+    content: Any = array
+    return cast(T, np.asarray(memoryview(content).toreadonly()))
 
 
 def read_only(value: T) -> T:
     """Views that cannot be written of an array, or of all arrays in a tuple; what else it is."""
     if isinstance(value, np.ndarray):
-        return cast(T, view_of(value))
+        return view_of(value)
     if isinstance(value, tuple):
         parts = map(read_only, value)
         make = getattr(type(value), "_make", tuple)  # a named tuple's
