@@ -4,16 +4,9 @@ from typing import Any, ClassVar, Generic, TypeVar, cast
 
 import numpy as np
 
+from mjforage.base.views import view_of
+
 T = TypeVar("T")
-
-
-def view_of(array: T) -> T:
-    """A view of an array that cannot be written.
-
-    It is of a read-only buffer, so numpy refuses `setflags(write=True)` as well.
-    """
-    content: Any = array
-    return cast(T, np.asarray(memoryview(content).toreadonly()))
 
 
 def read_only(value: T) -> T:

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 from math import prod
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from metrics._checks import BoolArray, FloatArray, IntArray, first, same_shape, whole_steps
+from mjforage.base.views import view_of
 
 NEVER = np.nan
 NOBODY = -1
@@ -59,8 +59,7 @@ class EventTable:
 
     def _set(self, name: str, array: FloatArray | IntArray | BoolArray) -> None:
         """Keep an array that numpy lets nobody write, as all metrics share it."""
-        content: Any = array
-        object.__setattr__(self, name, np.asarray(memoryview(content).toreadonly()))
+        object.__setattr__(self, name, view_of(array))
 
 
 def counts_by_step(times: ArrayLike, horizon: int) -> IntArray:

@@ -27,16 +27,12 @@ def _check_floors() -> None:
             )
 
 
-def _starts_the_command() -> bool:
-    """Whether this process is the command `mjforage`, or `python -m mjforage`."""
-    words = list(zip(sys.orig_argv, sys.orig_argv[1:], strict=False))
-    return Path(sys.argv[0]).stem == "mjforage" or ("-m", "mjforage") in words
-
-
-if _starts_the_command():
+# This process is the command `mjforage`, or `python -m mjforage`.
+_is_module = ("-m", "mjforage") in zip(sys.orig_argv, sys.orig_argv[1:], strict=False)
+if _is_module or Path(sys.argv[0]).stem == "mjforage":
     from mjforage.base.interrupted import end_on_ctrl_c
 
-    if ("-m", "mjforage") not in zip(sys.orig_argv, sys.orig_argv[1:], strict=False):
+    if not _is_module:
         os.environ["PYTHONSAFEPATH"] = "1"  # nor do workers import from the present folder
     end_on_ctrl_c()  # before the rest is imported, which takes a fifth of a second
 _check_floors()

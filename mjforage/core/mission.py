@@ -15,12 +15,13 @@ from graph_planner.compiled import prepared
 from graph_planner.fleet import UNLIMITED
 from graph_planner.geodesics import Int32Array
 from graph_planner.knowledge import Knowledge, Looks, idleness, times_seen
-from graph_planner.lending import Lending, Lent, read_only, view_of
+from graph_planner.lending import Lending, Lent, read_only
 from graph_planner.moves import Moves, Resolver, check_preferences
 from graph_planner.policies import Bound, Policy
 from graph_planner.randomness import UInt64Array, episode_keys
 from graph_planner.rows import put_rows
 from graph_planner.task import Late, Observation, Truth, nothing_late
+from mjforage.base.views import view_of
 from mjforage.core.dynamics import Dynamics, Transition, goes_on, mean_drift, taken_by
 from mjforage.core.errors import UserError
 from mjforage.core.exchange import Exchange

@@ -386,17 +386,3 @@ def test_bad_starts_file_is_named(write: WriteMap, content: str | bytes, message
         load_starts(write(table(SMALL)))
     assert str(caught.value).startswith("starts harbour.starts.csv: ")
     assert message in str(caught.value)
-
-
-def test_missing_data_folder_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(assets, "_PLACES", (tmp_path / "a", tmp_path / "b"))
-    with pytest.raises(UserError) as caught:
-        assets.models_folder()
-    assert str(tmp_path / "a") in str(caught.value)
-    assert str(tmp_path / "b") in str(caught.value)
-
-
-def test_installed_data_folder_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    (tmp_path / "wheel" / "maps").mkdir(parents=True)
-    monkeypatch.setattr(assets, "_PLACES", (tmp_path / "wheel", tmp_path / "checkout"))
-    assert assets.models_folder() == tmp_path / "wheel"

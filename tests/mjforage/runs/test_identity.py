@@ -16,7 +16,7 @@ from mjforage.core.scenario_file import load_scenario
 from mjforage.core.setup import Setup
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.identity import hull_facts, pinned, run_hash, run_info
-from mjforage.runs.resuming import differences
+from mjforage.runs.resuming import Difference, differences, refusal
 from mjforage.runs.run_info import RunInfo
 from mjforage.runs.storage import IDENTITY, RunFolder
 from mjforage.runs.study import Study, Variant, run_study
@@ -203,3 +203,10 @@ class Items(Metric):
 
     def value(self, batch: Any) -> Any:
         return batch.log.n_items
+
+
+def test_of_another_policy_its_code_is_not_told() -> None:
+    code, policies = Difference("code", "a.py is gone"), Difference("policies", "policies is 1")
+    told = refusal("run", [code, policies])
+    assert told.startswith("holds another run: policies is 1; give --fresh to keep")
+    assert refusal("run", [code]).startswith("holds another run: a.py is gone; give --accept-code")

@@ -22,7 +22,6 @@ from mjforage.runs.costs import load_costs
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.layout import CHUNK, plan
 from mjforage.runs.lock import claimed
-from mjforage.runs.resuming import Difference, refusal
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import TABLES
 
@@ -395,10 +394,3 @@ def test_a_run_killed_while_it_finishes_ends_the_same(
     assert_same(run, whole)
     assert not (run / "chunks").exists()
     assert not list(run.glob(".*.*"))
-
-
-def test_of_another_policy_its_code_is_not_told() -> None:
-    code, policies = Difference("code", "a.py is gone"), Difference("policies", "policies is 1")
-    told = refusal("run", [code, policies])
-    assert told.startswith("holds another run: policies is 1; give --fresh to keep")
-    assert refusal("run", [code]).startswith("holds another run: a.py is gone; give --accept-code")
