@@ -23,7 +23,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 # What torch computes depends on the processor's instructions, so learning is tested under each set.
 CAPABILITIES := default avx2 avx512
-LEARNING := tests/mjforage/learning tests/graph_planner/test_weights.py
+LEARNING := tests/mjforage/learning tests/graph_planner/networks/test_weights.py
 
 .PHONY: demo quick test thorough types collected planner hulls capabilities mujoco lowest mutants mutants-tenth evidence evidence-pages dist docs links pages gallery install clean
 .DEFAULT_GOAL := demo
@@ -108,7 +108,7 @@ mujoco: $(VENV)/mujoco-$(MUJOCO)/.installed
 		--out $(<D)/run $(COMPILE)
 
 # Their own warnings are not ours: what is deprecated today was not when they were made.
-OLD := tests/mjforage/core tests/mjforage/physics/callback tests/mjforage/physics/scene \
+OLD := tests/mjforage/scenario tests/mjforage/mission tests/mjforage/physics/callback tests/mjforage/physics/scene \
 	tests/mjforage/physics/simulation tests/mjforage/runs/test_evaluate.py tests/mjforage/runs/test_storage.py \
 	tests/mjforage/runs/test_tables.py tests/mjforage/runs/test_resuming.py tests/mjforage/cli/test_maps.py \
 	tests/mjforage/cli/test_run_folders.py tests/mjforage/view/render/test_video.py

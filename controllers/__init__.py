@@ -6,8 +6,8 @@ hull, `Chart` what it knows of the quays. The constants of these files are estim
 proving ground of the tests, unless they name a source.
 """
 
-from controllers.chart import Chart
-from controllers.helm import Helm, Tuning
-from controllers.pilot import Pilot
+from mjforage.controllers.chart import Chart
+from mjforage.controllers.helm import Helm, Tuning
+from mjforage.controllers.pilot import Pilot
 
 __all__ = ["Chart", "Helm", "Pilot", "Tuning"]

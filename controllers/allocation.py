@@ -2,9 +2,9 @@
 
 import math
 
-from controllers._compiled import kernel
-from controllers.angles import clipped
-from controllers.helm import PackedHelm
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.angles import clipped
+from mjforage.controllers.helm import PackedHelm
 
 LEAD = 0.5  # lag that is left of the thrusters' own
 

@@ -2,7 +2,7 @@
 
 import math
 
-from controllers._compiled import kernel
+from mjforage.controllers._compiled import kernel
 
 
 @kernel

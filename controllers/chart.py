@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers._compiled import kernel
-from controllers.boxes import box_gap
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.boxes import box_gap
 
 LandArray = NDArray[np.bool_]
 

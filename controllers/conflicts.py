@@ -2,12 +2,12 @@
 
 from typing import NamedTuple
 
-from controllers._compiled import kernel
-from controllers.boxes import box_gap, circle_radius
-from controllers.chart import LandArray, quay_gap
-from controllers.helm import FloatArray, HelmArray, PackedHelm
-from controllers.prediction import SAMPLE_S, SAMPLES
-from controllers.state import HOLD, FleetArray, VesselState
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.boxes import box_gap, circle_radius
+from mjforage.controllers.chart import LandArray, quay_gap
+from mjforage.controllers.helm import FloatArray, HelmArray, PackedHelm
+from mjforage.controllers.prediction import SAMPLE_S, SAMPLES
+from mjforage.controllers.state import HOLD, FleetArray, VesselState
 
 GROWTH_MPS = 0.04  # of the margin with time, for what is not foreseen
 MOST_GROWTH_M = 0.2  # at most

@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from controllers._compiled import kernel
-from controllers.conflicts import NONE, Traffic, first_conflict, runs_aground
-from controllers.helm import FloatArray
-from controllers.prediction import NEVER_S, SAMPLE_S, SAMPLES, predict
-from controllers.state import VesselState
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.conflicts import NONE, Traffic, first_conflict, runs_aground
+from mjforage.controllers.helm import FloatArray
+from mjforage.controllers.prediction import NEVER_S, SAMPLE_S, SAMPLES, predict
+from mjforage.controllers.state import VesselState
 
 CONFLICT_S = 60.0  # cost of a plan with a conflict, less the later it is
 AGROUND_S = 30.0  # cost of a plan that comes too near a quay

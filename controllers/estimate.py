@@ -7,11 +7,11 @@ through the water.
 
 import math
 
-from controllers._compiled import kernel
-from controllers.allocation import thrust_of
-from controllers.angles import wrapped
-from controllers.helm import FloatArray, PackedHelm
-from controllers.state import VesselState
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.allocation import thrust_of
+from mjforage.controllers.angles import wrapped
+from mjforage.controllers.helm import FloatArray, PackedHelm
+from mjforage.controllers.state import VesselState
 
 LOST_M = 3.0  # a fix farther from the estimate is believed at once
 DRIFT_S = 3.0  # time constant of the drift

@@ -2,14 +2,14 @@
 
 import math
 
-from controllers._compiled import kernel
-from controllers.boxes import box_gap, circle_radius
-from controllers.chart import LandArray, quay_gap
-from controllers.guidance import stopping_distance
-from controllers.helm import HelmArray, PackedHelm
-from controllers.legs import REACTION_S
-from controllers.quayside import is_quayed
-from controllers.state import FleetArray, VesselState
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.boxes import box_gap, circle_radius
+from mjforage.controllers.chart import LandArray, quay_gap
+from mjforage.controllers.guidance import stopping_distance
+from mjforage.controllers.helm import HelmArray, PackedHelm
+from mjforage.controllers.legs import REACTION_S
+from mjforage.controllers.quayside import is_quayed
+from mjforage.controllers.state import FleetArray, VesselState
 
 QUAYS = -1  # in place of another vessel
 GIVE_WAY_S = 1.0  # by how much longer the path ahead of a vessel with right of way is kept free

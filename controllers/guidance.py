@@ -7,7 +7,7 @@ underactuated marine surface vessels in the presence of constant ocean currents"
 
 import math
 
-from controllers._compiled import kernel
+from mjforage.controllers._compiled import kernel
 
 
 @kernel

@@ -6,7 +6,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.records import record_type
+from mjforage.controllers.records import record_type
 
 FloatArray: TypeAlias = NDArray[np.float64]
 

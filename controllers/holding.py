@@ -2,11 +2,11 @@
 
 import math
 
-from controllers._compiled import kernel
-from controllers.angles import wrapped
-from controllers.helm import PackedHelm
-from controllers.loops import integrated
-from controllers.state import VesselState
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.angles import wrapped
+from mjforage.controllers.helm import PackedHelm
+from mjforage.controllers.loops import integrated
+from mjforage.controllers.state import VesselState
 
 FARTHEST_M = 1.0  # a place farther away pulls no harder
 LEAST_DRIFT_MPS = 0.06  # a slower drift does not turn the hull

@@ -8,13 +8,13 @@ thrust helps; limits may so be below 0.
 
 import math
 
-from controllers._compiled import kernel
-from controllers.angles import clipped, wrapped
-from controllers.chart import LandArray, is_cell_land, is_nearer, quay_gap, way_to_cell
-from controllers.free_way import picks_at_quay
-from controllers.helm import PackedHelm
-from controllers.state import VesselState
-from controllers.touching import nearest_of
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.angles import clipped, wrapped
+from mjforage.controllers.chart import LandArray, is_cell_land, is_nearer, quay_gap, way_to_cell
+from mjforage.controllers.free_way import picks_at_quay
+from mjforage.controllers.helm import PackedHelm
+from mjforage.controllers.state import VesselState
+from mjforage.controllers.touching import nearest_of
 
 LEAST_DRIFT_MPS = 0.1  # from which quays to leeward are heeded
 LEAST_CLOSING_MPS = 0.1  # of the drift, towards such a quay

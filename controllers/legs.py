@@ -2,9 +2,9 @@
 
 import math
 
-from controllers._compiled import kernel
-from controllers.angles import wrapped
-from controllers.guidance import (
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.angles import wrapped
+from mjforage.controllers.guidance import (
     along_and_across,
     ilos_course,
     ilos_integral,
@@ -12,9 +12,9 @@ from controllers.guidance import (
     los_course,
     stopping_speed,
 )
-from controllers.helm import PackedHelm
-from controllers.loops import turning_limit
-from controllers.state import VesselState
+from mjforage.controllers.helm import PackedHelm
+from mjforage.controllers.loops import turning_limit
+from mjforage.controllers.state import VesselState
 
 ASTERN_HANDICAP_S = 0.5  # ahead is preferred by so much
 REACTION_S = 0.1  # of a loop at 10 Hz, added to the thruster's lag

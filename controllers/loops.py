@@ -2,11 +2,11 @@
 
 import math
 
-from controllers._compiled import kernel
-from controllers.angles import clipped, wrapped
-from controllers.helm import PackedHelm
-from controllers.reference import heading_reference, speed_reference
-from controllers.state import VesselState
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.angles import clipped, wrapped
+from mjforage.controllers.helm import PackedHelm
+from mjforage.controllers.reference import heading_reference, speed_reference
+from mjforage.controllers.state import VesselState
 
 MOST_LEAD_RAD = 0.35  # of the heading reference before the hull; more would be windup
 ASIDE = 0.12  # lengths that a turn under way may lead aside

@@ -9,14 +9,14 @@ item, and goes towards it as far as its node reaches: turning takes longer than 
 
 import math
 
-from controllers._compiled import kernel
-from controllers.angles import wrapped
-from controllers.guidance import stopping_speed
-from controllers.helm import PackedHelm
-from controllers.legs import FERRY_MPS, REACTION_S
-from controllers.loops import turning_limit
-from controllers.quayside import APPROACH_MPS, is_quayed, meeting_speed, run_in
-from controllers.state import VesselState
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.angles import wrapped
+from mjforage.controllers.guidance import stopping_speed
+from mjforage.controllers.helm import PackedHelm
+from mjforage.controllers.legs import FERRY_MPS, REACTION_S
+from mjforage.controllers.loops import turning_limit
+from mjforage.controllers.quayside import APPROACH_MPS, is_quayed, meeting_speed, run_in
+from mjforage.controllers.state import VesselState
 
 BERTH_M = 0.25  # between an item and the turning bow
 SLACK_M = 0.5  # beyond its room a hull still counts as inside its node

@@ -6,17 +6,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers._compiled import kernel
-from controllers.chart import Chart, LandArray
-from controllers.conflicts import Traffic
-from controllers.estimate import estimate
-from controllers.helm import HELM, FloatArray, Helm, HelmArray, packed
-from controllers.prediction import NEVER_S, SAMPLES
-from controllers.quayside import note_quays
-from controllers.safety import limit_speeds
-from controllers.state import HOLD, IDLE, START, STATE, TRANSIT, FleetArray, idle_state
-from controllers.steering import change_mode, start_decision, steer
-from controllers.traffic import plan_fleet, rank_fleet
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.chart import Chart, LandArray
+from mjforage.controllers.conflicts import Traffic
+from mjforage.controllers.estimate import estimate
+from mjforage.controllers.helm import HELM, FloatArray, Helm, HelmArray, packed
+from mjforage.controllers.prediction import NEVER_S, SAMPLES
+from mjforage.controllers.quayside import note_quays
+from mjforage.controllers.safety import limit_speeds
+from mjforage.controllers.state import HOLD, IDLE, START, STATE, TRANSIT, FleetArray, idle_state
+from mjforage.controllers.steering import change_mode, start_decision, steer
+from mjforage.controllers.traffic import plan_fleet, rank_fleet
 
 OPEN_PITCH_M = 4.0  # side of a node where there is no chart
 ROOM = 0.32  # of a node's side: farthest that midships goes from the centre to pick up

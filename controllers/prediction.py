@@ -2,13 +2,13 @@
 
 import math
 
-from controllers._compiled import kernel
-from controllers.angles import clipped
-from controllers.guidance import stopping_speed
-from controllers.helm import FloatArray, PackedHelm
-from controllers.legs import REACTION_S, VIA_SPEED, best_way
-from controllers.loops import turning_limit
-from controllers.state import VesselState
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.angles import clipped
+from mjforage.controllers.guidance import stopping_speed
+from mjforage.controllers.helm import FloatArray, PackedHelm
+from mjforage.controllers.legs import REACTION_S, VIA_SPEED, best_way
+from mjforage.controllers.loops import turning_limit
+from mjforage.controllers.state import VesselState
 
 SAMPLES = 40  # poses of a prediction
 SAMPLE_S = 0.25  # between two of them

@@ -8,14 +8,14 @@ mouth; the hull first backs off until it lies near its line. Stuck, it begins an
 
 import math
 
-from controllers._compiled import kernel
-from controllers.angles import clipped, wrapped
-from controllers.chart import LandArray, is_land
-from controllers.guidance import stopping_speed
-from controllers.helm import PackedHelm
-from controllers.legs import REACTION_S
-from controllers.loops import turning_limit
-from controllers.state import VesselState
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.angles import clipped, wrapped
+from mjforage.controllers.chart import LandArray, is_land
+from mjforage.controllers.guidance import stopping_speed
+from mjforage.controllers.helm import PackedHelm
+from mjforage.controllers.legs import REACTION_S
+from mjforage.controllers.loops import turning_limit
+from mjforage.controllers.state import VesselState
 
 BESIDE_M = 0.6  # a quay nearer than that to an item is beside it
 APPROACH_MPS = 0.5  # towards an item, and backing off from it

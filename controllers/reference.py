@@ -2,8 +2,8 @@
 
 import math
 
-from controllers._compiled import kernel
-from controllers.angles import clipped, wrapped
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.angles import clipped, wrapped
 
 
 @kernel

@@ -3,9 +3,9 @@
 They limit every command, whatever guidance and traffic want.
 """
 
-from controllers._compiled import kernel
-from controllers.chart import LandArray
-from controllers.free_way import (
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.chart import LandArray
+from mjforage.controllers.free_way import (
     QUAYS,
     SLACK_M,
     STEP_M,
@@ -15,12 +15,12 @@ from controllers.free_way import (
     gap_to,
     turn_to_come,
 )
-from controllers.guidance import stopping_distance, stopping_speed
-from controllers.helm import HelmArray
-from controllers.lee import UNLIMITED, heed_lee, heed_lee_hull, windward_room
-from controllers.legs import REACTION_S
-from controllers.state import HOLD, FleetArray, VesselState
-from controllers.touching import HULL_SHARE, NEAR_M, heed_hull, heed_land
+from mjforage.controllers.guidance import stopping_distance, stopping_speed
+from mjforage.controllers.helm import HelmArray
+from mjforage.controllers.lee import UNLIMITED, heed_lee, heed_lee_hull, windward_room
+from mjforage.controllers.legs import REACTION_S
+from mjforage.controllers.state import HOLD, FleetArray, VesselState
+from mjforage.controllers.touching import HULL_SHARE, NEAR_M, heed_hull, heed_land
 
 AHEAD, TURNED = 0.0, 1.0  # hulls as they head now, and as they will when they turn no more
 LEAST_TURN_RAD = 0.05  # a turn that is looked at

@@ -5,7 +5,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.records import record_type
+from mjforage.controllers.records import record_type
 
 
 class VesselState:

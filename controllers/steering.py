@@ -2,15 +2,15 @@
 
 import math
 
-from controllers._compiled import kernel
-from controllers.allocation import allocate, command_for, lagged, led_command
-from controllers.angles import clipped, wrapped
-from controllers.guidance import along_and_across
-from controllers.helm import PackedHelm
-from controllers.holding import hold_force, hold_windup
-from controllers.lee import turn_off
-from controllers.legs import REACTION_S, follow_leg, lay_leg
-from controllers.loops import (
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.allocation import allocate, command_for, lagged, led_command
+from mjforage.controllers.angles import clipped, wrapped
+from mjforage.controllers.guidance import along_and_across
+from mjforage.controllers.helm import PackedHelm
+from mjforage.controllers.holding import hold_force, hold_windup
+from mjforage.controllers.lee import turn_off
+from mjforage.controllers.legs import REACTION_S, follow_leg, lay_leg
+from mjforage.controllers.loops import (
     heading_moment,
     heading_windup,
     munk_moment,
@@ -19,7 +19,7 @@ from controllers.loops import (
     surge_windup,
     yaw_drag,
 )
-from controllers.pickup import (
+from mjforage.controllers.pickup import (
     can_be_ready,
     get_ready,
     in_room,
@@ -28,8 +28,8 @@ from controllers.pickup import (
     meets_item,
     pick_up,
 )
-from controllers.quayside import COMING, come_in, comes_in, is_cornered, is_in, is_quayed
-from controllers.state import HOLD, TRANSIT, VesselState
+from mjforage.controllers.quayside import COMING, come_in, comes_in, is_cornered, is_in, is_quayed
+from mjforage.controllers.state import HOLD, TRANSIT, VesselState
 
 AT_M = 0.3  # from its place: there
 PAST_M = 0.75  # beside the target when passing it: there

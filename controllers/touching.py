@@ -7,13 +7,13 @@ speed that a touch may have.
 
 import math
 
-from controllers._compiled import kernel
-from controllers.angles import clipped
-from controllers.chart import LandArray, headland, is_cell_land, is_nearer, way_to_cell
-from controllers.guidance import striking_speed
-from controllers.helm import PackedHelm
-from controllers.legs import REACTION_S
-from controllers.state import VesselState
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.angles import clipped
+from mjforage.controllers.chart import LandArray, headland, is_cell_land, is_nearer, way_to_cell
+from mjforage.controllers.guidance import striking_speed
+from mjforage.controllers.helm import PackedHelm
+from mjforage.controllers.legs import REACTION_S
+from mjforage.controllers.state import VesselState
 
 NEAR_M = 0.6  # a gap within which any turn can be braked
 TOUCH_QUAY_MPS, TOUCH_HULL_MPS = 0.18, 0.1  # of a touch; another hull may have as much

@@ -9,8 +9,8 @@ right of way by the vessel it meets, once in a decision.
 
 import math
 
-from controllers._compiled import kernel
-from controllers.conflicts import (
+from mjforage.controllers._compiled import kernel
+from mjforage.controllers.conflicts import (
     NONE,
     Traffic,
     conflict,
@@ -18,7 +18,7 @@ from controllers.conflicts import (
     runs_aground,
     ways_meet,
 )
-from controllers.detours import (
+from mjforage.controllers.detours import (
     BAD_S,
     Plan,
     plan_cost,
@@ -26,10 +26,10 @@ from controllers.detours import (
     straight_on,
     try_plan,
 )
-from controllers.helm import FloatArray, HelmArray, PackedHelm
-from controllers.prediction import NEVER_S, SAMPLES, predict
-from controllers.state import HOLD, TRANSIT, FleetArray, VesselState
-from controllers.steering import distance_to, start_transit
+from mjforage.controllers.helm import FloatArray, HelmArray, PackedHelm
+from mjforage.controllers.prediction import NEVER_S, SAMPLES, predict
+from mjforage.controllers.state import HOLD, TRANSIT, FleetArray, VesselState
+from mjforage.controllers.steering import distance_to, start_transit
 
 RETURN_M = 0.15  # margin more for giving up a detour
 KEEP_M = 0.1  # margin less for keeping on as before

@@ -26,11 +26,11 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 import mjforage
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
 from mjforage.learning.environments.spaces import Pictures
 from mjforage.learning.model_policy import ModelPolicy
+from mjforage.mission.setup import Setup
 from mjforage.runs.evaluate import evaluate
+from mjforage.scenario.scenario_file import load_scenario
 
 output = Console(highlight=False)
 

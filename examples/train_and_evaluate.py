@@ -15,14 +15,14 @@ from pathlib import Path
 
 from rich.console import Console
 
-from graph_planner.policies.ddqn import QPolicy
-from graph_planner.policies.registry import register
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.policies.ddqn import QPolicy
+from mjforage.graph_planner.policies.registry import register
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
+from mjforage.mission.setup import Setup
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import evaluate
+from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.render import render_replay
 from mjforage.view.report import write_report
 

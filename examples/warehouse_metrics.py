@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-import metrics
+from mjforage import metrics
 
 AISLES, BAYS = 24, 12
 PALLETS = 40

@@ -1,4 +1,4 @@
-"""Decisions on a graph: navigation graph, knowledge, observation, legal moves and policies.
+"""The graph of a map, and the policies that decide from node to node.
 
-Floor 2 of the house. It knows neither physics nor files; `mjforage` composes it.
+`graph` stands below the mission, all else above it. Neither knows physics or files of runs.
 """

@@ -37,13 +37,13 @@ Definition"; statistics over episodes come beside them.
 Bad arguments raise ValueError. Undefined values are NaN and are left out of the statistics.
 """
 
-from metrics.aggregation import (
+from mjforage.metrics.aggregation import (
     normalised,
     pareto_front,
     performance_profile,
     resampled_means,
 )
-from metrics.calibration import (
+from mjforage.metrics.calibration import (
     BINS,
     base_rate,
     brier,
@@ -52,15 +52,15 @@ from metrics.calibration import (
     reliability,
     resolution,
 )
-from metrics.comparison import (
+from mjforage.metrics.comparison import (
     Improvement,
     holm,
     paired_difference,
     paired_p,
     probability_of_improvement,
 )
-from metrics.events import NEVER, NOBODY, EventTable, counts_by_step
-from metrics.information import (
+from mjforage.metrics.events import NEVER, NOBODY, EventTable, counts_by_step
+from mjforage.metrics.information import (
     age_of_information,
     contact_share,
     cost_of_information,
@@ -68,8 +68,8 @@ from metrics.information import (
     position_age,
     unlikeness,
 )
-from metrics.inter_team import csr, csr_series, dsl, itl, itl_level, mean_dsl
-from metrics.intra_team import (
+from mjforage.metrics.inter_team import csr, csr_series, dsl, itl, itl_level, mean_dsl
+from mjforage.metrics.intra_team import (
     contributions,
     coverage_overlap,
     gini,
@@ -77,11 +77,11 @@ from metrics.intra_team import (
     team_gini,
     team_gini_series,
 )
-from metrics.marginal import paired_contribution
-from metrics.model_error import model_error
-from metrics.primary import irr, mean_idleness, nt, pta, pta_series, throughput
-from metrics.resampling import Interval, bootstrap
-from metrics.sensitivity import (
+from mjforage.metrics.marginal import paired_contribution
+from mjforage.metrics.model_error import model_error
+from mjforage.metrics.primary import irr, mean_idleness, nt, pta, pta_series, throughput
+from mjforage.metrics.resampling import Interval, bootstrap
+from mjforage.metrics.sensitivity import (
     BreakTest,
     Line,
     SensitivityIntervals,
@@ -91,8 +91,8 @@ from metrics.sensitivity import (
     sensitivity_slope,
     two_segment_fit,
 )
-from metrics.statistics import count, half_width_95, iqm, mean, sem, stratified_sem
-from metrics.summary import Summary, summarise
+from mjforage.metrics.statistics import count, half_width_95, iqm, mean, sem, stratified_sem
+from mjforage.metrics.summary import Summary, summarise
 
 __all__ = [
     "BINS",

@@ -7,9 +7,9 @@ NeurIPS 34, sections 4.1 to 4.3; intervals resample runs within their task.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from metrics import statistics
-from metrics._checks import FloatArray, IntArray, ratio, same_shape
-from metrics.resampling import LEVEL, RESAMPLES, Interval, percentiles, resampled
+from mjforage.metrics import statistics
+from mjforage.metrics._checks import FloatArray, IntArray, ratio, same_shape
+from mjforage.metrics.resampling import LEVEL, RESAMPLES, Interval, percentiles, resampled
 
 
 def normalised(values: ArrayLike, floor: ArrayLike, ceiling: ArrayLike) -> FloatArray:

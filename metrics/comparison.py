@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import stdtr
 
-from metrics import statistics
-from metrics._checks import FloatArray, IntArray, ratio, same_shape
-from metrics._checks import first as first_index
-from metrics.resampling import (
+from mjforage.metrics import statistics
+from mjforage.metrics._checks import FloatArray, IntArray, ratio, same_shape
+from mjforage.metrics._checks import first as first_index
+from mjforage.metrics.resampling import (
     LEVEL,
     RESAMPLES,
     Interval,

@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from metrics._checks import BoolArray, FloatArray, IntArray
-from metrics._compiled import kernel
-from metrics.model_error import RADIUS, checked_map, filter_weights, mirrored, node_cells
+from mjforage.metrics._checks import BoolArray, FloatArray, IntArray
+from mjforage.metrics._compiled import kernel
+from mjforage.metrics.model_error import RADIUS, checked_map, filter_weights, mirrored, node_cells
 
 _REACH = 2 * RADIUS
 _WIDTH = 2 * RADIUS + 1

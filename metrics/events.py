@@ -6,8 +6,8 @@ from math import prod
 import numpy as np
 from numpy.typing import ArrayLike
 
-from metrics._checks import BoolArray, FloatArray, IntArray, first, same_shape, whole_steps
 from mjforage.base.views import view_of
+from mjforage.metrics._checks import BoolArray, FloatArray, IntArray, first, same_shape, whole_steps
 
 NEVER = np.nan
 NOBODY = -1

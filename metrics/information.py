@@ -10,11 +10,11 @@ from math import isfinite
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from metrics._checks import BoolArray, FloatArray, ratio, same_shape, whole_steps
-from metrics._compiled import kernel
-from metrics.comparison import paired_difference
-from metrics.error_products import error_products
-from metrics.resampling import Interval
+from mjforage.metrics._checks import BoolArray, FloatArray, ratio, same_shape, whole_steps
+from mjforage.metrics._compiled import kernel
+from mjforage.metrics.comparison import paired_difference
+from mjforage.metrics.error_products import error_products
+from mjforage.metrics.resampling import Interval
 
 _PART = 4096  # steps of 16 bits whose sum fits 32
 

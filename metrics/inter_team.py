@@ -6,8 +6,15 @@ Equations: paper, "Metrics Definition", subsection "Inter-team metrics".
 import numpy as np
 from numpy.typing import ArrayLike
 
-from metrics._checks import BoolArray, FloatArray, IntArray, agent_indices, ratio, whole_steps
-from metrics.events import EventTable, counts_by_step
+from mjforage.metrics._checks import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    agent_indices,
+    ratio,
+    whole_steps,
+)
+from mjforage.metrics.events import EventTable, counts_by_step
 
 # Increments of k/K at different levels differ in their last bits; below this share of the
 # largest value two steps count as equally busy, so that the first of them is the peak.

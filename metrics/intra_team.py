@@ -6,9 +6,9 @@ Equations: paper, "Metrics Definition", subsection "Intra-team metrics".
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from metrics._checks import FloatArray, IntArray, agent_indices, first, ratio, same_shape
-from metrics._compiled import kernel
-from metrics.events import counts_by_step
+from mjforage.metrics._checks import FloatArray, IntArray, agent_indices, first, ratio, same_shape
+from mjforage.metrics._compiled import kernel
+from mjforage.metrics.events import counts_by_step
 
 
 def contributions(handled_by: ArrayLike, agents: ArrayLike) -> IntArray:

@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from metrics import statistics
-from metrics._checks import same_shape
-from metrics.intra_team import marginal_contribution
-from metrics.resampling import LEVEL, RESAMPLES, Interval, percentiles, resampled
+from mjforage.metrics import statistics
+from mjforage.metrics._checks import same_shape
+from mjforage.metrics.intra_team import marginal_contribution
+from mjforage.metrics.resampling import LEVEL, RESAMPLES, Interval, percentiles, resampled
 
 
 def paired_contribution(

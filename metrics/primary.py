@@ -6,8 +6,8 @@ Equations: paper, "Metrics Definition", subsection "Primary metrics".
 import numpy as np
 from numpy.typing import ArrayLike
 
-from metrics._checks import BoolArray, FloatArray, ratio, same_shape, whole_steps
-from metrics.events import counts_by_step
+from mjforage.metrics._checks import BoolArray, FloatArray, ratio, same_shape, whole_steps
+from mjforage.metrics.events import counts_by_step
 
 
 def pta(times: ArrayLike, exists: BoolArray) -> FloatArray:

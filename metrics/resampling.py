@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from metrics import statistics
-from metrics._checks import FloatArray, IntArray
+from mjforage.metrics import statistics
+from mjforage.metrics._checks import FloatArray, IntArray
 
 Statistic = Callable[[FloatArray], FloatArray]
 """(..., episode) -> (...), such as `statistics.mean` or `statistics.iqm`."""

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import stdtrit
 
-from metrics import statistics
-from metrics._checks import FloatArray, first, ratio
-from metrics.resampling import RESAMPLES, percentiles, resampled
+from mjforage.metrics import statistics
+from mjforage.metrics._checks import FloatArray, first, ratio
+from mjforage.metrics.resampling import RESAMPLES, percentiles, resampled
 
 _ENOUGH = 10  # episodes of which resamples say something of F
 _ROUNDING = 1e-20  # of squares of sums of floats, relative

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from metrics._checks import FloatArray, IntArray, first, ratio
+from mjforage.metrics._checks import FloatArray, IntArray, first, ratio
 
 NORMAL_95 = 1.96
 """Half width of the paper's intervals in standard errors (its tables: mean +- 1.96 SEM)."""

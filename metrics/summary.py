@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from metrics import statistics
-from metrics._checks import FloatArray, IntArray
-from metrics.resampling import RESAMPLES, bootstrap
+from mjforage.metrics import statistics
+from mjforage.metrics._checks import FloatArray, IntArray
+from mjforage.metrics.resampling import RESAMPLES, bootstrap
 
 
 @dataclass(frozen=True, eq=False)
@@ -15,7 +15,7 @@ class Summary:
 
     Attributes
     ----------
-    mean, sem, iqm : as the functions of these names in `metrics.statistics`
+    mean, sem, iqm : as the functions of these names in `mjforage.metrics.statistics`
     low, high : bootstrap 95 % percentile interval of the mean
     n : episodes where the metric is defined
     """

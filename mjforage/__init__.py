@@ -1,6 +1,5 @@
 """mjforage: cooperative foraging by autonomous surface vehicles, one mission in two worlds."""
 
-import importlib.util
 import os
 import sys
 from pathlib import Path
@@ -10,23 +9,6 @@ if TYPE_CHECKING:
     from mjforage.learning.environments.parallel import ForagingParallelEnv
 
     __version__: str
-_FLOORS = ("metrics", "controllers", "graph_planner")
-
-
-def _check_floors() -> None:
-    """Say so if another module of a common name hides one of ours."""
-    home = Path(__file__).resolve().parent.parent
-    for name in _FLOORS:
-        spec = importlib.util.find_spec(name)
-        found = Path(spec.origin).resolve() if spec and spec.origin else None
-        ours = home / name / "__init__.py"
-        if found != ours:
-            raise ImportError(
-                f"mjforage needs its own package {name!r} at {ours}, but Python finds "
-                f"{found or 'none'}; rename that module or take its folder off the Python path"
-            )
-
-
 # This process is the command `mjforage`, or `python -m mjforage`.
 _is_module = ("-m", "mjforage") in zip(sys.orig_argv, sys.orig_argv[1:], strict=False)
 if _is_module or Path(sys.argv[0]).stem == "mjforage":
@@ -35,7 +17,6 @@ if _is_module or Path(sys.argv[0]).stem == "mjforage":
     if not _is_module:
         os.environ["PYTHONSAFEPATH"] = "1"  # nor do workers import from the present folder
     end_on_ctrl_c()  # before the rest is imported, which takes a fifth of a second
-_check_floors()
 
 
 def __getattr__(name: str) -> str:

@@ -4,7 +4,7 @@ What a search finds is of their own tests; that a batch, a link or a fleet chang
 does not depend on how long it searches.
 """
 
-from graph_planner.policies import policy_names
+from mjforage.graph_planner.policies import policy_names
 
 BRIEF = {"dec-mcts": "dec-mcts(simulations=6)", "orienteering": "orienteering(solutions=30)"}
 

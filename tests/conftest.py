@@ -66,5 +66,5 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 def own_parts_only() -> Iterator[None]:
     """Forget after each test the parts that it brought: faults of others are not theirs."""
     yield
-    if loaded := sys.modules.get("graph_planner.extensions"):
+    if loaded := sys.modules.get("mjforage.base.registry"):
         loaded._BROUGHT.clear()

@@ -36,7 +36,8 @@ BOUND_S = 0.3
 HEAVY = (
     *("torch", "torchrl", "tensordict", "safetensors.torch", "stable_baselines3"),
     *("mjforage.learning.training", "mjforage.bench", "mjforage.cli.schemas"),
-    *("graph_planner.inference", "graph_planner.q_network", "mjforage.learning.model_policy"),
+    *("mjforage.graph_planner.networks.inference", "mjforage.graph_planner.networks.q_network"),
+    "mjforage.learning.model_policy",
 )
 """Modules that take seconds to load, and ours that load them."""
 

@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-import metrics
+from mjforage import metrics
 
 HORIZON, ITEMS = 100, 24
 SCOUT, FORAGER, MUTED, INK, BELIEF = "#B35900", "#C2255C", "#66727F", "#1F2933", "#3B1F8F"

@@ -3,5 +3,5 @@
 Knowledge: `tracks` of the items seen, `wind` from their displacements, `hotspots` and what is left
 unseen of them, `stragglers` as particles. Search: `ways` (decisions between nodes), `routes` of
 the foragers together, `sweeps` of the scouts. `planner` composes them;
-`graph_planner.belief_settings` switches them. Constants here that name no source are estimates.
+`mjforage.scenario.belief_settings` switches them. Constants here that name no source are estimates.
 """

@@ -7,7 +7,7 @@ holds what is in each slot. Of two equally dear candidates the earlier one comes
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined
+from mjforage.base.compiled import inlined
 
 
 @inlined

@@ -9,23 +9,23 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner import hotspots as hs
-from graph_planner.belief_planner import late as lt
-from graph_planner.belief_planner import misses as ms
-from graph_planner.belief_planner import reconciling as rc
-from graph_planner.belief_planner import stragglers as st
-from graph_planner.belief_planner import tracks as tr
-from graph_planner.belief_planner import updating as up
-from graph_planner.belief_planner import wind as wd
-from graph_planner.belief_planner.cloud import cloud_of
-from graph_planner.belief_planner.currents import currents_of
-from graph_planner.belief_planner.routes import NOWHERE
-from graph_planner.belief_planner.shore import shore_of
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.compiled import prepared
-from graph_planner.geodesics import Int32Array
-from graph_planner.randomness import Stream, UInt64Array, stream_key
-from graph_planner.task import Observation, Task
+from mjforage.base.compiled import prepared
+from mjforage.base.randomness import Stream, UInt64Array, stream_key
+from mjforage.graph_planner.belief_planner import hotspots as hs
+from mjforage.graph_planner.belief_planner import late as lt
+from mjforage.graph_planner.belief_planner import misses as ms
+from mjforage.graph_planner.belief_planner import reconciling as rc
+from mjforage.graph_planner.belief_planner import stragglers as st
+from mjforage.graph_planner.belief_planner import tracks as tr
+from mjforage.graph_planner.belief_planner import updating as up
+from mjforage.graph_planner.belief_planner import wind as wd
+from mjforage.graph_planner.belief_planner.cloud import cloud_of
+from mjforage.graph_planner.belief_planner.currents import currents_of
+from mjforage.graph_planner.belief_planner.routes import NOWHERE
+from mjforage.graph_planner.belief_planner.shore import shore_of
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.mission.task import Observation, Task
+from mjforage.scenario.belief_settings import BeliefSettings
 
 ROOM = 4  # tracks kept, in multiples of the number of items expected
 TRIES, TRIES_FAST = 200, 60  # particles of unseen items tried in one decision

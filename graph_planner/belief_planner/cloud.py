@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from graph_planner.belief_planner.shore import nearest_of_cells
-from graph_planner.compiled import kernel
-from graph_planner.geodesics import Int32Array
-from graph_planner.navigation import NavigationGraph
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.belief_planner.shore import nearest_of_cells
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import NavigationGraph
 
 MARGIN = 3.2  # the Gaussian is cut at so many standard deviations
 

@@ -6,16 +6,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.cloud import Cloud, cloud_of
-from graph_planner.belief_planner.misses import assumed_chances
-from graph_planner.belief_planner.sweeps import Cover
-from graph_planner.belief_planner.ways import UInt16Array, Ways, search_back, ways_of
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.compiled import kernel
-from graph_planner.geodesics import Int32Array
-from graph_planner.navigation import TABLE_LIMIT, NavigationGraph
-from graph_planner.task import Task
-from graph_planner.visibility import NodeLists
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.belief_planner.cloud import Cloud, cloud_of
+from mjforage.graph_planner.belief_planner.misses import assumed_chances
+from mjforage.graph_planner.belief_planner.sweeps import Cover
+from mjforage.graph_planner.belief_planner.ways import UInt16Array, Ways, search_back, ways_of
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import TABLE_LIMIT, NavigationGraph
+from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.mission.task import Task
+from mjforage.scenario.belief_settings import BeliefSettings
 
 LANDMARKS = 40
 BLOCK = 2  # nodes across a block of possible hotspots

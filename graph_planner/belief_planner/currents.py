@@ -5,10 +5,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.shore import Shore, drifted, shore_of
-from graph_planner.compiled import kernel
-from graph_planner.geodesics import Int32Array
-from graph_planner.navigation import TABLE_LIMIT, NavigationGraph
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.belief_planner.shore import Shore, drifted, shore_of
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import TABLE_LIMIT, NavigationGraph
 
 PER_AXIS = 5
 MEMORY = 1 << 28  # bytes of tables; time is taken in longer strides where they would take more

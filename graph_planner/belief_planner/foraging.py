@@ -5,11 +5,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.group import Group
-from graph_planner.belief_planner.move_preferences import towards
-from graph_planner.belief_planner.routes import NOWHERE, Legs, search_routes
-from graph_planner.belief_planner.shore import Shore, settled, shore_of
-from graph_planner.belief_planner.stops import (
+from mjforage.base.compiled import kernel, prepared
+from mjforage.graph_planner.belief_planner.group import Group
+from mjforage.graph_planner.belief_planner.move_preferences import towards
+from mjforage.graph_planner.belief_planner.routes import NOWHERE, Legs, search_routes
+from mjforage.graph_planner.belief_planner.shore import Shore, settled, shore_of
+from mjforage.graph_planner.belief_planner.stops import (
     MOST,
     Floating,
     Stops,
@@ -19,13 +20,12 @@ from graph_planner.belief_planner.stops import (
     gather_stops,
     stops,
 )
-from graph_planner.belief_planner.taking import Taking
-from graph_planner.belief_planner.ways import Ways
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.compiled import kernel, prepared
-from graph_planner.fleet import UNLIMITED
-from graph_planner.geodesics import Int32Array
-from graph_planner.task import Task
+from mjforage.graph_planner.belief_planner.taking import Taking
+from mjforage.graph_planner.belief_planner.ways import Ways
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.mission.task import Task
+from mjforage.scenario.belief_settings import BeliefSettings
+from mjforage.scenario.fleet import UNLIMITED
 
 USUAL_STEP = 1.2  # length of a decision over the nodes it moves: between 1 and sqrt 2 [node]
 

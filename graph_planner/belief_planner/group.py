@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.ways import Ways, ways_of
-from graph_planner.task import Task
+from mjforage.graph_planner.belief_planner.ways import Ways, ways_of
+from mjforage.mission.task import Task
 
 
 @dataclass(frozen=True)

@@ -17,11 +17,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.cloud import Cloud, bounds, gathered, scattered, start_chances
-from graph_planner.belief_planner.shore import Shore, settled
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.compiled import kernel
-from graph_planner.geodesics import Int32Array
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.belief_planner.cloud import (
+    Cloud,
+    bounds,
+    gathered,
+    scattered,
+    start_chances,
+)
+from mjforage.graph_planner.belief_planner.shore import Shore, settled
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.scenario.belief_settings import BeliefSettings
 
 STRAY = 1e-5  # chance of a start anywhere, for tracks that are mistaken
 FOREIGN = 2e-4  # below this chance a sighting belongs to another hotspot of those believed in

@@ -11,14 +11,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.misses import missed
-from graph_planner.belief_planner.shore import Shore, drifted, settled
-from graph_planner.belief_planner.stragglers import Stragglers, was_in_view
-from graph_planner.belief_planner.tracks import ENDED, Ended, Lost, Tracks, drop, lose
-from graph_planner.compiled import kernel
-from graph_planner.geodesics import Int32Array
-from graph_planner.task import NEVER
-from graph_planner.visibility import NodeLists
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.belief_planner.misses import missed
+from mjforage.graph_planner.belief_planner.shore import Shore, drifted, settled
+from mjforage.graph_planner.belief_planner.stragglers import Stragglers, was_in_view
+from mjforage.graph_planner.belief_planner.tracks import ENDED, Ended, Lost, Tracks, drop, lose
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.mission.task import NEVER
 
 
 class Glance(NamedTuple):

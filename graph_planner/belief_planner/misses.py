@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.compiled import inlined, kernel
-from graph_planner.detection import chances_by_square, squares_in_view
-from graph_planner.geodesics import Int32Array
-from graph_planner.task import Task
-from graph_planner.visibility import NodeLists
+from mjforage.base.compiled import inlined, kernel
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.mission.detection import chances_by_square, squares_in_view
+from mjforage.mission.task import Task
+from mjforage.scenario.belief_settings import BeliefSettings
 
 _FARTHEST = 65534  # squared distance that is kept
 

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
-from graph_planner.compiled import kernel
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
 
 ON_THE_WAY = 0.45  # most that items beside the way are worth, in decisions
 NOT_HERE = 0.25  # decisions by which staying is worse than a move that leaves equally much to go

@@ -5,21 +5,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.beliefs import Beliefs, neglected
-from graph_planner.belief_planner.covers import BlockCover, hotspot_cover, landmarks_of
-from graph_planner.belief_planner.foraging import Foraging
-from graph_planner.belief_planner.group import Group
-from graph_planner.belief_planner.move_preferences import towards
-from graph_planner.belief_planner.scouting import Scouting
-from graph_planner.belief_planner.shore import shore_of
-from graph_planner.belief_planner.touch import NOBODY, Touch
-from graph_planner.belief_planner.waiting import approach, regrets
-from graph_planner.belief_planner.wanted import Wanted, summed
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.geodesics import Int32Array
-from graph_planner.plain import Plain
-from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.belief_planner.beliefs import Beliefs, neglected
+from mjforage.graph_planner.belief_planner.covers import BlockCover, hotspot_cover, landmarks_of
+from mjforage.graph_planner.belief_planner.foraging import Foraging
+from mjforage.graph_planner.belief_planner.group import Group
+from mjforage.graph_planner.belief_planner.move_preferences import towards
+from mjforage.graph_planner.belief_planner.scouting import Scouting
+from mjforage.graph_planner.belief_planner.shore import shore_of
+from mjforage.graph_planner.belief_planner.touch import NOBODY, Touch
+from mjforage.graph_planner.belief_planner.waiting import approach, regrets
+from mjforage.graph_planner.belief_planner.wanted import Wanted, summed
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.mission.plain import Plain
+from mjforage.mission.task import Observation, Task
+from mjforage.scenario.belief_settings import BeliefSettings
 
 AHEAD = 6  # steps by which foragers' regret is judged
 CALM = 1.0  # worth of finding a hotspot by which they lose nothing yet

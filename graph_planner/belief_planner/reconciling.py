@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.misses import Misses, missed, misses
-from graph_planner.belief_planner.shore import Shore
-from graph_planner.belief_planner.tracks import (
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.belief_planner.misses import Misses, missed, misses
+from mjforage.graph_planner.belief_planner.shore import Shore
+from mjforage.graph_planner.belief_planner.tracks import (
     CERTAIN,
     ENDED,
     Ended,
@@ -24,10 +25,9 @@ from graph_planner.belief_planner.tracks import (
     drop,
     lose,
 )
-from graph_planner.compiled import kernel
-from graph_planner.detection import real_if_missed, real_if_new, real_if_seen
-from graph_planner.geodesics import Int32Array
-from graph_planner.walls import INSET
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.walls import INSET
+from mjforage.mission.detection import real_if_missed, real_if_new, real_if_seen
 
 FIRST_GATE = 1.3  # distance of a plain mistake: a node and a bit [node]
 IN_VIEW_GATE = 2.3  # between two places in view [node]

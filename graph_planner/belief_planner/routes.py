@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.beam import free_slot, insert, limit
-from graph_planner.belief_planner.stops import FAR
-from graph_planner.compiled import MARGIN, inlined, kernel, rough
+from mjforage.base.compiled import MARGIN, inlined, kernel, rough
+from mjforage.graph_planner.belief_planner.beam import free_slot, insert, limit
+from mjforage.graph_planner.belief_planner.stops import FAR
 
 NOWHERE = -1
 NOBODY = -1

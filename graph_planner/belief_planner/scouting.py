@@ -5,8 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.covers import view_cover
-from graph_planner.belief_planner.sweeps import (
+from mjforage.base.compiled import kernel, prepared
+from mjforage.graph_planner.belief_planner.covers import view_cover
+from mjforage.graph_planner.belief_planner.sweeps import (
     LONGEST,
     Cover,
     Sight,
@@ -15,11 +16,10 @@ from graph_planner.belief_planner.sweeps import (
     sight,
     until_seen,
 )
-from graph_planner.belief_planner.ways import ways_of
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.compiled import kernel, prepared
-from graph_planner.geodesics import Int32Array
-from graph_planner.task import Task
+from mjforage.graph_planner.belief_planner.ways import ways_of
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.mission.task import Task
+from mjforage.scenario.belief_settings import BeliefSettings
 
 
 class Sweeper(NamedTuple):

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from graph_planner.compiled import inlined, kernel
-from graph_planner.geodesics import Int32Array
-from graph_planner.navigation import NavigationGraph, Water
-from graph_planner.walls import WALLS, into_water
+from mjforage.base.compiled import inlined, kernel
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import NavigationGraph, Water
+from mjforage.graph_planner.graph.walls import WALLS, into_water
 
 STRIDE = 0.4  # longest stretch drifted at once, so that no quay is jumped over [node]
 

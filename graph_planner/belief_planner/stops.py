@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.shore import Shore, drifted
-from graph_planner.belief_planner.taking import Taking, dwell, quays_beside, turning
-from graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
-from graph_planner.compiled import kernel
-from graph_planner.geodesics import Int32Array
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.belief_planner.shore import Shore, drifted
+from mjforage.graph_planner.belief_planner.taking import Taking, dwell, quays_beside, turning
+from mjforage.graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
+from mjforage.graph_planner.graph.geodesics import Int32Array
 
 MOST = 64  # stops of one search: its states keep the visited ones in one 64-bit word
 FAR = 1e6  # decisions to a place that cannot be reached

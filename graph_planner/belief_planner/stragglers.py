@@ -12,14 +12,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.hotspots import Hotspots, believed
-from graph_planner.belief_planner.misses import Misses, missed, misses
-from graph_planner.belief_planner.shore import Shore, settled
-from graph_planner.belief_planner.wind import Wind
-from graph_planner.compiled import inlined, kernel
-from graph_planner.geodesics import Int32Array
-from graph_planner.randomness import bits, normal, uniform
-from graph_planner.walls import own_node
+from mjforage.base.compiled import inlined, kernel
+from mjforage.base.randomness import bits, normal, uniform
+from mjforage.graph_planner.belief_planner.hotspots import Hotspots, believed
+from mjforage.graph_planner.belief_planner.misses import Misses, missed, misses
+from mjforage.graph_planner.belief_planner.shore import Shore, settled
+from mjforage.graph_planner.belief_planner.wind import Wind
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.walls import own_node
 
 UNSEEN = 200  # of them kept
 LOSSES = 32  # items lost at a time

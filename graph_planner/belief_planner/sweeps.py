@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.beam import free_slot, insert, limit
-from graph_planner.belief_planner.ways import UNREACHED, UInt16Array
-from graph_planner.compiled import inlined, kernel
-from graph_planner.geodesics import Int32Array
+from mjforage.base.compiled import inlined, kernel
+from mjforage.graph_planner.belief_planner.beam import free_slot, insert, limit
+from mjforage.graph_planner.belief_planner.ways import UNREACHED, UInt16Array
+from mjforage.graph_planner.graph.geodesics import Int32Array
 
 LONGEST = 400.0  # decisions charged for what nobody can reach
 SEEN = 1e-9  # so little mass left of a landmark is rounding

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.shore import Shore
-from graph_planner.compiled import kernel
-from graph_planner.task import Task
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.belief_planner.shore import Shore
+from mjforage.mission.task import Task
 
 BESIDE = 0.15  # a quay nearer than that to an item is beside it [node]
 QUARTER_RAD = 0.25 * math.pi  # of half a circle

@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.beliefs import Beliefs
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task, Truth
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.belief_planner.beliefs import Beliefs
+from mjforage.mission.task import Observation, Task, Truth
+from mjforage.scenario.belief_settings import BeliefSettings
 
 UNHEARD = np.int32(np.iinfo(np.int32).max)
 

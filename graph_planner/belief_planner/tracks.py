@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.shore import Shore, drifted, held
-from graph_planner.compiled import inlined, kernel
-from graph_planner.geodesics import Int32Array
-from graph_planner.walls import INSET
+from mjforage.base.compiled import inlined, kernel
+from mjforage.graph_planner.belief_planner.shore import Shore, drifted, held
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.walls import INSET
 
 ENDED = 0.1  # a track is given up below this chance that its item is there
 CERTAIN = 0.9  # and no track is more certain than so, once it is missed: it may be next door

@@ -8,20 +8,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner import hotspots as hs
-from graph_planner.belief_planner import misses as ms
-from graph_planner.belief_planner import reconciling as rc
-from graph_planner.belief_planner import stragglers as st
-from graph_planner.belief_planner import tracks as tr
-from graph_planner.belief_planner import wind as wd
-from graph_planner.belief_planner.cloud import Cloud
-from graph_planner.belief_planner.routes import NOWHERE
-from graph_planner.belief_planner.shore import Shore
-from graph_planner.compiled import kernel
-from graph_planner.geodesics import Int32Array
-from graph_planner.randomness import UInt64Array
-from graph_planner.task import UNREACHABLE, Observation
-from graph_planner.visibility import NodeLists
+from mjforage.base.compiled import kernel
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.belief_planner import hotspots as hs
+from mjforage.graph_planner.belief_planner import misses as ms
+from mjforage.graph_planner.belief_planner import reconciling as rc
+from mjforage.graph_planner.belief_planner import stragglers as st
+from mjforage.graph_planner.belief_planner import tracks as tr
+from mjforage.graph_planner.belief_planner import wind as wd
+from mjforage.graph_planner.belief_planner.cloud import Cloud
+from mjforage.graph_planner.belief_planner.routes import NOWHERE
+from mjforage.graph_planner.belief_planner.shore import Shore
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.mission.task import UNREACHABLE, Observation
 
 REAL, REAL_LATE = 0.1, 0.5  # worth of items given up, with many and with few tracks left
 FEW = 15  # with so few tracks left, stragglers are simulated one by one

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
-from graph_planner.compiled import kernel
-from graph_planner.geodesics import Int32Array
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
+from mjforage.graph_planner.graph.geodesics import Int32Array
 
 UNREACHABLE = 500.0  # decisions charged for a landmark out of reach
 

@@ -3,14 +3,14 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.beliefs import Beliefs
-from graph_planner.belief_planner.shore import Shore
-from graph_planner.belief_planner.stops import Floating
-from graph_planner.belief_planner.tracks import Tracks
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.compiled import kernel, prepared
-from graph_planner.geodesics import Int32Array
-from graph_planner.task import Observation
+from mjforage.base.compiled import kernel, prepared
+from mjforage.graph_planner.belief_planner.beliefs import Beliefs
+from mjforage.graph_planner.belief_planner.shore import Shore
+from mjforage.graph_planner.belief_planner.stops import Floating
+from mjforage.graph_planner.belief_planner.tracks import Tracks
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.mission.task import Observation
+from mjforage.scenario.belief_settings import BeliefSettings
 
 PROBABLE = 40  # nodes of unseen items that foragers may go to
 LEAST = 0.02  # unseen items worth a forager's thought

@@ -11,11 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
-from graph_planner.geodesics import Int32Array
-from graph_planner.moves import free_move
-from graph_planner.navigation import STAY, TABLE_LIMIT, NavigationGraph
-from graph_planner.row_cache import RowCache, row_of, rows_worth_keeping
+from mjforage.base.compiled import kernel
+from mjforage.base.row_cache import RowCache, row_of, rows_worth_keeping
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import STAY, TABLE_LIMIT, NavigationGraph
+from mjforage.mission.moves import free_move
 
 UInt16Array = NDArray[np.uint16]
 

@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.shore import Shore, held
-from graph_planner.belief_planner.tracks import Ended, Tracks
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.compiled import kernel
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.belief_planner.shore import Shore, held
+from mjforage.graph_planner.belief_planner.tracks import Ended, Tracks
+from mjforage.scenario.belief_settings import BeliefSettings
 
 POINTS = 49
 REACH = 2.4  # the grid reaches so many times the largest drift expected

@@ -5,5 +5,5 @@ multi-robot active perception", International Journal of Robotics Research 38(2-
 grows by simulations, `plans` are each agent's distribution over the best sequences of its tree;
 `tours` simulates one who collects, `sights` one who looks; `foraging` and `scouting` let the agents
 of a group take turns. What is believed, and how those who lost touch find each other, is
-`graph_planner.belief_planner`'s.
+`mjforage.graph_planner.belief_planner`'s.
 """

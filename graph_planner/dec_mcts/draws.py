@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from graph_planner.compiled import inlined, kernel
-from graph_planner.randomness import UInt64Array, bits, mix, to_uniform
+from mjforage.base.compiled import inlined, kernel
+from mjforage.base.randomness import UInt64Array, bits, mix, to_uniform
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 

@@ -3,28 +3,39 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.foraging import (
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.belief_planner.foraging import (
     Able,
     Foraging,
     Scratch,
     follow_routes,
     gather_legs,
 )
-from graph_planner.belief_planner.routes import NOWHERE, Legs
-from graph_planner.belief_planner.shore import Shore
-from graph_planner.belief_planner.stops import Floating
-from graph_planner.belief_planner.taking import Taking
-from graph_planner.belief_planner.ways import Ways
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.compiled import kernel
-from graph_planner.dec_mcts.draws import begin
-from graph_planner.dec_mcts.moment import Moment
-from graph_planner.dec_mcts.plans import Plans, end_turn, likeliest, plans_of, take_candidates
-from graph_planner.dec_mcts.settings import Effort
-from graph_planner.dec_mcts.tours import claims_of, sample_claims, simulate_tour, tour_value
-from graph_planner.dec_mcts.tree import Tree, tree_of
-from graph_planner.geodesics import Int32Array
-from graph_planner.task import Task
+from mjforage.graph_planner.belief_planner.routes import NOWHERE, Legs
+from mjforage.graph_planner.belief_planner.shore import Shore
+from mjforage.graph_planner.belief_planner.stops import Floating
+from mjforage.graph_planner.belief_planner.taking import Taking
+from mjforage.graph_planner.belief_planner.ways import Ways
+from mjforage.graph_planner.dec_mcts.draws import begin
+from mjforage.graph_planner.dec_mcts.moment import Moment
+from mjforage.graph_planner.dec_mcts.plans import (
+    Plans,
+    end_turn,
+    likeliest,
+    plans_of,
+    take_candidates,
+)
+from mjforage.graph_planner.dec_mcts.settings import Effort
+from mjforage.graph_planner.dec_mcts.tours import (
+    claims_of,
+    sample_claims,
+    simulate_tour,
+    tour_value,
+)
+from mjforage.graph_planner.dec_mcts.tree import Tree, tree_of
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.mission.task import Task
+from mjforage.scenario.belief_settings import BeliefSettings
 
 _TURNS = 1 << 20  # where the indices of draws begin
 

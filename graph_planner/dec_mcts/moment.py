@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.randomness import Stream, stream_key
-from graph_planner.task import Observation
+from mjforage.base.randomness import Stream, stream_key
+from mjforage.mission.task import Observation
 
 
 @dataclass

@@ -3,16 +3,16 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.foraging import Foraging
-from graph_planner.belief_planner.planner import BeliefPlanner
-from graph_planner.belief_planner.scouting import Scouting
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.dec_mcts.foraging import TreeForaging
-from graph_planner.dec_mcts.moment import Moment
-from graph_planner.dec_mcts.scouting import TreeScouting
-from graph_planner.dec_mcts.settings import Effort
-from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.belief_planner.foraging import Foraging
+from mjforage.graph_planner.belief_planner.planner import BeliefPlanner
+from mjforage.graph_planner.belief_planner.scouting import Scouting
+from mjforage.graph_planner.dec_mcts.foraging import TreeForaging
+from mjforage.graph_planner.dec_mcts.moment import Moment
+from mjforage.graph_planner.dec_mcts.scouting import TreeScouting
+from mjforage.graph_planner.dec_mcts.settings import Effort
+from mjforage.mission.task import Observation, Task
+from mjforage.scenario.belief_settings import BeliefSettings
 
 
 class TreePlanner(BeliefPlanner):

@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
-from graph_planner.dec_mcts.settings import Effort
-from graph_planner.dec_mcts.tree import NONE, Tree
-from graph_planner.geodesics import Int32Array
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.dec_mcts.settings import Effort
+from mjforage.graph_planner.dec_mcts.tree import NONE, Tree
+from mjforage.graph_planner.graph.geodesics import Int32Array
 
 DEEPEST = 2  # actions that the tree must have settled of a sequence that is a candidate
 _LEAST = 1e-4  # chance that a sequence keeps

@@ -3,15 +3,20 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.scouting import Scouting
-from graph_planner.belief_planner.sweeps import Cover
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.compiled import kernel
-from graph_planner.dec_mcts.draws import begin
-from graph_planner.dec_mcts.moment import Moment
-from graph_planner.dec_mcts.plans import Plans, end_turn, likeliest, plans_of, take_candidates
-from graph_planner.dec_mcts.settings import Effort
-from graph_planner.dec_mcts.sights import (
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.belief_planner.scouting import Scouting
+from mjforage.graph_planner.belief_planner.sweeps import Cover
+from mjforage.graph_planner.dec_mcts.draws import begin
+from mjforage.graph_planner.dec_mcts.moment import Moment
+from mjforage.graph_planner.dec_mcts.plans import (
+    Plans,
+    end_turn,
+    likeliest,
+    plans_of,
+    take_candidates,
+)
+from mjforage.graph_planner.dec_mcts.settings import Effort
+from mjforage.graph_planner.dec_mcts.sights import (
     Scouts,
     Sights,
     sample_sights,
@@ -19,9 +24,10 @@ from graph_planner.dec_mcts.sights import (
     simulate_sweep,
     sweep_value,
 )
-from graph_planner.dec_mcts.tree import Tree, tree_of
-from graph_planner.geodesics import Int32Array
-from graph_planner.task import Task
+from mjforage.graph_planner.dec_mcts.tree import Tree, tree_of
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.mission.task import Task
+from mjforage.scenario.belief_settings import BeliefSettings
 
 _TURNS = 1 << 24  # where the indices of draws begin
 LEAST_MASS = 1e-12  # below which there is nothing to look for

@@ -10,15 +10,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.routes import Legs
-from graph_planner.belief_planner.stops import FAR
-from graph_planner.compiled import kernel
-from graph_planner.dec_mcts.draws import draw
-from graph_planner.dec_mcts.plans import Plans, drawn_plan
-from graph_planner.dec_mcts.settings import Effort
-from graph_planner.dec_mcts.tree import NONE, Tree, back_up, step_down
-from graph_planner.geodesics import Int32Array
-from graph_planner.randomness import UInt64Array
+from mjforage.base.compiled import kernel
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.belief_planner.routes import Legs
+from mjforage.graph_planner.belief_planner.stops import FAR
+from mjforage.graph_planner.dec_mcts.draws import draw
+from mjforage.graph_planner.dec_mcts.plans import Plans, drawn_plan
+from mjforage.graph_planner.dec_mcts.settings import Effort
+from mjforage.graph_planner.dec_mcts.tree import NONE, Tree, back_up, step_down
+from mjforage.graph_planner.graph.geodesics import Int32Array
 
 
 class Claims(NamedTuple):

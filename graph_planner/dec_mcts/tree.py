@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
-from graph_planner.geodesics import Int32Array
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.graph.geodesics import Int32Array
 
 NONE = -1
 

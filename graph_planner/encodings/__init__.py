@@ -10,7 +10,7 @@ point `mjforage.observations` or by `package.module:Class`.
 import importlib
 import pkgutil
 
-from graph_planner.encodings.encoder import (
+from mjforage.graph_planner.encodings.encoder import (
     ENCODERS,
     Encoder,
     Shapes,
@@ -19,7 +19,7 @@ from graph_planner.encodings.encoder import (
     encoder_class,
     encoder_label,
 )
-from graph_planner.encodings.masks import LegalMoves, legal_moves
+from mjforage.graph_planner.encodings.masks import LegalMoves, legal_moves
 
 for _module in pkgutil.iter_modules(__path__):
     importlib.import_module(f"{__name__}.{_module.name}")

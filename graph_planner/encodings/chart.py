@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.encodings.codes import Codes, distance_codes
-from graph_planner.encodings.encoder import TOP, Levels
-from graph_planner.geodesics import Int32Array
-from graph_planner.task import Task
-from graph_planner.visibility import NodeLists
+from mjforage.graph_planner.encodings.codes import Codes, distance_codes
+from mjforage.graph_planner.encodings.encoder import TOP, Levels
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.mission.task import Task
 
 REACH = 7  # nodes to each side in the crop
 COARSE = 16  # cells per side of the coarse map

@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
-from graph_planner.geodesics import Float32Array, Int32Array
-from graph_planner.lending import read_only
-from graph_planner.navigation import NavigationGraph
+from mjforage.base.compiled import inlined, kernel
+from mjforage.base.lending import read_only
+from mjforage.graph_planner.graph.geodesics import Float32Array, Int32Array
+from mjforage.graph_planner.graph.navigation import NavigationGraph
 
 MOST_CODES = 2**16
 PARTS = 2.0**23  # of a node, which distances in float32 are multiples of: they are 0 or at least 1

@@ -9,9 +9,9 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel, kinds_of, prepared
-from graph_planner.encodings.chart import COARSE, REACH, Chart
-from graph_planner.encodings.encoder import (
+from mjforage.base.compiled import kernel, kinds_of, prepared
+from mjforage.graph_planner.encodings.chart import COARSE, REACH, Chart
+from mjforage.graph_planner.encodings.encoder import (
     TOP,
     TRAIL,
     Levels,
@@ -20,9 +20,9 @@ from graph_planner.encodings.encoder import (
     remember_places,
     trail_level,
 )
-from graph_planner.encodings.move_features import MOVE_FEATURES, describe_moves
-from graph_planner.encodings.samples import Distances
-from graph_planner.encodings.shared_fields import (
+from mjforage.graph_planner.encodings.move_features import MOVE_FEATURES, describe_moves
+from mjforage.graph_planner.encodings.samples import Distances
+from mjforage.graph_planner.encodings.shared_fields import (
     AGAIN,
     AGAIN_RADIUS,
     IDLENESS,
@@ -33,11 +33,11 @@ from graph_planner.encodings.shared_fields import (
     remember_items,
     share_fields,
 )
-from graph_planner.encodings.ways import Ways, way_level
-from graph_planner.geodesics import FAR, Float32Array, Int32Array, Workspace
-from graph_planner.navigation import STAY
-from graph_planner.task import Observation, Task, TaskArrays
-from graph_planner.visibility import NodeLists
+from mjforage.graph_planner.encodings.ways import Ways, way_level
+from mjforage.graph_planner.graph.geodesics import FAR, Float32Array, Int32Array, Workspace
+from mjforage.graph_planner.graph.navigation import STAY
+from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.mission.task import Observation, Task, TaskArrays
 
 SIDE = 2 * REACH + 1
 CROP = ("water", "idleness", "belief", "way to items", "again", "scouts", "foragers", "trail")

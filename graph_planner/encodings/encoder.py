@@ -6,11 +6,11 @@ from typing import Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
-from graph_planner.errors import UserError
-from graph_planner.extensions import Table, built
-from graph_planner.geodesics import Int32Array
-from graph_planner.task import Observation, Task
+from mjforage.base.compiled import inlined, kernel
+from mjforage.base.errors import UserError
+from mjforage.base.registry import Table, built
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.mission.task import Observation, Task
 
 Levels: TypeAlias = NDArray[np.uint8]
 Shapes: TypeAlias = dict[str, tuple[int, ...]]

@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel, prepared
-from graph_planner.geodesics import Int32Array
-from graph_planner.moves import free_move, move_length
-from graph_planner.navigation import STAY
-from graph_planner.task import Task, TaskArrays
+from mjforage.base.compiled import inlined, kernel, prepared
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import STAY
+from mjforage.mission.moves import free_move, move_length
+from mjforage.mission.task import Task, TaskArrays
 
 NOBODY = -1
 

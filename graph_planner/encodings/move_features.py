@@ -25,15 +25,15 @@ are geodesic.
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
-from graph_planner.encodings.chart import Chart
-from graph_planner.encodings.encoder import TOP, Levels, item_level
-from graph_planner.encodings.masks import legal_end
-from graph_planner.encodings.samples import mean_gain, nearest_own
-from graph_planner.encodings.shared_fields import Fields
-from graph_planner.geodesics import FAR, Float32Array, Int32Array
-from graph_planner.navigation import STAY
-from graph_planner.task import Observation, TaskArrays
+from mjforage.base.compiled import inlined, kernel
+from mjforage.graph_planner.encodings.chart import Chart
+from mjforage.graph_planner.encodings.encoder import TOP, Levels, item_level
+from mjforage.graph_planner.encodings.masks import legal_end
+from mjforage.graph_planner.encodings.samples import mean_gain, nearest_own
+from mjforage.graph_planner.encodings.shared_fields import Fields
+from mjforage.graph_planner.graph.geodesics import FAR, Float32Array, Int32Array
+from mjforage.graph_planner.graph.navigation import STAY
+from mjforage.mission.task import Observation, TaskArrays
 
 MOVE_FEATURES = (
     *("legal", "items", "nearer item", "idleness", "nearer unseen", "nearer items on average"),

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
-from graph_planner.encodings.encoder import (
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.encodings.encoder import (
     TOP,
     TRAIL,
     Levels,
@@ -14,8 +14,8 @@ from graph_planner.encodings.encoder import (
     remember_places,
     trail_level,
 )
-from graph_planner.geodesics import Int32Array
-from graph_planner.task import Observation, Task, TaskArrays
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.mission.task import Observation, Task, TaskArrays
 
 CHANNELS = ("idleness", "belief", "belief 1 step ago", "belief 2 steps ago", "self", "teammates")
 SCOUT_LEVEL, FORAGER_LEVEL = 128, TOP

@@ -5,16 +5,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
-from graph_planner.encodings.codes import PARTS, Codes, parts_of
-from graph_planner.geodesics import (
+from mjforage.base.compiled import inlined, kernel
+from mjforage.graph_planner.encodings.codes import PARTS, Codes, parts_of
+from mjforage.graph_planner.graph.geodesics import (
     DistanceRows,
     Float32Array,
     Int32Array,
     Workspace,
     filled_row,
 )
-from graph_planner.navigation import STAY
+from mjforage.graph_planner.graph.navigation import STAY
 
 MOST_SAMPLES = 96
 _INF_BITS = np.float32(np.inf).view(np.int32)

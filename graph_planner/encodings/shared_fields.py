@@ -5,27 +5,27 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
-from graph_planner.encodings.chart import COARSE, Chart
-from graph_planner.encodings.codes import targets_to_nearest
-from graph_planner.encodings.encoder import TOP, Levels, item_level
-from graph_planner.encodings.samples import (
+from mjforage.base.compiled import inlined, kernel
+from mjforage.graph_planner.encodings.chart import COARSE, Chart
+from mjforage.graph_planner.encodings.codes import targets_to_nearest
+from mjforage.graph_planner.encodings.encoder import TOP, Levels, item_level
+from mjforage.graph_planner.encodings.samples import (
     Distances,
     Sample,
     choose_evenly,
     measure,
     share_out,
 )
-from graph_planner.encodings.unseen import Unseen, list_nodes, nearest_is_itself
-from graph_planner.encodings.ways import Ways, find_ways
-from graph_planner.geodesics import (
+from mjforage.graph_planner.encodings.unseen import Unseen, list_nodes, nearest_is_itself
+from mjforage.graph_planner.encodings.ways import Ways, find_ways
+from mjforage.graph_planner.graph.geodesics import (
     Int32Array,
     distances_to_nearest,
 )
-from graph_planner.navigation import STAY
-from graph_planner.seeking import longest_move, possible_targets
-from graph_planner.task import Observation, Task, TaskArrays
-from graph_planner.visibility import NodeLists
+from mjforage.graph_planner.graph.navigation import STAY
+from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.graph_planner.planning.seeking import longest_move, possible_targets
+from mjforage.mission.task import Observation, Task, TaskArrays
 
 # Nodes to look at again are those to which an item that was believed near them may have drifted
 # unseen. The three numbers are estimates.

@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
-from graph_planner.encodings.chart import WORD
-from graph_planner.geodesics import Int32Array
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.encodings.chart import WORD
+from mjforage.graph_planner.graph.geodesics import Int32Array
 
 _ALL = np.uint64(0x0101010101010101)  # a word full of ones
 

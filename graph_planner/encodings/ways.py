@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from graph_planner.compiled import inlined, kernel
-from graph_planner.encodings.codes import Codes, nearest_by_code
-from graph_planner.encodings.encoder import TOP, Levels
-from graph_planner.geodesics import FAR, Float32Array, Int32Array, Workspace, spread
+from mjforage.base.compiled import inlined, kernel
+from mjforage.graph_planner.encodings.codes import Codes, nearest_by_code
+from mjforage.graph_planner.encodings.encoder import TOP, Levels
+from mjforage.graph_planner.graph.geodesics import FAR, Float32Array, Int32Array, Workspace, spread
 
 MOST_ROWS = 300  # of codes that are compared; beyond it a search is quicker
 WAY_LEVELS = 2.0  # levels per node of distance: 0 from 127.5 nodes on

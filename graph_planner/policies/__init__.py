@@ -7,9 +7,7 @@ then known to the command line, the evaluator and the report.
 import importlib
 import pkgutil
 
-from graph_planner.policies.registry import (
-    Bound,
-    Policy,
+from mjforage.graph_planner.policies.registry import (
     create_policy,
     is_bound,
     policy_names,
@@ -19,4 +17,4 @@ from graph_planner.policies.registry import (
 for _module in pkgutil.iter_modules(__path__):
     importlib.import_module(f"{__name__}.{_module.name}")
 
-__all__ = ["Bound", "Policy", "create_policy", "is_bound", "policy_names", "register"]
+__all__ = ["create_policy", "is_bound", "policy_names", "register"]

@@ -12,7 +12,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.auctions import (
+from mjforage.base.compiled import kernel, prepared
+from mjforage.base.errors import UserError
+from mjforage.base.option_ranges import check_at_least
+from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
+from mjforage.graph_planner.graph.geodesics import (
+    FAR,
+    DistanceRows,
+    Int32Array,
+    Workspace,
+    distances_of,
+)
+from mjforage.graph_planner.graph.navigation import STAY
+from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.graph_planner.planning.auctions import (
     BID_RULES,
     UNSOLD,
     Bidders,
@@ -23,18 +36,11 @@ from graph_planner.auctions import (
     sell_views,
     ways_between,
 )
-from graph_planner.compiled import kernel, prepared
-from graph_planner.errors import UserError
-from graph_planner.geodesics import FAR, DistanceRows, Int32Array, Workspace, distances_of
-from graph_planner.moves import move_length
-from graph_planner.navigation import STAY
-from graph_planner.option_ranges import check_at_least
-from graph_planner.plain import Plain
-from graph_planner.policies.registry import register
-from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
-from graph_planner.seeking import TIE
-from graph_planner.task import Observation, Task, TaskArrays
-from graph_planner.visibility import NodeLists
+from mjforage.graph_planner.planning.seeking import TIE
+from mjforage.graph_planner.policies.registry import register
+from mjforage.mission.moves import move_length
+from mjforage.mission.plain import Plain
+from mjforage.mission.task import Observation, Task, TaskArrays
 
 _MOVES, _AGENTS, _NODES = 0, 1 << 16, 1 << 18  # where the indices of draws begin
 _ON_THE_WAY = 0.4  # node; what moves of one length are worth more at most for what they pass

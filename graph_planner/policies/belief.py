@@ -1,4 +1,4 @@
-"""The belief planner: plans on what can be known, see `graph_planner.belief_planner`.
+"""The belief planner: plans on what can be known, see `mjforage.graph_planner.belief_planner`.
 
 It uses the shared belief map, the agents' nodes, the step and the map, its own memory, and the
 assumptions of the scenario's `[belief]` table; never the truth.
@@ -7,10 +7,10 @@ assumptions of the scenario's `[belief]` table; never the truth.
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.planner import BeliefPlanner
-from graph_planner.policies.registry import register
-from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.belief_planner.planner import BeliefPlanner
+from mjforage.graph_planner.policies.registry import register
+from mjforage.mission.task import Observation, Task
 
 
 @register("belief")

@@ -7,17 +7,23 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.encodings import create_encoder, encoder_class
-from graph_planner.errors import WeightsError
-from graph_planner.extras import require
-from graph_planner.plain import Plain
-from graph_planner.policies.registry import plays_weights, register
-from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task
-from graph_planner.weights import Q_NETWORK, TEAMS, load_networks, read_header, shipped_weights
+from mjforage.base.errors import WeightsError
+from mjforage.base.extras import require
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.encodings import create_encoder, encoder_class
+from mjforage.graph_planner.networks.weights import (
+    Q_NETWORK,
+    TEAMS,
+    load_networks,
+    read_header,
+    shipped_weights,
+)
+from mjforage.graph_planner.policies.registry import plays_weights, register
+from mjforage.mission.plain import Plain
+from mjforage.mission.task import Observation, Task
 
 if TYPE_CHECKING:
-    from graph_planner.q_network import MoveNetwork
+    from mjforage.graph_planner.networks.q_network import MoveNetwork
 
 
 @plays_weights
@@ -57,7 +63,7 @@ class QPolicy:
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Values or logits (episode, agent, 9) of all moves."""
-        from graph_planner.inference import values_of
+        from mjforage.graph_planner.networks.inference import values_of
 
         observation = self._plain(observation)
         rows = np.flatnonzero(observation.active)
@@ -81,7 +87,7 @@ class ShippedPolicy(QPolicy):
     """
 
     weights: ClassVar[str]  # name of the file in `models/weights`
-    kind: ClassVar[str] = Q_NETWORK  # of `graph_planner.weights.KINDS`
+    kind: ClassVar[str] = Q_NETWORK  # of `mjforage.graph_planner.networks.weights.KINDS`
 
     def __init__(self) -> None:
         super().__init__(shipped_weights(self.weights))

@@ -9,13 +9,13 @@ believed of items is what the policy `belief` believes; the searches are those o
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.dec_mcts.planner import TreePlanner
-from graph_planner.dec_mcts.settings import Effort
-from graph_planner.errors import UserError
-from graph_planner.option_ranges import check_at_least, check_positive
-from graph_planner.policies.registry import register
-from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task
+from mjforage.base.errors import UserError
+from mjforage.base.option_ranges import check_at_least, check_positive
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.dec_mcts.planner import TreePlanner
+from mjforage.graph_planner.dec_mcts.settings import Effort
+from mjforage.graph_planner.policies.registry import register
+from mjforage.mission.task import Observation, Task
 
 
 @register("dec-mcts")

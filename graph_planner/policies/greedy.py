@@ -11,14 +11,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel, prepared
-from graph_planner.geodesics import FAR, Workspace, distances_to_nearest
-from graph_planner.plain import Plain
-from graph_planner.policies.registry import register
-from graph_planner.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
-from graph_planner.seeking import TIE, longest_move, possible_targets
-from graph_planner.task import Observation, Task, TaskArrays
-from graph_planner.visibility import NodeLists
+from mjforage.base.compiled import kernel, prepared
+from mjforage.base.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
+from mjforage.graph_planner.graph.geodesics import FAR, Workspace, distances_to_nearest
+from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.graph_planner.planning.seeking import TIE, longest_move, possible_targets
+from mjforage.graph_planner.policies.registry import register
+from mjforage.mission.plain import Plain
+from mjforage.mission.task import Observation, Task, TaskArrays
 
 _FULL_BITS = 40
 _FULL = 1 << _FULL_BITS  # stands for idleness 1 among ages, which never add up to as much

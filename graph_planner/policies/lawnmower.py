@@ -11,15 +11,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel, prepared
-from graph_planner.geodesics import FAR, Int32Array, Workspace, distances_to_nearest
-from graph_planner.moves import move_length
-from graph_planner.navigation import STAY, NavigationGraph
-from graph_planner.plain import Plain
-from graph_planner.policies.registry import register
-from graph_planner.randomness import UInt64Array
-from graph_planner.seeking import ItemSeeker, longest_move, possible_targets
-from graph_planner.task import Observation, Task, TaskArrays
+from mjforage.base.compiled import kernel, prepared
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.graph.geodesics import FAR, Int32Array, Workspace, distances_to_nearest
+from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph
+from mjforage.graph_planner.planning.seeking import ItemSeeker, longest_move, possible_targets
+from mjforage.graph_planner.policies.registry import register
+from mjforage.mission.moves import move_length
+from mjforage.mission.plain import Plain
+from mjforage.mission.task import Observation, Task, TaskArrays
 
 
 def lane_corners(graph: NavigationGraph, spacing: int) -> Int32Array:

@@ -7,12 +7,12 @@ are true Levy lengths (the published code draws them and then never uses them).
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.plain import Plain
-from graph_planner.policies.registry import register
-from graph_planner.randomness import UInt64Array
-from graph_planner.seeking import ItemSeeker
-from graph_planner.task import Observation, Task
-from graph_planner.walking import Walker
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.planning.seeking import ItemSeeker
+from mjforage.graph_planner.planning.walking import Walker
+from mjforage.graph_planner.policies.registry import register
+from mjforage.mission.plain import Plain
+from mjforage.mission.task import Observation, Task
 
 
 @register("levy")

@@ -1,8 +1,8 @@
 """Multi-agent PPO: shipped weights, an actor per team. Playing them needs torch, not TorchRL."""
 
-from graph_planner.policies.ddqn import ShippedPolicy
-from graph_planner.policies.registry import register
-from graph_planner.weights import ACTOR
+from mjforage.graph_planner.networks.weights import ACTOR
+from mjforage.graph_planner.policies.ddqn import ShippedPolicy
+from mjforage.graph_planner.policies.registry import register
 
 
 @register("mappo")

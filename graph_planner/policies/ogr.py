@@ -9,13 +9,13 @@ is expected (`tracking_team`).
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.geodesics import Int32Array
-from graph_planner.meeting import Sea, assign
-from graph_planner.option_ranges import check_at_least, check_positive
-from graph_planner.policies.registry import register
-from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task
-from graph_planner.tracking_team import TrackingTeam
+from mjforage.base.option_ranges import check_at_least, check_positive
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.planning.meeting import Sea, assign
+from mjforage.graph_planner.planning.tracking_team import TrackingTeam
+from mjforage.graph_planner.policies.registry import register
+from mjforage.mission.task import Observation, Task
 
 
 @register("ogr")

@@ -19,15 +19,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.foraging import Foraging
-from graph_planner.belief_planner.planner import BeliefPlanner
-from graph_planner.belief_planner.scouting import Scouting
-from graph_planner.belief_planner.stops import floating
-from graph_planner.belief_planner.told import ToldBeliefs
-from graph_planner.plain import Plain, plain_truth
-from graph_planner.policies.registry import register
-from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task, Truth
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.belief_planner.foraging import Foraging
+from mjforage.graph_planner.belief_planner.planner import BeliefPlanner
+from mjforage.graph_planner.belief_planner.scouting import Scouting
+from mjforage.graph_planner.belief_planner.stops import floating
+from mjforage.graph_planner.belief_planner.told import ToldBeliefs
+from mjforage.graph_planner.policies.registry import register
+from mjforage.mission.plain import Plain, plain_truth
+from mjforage.mission.task import Observation, Task, Truth
 
 
 @register("oracle")

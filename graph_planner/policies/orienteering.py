@@ -9,16 +9,21 @@ believed as the belief planner believes them, scouts look where most is expected
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.foraging import Able
-from graph_planner.belief_planner.routes import Legs
-from graph_planner.belief_planner.stops import add_pickup, decisions_between, gather_stops, stops
-from graph_planner.geodesics import Int32Array
-from graph_planner.option_ranges import check_at_least, check_positive
-from graph_planner.policies.registry import register
-from graph_planner.randomness import UInt64Array
-from graph_planner.route_solver import routing_library, solve_routes
-from graph_planner.task import Observation, Task
-from graph_planner.tracking_team import TrackingTeam
+from mjforage.base.option_ranges import check_at_least, check_positive
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.belief_planner.foraging import Able
+from mjforage.graph_planner.belief_planner.routes import Legs
+from mjforage.graph_planner.belief_planner.stops import (
+    add_pickup,
+    decisions_between,
+    gather_stops,
+    stops,
+)
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.planning.route_solver import routing_library, solve_routes
+from mjforage.graph_planner.planning.tracking_team import TrackingTeam
+from mjforage.graph_planner.policies.registry import register
+from mjforage.mission.task import Observation, Task
 
 
 @register("orienteering")

@@ -13,14 +13,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel, prepared
-from graph_planner.geodesics import Int32Array
-from graph_planner.navigation import OFFSETS, STAY
-from graph_planner.plain import Plain
-from graph_planner.policies.registry import register
-from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
-from graph_planner.task import Observation, Task, TaskArrays
-from graph_planner.visibility import NodeLists
+from mjforage.base.compiled import kernel, prepared
+from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import OFFSETS, STAY
+from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.graph_planner.policies.registry import register
+from mjforage.mission.plain import Plain
+from mjforage.mission.task import Observation, Task, TaskArrays
 
 INERTIA = 0.7298
 OWN_BEST_WEIGHT, IDLEST_WEIGHT = 0.5, 3.27

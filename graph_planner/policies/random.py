@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel, prepared
-from graph_planner.plain import Plain
-from graph_planner.policies.registry import register
-from graph_planner.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
-from graph_planner.task import Observation, Task
+from mjforage.base.compiled import kernel, prepared
+from mjforage.base.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
+from mjforage.graph_planner.policies.registry import register
+from mjforage.mission.plain import Plain
+from mjforage.mission.task import Observation, Task
 
 
 @kernel

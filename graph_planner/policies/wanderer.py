@@ -8,12 +8,12 @@ back (scenario section 3). With nothing known, foragers wander like scouts.
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.plain import Plain
-from graph_planner.policies.registry import register
-from graph_planner.randomness import UInt64Array
-from graph_planner.seeking import ItemSeeker
-from graph_planner.task import Observation, Task
-from graph_planner.walking import Walker
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.planning.seeking import ItemSeeker
+from mjforage.graph_planner.planning.walking import Walker
+from mjforage.graph_planner.policies.registry import register
+from mjforage.mission.plain import Plain
+from mjforage.mission.task import Observation, Task
 
 
 @register("wanderer")

@@ -102,7 +102,7 @@ def _with_read_only(made: Any) -> None:
 
 
 def _is_ours(function: Callable[..., object]) -> bool:
-    return function.__module__.partition(".")[0] in ("graph_planner", "mjforage")
+    return function.__module__.startswith("mjforage.")
 
 
 def _compiled(function: F, inline: str, fastmath: object = False) -> F:

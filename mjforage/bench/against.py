@@ -14,8 +14,8 @@ from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from mjforage.base.errors import UserError
 from mjforage.bench.slice_worker import NAMES
-from mjforage.core.errors import UserError
 
 WORKER = Path(__file__).with_name("slice_worker.py")
 
@@ -43,8 +43,8 @@ class Side:
         UserError
             If the folder holds no checkout.
         """
-        if not (checkout / "mjforage" / "core" / "mission.py").is_file():
-            raise UserError(f"{checkout}: is no checkout of mjforage with mjforage/core/mission.py")
+        if not (checkout / "mjforage" / "runs" / "evaluate.py").is_file():
+            raise UserError(f"{checkout}: is no checkout of mjforage")
         self.checkout = checkout
         self._process = subprocess.Popen(
             [sys.executable, "-P", str(WORKER)],

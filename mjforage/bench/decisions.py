@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graph_planner.policies import create_policy
-from graph_planner.policies.registry import policy_names
-from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.policies import create_policy
+from mjforage.graph_planner.policies.registry import policy_names
+from mjforage.mission.mission import Mission
+from mjforage.mission.setup import Setup
 from mjforage.runs.decision_time import Watch, watched
+from mjforage.scenario.scenario_file import load_scenario
 
 SCENARIO = "open-bay"  # where there is room for 64
 FLEETS = (4, 16, 64)  # agents, half of them scouts

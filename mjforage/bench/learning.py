@@ -6,9 +6,9 @@ import gymnasium
 import numpy as np
 
 from mjforage.bench.rates import Rate, rate
-from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.trainer import Trainer
+from mjforage.scenario.scenario_file import load_scenario
 
 ENVS = 32
 STEPS = 150 + 1

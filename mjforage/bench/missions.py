@@ -5,12 +5,12 @@ import pstats
 
 import numpy as np
 
-from graph_planner.policies import create_policy
 from mjforage.bench.rates import Rate, rate
-from mjforage.core.mission_metrics import Scorer
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.mission_metrics import Scorer
+from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
+from mjforage.scenario.scenario_file import load_scenario
 
 PARTS = {
     "stepping": ("simulation.py", "step"),

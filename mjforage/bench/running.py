@@ -10,18 +10,18 @@ from pathlib import Path
 
 import numpy as np
 
-from graph_planner.policies import create_policy
 from mjforage.bench.learning import learning_speeds
 from mjforage.bench.memory import peak_memory_mb
 from mjforage.bench.missions import mission_speeds
 from mjforage.bench.rates import Rate, rate
 from mjforage.bench.simulations import physics_speeds
-from mjforage.core.maps import GridMap
-from mjforage.core.mission import Mission
-from mjforage.core.mission_metrics import Scorer
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.mission import Mission
+from mjforage.mission.mission_metrics import Scorer
+from mjforage.mission.setup import Setup
 from mjforage.runs.evaluate import evaluate
+from mjforage.scenario.maps import GridMap
+from mjforage.scenario.scenario_file import load_scenario
 
 Figures = dict[str, dict[str, float | str]]
 Progress = Callable[[str], None]

@@ -17,12 +17,12 @@ import numba
 import numpy as np
 
 import mjforage  # noqa: F401  registers the environments
-from graph_planner.policies import create_policy
-from mjforage.core.mission import Mission
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.mission import Mission
+from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
 from mjforage.runs.evaluate import evaluate
+from mjforage.scenario.scenario_file import load_scenario
 
 HASHES = 1_000_000
 EVALUATED = 400  # episodes of a call

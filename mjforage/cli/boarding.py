@@ -73,7 +73,7 @@ def board(
         one that cannot play a course is refused. Default: all that have a name; who cannot play a
         course is left out of it, and the page says why.
     """
-    from graph_planner.references import with_options
+    from mjforage.base.references import with_options
     from mjforage.runs.board import board as planned
     from mjforage.runs.courses import courses_of
 

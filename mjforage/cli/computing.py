@@ -30,7 +30,7 @@ class Computing:
     @property
     def workers(self) -> "Workers":
         """The same for the library."""
-        from mjforage.core.errors import UserError
+        from mjforage.base.errors import UserError
         from mjforage.runs.workers import Workers
 
         if self.scheduler == "":  # of an unset variable of a shell, perhaps: not to compute here

@@ -109,8 +109,8 @@ def check_beside(folder: Path, policy: str | None, beside: str) -> None:
     UserError
         If the second policy is not of the run, or is the first.
     """
-    from graph_planner.policies.registry import policy_label
-    from mjforage.core.errors import UserError
+    from mjforage.base.errors import UserError
+    from mjforage.graph_planner.policies.registry import policy_label
     from mjforage.runs.run_info import load_run
 
     policies = load_run(folder / "run.json").policies
@@ -152,9 +152,9 @@ def view(
     seed
         Seed of a scenario's episode; a run has its own.
     """
-    from mjforage.core.scenario_file import load_scenario
-    from mjforage.core.setup import Setup
+    from mjforage.mission.setup import Setup
     from mjforage.runs.replaying import replay_of_run
+    from mjforage.scenario.scenario_file import load_scenario
     from mjforage.view.render.viewer import check_display, view_replay, view_scenario
 
     check_display()

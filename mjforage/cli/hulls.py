@@ -52,7 +52,7 @@ def manoeuvre(
     plot
         Picture to write.
     """
-    from mjforage.core.whole_files import whole
+    from mjforage.base.atomic_files import whole
     from mjforage.physics.manoeuvre import (
         check_file,
         key_figures,
@@ -100,10 +100,10 @@ def calibrate(
     output_file
         TOML file to write; by default NAME.capture.toml beside the vessel's own, where it is used.
     """
-    from mjforage.core.capture import capture_text
-    from mjforage.core.vessel_files import capture_path
-    from mjforage.core.whole_files import write_bytes
+    from mjforage.base.atomic_files import write_bytes
     from mjforage.physics.calibration import calibrate as measured
+    from mjforage.scenario.capture import capture_text
+    from mjforage.scenario.vessel_files import capture_path
 
     path = capture_path(vessel) if output_file is None else output_file
     capture = measured(vessel, trials, seed)
@@ -131,9 +131,9 @@ def vessels(vessel: str | None = None, /) -> None:
         Name of a shipped vessel, so that `mjforage vessels scout > my_boat.toml` copies its file,
         or path of yours; without a `[control]` table it is printed with the one that is used then.
     """
-    from mjforage.core.vessel_files import vessel_names, vessel_path
     from mjforage.physics.vessel_helm import control_table
     from mjforage.physics.vessels import load_vessel
+    from mjforage.scenario.vessel_files import vessel_names, vessel_path
 
     if vessel is not None:
         loaded = load_vessel(vessel)

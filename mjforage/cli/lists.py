@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from mjforage.base.errors import UserError
 from mjforage.cli.console import OUT, Water, app, output, print_file, print_list
-from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
-    from mjforage.core.maps import GridMap
-    from mjforage.core.scenario import Scenario
+    from mjforage.scenario.maps import GridMap
+    from mjforage.scenario.scenario import Scenario
 
 MAP_RULES = ("corner_cutting", "largest_component", "water")  # keys by which a map is read
 
@@ -19,7 +19,7 @@ MAP_RULES = ("corner_cutting", "largest_component", "water")  # keys by which a 
 @app.command
 def policies() -> None:
     """List the policies, those that installed packages bring with where they come from."""
-    from graph_planner.policies.registry import POLICIES, policy_names, policy_summary
+    from mjforage.graph_planner.policies.registry import POLICIES, policy_names, policy_summary
 
     def words(name: str) -> str:
         origin = POLICIES.origin(name)
@@ -31,7 +31,7 @@ def policies() -> None:
 @app.command
 def metrics() -> None:
     """List the metrics: what each measures, its unit, and whether more or less of it is better."""
-    from mjforage.core.mission_metrics import METRICS, chosen_metrics, description
+    from mjforage.mission.mission_metrics import METRICS, chosen_metrics, description
 
     ways = {1: "more is better", -1: "less is better", 0: ""}
 
@@ -66,7 +66,7 @@ def scenarios(scenario: str | None = None, /, *, explain: str | None = None) -> 
     explain
         Key of a scenario, such as weather.gust_intensity, or a table of it, such as team.scouts.
     """
-    from mjforage.core.scenario_file import load_scenario, preset_names, scenario_path
+    from mjforage.scenario.scenario_file import load_scenario, preset_names, scenario_path
 
     if scenario is not None and explain is not None:
         raise UserError(f"scenarios {scenario} --explain {explain}: give one of them")
@@ -75,8 +75,8 @@ def scenarios(scenario: str | None = None, /, *, explain: str | None = None) -> 
         print_file(scenario_path(scenario))
         return
     if explain is not None:
-        from mjforage.core.scenario import Scenario
-        from mjforage.core.schema import explain as rows_of
+        from mjforage.scenario.scenario import Scenario
+        from mjforage.scenario.schema import explain as rows_of
 
         print_list((row.key, row.words) for row in rows_of(Scenario, explain))
         return
@@ -108,11 +108,11 @@ def maps(
     output_file
         What to write: a picture, for example port.png, or the map itself as port.csv.
     """
-    from mjforage.core.harbours import family, is_family
-    from mjforage.core.map_files import shipped_maps
-    from mjforage.core.maps import load_map
-    from mjforage.core.once import say_once
-    from mjforage.core.sizes import map_costs
+    from mjforage.base.cached import say_once
+    from mjforage.scenario.harbours import family, is_family
+    from mjforage.scenario.map_files import shipped_maps
+    from mjforage.scenario.maps import load_map
+    from mjforage.scenario.sizes import map_costs
 
     several = map is not None and is_family(map)
     names = family(map) if map and several else (map,) if map else shipped_maps()
@@ -130,7 +130,7 @@ def maps(
 
 def _map_scenario(overrides: tuple[str, ...], water: Water | None) -> "Scenario":
     """A scenario that says how a map is read, by overrides of its keys."""
-    from mjforage.core.scenario_file import load_scenario
+    from mjforage.scenario.scenario_file import load_scenario
 
     names = " or ".join(f"map.{name}" for name in MAP_RULES)
     for override in overrides:
@@ -141,7 +141,7 @@ def _map_scenario(overrides: tuple[str, ...], water: Water | None) -> "Scenario"
 
 def _write(grids: "list[GridMap]", path: Path) -> None:
     """A map as a table or a picture, or several on one sheet."""
-    from mjforage.core.map_files import write_table
+    from mjforage.scenario.map_files import write_table
     from mjforage.view.map_pictures import save_map_picture
     from mjforage.view.map_sheets import save_map_sheet
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 
 if TYPE_CHECKING:
     from mjforage.runs.resuming import Resume

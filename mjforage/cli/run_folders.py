@@ -11,7 +11,7 @@ from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
 from mjforage.cli.trust_flags import NOBODY, Trusted
 
 if TYPE_CHECKING:
-    from mjforage.core.setup import Setup
+    from mjforage.mission.setup import Setup
 
 Policies = Annotated[list[str], Parameter(name="--policy", negative="")]
 ShownPolicies = Annotated[tuple[str, ...], Parameter(name="--policy", negative="")]
@@ -80,10 +80,10 @@ def evaluate(
     out
         Run folder; default runs/SCENARIO. An unfinished run of the same settings is resumed.
     """
-    from graph_planner.references import with_options
-    from mjforage.core.scenario_file import load_scenario
-    from mjforage.core.setup import Setup
+    from mjforage.base.references import with_options
+    from mjforage.mission.setup import Setup
     from mjforage.runs.kept import parse_kept
+    from mjforage.scenario.scenario_file import load_scenario
 
     policy, set = with_options("policy", policy, set)
     setup = Setup.of(load_scenario(scenario, set, map, water))
@@ -148,11 +148,11 @@ def compare(
     out
         Run folder; default runs/SCENARIO-gap. An unfinished run of the same settings is resumed.
     """
-    from graph_planner.references import with_options
-    from mjforage.core.scenario_file import load_scenario
-    from mjforage.core.setup import Setup
+    from mjforage.base.references import with_options
+    from mjforage.mission.setup import Setup
     from mjforage.physics.worlds import ladder_of
     from mjforage.runs.kept import parse_kept
+    from mjforage.scenario.scenario_file import load_scenario
 
     policy, set = with_options("policy", policy, set)
     setup = Setup.of(load_scenario(scenario, set, map, water))
@@ -178,7 +178,7 @@ def _play(
     again: Resuming,
 ) -> None:
     """Run, show the headline table and draw the report."""
-    from graph_planner.policies import is_bound
+    from mjforage.graph_planner.policies import is_bound
     from mjforage.runs.evaluate import evaluate as run
     from mjforage.view.report import terminal_table, write_report
 
@@ -242,7 +242,7 @@ def report(
     page
         Write a board (`mjforage study board`) as one Markdown page here too, its figures beside it.
     """
-    from mjforage.core.errors import UserError
+    from mjforage.base.errors import UserError
     from mjforage.view.report import Exports, write_pair, write_report
     from mjforage.view.report.studies import is_study, write_study_report
     from mjforage.view.report.studies.board_page import write_board_page

@@ -9,14 +9,14 @@ from typing import Any
 import cyclopts
 from rich.logging import RichHandler
 
+from mjforage.base.environment import drop_thread_counts, library_of, refusal, shorten_warnings
+from mjforage.base.errors import UserError, printable
 from mjforage.base.interrupted import CODE as INTERRUPTED
 from mjforage.base.interrupted import WORDS
 from mjforage.cli.commands import app
 from mjforage.cli.console import errors
 from mjforage.cli.streams import forgiving_streams
 from mjforage.cli.words import missing, several, unknown
-from mjforage.core.environment import drop_thread_counts, library_of, refusal, shorten_warnings
-from mjforage.core.errors import UserError, printable
 
 BAD_INPUT = 2  # exit code of every error that a user can mend
 
@@ -73,7 +73,7 @@ def _words(error: BaseException, arguments: Sequence[str]) -> str:
     if isinstance(error, MemoryError):
         return f"not enough memory ({error}); give smaller options, or fewer episodes at once"
     if cause := _of_the_system(error):
-        from mjforage.core.whole_files import remedy
+        from mjforage.base.atomic_files import remedy
 
         where, reason = cause.filename or "a file", cause.strerror or str(cause)
         return f"{where}: {reason}; {remedy(cause)}"
@@ -94,7 +94,7 @@ def _of_an_extra(error: BaseException, arguments: Sequence[str]) -> str:
     """What is said of a package that only an extra brings."""
     if not isinstance(error, ModuleNotFoundError):
         return ""
-    from graph_planner.extras import extra_with, how_to_install
+    from mjforage.base.extras import extra_with, how_to_install
 
     name, command = error.name or "", "".join(arguments[:1])
     return f"{command}: needs {name}; {how_to_install(name)}" if extra_with(name) else ""
@@ -102,7 +102,7 @@ def _of_an_extra(error: BaseException, arguments: Sequence[str]) -> str:
 
 def _of_a_part(error: BaseException) -> str:
     """What is said of an error in code that the user has brought, such as a policy."""
-    extensions = sys.modules.get("graph_planner.extensions")
+    extensions = sys.modules.get("mjforage.base.registry")
     return extensions.blamed(error) if extensions is not None else ""
 
 

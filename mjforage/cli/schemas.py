@@ -17,8 +17,6 @@ COMMANDS = "command-line"  # name of the page of all commands
 
 def schemas_of_files() -> Mapping[str, tuple[str, Any]]:
     """Name -> what file it is, and its schema."""
-    from mjforage.core.capture import Capture
-    from mjforage.core.scenario import Scenario
     from mjforage.learning.training.hyperparameters import Hyperparameters
     from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
     from mjforage.learning.training.training_info import TrainingInfo
@@ -27,6 +25,8 @@ def schemas_of_files() -> Mapping[str, tuple[str, Any]]:
     from mjforage.runs.costs import Costs
     from mjforage.runs.run_info import RunInfo
     from mjforage.runs.study import StudyInfo
+    from mjforage.scenario.capture import Capture
+    from mjforage.scenario.scenario import Scenario
 
     return {
         "scenario": ("a scenario file", Scenario),
@@ -53,8 +53,8 @@ def schemas(*, out: Annotated[Path | None, FOLDER] = None, pages: Path | None = 
     pages
         Folder for a reference page of each, and of all commands, in Markdown.
     """
-    from mjforage.core.schema import page
-    from mjforage.core.whole_files import write_bytes
+    from mjforage.base.atomic_files import write_bytes
+    from mjforage.scenario.schema import page
 
     files = schemas_of_files()
     for name, (words, schema) in files.items():
@@ -73,7 +73,7 @@ def schemas(*, out: Annotated[Path | None, FOLDER] = None, pages: Path | None = 
 
 def schema_text(name: str, schema: Any) -> str:
     """The JSON Schema of a file as text."""
-    from mjforage.core.schema import json_schema
+    from mjforage.scenario.schema import json_schema
 
     head = {"$schema": _DIALECT, "title": f"mjforage {name}"}
     return json.dumps(head | {**json_schema(schema), **head}, indent=1) + "\n"

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 from rich.table import Table
 
+from mjforage.base.errors import UserError
 from mjforage.cli.console import OUT, app, errors, print_table
-from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
     from mjforage.bench.running import Figures
@@ -41,7 +41,7 @@ def bench(
     decisions
         Only what every policy takes to decide once for a fleet of 4, 16 and 64 agents.
     """
-    from mjforage.core.whole_files import write_json
+    from mjforage.base.atomic_files import write_json
 
     if out is not None and not out.parent.is_dir():
         raise UserError(f"--out {out}: cannot be written, no folder {out.parent}")

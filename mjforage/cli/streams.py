@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TextIO, cast
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 
 _ASCII = "+- - - - ... x . deg ^2 ^3 u >= <= -> - |"
 _PLAIN = dict(zip("±−–—…×·°²³µ≥≤→─│", _ASCII.split(), strict=True))

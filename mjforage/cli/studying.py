@@ -14,8 +14,8 @@ from mjforage.cli.resume_flags import SAME_ONLY, GoingOn, Resuming
 from mjforage.cli.trust_flags import NOBODY, Trusted
 
 if TYPE_CHECKING:
-    from mjforage.core.scenario import Scenario
     from mjforage.runs.study import Study, Variant
+    from mjforage.scenario.scenario import Scenario
 
 study = cyclopts.App(
     name="study", help="Studies: many variants of a scenario on the same episodes, in one report."
@@ -278,11 +278,11 @@ def _play(
     **options: object,
 ) -> None:
     """Compute a study and draw its report."""
-    from graph_planner.references import with_options
-    from mjforage.core.scenario_file import load_scenario
-    from mjforage.core.setup import Setup
+    from mjforage.base.references import with_options
+    from mjforage.mission.setup import Setup
     from mjforage.runs.identity import pinned
     from mjforage.runs.study import Study
+    from mjforage.scenario.scenario_file import load_scenario
 
     by.workers  # noqa: B018  what is wrong with them is said first
     players, overrides = with_options("policy", policies, choice.set)

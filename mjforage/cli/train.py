@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
+from mjforage.base.errors import UserError
 from mjforage.cli.console import FOLDER, Water, app, bar, errors, output
 from mjforage.cli.resume_flags import SAME_ONLY, GoingOn
 from mjforage.cli.trust_flags import NOBODY, Trusted
-from mjforage.core.errors import UserError
 
 if TYPE_CHECKING:
-    from mjforage.core.scenario import Scenario
     from mjforage.learning.training.progress import Row
+    from mjforage.scenario.scenario import Scenario
 
 Pairs = Annotated[tuple[str, ...], Parameter(negative="")]
 
@@ -84,9 +84,9 @@ def train(
     out
         Folder of the run; default runs/ALGORITHM-SCENARIO.
     """
-    from graph_planner.extras import require
-    from graph_planner.references import with_options
-    from mjforage.core.scenario_file import load_scenario
+    from mjforage.base.extras import require
+    from mjforage.base.references import with_options
+    from mjforage.scenario.scenario_file import load_scenario
 
     require(f"train {algorithm}", "torch", "tensorboard")
     from mjforage.learning.training.algorithms import find_algorithm
@@ -137,7 +137,7 @@ def _other(text: str) -> "Scenario":
     """SCENARIO or SCENARIO:MAP; the map's own starts, or a random cluster."""
     from dataclasses import replace
 
-    from mjforage.core.scenario_file import load_scenario
+    from mjforage.scenario.scenario_file import load_scenario
 
     name, separator, file = text.partition(":")
     scenario = load_scenario(name)
@@ -148,7 +148,7 @@ def _other(text: str) -> "Scenario":
 
 def _pair(text: str) -> tuple[str, Any]:
     """KEY=VALUE as TOML has it; a bare word is text."""
-    from graph_planner.references import assigned
+    from mjforage.base.references import assigned
 
     key, separator, value = _parted(text)
     if not separator or not key.strip():

@@ -22,7 +22,7 @@ class Trusting:
     trust: Annotated[tuple[str, ...], Parameter(negative="")] = ()
 
     def __post_init__(self) -> None:
-        from graph_planner.extensions import trust
+        from mjforage.base.registry import trust
 
         trust(*self.trust)
 
@@ -33,6 +33,6 @@ Trusted = Annotated[Trusting, Parameter(name="*")]
 
 def own_word(*policies: str | None) -> None:
     """Take the policies of a command line as the user's word for their code."""
-    from graph_planner.extensions import trust
+    from mjforage.base.registry import trust
 
     trust(*(name for one in policies if one and ":" in (name := one.partition("(")[0].strip())))

@@ -35,7 +35,7 @@ def _several(words: list[str]) -> Iterator[str]:
 
 
 def _is_scenario(word: str) -> bool:
-    from mjforage.core.scenario_file import preset_names
+    from mjforage.scenario.scenario_file import preset_names
 
     name = word.partition("@")[0]
     return name.endswith(".toml") or name.replace("_", "-") in preset_names()

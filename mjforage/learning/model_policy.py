@@ -11,17 +11,17 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.encodings import create_encoder, encoder_class, legal_moves
-from graph_planner.encodings.masks import legal_of_agent
-from graph_planner.inference import BLOCK, one_thread
-from graph_planner.moves import Corruption, Resolver
-from graph_planner.navigation import STAY
-from graph_planner.plain import Plain
-from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.encodings import create_encoder, encoder_class, legal_moves
+from mjforage.graph_planner.encodings.masks import legal_of_agent
+from mjforage.graph_planner.graph.navigation import STAY
+from mjforage.graph_planner.networks.inference import BLOCK, one_thread
 from mjforage.learning.environments.game import CHOSEN, OTHERWISE_STAY
 from mjforage.learning.environments.spaces import MASK, Pictures, values
+from mjforage.mission.moves import Corruption, Resolver
+from mjforage.mission.plain import Plain
+from mjforage.mission.task import Observation, Task
 
 Rows = NDArray[np.int64]
 

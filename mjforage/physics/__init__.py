@@ -1,5 +1,5 @@
 """The same mission in MuJoCo: vessels, weather, scene, simulation, dynamics, validation."""
 
-from mjforage.core.environment import mujoco_despite
+from mjforage.base.environment import mujoco_despite
 
 mujoco_despite()

@@ -3,16 +3,16 @@
 import math
 from collections.abc import Iterable, Iterator, Sequence
 
-from controllers.legs import REACTION_S
-from mjforage.core.initial_state import LEEWAY
-from mjforage.core.scenario import Physics, Scenario, Sensors, Weather
-from mjforage.core.setup import Setup
-from mjforage.core.vessel_files import hull_names
+from mjforage.controllers.legs import REACTION_S
+from mjforage.mission.initial_state import LEEWAY
+from mjforage.mission.setup import Setup
 from mjforage.physics.scaled_vessels import scaled
 from mjforage.physics.vessel_helm import damping_rates, decision_s, full_speed_s, helm_of
 from mjforage.physics.vessels import NO_LOAD, Vessel, load_vessel
 from mjforage.physics.weather.settings import WeatherSettings
 from mjforage.physics.worlds import WORLDS
+from mjforage.scenario.scenario import Physics, Scenario, Sensors, Weather
+from mjforage.scenario.vessel_files import hull_names
 
 RK4_LIMIT = 2.785
 """Steps per time constant beyond which Runge-Kutta of order 4 diverges (Hairer and Wanner, "Solving

@@ -11,8 +11,8 @@ from annotated_types import Ge, GroupedMetadata, Gt, Le
 from pydantic_core import PydanticCustomError
 from pydantic_core.core_schema import no_info_wrap_validator_function
 
-from graph_planner.fields import Handler, JsonSchema, Note
-from mjforage.core.schema import shown
+from mjforage.base.fields import Handler, JsonSchema, Note
+from mjforage.scenario.schema import shown
 
 _ENTRY = ("source", "unit", "value")
 

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from mjforage.core.scenario import Scale
 from mjforage.physics.vessels import ForceThruster, Propeller, Vessel, check_vessel
+from mjforage.scenario.scenario import Scale
 
 _RIGID = ("mass_kg", "inertia_z_kgm2")
 _ADDED = ("added_mass_surge_kg", "added_mass_sway_kg", "added_mass_yaw_kgm2")

@@ -4,7 +4,7 @@ import dataclasses
 import math
 from typing import get_type_hints
 
-from controllers import Helm, Tuning
+from mjforage.controllers import Helm, Tuning
 from mjforage.physics.vessels import Control, CrossFlow, Propeller, Vessel
 
 SOURCE = "from mass, drag, thrust and lag, as where no file says otherwise"

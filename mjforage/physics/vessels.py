@@ -12,11 +12,11 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator
 
-from mjforage.core.errors import UserError
-from mjforage.core.schema import NotInFile, check
-from mjforage.core.toml_files import read_toml
-from mjforage.core.vessel_files import vessel_path
+from mjforage.base.errors import UserError
+from mjforage.base.toml_files import read_toml
 from mjforage.physics.quantities import Quantity, positive
+from mjforage.scenario.schema import NotInFile, check
+from mjforage.scenario.vessel_files import vessel_path
 
 
 @dataclass(frozen=True)

@@ -8,14 +8,14 @@ import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from graph_planner.fleet import Fleet
-from graph_planner.navigation import NavigationGraph
-from mjforage.core.dynamics import Dynamics
-from mjforage.core.film import Film
-from mjforage.core.graph_dynamics import GraphDynamics
-from mjforage.core.mission import Mission
-from mjforage.core.scenario import Scenario
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.graph.navigation import NavigationGraph
+from mjforage.mission.dynamics import Dynamics
+from mjforage.mission.film import Film
+from mjforage.mission.graph_dynamics import GraphDynamics
+from mjforage.mission.mission import Mission
+from mjforage.mission.setup import Setup
+from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.scenario import Scenario
 
 Factory = Callable[[NavigationGraph, Fleet, Scenario, Film | None], Dynamics]
 

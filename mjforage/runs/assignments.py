@@ -19,15 +19,13 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from graph_planner.extensions import Place, blamed, fault, is_ours, trust, trusted
-from graph_planner.policies import create_policy
-from graph_planner.policies.registry import adopt_policy, outside_class
-from mjforage.core.errors import UserError
-from mjforage.core.maps import GridMap
-from mjforage.core.mission_metrics import Metric, Scorer, chosen_metrics, places_of
-from mjforage.core.scenario_file import canonical_json, scenario_from_tree, scenario_to_tree
-from mjforage.core.setup import Setup
-from mjforage.core.whole_files import write_bytes, writing
+from mjforage.base.atomic_files import write_bytes, writing
+from mjforage.base.errors import UserError
+from mjforage.base.registry import Place, blamed, fault, is_ours, trust, trusted
+from mjforage.graph_planner.policies import create_policy
+from mjforage.graph_planner.policies.registry import adopt_policy, outside_class
+from mjforage.mission.mission_metrics import Metric, Scorer, chosen_metrics, places_of
+from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
 from mjforage.runs import cluster
 from mjforage.runs.costs import Cost, Invocation
@@ -41,6 +39,8 @@ from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import frames
 from mjforage.runs.under_way import Teller, telling
 from mjforage.runs.workers import Workers, policy_places
+from mjforage.scenario.maps import GridMap
+from mjforage.scenario.scenario_file import canonical_json, scenario_from_tree, scenario_to_tree
 
 PARENT_CHECK_S = 1.0
 

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from mjforage.core.scenario import Scenario
 from mjforage.runs.study import Variant
 from mjforage.runs.variants import COMPLETE
+from mjforage.scenario.scenario import Scenario
 
 OWN = "own"
 """Variant of what a scenario has itself, where that is not what the study compares with."""

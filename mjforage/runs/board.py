@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from graph_planner.policies import create_policy
-from graph_planner.policies.registry import check_policies, policy_names
-from graph_planner.randomness import episode_keys
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.policies import create_policy
+from mjforage.graph_planner.policies.registry import check_policies, policy_names
 from mjforage.runs.courses import Course
 from mjforage.runs.evaluate import check_numbers
 from mjforage.runs.study import LeftOut, Study, Variant

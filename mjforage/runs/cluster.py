@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
-from graph_planner.extensions import Place
-from graph_planner.extras import require
-from graph_planner.policies.registry import told_policy
-from mjforage.core.errors import UserError
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.base.extras import require
+from mjforage.base.registry import Place
+from mjforage.graph_planner.policies.registry import told_policy
+from mjforage.mission.setup import Setup
 from mjforage.runs.identity import run_info
 from mjforage.runs.interrupts import interrupts_held
 from mjforage.runs.run_info import load_run

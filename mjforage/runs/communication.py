@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import inf
 
-from graph_planner.fleet import Role
-from mjforage.core.scenario import Link, Scenario
 from mjforage.runs.axes import OWN, Axis, Point, along
 from mjforage.runs.study import Variant
 from mjforage.runs.variants import COMPLETE
+from mjforage.scenario.fleet import Role
+from mjforage.scenario.scenario import Link, Scenario
 
 RANGES_M = (16.0, 32.0, 64.0, 128.0)
 QUAYS = "quays block"

@@ -5,9 +5,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from graph_planner.fields import Note
-from mjforage.core.schema import OPEN, check
+from mjforage.base.fields import Note
 from mjforage.runs.run_info import REMEDY, read_json
+from mjforage.scenario.schema import OPEN, check
 
 
 @dataclass(frozen=True)

@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from graph_planner.references import file_label, nearest
-from mjforage.core.errors import UserError
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.base.references import file_label, nearest
+from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import WORLDS
 from mjforage.runs.identity import pinned
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario
 
 USUAL = (
     *("comb-port", "published", "open-bay", "channels", "comb-port-weather", "comb-port-radio"),

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.policies import Bound, Policy
-from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task, Truth
+from mjforage.base.randomness import UInt64Array
+from mjforage.mission.policy import Bound, Policy
+from mjforage.mission.task import Observation, Task, Truth
 
 
 @dataclass

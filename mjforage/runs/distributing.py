@@ -7,7 +7,7 @@ from contextlib import closing
 import joblib
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.runs import cluster
 from mjforage.runs.assignments import Assignment, Episode, Task, Work, keep_replay, run_chunk
 from mjforage.runs.interrupts import (

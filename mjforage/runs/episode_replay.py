@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.fleet import agent_names
-from mjforage.core.errors import UserError
-from mjforage.core.sizes import check_memory
+from mjforage.base.errors import UserError
 from mjforage.runs.held import AXES as HELD_AXES
 from mjforage.runs.held import Held
 from mjforage.runs.run_info import again
+from mjforage.scenario.fleet import agent_names
+from mjforage.scenario.sizes import check_memory
 
 _DAMAGED = (
     *(

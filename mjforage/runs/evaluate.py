@@ -12,15 +12,14 @@ from typing import Any
 
 import polars as pl
 
-import metrics
-from graph_planner.policies.registry import check_policies
-from graph_planner.references import nearest
-from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import chosen_metrics
-from mjforage.core.mission_metrics.known import course_metrics
-from mjforage.core.setup import Setup
-from mjforage.core.sizes import check_memory, table_bytes
-from mjforage.core.whole_files import write_json
+from mjforage import metrics
+from mjforage.base.atomic_files import write_json
+from mjforage.base.errors import UserError
+from mjforage.base.references import nearest
+from mjforage.graph_planner.policies.registry import check_policies
+from mjforage.mission.mission_metrics import chosen_metrics
+from mjforage.mission.mission_metrics.known import course_metrics
+from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.foretold import foretold
 from mjforage.physics.worlds import WORLDS, create_mission
@@ -35,6 +34,7 @@ from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import metric_columns
 from mjforage.runs.under_way import forget, waiting
 from mjforage.runs.workers import Workers
+from mjforage.scenario.sizes import check_memory, table_bytes
 
 BOOTSTRAP_SEED = 0
 _logger = logging.getLogger(__name__)

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.core.mission import Mission, Observer
+from mjforage.mission.mission import Mission, Observer
 
 
 class ForecastsSeen(Observer):
@@ -11,7 +11,7 @@ class ForecastsSeen(Observer):
 
     Attributes
     ----------
-    sums : (bin, 4) of all episodes that it saw, see `metrics.calibration`
+    sums : (bin, 4) of all episodes that it saw, see `mjforage.metrics.calibration`
     """
 
     def __init__(self) -> None:

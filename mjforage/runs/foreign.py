@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
 
-from mjforage.core.errors import UserError
-from mjforage.core.schema import shown
+from mjforage.base.errors import UserError
+from mjforage.scenario.schema import shown
 
 _NAME = re.compile(r"\w[\w.@+-]{0,99}")
 _LARGEST = 200_000_000  # bytes of a JSON file: more than the summary of any run takes

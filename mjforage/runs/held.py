@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.task import NEVER
-from mjforage.core.mission import Mission, Observer
+from mjforage.mission.mission import Mission, Observer
+from mjforage.mission.task import NEVER
 
 UNKNOWN = -1  # no step
 ALL = -1  # no agent: the fleet together

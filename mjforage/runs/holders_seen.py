@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.task import NEVER
-from mjforage.core.mission import Mission, Observer
+from mjforage.mission.mission import Mission, Observer
+from mjforage.mission.task import NEVER
 
 UNSEEN = -1
 """Age of a node that a holder knows no look at."""

@@ -12,23 +12,23 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from graph_planner.extensions import Place, is_ours
-from graph_planner.policies.registry import (
+from mjforage.base.registry import Place, is_ours
+from mjforage.graph_planner.policies.registry import (
     is_bound,
     outside_class,
     policy_class,
     policy_files,
     policy_parts,
 )
-from mjforage.core.assets import models_folder
-from mjforage.core.capture import load_capture, usual_capture
-from mjforage.core.mission_metrics import Metric, chosen_metrics, description
-from mjforage.core.scenario_file import canonical_json, scenario_to_tree
-from mjforage.core.setup import Setup
-from mjforage.core.vessel_files import hull_names
+from mjforage.mission.mission_metrics import Metric, chosen_metrics, description
+from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import WORLDS
 from mjforage.runs.resuming import UNCOMPARED
 from mjforage.runs.source_code import DIGITS, WHOLE, Code, decisive_code
+from mjforage.scenario.assets import models_folder
+from mjforage.scenario.capture import load_capture, usual_capture
+from mjforage.scenario.scenario_file import canonical_json, scenario_to_tree
+from mjforage.scenario.vessel_files import hull_names
 
 
 def pinned(setup: Setup) -> Setup:
@@ -44,7 +44,7 @@ def pinned(setup: Setup) -> Setup:
 def _mission_code(physics: bool) -> Code:
     """Code of the mission and its scores, and of MuJoCo's world if asked for."""
     modules = ("mission", "episode_log")
-    paths = [f"mjforage.core.{name}" for name in modules] + ["mjforage.runs.tables"]
+    paths = [f"mjforage.mission.{name}" for name in modules] + ["mjforage.runs.tables"]
     code = decisive_code([*paths, *(["mjforage.physics.worlds"] if physics else [])], WHOLE)
     if not physics:
         return code

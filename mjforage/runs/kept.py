@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.references import file_label
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.base.references import file_label
 
 RANKS = ("first", "median", "worst", "best")
 """Episodes that are known by what came out, each of one world and policy."""

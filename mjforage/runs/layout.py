@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import polars as pl
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.runs.costs import Cost, load_costs
 from mjforage.runs.parquet import read_parquet
 from mjforage.runs.storage import Chunk, RunFolder

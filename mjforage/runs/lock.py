@@ -7,7 +7,7 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.runs.foreign import check_files
 
 _LOCK = ".lock"

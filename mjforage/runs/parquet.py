@@ -7,9 +7,9 @@ from pathlib import Path
 
 import polars as pl
 
-from mjforage.core.errors import UserError
-from mjforage.core.sizes import check_memory
-from mjforage.core.whole_files import whole
+from mjforage.base.atomic_files import whole
+from mjforage.base.errors import UserError
+from mjforage.scenario.sizes import check_memory
 
 UNPACKED = 40  # bytes of a number in memory, with the copies that are made of a table
 AGAIN = "run the command that wrote it again"

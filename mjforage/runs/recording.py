@@ -3,16 +3,16 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.policies import create_policy
-from mjforage.core.film import Film
-from mjforage.core.mission import Mission, Observer
-from mjforage.core.setup import Setup
-from mjforage.core.vessel_files import hull_names
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.film import Film
+from mjforage.mission.mission import Mission, Observer
+from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.dynamics.item_bodies import draw_classes
 from mjforage.physics.worlds import create_mission
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.held import HeldRecorder
+from mjforage.scenario.vessel_files import hull_names
 
 
 class _Recorder(Observer):

@@ -7,26 +7,26 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 
-from graph_planner.extensions import Place
-from graph_planner.navigation import navigation_graph
-from graph_planner.policies.registry import (
+from mjforage.base.errors import UserError
+from mjforage.base.registry import Place
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.graph_planner.policies.registry import (
     adopt_policy,
     check_policies,
     has_policy,
     policy_label,
     told_policy,
 )
-from mjforage.core.errors import UserError
-from mjforage.core.maps import GridMap, check_starts
-from mjforage.core.mission import Observer
-from mjforage.core.scenario_file import scenario_from_tree
-from mjforage.core.setup import Setup
+from mjforage.mission.mission import Observer
+from mjforage.mission.setup import Setup
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.identity import hull_facts
 from mjforage.runs.recording import record
 from mjforage.runs.resuming import differences
 from mjforage.runs.run_info import again, load_run, read_json
 from mjforage.runs.storage import RunFolder
+from mjforage.scenario.maps import GridMap, check_starts
+from mjforage.scenario.scenario_file import scenario_from_tree
 
 
 def replay_of_run(

@@ -13,8 +13,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from mjforage.core.errors import UserError
-from mjforage.core.whole_files import write_json, writing
+from mjforage.base.atomic_files import write_json, writing
+from mjforage.base.errors import UserError
 from mjforage.runs.foreign import check_files
 from mjforage.runs.lock import claimed
 from mjforage.runs.run_info import read_json

@@ -11,11 +11,11 @@ import numpy as np
 from annotated_types import MaxLen, MinLen
 from numpy.typing import NDArray
 
-from graph_planner.fields import Note, Within
-from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import Description
-from mjforage.core.schema import OPEN, check
+from mjforage.base.errors import UserError
+from mjforage.base.fields import Note, Within
+from mjforage.mission.mission_metrics import Description
 from mjforage.runs.foreign import check_files, check_length, check_names, own_command
+from mjforage.scenario.schema import OPEN, check
 
 REMEDY = (
     "run the command that made this folder again, or name a folder that evaluate, compare or study "

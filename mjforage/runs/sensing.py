@@ -7,10 +7,10 @@ it is told one number whatever is true.
 from collections.abc import Sequence
 from math import inf
 
-from mjforage.core.scenario import Scenario
 from mjforage.runs.axes import OWN, Axis, Point, along, changed
 from mjforage.runs.study import Variant
 from mjforage.runs.variants import COMPLETE
+from mjforage.scenario.scenario import Scenario
 
 CHANCES = (0.3, 0.5, 0.7, 0.9)
 RATES = (0.0005, 0.002)  # ghosts per node and epoch

@@ -19,10 +19,10 @@ from importlib.util import find_spec
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
-OURS = ("metrics", "controllers", "graph_planner", "mjforage")
+OURS = ("mjforage",)
 COMPUTING = ("numpy", "numba", "scipy", "mujoco", "ortools", "torch", "torchrl")
 """Libraries whose version may change a number; the others that we use store, draw or talk."""
-WHOLE = ("metrics", "mjforage.core.mission_metrics")
+WHOLE = ("mjforage.metrics", "mjforage.mission.mission_metrics")
 """Packages that count whole, as they are read as they stand and not by name."""
 DIGITS = 8
 _ROOT = Path(__file__).resolve().parents[2]

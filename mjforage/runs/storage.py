@@ -17,9 +17,9 @@ from typing import Any
 
 import polars as pl
 
-from graph_planner.references import file_label
-from mjforage.core.errors import UserError
-from mjforage.core.whole_files import remove_parts, writing
+from mjforage.base.atomic_files import remove_parts, writing
+from mjforage.base.errors import UserError
+from mjforage.base.references import file_label
 from mjforage.runs.costs import Cost
 from mjforage.runs.lock import claimed
 from mjforage.runs.parquet import join_parquet, parquet_bytes

@@ -10,14 +10,10 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from graph_planner.policies.registry import policy_label
-from mjforage.core.errors import UserError
-from mjforage.core.maps import GridMap
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import scenario_to_tree
-from mjforage.core.schema import OPEN, check
-from mjforage.core.setup import Setup
-from mjforage.core.whole_files import write_json
+from mjforage.base.atomic_files import write_json
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.policies.registry import policy_label
+from mjforage.mission.setup import Setup
 from mjforage.runs.evaluate import THIS_PROCESS, Progress, Run, carry_out
 from mjforage.runs.foreign import check_files, check_names
 from mjforage.runs.identity import provenance
@@ -27,6 +23,10 @@ from mjforage.runs.resuming import GROWS, Resume, found_in, open_folder, set_asi
 from mjforage.runs.run_info import REMEDY, read_json
 from mjforage.runs.source_code import commit
 from mjforage.runs.workers import Workers
+from mjforage.scenario.maps import GridMap
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import scenario_to_tree
+from mjforage.scenario.schema import OPEN, check
 
 IDENTITY = ("kind", "scenario", "variants", "worlds", "episodes", "seed", "options")
 

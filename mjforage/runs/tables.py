@@ -7,12 +7,12 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from graph_planner.task import PICKUPS
-from mjforage.core.dynamics import OUTCOMES
-from mjforage.core.episode_log import EpisodeLog
-from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import Scores
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.mission.dynamics import OUTCOMES
+from mjforage.mission.episode_log import EpisodeLog
+from mjforage.mission.mission_metrics import Scores
+from mjforage.mission.setup import Setup
+from mjforage.mission.task import PICKUPS
 from mjforage.runs.parquet import read_parquet, read_schema, spoilt
 
 Columns = dict[str, NDArray[Any] | pl.Series]

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from numba.core import event
 
 from mjforage.base.kernel_cache import AWAITED
-from mjforage.core.mission import Mission, Observer
+from mjforage.mission.mission import Mission, Observer
 
 EVERY_S = 1.0
 _folders: list[Path] = []  # of the chunks that this process waits for

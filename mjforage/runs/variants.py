@@ -5,10 +5,10 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from graph_planner.belief_settings import BeliefSettings
-from mjforage.core.errors import UserError
-from mjforage.core.scenario import CorruptionChoice, Scenario
+from mjforage.base.errors import UserError
 from mjforage.runs.study import Variant
+from mjforage.scenario.belief_settings import BeliefSettings
+from mjforage.scenario.scenario import CorruptionChoice, Scenario
 
 COMPLETE = "complete"  # the scenario as it is, in every kind of study
 BASELINES = ("greedy", "oracle")  # what the belief planner is held against

@@ -4,10 +4,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
-from graph_planner.extensions import Place
-from graph_planner.policies.registry import own_weights, policy_place
-from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import chosen_metrics, places_of
+from mjforage.base.errors import UserError
+from mjforage.base.registry import Place
+from mjforage.graph_planner.policies.registry import own_weights, policy_place
+from mjforage.mission.mission_metrics import chosen_metrics, places_of
 from mjforage.runs import cluster
 from mjforage.runs.costs import Invocation
 

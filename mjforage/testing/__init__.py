@@ -10,7 +10,7 @@ Call them in your tests; what fails is a `ConformanceError` of one sentence:
 
 from typing import TYPE_CHECKING, Any
 
-from graph_planner.extras import require
+from mjforage.base.extras import require
 from mjforage.testing.conformance import ConformanceError
 from mjforage.testing.environment_checks import check_environment
 from mjforage.testing.part_checks import check_metric, check_observation, check_reward

@@ -13,10 +13,8 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from graph_planner.inference import values_of
-from graph_planner.policies import create_policy
-from mjforage.core.mission import Mission
-from mjforage.core.scenario_file import load_scenario
+from mjforage.graph_planner.networks.inference import values_of
+from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.training import soundness
 from mjforage.learning.training.algorithm import Algorithm, LearnersPolicy, save_weights
 from mjforage.learning.training.algorithms import find_algorithm
@@ -24,6 +22,8 @@ from mjforage.learning.training.checkpoint import restore_checkpoint, save_check
 from mjforage.learning.training.hyperparameters import changed
 from mjforage.learning.training.progress import Row
 from mjforage.learning.training.rounds import Round
+from mjforage.mission.mission import Mission
+from mjforage.scenario.scenario_file import load_scenario
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
 
 SETTINGS = {"num_envs": 2, "evaluate_episodes": 2}

@@ -6,8 +6,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.extensions import fault
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.base.registry import fault
 
 T = TypeVar("T")
 

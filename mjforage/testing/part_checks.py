@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.encodings import create_encoder, encoder_class
-from graph_planner.policies import create_policy
-from mjforage.core.episode_log import Tracks
-from mjforage.core.mission import Mission
-from mjforage.core.mission_metrics import METRICS, Metric, Scorer, chosen_metrics
-from mjforage.core.mission_metrics.known import checked
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.encodings import create_encoder, encoder_class
+from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.rewards import RewardTerms, term_class
 from mjforage.learning.environments.spaces import MASK
+from mjforage.mission.episode_log import Tracks
+from mjforage.mission.mission import Mission
+from mjforage.mission.mission_metrics import METRICS, Metric, Scorer, chosen_metrics
+from mjforage.mission.mission_metrics.known import checked
+from mjforage.mission.setup import Setup
+from mjforage.scenario.scenario_file import load_scenario
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
 
 Play = Callable[[list[int]], list[NDArray[Any]]]

@@ -9,14 +9,15 @@ import joblib
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.extensions import Place, is_ours
-from graph_planner.policies import Bound, Policy, create_policy
-from graph_planner.policies.registry import POLICIES, adopt_policy, policy_class
-from graph_planner.task import Observation, Task, Truth
-from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.base.registry import Place, is_ours
+from mjforage.graph_planner.policies import create_policy
+from mjforage.graph_planner.policies.registry import POLICIES, adopt_policy, policy_class
+from mjforage.mission.mission import Mission
+from mjforage.mission.policy import Bound, Policy
+from mjforage.mission.setup import Setup
+from mjforage.mission.task import Observation, Task, Truth
+from mjforage.scenario.scenario_file import load_scenario
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
 from mjforage.testing.two_holders import HOLDERS, TwoHolders
 

@@ -6,10 +6,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.knowledge import Knowledge, Looks, hear
-from graph_planner.lending import Lent, read_only
-from graph_planner.randomness import UInt64Array
-from graph_planner.task import Task, nothing_late
+from mjforage.base.lending import Lent, read_only
+from mjforage.base.randomness import UInt64Array
+from mjforage.mission.knowledge import Knowledge, Looks, hear
+from mjforage.mission.task import Task, nothing_late
 
 HOLDERS = 2
 

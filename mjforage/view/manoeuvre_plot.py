@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch
 from numpy.typing import NDArray
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.physics.manoeuvre.key_figures import KeyFigure, key_figures
 from mjforage.physics.manoeuvre.standard import AHEAD_S, APPROACH_S
 from mjforage.physics.manoeuvre.trajectory import Trajectory, check_file

@@ -15,9 +15,9 @@ from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from mjforage.core.errors import UserError
-from mjforage.core.maps import GridMap, Starts
-from mjforage.core.whole_files import whole
+from mjforage.base.atomic_files import whole
+from mjforage.base.errors import UserError
+from mjforage.scenario.maps import GridMap, Starts
 from mjforage.view.page import style
 from mjforage.view.page.picture import literal
 

@@ -8,8 +8,8 @@ from typing import Any, cast
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from mjforage.core.errors import UserError
-from mjforage.core.maps import GridMap
+from mjforage.base.errors import UserError
+from mjforage.scenario.maps import GridMap
 from mjforage.view.map_pictures import draw_quays, draw_water, save_figure
 from mjforage.view.page import style
 

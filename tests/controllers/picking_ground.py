@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.core.whole_files import write_bytes
+from mjforage.base.atomic_files import write_bytes
 from mjforage.physics.calibration import Trials, taken_in
 from mjforage.physics.calibration.drawing import MIDDLE_M, REST_M
 from mjforage.physics.calibration.ground import PITCH_M, SENSORS

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers import Pilot
-from controllers.state import STATE, VesselState
-from graph_planner.randomness import episode_keys
+from mjforage.base.randomness import episode_keys
+from mjforage.controllers import Pilot
+from mjforage.controllers.state import STATE, VesselState
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessel_helm import helm_of

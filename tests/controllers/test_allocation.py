@@ -3,8 +3,8 @@ import math
 import numpy as np
 import pytest
 
-from controllers.allocation import allocate, command_for, lagged, led_command, thrust_of
-from controllers.helm import packed
+from mjforage.controllers.allocation import allocate, command_for, lagged, led_command, thrust_of
+from mjforage.controllers.helm import packed
 from mjforage.physics.hydrodynamics.parameters import pack
 from mjforage.physics.hydrodynamics.thruster import thrust
 from mjforage.physics.vessel_helm import helm_of

@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from controllers.boxes import box_gap, circle_radius
+from mjforage.controllers.boxes import box_gap, circle_radius
 
 
 def gap(dx: float, dy: float, yaw_a: float = 0.0, yaw_b: float = 0.0) -> float:

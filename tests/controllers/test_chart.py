@@ -3,8 +3,8 @@ import math
 import numpy as np
 import pytest
 
-from controllers import Chart
-from controllers.chart import quay_gap
+from mjforage.controllers import Chart
+from mjforage.controllers.chart import quay_gap
 from tests.graph_planner.charts import grid
 
 CHART = Chart(grid("....", "..#.", "...."), 4.0)  # land around (8, 4)

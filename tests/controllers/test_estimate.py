@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from controllers.estimate import estimate, surge_after, sway_after
-from controllers.helm import packed
-from controllers.state import VesselState
+from mjforage.controllers.estimate import estimate, surge_after, sway_after
+from mjforage.controllers.helm import packed
+from mjforage.controllers.state import VesselState
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 from tests.controllers.plant import blank

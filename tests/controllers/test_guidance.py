@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controllers.guidance import (
+from mjforage.controllers.guidance import (
     along_and_across,
     ilos_course,
     ilos_integral,

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from controllers import Chart
-from controllers.helm import packed
-from controllers.lee import (
+from mjforage.controllers import Chart
+from mjforage.controllers.helm import packed
+from mjforage.controllers.lee import (
     HEADED,
     LEE_S,
     OFF_M,
@@ -20,10 +20,10 @@ from controllers.lee import (
     heed_lee_hull,
     turn_off,
 )
-from controllers.quayside import course_in, note_quays, sets_beside
-from controllers.safety import limit_speeds, settle
-from controllers.state import VesselState
-from graph_planner.navigation import navigation_graph
+from mjforage.controllers.quayside import course_in, note_quays, sets_beside
+from mjforage.controllers.safety import limit_speeds, settle
+from mjforage.controllers.state import VesselState
+from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 from mjforage.physics.weather.settings import WeatherSettings

@@ -1,7 +1,7 @@
 import pytest
 
-from controllers.helm import packed
-from controllers.loops import (
+from mjforage.controllers.helm import packed
+from mjforage.controllers.loops import (
     MOST_LEAD_S,
     heading_moment,
     heading_windup,
@@ -11,7 +11,7 @@ from controllers.loops import (
     surge_windup,
     turning_limit,
 )
-from controllers.steering import braking_moment
+from mjforage.controllers.steering import braking_moment
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 from tests.controllers.plant import blank

@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from controllers import Chart, Pilot
-from controllers.helm import packed
-from controllers.pickup import can_be_ready, get_ready, pick_up
-from controllers.quayside import is_quayed, line_to_item, note_quays
+from mjforage.controllers import Chart, Pilot
+from mjforage.controllers.helm import packed
+from mjforage.controllers.pickup import can_be_ready, get_ready, pick_up
+from mjforage.controllers.quayside import is_quayed, line_to_item, note_quays
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessel_helm import helm_of

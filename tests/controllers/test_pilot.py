@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from controllers import Chart, Pilot
+from mjforage.controllers import Chart, Pilot
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from controllers.reference import heading_reference, speed_reference
+from mjforage.controllers.reference import heading_reference, speed_reference
 
 STEP_S = 0.1
 

@@ -4,16 +4,16 @@ import math
 
 import pytest
 
-from controllers import Chart
-from controllers.chart import LandArray, headland, is_nearer, way_to_cell
-from controllers.estimate import learn_drift
-from controllers.guidance import striking_speed
-from controllers.helm import packed
-from controllers.legs import REACTION_S
-from controllers.loops import surge_drag, yaw_drag
-from controllers.state import VesselState
-from controllers.steering import most_difference, most_gain, push, safe_force, safe_moment
-from controllers.touching import (
+from mjforage.controllers import Chart
+from mjforage.controllers.chart import LandArray, headland, is_nearer, way_to_cell
+from mjforage.controllers.estimate import learn_drift
+from mjforage.controllers.guidance import striking_speed
+from mjforage.controllers.helm import packed
+from mjforage.controllers.legs import REACTION_S
+from mjforage.controllers.loops import surge_drag, yaw_drag
+from mjforage.controllers.state import VesselState
+from mjforage.controllers.steering import most_difference, most_gain, push, safe_force, safe_moment
+from mjforage.controllers.touching import (
     BLUR_M,
     HULL_SHARE,
     INSET_M,

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from controllers.estimate import estimate
-from controllers.helm import packed
-from controllers.steering import drive
+from mjforage.controllers.estimate import estimate
+from mjforage.controllers.helm import packed
+from mjforage.controllers.steering import drive
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessel_helm import helm_of

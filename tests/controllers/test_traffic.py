@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from controllers.chart import Chart
-from controllers.conflicts import NONE, Traffic, conflict, runs_aground
-from controllers.detours import straight_on
-from controllers.helm import HELM, PackedHelm, packed
-from controllers.lee import UNLIMITED
-from controllers.legs import REACTION_S
-from controllers.prediction import SAMPLE_S, SAMPLES, predict
-from controllers.safety import limit_speeds
-from controllers.state import STATE, VesselState
-from controllers.steering import start_decision
-from controllers.traffic import plan_fleet, rank_fleet
+from mjforage.controllers.chart import Chart
+from mjforage.controllers.conflicts import NONE, Traffic, conflict, runs_aground
+from mjforage.controllers.detours import straight_on
+from mjforage.controllers.helm import HELM, PackedHelm, packed
+from mjforage.controllers.lee import UNLIMITED
+from mjforage.controllers.legs import REACTION_S
+from mjforage.controllers.prediction import SAMPLE_S, SAMPLES, predict
+from mjforage.controllers.safety import limit_speeds
+from mjforage.controllers.state import STATE, VesselState
+from mjforage.controllers.steering import start_decision
+from mjforage.controllers.traffic import plan_fleet, rank_fleet
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
 from tests.controllers.plant import blank, sail

@@ -6,7 +6,7 @@ The long runs are `python -m tests.controllers.proving_ground` and `touching_gro
 import numpy as np
 import pytest
 
-from graph_planner.navigation import navigation_graph
+from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.physics.vessels import load_vessel
 from tests.controllers.touching_ground import PLACES, walked
 from tests.controllers.walks import Outcome, Walk, comb_port, crew

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers import Pilot
-from graph_planner.navigation import navigation_graph
+from mjforage.controllers import Pilot
+from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.physics.dynamics.picking import MOUTH_DEPTH_M, MOUTH_REACH_M
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessels import load_vessel

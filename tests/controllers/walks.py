@@ -6,13 +6,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers import Chart, Pilot
-from graph_planner.compiled import kernel
-from graph_planner.fleet import Fleet, Role
-from graph_planner.moves import Corruption, MoveRules, Moves, Resolver
-from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
-from graph_planner.randomness import episode_keys
-from mjforage.core.maps import load_map
+from mjforage.base.compiled import kernel
+from mjforage.base.randomness import episode_keys
+from mjforage.controllers import Chart, Pilot
+from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
+from mjforage.mission.moves import Corruption, MoveRules, Moves, Resolver
 from mjforage.physics.dynamics.touch import touches
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
@@ -20,6 +18,8 @@ from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import Vessel, load_vessel
 from mjforage.physics.weather.field import Field
 from mjforage.physics.weather.settings import WeatherSettings
+from mjforage.scenario.fleet import Fleet, Role
+from mjforage.scenario.maps import load_map
 
 FloatArray = NDArray[np.float64]
 NodeArray = NDArray[np.int32]

@@ -14,8 +14,8 @@ from typing import Any
 
 import pytest
 
-from graph_planner.policies.registry import POLICIES
 from mjforage.cli.commands import app
+from mjforage.graph_planner.policies.registry import POLICIES
 from tests.documents.__main__ import surroundings
 from tests.documents.blocks import LANGUAGES, REPOSITORY, SHELL, Block, blocks, pages
 from tests.documents.shell import SETTING_UP, smaller, statements, words

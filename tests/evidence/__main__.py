@@ -11,8 +11,8 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from mjforage.core.errors import UserError
-from mjforage.core.whole_files import write_bytes
+from mjforage.base.atomic_files import write_bytes
+from mjforage.base.errors import UserError
 from tests.evidence import data
 from tests.evidence.page import PAGES, names, region, renewed
 from tests.evidence.piece import REPOSITORY, Piece

@@ -13,7 +13,7 @@ from typing import Any
 
 import torch
 
-from mjforage.core.whole_files import write_bytes
+from mjforage.base.atomic_files import write_bytes
 from mjforage.runs.source_code import COMPUTING, OURS
 from tests.evidence.piece import REPOSITORY, Piece
 from tests.evidence.playing import Runs, told

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from numpy.typing import ArrayLike
 
-import metrics
+from mjforage import metrics
 
 if TYPE_CHECKING:
     from tests.evidence.playing import Runs

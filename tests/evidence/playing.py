@@ -13,8 +13,8 @@ from unittest.mock import patch
 
 from numpy.typing import NDArray
 
+from mjforage.base.errors import UserError
 from mjforage.cli.commands import app
-from mjforage.core.errors import UserError
 from mjforage.runs.run_info import RunInfo, load_run, read_json
 from mjforage.view.report.run_logs import load_episodes, scalar
 from mjforage.view.report.studies.study_logs import StudyLogs, load_study

@@ -11,13 +11,13 @@ import polars as pl
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.policies.registry import policy_names
+from mjforage.base.errors import UserError
 from mjforage.cli.commands import app
-from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import chosen_metrics
-from mjforage.core.scenario_file import load_scenario
+from mjforage.graph_planner.policies.registry import policy_names
+from mjforage.mission.mission_metrics import chosen_metrics
 from mjforage.physics.worlds import WORLDS
 from mjforage.runs.resuming import Difference, refusal
+from mjforage.scenario.scenario_file import load_scenario
 from tests.documents.blocks import blocks
 from tests.evidence import __main__ as making
 from tests.evidence import data, playing

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from graph_planner.navigation import NavigationGraph, navigation_graph
+from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
 
 
 @pytest.fixture

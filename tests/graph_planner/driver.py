@@ -3,12 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.fleet import Fleet, Role
-from graph_planner.moves import MoveRules
-from graph_planner.navigation import NavigationGraph
-from graph_planner.policies import Bound, create_policy
-from graph_planner.randomness import episode_keys
-from graph_planner.task import NEVER, Observation, Task, Truth, nothing_late
+from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.graph.navigation import NavigationGraph
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.moves import MoveRules
+from mjforage.mission.policy import Bound
+from mjforage.mission.task import NEVER, Observation, Task, Truth, nothing_late
+from mjforage.scenario.fleet import Fleet, Role
 
 FREE = MoveRules(stay=True, shorten=True)
 

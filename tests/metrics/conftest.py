@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from metrics import EventTable
+from mjforage.metrics import EventTable
 
 HORIZON = 30
 AGENTS = 5

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from metrics import normalised, pareto_front, performance_profile, resampled_means
+from mjforage.metrics import normalised, pareto_front, performance_profile, resampled_means
 
 NAN = np.nan
 

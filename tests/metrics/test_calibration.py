@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import metrics
+from mjforage import metrics
 
 
 def sums(*pairs: tuple[float, int]) -> np.ndarray:

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from metrics import holm, iqm, paired_difference, paired_p, probability_of_improvement
+from mjforage.metrics import holm, iqm, paired_difference, paired_p, probability_of_improvement
 
 NAN = np.nan
 SMALL = st.lists(st.integers(-3, 3), min_size=1, max_size=9)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from metrics import EventTable, counts_by_step
+from mjforage.metrics import EventTable, counts_by_step
 
 NAN = np.nan
 

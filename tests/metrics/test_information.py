@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from metrics import (
+from mjforage.metrics import (
     age_of_information,
     contact_share,
     cost_of_information,

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from metrics import (
+from mjforage.metrics import (
     EventTable,
     contributions,
     coverage_overlap,

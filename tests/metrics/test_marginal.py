@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from metrics import paired_contribution
+from mjforage.metrics import paired_contribution
 
 FULL = np.array([4.0, 8.0, 6.0, np.nan])
 WITHOUT = np.array([2.0, 4.0, 3.0, 5.0])

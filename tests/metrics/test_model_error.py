@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from metrics import model_error
+from mjforage.metrics import model_error
 
 Floats = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from metrics import EventTable, irr, mean_idleness, nt, pta, pta_series, throughput
+from mjforage.metrics import EventTable, irr, mean_idleness, nt, pta, pta_series, throughput
 
 NAN = np.nan
 SEEDS = st.integers(0, 10_000)

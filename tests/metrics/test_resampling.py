@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from metrics import bootstrap, iqm, mean
+from mjforage.metrics import bootstrap, iqm, mean
 
 NAN = np.nan
 SAMPLE = np.random.default_rng(8).gamma(2.0, size=80)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import optimize, stats
 
-from metrics import bootstrap_sensitivity, break_test, sensitivity_slope, two_segment_fit
+from mjforage.metrics import bootstrap_sensitivity, break_test, sensitivity_slope, two_segment_fit
 
 LEVELS = np.linspace(0.0, 1.0, 21)  # the paper's eps: 0 to 1 by 0.05
 SEEDS = st.integers(0, 10_000)

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from metrics import count, half_width_95, iqm, mean, sem, stratified_sem
+from mjforage.metrics import count, half_width_95, iqm, mean, sem, stratified_sem
 
 NAN = np.nan
 SAMPLES = st.lists(st.floats(-1e6, 1e6), min_size=2, max_size=40)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from metrics import bootstrap, iqm, mean, sem, summarise
+from mjforage.metrics import bootstrap, iqm, mean, sem, summarise
 
 
 def test_summary_is_its_parts() -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 
 
 def changes(whole: Any, path: str = "") -> Iterator[tuple[str, Any]]:

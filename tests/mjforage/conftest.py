@@ -13,9 +13,9 @@ from typing import Any
 import pytest
 
 from mjforage.cli import main
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.mission.setup import Setup
 from mjforage.runs.evaluate import evaluate
+from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.render.opengl import choose_backend, egl_works, osmesa_works
 from tests.mjforage.printing import unprinted_figures
 

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.lending import Lent
+from mjforage.base.lending import Lent
 
-OURS = ("mjforage", "graph_planner", "controllers", "gymnasium")
+OURS = ("mjforage", "gymnasium")
 
 
 def arrays(value: Any, path: str, met: dict[int, Any]) -> Iterator[tuple[str, NDArray[Any]]]:

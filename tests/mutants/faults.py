@@ -5,12 +5,13 @@ import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import cache
+from glob import glob
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]  # of the repository
-PACKAGES = ("mjforage", "controllers", "graph_planner", "metrics")
-"""Folders of Python files in which a fault's place is looked for."""
+PACKAGE = "mjforage"
+"""Folder of Python files in which a fault's place is looked for; links are followed."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,8 @@ def _text(path: Path) -> str:
 
 @cache
 def _sources(root: Path) -> tuple[Path, ...]:
-    return tuple(path for name in PACKAGES for path in sorted((root / name).rglob("*.py")))
+    found = glob(f"{root}/{PACKAGE}/**/*.py", recursive=True)  # noqa: PTH207 - follows links
+    return tuple(map(Path, sorted(found)))
 
 
 def mutants(folder: Path = HERE) -> list[Mutant]:

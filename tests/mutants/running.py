@@ -7,10 +7,10 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.mutants.faults import PACKAGES, ROOT, Mutant
+from tests.mutants.faults import PACKAGE, ROOT, Mutant
 from tests.mutants.kernels import interpreted
 
-COPIED = (*PACKAGES, "models", "tests", "docs", "examples")
+COPIED = (PACKAGE, "models", "tests", "docs", "examples")
 LEFT_OUT = shutil.ignore_patterns("__pycache__")
 PHYSICS = "mjforage/physics"
 PLAIN = frozenset({"wind-load", "mouth", "touch-speed", "energy-drawn", "added-mass", "ramming"})

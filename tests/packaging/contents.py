@@ -6,7 +6,8 @@ import zipfile
 from pathlib import Path
 
 REPOSITORY = Path(__file__).parents[2]
-PACKAGES = ("controllers", "graph_planner", "metrics", "mjforage")
+LINKED = {"controllers", "graph_planner", "metrics", "models"}
+"""Folders that stand below the package where it is installed."""
 LARGEST_BYTES = 8_000_000
 """Of a wheel."""
 
@@ -26,15 +27,23 @@ def tracked() -> set[str]:
     return {path for path in listed if path and (REPOSITORY / path).is_file()}
 
 
+def installed(path: str) -> str:
+    """Return where a file of the repository stands below the one package that is installed."""
+    return f"mjforage/{path}" if path.split("/")[0] in LINKED else path
+
+
 def wheel_paths(files: set[str]) -> set[str]:
-    """Return where files of the repository stand in a wheel; those of `models` in the package."""
-    ours = {path for path in files if path.startswith(tuple(f"{name}/" for name in PACKAGES))}
-    return ours | {f"mjforage/{path}" for path in files if path.startswith("models/")}
+    """Return where files of the repository stand in a wheel."""
+    placed = {installed(path) for path in files}
+    return {path for path in placed if path.startswith("mjforage/")}
 
 
 def sdist_paths(files: set[str]) -> set[str]:
     """Return which files of the repository stand in an sdist."""
-    return {path for path in files if path.split("/")[0] not in OF_THE_HOUSE} | {".gitignore"}
+    kept = {path for path in files if path.split("/")[0] not in OF_THE_HOUSE}
+    return {path if path.startswith("models/") else installed(path) for path in kept} | {
+        ".gitignore"
+    }
 
 
 def differences(found: set[str], expected: set[str], what: str) -> list[str]:

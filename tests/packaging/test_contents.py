@@ -10,8 +10,14 @@ import pytest
 from tests.packaging import contents
 from tests.packaging.contents import OF_THE_WHEEL, sdist_faults, wheel_faults
 
-FILES = {"mjforage/core/maps.py", "models/maps/a.csv", "tests/test_a.py", "docs/a.md", ".ci/run"}
-HELD = ("mjforage/core/maps.py", "mjforage/models/maps/a.csv")
+FILES = {
+    "mjforage/scenario/maps.py",
+    "models/maps/a.csv",
+    "tests/test_a.py",
+    "docs/a.md",
+    ".ci/run",
+}
+HELD = ("mjforage/scenario/maps.py", "mjforage/models/maps/a.csv")
 
 
 def wheel_of(folder: Path, *names: str, size: int = 1) -> Path:

@@ -7,7 +7,7 @@ import pytest
 from safetensors import safe_open
 from safetensors.numpy import save_file
 
-from graph_planner.weights import shipped_weights
+from mjforage.graph_planner.networks.weights import shipped_weights
 from tests.packaging.rounding import DROPPED, round_file, rounded
 
 ROUNDED = ("ddqn-reward", "mappo")

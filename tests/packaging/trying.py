@@ -8,7 +8,7 @@ import venv
 from collections.abc import Sequence
 from pathlib import Path
 
-from tests.packaging.contents import PACKAGES, REPOSITORY
+from tests.packaging.contents import REPOSITORY
 
 USES = (
     ("mjforage", "--help"),
@@ -35,16 +35,15 @@ WITHOUT = f"import sys; sys.modules.update(dict.fromkeys({EXTRAS}))"
 IMPORTS = f"""
 import importlib, importlib.metadata, pkgutil, sys
 import gymnasium
-for name in {PACKAGES}:
-    package = importlib.import_module(name)
-    assert package.__file__.startswith(sys.prefix), f"{{name}} comes from {{package.__file__}}"
-    for found in pkgutil.walk_packages(package.__path__, f"{{name}}."):
-        if not found.name.endswith(".__main__"):
-            try:
-                importlib.import_module(found.name)
-            except ModuleNotFoundError as error:
-                if (error.name or "").partition(".")[0] not in {EXTRAS}:
-                    raise
+import mjforage
+assert mjforage.__file__.startswith(sys.prefix), f"mjforage comes from {{mjforage.__file__}}"
+for found in pkgutil.walk_packages(mjforage.__path__, "mjforage."):
+    if not found.name.endswith(".__main__"):
+        try:
+            importlib.import_module(found.name)
+        except ModuleNotFoundError as error:
+            if (error.name or "").partition(".")[0] not in {EXTRAS}:
+                raise
 environment = gymnasium.make("mjforage/Foraging-v0", scenario="comb-port")
 environment.reset(seed=1)
 environment.step(environment.action_space.sample())

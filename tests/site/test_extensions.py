@@ -52,7 +52,7 @@ def test_words_are_none(text: str) -> None:
 
 
 def test_a_field_of_a_named_tuple_is_told_by_its_comment() -> None:
-    from graph_planner.task import Late, Observation
+    from mjforage.mission.task import Late, Observation
 
     told = extension("docstrings").fields_of(Observation)
     assert set(told) == set(Observation._fields) and all(told.values())

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
-from mjforage.core.errors import UserError
+from mjforage.base.compiled import kernel
+from mjforage.base.errors import UserError
 
 OF_A_CHECKER = "options"
 """The option of `reset` that PettingZoo's own test of environments gives, and expects to work."""

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.references import nearest
-from mjforage.core.errors import UserError
-from mjforage.core.harbours import is_harbour
-from mjforage.core.map_formats.levels import LIGHT, check_size, levels_of
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario, with_overrides, with_values
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.base.references import nearest
+from mjforage.mission.setup import Setup
+from mjforage.scenario.harbours import is_harbour
+from mjforage.scenario.map_formats.levels import LIGHT, check_size, levels_of
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario, with_overrides, with_values
 
 
 class UnknownArgumentError(UserError, TypeError):

@@ -6,16 +6,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel, prepared
-from graph_planner.encodings import LegalMoves, create_encoder
-from graph_planner.geodesics import Int32Array
-from graph_planner.navigation import STAY
-from graph_planner.randomness import UInt64Array
-from mjforage.core.film import Film
-from mjforage.core.mission import Mission
+from mjforage.base.compiled import kernel, prepared
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.encodings import LegalMoves, create_encoder
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.learning.environments.checks import checked_seed, checked_started
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.environments.rewards import RewardTerms
+from mjforage.mission.film import Film
+from mjforage.mission.mission import Mission
 from mjforage.physics.worlds import create_mission
 
 CHOSEN, OTHERWISE_STAY = 2.0, 1.0  # preferences of a chosen move, and of what happens if illegal
@@ -229,7 +229,7 @@ class Episodes:
         UserError
             If the seed is not one.
         """
-        from graph_planner.randomness import episode_keys
+        from mjforage.base.randomness import episode_keys
 
         seed = checked_seed(seed)
         if seed is not None:

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Optional
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.references import nearest
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.base.references import nearest
 from mjforage.runs.episode_replay import Replay
 
 if TYPE_CHECKING:

@@ -7,18 +7,18 @@ from typing import Any, TypedDict
 
 from numpy.typing import NDArray
 
-from graph_planner.encodings import encoder_label
-from graph_planner.references import nearest
-from mjforage.core.errors import UserError
-from mjforage.core.once import say_once
-from mjforage.core.scenario import Scenario
-from mjforage.core.setup import Setup
+from mjforage.base.cached import say_once
+from mjforage.base.errors import UserError
+from mjforage.base.references import nearest
+from mjforage.graph_planner.encodings import encoder_label
 from mjforage.learning.environments.choices import Overrides, check_known, chosen_setup
 from mjforage.learning.environments.harbour_picture import check_camera
 from mjforage.learning.environments.rewards import PUBLISHED, checked_weights
 from mjforage.learning.environments.spaces import DTYPES
+from mjforage.mission.setup import Setup
 from mjforage.physics.foretold import foretold
 from mjforage.physics.worlds import WORLDS
+from mjforage.scenario.scenario import Scenario
 
 
 class EnvironmentArguments(TypedDict, total=False):
@@ -43,7 +43,7 @@ class EnvironmentOptions:
     ----------
     scenario : preset, path of a TOML file, or a scenario
     world : name in `mjforage.physics.worlds.WORLDS`
-    observation : reference to an encoder, see `graph_planner.encodings.create_encoder`
+    observation : reference to an encoder, see `mjforage.graph_planner.encodings.create_encoder`
     reward : reference to a term -> weight, see `rewards`; absent: the published weights
     map : replaces the scenario's grid: a name, generated harbour, path of a table, grid or image;
         or an array (row, column), True or 1 where there is water, on which the fleet starts in a

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from graph_planner.navigation import STAY
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.learning.environments.checks import checked_moves, checked_options, checked_started
 from mjforage.learning.environments.options import EnvironmentArguments
 from mjforage.learning.environments.single import METADATA, SingleEnvironment

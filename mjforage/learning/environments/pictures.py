@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.core.mission import Mission
-from mjforage.core.vessel_files import hull_names
 from mjforage.learning.environments.game import Episodes, Game
 from mjforage.learning.environments.harbour_picture import HarbourPicture
+from mjforage.mission.mission import Mission
 from mjforage.runs.episode_replay import Replay
+from mjforage.scenario.vessel_files import hull_names
 
 LONG_SIDE = 640  # pixels
 

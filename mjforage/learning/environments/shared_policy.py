@@ -6,8 +6,8 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.encodings.masks import legal_of_agent
-from graph_planner.navigation import STAY
+from mjforage.graph_planner.encodings.masks import legal_of_agent
+from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.learning.environments.checks import checked_moves, checked_options, checked_started
 from mjforage.learning.environments.game import CHOSEN, OTHERWISE_STAY
 from mjforage.learning.environments.options import EnvironmentArguments

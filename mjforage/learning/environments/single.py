@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.encodings.encoder import Levels
+from mjforage.graph_planner.encodings.encoder import Levels
 from mjforage.learning.environments.checks import checked_started
 from mjforage.learning.environments.copies import Copied
 from mjforage.learning.environments.game import Episodes, Game, Outcome

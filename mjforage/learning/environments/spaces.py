@@ -6,8 +6,8 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
-from graph_planner.encodings.encoder import TOP, Shapes
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.encodings.encoder import TOP, Shapes
 
 Pictures: TypeAlias = dict[str, NDArray[Any]]
 

@@ -7,10 +7,10 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.encodings.encoder import MOST_ITEMS
-from graph_planner.fleet import UNLIMITED
-from mjforage.core.mission import Mission
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.encodings.encoder import MOST_ITEMS
+from mjforage.mission.mission import Mission
+from mjforage.mission.setup import Setup
+from mjforage.scenario.fleet import UNLIMITED
 
 CHANNELS = (
     *("water", "idleness", "belief", "items", "time"),

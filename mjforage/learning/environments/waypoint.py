@@ -10,8 +10,8 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers import Pilot
-from mjforage.core.once import say_once
+from mjforage.base.cached import say_once
+from mjforage.controllers import Pilot
 from mjforage.learning.environments.checks import checked_options, checked_started, checked_thrusts
 from mjforage.learning.environments.choices import check_known
 from mjforage.learning.environments.copies import Copied

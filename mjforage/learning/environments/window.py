@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 
 
 def why_no_window() -> str:

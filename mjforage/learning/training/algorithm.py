@@ -13,14 +13,12 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.encodings import encoder_label
-from graph_planner.policies.ddqn import QPolicy
-from graph_planner.policies.registry import check_policies
-from graph_planner.randomness import episode_keys
-from graph_planner.task import Task
-from graph_planner.weights import Q_NETWORK, TEAMS, WeightsHeader, header_note
-from mjforage.core.errors import UserError
-from mjforage.core.scenario import Scenario
+from mjforage.base.errors import UserError
+from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.encodings import encoder_label
+from mjforage.graph_planner.networks.weights import Q_NETWORK, TEAMS, WeightsHeader, header_note
+from mjforage.graph_planner.policies.ddqn import QPolicy
+from mjforage.graph_planner.policies.registry import check_policies
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.environments.rewards import labelled
 from mjforage.learning.training.evaluation import HELD_OUT, Evaluation
@@ -30,12 +28,14 @@ from mjforage.learning.training.grounds import Ground, common_shapes
 from mjforage.learning.training.hyperparameters import CommonHyperparameters
 from mjforage.learning.training.progress import Clock, Progress, Row
 from mjforage.learning.training.rounds import Round
+from mjforage.mission.task import Task
+from mjforage.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
     from torch import Tensor
     from torch.nn import Module
 
-    from graph_planner.q_network import MoveNetwork
+    from mjforage.graph_planner.networks.q_network import MoveNetwork
 
 TRAINED = 1 << 41  # added to training seeds: `evaluate` with the same seed plays other episodes
 
@@ -59,7 +59,7 @@ class Algorithm(Generic[Told]):
     Attributes
     ----------
     settings : class of its hyperparameters, a frozen dataclass on `CommonHyperparameters`
-    weights_kind : of the weight files that it writes, in `graph_planner.weights.KINDS`
+    weights_kind : of the weight files that it writes, in `networks.weights.KINDS`
     learned : what each of its updates tells, by name; rows have the means
     hyperparameters, seed, device : as given
     setup : of the first scenario

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from graph_planner.extensions import Table
-from graph_planner.weights import KINDS
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.base.registry import Table
+from mjforage.graph_planner.networks.weights import KINDS
 from mjforage.learning.training.algorithm import Algorithm
 from mjforage.learning.training.mappo.trainer import MappoTrainer
 from mjforage.learning.training.trainer import Trainer

@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 from safetensors import SafetensorError, safe_open
 
-from graph_planner.encodings import encoder_class
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import scenario_to_tree
-from mjforage.core.schema import check
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.encodings import encoder_class
 from mjforage.learning.training.algorithm import Algorithm
 from mjforage.learning.training.files import save_tensors
 from mjforage.learning.training.progress import Progress
+from mjforage.scenario.scenario_file import scenario_to_tree
+from mjforage.scenario.schema import check
 
 FORMAT = "mjforage training checkpoint 4"
 _NOTE = "mjforage"

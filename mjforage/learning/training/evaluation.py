@@ -9,15 +9,15 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-import metrics
-from graph_planner.policies import Policy
-from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import METRICS, Scorer
-from mjforage.core.scenario import Scenario
+from mjforage import metrics
+from mjforage.base.errors import UserError
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.families import ends, scenarios_of
 from mjforage.learning.training.grounds import common_shapes
+from mjforage.mission.mission_metrics import METRICS, Scorer
+from mjforage.mission.policy import Policy
 from mjforage.physics.worlds import create_mission
+from mjforage.scenario.scenario import Scenario
 
 MAPS = ("pta_d", "pta_c", "nt90")  # of every map alone, where there are several
 HELD_OUT = 1 << 40  # seed of evaluation episodes; training seeds are smaller

@@ -8,12 +8,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from graph_planner.randomness import UInt64Array
-from mjforage.core.harbours import family, is_family
-from mjforage.core.scenario import Scenario
+from mjforage.base.randomness import UInt64Array
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.grounds import Ground, common_shapes
 from mjforage.learning.training.rounds import Round
+from mjforage.scenario.harbours import family, is_family
+from mjforage.scenario.scenario import Scenario
 
 Make = Callable[[Scenario], Ground]
 

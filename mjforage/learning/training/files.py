@@ -11,7 +11,7 @@ from safetensors.torch import save_file
 from torch import Tensor
 from torch.optim import Adam
 
-from mjforage.core.whole_files import whole
+from mjforage.base.atomic_files import whole
 
 
 def save_tensors(path: Path, tensors: Mapping[str, Tensor], note: tuple[str, str]) -> None:

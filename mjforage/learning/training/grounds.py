@@ -13,18 +13,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
-from graph_planner.encodings import Shapes, create_encoder
-from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
-from graph_planner.weights import ground_note
-from mjforage.core.errors import UserError
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import with_values
+from mjforage.base.compiled import kernel
+from mjforage.base.errors import UserError
+from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
+from mjforage.graph_planner.encodings import Shapes, create_encoder
+from mjforage.graph_planner.networks.weights import ground_note
 from mjforage.learning.environments.game import Game
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.hyperparameters import WHERE
 from mjforage.learning.training.rounds import Round
 from mjforage.physics.worlds import create_mission
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import with_values
 
 MOST = 256  # variants of a scenario: each is read and checked before training begins
 

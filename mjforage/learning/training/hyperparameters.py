@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Annotated, Any, TypeVar
 
-from graph_planner.fields import Within, source
-from mjforage.core.errors import UserError
-from mjforage.core.schema import check, check_fields
+from mjforage.base.errors import UserError
+from mjforage.base.fields import Within, source
 from mjforage.learning.environments.rewards import checked_weights
+from mjforage.scenario.schema import check, check_fields
 
 WHERE = "--learning"  # where settings come from, for messages
 

@@ -5,12 +5,12 @@ from pathlib import Path
 
 from torch.nn import Module
 
-from graph_planner.encodings import encoder_label
-from graph_planner.policies.registry import policy_files
-from graph_planner.task import Task
-from graph_planner.weights import load_networks, read_header
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.encodings import encoder_label
+from mjforage.graph_planner.networks.weights import load_networks, read_header
+from mjforage.graph_planner.policies.registry import policy_files
 from mjforage.learning.training.hyperparameters import CommonHyperparameters
+from mjforage.mission.task import Task
 
 SUFFIX = ".safetensors"
 
@@ -42,7 +42,7 @@ def begin_with(
     Parameters
     ----------
     modules : team -> its networks
-    kind : of the weight files that the algorithm writes, in `graph_planner.weights.KINDS`
+    kind : of the weight files that the algorithm writes, in `networks.weights.KINDS`
 
     Raises
     ------

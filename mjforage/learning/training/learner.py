@@ -18,9 +18,9 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from graph_planner.encodings import Shapes
-from graph_planner.inference import one_thread, values_of
-from graph_planner.q_network import DuelingNetwork
+from mjforage.graph_planner.encodings import Shapes
+from mjforage.graph_planner.networks.inference import one_thread, values_of
+from mjforage.graph_planner.networks.q_network import DuelingNetwork
 from mjforage.learning.training.files import count_of, restore_moments
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.replay_memory import Batch, ReplayMemory

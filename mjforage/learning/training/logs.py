@@ -4,9 +4,9 @@ from pathlib import Path
 
 import polars as pl
 
-from graph_planner.extras import require
-from mjforage.core.errors import UserError
-from mjforage.core.whole_files import write_bytes
+from mjforage.base.atomic_files import write_bytes
+from mjforage.base.errors import UserError
+from mjforage.base.extras import require
 from mjforage.learning.training.progress import Progress, Row
 from mjforage.runs.parquet import parquet_bytes, read_parquet, read_schema
 

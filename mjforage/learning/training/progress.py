@@ -5,8 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
-from graph_planner.fields import Within
-from mjforage.core.schema import OPEN
+from mjforage.base.fields import Within
+from mjforage.scenario.schema import OPEN
 
 Count = Annotated[int, Within(0, 10**15)]
 Row = dict[str, float]

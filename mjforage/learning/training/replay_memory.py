@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
-from graph_planner.encodings import Shapes
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.encodings import Shapes
 
 NOTHING, PLAYED, LAST, FINAL = 0, 1, 2, 3
 """What a row is: empty; a decision; the decision that ends the task, with nothing after it to hope

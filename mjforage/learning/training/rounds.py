@@ -6,10 +6,11 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.moves import check_preferences
-from graph_planner.policies import Policy, create_policy
-from graph_planner.randomness import UInt64Array
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.game import Game
+from mjforage.mission.moves import check_preferences
+from mjforage.mission.policy import Policy
 
 _Kind = TypeVar("_Kind", bound=np.generic)
 

@@ -13,12 +13,9 @@ from typing import Any, TypedDict, TypeVar, Unpack
 
 import torch
 
-from graph_planner.encodings import encoder_class
-from graph_planner.weights import ground_note
-from mjforage.core.errors import UserError
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import canonical_json
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.encodings import encoder_class
+from mjforage.graph_planner.networks.weights import ground_note
 from mjforage.learning.environments.rewards import term_class
 from mjforage.learning.training.algorithm import Algorithm, save_weights
 from mjforage.learning.training.checkpoint import identity, restore_checkpoint, save_checkpoint
@@ -28,6 +25,7 @@ from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.progress import Row
 from mjforage.learning.training.soundness import check_parts, checked_row
 from mjforage.learning.training.trainer import Trainer
+from mjforage.mission.setup import Setup
 from mjforage.runs.identity import (
     code_of,
     files_hash,
@@ -43,6 +41,8 @@ from mjforage.runs.interrupts import stop_noted
 from mjforage.runs.lock import claimed
 from mjforage.runs.resuming import CODE, Resume, open_folder, set_aside
 from mjforage.runs.source_code import WHOLE, decisive_code
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import canonical_json
 
 CHECKPOINT_S = 300.0  # between two checkpoints
 CHECKPOINT = "checkpoint"  # name of what is reported when a run goes on

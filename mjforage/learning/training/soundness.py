@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from graph_planner.weights import KINDS
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.networks.weights import KINDS
 from mjforage.learning.training.progress import Row
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def check_parts(trainer: "Algorithm[Any]") -> None:
 
 
 def _tell_of_other_networks(trainer: "Algorithm[Any]") -> None:
-    from graph_planner import q_network
+    from mjforage.graph_planner.networks import q_network
 
     classes = {kind: getattr(q_network, name) for kind, name in KINDS.items()}
     wanted = classes[trainer.weights_kind]

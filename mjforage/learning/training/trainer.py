@@ -13,18 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 from torch import Tensor
 
-from graph_planner.encodings import Shapes
-from mjforage.core.scenario import Scenario
-from mjforage.core.sizes import check_memory
+from mjforage.graph_planner.encodings import Shapes
 from mjforage.learning.training.algorithm import Algorithm, teacher_label
 from mjforage.learning.training.hyperparameters import Hyperparameters
 from mjforage.learning.training.learner import Learner
 from mjforage.learning.training.progress import Row
 from mjforage.learning.training.replay_memory import FINAL, NOTHING, PLAYED, memory_bytes
 from mjforage.learning.training.rounds import Played
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.sizes import check_memory
 
 if TYPE_CHECKING:
-    from graph_planner.q_network import DuelingNetwork
+    from mjforage.graph_planner.networks.q_network import DuelingNetwork
 
 
 class Trainer(Algorithm[Hyperparameters]):

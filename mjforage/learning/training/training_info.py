@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from mjforage.core.schema import OPEN
+from mjforage.scenario.schema import OPEN
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.core.capture import QUAYS, Quays
 from mjforage.physics.calibration.ground import PITCH_M, SIDE, Trials
 from mjforage.physics.vessels import Vessel
+from mjforage.scenario.capture import QUAYS, Quays
 
 FloatArray = NDArray[np.float64]
 

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.fleet import Fleet, Role
-from graph_planner.moves import Moves
-from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
-from graph_planner.randomness import episode_keys
-from mjforage.core.initial_state import InitialState, nearest_nodes
-from mjforage.core.scenario import MapChoice, Physics, Scenario, Sensors, Weather
+from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
+from mjforage.mission.initial_state import InitialState, nearest_nodes
+from mjforage.mission.moves import Moves
 from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
+from mjforage.scenario.fleet import Fleet, Role
+from mjforage.scenario.scenario import MapChoice, Physics, Scenario, Sensors, Weather
 
 FloatArray = NDArray[np.float64]
 

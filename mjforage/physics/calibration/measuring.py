@@ -5,8 +5,13 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
-from mjforage.core.capture import (
+from mjforage.base.compiled import kernel
+from mjforage.base.errors import UserError
+from mjforage.mission.capture_rule import capture_cell
+from mjforage.physics.calibration.drawing import draw
+from mjforage.physics.calibration.ground import PERIOD_S, PITCH_M, Trials, taken_in
+from mjforage.physics.vessels import Vessel, load_vessel
+from mjforage.scenario.capture import (
     DECISIONS,
     FROM_DEG,
     FROM_M,
@@ -16,11 +21,6 @@ from mjforage.core.capture import (
     CaptureFollow,
     Quays,
 )
-from mjforage.core.capture_rule import capture_cell
-from mjforage.core.errors import UserError
-from mjforage.physics.calibration.drawing import draw
-from mjforage.physics.calibration.ground import PERIOD_S, PITCH_M, Trials, taken_in
-from mjforage.physics.vessels import Vessel, load_vessel
 
 FloatArray = NDArray[np.float64]
 CELLS = list(itertools.product(range(len(FROM_M)), range(len(FROM_DEG))))

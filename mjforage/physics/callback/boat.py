@@ -11,7 +11,7 @@ velocities enter, so a steady current is an exact translation.
 import math
 from typing import NamedTuple
 
-from graph_planner.compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.physics.hydrodynamics.crossflow import cross_flow_slope
 from mjforage.physics.hydrodynamics.parameters import HullParameters
 from mjforage.physics.hydrodynamics.thruster import saturated, thruster_force

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.physics.callback import boat
 from mjforage.physics.callback.model_layout import (
     AVERAGED,

@@ -12,7 +12,7 @@ from enum import Enum
 import mujoco
 from numba.core.errors import NumbaError
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.physics.callback.interpreted import python_callback
 from mjforage.physics.callback.native import native_callback
 from mjforage.physics.callback.self_test import failure, toy_model

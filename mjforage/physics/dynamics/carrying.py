@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.navigation import NavigationGraph
-from mjforage.core.initial_state import LEEWAY
+from mjforage.graph_planner.graph.navigation import NavigationGraph
+from mjforage.mission.initial_state import LEEWAY
 from mjforage.physics.scene.debris import load_debris
 from mjforage.physics.weather import Field
 

@@ -5,14 +5,14 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.fleet import Fleet
-from graph_planner.navigation import NavigationGraph
-from mjforage.core.errors import UserError
-from mjforage.core.scenario import Physics
-from mjforage.core.vessel_files import hull_names
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.physics.scaled_vessels import scaled
 from mjforage.physics.scene import Scene, build_scene, load_debris
 from mjforage.physics.vessels import Vessel, load_vessel
+from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.scenario import Physics
+from mjforage.scenario.vessel_files import hull_names
 
 POOL = 8  # bodies for items near hulls, at first
 

@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
-from graph_planner.geodesics import Int32Array
-from graph_planner.navigation import Water
-from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
-from graph_planner.walls import into_water
-from mjforage.core.dynamics import Transition
+from mjforage.base.compiled import kernel
+from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import Water
+from mjforage.graph_planner.graph.walls import into_water
+from mjforage.mission.dynamics import Transition
 
 _CLASS = 3  # step of a drawn class in the stream of items, away from the other draws
 FloatArray = NDArray[np.float64]

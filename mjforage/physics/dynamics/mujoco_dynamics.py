@@ -9,21 +9,19 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers import Chart, Pilot
-from graph_planner.compiled import prepared
-from graph_planner.fleet import Fleet
-from graph_planner.geodesics import Int32Array
-from graph_planner.moves import Moves
-from graph_planner.navigation import STAY, NavigationGraph
-from graph_planner.randomness import UInt64Array
-from graph_planner.task import IDLE
-from mjforage.core.capture_chances import chances_of, pickup_of
-from mjforage.core.dynamics import Transition, start_state
-from mjforage.core.errors import UserError
-from mjforage.core.film import Film
-from mjforage.core.initial_state import LEEWAY, InitialState, nearest_nodes
-from mjforage.core.item_rule import ItemRule, collect
-from mjforage.core.scenario import Scenario
+from mjforage.base.compiled import prepared
+from mjforage.base.errors import UserError
+from mjforage.base.randomness import UInt64Array
+from mjforage.controllers import Chart, Pilot
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph
+from mjforage.mission.capture_chances import chances_of, pickup_of
+from mjforage.mission.dynamics import Transition, start_state
+from mjforage.mission.film import Film
+from mjforage.mission.initial_state import LEEWAY, InitialState, nearest_nodes
+from mjforage.mission.item_rule import ItemRule, collect
+from mjforage.mission.moves import Moves
+from mjforage.mission.task import IDLE
 from mjforage.physics.dynamics.camera import camera_of
 from mjforage.physics.dynamics.carrying import carried, leeways
 from mjforage.physics.dynamics.fleet_scene import (
@@ -51,6 +49,8 @@ from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.simulation import Integrator, Simulation
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.weather import Field, WeatherSettings, flow_in
+from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.scenario import Scenario
 
 CONTROL_S = 0.1  # controllers run at 10 Hz
 WEATHER_TICKS = 5  # wind and current are looked up every 0.5 s, a quarter of a gust's memory

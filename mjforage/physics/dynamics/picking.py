@@ -13,12 +13,12 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.chart import is_land
-from graph_planner.compiled import inlined, kernel
-from graph_planner.task import IDLE, MISSED, TAKEN, UNREACHABLE
-from mjforage.core.capture import BESIDE_M
-from mjforage.core.dynamics import Transition
+from mjforage.base.compiled import inlined, kernel
+from mjforage.controllers.chart import is_land
+from mjforage.mission.dynamics import Transition
+from mjforage.mission.task import IDLE, MISSED, TAKEN, UNREACHABLE
 from mjforage.physics.dynamics.tracks import RADIUS_M, Water
+from mjforage.scenario.capture import BESIDE_M
 
 MOUTH_DEPTH_M = 0.3  # how far behind the bow the mouth reaches, and the item's radius ahead of it
 MOUTH_REACH_M = 0.12  # an item of radius 0.1 m that touches the bow is in

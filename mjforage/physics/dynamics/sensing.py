@@ -5,9 +5,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
-from graph_planner.randomness import Stream, UInt64Array, normal, stream_key
-from mjforage.core.scenario import Sensors
+from mjforage.base.compiled import kernel
+from mjforage.base.randomness import Stream, UInt64Array, normal, stream_key
+from mjforage.scenario.scenario import Sensors
 
 FloatArray = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
-from graph_planner.geodesics import Int32Array
+from mjforage.base.compiled import inlined, kernel
+from mjforage.graph_planner.graph.geodesics import Int32Array
 
 TOLERANCE_M = 0.005  # a gap below this counts as a touch: MuJoCo's contacts are soft
 CORNER_M = 0.05  # corners this much farther than the deepest one are in the contact too

@@ -11,8 +11,8 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
-from graph_planner.randomness import UInt64Array
+from mjforage.base.compiled import kernel
+from mjforage.base.randomness import UInt64Array
 from mjforage.physics.dynamics.camera import Camera, sight_items, variance
 from mjforage.physics.floating.quays import is_clear
 

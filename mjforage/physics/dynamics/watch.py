@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
-from graph_planner.geodesics import Int32Array
-from mjforage.core.dynamics import ARRIVED, BLOCKED, LATE
+from mjforage.base.compiled import inlined, kernel
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.mission.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.physics.dynamics.touch import touches
 from mjforage.physics.hydrodynamics.parameters import HullArray
 from mjforage.physics.hydrodynamics.power import drawn_power

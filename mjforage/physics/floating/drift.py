@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
+from mjforage.base.compiled import inlined, kernel
 from mjforage.physics.floating.quays import Quays, beside_quays, is_clear
 from mjforage.physics.hydrodynamics.item_drag import item_load
 

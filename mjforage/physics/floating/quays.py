@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
+from mjforage.base.compiled import inlined, kernel
 
 _LEAST = 1e-15  # MuJoCo's mjMINVAL
 

@@ -1,6 +1,6 @@
 """Cross-flow drag: strips of a slender hull meet the water sideways at v + x r each."""
 
-from graph_planner.compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.physics.hydrodynamics.parameters import CROSS_INTEGRATED, CROSS_NONE, HullParameters
 
 INTERVALS = 20  # of the Otter's strips: 21 of them, each 1/20 of the length wide

@@ -2,7 +2,7 @@
 
 import math
 
-from graph_planner.compiled import kernel
+from mjforage.base.compiled import kernel
 
 STIFF = 1.2  # drag rate times step above which Runge-Kutta (limit 2.78 on twice this) is tamed
 

@@ -1,6 +1,6 @@
 """Acceleration of a hull alone: (M_RB + M_A) d(nu_r)/dt = forces, in body axes (Fossen 2021)."""
 
-from graph_planner.compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.physics.hydrodynamics.parameters import HullParameters
 from mjforage.physics.hydrodynamics.thruster import thruster_force
 from mjforage.physics.hydrodynamics.water_load import hull_force

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from graph_planner.compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.physics.hydrodynamics.conditions import Conditions, State, to_body
 from mjforage.physics.hydrodynamics.motion import acceleration
 from mjforage.physics.hydrodynamics.parameters import Float64Array, HullParameters, pack

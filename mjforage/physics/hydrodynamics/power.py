@@ -2,7 +2,7 @@
 
 import math
 
-from graph_planner.compiled import inlined
+from mjforage.base.compiled import inlined
 from mjforage.physics.hydrodynamics.parameters import HullParameters
 from mjforage.physics.hydrodynamics.thruster import thrust
 

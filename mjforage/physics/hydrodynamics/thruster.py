@@ -6,7 +6,7 @@ command, the curve on what the lag lets through.
 
 import math
 
-from graph_planner.compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.physics.hydrodynamics.parameters import THRUST_PROPELLER, HullParameters
 
 

@@ -5,7 +5,7 @@ chapters 3 and 6, in surge, sway and yaw. x forward, y port, yaw counter-clockwi
 read the same as with y to starboard and yaw clockwise.
 """
 
-from graph_planner.compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.physics.hydrodynamics.crossflow import cross_flow
 from mjforage.physics.hydrodynamics.parameters import HullParameters
 

@@ -2,7 +2,7 @@
 
 import math
 
-from graph_planner.compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.physics.hydrodynamics.parameters import HullParameters
 
 

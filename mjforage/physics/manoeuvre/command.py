@@ -3,8 +3,8 @@
 import math
 from pathlib import Path
 
-from mjforage.core.errors import UserError
-from mjforage.core.once import say_once
+from mjforage.base.cached import say_once
+from mjforage.base.errors import UserError
 from mjforage.physics.foretold import foretold_of_hull
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.hydrodynamics.ode_hull import OdeHull

@@ -2,8 +2,8 @@
 
 import math
 
-from mjforage.core.bearings import direction
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.scenario.bearings import direction
 
 FASTEST_MPS = 100.0  # of wind or current that is accepted: faster than any hurricane
 

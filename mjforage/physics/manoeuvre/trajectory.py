@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.core.errors import UserError
-from mjforage.core.whole_files import whole
+from mjforage.base.atomic_files import whole
+from mjforage.base.errors import UserError
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.vessels import Vessel
 

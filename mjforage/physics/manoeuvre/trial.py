@@ -7,8 +7,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.references import nearest
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.base.references import nearest
 from mjforage.physics.hydrodynamics.conditions import Conditions, Hull
 from mjforage.physics.hydrodynamics.ode_hull import OdeHull
 from mjforage.physics.manoeuvre.schedule import Schedule, check_schedule

@@ -9,8 +9,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers import Chart
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.controllers import Chart
 from mjforage.physics.callback.model_layout import (
     CLASS_WIDTH,
     HEADER,

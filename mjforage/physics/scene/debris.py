@@ -9,12 +9,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.core.assets import models_folder
-from mjforage.core.errors import UserError
-from mjforage.core.schema import NotInFile, check
-from mjforage.core.toml_files import read_toml
+from mjforage.base.errors import UserError
+from mjforage.base.toml_files import read_toml
 from mjforage.physics.hydrodynamics.parameters import AIR_DENSITY_KGPM3
 from mjforage.physics.quantities import Quantity, positive
+from mjforage.scenario.assets import models_folder
+from mjforage.scenario.schema import NotInFile, check
 
 WATER_DENSITY_KGPM3 = 1025.0  # sea water
 PARKING_PITCH_M = 1.0  # distance between parked items

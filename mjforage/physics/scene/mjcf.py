@@ -4,8 +4,8 @@ from pathlib import Path
 
 import mujoco
 
-from mjforage.core.assets import models_folder
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.scenario.assets import models_folder
 
 
 def read_part(path: Path) -> mujoco.MjSpec:

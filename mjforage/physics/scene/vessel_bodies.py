@@ -5,11 +5,11 @@ from pathlib import Path
 
 import mujoco
 
-from mjforage.core.assets import models_folder
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.physics.scene.hull_checks import check_hull
 from mjforage.physics.scene.mjcf import read_part
 from mjforage.physics.vessels import Vessel
+from mjforage.scenario.assets import models_folder
 
 DEFAULT_LOOK = "otter"  # of vessels without an MJCF part of their own
 LEAST_OFFSET_M = 1e-6  # a centre of gravity exactly at midships would keep only the diagonal of M

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 
 COUNT, INFO = 1, 0  # last axis of Batch.warning
 _WARNINGS = mujoco.mjtWarning

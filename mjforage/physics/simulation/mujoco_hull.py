@@ -5,7 +5,7 @@ import math
 import mujoco
 import numpy as np
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.physics.callback import calling
 from mjforage.physics.callback.model_layout import LOAD, WATER, WIND
 from mjforage.physics.hydrodynamics.conditions import Conditions, State, to_body

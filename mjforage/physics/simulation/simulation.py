@@ -7,8 +7,8 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from graph_planner.compiled import prepared as kernel_with
-from mjforage.core.errors import UserError
+from mjforage.base.compiled import prepared as kernel_with
+from mjforage.base.errors import UserError
 from mjforage.physics.callback import Route, calling, install
 from mjforage.physics.callback.model_layout import (
     CLASS_WIDTH,

@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 
-from graph_planner.navigation import NavigationGraph, navigation_graph
-from graph_planner.randomness import episode_keys
-from mjforage.core.maps import load_map
+from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
 from mjforage.physics.validation.finding import (
     Float64Array,
     Line,
@@ -19,6 +18,7 @@ from mjforage.physics.validation.finding import (
 from mjforage.physics.validation.known_checks import Parts, check
 from mjforage.physics.weather import Field, WeatherSettings
 from mjforage.physics.weather.flow import LAYER
+from mjforage.scenario.maps import load_map
 
 PITCH_M, PEAK_MPS = 4.0, 0.3
 CHANNEL = (8, 70)  # nodes across and along

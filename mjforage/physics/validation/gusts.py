@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 
-from graph_planner.randomness import episode_keys
+from mjforage.base.randomness import episode_keys
 from mjforage.physics.validation.finding import Float64Array, Line, Measure, Panel, near, near_share
 from mjforage.physics.validation.known_checks import Parts, check
 from mjforage.physics.weather import Field, WeatherSettings

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from graph_planner.navigation import navigation_graph
-from mjforage.core.dynamics import start_state
-from mjforage.core.initial_state import InitialState
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.mission.dynamics import start_state
+from mjforage.mission.initial_state import InitialState
 from mjforage.physics.dynamics.picking import Reach, take_at_mouth
 from mjforage.physics.dynamics.tracks import Water
 from mjforage.physics.scene import build_scene

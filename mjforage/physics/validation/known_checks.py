@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from graph_planner.references import nearest
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.base.references import nearest
 from mjforage.physics.validation.finding import Finding, Measure, Panel
 
 Parts = tuple[tuple[Measure, ...], tuple[Panel, ...]]

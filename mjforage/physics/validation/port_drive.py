@@ -6,12 +6,12 @@ against quays.
 
 import numpy as np
 
-from graph_planner.navigation import navigation_graph
-from mjforage.core.maps import load_map
+from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.physics.scene import Scene, build_scene
 from mjforage.physics.simulation.integrators import Integrator
 from mjforage.physics.simulation.simulation import Simulation
 from mjforage.physics.vessels import load_vessel
+from mjforage.scenario.maps import load_map
 
 FLEET = ("scout", "scout", "forager", "forager")
 ITEMS, BODIES, PITCH_M, STEP_S = 75, 8, 4.0, 0.1

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.physics.simulation import InstabilityError
 from mjforage.physics.validation import all_checks
 from mjforage.physics.validation.finding import Finding, Measure

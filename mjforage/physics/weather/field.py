@@ -6,16 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from graph_planner.compiled import kernel
-from graph_planner.navigation import NavigationGraph
-from graph_planner.randomness import Stream, UInt64Array, stream_key, uniform
-from mjforage.core.bearings import direction
-from mjforage.core.initial_state import LEEWAY, item_noise, steady_vectors
+from mjforage.base.compiled import kernel
+from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
+from mjforage.graph_planner.graph.navigation import NavigationGraph
+from mjforage.mission.initial_state import LEEWAY, item_noise, steady_vectors
 from mjforage.physics.weather.flow import Flow, flow_in
 from mjforage.physics.weather.gauss_markov import gauss_markov_pair
 from mjforage.physics.weather.settings import WeatherSettings
 from mjforage.physics.weather.shelter import NO_SHELTER, Shelter, lee, shelter_of
 from mjforage.physics.weather.stream_element import stream_velocity
+from mjforage.scenario.bearings import direction
 
 FloatArray = NDArray[np.float64]
 

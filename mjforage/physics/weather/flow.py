@@ -24,10 +24,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from graph_planner.compiled import kernel
-from graph_planner.lending import read_only
-from graph_planner.navigation import NavigationGraph
-from mjforage.core.errors import UserError
+from mjforage.base.compiled import kernel
+from mjforage.base.errors import UserError
+from mjforage.base.lending import read_only
+from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.physics.weather.settings import WeatherSettings
 from mjforage.physics.weather.stream_element import (
     EAST,

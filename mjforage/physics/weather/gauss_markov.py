@@ -21,8 +21,8 @@ import math
 
 import numpy as np
 
-from graph_planner.compiled import kernel
-from graph_planner.randomness import uniform
+from mjforage.base.compiled import kernel
+from mjforage.base.randomness import uniform
 
 ROOT = 40.0  # length of a root interval [time constant]
 LEVELS = 15

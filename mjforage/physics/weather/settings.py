@@ -4,11 +4,11 @@ import math
 from dataclasses import dataclass
 from typing import Annotated
 
-from graph_planner.fields import Within
-from mjforage.core.bearings import Bearing
-from mjforage.core.initial_state import toward_of
-from mjforage.core.scenario import Weather
-from mjforage.core.schema import check_fields
+from mjforage.base.fields import Within
+from mjforage.mission.initial_state import toward_of
+from mjforage.scenario.bearings import Bearing
+from mjforage.scenario.scenario import Weather
+from mjforage.scenario.schema import check_fields
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from graph_planner.compiled import kernel
-from graph_planner.geodesics import Int32Array
-from graph_planner.navigation import NavigationGraph
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import NavigationGraph
 
 CALM = 1.8 / (0.24 * 3.0**0.3)  # d over the height of a wide, long obstacle
 _NOWHERE = 1e-12  # slower than this along an axis, the air crosses no cell border there

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from mjforage.base.compiled import kernel
 
 FloatArray = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from typing import Any
 import jinja2
 from markupsafe import Markup, escape
 
-from graph_planner.references import file_label
+from mjforage.base.references import file_label
 from mjforage.view.page.marked_words import CODE, SUBSCRIPT
 from mjforage.view.page.picture import Picture, save_figure, smaller
 from mjforage.view.page.table import Row, Table, groups

@@ -8,7 +8,7 @@ import unicodedata
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from graph_planner.references import file_label
+from mjforage.base.references import file_label
 from mjforage.view.page.marked_words import CODE, SUBSCRIPT
 from mjforage.view.page.table import Row, Table, groups
 

@@ -19,8 +19,8 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from PIL import Image
 
-from graph_planner.references import file_label
-from mjforage.core.whole_files import write_bytes
+from mjforage.base.atomic_files import write_bytes
+from mjforage.base.references import file_label
 from mjforage.view.page import style
 
 WIDTH_IN = 5.6  # half a page of the report

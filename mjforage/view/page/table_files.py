@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from graph_planner.references import file_label
-from mjforage.core.whole_files import write_bytes
+from mjforage.base.atomic_files import write_bytes
+from mjforage.base.references import file_label
 from mjforage.view.page.latex_tables import latex_text
 from mjforage.view.page.table import NOTHING, Number, Table, groups
 

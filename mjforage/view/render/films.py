@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.references import nearest
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.base.references import nearest
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.render import palette
 from mjforage.view.render.beside import Beside, BesideFrame, Half, check_beside

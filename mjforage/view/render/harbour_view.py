@@ -6,8 +6,8 @@ from types import TracebackType
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.references import nearest
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.base.references import nearest
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.cameras import CAMERAS, Area, Camera, Circumstances, View, magnified
 from mjforage.view.render.frame_split import Box, is_brief, split_frame, unit_of

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from graph_planner.compiled import inlined, kernel
+from mjforage.base.compiled import inlined, kernel
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.background import Background
 from mjforage.view.render.frame_layout import Layout

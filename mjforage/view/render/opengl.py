@@ -15,8 +15,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.extras import require
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.base.extras import require
 
 logger = logging.getLogger(__name__)
 

@@ -7,7 +7,7 @@ pixel centres at halves. `alpha` is 0 (nothing) to 1 (opaque).
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.view.render.palette import Colour
 
 Image = NDArray[np.uint8]  # (height, width, 3)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
+from mjforage.base.compiled import kernel
 from mjforage.view.render.cameras import Area
 from mjforage.view.render.palette import Colour
 from mjforage.view.render.raster import span, stroke_cover, to_segment

@@ -7,7 +7,7 @@ brightness around it (T. Lottes, "FXAA", NVIDIA white paper, 2009).
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
+from mjforage.base.compiled import inlined, kernel
 from mjforage.view.render.bands import in_bands
 
 Image = NDArray[np.uint8]

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import inlined, kernel
+from mjforage.base.compiled import inlined, kernel
 from mjforage.view.render.sheet import FOAM
 
 Image = NDArray[np.uint8]

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.runs.episode_replay import Replay
 
 STEPS_PER_VIDEO_SECOND = 4.0  # when no speed is asked for: 150 steps in 38 s

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image as PilImage
 
-from graph_planner.extras import require
-from mjforage.core.errors import UserError
-from mjforage.core.whole_files import whole
+from mjforage.base.atomic_files import whole
+from mjforage.base.errors import UserError
+from mjforage.base.extras import require
 
 Frames = Iterator[NDArray[np.uint8]]  # each (height, width, 3)
 Writer = Callable[[Frames, Path, float], int]

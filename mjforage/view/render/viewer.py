@@ -12,9 +12,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.mission.mission import Mission
+from mjforage.mission.setup import Setup
 from mjforage.physics.scene import Scene, build_scene
 from mjforage.physics.vessels import load_vessel
 from mjforage.runs.episode_replay import Replay
@@ -62,9 +62,9 @@ def view_scenario(setup: Setup, seed: int, episode: int) -> None:
 
 def start_of(setup: Setup, seed: int, episode: int) -> tuple[Scene, Floats, Floats]:
     """Scene of a scenario, hulls (agent, 3) and items (item, 3) as `put` takes them."""
-    from mjforage.core.vessel_files import hull_names
     from mjforage.physics.dynamics.fleet_scene import item_choices
     from mjforage.physics.dynamics.item_bodies import draw_classes
+    from mjforage.scenario.vessel_files import hull_names
 
     mission, choice = Mission(setup), setup.scenario.physics
     mission.reset(seed, np.array([episode], np.int64))

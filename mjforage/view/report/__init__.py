@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from mjforage.core.whole_files import write_bytes
+from mjforage.base.atomic_files import write_bytes
 from mjforage.view.page import embedded_within
 from mjforage.view.report.all_figures import draw_figures
 from mjforage.view.report.all_tables import draw_tables, whole_tables

@@ -6,8 +6,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from metrics import holm, paired_p
-from mjforage.core.mission_metrics import Description
+from mjforage.metrics import holm, paired_p
+from mjforage.mission.mission_metrics import Description
 from mjforage.view.report.run_logs import RunLogs, Series
 
 FloatArray = NDArray[np.float64]

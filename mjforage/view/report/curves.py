@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from mjforage.core.mission_metrics import Description
+from mjforage.mission.mission_metrics import Description
 from mjforage.view.page.picture import (
     WIDTH_IN,
     Panel,

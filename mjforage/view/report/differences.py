@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from metrics import Interval, holm, paired_difference, paired_p, statistics
-from mjforage.core.mission_metrics import Description
+from mjforage.metrics import Interval, holm, paired_difference, paired_p, statistics
+from mjforage.mission.mission_metrics import Description
 from mjforage.view.page.table import Number
 from mjforage.view.report.text_tables import NORMAL_95, NOTHING, needed_digits, number
 

@@ -10,7 +10,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
-from mjforage.core.mission_metrics import Description
+from mjforage.mission.mission_metrics import Description
 from mjforage.view.page import style
 from mjforage.view.page.picture import (
     WIDTH_IN,

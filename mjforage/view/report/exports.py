@@ -6,8 +6,8 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from mjforage.core.errors import UserError
-from mjforage.core.whole_files import write_bytes
+from mjforage.base.atomic_files import write_bytes
+from mjforage.base.errors import UserError
 from mjforage.view.page.picture import Picture, house_style, pdf_bytes, png_bytes, svg_bytes
 from mjforage.view.page.table import Table
 from mjforage.view.page.table_files import FORMATS, write_table

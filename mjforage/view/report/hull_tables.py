@@ -5,8 +5,8 @@ from collections.abc import Iterator, Mapping
 
 import polars as pl
 
-from graph_planner.navigation import STAY
-from mjforage.core.dynamics import ARRIVED, BLOCKED, OUTCOMES
+from mjforage.graph_planner.graph.navigation import STAY
+from mjforage.mission.dynamics import ARRIVED, BLOCKED, OUTCOMES
 from mjforage.runs.parquet import collected, scan_parquet
 from mjforage.runs.run_info import REMEDY
 from mjforage.view.page.table import Number, Row, Table

@@ -4,8 +4,8 @@ import itertools
 import math
 from dataclasses import dataclass
 
-from metrics import probability_of_improvement
-from mjforage.core.mission_metrics import Description
+from mjforage.metrics import probability_of_improvement
+from mjforage.mission.mission_metrics import Description
 from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.differences import (
     SEED,

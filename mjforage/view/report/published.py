@@ -14,10 +14,10 @@ only obstacles turn, here the policy `wanderer`. `levy` walks true Lévy lengths
 
 from dataclasses import dataclass, field, replace
 
-from mjforage.core.harbours import is_harbour
-from mjforage.core.map_files import is_shipped_map
-from mjforage.core.scenario_file import load_scenario, scenario_to_tree
 from mjforage.runs.run_info import RunInfo
+from mjforage.scenario.harbours import is_harbour
+from mjforage.scenario.map_files import is_shipped_map
+from mjforage.scenario.scenario_file import load_scenario, scenario_to_tree
 
 ELSEWHERE = " (its own map)"
 ITS_CODE = "its public code{}, 1,300 episodes"

@@ -3,9 +3,9 @@
 import itertools
 from dataclasses import replace
 
-from mjforage.core.mission_metrics import Description, describe
-from mjforage.core.scenario_file import scenario_from_tree
+from mjforage.mission.mission_metrics import Description, describe
 from mjforage.physics.worlds import added
+from mjforage.scenario.scenario_file import scenario_from_tree
 from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report.differences import (
     Difference,

@@ -11,8 +11,8 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import Description, chosen_metrics, describe, description
+from mjforage.base.errors import UserError
+from mjforage.mission.mission_metrics import Description, chosen_metrics, describe, description
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.kept import replay_files
 from mjforage.runs.parquet import collected, count_rows, read_schema, scan_parquet

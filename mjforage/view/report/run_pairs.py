@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import Description
-from mjforage.core.whole_files import write_bytes, writing
+from mjforage.base.atomic_files import write_bytes, writing
+from mjforage.base.errors import UserError
+from mjforage.mission.mission_metrics import Description
 from mjforage.runs.run_info import load_run, read_json
 from mjforage.view.page import Row, Table, set_page, style
 from mjforage.view.page.table import Number

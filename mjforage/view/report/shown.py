@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.view.page.table import Table
 from mjforage.view.report.run_logs import RunLogs
 from mjforage.view.report.step_means import POINTS

@@ -6,7 +6,7 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.runs.parquet import collected, read_schema, scan_parquet
 from mjforage.runs.run_info import REMEDY, RunInfo
 

@@ -8,7 +8,7 @@ from typing import Any
 from rich.table import Table as RichTable
 from rich.text import Text
 
-from mjforage.core.mission_metrics import Description, describe
+from mjforage.mission.mission_metrics import Description, describe
 from mjforage.runs.run_info import RunInfo
 from mjforage.view.page import style
 from mjforage.view.page.table import NOTHING as NOTHING

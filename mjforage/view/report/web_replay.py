@@ -12,13 +12,13 @@ import polars as pl
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from mjforage.core.errors import UserError
-from mjforage.core.vessel_files import vessel_names
+from mjforage.base.errors import UserError
 from mjforage.physics.vessels import load_vessel
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.kept import ranked, replay_files
 from mjforage.runs.parquet import read_parquet
 from mjforage.runs.run_info import REMEDY, RunInfo, load_run
+from mjforage.scenario.vessel_files import vessel_names
 from mjforage.view.page import style
 from mjforage.view.report.run_logs import Series, load_episodes, scalar
 from mjforage.view.report.step_means import KEYS

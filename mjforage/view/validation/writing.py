@@ -8,8 +8,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from mjforage.core.errors import UserError
-from mjforage.core.whole_files import write_bytes, write_json
+from mjforage.base.atomic_files import write_bytes, write_json
+from mjforage.base.errors import UserError
 from mjforage.physics.callback import install
 from mjforage.physics.validation.finding import FAILED, PASSED, Finding, Measure, shown
 from mjforage.view.page import Shown, embedded, set_page

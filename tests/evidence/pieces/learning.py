@@ -8,8 +8,8 @@ import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
 
-import metrics
-from metrics.statistics import NORMAL_95
+from mjforage import metrics
+from mjforage.metrics.statistics import NORMAL_95
 from mjforage.view.page import style
 from mjforage.view.page.picture import smaller
 from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row, average, beside

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from mjforage.core.whole_files import write_bytes
+from mjforage.base.atomic_files import write_bytes
 from mjforage.runs import communication, sensing
 from mjforage.runs.variants import COMPLETE, IN_TOUCH, PARTS, WRONG
 from mjforage.view.page.picture import house_style, png_bytes, smaller

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from graph_planner.belief_planner.foraging import USUAL_STEP, Collecting
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.fleet import UNLIMITED, Role
-from graph_planner.navigation import navigation_graph
-from graph_planner.task import Pickup
+from mjforage.graph_planner.belief_planner.foraging import USUAL_STEP, Collecting
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.mission.task import Pickup
+from mjforage.scenario.belief_settings import BeliefSettings
+from mjforage.scenario.fleet import UNLIMITED, Role
 from tests.graph_planner.driver import task_of
 
 SEA = navigation_graph(np.ones((9, 9), np.bool_), 1.0, False)

@@ -2,18 +2,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner import hotspots as hs
-from graph_planner.belief_planner.cloud import (
+from mjforage.graph_planner.belief_planner import hotspots as hs
+from mjforage.graph_planner.belief_planner.cloud import (
     bounds,
     cloud_of,
     gathered,
     scattered,
     start_chances,
 )
-from graph_planner.belief_planner.currents import Currents
-from graph_planner.belief_planner.shore import nearest_of_cells, shore_of
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.navigation import NavigationGraph, navigation_graph
+from mjforage.graph_planner.belief_planner.currents import Currents
+from mjforage.graph_planner.belief_planner.shore import nearest_of_cells, shore_of
+from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
+from mjforage.scenario.belief_settings import BeliefSettings
 
 F64 = NDArray[np.float64]
 SEA = navigation_graph(np.ones((40, 40), np.bool_), 1.0, False)

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from graph_planner.belief_planner import late as lt
-from graph_planner.belief_planner import reconciling as rc
-from graph_planner.belief_planner import stragglers as st
-from graph_planner.belief_planner import tracks as tr
-from graph_planner.belief_planner.shore import shore_of
-from graph_planner.belief_planner.stragglers import stragglers
-from graph_planner.geodesics import Int32Array
-from graph_planner.navigation import navigation_graph
-from graph_planner.task import NEVER
+from mjforage.graph_planner.belief_planner import late as lt
+from mjforage.graph_planner.belief_planner import reconciling as rc
+from mjforage.graph_planner.belief_planner import stragglers as st
+from mjforage.graph_planner.belief_planner import tracks as tr
+from mjforage.graph_planner.belief_planner.shore import shore_of
+from mjforage.graph_planner.belief_planner.stragglers import stragglers
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.mission.task import NEVER
 from tests.graph_planner.belief_planner.test_stragglers import KEY, Search
 from tests.graph_planner.belief_planner.test_stragglers import SEA as WIDE
 from tests.graph_planner.belief_planner.test_stragglers import SHORE as WIDE_SHORE

@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 
-from graph_planner.belief_planner import hotspots as hs
-from graph_planner.belief_planner import late as lt
-from graph_planner.belief_planner import misses as ms
-from graph_planner.belief_planner import reconciling as rc
-from graph_planner.belief_planner import stragglers as st
-from graph_planner.belief_planner import tracks as tr
-from graph_planner.belief_planner import wind as wd
-from graph_planner.belief_planner.cloud import cloud_of
-from graph_planner.belief_planner.shore import shore_of
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.detection import real_if_missed, real_if_new, real_if_seen
-from graph_planner.navigation import navigation_graph
+from mjforage.graph_planner.belief_planner import hotspots as hs
+from mjforage.graph_planner.belief_planner import late as lt
+from mjforage.graph_planner.belief_planner import misses as ms
+from mjforage.graph_planner.belief_planner import reconciling as rc
+from mjforage.graph_planner.belief_planner import stragglers as st
+from mjforage.graph_planner.belief_planner import tracks as tr
+from mjforage.graph_planner.belief_planner import wind as wd
+from mjforage.graph_planner.belief_planner.cloud import cloud_of
+from mjforage.graph_planner.belief_planner.shore import shore_of
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.mission.detection import real_if_missed, real_if_new, real_if_seen
+from mjforage.scenario.belief_settings import BeliefSettings
 
 SEA = navigation_graph(np.ones((20, 20), np.bool_), 1.0, False)
 SHORE, KEY, NODES = shore_of(SEA), np.uint64(5), 400

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.waiting import approach, regrets
-from graph_planner.belief_planner.ways import ways_of
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.fleet import Role
-from graph_planner.navigation import TABLE_LIMIT, NavigationGraph, navigation_graph
-from graph_planner.policies import create_policy, is_bound
-from graph_planner.policies.belief import BeliefPolicy
-from graph_planner.task import NEVER, Task
+from mjforage.graph_planner.belief_planner.waiting import approach, regrets
+from mjforage.graph_planner.belief_planner.ways import ways_of
+from mjforage.graph_planner.graph.navigation import TABLE_LIMIT, NavigationGraph, navigation_graph
+from mjforage.graph_planner.policies import create_policy, is_bound
+from mjforage.graph_planner.policies.belief import BeliefPolicy
+from mjforage.mission.task import NEVER, Task
+from mjforage.scenario.belief_settings import BeliefSettings
+from mjforage.scenario.fleet import Role
 from tests.graph_planner.driver import observation_of, preferences, task_of
 
 N, NE, E, SE, S, SW, W, NW, STAY = range(9)

@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.routes import (
+from mjforage.base.compiled import MARGIN
+from mjforage.graph_planner.belief_planner.routes import (
     NOWHERE,
     Legs,
     _rest,
     _rest_roughly,
     search_routes,
 )
-from graph_planner.belief_planner.shore import shore_of
-from graph_planner.belief_planner.stops import (
+from mjforage.graph_planner.belief_planner.shore import shore_of
+from mjforage.graph_planner.belief_planner.stops import (
     FAR,
     MOST,
     add_pickup,
@@ -24,10 +25,9 @@ from graph_planner.belief_planner.stops import (
     gather_stops,
     stops,
 )
-from graph_planner.belief_planner.taking import Taking, quays_beside
-from graph_planner.belief_planner.ways import ways_of
-from graph_planner.compiled import MARGIN
-from graph_planner.navigation import navigation_graph
+from mjforage.graph_planner.belief_planner.taking import Taking, quays_beside
+from mjforage.graph_planner.belief_planner.ways import ways_of
+from mjforage.graph_planner.graph.navigation import navigation_graph
 
 F64 = NDArray[np.float64]
 

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.covers import hotspot_cover
-from graph_planner.belief_planner.scouting import Scouting
-from graph_planner.belief_planner.sweeps import (
+from mjforage.graph_planner.belief_planner.covers import hotspot_cover
+from mjforage.graph_planner.belief_planner.scouting import Scouting
+from mjforage.graph_planner.belief_planner.sweeps import (
     LONGEST,
     Cover,
     lateness,
@@ -13,11 +13,11 @@ from graph_planner.belief_planner.sweeps import (
     sight,
     until_seen,
 )
-from graph_planner.belief_planner.ways import ways_of
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.fleet import Role
-from graph_planner.geodesics import Int32Array
-from graph_planner.navigation import navigation_graph
+from mjforage.graph_planner.belief_planner.ways import ways_of
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.scenario.belief_settings import BeliefSettings
+from mjforage.scenario.fleet import Role
 from tests.graph_planner.driver import task_of
 
 F64 = NDArray[np.float64]

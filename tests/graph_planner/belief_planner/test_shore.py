@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from graph_planner.belief_planner.shore import drifted, shore_of
-from graph_planner.navigation import navigation_graph
+from mjforage.graph_planner.belief_planner.shore import drifted, shore_of
+from mjforage.graph_planner.graph.navigation import navigation_graph
 from tests.graph_planner.charts import grid
 
 MAP = navigation_graph(grid("..##....", ".###..#.", "....#...", "##......"), 1.0, False)

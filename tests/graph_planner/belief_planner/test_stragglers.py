@@ -2,18 +2,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner import hotspots as hs
-from graph_planner.belief_planner import stragglers as st
-from graph_planner.belief_planner import wind as wd
-from graph_planner.belief_planner.shore import shore_of
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.fleet import Fleet, Role
-from graph_planner.navigation import navigation_graph
-from graph_planner.randomness import episode_keys
-from graph_planner.walls import WALLS
-from mjforage.core.dynamics import start_state
-from mjforage.core.initial_state import InitialState
-from mjforage.core.item_rule import ItemRule
+from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.belief_planner import hotspots as hs
+from mjforage.graph_planner.belief_planner import stragglers as st
+from mjforage.graph_planner.belief_planner import wind as wd
+from mjforage.graph_planner.belief_planner.shore import shore_of
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.graph_planner.graph.walls import WALLS
+from mjforage.mission.dynamics import start_state
+from mjforage.mission.initial_state import InitialState
+from mjforage.mission.item_rule import ItemRule
+from mjforage.scenario.belief_settings import BeliefSettings
+from mjforage.scenario.fleet import Fleet, Role
 
 SEA = navigation_graph(np.ones((40, 40), np.bool_), 1.0, False)
 SHORE, KEY = shore_of(SEA), np.uint64(77)

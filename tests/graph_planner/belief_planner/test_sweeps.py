@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.covers import hotspot_cover, landmarks_of, view_cover
-from graph_planner.belief_planner.sweeps import (
+from mjforage.graph_planner.belief_planner.covers import hotspot_cover, landmarks_of, view_cover
+from mjforage.graph_planner.belief_planner.sweeps import (
     LONGEST,
     SEEN,
     Cover,
@@ -14,10 +14,10 @@ from graph_planner.belief_planner.sweeps import (
     sight,
     until_seen,
 )
-from graph_planner.belief_planner.ways import UNREACHED, ways_of
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.fleet import Role
-from graph_planner.navigation import NavigationGraph, navigation_graph
+from mjforage.graph_planner.belief_planner.ways import UNREACHED, ways_of
+from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
+from mjforage.scenario.belief_settings import BeliefSettings
+from mjforage.scenario.fleet import Role
 from tests.graph_planner.driver import task_of
 
 N, NE, E, SE, S, SW, W, NW = range(8)

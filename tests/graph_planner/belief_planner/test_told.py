@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.told import UNHEARD, ToldBeliefs
-from graph_planner.fleet import Role
-from graph_planner.navigation import navigation_graph
-from graph_planner.task import Observation, Truth
+from mjforage.graph_planner.belief_planner.told import UNHEARD, ToldBeliefs
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.mission.task import Observation, Truth
+from mjforage.scenario.fleet import Role
 from tests.graph_planner.driver import observation_of, task_of
 
 SEA = navigation_graph(np.ones((20, 30), np.bool_), 1.0, False)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graph_planner.belief_planner.touch import (
+from mjforage.graph_planner.belief_planner.touch import (
     ELSEWHERE,
     NOBODY,
     PATIENCE,
@@ -15,11 +15,11 @@ from graph_planner.belief_planner.touch import (
     Touch,
     parts_of,
 )
-from graph_planner.belief_planner.ways import ways_of
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.fleet import Role
-from graph_planner.navigation import navigation_graph
-from graph_planner.task import Observation
+from mjforage.graph_planner.belief_planner.ways import ways_of
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.mission.task import Observation
+from mjforage.scenario.belief_settings import BeliefSettings
+from mjforage.scenario.fleet import Role
 from tests.graph_planner.driver import observation_of, task_of
 
 SEA = navigation_graph(np.ones((30, 30), np.bool_), 1.0, False)
@@ -142,7 +142,7 @@ def test_beside_is_not_near_with_a_quay_between() -> None:
 
 
 def test_who_looks_alone_does_not_look_again_where_it_would_have_noticed() -> None:
-    from graph_planner.belief_planner.covers import NOTICED, hotspot_cover
+    from mjforage.graph_planner.belief_planner.covers import NOTICED, hotspot_cover
 
     cover, _ = hotspot_cover(TASK, FORAGER, BeliefSettings())
     touch, here = touch_of(), int(SEA.node_of_cell[10, 10])

@@ -1,10 +1,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner import reconciling as rc
-from graph_planner.belief_planner import tracks as tr
-from graph_planner.belief_planner.shore import Shore, shore_of
-from graph_planner.navigation import navigation_graph
+from mjforage.graph_planner.belief_planner import reconciling as rc
+from mjforage.graph_planner.belief_planner import tracks as tr
+from mjforage.graph_planner.belief_planner.shore import Shore, shore_of
+from mjforage.graph_planner.graph.navigation import navigation_graph
 
 SEA = navigation_graph(np.ones((12, 12), np.bool_), 1.0, False)
 SHORE = shore_of(SEA)

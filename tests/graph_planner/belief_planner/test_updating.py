@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from graph_planner.belief_planner import updating as up
-from graph_planner.belief_planner.beliefs import Beliefs
-from graph_planner.belief_planner.routes import NOWHERE
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.fleet import Role
-from graph_planner.navigation import navigation_graph
-from graph_planner.randomness import episode_keys
-from graph_planner.task import UNREACHABLE, Observation, Pickup, Task
+from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.belief_planner import updating as up
+from mjforage.graph_planner.belief_planner.beliefs import Beliefs
+from mjforage.graph_planner.belief_planner.routes import NOWHERE
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.mission.task import UNREACHABLE, Observation, Pickup, Task
+from mjforage.scenario.belief_settings import BeliefSettings
+from mjforage.scenario.fleet import Role
 from tests.graph_planner.driver import observation_of, task_of
 
 SEA = navigation_graph(np.ones((12, 12), np.bool_), 1.0, False)

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from graph_planner.belief_planner.beliefs import Beliefs
-from graph_planner.belief_planner.shore import shore_of
-from graph_planner.belief_planner.stops import floating
-from graph_planner.belief_planner.tracks import Tracks
-from graph_planner.belief_planner.wanted import FAILED, LEAST, Wanted, likeliest
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.navigation import navigation_graph
-from graph_planner.randomness import episode_keys
+from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.belief_planner.beliefs import Beliefs
+from mjforage.graph_planner.belief_planner.shore import shore_of
+from mjforage.graph_planner.belief_planner.stops import floating
+from mjforage.graph_planner.belief_planner.tracks import Tracks
+from mjforage.graph_planner.belief_planner.wanted import FAILED, LEAST, Wanted, likeliest
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.scenario.belief_settings import BeliefSettings
 from tests.graph_planner.driver import observation_of, task_of
 
 SEA = navigation_graph(np.ones((12, 12), np.bool_), 1.0, False)

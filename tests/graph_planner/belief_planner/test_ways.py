@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from graph_planner import row_cache
-from graph_planner.belief_planner import ways as w
-from graph_planner.belief_planner.ways import UNREACHED, Ways, row_to, ways_of
-from graph_planner.navigation import NavigationGraph, navigation_graph
+from mjforage.base import row_cache
+from mjforage.graph_planner.belief_planner import ways as w
+from mjforage.graph_planner.belief_planner.ways import UNREACHED, Ways, row_to, ways_of
+from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
 from tests.graph_planner.charts import grid
 
 

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from graph_planner.belief_planner import tracks as tr
-from graph_planner.belief_planner import wind as wd
-from graph_planner.belief_planner.shore import shore_of
-from graph_planner.belief_settings import BeliefSettings
-from graph_planner.navigation import navigation_graph
+from mjforage.graph_planner.belief_planner import tracks as tr
+from mjforage.graph_planner.belief_planner import wind as wd
+from mjforage.graph_planner.belief_planner.shore import shore_of
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.scenario.belief_settings import BeliefSettings
 from tests.graph_planner.charts import grid
 
 SEA = shore_of(navigation_graph(np.ones((80, 80), np.bool_), 1.0, False))

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.belief_planner.routes import Legs
-from graph_planner.belief_planner.sweeps import Cover
-from graph_planner.dec_mcts.draws import begin
-from graph_planner.dec_mcts.foraging import plan_turn, search_tours
-from graph_planner.dec_mcts.plans import (
+from mjforage.base.randomness import bits, mix, to_uniform
+from mjforage.graph_planner.belief_planner.routes import Legs
+from mjforage.graph_planner.belief_planner.sweeps import Cover
+from mjforage.graph_planner.dec_mcts.draws import begin
+from mjforage.graph_planner.dec_mcts.foraging import plan_turn, search_tours
+from mjforage.graph_planner.dec_mcts.plans import (
     Plans,
     drawn_plan,
     likeliest,
@@ -16,11 +17,16 @@ from graph_planner.dec_mcts.plans import (
     shift_chances,
     take_candidates,
 )
-from graph_planner.dec_mcts.settings import Effort
-from graph_planner.dec_mcts.sights import Scouts, faded, sample_sights, sights_of, sweep_value
-from graph_planner.dec_mcts.tours import claims_of, gain_of, sample_claims, tour_value
-from graph_planner.dec_mcts.tree import back_up, step_down, tree_of
-from graph_planner.randomness import bits, mix, to_uniform
+from mjforage.graph_planner.dec_mcts.settings import Effort
+from mjforage.graph_planner.dec_mcts.sights import (
+    Scouts,
+    faded,
+    sample_sights,
+    sights_of,
+    sweep_value,
+)
+from mjforage.graph_planner.dec_mcts.tours import claims_of, gain_of, sample_claims, tour_value
+from mjforage.graph_planner.dec_mcts.tree import back_up, step_down, tree_of
 
 GAMMA, KEY = 0.9, np.uint64(77)
 EFFORT = Effort(4, 60, 6, 6, GAMMA, GAMMA, 0.3, 0.99, 0.1, 0.6, 0.3, 0.5, 8, 20.0)
@@ -46,7 +52,7 @@ def sure(plans: Plans, agent: int, steps: list[int]) -> None:
 
 
 def test_draws_are_a_sequence_of_their_key() -> None:
-    from graph_planner.dec_mcts import draws
+    from mjforage.graph_planner.dec_mcts import draws
 
     state = begin(KEY, 3, 5)
     assert state[0] == bits(KEY, 3, 5)

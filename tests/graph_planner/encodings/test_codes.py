@@ -5,17 +5,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graph_planner.encodings import codes as module
-from graph_planner.encodings.codes import (
+from mjforage.graph_planner.encodings import codes as module
+from mjforage.graph_planner.encodings.codes import (
     PARTS,
     Codes,
     distance_codes,
     nearest_by_code,
     targets_to_nearest,
 )
-from graph_planner.encodings.samples import Distances, Sample, choose_evenly, measure
-from graph_planner.geodesics import DIAGONAL, Workspace, distances_to_nearest
-from graph_planner.navigation import navigation_graph
+from mjforage.graph_planner.encodings.samples import Distances, Sample, choose_evenly, measure
+from mjforage.graph_planner.graph.geodesics import DIAGONAL, Workspace, distances_to_nearest
+from mjforage.graph_planner.graph.navigation import navigation_graph
 from tests.graph_planner.charts import grid
 
 GRAPH = navigation_graph(

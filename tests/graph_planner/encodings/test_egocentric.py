@@ -3,13 +3,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graph_planner.encodings.chart import COARSE, REACH
-from graph_planner.encodings.egocentric import OWN, Egocentric
-from graph_planner.encodings.encoder import Levels
-from graph_planner.encodings.move_features import MOVE_FEATURES
-from graph_planner.fleet import Role
-from graph_planner.navigation import STAY, NavigationGraph, navigation_graph
-from graph_planner.task import Task
+from mjforage.graph_planner.encodings.chart import COARSE, REACH
+from mjforage.graph_planner.encodings.egocentric import OWN, Egocentric
+from mjforage.graph_planner.encodings.encoder import Levels
+from mjforage.graph_planner.encodings.move_features import MOVE_FEATURES
+from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
+from mjforage.mission.task import Task
+from mjforage.scenario.fleet import Role
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import observation_of, task_of
 
@@ -100,9 +100,9 @@ def test_features_of_moves_by_their_definitions() -> None:
 def test_a_map_too_large_for_a_table_of_distances_looks_the_same(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("graph_planner.navigation.TABLE_LIMIT", 3)
-    monkeypatch.setattr("graph_planner.row_cache.FEWEST_ROWS", 2)
-    monkeypatch.setattr("graph_planner.row_cache.MEMORY", 0)
+    monkeypatch.setattr("mjforage.graph_planner.graph.navigation.TABLE_LIMIT", 3)
+    monkeypatch.setattr("mjforage.base.row_cache.FEWEST_ROWS", 2)
+    monkeypatch.setattr("mjforage.base.row_cache.MEMORY", 0)
     graph = NavigationGraph(HARBOUR, 1.0, False)
     far = task_of(graph, scouts=SCOUT, foragers=FORAGER)
     _, near = harbour()

@@ -1,9 +1,9 @@
 import numpy as np
 
-from graph_planner.encodings import legal_moves
-from graph_planner.fleet import Role
-from graph_planner.moves import MoveRules
-from graph_planner.navigation import STAY, navigation_graph
+from mjforage.graph_planner.encodings import legal_moves
+from mjforage.graph_planner.graph.navigation import STAY, navigation_graph
+from mjforage.mission.moves import MoveRules
+from mjforage.scenario.fleet import Role
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import task_of
 

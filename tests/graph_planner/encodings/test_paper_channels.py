@@ -1,8 +1,8 @@
 import numpy as np
 
-from graph_planner.encodings.paper_channels import PaperChannels
-from graph_planner.fleet import Role
-from graph_planner.navigation import navigation_graph
+from mjforage.graph_planner.encodings.paper_channels import PaperChannels
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.scenario.fleet import Role
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import observation_of, task_of
 

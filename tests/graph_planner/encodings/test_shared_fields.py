@@ -5,22 +5,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graph_planner.encodings.chart import Chart
-from graph_planner.encodings.egocentric import Egocentric
-from graph_planner.encodings.masks import legal_moves, legal_of_agent
-from graph_planner.encodings.move_features import MIDDLE
-from graph_planner.encodings.samples import (
+from mjforage.graph_planner.encodings.chart import Chart
+from mjforage.graph_planner.encodings.egocentric import Egocentric
+from mjforage.graph_planner.encodings.masks import legal_moves, legal_of_agent
+from mjforage.graph_planner.encodings.move_features import MIDDLE
+from mjforage.graph_planner.encodings.samples import (
     MOST_SAMPLES,
     Sample,
     choose_evenly,
     nearest_own,
     share_out,
 )
-from graph_planner.encodings.shared_fields import AGAIN_RADIUS
-from graph_planner.encodings.unseen import Unseen, list_nodes
-from graph_planner.fleet import Role
-from graph_planner.moves import MoveRules
-from graph_planner.navigation import STAY, navigation_graph
+from mjforage.graph_planner.encodings.shared_fields import AGAIN_RADIUS
+from mjforage.graph_planner.encodings.unseen import Unseen, list_nodes
+from mjforage.graph_planner.graph.navigation import STAY, navigation_graph
+from mjforage.mission.moves import MoveRules
+from mjforage.scenario.fleet import Role
 from tests.graph_planner.charts import grid
 from tests.graph_planner.driver import observation_of, task_of
 

@@ -6,12 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from graph_planner.encodings.codes import PARTS, Codes
-from graph_planner.encodings.move_features import FADING, _attraction
-from graph_planner.encodings.samples import mean_gain
-from graph_planner.encodings.ways import MOST_ROWS, Ways, find_ways, way_level
-from graph_planner.geodesics import Workspace
-from graph_planner.navigation import navigation_graph
+from mjforage.graph_planner.encodings.codes import PARTS, Codes
+from mjforage.graph_planner.encodings.move_features import FADING, _attraction
+from mjforage.graph_planner.encodings.samples import mean_gain
+from mjforage.graph_planner.encodings.ways import MOST_ROWS, Ways, find_ways, way_level
+from mjforage.graph_planner.graph.geodesics import Workspace
+from mjforage.graph_planner.graph.navigation import navigation_graph
 
 WATER = np.ones((20, 20), np.bool_)
 WATER[5, 3:] = WATER[12, :17] = False

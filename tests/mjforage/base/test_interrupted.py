@@ -64,7 +64,7 @@ class Ignoring:
     def __del__(self):
         os.kill(os.getpid(), signal.SIGINT)
         for _ in range(100): pass
-from mjforage.core import scenario_file
+from mjforage.scenario import scenario_file
 def stop():
     try:
         {how}

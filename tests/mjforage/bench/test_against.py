@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from mjforage.base.errors import UserError
 from mjforage.bench.against import against
 from mjforage.bench.slice_worker import NAMES
-from mjforage.core.errors import UserError
 
 HERE = Path(__file__).resolve().parents[3]
 
@@ -31,9 +31,9 @@ def test_what_is_no_checkout_and_too_few_slices_are_refused(tmp_path: Path) -> N
 
 
 def test_a_checkout_that_cannot_be_imported_is_one_error(tmp_path: Path) -> None:
-    for name in ("mjforage", "mjforage/core"):
+    for name in ("mjforage", "mjforage/runs"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "__init__.py").touch()
-    (tmp_path / "mjforage" / "core" / "mission.py").write_text("import there_is_no_such_thing\n")
+    (tmp_path / "mjforage" / "runs" / "evaluate.py").write_text("import there_is_no_such_thing\n")
     with pytest.raises(UserError, match="cannot run 'hashing'; its own message stands above"):
         against(tmp_path, slices=2, seconds=0.01, names=("hashing",))

@@ -8,8 +8,8 @@ import pytest
 from mjforage.bench import learning as speeds
 from mjforage.bench import rates, simulations
 from mjforage.bench import running as bench
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario
 
 HORIZON = "horizon=10"  # where the bench asks for no other
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from safetensors import safe_open
 from safetensors.torch import load_file, save_file
 
-from graph_planner.weights import shipped_weights
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.networks.weights import shipped_weights
 from mjforage.runs.episode_replay import Replay
 from tests.mjforage.cli.spoiling import DEEP, SHORT, changed, few, outcome, some, spoilt
 

@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from mjforage.core.assets import models_folder
-from mjforage.core.scenario import Scenario
-from mjforage.core.schema import rows
+from mjforage.scenario.assets import models_folder
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.schema import rows
 from tests.mjforage.cli.spoiling import (
     DEEP,
     SHORT,

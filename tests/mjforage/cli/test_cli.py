@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from graph_planner.policies import policy_names
 from mjforage import __version__
 from mjforage.cli.commands import app
 from mjforage.cli.studying import study
-from mjforage.core.mission_metrics import chosen_metrics
-from mjforage.core.scenario_file import load_scenario, preset_names
+from mjforage.graph_planner.policies import policy_names
+from mjforage.mission.mission_metrics import chosen_metrics
+from mjforage.scenario.scenario_file import load_scenario, preset_names
 from tests.mjforage.cli.short_runs import EVALUATE, GREEDY, Refused
 
 pytestmark = pytest.mark.usefixtures("here")
@@ -124,7 +124,7 @@ def test_memory_that_is_not_there_is_one_line(
     def want() -> None:
         raise MemoryError("Unable to allocate 3 TiB")
 
-    monkeypatch.setattr("mjforage.core.scenario_file.preset_names", want)
+    monkeypatch.setattr("mjforage.scenario.scenario_file.preset_names", want)
     words = refused("scenarios")
     assert "not enough memory (Unable to allocate 3 TiB); give smaller options" in words
 

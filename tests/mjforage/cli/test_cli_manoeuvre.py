@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mjforage.core.vessel_files import vessel_path
 from mjforage.physics.vessel_helm import helm_of
 from mjforage.physics.vessels import load_vessel
+from mjforage.scenario.vessel_files import vessel_path
 
 COLUMNS = ["t_s", "x_m", "y_m", "yaw_rad", "surge_mps", "sway_mps", "yaw_rate_radps"]
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from mjforage.core.maps import load_map
+from mjforage.scenario.maps import load_map
 from tests.mjforage.cli.short_runs import Refused
 
 pytestmark = pytest.mark.usefixtures("here")

@@ -9,9 +9,9 @@ from typing import Any
 import polars as pl
 import pytest
 
-from graph_planner.policies import policy_names
 from mjforage.cli import console
-from mjforage.core.mission_metrics import chosen_metrics
+from mjforage.graph_planner.policies import policy_names
+from mjforage.mission.mission_metrics import chosen_metrics
 from mjforage.view.report import terminal_table
 from tests.mjforage.cli.short_runs import EVALUATE, Refused
 

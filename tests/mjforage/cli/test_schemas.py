@@ -10,9 +10,9 @@ import jsonschema
 import pytest
 
 from mjforage.cli.schemas import schema_text, schemas_of_files
-from mjforage.core.assets import models_folder
-from mjforage.core.schema import NAME, rows
-from mjforage.core.vessel_files import capture_path, vessel_names, vessel_path
+from mjforage.scenario.assets import models_folder
+from mjforage.scenario.schema import NAME, rows
+from mjforage.scenario.vessel_files import capture_path, vessel_names, vessel_path
 
 MODELS = models_folder()
 PAGES = MODELS.parent / "docs" / "reference"

@@ -10,14 +10,14 @@ import pytest
 from numpy.typing import NDArray
 
 import mjforage
-from mjforage.core.episode_log import EpisodeLog
-from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
 from mjforage.learning.environments.spaces import Pictures
 from mjforage.learning.model_policy import ModelPolicy
+from mjforage.mission.episode_log import EpisodeLog
+from mjforage.mission.mission import Mission
+from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
+from mjforage.scenario.scenario_file import load_scenario
 
 SHORT = ("horizon=12",)
 

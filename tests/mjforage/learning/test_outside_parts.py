@@ -12,16 +12,16 @@ import pytest
 from gymnasium.vector import AsyncVectorEnv
 
 import mjforage
-from graph_planner.encodings import ENCODERS
-from graph_planner.weights import read_header
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.encodings import ENCODERS
+from mjforage.graph_planner.networks.weights import read_header
 from mjforage.learning.environments.rewards import REWARDS
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
+from mjforage.mission.setup import Setup
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.identity import _code_of
+from mjforage.scenario.scenario_file import load_scenario
 
 ENCODER = '''import numpy as np
 

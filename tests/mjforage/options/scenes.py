@@ -16,14 +16,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.policies import Policy, create_policy, policy_names
-from graph_planner.policies.registry import policy_class
-from mjforage.core.mission import Mission
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.schema import rows
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.policies import create_policy, policy_names
+from mjforage.graph_planner.policies.registry import policy_class
+from mjforage.mission.mission import Mission
+from mjforage.mission.policy import Policy
+from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario
+from mjforage.scenario.schema import rows
 
 HERE = Path(__file__).resolve().parent
 FORECAST = "forecast"

@@ -5,13 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from graph_planner.auctions import BID_RULES
-from graph_planner.moves import MoveRules
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.schema import rows
-from mjforage.core.setup import Setup
-from tests.mjforage.core.written_scenarios import MINIMAL, write
+from mjforage.graph_planner.planning.auctions import BID_RULES
+from mjforage.mission.moves import MoveRules
+from mjforage.mission.setup import Setup
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario
+from mjforage.scenario.schema import rows
 from tests.mjforage.options.scenes import (
     Scene,
     differences,
@@ -21,6 +20,7 @@ from tests.mjforage.options.scenes import (
     scenario_keys,
     scenes,
 )
+from tests.mjforage.scenario.written_scenarios import MINIMAL, write
 
 SCENES = {file: scenes(file) for file in ("policies", "belief", "scenario", "physics")}
 SHOWN = {(key_of(one.option), one.value) for all_ in SCENES.values() for one in all_ if one.changes}

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.fleet import Fleet
-from graph_planner.policies import Bound, create_policy
-from graph_planner.task import Observation
-from mjforage.core.mission import Mission
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.mission import Mission
+from mjforage.mission.policy import Bound
+from mjforage.mission.setup import Setup
+from mjforage.mission.task import Observation
+from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.scenario_file import load_scenario
 from tests.mjforage.options.scenes import overrides_of
 
 EPISODES = np.array([4, 0, 7])

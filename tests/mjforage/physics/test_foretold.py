@@ -10,13 +10,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from controllers import Pilot
-from graph_planner.policies.registry import create_policy
-from mjforage.core.dynamics import LATE
-from mjforage.core.scenario_file import load_scenario, preset_names
-from mjforage.core.setup import Setup
-from mjforage.core.vessel_files import vessel_names, vessel_path
+from mjforage.controllers import Pilot
+from mjforage.graph_planner.policies.registry import create_policy
 from mjforage.learning.environments.options import EnvironmentOptions
+from mjforage.mission.dynamics import LATE
+from mjforage.mission.setup import Setup
 from mjforage.physics.foretold import foretold, foretold_of_hull
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
@@ -24,6 +22,8 @@ from mjforage.physics.vessel_helm import decision_s, full_speed_s, helm_of
 from mjforage.physics.vessels import Vessel, load_vessel
 from mjforage.physics.worlds import WORLDS, create_mission
 from mjforage.runs.evaluate import evaluate
+from mjforage.scenario.scenario_file import load_scenario, preset_names
+from mjforage.scenario.vessel_files import vessel_names, vessel_path
 
 PHYSICS = ("physics",)
 

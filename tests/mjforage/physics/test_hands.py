@@ -5,11 +5,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjforage.core.dynamics import ARRIVED
-from mjforage.core.episode_log import EpisodeLog
-from mjforage.core.film import Film
+from mjforage.mission.dynamics import ARRIVED
+from mjforage.mission.episode_log import EpisodeLog
+from mjforage.mission.film import Film
 from mjforage.physics.worlds import create_mission
-from tests.mjforage.core.hands import COLUMNS, NAMES, PERIOD_S, PITCH_M, ROWS, TOWARD, amidst, sea
+from tests.mjforage.mission.hands import (
+    COLUMNS,
+    NAMES,
+    PERIOD_S,
+    PITCH_M,
+    ROWS,
+    TOWARD,
+    amidst,
+    sea,
+)
 
 BOTH = pytest.mark.parametrize("world", ["graph", "physics"])
 WIND_M = 0.03 * 4.0 * PERIOD_S  # in a decision, of an item in a wind of 4 m/s

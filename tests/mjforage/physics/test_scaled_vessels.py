@@ -5,16 +5,8 @@ from typing import Any
 
 import pytest
 
-from mjforage.core.errors import UserError
-from mjforage.core.scenario import Scale
-from mjforage.core.scenario_file import (
-    load_scenario,
-    scenario_from_tree,
-    scenario_to_tree,
-    with_values,
-)
-from mjforage.core.setup import Setup
-from mjforage.core.vessel_files import vessel_names
+from mjforage.base.errors import UserError
+from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics import mujoco_dynamics
 from mjforage.physics.hydrodynamics.parameters import pack
 from mjforage.physics.hydrodynamics.thruster import thrust
@@ -24,6 +16,14 @@ from mjforage.physics.scaled_vessels import scaled
 from mjforage.physics.vessels import ForceThruster, Vessel, load_vessel
 from mjforage.physics.worlds import create_mission
 from mjforage.runs.identity import hull_facts
+from mjforage.scenario.scenario import Scale
+from mjforage.scenario.scenario_file import (
+    load_scenario,
+    scenario_from_tree,
+    scenario_to_tree,
+    with_values,
+)
+from mjforage.scenario.vessel_files import vessel_names
 
 AXES = ("surge", "sway", "yaw")
 CHANGED = {

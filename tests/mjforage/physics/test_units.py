@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.fleet import Role
-from graph_planner.moves import Moves
-from graph_planner.navigation import COMPASS, STAY
-from graph_planner.randomness import episode_keys
-from mjforage.core.dynamics import Dynamics, Transition
-from mjforage.core.film import Film
-from mjforage.core.scenario import MapChoice, Weather
+from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.graph.navigation import COMPASS, STAY
+from mjforage.mission.dynamics import Dynamics, Transition
+from mjforage.mission.film import Film
+from mjforage.mission.moves import Moves
 from mjforage.physics.worlds import WORLDS
-from tests.mjforage.core.by_hand import CALM, EAST, NORTH, PITCH_M, SOUTH, WEST, by_hand
+from mjforage.scenario.fleet import Role
+from mjforage.scenario.scenario import MapChoice, Weather
+from tests.mjforage.mission.by_hand import CALM, EAST, NORTH, PITCH_M, SOUTH, WEST, by_hand
 
 SEA = np.ones((9, 15), np.bool_)
 ITEM = np.array([3.0, 9.25])  # row, column: 46.25 m to the east, 25 m to the north

@@ -6,7 +6,6 @@ import math
 import numpy as np
 import pytest
 
-from mjforage.core.vessel_files import vessel_names
 from mjforage.physics.vessel_helm import decision_s, default_control, helm_of
 from mjforage.physics.vessels import (
     CrossFlow,
@@ -15,6 +14,7 @@ from mjforage.physics.vessels import (
     Windage,
     load_vessel,
 )
+from mjforage.scenario.vessel_files import vessel_names
 from tests.controllers.plant import beam_gusts, sail
 
 YAWS = np.linspace(-np.pi, np.pi, 7)[:-1]

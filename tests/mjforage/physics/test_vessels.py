@@ -2,16 +2,16 @@ from pathlib import Path
 
 import pytest
 
-from mjforage.core.assets import models_folder
-from mjforage.core.errors import UserError
-from mjforage.core.schema import rows
-from mjforage.core.vessel_files import vessel_names
+from mjforage.base.errors import UserError
 from mjforage.physics.vessels import (
     ForceThruster,
     Propeller,
     Vessel,
     load_vessel,
 )
+from mjforage.scenario.assets import models_folder
+from mjforage.scenario.schema import rows
+from mjforage.scenario.vessel_files import vessel_names
 
 GOOD = """
 description = "a raft"

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from mjforage.core.scenario import Link
-from mjforage.core.scenario_file import load_scenario
 from mjforage.runs.axes import Axis, Point, along, changed
+from mjforage.scenario.scenario import Link
+from mjforage.scenario.scenario_file import load_scenario
 
 FAR = Point(math.inf)
 HALF = Point(0.5, "half", "one half", {"items": {"mean": 0.5}})

@@ -10,16 +10,16 @@ from typing import Any
 import jsonschema
 import pytest
 
-from graph_planner.policies.registry import POLICIES, policy_names
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.schema import json_schema
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.policies.registry import POLICIES, policy_names
+from mjforage.mission.setup import Setup
 from mjforage.runs import variants
 from mjforage.runs.board import board
 from mjforage.runs.courses import courses_of
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.study import IDENTITY, LeftOut, Study, StudyInfo, load_study_info, run_study
+from mjforage.scenario.scenario_file import load_scenario
+from mjforage.scenario.schema import json_schema
 
 Command = Callable[..., Any]
 Refused = Callable[..., str]
@@ -147,7 +147,7 @@ def test_who_cannot_play_is_left_out_with_the_reason_or_refused_if_asked_for(
     def bound(text: str) -> Any:
         if text != "landlubber":
             return find(text)
-        from graph_planner.references import Reference
+        from mjforage.base.references import Reference
 
         return Reference(text), Landlubber, {}
 

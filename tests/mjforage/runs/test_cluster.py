@@ -14,9 +14,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.mission.setup import Setup
 from mjforage.runs import cluster, variants
 from mjforage.runs.assignments import Assignment, run_chunk
 from mjforage.runs.costs import Invocation, load_costs
@@ -24,6 +23,7 @@ from mjforage.runs.evaluate import Run
 from mjforage.runs.layout import plan
 from mjforage.runs.study import Study, run_study
 from mjforage.runs.workers import Workers
+from mjforage.scenario.scenario_file import load_scenario
 
 pytest.importorskip("distributed")
 Start = Callable[..., "subprocess.Popen[str]"]
@@ -197,10 +197,10 @@ def refusal(assignment: Assignment) -> str:
 
 def test_workers_that_agree_compute(assignment: Assignment) -> None:
     assert refusal(assignment) == "None"
-    assert {"numpy", "python", "graph_planner/moves.py"} <= set(dict(assignment.code))
+    assert {"numpy", "python", "mjforage/mission/moves.py"} <= set(dict(assignment.code))
 
 
-@pytest.mark.parametrize("name", ["mjforage", "numpy", "graph_planner/moves.py"])
+@pytest.mark.parametrize("name", ["mjforage", "numpy", "mjforage/mission/moves.py"])
 def test_a_worker_of_another_version_is_named(assignment: Assignment, name: str) -> None:
     others = tuple((key, "99" if key == name else value) for key, value in assignment.code)
     words = refusal(replace(assignment, code=others))

@@ -5,18 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mjforage.core.link.reach import reach_m
-from mjforage.core.scenario import Link, Scenario
-from mjforage.core.scenario_file import (
+from mjforage.mission.link.reach import reach_m
+from mjforage.mission.setup import Setup
+from mjforage.physics.worlds import create_mission
+from mjforage.runs.communication import AXES, RELAY, communication
+from mjforage.runs.study import Variant
+from mjforage.scenario.scenario import Link, Scenario
+from mjforage.scenario.scenario_file import (
     canonical_json,
     load_scenario,
     scenario_from_tree,
     scenario_to_tree,
 )
-from mjforage.core.setup import Setup
-from mjforage.physics.worlds import create_mission
-from mjforage.runs.communication import AXES, RELAY, communication
-from mjforage.runs.study import Variant
 
 POLICIES = ("greedy", "belief")
 

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from graph_planner.policies import create_policy
-from mjforage.core.mission import Mission
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.mission import Mission
+from mjforage.mission.setup import Setup
 from mjforage.runs.costs import load_costs
 from mjforage.runs.decision_time import Watch, watched
 from mjforage.runs.evaluate import evaluate
+from mjforage.scenario.scenario_file import load_scenario
 
 EPISODES = 3
 

@@ -9,13 +9,11 @@ import jsonschema
 import polars as pl
 import pytest
 
-from graph_planner.policies.registry import check_policies
-from graph_planner.weights import shipped_weights
-from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import chosen_metrics
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.schema import json_schema
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.networks.weights import shipped_weights
+from mjforage.graph_planner.policies.registry import check_policies
+from mjforage.mission.mission_metrics import chosen_metrics
+from mjforage.mission.setup import Setup
 from mjforage.runs import evaluate as module
 from mjforage.runs import identity, layout, source_code
 from mjforage.runs.costs import Costs
@@ -23,6 +21,8 @@ from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import evaluate, summarise
 from mjforage.runs.run_info import RunInfo
 from mjforage.runs.tables import SCHEMAS, TABLES
+from mjforage.scenario.scenario_file import load_scenario
+from mjforage.scenario.schema import json_schema
 
 Small = Callable[..., Path]
 HORIZON = 12
@@ -352,7 +352,7 @@ def test_numbers_out_of_range_are_refused_before_anything_is_written(
     [
         ([], "no policy given"),
         (["greedy", "greedy"], "policy greedy: given twice"),
-        (["greedy", "graph_planner.policies.greedy:GreedyPolicy"], "greedy: given twice"),
+        (["greedy", "mjforage.graph_planner.policies.greedy:GreedyPolicy"], "greedy: given twice"),
         (["greedyy"], "policy greedyy: unknown; did you mean greedy?"),
         (["Q"], "policy Q: unknown; choose auction, belief, ddqn"),
     ],

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from graph_planner.errors import UserError
-from graph_planner.extensions import blamed, built
+from mjforage.base.errors import UserError
+from mjforage.base.registry import blamed, built
 
 PARTS = """
 import sys

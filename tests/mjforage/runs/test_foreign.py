@@ -11,10 +11,8 @@ import numpy as np
 import polars as pl
 import pytest
 
-from mjforage.core import sizes
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.mission.setup import Setup
 from mjforage.runs import foreign
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import evaluate
@@ -23,6 +21,8 @@ from mjforage.runs.kept import replay_file
 from mjforage.runs.resuming import open_folder, set_aside
 from mjforage.runs.run_info import again, load_run, read_json
 from mjforage.runs.study import load_study_info
+from mjforage.scenario import sizes
+from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.report import write_report
 
 AWAY = "a/../../X"

@@ -5,17 +5,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from graph_planner.policies import create_policy
-from graph_planner.task import NEVER
-from mjforage.core.errors import UserError
-from mjforage.core.link import Radio
-from mjforage.core.mission import Mission, Observer
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
-from mjforage.core.whole_files import write_bytes
+from mjforage.base.atomic_files import write_bytes
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.link import Radio
+from mjforage.mission.mission import Mission, Observer
+from mjforage.mission.setup import Setup
+from mjforage.mission.task import NEVER
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.held import UNKNOWN, Held, HeldRecorder
 from mjforage.runs.recording import record
+from mjforage.scenario.scenario_file import load_scenario
 
 LINK = ("link.model=disk", "link.range_m=40", "link.wall_db=1", "link.loss=0.5", "link.latency=1")
 STEPS = 40

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from graph_planner.policies import create_policy
-from mjforage.core.mission import Mission
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.mission import Mission
+from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
 from mjforage.runs.holders_seen import UNSEEN, HoldersMaps, HoldersSeen
+from mjforage.scenario.scenario_file import load_scenario
 
 STEP = 3
 

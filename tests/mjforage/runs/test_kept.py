@@ -8,13 +8,13 @@ import numpy as np
 import polars as pl
 import pytest
 
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.mission.setup import Setup
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.kept import check_kept, parse_kept, ranked, replay_files
 from mjforage.runs.workers import Workers
+from mjforage.scenario.scenario_file import load_scenario
 
 
 @pytest.mark.parametrize(

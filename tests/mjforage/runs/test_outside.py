@@ -14,20 +14,20 @@ import polars as pl
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner import extensions
-from graph_planner.policies import register
-from graph_planner.policies.registry import POLICIES
-from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base import registry
+from mjforage.base.errors import UserError
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.policies import register
+from mjforage.graph_planner.policies.registry import POLICIES
+from mjforage.mission.setup import Setup
+from mjforage.mission.task import Observation, Task
 from mjforage.runs import variants
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.replaying import replay_of_run
 from mjforage.runs.storage import RunFolder
 from mjforage.runs.study import Study, run_study
 from mjforage.runs.workers import Workers
+from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.text_tables import headline_table
 
@@ -93,7 +93,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, forget: Forget) -> I
     (tmp_path / "own_policies.py").write_text(SOURCE)
     (tmp_path / "own_compass.py").write_text("NORTH = 0\n")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(extensions, "_TRUSTED", set())
+    monkeypatch.setattr(registry, "_TRUSTED", set())
     monkeypatch.setattr(sys, "dont_write_bytecode", True)  # stale if a file changes within a second
     path = list(sys.path)
     yield tmp_path
@@ -129,7 +129,7 @@ def test_other_processes_play_it_to_the_same_bits(folder: Path, workers: Workers
 def test_its_source_and_what_that_imports_are_part_of_the_run(folder: Path, forget: Forget) -> None:
     run = played("run", "own_policies:North")
     code = info(run)["code"]
-    assert {"own_policies.py", "own_compass.py", "graph_planner/moves.py"} <= set(code)
+    assert {"own_policies.py", "own_compass.py", "mjforage/mission/moves.py"} <= set(code)
     assert not {"graph_planner/policies/greedy.py", "mjforage/cli/lists.py"} & set(code)
     forget()
     (folder / "own_other.py").write_text("class South: ...\n")
@@ -163,7 +163,7 @@ def test_a_registered_name_is_played_again_by_a_process_that_has_not_its_module(
     folder: Path, forget: Forget
 ) -> None:
     (folder / "own_named.py").write_text(
-        "from graph_planner.policies import register\n"
+        "from mjforage.graph_planner.policies import register\n"
         "from own_policies import North\n"
         "class Named(North):\n    pass\n"
         "register('own-name')(Named)\n"
@@ -175,7 +175,7 @@ def test_a_registered_name_is_played_again_by_a_process_that_has_not_its_module(
     forget()
     with pytest.raises(UserError, match="names policy own_named:Named, code that neither ships"):
         replay_of_run(run, None, None, 1)
-    extensions.trust("own_named:Named")
+    registry.trust("own_named:Named")
     replay = replay_of_run(run, None, None, 1)
     assert replay.policy == "own-name"
 

@@ -13,21 +13,21 @@ import numpy as np
 import polars as pl
 import pytest
 
-from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import METRICS, chosen_metrics, describe
-from mjforage.core.mission_metrics.known import checked
-from mjforage.core.mission_metrics.metric import Metric
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.mission.mission_metrics import METRICS, chosen_metrics, describe
+from mjforage.mission.mission_metrics.known import checked
+from mjforage.mission.mission_metrics.metric import Metric
+from mjforage.mission.setup import Setup
 from mjforage.runs import variants
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.identity import _code_of
 from mjforage.runs.storage import RunFolder
 from mjforage.runs.study import Study, run_study
 from mjforage.runs.workers import Workers
+from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.report.text_tables import number
 
-SOURCE = '''from mjforage.core.mission_metrics import Batch, Metric
+SOURCE = '''from mjforage.mission.mission_metrics import Batch, Metric
 
 
 class Waste(Metric):

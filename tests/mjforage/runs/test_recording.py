@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from graph_planner.randomness import episode_keys
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.randomness import episode_keys
+from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.item_bodies import draw_classes
 from mjforage.runs.recording import record
+from mjforage.scenario.scenario_file import load_scenario
 
 
 def test_views_and_idleness_are_those_of_the_agents_ways() -> None:

@@ -8,14 +8,14 @@ import numpy as np
 import polars as pl
 import pytest
 
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
-from mjforage.core.vessel_files import vessel_path
+from mjforage.base.errors import UserError
+from mjforage.mission.setup import Setup
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.recording import record
 from mjforage.runs.replaying import replay_of_run
+from mjforage.scenario.scenario_file import load_scenario
+from mjforage.scenario.vessel_files import vessel_path
 from mjforage.view.report import write_report
 
 

@@ -13,9 +13,8 @@ from typing import Any
 
 import pytest
 
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.mission.setup import Setup
 from mjforage.runs import layout
 from mjforage.runs.assignments import Assignment, run_chunk
 from mjforage.runs.costs import load_costs
@@ -24,6 +23,7 @@ from mjforage.runs.layout import CHUNK, plan
 from mjforage.runs.lock import claimed
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import TABLES
+from mjforage.scenario.scenario_file import load_scenario
 
 PATIENCE_S = 120.0
 Start = Callable[..., "subprocess.Popen[str]"]

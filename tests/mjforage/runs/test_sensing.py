@@ -5,15 +5,15 @@ from typing import Any
 
 import pytest
 
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import (
+from mjforage.runs.sensing import ASSUMPTIONS, AXES, sensing
+from mjforage.runs.study import Variant
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import (
     canonical_json,
     load_scenario,
     scenario_from_tree,
     scenario_to_tree,
 )
-from mjforage.runs.sensing import ASSUMPTIONS, AXES, sensing
-from mjforage.runs.study import Variant
 
 POLICIES = ("greedy", "belief")
 

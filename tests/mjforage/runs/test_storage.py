@@ -9,22 +9,22 @@ from typing import Any
 import polars as pl
 import pytest
 
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
-from mjforage.core.whole_files import write_json
+from mjforage.base.atomic_files import write_json
+from mjforage.base.errors import UserError
+from mjforage.mission.setup import Setup
 from mjforage.runs.costs import Cost
 from mjforage.runs.identity import hull_facts, run_hash
 from mjforage.runs.resuming import set_aside
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import SCHEMAS, TABLES
+from mjforage.scenario.scenario_file import load_scenario
 
 INFO: dict[str, Any] = {
     "command": "mjforage study paper --policy greedy",
     "scenario": {"name": "x", "team": {"scouts": {"count": 2}}},
     "map": {"name": "m", "navigable": ["01", "11"]},
     "versions": {"mjforage": "1", "mujoco": "3", "numpy": "2", "python": "3.11"},
-    "code": {"core/moves.py": "ab", "core/rules.py": "cd"},
+    "code": {"mission/moves.py": "ab", "mission/a.py": "cd"},
     "seed": 0,
     "episodes": 3,
     "worlds": ["graph"],
@@ -114,10 +114,14 @@ def test_same_run_may_be_opened_again_and_keeps_its_file(run: RunFolder) -> None
         ("versions", INFO["versions"] | {"mujoco": "4"}, 'mujoco is "3" there and "4" here'),
         (
             "code",
-            INFO["code"] | {"core/moves.py": "ef"},
-            "core/moves.py differs; give --accept",
+            INFO["code"] | {"mission/moves.py": "ef"},
+            "mission/moves.py differs; give --accept",
         ),
-        ("code", {"core/moves.py": "ab"}, "another run: core/rules.py is gone; give --accept"),
+        (
+            "code",
+            {"mission/moves.py": "ab"},
+            "another run: mission/a.py is gone; give --accept",
+        ),
         ("code", INFO["code"] | {"new.py": "1"}, "another run: new.py is not there; give --accept"),
         ("agents", [{"name": "other_0"}], "the agents are others or in another order"),
     ],
@@ -132,14 +136,14 @@ def test_another_run_is_refused_with_the_difference(
 
 
 def test_changed_code_is_accepted_on_request_and_noted(run: RunFolder) -> None:
-    changed = INFO | {"code": {"core/moves.py": "ef"}, "hash": "new"}
+    changed = INFO | {"code": {"mission/moves.py": "ef"}, "hash": "new"}
     for _ in range(2):  # once accepted it is the same run
         content = run.open(changed, accept=True)
         written = json.loads((run.path / "run.json").read_text())
         assert written["code"] == changed["code"] and written["hash"] == "new"
         (note,) = written["accepted"]
         assert content["accepted"] == [note]
-        assert note["differences"] == ["core/moves.py differs", "core/rules.py is gone"]
+        assert note["differences"] == ["mission/moves.py differs", "mission/a.py is gone"]
     assert run.open(changed)["accepted"] == [note]
     run.open(INFO, accept=True)
     assert len(json.loads((run.path / "run.json").read_text())["accepted"]) == 2
@@ -322,7 +326,7 @@ def test_hash_depends_on_scenario_map_code_and_versions_of_what_computes() -> No
         ("scenario", {"name": "y"}),
         ("map", {"name": "m", "navigable": ["11", "11"]}),
         ("versions", INFO["versions"] | {"mujoco": "4"}),
-        ("code", INFO["code"] | {"core/moves.py": "ef"}),
+        ("code", INFO["code"] | {"mission/moves.py": "ef"}),
     ):
         assert run_hash(INFO) != run_hash(INFO | {key: value})
     assert len(run_hash(INFO)) == 16

@@ -12,14 +12,14 @@ import jsonschema
 import polars as pl
 import pytest
 
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.schema import json_schema
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.mission.setup import Setup
 from mjforage.runs import variants
 from mjforage.runs.costs import load_costs
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.study import Study, StudyInfo, run_study
+from mjforage.scenario.scenario_file import load_scenario
+from mjforage.scenario.schema import json_schema
 from mjforage.view.report.studies import write_study_report
 
 Command = Callable[..., Any]

@@ -5,8 +5,8 @@ import numpy as np
 import polars as pl
 import pytest
 
-from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import chosen_metrics
+from mjforage.base.errors import UserError
+from mjforage.mission.mission_metrics import chosen_metrics
 from mjforage.runs.tables import METRIC_COLUMNS, SCHEMAS, TABLES, check_table, read_table
 
 HORIZON = 12

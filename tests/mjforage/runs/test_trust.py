@@ -10,19 +10,19 @@ from pathlib import Path
 import polars as pl
 import pytest
 
-from graph_planner import extensions
-from graph_planner.policies.registry import POLICIES, create_policy, policy_names
-from graph_planner.weights import Q_NETWORK
+from mjforage.base import registry
+from mjforage.base.errors import UserError
 from mjforage.cli import main
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.networks.weights import Q_NETWORK
+from mjforage.graph_planner.policies.registry import POLICIES, create_policy, policy_names
+from mjforage.mission.setup import Setup
 from mjforage.runs import assignments
 from mjforage.runs.assignments import Assignment
 from mjforage.runs.costs import Invocation
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.replaying import replay_of_run
 from mjforage.runs.workers import Workers
+from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.studies.board_policies import given
 
@@ -59,7 +59,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """The present folder, with a module that tells of every import and call."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
-    monkeypatch.setattr(extensions, "_TRUSTED", set())
+    monkeypatch.setattr(registry, "_TRUSTED", set())
     (tmp_path / "evil.py").write_text(EVIL)
     (tmp_path / "trust_mine.py").write_text(MINE)
     path, known = list(sys.path), dict(POLICIES._registered)
@@ -130,7 +130,7 @@ def test_the_users_own_word_lets_it(
     folder: Path, flags: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run_of("trust_mine:North")
-    monkeypatch.setattr(extensions, "_TRUSTED", set())  # as in another process
+    monkeypatch.setattr(registry, "_TRUSTED", set())  # as in another process
     with pytest.raises(SystemExit):
         main(["render", "run", "-o", "x.png"])
     main(["render", "run", "-o", "x.png", *flags])
@@ -141,7 +141,7 @@ def test_a_run_of_ones_own_goes_on_by_the_same_command(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run = run_of("trust_mine:North")
-    monkeypatch.setattr(extensions, "_TRUSTED", set())
+    monkeypatch.setattr(registry, "_TRUSTED", set())
     (run / "summary.json").unlink()
     run_of("trust_mine:North")
     assert (run / "summary.json").is_file()
@@ -154,7 +154,7 @@ def test_weights_run_no_code(folder: Path) -> None:
     with pytest.raises(UserError, match=r"mine.safetensors: .*add --trust evil:Enc"):
         create_policy("mine")
     assert untouched(folder)
-    extensions.trust("evil:Enc")
+    registry.trust("evil:Enc")
     create_policy("mine")
     assert (folder / "imported").exists() and not (folder / "called").exists()
 
@@ -177,14 +177,14 @@ def test_reports_run_no_code(folder: Path) -> None:
 
 
 def test_workers_take_what_their_parent_was_told(folder: Path) -> None:
-    extensions.trust("trust_mine:North")
+    registry.trust("trust_mine:North")
     setup, here = Setup.of(load_scenario("comb-port", ["horizon=4"])), Invocation("", "", 1)
     info = {"hash": "", "policies": ["greedy"], "worlds": ["graph"]}
     work = Assignment.of(setup, 0, folder, info, (), here, Workers(2))
     assert work.trusted == ("trust_mine:North",)
-    extensions._TRUSTED.clear()
+    registry._TRUSTED.clear()
     assignments._setup(replace(work, parent=1, code=()))
-    assert extensions.trusted() == ("trust_mine:North",)
+    assert registry.trusted() == ("trust_mine:North",)
 
 
 @pytest.mark.parametrize(
@@ -206,7 +206,7 @@ def test_nothing_is_called_that_is_no_class_of_policies(
 
 def test_what_is_no_reference_cannot_be_trusted() -> None:
     with pytest.raises(UserError, match=r"evil: expected package.module:Name"):
-        extensions.trust("evil")
+        registry.trust("evil")
 
 
 def test_workers_of_the_command_import_nothing_of_the_present_folder(folder: Path) -> None:

@@ -9,16 +9,16 @@ from pathlib import Path
 
 import pytest
 
-from graph_planner.policies.registry import POLICIES
+from mjforage.base.errors import UserError
 from mjforage.base.kernel_cache import AWAITED, kernel_folder
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.policies.registry import POLICIES
+from mjforage.mission.setup import Setup
 from mjforage.runs import layout
 from mjforage.runs import under_way as module
 from mjforage.runs.evaluate import THIS_PROCESS, evaluate
 from mjforage.runs.under_way import UnderWay, under_way
 from mjforage.runs.workers import Workers
+from mjforage.scenario.scenario_file import load_scenario
 
 SOURCE = """import time
 from pathlib import Path

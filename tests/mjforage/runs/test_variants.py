@@ -2,12 +2,12 @@ from dataclasses import fields, replace
 
 import pytest
 
-from graph_planner.belief_settings import BeliefSettings
-from mjforage.core.errors import UserError
-from mjforage.core.scenario import CorruptionChoice, Scenario
-from mjforage.core.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree
+from mjforage.base.errors import UserError
 from mjforage.runs import variants
 from mjforage.runs.study import Variant
+from mjforage.scenario.belief_settings import BeliefSettings
+from mjforage.scenario.scenario import CorruptionChoice, Scenario
+from mjforage.scenario.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree
 
 BOTH = ("greedy", "levy")
 

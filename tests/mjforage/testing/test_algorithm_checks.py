@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import torch
 
-from graph_planner.inference import values_of
-from graph_planner.q_network import MoveNetwork
-from graph_planner.weights import ACTOR
+from mjforage.graph_planner.networks.inference import values_of
+from mjforage.graph_planner.networks.q_network import MoveNetwork
+from mjforage.graph_planner.networks.weights import ACTOR
 from mjforage.learning.training.algorithm import Algorithm
 from mjforage.learning.training.hyperparameters import CommonHyperparameters
 from mjforage.testing import ConformanceError, check_algorithm

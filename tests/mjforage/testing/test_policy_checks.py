@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.policies import Policy, policy_names
-from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.policies import policy_names
+from mjforage.mission.policy import Policy
+from mjforage.mission.task import Observation, Task
 from mjforage.testing import ConformanceError, check_policy
 from mjforage.testing.conformance import run_checks
 from mjforage.testing.policy_checks import POLICY_CHECKS, PolicyTrial, check_worker

@@ -7,8 +7,8 @@ import pytest
 from matplotlib import rcParams
 from PIL import Image
 
-from mjforage.core.errors import UserError
-from mjforage.core.maps import GridMap, load_map
+from mjforage.base.errors import UserError
+from mjforage.scenario.maps import GridMap, load_map
 from mjforage.view.map_pictures import map_figure, save_map_picture, scale_length
 
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from mjforage.core.dynamics import BLOCKED
 from mjforage.learning.environments.rewards.known import reward
 from mjforage.learning.environments.rewards.term import Amounts, Step
+from mjforage.mission.dynamics import BLOCKED
 
 
 @reward("blocked")

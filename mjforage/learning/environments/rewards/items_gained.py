@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel
-from graph_planner.geodesics import Int32Array
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.learning.environments.rewards.known import reward
 from mjforage.learning.environments.rewards.term import Amounts, Step
 

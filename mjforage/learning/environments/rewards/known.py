@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.extensions import Table, built, is_ours
-from graph_planner.geodesics import Workspace
-from graph_planner.references import nearest
-from graph_planner.task import Task
-from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission
+from mjforage.base.errors import UserError
+from mjforage.base.references import nearest
+from mjforage.base.registry import Table, built, is_ours
+from mjforage.graph_planner.graph.geodesics import Workspace
 from mjforage.learning.environments.rewards.term import Amounts, Before, Follower, Step, Term
+from mjforage.mission.mission import Mission
+from mjforage.mission.task import Task
 
 REWARDS: Table[Callable[..., Term]] = Table("reward", "mjforage.rewards")
 

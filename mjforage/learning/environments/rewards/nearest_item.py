@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from graph_planner.compiled import kernel, prepared
-from graph_planner.geodesics import FAR, Int32Array, Workspace, distances_to_nearest
-from graph_planner.task import TaskArrays
+from mjforage.base.compiled import kernel, prepared
+from mjforage.graph_planner.graph.geodesics import FAR, Int32Array, Workspace, distances_to_nearest
 from mjforage.learning.environments.rewards.known import reward
 from mjforage.learning.environments.rewards.term import Amounts, Step
+from mjforage.mission.task import TaskArrays
 
 
 @kernel

@@ -5,13 +5,13 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel, prepared
-from graph_planner.geodesics import Int32Array, Workspace
-from graph_planner.lending import Lent
-from graph_planner.task import Task
-from graph_planner.visibility import NodeLists
-from mjforage.core.mission import Mission
-from mjforage.core.once import Once
+from mjforage.base.cached import Once
+from mjforage.base.compiled import kernel, prepared
+from mjforage.base.lending import Lent
+from mjforage.graph_planner.graph.geodesics import Int32Array, Workspace
+from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.mission.mission import Mission
+from mjforage.mission.task import Task
 
 Amounts = NDArray[np.float64]  # (episode, agent)
 

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.compiled import kernel, prepared
-from graph_planner.geodesics import Int32Array
-from graph_planner.visibility import NodeLists
+from mjforage.base.compiled import kernel, prepared
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.learning.environments.rewards.known import reward
 from mjforage.learning.environments.rewards.term import Amounts, Step
 

@@ -13,8 +13,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from graph_planner.encodings import Shapes
-from graph_planner.q_network import HEAD, LEVELS, WIDTH, eye, eye_size, key_of
+from mjforage.graph_planner.encodings import Shapes
+from mjforage.graph_planner.networks.q_network import HEAD, LEVELS, WIDTH, eye, eye_size, key_of
 from mjforage.learning.training.mappo.overview import OVERVIEW
 
 

@@ -7,7 +7,7 @@ NeurIPS 35, section 5 and the tables of its appendix.
 from dataclasses import dataclass
 from typing import Annotated
 
-from graph_planner.fields import Within, source
+from mjforage.base.fields import Within, source
 from mjforage.learning.training.hyperparameters import CommonHyperparameters
 
 

@@ -6,11 +6,11 @@ For training alone: no agent and no shipped network reads it.
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.encodings.chart import COARSE
-from graph_planner.encodings.encoder import MOST_ITEMS, TOP
-from mjforage.core.mission import Mission
+from mjforage.graph_planner.encodings.chart import COARSE
+from mjforage.graph_planner.encodings.encoder import MOST_ITEMS, TOP
 from mjforage.learning.environments.game import Game
 from mjforage.learning.training.rounds import Round
+from mjforage.mission.mission import Mission
 
 OVERVIEW = {"truth.items": (1, COARSE, COARSE), "truth.facts": (5,)}
 """Arrays of an episode, uint8 levels: items that are left in each of the map's coarse cells; shares

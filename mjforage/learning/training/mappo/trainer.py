@@ -14,14 +14,12 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from graph_planner.extras import require
-from graph_planner.inference import one_thread
-from graph_planner.navigation import STAY
-from graph_planner.q_network import MoveNetwork
-from graph_planner.weights import ACTOR
-from mjforage.core.errors import UserError
-from mjforage.core.scenario import Scenario
-from mjforage.core.sizes import check_memory
+from mjforage.base.errors import UserError
+from mjforage.base.extras import require
+from mjforage.graph_planner.graph.navigation import STAY
+from mjforage.graph_planner.networks.inference import one_thread
+from mjforage.graph_planner.networks.q_network import MoveNetwork
+from mjforage.graph_planner.networks.weights import ACTOR
 from mjforage.learning.environments.game import CHOSEN, OTHERWISE_STAY
 from mjforage.learning.training.algorithm import Algorithm, teacher_label
 from mjforage.learning.training.files import count_of, restore_moments
@@ -30,6 +28,8 @@ from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameter
 from mjforage.learning.training.mappo.overview import overview
 from mjforage.learning.training.mappo.rollout import Rollout
 from mjforage.learning.training.progress import Row
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.sizes import check_memory
 
 if TYPE_CHECKING:
     from mjforage.learning.training.mappo.updates import Updates

@@ -20,7 +20,7 @@ from torchrl.modules import MaskedCategorical, PopArtValueNorm
 from torchrl.objectives.multiagent import MAPPOLoss
 from torchrl.objectives.value.functional import vec_generalized_advantage_estimate
 
-from graph_planner.inference import one_thread
+from mjforage.graph_planner.networks.inference import one_thread
 from mjforage.learning.training.mappo.critic import Critic
 from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
 from mjforage.learning.training.mappo.rollout import Decisions

@@ -5,8 +5,8 @@ Only what agents know and forecast is in no log: for pictures of it, episodes ar
 
 from pathlib import Path
 
-from mjforage.core.errors import UserError
-from mjforage.core.whole_files import write_bytes
+from mjforage.base.atomic_files import write_bytes
+from mjforage.base.errors import UserError
 from mjforage.runs.run_info import again
 from mjforage.view.report.exports import NOTHING_ELSE, Exports, export
 from mjforage.view.report.report_page import definition_notes

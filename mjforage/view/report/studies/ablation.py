@@ -1,7 +1,7 @@
 """What an agent of each team is worth: the paper's Tables 5 and 6."""
 
-from metrics import paired_contribution, paired_p
-from mjforage.core.mission_metrics import describe
+from mjforage.metrics import paired_contribution, paired_p
+from mjforage.mission.mission_metrics import describe
 from mjforage.runs.variants import COMPLETE, lesser_name
 from mjforage.view.page import style
 from mjforage.view.page.picture import Picture, house_style

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from mjforage.core.mission_metrics import Description, describe
+from mjforage.mission.mission_metrics import Description, describe
 from mjforage.runs.axes import Axis, Point
 from mjforage.view.page import style
 from mjforage.view.page.picture import (

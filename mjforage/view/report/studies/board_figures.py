@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
-from metrics import pareto_front, performance_profile
-from mjforage.core.mission_metrics import Description, describe
+from mjforage.metrics import pareto_front, performance_profile
+from mjforage.mission.mission_metrics import Description, describe
 from mjforage.view.page import style
 from mjforage.view.page.picture import (
     WIDE_IN,

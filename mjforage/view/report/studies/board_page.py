@@ -7,8 +7,8 @@ from pathlib import Path
 
 import jinja2
 
-from mjforage.core.errors import UserError
-from mjforage.core.whole_files import write_bytes
+from mjforage.base.atomic_files import write_bytes
+from mjforage.base.errors import UserError
 from mjforage.view.page.picture import Picture, house_style, png_bytes, smaller
 from mjforage.view.page.table_files import markdown_text
 from mjforage.view.report.differences import FEWEST

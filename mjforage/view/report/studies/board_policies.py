@@ -3,15 +3,15 @@
 import re
 from functools import lru_cache
 
-from graph_planner.policies.registry import (
+from mjforage.base.errors import UserError
+from mjforage.base.references import parse_reference
+from mjforage.graph_planner.policies.registry import (
     policy_files,
     policy_names,
     policy_summary,
     told_policy,
 )
-from graph_planner.references import parse_reference
-from mjforage.core.assets import models_folder
-from mjforage.core.errors import UserError
+from mjforage.scenario.assets import models_folder
 from mjforage.view.page import style
 from mjforage.view.page.table import NOTHING, Row, Table
 from mjforage.view.report.studies.board_scores import Board

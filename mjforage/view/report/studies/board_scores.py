@@ -6,9 +6,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from metrics import normalised, paired_p, resampled_means
-from metrics.resampling import percentiles
-from mjforage.core.mission_metrics import Description, describe
+from mjforage.metrics import normalised, paired_p, resampled_means
+from mjforage.metrics.resampling import percentiles
+from mjforage.mission.mission_metrics import Description, describe
 from mjforage.runs.board import CEILING, FLOOR
 from mjforage.view.page import style
 from mjforage.view.page.table import Number

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from metrics import bootstrap, iqm
-from mjforage.core.mission_metrics import describe
+from mjforage.metrics import bootstrap, iqm
+from mjforage.mission.mission_metrics import describe
 from mjforage.view.page import style
 from mjforage.view.page.picture import joined
 from mjforage.view.page.table import NOTHING, Number, Row, Table

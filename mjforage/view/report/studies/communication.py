@@ -2,7 +2,7 @@
 
 import polars as pl
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.runs.communication import AXES
 from mjforage.runs.holders_seen import HoldersSeen
 from mjforage.runs.parquet import read_parquet

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from mjforage.core.mission_metrics import describe
+from mjforage.mission.mission_metrics import describe
 from mjforage.view.page import style
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report.differences import Difference, family_note, set_apart

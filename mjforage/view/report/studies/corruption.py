@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from metrics import (
+from mjforage.metrics import (
     BreakTest,
     Line,
     SensitivityIntervals,
@@ -19,7 +19,7 @@ from metrics import (
     sensitivity_slope,
     two_segment_fit,
 )
-from mjforage.core.mission_metrics import describe
+from mjforage.mission.mission_metrics import describe
 from mjforage.runs.variants import corrupted_name, levels
 from mjforage.view.page import style
 from mjforage.view.page.picture import (

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from metrics import half_width_95, mean
+from mjforage.metrics import half_width_95, mean
 from mjforage.runs.costs import Cost
 from mjforage.view.page import style
 from mjforage.view.page.picture import WIDTH_IN, Panel, Picture, canvas, house_style

@@ -6,7 +6,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from mjforage.core.mission_metrics import Description
+from mjforage.mission.mission_metrics import Description
 from mjforage.view.page import style
 from mjforage.view.page.picture import WIDE_IN, Picture, canvas, mathtext
 from mjforage.view.report.differences import FEWEST, Estimate, family_note, set_apart

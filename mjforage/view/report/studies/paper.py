@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mjforage.core.mission_metrics import describe
+from mjforage.mission.mission_metrics import describe
 from mjforage.runs.variants import COMPLETE, lesser_name
 from mjforage.view.page import style
 from mjforage.view.page.picture import house_style

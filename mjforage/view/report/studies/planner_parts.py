@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from mjforage.core.mission_metrics import describe
+from mjforage.mission.mission_metrics import describe
 from mjforage.runs.variants import BASELINES, COMPLETE, PARTS, WRONG
 from mjforage.view.page.picture import Picture, house_style
 from mjforage.view.report.studies.compared_players import (

@@ -8,8 +8,8 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from metrics import cost_of_information, paired_p
-from mjforage.core.mission_metrics import describe
+from mjforage.metrics import cost_of_information, paired_p
+from mjforage.mission.mission_metrics import describe
 from mjforage.runs.axes import Axis, Point
 from mjforage.view.page import style
 from mjforage.view.page.picture import WIDTH_IN, Panel, Picture, canvas, house_style

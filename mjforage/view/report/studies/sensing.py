@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.runs.forecasts_seen import ForecastsSeen
 from mjforage.runs.replaying import replay_of_run
 from mjforage.runs.sensing import ASSUMPTIONS, AXES, PLANNER, SLOPE_NODE

@@ -10,7 +10,7 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.runs.costs import Cost, load_costs
 from mjforage.runs.run_info import RunInfo, again, load_run, read_json
 from mjforage.runs.study import StudyInfo, load_study_info, variant_folder

@@ -8,7 +8,7 @@ from matplotlib import colormaps
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from mjforage.core.mission_metrics import describe
+from mjforage.mission.mission_metrics import describe
 from mjforage.runs.study import variant_folder
 from mjforage.view.page import style
 from mjforage.view.page.picture import WIDE_IN, Picture, canvas, house_style, mathtext, undefined

@@ -9,7 +9,7 @@ from gymnasium.vector import VectorEnv
 from numpy.typing import NDArray
 
 import mjforage
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.learning.environments.parallel import ForagingParallelEnv
 
 SHORT = ("horizon=12",)

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import mjforage
-from mjforage.core.errors import UserError
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario, scenario_path
+from mjforage.base.errors import UserError
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario, scenario_path
 
 NAME = "mjforage/Foraging-v0"
 

@@ -14,7 +14,7 @@ from stable_baselines3 import DQN
 from stable_baselines3.common import env_checker
 
 import mjforage
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 
 SHORT = ("horizon=12",)
 FORAGING = ("mjforage/Foraging-v0", "mjforage/SharedPolicy-v0")
@@ -125,7 +125,7 @@ def test_a_window_shows_the_present() -> None:
 def test_without_a_display_a_window_is_refused(made: str) -> None:
     """By us, in one line: Gymnasium would put a window of pygame around the pictures."""
     program = (
-        "import gymnasium, mjforage\nfrom mjforage.core.errors import UserError\n"
+        "import gymnasium, mjforage\nfrom mjforage.base.errors import UserError\n"
         f"try:\n    {made}render_mode='human')\n"
         "except UserError as error:\n    print(error)"
     )

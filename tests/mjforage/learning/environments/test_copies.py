@@ -13,7 +13,7 @@ import pytest
 from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
 
 import mjforage
-from graph_planner.compiled import kinds_of
+from mjforage.base.compiled import kinds_of
 from mjforage.learning.environments.copies import Copied
 from tests.mjforage.walking import arrays, memories
 

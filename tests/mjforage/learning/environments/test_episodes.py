@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import mjforage
-from graph_planner.policies import create_policy
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.policies import create_policy
 
 FEW = ("horizon=20", "items.mean=3", "items.std=1", "items.covariance_node2=4")
 NAMES = ("mjforage/Foraging-v0", "mjforage/SharedPolicy-v0", "mjforage/Waypoint-v0")

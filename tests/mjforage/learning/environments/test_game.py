@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graph_planner.navigation import STAY
+from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.learning.environments.game import (
     CHOSEN,
     OTHERWISE_STAY,

@@ -11,7 +11,7 @@ import pytest
 from stable_baselines3 import PPO
 
 import mjforage  # noqa: F401  registers the ids
-from graph_planner.inference import one_thread
+from mjforage.graph_planner.networks.inference import one_thread
 
 EXAMPLE = Path(__file__).parents[4] / "examples" / "stable_baselines3_and_torchrl.py"
 

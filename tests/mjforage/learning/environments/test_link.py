@@ -9,16 +9,16 @@ import pytest
 from numpy.typing import NDArray
 
 import mjforage
-from graph_planner.encodings import create_encoder
-from graph_planner.encodings.masks import legal_of_agent
-from graph_planner.moves import free_move
-from graph_planner.policies import create_policy
-from graph_planner.task import Observation
-from mjforage.core.initial_state import InitialState
-from mjforage.core.mission import Mission
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.encodings import create_encoder
+from mjforage.graph_planner.encodings.masks import legal_of_agent
+from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.game import Game
 from mjforage.learning.environments.options import EnvironmentOptions
+from mjforage.mission.initial_state import InitialState
+from mjforage.mission.mission import Mission
+from mjforage.mission.moves import free_move
+from mjforage.mission.setup import Setup
+from mjforage.mission.task import Observation
 
 NEAR = ("horizon=60", "link.model=disk", "link.range_m=40", "link.latency=1")
 

@@ -8,7 +8,7 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 import mjforage
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 
 FEW = ("horizon=6", "items.mean=3", "items.std=1", "items.covariance_node2=4")
 NAMES = ("crop", "globe", "moves", "own")

@@ -10,13 +10,13 @@ import pytest
 from numpy.typing import NDArray
 
 import mjforage
-from graph_planner.navigation import OFFSETS
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.graph.navigation import OFFSETS
 from mjforage.learning.environments.pictures import LONG_SIDE
+from mjforage.mission.setup import Setup
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.recording import record
+from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.render import TopView
 from mjforage.view.render.background import painted_background
 from mjforage.view.render.opengl import Canvas

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 import mjforage
-from graph_planner.policies import create_policy
-from mjforage.core.dynamics import ARRIVED, BLOCKED
-from mjforage.core.mission import Mission
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.rewards import PUBLISHED, REWARDS, RewardTerms
 from mjforage.learning.environments.rewards.items_gained import _count
 from mjforage.learning.environments.rewards.term import Before, Follower
+from mjforage.mission.dynamics import ARRIVED, BLOCKED
+from mjforage.mission.mission import Mission
+from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
+from mjforage.scenario.scenario_file import load_scenario
 
 
 def test_the_published_weights() -> None:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import mjforage
-from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission
+from mjforage.base.errors import UserError
 from mjforage.learning.environments.state import CHANNELS, Picture
+from mjforage.mission.mission import Mission
 
 LINK = ("link.model=disk", "link.range_m=32")
 STORES = ("horizon=20", "team.foragers.capacity=4", "team.scouts.energy=10")

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.core.errors import UserError
-from mjforage.core.vessel_files import vessel_path
+from mjforage.base.errors import UserError
 from mjforage.learning.environments.course import FARTHEST_M, NEAREST_M
 from mjforage.learning.environments.waypoint import REWARD, WaypointEnv
+from mjforage.scenario.vessel_files import vessel_path
 
 
 @pytest.fixture(scope="module")

@@ -11,15 +11,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from graph_planner.encodings import legal_moves
-from graph_planner.navigation import STAY
-from graph_planner.randomness import UInt64Array
-from graph_planner.task import Observation, Task
-from mjforage.core.mission import Mission
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.encodings import legal_moves
+from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.learning.environments.rewards import Amounts, Step
+from mjforage.mission.mission import Mission
+from mjforage.mission.setup import Setup
+from mjforage.mission.task import Observation, Task
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario
 
 GAMMA, HORIZON, EAST, WEST = 0.5, 6, 2, 6
 RIGHT = (WEST, EAST)  # the cheap move of each agent

@@ -7,19 +7,19 @@ import numpy as np
 import polars as pl
 import pytest
 
-from graph_planner.policies import create_policy
-from mjforage.core.assets import models_folder
-from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import METRICS, Scorer
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.evaluation import HELD_OUT, Evaluation
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Trainer
+from mjforage.mission.mission_metrics import METRICS, Scorer
+from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
+from mjforage.scenario.assets import models_folder
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario
 from tests.mjforage.learning.training.tiny_runs import placed
 
 TINY = {"num_envs": 3, "capacity": 1000, "batch": 16, "warmup": 20, "evaluate_episodes": 5}

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from mjforage.core.errors import UserError
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario
+from mjforage.base.errors import UserError
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Trainer
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario
 from tests.mjforage.learning.training.tiny_runs import placed
 
 TINY = {"num_envs": 3, "capacity": 1000, "batch": 16, "warmup": 20, "evaluate_episodes": 2}

@@ -12,7 +12,7 @@ import torch
 from safetensors import safe_open
 from safetensors.torch import save_file
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.learning.training.hyperparameters import changed
 from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
 from mjforage.learning.training.mappo.trainer import MappoTrainer

@@ -7,14 +7,10 @@ import numpy as np
 import pytest
 import torch
 
-from graph_planner.encodings import create_encoder
-from graph_planner.policies import create_policy
-from graph_planner.randomness import episode_keys
-from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario, with_values
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.encodings import create_encoder
+from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.game import Game
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.algorithm import TRAINED
@@ -22,6 +18,10 @@ from mjforage.learning.training.grounds import Ground, variants
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Trainer
+from mjforage.mission.mission import Mission
+from mjforage.mission.setup import Setup
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario, with_values
 
 TINY = {"num_envs": 6, "capacity": 2000, "batch": 16, "warmup": 40, "evaluate_episodes": 2}
 VARY = {"vary.link.range_m": [16, 1e6], "vary.link.latency": [0, 1]}

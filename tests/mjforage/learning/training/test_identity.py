@@ -11,9 +11,7 @@ from typing import Any
 
 import pytest
 
-from mjforage.core.errors import UserError
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario
+from mjforage.base.errors import UserError
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training import run
 from mjforage.learning.training.algorithms import ALGORITHMS, find_algorithm
@@ -23,6 +21,8 @@ from mjforage.learning.training.run import IDENTITY, train_with
 from mjforage.learning.training.trainer import Trainer
 from mjforage.learning.training.training_info import TrainingInfo
 from mjforage.runs.resuming import differences
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario
 from tests.mjforage.changing import assert_refused, changes, leaves, with_other
 from tests.mjforage.learning.training.tiny_runs import hyperparameters, scenario
 

@@ -10,19 +10,19 @@ import polars as pl
 import pytest
 import torch
 
-from graph_planner.errors import UserError
-from graph_planner.policies import create_policy
-from graph_planner.weights import load_networks, shipped_weights
-from mjforage.core.mission import Mission
-from mjforage.core.mission_metrics import METRICS, Scorer
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.networks.weights import load_networks, shipped_weights
+from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.training.algorithm import save_weights
 from mjforage.learning.training.evaluation import HELD_OUT
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Trainer
+from mjforage.mission.mission import Mission
+from mjforage.mission.mission_metrics import METRICS, Scorer
+from mjforage.mission.setup import Setup
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario
 
 TINY = {
     "num_envs": 2,

@@ -7,13 +7,13 @@ import pytest
 import torch
 from numpy.typing import NDArray
 
-from graph_planner.encodings import Shapes
-from graph_planner.inference import values_of
-from mjforage.core.scenario_file import load_scenario
+from mjforage.graph_planner.encodings import Shapes
+from mjforage.graph_planner.networks.inference import values_of
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.learner import Learner, lead_lacking
 from mjforage.learning.training.replay_memory import FINAL, PLAYED, Batch
 from mjforage.learning.training.trainer import Trainer
+from mjforage.scenario.scenario_file import load_scenario
 
 pytestmark = pytest.mark.every_capability
 

@@ -11,22 +11,22 @@ import torch
 from numpy.typing import NDArray
 from safetensors.torch import load_file
 
-from graph_planner.policies import create_policy
-from graph_planner.randomness import episode_keys
-from mjforage.core.assets import models_folder
-from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission
-from mjforage.core.mission_metrics import METRICS, Scorer
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario, with_values
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.game import Game
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.evaluation import HELD_OUT
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
 from mjforage.learning.training.trainer import Trainer
+from mjforage.mission.mission import Mission
+from mjforage.mission.mission_metrics import METRICS, Scorer
+from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
+from mjforage.scenario.assets import models_folder
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario, with_values
 
 TINY = {
     "world": "physics",

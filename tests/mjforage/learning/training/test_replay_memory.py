@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from graph_planner.encodings import Shapes
+from mjforage.graph_planner.encodings import Shapes
 from mjforage.learning.training.replay_memory import FINAL, LAST, NOTHING, PLAYED, ReplayMemory
 
 SHAPES: Shapes = {"x": (1,)}

@@ -18,14 +18,9 @@ import torch
 from safetensors import safe_open
 from safetensors.torch import save_file
 
-from graph_planner.errors import WeightsError
-from graph_planner.policies.ddqn import QPolicy
-from graph_planner.randomness import episode_keys
-from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.schema import check, json_schema
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError, WeightsError
+from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.policies.ddqn import QPolicy
 from mjforage.learning.training import run
 from mjforage.learning.training.checkpoint import save_checkpoint
 from mjforage.learning.training.evaluation import HELD_OUT
@@ -35,6 +30,10 @@ from mjforage.learning.training.progress import Progress, Row
 from mjforage.learning.training.run import CHECKPOINT, train
 from mjforage.learning.training.trainer import Trainer
 from mjforage.learning.training.training_info import TrainingInfo
+from mjforage.mission.mission import Mission
+from mjforage.mission.setup import Setup
+from mjforage.scenario.scenario_file import load_scenario
+from mjforage.scenario.schema import check, json_schema
 from tests.mjforage.learning.training.tiny_runs import TINY, hyperparameters, scenario
 
 

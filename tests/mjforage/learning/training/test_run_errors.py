@@ -9,9 +9,9 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from graph_planner.q_network import DuelingNetwork
-from graph_planner.weights import ACTOR
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.networks.q_network import DuelingNetwork
+from mjforage.graph_planner.networks.weights import ACTOR
 from mjforage.learning.training.algorithm import Algorithm, save_weights
 from mjforage.learning.training.algorithms import find_algorithm
 from mjforage.learning.training.checkpoint import save_checkpoint

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from graph_planner.policies import create_policy
-from graph_planner.weights import read_header, shipped_weights
-from mjforage.core.episode_log import EpisodeLog
-from mjforage.core.mission import Mission
-from mjforage.core.mission_metrics import Scorer
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.networks.weights import read_header, shipped_weights
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.episode_log import EpisodeLog
+from mjforage.mission.mission import Mission
+from mjforage.mission.mission_metrics import Scorer
+from mjforage.mission.setup import Setup
+from mjforage.scenario.scenario_file import load_scenario
 
 SHIPPED = ("ddqn", "ddqn-reward", "ddqn-link", "mappo")
 PAPER = {"pta_d": 99.41, "pta_c": 98.68, "csr": 0.946}
@@ -120,7 +120,7 @@ def test_they_are_small(name: str) -> None:
 def test_the_command_line_names_missing_weights(
     refused: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("graph_planner.weights._PLACES", (tmp_path,))
+    monkeypatch.setattr("mjforage.graph_planner.networks.weights._PLACES", (tmp_path,))
     words = refused("evaluate", "--policy", "ddqn-reward", "--out", tmp_path / "run")
     assert "weights ddqn-reward: not found as" in words
     assert not (tmp_path / "run").exists()

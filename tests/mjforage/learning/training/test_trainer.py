@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.inference import values_of
+from mjforage.graph_planner.networks.inference import values_of
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.replay_memory import FINAL, LAST, LEAST, NOTHING, PLAYED
 from mjforage.learning.training.trainer import Trainer

@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario
 
 TINY = {
     "num_envs": 3,

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from mjforage.core.capture import FROM_DEG, FROM_M, QUAYS, Quays, load_capture
-from mjforage.core.capture_rule import capture_cell
+from mjforage.mission.capture_rule import capture_cell
 from mjforage.physics.calibration import taken_in
 from mjforage.physics.calibration.drawing import draw, seen_from_hull
 from mjforage.physics.vessels import load_vessel
+from mjforage.scenario.capture import FROM_DEG, FROM_M, QUAYS, Quays, load_capture
 
 FORAGER = load_vessel("forager")
 

@@ -5,7 +5,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.physics import callback
 from mjforage.physics.callback import Route, installation, native
 from mjforage.physics.callback.model_layout import SCHEME, WATER

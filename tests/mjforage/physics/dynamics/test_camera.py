@@ -3,12 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from graph_planner.randomness import episode_keys
-from mjforage.core.errors import UserError
-from mjforage.core.scenario import Sensors
+from mjforage.base.errors import UserError
+from mjforage.base.randomness import episode_keys
 from mjforage.physics.dynamics.camera import camera_of, sight_items, variance
 from mjforage.physics.dynamics.tracks import Tracks
 from mjforage.physics.worlds import create_mission
+from mjforage.scenario.scenario import Sensors
 from tests.mjforage.physics.dynamics.test_mujoco_dynamics import setup_of
 
 EXACT = Sensors(pickup_range_noise_per_m=0.0, pickup_view_deg=360.0, pickup_range_m=1e4)

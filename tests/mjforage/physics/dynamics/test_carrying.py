@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 
 import mjforage
-from graph_planner.navigation import navigation_graph
-from graph_planner.policies import create_policy
-from mjforage.core.initial_state import LEEWAY
-from mjforage.core.mission import Mission
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.initial_state import LEEWAY
+from mjforage.mission.mission import Mission
+from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.carrying import carried
 from mjforage.physics.scene.debris import load_debris
 from mjforage.physics.weather import Field, WeatherSettings
 from mjforage.physics.worlds import create_mission
+from mjforage.scenario.scenario_file import load_scenario
 
 CLASSES = 'physics.item_classes=["drifter", "bottle", "bag"]'
 STILL = ("weather.noise_node_per_step=0", "team.scouts.count=0", "horizon=8")

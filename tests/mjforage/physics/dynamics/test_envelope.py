@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.policies import create_policy
-from mjforage.core.dynamics import ARRIVED, LATE
-from mjforage.core.episode_log import EpisodeLog
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.dynamics import ARRIVED, LATE
+from mjforage.mission.episode_log import EpisodeLog
+from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
 from mjforage.physics.worlds import create_mission
+from mjforage.scenario.scenario_file import load_scenario
 
 PERIODS = 4
 TEAMS = ("scouts", "foragers")

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from graph_planner.moves import Moves
-from graph_planner.navigation import STAY
-from graph_planner.randomness import episode_keys
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.graph.navigation import STAY
+from mjforage.mission.moves import Moves
+from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
 from mjforage.physics.worlds import create_mission
+from mjforage.scenario.scenario_file import load_scenario
 
 CALM = ("weather.drift_node_per_step=0.0", "weather.noise_node_per_step=0.0")
 STREAM = ("weather.current_speed_mps=0.3",)

@@ -1,9 +1,9 @@
 import numpy as np
 
-from graph_planner.navigation import navigation_graph
-from graph_planner.randomness import episode_keys
-from mjforage.core.dynamics import Transition, start_state
-from mjforage.core.initial_state import InitialState
+from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.mission.dynamics import Transition, start_state
+from mjforage.mission.initial_state import InitialState
 from mjforage.physics.dynamics.item_bodies import draw_classes, read_items
 
 ON = np.ones(1, np.bool_)

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from graph_planner.policies import create_policy
-from mjforage.core.dynamics import ARRIVED, BLOCKED, LATE
-from mjforage.core.episode_log import EpisodeLog
-from mjforage.core.errors import UserError
-from mjforage.core.film import Film
-from mjforage.core.mission_metrics import Scorer
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.dynamics import ARRIVED, BLOCKED, LATE
+from mjforage.mission.episode_log import EpisodeLog
+from mjforage.mission.film import Film
+from mjforage.mission.mission_metrics import Scorer
+from mjforage.mission.setup import Setup
 from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
 from mjforage.physics.simulation import InstabilityError
 from mjforage.physics.worlds import WORLDS, create_mission
+from mjforage.scenario.scenario_file import load_scenario
 
 SHORT = ("horizon=6",)
 IDEAL = (

@@ -1,9 +1,9 @@
 import numpy as np
 
-from graph_planner.navigation import navigation_graph
-from graph_planner.task import IDLE, MISSED, TAKEN, UNREACHABLE
-from mjforage.core.dynamics import Transition, start_state
-from mjforage.core.initial_state import InitialState
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.mission.dynamics import Transition, start_state
+from mjforage.mission.initial_state import InitialState
+from mjforage.mission.task import IDLE, MISSED, TAKEN, UNREACHABLE
 from mjforage.physics.dynamics.picking import (
     ATTEMPTS,
     LATER_S,

@@ -1,8 +1,8 @@
 import numpy as np
 
-from graph_planner.randomness import episode_keys
-from mjforage.core.scenario import Sensors
+from mjforage.base.randomness import episode_keys
 from mjforage.physics.dynamics.sensing import measured_poses
+from mjforage.scenario.scenario import Sensors
 
 KEYS = episode_keys(0, np.arange(2000))
 POSE = np.tile(np.array([1.0, -2.0, 0.5]), (2000, 3, 1))

@@ -3,9 +3,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from controllers import Chart
-from graph_planner.randomness import episode_keys
-from mjforage.core.scenario import Sensors
+from mjforage.base.randomness import episode_keys
+from mjforage.controllers import Chart
 from mjforage.physics.dynamics.camera import camera_of
 from mjforage.physics.dynamics.tracks import (
     FORGET_S,
@@ -16,6 +15,7 @@ from mjforage.physics.dynamics.tracks import (
     look_out,
     tracked,
 )
+from mjforage.scenario.scenario import Sensors
 
 STEP_S = 0.1
 OPEN = Water(np.zeros((0, 0), np.bool_), 4.0)

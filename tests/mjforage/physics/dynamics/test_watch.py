@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from mjforage.core.dynamics import ARRIVED, BLOCKED, LATE
+from mjforage.mission.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.physics.dynamics.watch import (
     Harbour,
     Motion,

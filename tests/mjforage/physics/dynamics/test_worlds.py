@@ -1,8 +1,8 @@
 import pytest
 
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario
 from mjforage.physics.worlds import WORLDS, ladder_of
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario
 
 WEATHER = load_scenario("comb-port-weather")
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import InstabilityError, Integrator, Simulation, simulation
 from mjforage.physics.vessels import load_vessel

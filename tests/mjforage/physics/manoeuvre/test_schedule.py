@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.physics.manoeuvre.directions import parse_flow
 from mjforage.physics.manoeuvre.schedule import Schedule, check_schedule, read_schedule
 from mjforage.physics.vessels import load_vessel

@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.physics.hydrodynamics.conditions import Conditions, State
 from mjforage.physics.manoeuvre import (
     Schedule,

@@ -7,14 +7,14 @@ import mujoco
 import numpy as np
 import pytest
 
-from mjforage.core.assets import models_folder
-from mjforage.core.errors import UserError
-from mjforage.core.maps import load_map
-from mjforage.core.vessel_files import vessel_names
+from mjforage.base.errors import UserError
 from mjforage.physics.callback.model_layout import HEADER, MAGIC
 from mjforage.physics.hydrodynamics.parameters import pack_fleet
 from mjforage.physics.scene import build_scene, check_passages
 from mjforage.physics.vessels import load_vessel
+from mjforage.scenario.assets import models_folder
+from mjforage.scenario.maps import load_map
+from mjforage.scenario.vessel_files import vessel_names
 
 SCOUT, FORAGER = load_vessel("scout"), load_vessel("forager")
 PORT = load_map("comb_port").navigable

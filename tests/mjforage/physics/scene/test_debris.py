@@ -2,9 +2,9 @@ from pathlib import Path
 
 import pytest
 
-from mjforage.core.assets import models_folder
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.physics.scene import DebrisClass, load_debris
+from mjforage.scenario.assets import models_folder
 
 CLASSES = load_debris()
 TEXT = (models_folder() / "debris.toml").read_text()

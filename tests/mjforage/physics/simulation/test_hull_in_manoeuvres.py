@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.hydrodynamics.ode_hull import OdeHull
 from mjforage.physics.manoeuvre import manoeuvre, run_test

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mjforage.base.errors import UserError
 from mjforage.bench.rates import Rate
 from mjforage.bench.simulations import physics_speeds
-from mjforage.core.errors import UserError
 from mjforage.physics import callback
 from mjforage.physics.callback import Route
 from mjforage.physics.hydrodynamics.conditions import Conditions

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.physics.validation import Finding, Measure, repeats, run_checks
 from mjforage.physics.validation.finding import at_most, near, near_share, shown, within
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.physics.validation import Finding, Measure
 from mjforage.physics.validation.finding import Line, Panel, at_most
 from mjforage.view.validation import write_validation

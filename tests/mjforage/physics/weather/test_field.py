@@ -8,17 +8,17 @@ import pytest
 from numpy.typing import NDArray
 from scipy import stats
 
-from graph_planner.fleet import Fleet, Role
-from graph_planner.moves import Moves
-from graph_planner.navigation import STAY, navigation_graph
-from graph_planner.randomness import episode_keys
-from mjforage.core.errors import UserError
-from mjforage.core.graph_dynamics import GraphDynamics
-from mjforage.core.initial_state import InitialState, create_initial_state
-from mjforage.core.maps import load_map
-from mjforage.core.scenario import Items, Weather
-from mjforage.core.scenario_file import load_scenario
+from mjforage.base.errors import UserError
+from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.graph.navigation import STAY, navigation_graph
+from mjforage.mission.graph_dynamics import GraphDynamics
+from mjforage.mission.initial_state import InitialState, create_initial_state
+from mjforage.mission.moves import Moves
 from mjforage.physics.weather import Field, WeatherSettings
+from mjforage.scenario.fleet import Fleet, Role
+from mjforage.scenario.maps import load_map
+from mjforage.scenario.scenario import Items, Weather
+from mjforage.scenario.scenario_file import load_scenario
 
 PITCH, PERIOD = 4.0, 10.0
 HARBOUR = navigation_graph(load_map("comb_port").navigable, PITCH, False)

@@ -7,11 +7,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
-from graph_planner.navigation import NavigationGraph, navigation_graph
-from mjforage.core.maps import load_map
+from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
 from mjforage.physics.weather.flow import LAYER, Flow, flow_of
 from mjforage.physics.weather.stream_element import TURN, stream_velocity
 from mjforage.physics.weather.stream_solver import still_unknowns, stream_functions
+from mjforage.scenario.maps import load_map
 
 PITCH = 4.0
 PORTS = ("comb_port", "channels", "open_bay")

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy import stats
 
-from graph_planner.compiled import kernel
-from graph_planner.randomness import Stream, UInt64Array, episode_keys, stream_key
+from mjforage.base.compiled import kernel
+from mjforage.base.randomness import Stream, UInt64Array, episode_keys, stream_key
 from mjforage.physics.weather.gauss_markov import (
     LEVELS,
     ROOT,

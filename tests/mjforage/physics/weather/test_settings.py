@@ -3,10 +3,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mjforage.core.errors import UserError
-from mjforage.core.scenario import Weather
-from mjforage.core.schema import rows
+from mjforage.base.errors import UserError
 from mjforage.physics.weather.settings import WeatherSettings
+from mjforage.scenario.scenario import Weather
+from mjforage.scenario.schema import rows
 
 
 @pytest.mark.parametrize(

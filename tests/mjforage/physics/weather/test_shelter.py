@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from graph_planner.navigation import NavigationGraph, navigation_graph
-from graph_planner.randomness import episode_keys
-from mjforage.core.maps import load_map
+from mjforage.base.randomness import episode_keys
+from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
 from mjforage.physics.weather import Field, WeatherSettings
 from mjforage.physics.weather.shelter import CALM, lee, shelter_of, upwind_land_m
+from mjforage.scenario.maps import load_map
 
 PITCH, HEIGHT = 4.0, 3.0
 HARBOUR = navigation_graph(load_map("comb_port").navigable, PITCH, False)

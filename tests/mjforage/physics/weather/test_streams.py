@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import k0, k1
 
-from graph_planner.navigation import NavigationGraph, navigation_graph
+from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
 from mjforage.physics.weather.flow import LAYER, has_open_border
 from tests.mjforage.physics.weather.test_flow import (
     EAST,

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.render import TopView, default_camera, needs_opengl, opengl, render_replay
 

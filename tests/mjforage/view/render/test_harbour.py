@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.core.maps import load_map
+from mjforage.scenario.maps import load_map
 from mjforage.view.render import harbour, textures
 from mjforage.view.render.harbour import BEYOND, PaddedLand, Shape
 from mjforage.view.render.sheds import shed_boxes, shed_shape

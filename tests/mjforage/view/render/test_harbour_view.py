@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image as PilImage
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.physics.callback.installation import uninstall
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation

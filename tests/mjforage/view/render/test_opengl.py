@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.view.render import opengl
 from mjforage.view.render.opengl import Canvas, choose_backend
 

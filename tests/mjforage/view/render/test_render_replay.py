@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image as PilImage
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.render import TopView, frame_times, render_replay
 

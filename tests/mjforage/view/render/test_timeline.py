@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.render.panel import mission_clock
 from mjforage.view.render.timeline import NEVER, course_at, timeline_of

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image as PilImage
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.view.render import write_video
 from mjforage.view.render.gif import HELD, held
 

@@ -4,10 +4,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.mission.setup import Setup
 from mjforage.runs.episode_replay import Replay
+from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.render.track import Track
 from mjforage.view.render.viewer import put, scene_of, start_of, view_replay, view_scenario
 

@@ -16,12 +16,12 @@ import polars as pl
 from numpy.typing import NDArray
 from polars import selectors
 
-from metrics import summarise
-from mjforage.core.scenario_file import load_scenario, scenario_to_tree
-from mjforage.core.setup import Setup
+from mjforage.metrics import summarise
+from mjforage.mission.setup import Setup
 from mjforage.runs.costs import Cost
 from mjforage.runs.run_info import Agent, Hulls, MapInfo, RunInfo
 from mjforage.runs.study import StudyInfo, VariantInfo
+from mjforage.scenario.scenario_file import load_scenario, scenario_to_tree
 from mjforage.view.page.table import Row, Table
 from mjforage.view.report.run_logs import RunLogs, Summaries, Summary
 from mjforage.view.report.studies.study_logs import StudyLogs

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.core.mission_metrics import chosen_metrics
+from mjforage.mission.mission_metrics import chosen_metrics
 from mjforage.runs.episode_replay import Replay
 
 FLOATS = tuple(one.key for one in chosen_metrics())

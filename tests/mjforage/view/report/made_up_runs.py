@@ -9,7 +9,7 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from mjforage.core.whole_files import write_bytes
+from mjforage.base.atomic_files import write_bytes
 from mjforage.runs.kept import replay_file
 from tests.mjforage.view.report.made_up_episodes import FLOATS, Plan, made_up_episode, port
 

@@ -9,7 +9,7 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from metrics import summarise
+from mjforage.metrics import summarise
 from mjforage.runs.study import variant_folder
 from mjforage.view.report.run_logs import Summary
 from mjforage.view.report.studies.study_logs import StudyLogs, load_study

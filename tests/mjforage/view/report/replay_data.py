@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.core.whole_files import write_bytes
+from mjforage.base.atomic_files import write_bytes
 from mjforage.runs.episode_replay import Replay
 from mjforage.runs.held import Held
 from mjforage.view.report.web_replay import WebReplay, web_replay

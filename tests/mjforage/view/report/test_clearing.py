@@ -8,7 +8,7 @@ import numpy as np
 import polars as pl
 import pytest
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.runs.run_info import load_run
 from mjforage.view.report import clearing, write_report
 from mjforage.view.report.clearing import UNKNOWN, about, clearing_step, clearing_table

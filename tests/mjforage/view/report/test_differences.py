@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from metrics import Interval
-from mjforage.core.mission_metrics import describe
+from mjforage.metrics import Interval
+from mjforage.mission.mission_metrics import describe
 from mjforage.view.report.all_tables import draw_tables
 from mjforage.view.report.differences import (
     LEVEL,

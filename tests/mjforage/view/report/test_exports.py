@@ -8,8 +8,8 @@ import numpy as np
 import polars as pl
 import pytest
 
-from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import describe
+from mjforage.base.errors import UserError
+from mjforage.mission.mission_metrics import describe
 from mjforage.view.page.picture import Picture
 from mjforage.view.report import Exports, write_report
 from mjforage.view.report.all_figures import draw_figures

@@ -9,9 +9,9 @@ import polars as pl
 import pytest
 from matplotlib.collections import PathCollection
 
-from metrics import paired_difference
-from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import describe
+from mjforage.base.errors import UserError
+from mjforage.metrics import paired_difference
+from mjforage.mission.mission_metrics import describe
 from mjforage.runs.parquet import collected
 from mjforage.view.page import Row, Table, embedded_within
 from mjforage.view.page.picture import Picture, canvas

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from mjforage.core.mission_metrics import describe
+from mjforage.mission.mission_metrics import describe
 from mjforage.view.page.html import environment
 from mjforage.view.page.table import Number, Row, Table
 from mjforage.view.report import write_report

@@ -5,14 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from metrics import marginal_contribution
-from mjforage.core.maps import load_map
-from mjforage.core.mission_metrics import describe
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
-from mjforage.core.whole_files import write_json
+from mjforage.base.atomic_files import write_json
+from mjforage.metrics import marginal_contribution
+from mjforage.mission.mission_metrics import describe
+from mjforage.mission.setup import Setup
 from mjforage.runs.identity import run_info
 from mjforage.runs.run_info import RunInfo, load_run
+from mjforage.scenario.maps import load_map
+from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.report.published import PAPER, comparable, elsewhere, published_for
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import polars as pl
 import pytest
 
-from mjforage.core.errors import UserError
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError
+from mjforage.mission.setup import Setup
 from mjforage.runs.evaluate import evaluate
+from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.report.hull_tables import hulls_table
 from mjforage.view.report.reality_gap import gap_table, ladder_table
 from mjforage.view.report.run_logs import RunLogs, load_logs

@@ -14,8 +14,8 @@ import polars as pl
 import pytest
 from rich.console import Console
 
-from mjforage.core.errors import UserError
-from mjforage.core.mission_metrics import chosen_metrics
+from mjforage.base.errors import UserError
+from mjforage.mission.mission_metrics import chosen_metrics
 from mjforage.view.page import style
 from mjforage.view.report import published, terminal_table, write_report
 from mjforage.view.report.all_figures import draw_figures

@@ -11,7 +11,7 @@ import numpy as np
 import polars as pl
 import pytest
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.view.report import run_pairs
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.run_pairs import paired_series, shared_episodes, write_pair
@@ -111,14 +111,14 @@ def test_the_same_logs_give_the_same_page(make_run: MakeRun, tmp_path: Path) -> 
 def test_what_differs_between_them_is_told(make_run: MakeRun) -> None:
     def edit(run: dict[str, Any]) -> None:
         run["scenario"]["teams"]["scouts"]["radius"] = 2.5
-        run["code"] = {"mjforage/core/mission.py": "1234"}
+        run["code"] = {"mjforage/mission/mission.py": "1234"}
 
     page = write_pair(make_run(), change(make_run(), edit))
     (row,) = table(page, "pair-settings")
     assert (row["setting"], row["run-0"], row["run-1"]) == (
         *("scenario.teams.scouts.radius", "4.0", "2.5"),
     )
-    assert "Files of code that differ: mjforage/core/mission.py." in page.read_text("utf-8")
+    assert "Files of code that differ: mjforage/mission/mission.py." in page.read_text("utf-8")
 
 
 @pytest.mark.parametrize(

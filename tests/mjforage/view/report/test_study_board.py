@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from graph_planner.policies import policy_names
+from mjforage.graph_planner.policies import policy_names
 from mjforage.runs.costs import Cost
 from mjforage.view.page.style import looks, policy_colour
 from mjforage.view.page.table import Row, Table

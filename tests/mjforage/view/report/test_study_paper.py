@@ -7,19 +7,19 @@ from functools import cache
 import numpy as np
 import pytest
 
-from metrics import (
+from mjforage.metrics import (
     bootstrap_sensitivity,
     break_test,
     half_width_95,
     sensitivity_slope,
     two_segment_fit,
 )
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.mission.setup import Setup
 from mjforage.runs import communication, variants
 from mjforage.runs.kept import FIRST, KEPT, chosen, ranked, replay_files
 from mjforage.runs.study import Study, Variant, run_study, variant_folder
 from mjforage.runs.variants import corrupted_name
+from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.page.html import environment
 from mjforage.view.page.style import MARKERS, looks
 from mjforage.view.page.table import Row, Table

@@ -13,7 +13,7 @@ import polars as pl
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.core.errors import UserError
+from mjforage.base.errors import UserError
 from mjforage.view.page import html
 from mjforage.view.report import write_report
 from mjforage.view.report.web_replay import SCRIPTS, WebReplay

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mjforage.core.errors import UserError
-from mjforage.core.whole_files import write_bytes
+from mjforage.base.atomic_files import write_bytes
+from mjforage.base.errors import UserError
 from mjforage.runs.episode_replay import Replay
 from mjforage.view.report import write_report
 from mjforage.view.report.run_logs import load_logs

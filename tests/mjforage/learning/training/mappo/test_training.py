@@ -12,20 +12,19 @@ import polars as pl
 import pytest
 import torch
 
-from graph_planner.errors import WeightsError
-from graph_planner.policies.ddqn import QPolicy
-from graph_planner.policies.mappo import MappoPolicy
-from graph_planner.weights import ACTOR, read_header
-from mjforage.core.errors import UserError
-from mjforage.core.mission import Mission
-from mjforage.core.scenario import Scenario
-from mjforage.core.scenario_file import load_scenario
-from mjforage.core.setup import Setup
+from mjforage.base.errors import UserError, WeightsError
+from mjforage.graph_planner.networks.weights import ACTOR, read_header
+from mjforage.graph_planner.policies.ddqn import QPolicy
+from mjforage.graph_planner.policies.mappo import MappoPolicy
 from mjforage.learning.training.hyperparameters import changed
 from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
 from mjforage.learning.training.mappo.overview import overview
 from mjforage.learning.training.mappo.trainer import MappoTrainer
 from mjforage.learning.training.run import train, train_with
+from mjforage.mission.mission import Mission
+from mjforage.mission.setup import Setup
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.scenario_file import load_scenario
 
 TINY = {
     "num_envs": 3,
@@ -172,7 +171,7 @@ def test_weights_of_another_kind_are_refused(
     mission.reset(0, np.arange(1))
     mission.run(QPolicy(actor))
     (tmp_path / "weights").mkdir()
-    monkeypatch.setattr("graph_planner.weights._PLACES", (tmp_path,))
+    monkeypatch.setattr("mjforage.graph_planner.networks.weights._PLACES", (tmp_path,))
     data = actor.read_bytes().replace(b"mjforage actor 1", b"mjforage actor 9")
     (tmp_path / "weights" / "mappo.safetensors").write_bytes(data)
     with pytest.raises(WeightsError, match=r"format 'mjforage actor 9', .* expected .*actor 1'"):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import torch
 
-from graph_planner.encodings import Shapes
-from graph_planner.q_network import MoveNetwork
+from mjforage.graph_planner.encodings import Shapes
+from mjforage.graph_planner.networks.q_network import MoveNetwork
 from mjforage.learning.training.mappo.critic import Critic
 from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
 from mjforage.learning.training.mappo.overview import OVERVIEW

@@ -1,9 +1,0 @@
-"""Errors that a user can mend: each names the thing, the value and the remedy."""
-
-
-class UserError(Exception):
-    """Bad input or a bad environment; the command line prints it as one line and exits with 2."""
-
-
-class WeightsError(UserError):
-    """A weight file that is missing, of another kind, or made for something else."""

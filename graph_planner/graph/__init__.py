@@ -1,0 +1,1 @@
+"""The graph: nodes, shortest ways, lines of sight and the boundary of the map."""

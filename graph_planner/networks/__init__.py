@@ -1,0 +1,1 @@
+"""Networks of learned policies and their weight files."""

@@ -1,0 +1,185 @@
+"""Meeting items that drift: when and where, and who meets which by ratios of pairs.
+
+Online greedy with reassignment, the idea of Heine, "Team Orienteering with Moving Targets" (from a
+summary of it): of all pairs of an agent and an item the one with the largest ratio of reward to the
+time until they meet is made, then the next; made anew at every decision, an item changes hands when
+a better pair appears.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.compiled import kernel
+from mjforage.graph_planner.belief_planner.foraging import Able
+from mjforage.graph_planner.belief_planner.routes import NOWHERE
+from mjforage.graph_planner.belief_planner.shore import Shore, drifted
+from mjforage.graph_planner.belief_planner.stops import FAR, Floating
+from mjforage.graph_planner.belief_planner.taking import Taking, dwell, quays_beside
+from mjforage.graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
+from mjforage.graph_planner.graph.geodesics import Int32Array
+
+_STRIDE = 0.5  # of the decisions still missing are let pass at once: items drift slower than agents
+
+
+class Sea(NamedTuple):
+    """What moves items and agents."""
+
+    shore: Shore
+    ways: tuple[Ways, ...]  # one per kind of forager
+    drift: NDArray[np.float64]  # (2,) [node/step]
+    taking: Taking
+    stay: bool  # whether staying put is a move
+    latest: float  # decision after which nothing is met
+
+
+class Wanted(NamedTuple):
+    """Nodes with items, certain or probable."""
+
+    node: Int32Array  # (lot,) now
+    row: NDArray[np.float64]  # (lot,) mean place of its items [node]
+    col: NDArray[np.float64]
+    weight: NDArray[np.float64]  # (lot,) items
+    reward: NDArray[np.float64]  # (lot,) items there and near it
+
+
+@kernel
+def meet(
+    sea: Sea, kind: int, at: int, row: float, col: float, free: float, latest: float
+) -> tuple[float, int]:
+    """Decision at whose end an agent meets an item, and the node; `FAR` if later than `latest`.
+
+    It is the first one in which the agent can be where the item is then; who moves several nodes at
+    a time, and so does not get everywhere, may be given a later one. An item that is collected in
+    a decision has drifted in those before: collecting comes before drifting.
+
+    Parameters
+    ----------
+    kind, at : which of the ways it moves by, and its node in decision `free`
+    row, col : place of the item now [node]
+    free : decisions from now until it sets out
+    """
+    shore, drift = sea.shore, sea.drift
+    ways, again = sea.ways[kind], 1.0 if sea.stay else 2.0
+    row, col, node = drifted(shore, row, col, drift[0], drift[1], free)
+    when = free + 1.0
+    while when <= latest:
+        decisions = ways.decisions[row_to(ways, node), at]
+        missing = 1.0  # where nobody can be: the item may drift on to where somebody can
+        if decisions != UNREACHED:
+            missing = free + (float(decisions) if decisions > 0 else again) - when
+        if missing <= 0.0:
+            stop = when + sea.taking.usual[quays_beside(shore, row, col, node)]
+            return stop, node
+        passed = max(1.0, np.floor(_STRIDE * missing))
+        row, col, node = drifted(shore, row, col, drift[0], drift[1], passed)
+        when += passed
+    return FAR, NOWHERE
+
+
+@kernel
+def lots_of(items: Floating, sea: Sea, near: float) -> Wanted:
+    """The items of every node in one lot.
+
+    Parameters
+    ----------
+    near : decisions by which the reward of what is around falls to 1/e; 0: it counts nothing
+    """
+    ways, shore = sea.ways[0], sea.shore
+    place = np.full(shore.rows.size, NOWHERE)
+    n, count = 0, items.number[0]
+    node, weight = np.empty(count, np.int32), np.zeros(count)
+    row, col = np.zeros(count), np.zeros(count)
+    for i in range(count):
+        if items.weight[i] <= 0.0:
+            continue
+        down, right, here = drifted(shore, items.row[i], items.col[i], 0.0, 0.0, 0.0)
+        if place[here] == NOWHERE:
+            place[here], node[n] = n, here
+            n += 1
+        lot, more = place[here], items.weight[i]
+        weight[lot] += more
+        row[lot] += more * down
+        col[lot] += more * right
+    reward = weight[:n].copy()
+    for i in range(n):
+        row[i], col[i] = row[i] / weight[i], col[i] / weight[i]
+        decisions = ways.decisions[row_to(ways, node[i])]
+        for j in range(n):
+            if near > 0.0 and j != i and decisions[node[j]] != UNREACHED:
+                reward[i] += weight[j] * np.exp(-float(decisions[node[j]]) / near)
+    return Wanted(node[:n], row[:n], col[:n], weight[:n], reward)
+
+
+@kernel
+def _meet_all(
+    sea: Sea,
+    able: Able,
+    f: int,
+    at: int,
+    free: float,
+    wanted: Wanted,
+    open_: NDArray[np.bool_],
+    when: NDArray[np.float64],
+    where: Int32Array,
+) -> None:
+    """Fill when and where (lot,) a forager that is free at `at` from `free` on meets each lot."""
+    for lot in range(open_.size):
+        if open_[lot]:
+            place = wanted.row[lot], wanted.col[lot]
+            latest = min(able.lasts[f], sea.latest)
+            about = sea, able.kind[f], at, place[0], place[1], free, latest
+            when[lot], where[lot] = meet(*about)
+
+
+@kernel
+def assign(
+    sea: Sea,
+    able: Able,
+    at: Int32Array,
+    items: Floating,
+    near: float,
+    urgency: float,
+    ahead: int,
+    goal: Int32Array,
+) -> None:
+    """Fill the node (forager,) in which each forager meets its first item, `NOWHERE` without one.
+
+    A forager that has one goes on from there, so that the others do not count on what it will have
+    taken by then. Nobody takes what it has no room for or what its energy does not last for.
+
+    Parameters
+    ----------
+    able : foragers that can collect
+    at : (forager,) nodes
+    near : see `lots_of`
+    urgency : exponent of the time in a ratio
+    ahead : items that a forager is given at most
+    """
+    wanted, n_foragers = lots_of(items, sea, near), at.size
+    n = wanted.node.size
+    open_, room = np.ones(n, np.bool_), able.room.copy()
+    when, where = np.full((n_foragers, n), FAR), np.full((n_foragers, n), np.int32(NOWHERE))
+    given = np.zeros(n_foragers, np.int64)
+    goal[:] = NOWHERE
+    for f in range(n_foragers):
+        _meet_all(sea, able, f, at[f], 0.0, wanted, open_, when[f], where[f])
+    for _ in range(n):
+        best, who, what = 0.0, NOWHERE, NOWHERE
+        for f in range(n_foragers):
+            if given[f] < ahead and room[f] > 0.0:
+                for lot in range(n):
+                    if open_[lot] and when[f, lot] < FAR:
+                        ratio = wanted.reward[lot] / when[f, lot] ** urgency
+                        if ratio > best:
+                            best, who, what = ratio, f, lot
+        if who == NOWHERE:
+            return
+        weight, met = wanted.weight[what], where[who, what]
+        free = when[who, what] + dwell(sea.taking, weight)
+        goal[who] = met if given[who] == 0 else goal[who]
+        given[who] += 1
+        room[who] -= weight
+        open_[what] = False
+        _meet_all(sea, able, who, met, free, wanted, open_, when[who], where[who])

@@ -1,0 +1,14 @@
+"""Errors that a user can mend: each names the thing, the value and the remedy."""
+
+
+class UserError(Exception):
+    """Bad input or a bad environment; the command line prints it as one line and exits with 2."""
+
+
+class WeightsError(UserError):
+    """A weight file that is missing, of another kind, or made for something else."""
+
+
+def printable(text: str) -> str:
+    """A text in which what no terminal can show, such as a NUL byte, is escaped."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)

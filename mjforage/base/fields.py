@@ -1,0 +1,76 @@
+"""How a field of a file says what it is, beside its type: range, unit, source.
+
+`Annotated[float, Within(0, 1000, "node")]` on a dataclass; the sentence is the docstring under the
+field. These are plain marks. `mjforage.scenario.schema` makes errors, schemas and reference pages
+of them.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from annotated_types import Ge, GroupedMetadata, Gt, Le
+
+JsonSchema = dict[str, Any]
+Handler = Callable[[Any], Any]
+
+
+@dataclass(frozen=True)
+class Note:
+    """A word about a field that pydantic hands on into the JSON Schema."""
+
+    key: str  # of the JSON Schema
+    words: str
+
+    def __get_pydantic_json_schema__(self, core: object, handler: Handler) -> JsonSchema:
+        """The field's JSON Schema, with the note."""
+        found: JsonSchema = handler(core)
+        return found | {self.key: self.words}
+
+
+def source(words: str) -> Note:
+    """Where the default, or the range, comes from."""
+    return Note("source", words)
+
+
+@dataclass(frozen=True)
+class Within(GroupedMetadata):
+    """The closed range of a number, and its unit."""
+
+    low: float
+    high: float
+    unit: str = ""
+
+    def __iter__(self) -> Iterator[object]:
+        yield from (Ge(self.low), Le(self.high))
+        if self.unit:
+            yield Note("unit", self.unit)
+
+
+@dataclass(frozen=True)
+class Above(GroupedMetadata):
+    """A number above `low`, up to `high`, and its unit."""
+
+    low: float
+    high: float
+    unit: str = ""
+
+    def __iter__(self) -> Iterator[object]:
+        yield from (Gt(self.low), Le(self.high))
+        if self.unit:
+            yield Note("unit", self.unit)
+
+
+@dataclass(frozen=True)
+class Later:
+    """A key that is younger than run folders with its table, which need not have it.
+
+    The canonical form of a scenario leaves it out at the value that they were played with, so that
+    older hashes stay.
+
+    Attributes
+    ----------
+    before : that value; None where it is the key's default
+    """
+
+    before: object = None

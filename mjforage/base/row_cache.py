@@ -1,0 +1,47 @@
+"""Rows of a table too large to be made whole: those asked for last are kept."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.compiled import kernel
+
+MEMORY = 1 << 27  # bytes of rows
+FEWEST_ROWS = 64
+
+
+def rows_worth_keeping(nodes: int, value_bytes: int) -> int:
+    """How many rows of values of so many bytes to keep."""
+    return min(nodes, max(FEWEST_ROWS, MEMORY // (value_bytes * nodes)))
+
+
+class RowCache(NamedTuple):
+    """Which row of a table belongs to which node. The oldest row makes room."""
+
+    slot: NDArray[np.int32]  # (node,) its row, -1 none now
+    owner: NDArray[np.int32]  # (row,) the node whose row it is, -1 free
+    following: NDArray[np.int64]  # (1,) row to be filled next
+
+    @classmethod
+    def of(cls, nodes: int, rows: int) -> "RowCache":
+        """Nothing kept yet, of a table with so many rows."""
+        return cls(
+            slot=np.full(nodes, -1, np.int32),
+            owner=np.full(rows, -1, np.int32),
+            following=np.zeros(1, np.int64),
+        )
+
+
+@kernel
+def row_of(kept: RowCache, node: int) -> tuple[int, bool]:
+    """Row of a node, and whether it is to be filled first. Asking for the next may overwrite it."""
+    slot, owner, following = kept.slot, kept.owner, kept.following
+    if slot[node] >= 0:
+        return int(slot[node]), False
+    row = following[0]
+    following[0] = (row + 1) % owner.size
+    if owner[row] >= 0:
+        slot[owner[row]] = -1
+    owner[row], slot[node] = node, row
+    return int(row), True

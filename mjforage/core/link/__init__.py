@@ -1,5 +1,0 @@
-"""The link: how looks get from agent to agent, where not everybody hears everything at once."""
-
-from mjforage.core.link.radio import Radio, exchange_of
-
-__all__ = ["Radio", "exchange_of"]

@@ -1,0 +1,1 @@
+"""The mission: loop, moves, knowledge, sensing, link, items, log and scores. No MuJoCo."""

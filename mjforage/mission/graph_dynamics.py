@@ -1,0 +1,128 @@
+"""Graph dynamics: an agent is in its target node after every decision, items follow `ItemRule`.
+
+Order (scenario section 1): all move; foragers remove every item in their node; the rest drift.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.compiled import kernel, prepared
+from mjforage.base.randomness import UInt64Array
+from mjforage.base.rows import put_rows
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import OFFSETS, STAY, NavigationGraph
+from mjforage.mission.capture_chances import chances_of, pickup_of
+from mjforage.mission.dynamics import ARRIVED, BLOCKED, Transition, start_state
+from mjforage.mission.film import Film
+from mjforage.mission.initial_state import LEEWAY, InitialState
+from mjforage.mission.item_rule import ItemRule
+from mjforage.mission.moves import Moves, move_length
+from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.scenario import Scenario
+
+
+@kernel
+def _move(
+    centres: NDArray[np.float64],
+    yaws: NDArray[np.float64],
+    state: Transition,
+    active: NDArray[np.bool_],
+    moves: Moves,
+) -> None:
+    """Put every agent into its target node; distance, energy and speed follow from the move."""
+    direction, target, steps, blocked = moves
+    agent_node, agent_rc, yaw = state.agent_node, state.agent_rc, state.agent_yaw
+    speed, outcome = state.agent_speed, state.outcome
+    distance, energy = state.distance, state.energy
+    for e in range(active.size):
+        if not active[e]:
+            continue
+        for a in range(agent_node.shape[1]):
+            length = move_length(direction[e, a], steps[e, a])
+            node = target[e, a]
+            agent_node[e, a] = node
+            agent_rc[e, a, 0], agent_rc[e, a, 1] = centres[node, 0], centres[node, 1]
+            if direction[e, a] != STAY:
+                yaw[e, a] = yaws[direction[e, a]]
+            speed[e, a] = length
+            outcome[e, a] = BLOCKED if blocked[e, a] else ARRIVED
+            distance[e, a] += length
+            energy[e, a] += length
+
+
+class GraphDynamics:
+    """The paper's world. Distances and energy are in node lengths.
+
+    Attributes
+    ----------
+    pickup : what picking up takes hulls, None if a forager takes all that is in its node
+    """
+
+    def __init__(
+        self, graph: NavigationGraph, fleet: Fleet, scenario: Scenario, film: Film | None = None
+    ) -> None:
+        """Prepare.
+
+        Raises
+        ------
+        UserError
+            If capture is calibrated and a vessel that collects is not.
+        """
+        self._graph, self._film, self._period_s = graph, film, scenario.period_s
+        chances = chances_of(fleet, scenario)
+        self.pickup = None if chances is None else pickup_of(fleet, scenario)
+        noise, walls = scenario.weather.noise_node_per_step, scenario.rules.walls
+        self._items = ItemRule(graph, fleet, noise, walls, chances)
+        self._centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
+        self._yaw = np.arctan2(-OFFSETS[:, 0], OFFSETS[:, 1]).astype(np.float64)
+        self._mps = graph.pitch_m / scenario.period_s
+
+    def reset(self, initial: InitialState, keys: UInt64Array, names: Sequence[str]) -> Transition:
+        """Start a batch of episodes and return their state at step 0."""
+        self._begin(start_state(initial, self._centres))
+        self._items.reset(initial, keys, self._state)
+        drift = initial.drift_rc[0] * self._mps / LEEWAY
+        self._wind = np.array((drift[1], -drift[0]))
+        if self._film is not None:
+            self._film.start(self._period_s)
+        self._shoot()
+        return self._state
+
+    def _begin(self, state: Transition) -> None:
+        self._state, self._move = state, prepared(_move, self._centres, self._yaw, state)
+
+    def adopt(self, rows: NDArray[np.int64], other: "GraphDynamics") -> Transition:
+        """Replace episodes (row,) of the batch by those of another one; returns the new state."""
+        nobody = {"item_node", "collected_by"}
+        mine, theirs = self._state, other._state
+        self._begin(
+            Transition(
+                *(
+                    put_rows(getattr(mine, name), rows, getattr(theirs, name), -(name in nobody))
+                    for name in mine._fields
+                )
+            )
+        )
+        self._items.adopt(rows, other._items, self._state)
+        return self._state
+
+    def drift_rc(self, rc: NDArray[np.float64], items: bool = False) -> NDArray[np.float64]:
+        """(episode, place, 2) drift of items [node/step], the same everywhere."""
+        return np.broadcast_to(self._items.drift_rc[:, None], rc.shape)
+
+    def advance(self, active: NDArray[np.bool_], step: Int32Array, moves: Moves) -> Transition:
+        """Carry out one decision: move, collect, drift. Inactive episodes do not change."""
+        self._move(active, moves)
+        self._items.advance(active, step)
+        if active[0]:
+            self._shoot()
+        return self._state
+
+    def _shoot(self) -> None:
+        if self._film is None:
+            return
+        state, metres = self._state, self._graph.metres
+        pose = np.column_stack((metres(state.agent_rc[0]), state.agent_yaw[0]))
+        self._film.shoot(pose, metres(state.item_rc[0]), state.item_node[0] >= 0, self._wind)

@@ -1,0 +1,386 @@
+"""The mission loop, for a batch of episodes.
+
+Decide -> move -> collect -> drift -> see -> tell -> log.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from operator import attrgetter
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.compiled import prepared
+from mjforage.base.errors import UserError
+from mjforage.base.lending import Lending, Lent, read_only
+from mjforage.base.randomness import UInt64Array, episode_keys
+from mjforage.base.rows import put_rows
+from mjforage.base.views import view_of
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.mission.dynamics import Dynamics, Transition, goes_on, mean_drift, taken_by
+from mjforage.mission.exchange import Exchange
+from mjforage.mission.forecasts import Forecasts
+from mjforage.mission.graph_dynamics import GraphDynamics
+from mjforage.mission.knowledge import Knowledge, Looks, idleness, times_seen
+from mjforage.mission.ledger import Ledger
+from mjforage.mission.link import exchange_of
+from mjforage.mission.looking import Lookout
+from mjforage.mission.moves import Moves, Resolver, check_preferences
+from mjforage.mission.policy import Bound, Policy
+from mjforage.mission.sensing import map_filter, no_shown
+from mjforage.mission.setup import Setup
+from mjforage.mission.task import Late, Observation, Truth, nothing_late
+from mjforage.scenario.fleet import UNLIMITED
+
+_ONE = np.ones(1, np.int32)
+_TOLD = attrgetter(*Observation._fields[3:14])  # of knowledge
+
+
+class Mission(Lending):
+    """A batch of episodes of one scenario in one world; one episode is a batch of one.
+
+    Its arrays are live, and nobody but the mission can write to them.
+
+    Attributes
+    ----------
+    ledger : Ledger, the truth and its history
+    knowledge : Knowledge, what the fleet knows together: one row per episode
+    exchange : Exchange, what those who decide know
+    task : Task, what policies are told
+    state : Transition, where everything is
+    step : (episode,) int32 decisions made
+    active : (episode,) bool, False once an episode is over
+    moves : Moves of the last decision; None before the first
+    forecasts : what a policy that forecasts foretold, held against the truth
+    """
+
+    state: Transition
+    knowledge: Knowledge
+    _state: Transition
+    _knowledge: Knowledge
+    _shows: ClassVar = {"state": "_state", "knowledge": "_knowledge"}
+
+    def __init__(
+        self, setup: Setup, dynamics: Dynamics | None = None, exchange: Exchange | None = None
+    ) -> None:
+        """Compose a mission.
+
+        Parameters
+        ----------
+        dynamics : the world it runs in (`mjforage.physics.worlds`); absent: the paper's graph
+        exchange : how looks reach those who decide; absent: over the scenario's link
+
+        Raises
+        ------
+        UserError
+            If a role has a capability that no rule of the mission uses.
+        """
+        self.setup = setup
+        if exchange is None:
+            exchange = exchange_of(setup.scenario, len(setup.fleet))
+        self.exchange: Exchange = exchange
+        _check_capabilities(setup, self.exchange)
+        if dynamics is None:
+            dynamics = GraphDynamics(setup.graph, setup.fleet, setup.scenario)
+        pickup = read_only(dynamics.pickup)
+        self._asked = "policy"  # who answered last, for messages
+        self.task = setup.task if pickup is None else replace(setup.task, pickup=pickup)
+        self.ledger = Ledger(self.task)
+        self._dynamics = dynamics
+        self._lent_held = Lent[Knowledge]()
+        self._views, self._radius_number = self.task.views, self.task.radius_number
+        self._resolver = Resolver(setup.graph, setup.fleet, setup.task.rules, setup.corruption)
+        self._endless = bool(np.isinf(setup.fleet.energy).all())
+        self._holds = np.flatnonzero(setup.fleet.capacity < UNLIMITED)  # whose room has an end
+        self._go_on = prepared(goes_on, setup.scenario.horizon)
+
+    def reset(self, seed: int, episodes: NDArray[np.int64]) -> None:
+        """Start the given episodes of a seed.
+
+        Parameters
+        ----------
+        seed : the run's seed
+        episodes : (episode,) their numbers; each is the same world whatever else is in the batch
+        """
+        names = [f"{seed}, episode {episode}" for episode in episodes]
+        self.start(episode_keys(seed, episodes), names)
+
+    def start(self, keys: UInt64Array, names: Sequence[str] = ()) -> None:
+        """Start episodes.
+
+        Parameters
+        ----------
+        keys : (episode,) which decide them
+        names : (episode,) for messages; absent: their keys
+        """
+        self.keys = read_only(keys)
+        self.initial = self.setup.create_initial_state(self.keys)
+        names = names or [f"key {key}" for key in keys]
+        self._show("state", self._dynamics.reset(self.initial, self.keys, names))
+        self._begin_step(np.zeros(keys.size, np.int32))
+        self.active = read_only(np.ones(keys.size, np.bool_))
+        self._moves: Moves | None = None
+        self.ledger.reset(self._state.item_node)
+        self._fill_stores()
+        sensors = self.setup.scenario.sensors
+        self._shown = no_shown(self.task, keys.size, sensors.perfect)
+        self._filtered = map_filter(self.setup.scenario, self.task, keys.size)
+        self._show("knowledge", Knowledge.of_starts(self._looks(), len(self.setup.graph)))
+        self._post_lookout()
+        self.exchange.reset(self.task, self._see(), self._knowledge, self.keys)
+        self._acting = read_only(np.tile(self._agent_of_holder(), keys.size))
+        self._held_keys = read_only(np.repeat(self.keys, self.exchange.holders))
+        self._nobody = read_only(np.full(keys.size, -1, np.int32))
+        self._nothing_late = read_only(nothing_late(keys.size))
+        self.forecasts = Forecasts(keys.size)
+
+    def _agent_of_holder(self) -> Int32Array:
+        """(holder,) the agent that acts by what a holder knows, -1 if several do."""
+        holder_of = self.exchange.holder_of
+        alone = np.bincount(holder_of, minlength=self.exchange.holders) == 1
+        agent = np.zeros(self.exchange.holders, np.int32)
+        agent[holder_of] = np.arange(holder_of.size)
+        return np.where(alone, agent, np.int32(-1)).astype(np.int32)
+
+    def _looks(self) -> Looks:
+        """What all agents see now and say of themselves."""
+        return Looks(
+            active=self.active,
+            step=self.step,
+            agent_node=self._state.agent_node,
+            sighted=self.ledger.open().truth,
+            shown=self._shown,
+            energy_left=self.energy_left,
+            room_left=self.room_left,
+            taken=self.taken,
+            pickup=self._state.pickup,
+            agent_yaw=self._state.agent_yaw,
+        )
+
+    def _see(self) -> Looks:
+        """All agents look: the fleet's knowledge and the ledger come up to date."""
+        looks = self._looks()
+        self._lookout.look(looks, self._state.item_node, self._state.collected_by)
+        return looks
+
+    def _post_lookout(self) -> None:
+        about = self.task, self.setup.scenario.sensors, self.keys
+        kept = self.ledger.open(), self._knowledge, self._filtered
+        self._lookout = Lookout(*about, *kept)
+
+    def _begin_step(self, step: Int32Array) -> None:
+        """Set (episode,) the steps made so far, and that to be decided next."""
+        self.step, self._next_step = view_of(step), view_of(step + _ONE)
+
+    @property
+    def moves(self) -> Moves | None:
+        """What the last decision came to; None before the first."""
+        return None if self._moves is None else read_only(self._moves)
+
+    def adopt(self, rows: NDArray[np.int64], other: "Mission") -> None:
+        """Replace episodes (row,) of the batch by another mission's; in the graph world only.
+
+        So a batch goes on while some of its episodes are over, as vector environments ask. The
+        state `initial` stays that of the first episodes.
+        """
+        assert isinstance(self._dynamics, GraphDynamics) and isinstance(
+            other._dynamics, GraphDynamics
+        )
+        self._show("state", self._dynamics.adopt(rows, other._dynamics))
+        self.ledger.adopt(rows, other.ledger)
+        self._show("knowledge", self._knowledge.with_rows(rows, other._knowledge))
+        self.exchange.adopt(rows, other.exchange, self._knowledge)
+        self._shown = put_rows(self._shown, rows, other._shown)
+        self.forecasts.adopt(rows, other.forecasts)
+        self._filtered = self._filtered.with_rows(rows, other._filtered)
+        self._begin_step(put_rows(self.step, rows, other.step))
+        for name in ("keys", "active"):
+            mixed = put_rows(getattr(self, name), rows, getattr(other, name))
+            setattr(self, name, read_only(mixed))
+        self._held_keys = read_only(np.repeat(self.keys, self.exchange.holders))
+        self._post_lookout()
+
+    @property
+    def energy_left(self) -> NDArray[np.float64]:
+        """(episode, agent) distance that can still be travelled [node].
+
+        A hull can overdraw its budget by the way it makes beyond a straight line; then it stays.
+        """
+        if self._endless:
+            return self._full_energy
+        return np.maximum(self._full_energy - self._state.energy, 0.0)
+
+    @property
+    def room_left(self) -> NDArray[np.int64]:
+        """(episode, agent) items that can still be taken aboard, `UNLIMITED` if any number."""
+        if not self._holds.size:
+            return self._full_room
+        room = self._full_room.copy()
+        room[:, self._holds] -= self.taken[:, self._holds]
+        return room
+
+    @property
+    def taken(self) -> NDArray[np.int64]:
+        """(episode, agent) items that each has taken aboard."""
+        return taken_by(self._state.collected_by, self._state.agent_node.shape[1])
+
+    def _fill_stores(self) -> None:
+        """What every agent starts with, for as many episodes as there are."""
+        fleet, episodes = self.setup.fleet, (self.keys.size, 1)
+        self._full_energy = read_only(np.tile(fleet.energy, episodes))
+        self._full_room = read_only(np.tile(fleet.capacity, episodes))
+
+    @property
+    def observation(self) -> Observation:
+        """What the fleet knows together before the next decision: one row per episode."""
+        return self._observed(self.knowledge, self._nothing_late, 1)
+
+    @property
+    def held(self) -> Observation:
+        """What those who decide know before the next decision: (episode x holder) rows."""
+        exchange = self.exchange
+        knowledge = self._lent_held.of(exchange.knowledge)
+        return self._observed(knowledge, exchange.late, exchange.holders)
+
+    def _observed(self, knowledge: Knowledge, late: Late, holders: int) -> Observation:
+        """Knowledge as a policy sees it, the episodes' arrays once for each holder."""
+        active, step, keys = self.active, self._next_step, self.keys
+        if holders > 1:
+            active, step = (read_only(np.repeat(each, holders)) for each in (active, step))
+            keys = self._held_keys
+        holder = self._acting if holders > 1 else self._nobody
+        told = _TOLD(knowledge)
+        return Observation._make((active, step, keys, *told, late.looks, late.shown, holder))
+
+    @property
+    def truth(self) -> Truth:
+        """What no policy may see but a bound."""
+        state = self.state
+        drift = self._dynamics.drift_rc(state.item_rc, items=True)
+        mean = mean_drift(drift, state.item_node >= 0)
+        return read_only(Truth(state.item_rc, state.item_node, mean, drift))
+
+    @property
+    def node_drift_rc(self) -> NDArray[np.float64]:
+        """(episode, node, 2) velocity at which an item of the paper's leeway is carried in each
+        node now [node/step], gusts and noise left out.
+        """
+        graph = self.setup.graph
+        centres = np.stack((graph.rows, graph.cols), axis=1).astype(np.float64)
+        places = np.broadcast_to(centres, (self.keys.size, *centres.shape))
+        return read_only(self._dynamics.drift_rc(places))
+
+    def idleness(self, episodes: NDArray[np.int64]) -> NDArray[np.float64]:
+        """(chosen, node) idleness in [0, 1] of some episodes (chosen,), as the fleet knows it."""
+        return idleness(self.knowledge.last_seen, self.step, episodes, self.task.forgetting)
+
+    def times_seen(
+        self, agents: NDArray[np.int64], episodes: NDArray[np.int64]
+    ) -> NDArray[np.uint8]:
+        """(chosen, node) by how many of `agents` each node is in view, in some episodes."""
+        at = self.state.agent_node[episodes]
+        about = self._views, self._radius_number, self._shown[episodes]
+        return times_seen(at, agents, *about)
+
+    def prepare(self, policy: Policy) -> None:
+        """Get a policy ready for the batch: it decides once for each holder, a bound for each
+        episode unless it is `apart`.
+        """
+        pooled = isinstance(policy, Bound) and not getattr(policy, "apart", False)
+        policy.reset(self.task, np.repeat(self.keys, 1 if pooled else self.exchange.holders))
+
+    def ask(self, policy: Policy) -> NDArray[np.float64]:
+        """The preferences (episode, agent, 9) of a policy, those of each agent by what it knows.
+
+        A bound (`Bound`) is shown the truth too, and what the fleet knows together unless it is
+        `apart`.
+
+        Raises
+        ------
+        UserError
+            If the answer is no array of numbers of that shape.
+        """
+        self._asked = who = f"policy {type(policy).__name__}"
+        reveal = getattr(policy, "reveal", None)  # `isinstance` of a protocol takes 25 us
+        apart = reveal is None or getattr(policy, "apart", False)
+        holders, holder_of = self.exchange.holders if apart else 1, self.exchange.holder_of
+        if reveal is not None:
+            truth = self.truth
+            rows = truth if holders == 1 else (np.repeat(a, holders, 0) for a in truth)
+            reveal(read_only(Truth._make(rows)))
+        answer = policy.act(self.held if apart else self.observation)
+        forecast = getattr(policy, "forecast", None)
+        if forecast is not None:
+            self.forecasts.take(forecast(), self.ledger.open().truth, self.active, who)
+        check_preferences(answer, (self.keys.size * holders, holder_of.size), who)
+        if holders == 1:
+            return answer
+        each = answer.reshape(self.keys.size, holders, *answer.shape[1:])
+        own: NDArray[np.float64] = each[:, holder_of, np.arange(holder_of.size)]
+        return own
+
+    def decide(self, preferences: NDArray[np.float64]) -> Moves:
+        """Resolve preferences (episode, agent, 9) into moves without making them."""
+        return self._resolver(
+            self.active,
+            preferences,
+            self._state.agent_node,
+            self._knowledge.energy_left,
+            self.exchange.knowledge.belief,
+            self._next_step,
+            self.keys,
+            self.exchange.holder_of,
+            self._asked,
+        )
+
+    def advance(self, preferences: NDArray[np.float64]) -> Transition:
+        """One step of every active episode.
+
+        Parameters
+        ----------
+        preferences : (episode, agent, 9), see `Resolver`
+
+        Raises
+        ------
+        UserError
+            If the preferences have the wrong shape, are no numbers or contain NaN.
+        """
+        self._moves = self.decide(preferences)
+        self._begin_step(self.step + self.active)
+        state = self._dynamics.advance(self.active, self.step, self._moves)
+        if state is not self._state:
+            self._show("state", state)
+        self.exchange.tell(self._see(), self._knowledge)
+        item_node = np.ascontiguousarray(self._state.item_node, np.int32)
+        self.active = view_of(self._go_on(self.active, self.step, item_node))
+        return self.state
+
+    def run(self, policy: Policy, observers: "tuple[Observer, ...]" = ()) -> None:
+        """Play the batch to its end, showing every state to the observers."""
+        self.prepare(policy)
+        for observer in observers:
+            observer.see(self)
+        while self.active.any():
+            self.advance(self.ask(policy))
+            for observer in observers:
+                observer.see(self)
+
+
+def _check_capabilities(setup: Setup, exchange: Exchange) -> None:
+    """Refuse what a role can do and nothing uses, rather than run as if it could not."""
+    for name, role in setup.scenario.team.items():
+        for capability in ("carries", "relays"):
+            if getattr(role, capability) and capability not in exchange.uses:
+                raise UserError(
+                    f"scenario {setup.scenario.name}: team.{name}.{capability} = true, but no rule "
+                    "of this mission uses it; leave it out"
+                )
+
+
+class Observer:
+    """Something that looks at a mission after its reset and after every step."""
+
+    def see(self, mission: Mission) -> None:
+        """Take what is wanted from the mission; its arrays are live: copy what shall last."""
+        raise NotImplementedError

@@ -1,0 +1,39 @@
+"""The metrics of a mission: one class in one file each, with name, unit, direction and formula.
+
+`metric` says what one is, `known` which there are, `scoring` takes them from a batch; every other
+file here holds metrics. A file that is put beside them is found without an edit elsewhere; a class
+in a package of your own is taken by the name of its entry point `mjforage.metrics`, or by
+`package.module:Name`.
+"""
+
+import importlib
+import pkgutil
+
+from mjforage.mission.mission_metrics.known import (
+    METRICS,
+    chosen_metrics,
+    describe,
+    metric,
+    places_of,
+)
+from mjforage.mission.mission_metrics.metric import Batch, Description, Metric, Moment, description
+from mjforage.mission.mission_metrics.scoring import Scorer, Scores, score
+
+__all__ = [
+    "METRICS",
+    "Batch",
+    "Description",
+    "Metric",
+    "Moment",
+    "Scorer",
+    "Scores",
+    "chosen_metrics",
+    "describe",
+    "description",
+    "metric",
+    "places_of",
+    "score",
+]
+
+for _module in pkgutil.iter_modules(__path__):
+    importlib.import_module(f"{__name__}.{_module.name}")

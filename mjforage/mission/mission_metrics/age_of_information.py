@@ -1,0 +1,50 @@
+"""Age of information: how old what agents know of the map is."""
+
+import numpy as np
+
+from mjforage import metrics
+from mjforage.mission.mission_metrics.known import metric
+from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, Moment
+
+
+@metric
+class AgeOfInformation(Metric):
+    """Mean over the navigable nodes of the steps since a look that the holder has heard saw them,
+    T if none; mean over the holders, time mean.
+
+    `docs/concepts/metrics.md`. Without a link one holder hears all looks.
+    """
+
+    key, label, unit, better, digits = "aoi", "AoI", "steps", -1, 2
+    compared, top = False, 0.0
+
+    def at(self, moment: Moment) -> FloatArray:
+        """(open,) mean over the holders, now [step]."""
+        mission, holders = moment.mission, moment.mission.exchange.holders
+        now = mission.step if holders == 1 else np.repeat(mission.step, holders)
+        last_seen = mission.exchange.knowledge.last_seen  # of all: copies of some take longer
+        ages = metrics.age_of_information(last_seen, now, mission.task.horizon)
+        if holders > 1:
+            ages = ages.reshape(-1, holders).mean(axis=1)
+        return ages[moment.episodes]
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) [step]."""
+        return np.asarray(batch.course(AgeOfInformation).mean(axis=1))
+
+
+@metric
+class PeakAge(Metric):
+    """Largest AoI from its lowest value on: how far maps age again once they were known best.
+
+    The first value would always be the largest, as nobody has seen anything yet.
+    """
+
+    key, label, unit, better, digits = "aoi_peak", "AoI_peak", "steps", -1, 2
+    compared, drawn = False, False
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,) [step]."""
+        course = batch.course(AgeOfInformation)
+        since = np.arange(course.shape[1]) >= course.argmin(axis=1)[:, None]
+        return np.asarray(np.where(since, course, 0.0).max(axis=1))

@@ -1,0 +1,89 @@
+"""How unlike agents are in what they know; undefined where all share one mind."""
+
+import numpy as np
+
+from mjforage import metrics
+from mjforage.mission.mission import Mission
+from mjforage.mission.mission_metrics.belief_error import errors
+from mjforage.mission.mission_metrics.known import metric
+from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, Moment
+
+
+def _unlikeness(moment: Moment) -> tuple[FloatArray, FloatArray]:
+    """Disagreement and error of the holders' maps, (open,) each."""
+    mission, holders = moment.mission, moment.mission.exchange.holders
+    held = mission.exchange.knowledge.belief
+    return metrics.unlikeness(
+        moment.of_open(mission.knowledge.belief),
+        moment.of_open(held.reshape(-1, holders, held.shape[1])),
+        moment.of_open(mission.ledger.entries.truth),
+        moment.once(errors)[0],
+        mission.setup.grid.navigable,
+    )
+
+
+class OfHolders(Metric):
+    """What is defined where holders are several: time mean of a course."""
+
+    better, compared, top = -1, False, 0.0
+
+    @classmethod
+    def is_defined(cls, mission: Mission) -> bool:
+        """Whether there are several."""
+        return mission.exchange.holders > 1
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,)."""
+        return np.asarray(batch.course(type(self)).mean(axis=1))
+
+
+@metric
+class PositionAge(OfHolders):
+    """Steps since the newest position that an agent has heard of a team-mate, mean over both, time
+    mean.
+
+    `docs/concepts/metrics.md`. What it knows of itself does not count.
+    """
+
+    key, label, unit, digits = "position_age", "PA", "steps", 2
+
+    def at(self, moment: Moment) -> FloatArray:
+        """(open,) now [step]."""
+        exchange, step = moment.mission.exchange, moment.mission.step[moment.episodes]
+        seen = exchange.knowledge.agent_seen
+        each = moment.of_open(seen.reshape(-1, exchange.holders, seen.shape[1]))
+        return metrics.position_age(each[:, exchange.holder_of], step)
+
+
+@metric
+class Disagreement(OfHolders):
+    """RMSE between the maps of two holders, both smoothed as for RMSE; mean over the pairs, time
+    mean.
+
+    `docs/concepts/metrics.md`.
+    """
+
+    key, label, unit, digits = "disagreement", "Disagreement", "items/node", 4
+
+    def at(self, moment: Moment) -> FloatArray:
+        """(open,) now."""
+        return moment.once(_unlikeness)[0]
+
+
+@metric
+class ErrorOfHolders(OfHolders):
+    """RMSE of the map by which an agent acts, mean over the holders; RMSE itself is that of all
+    looks, which nobody has heard together.
+
+    At the end, as RMSE is.
+    """
+
+    key, label, unit, digits = "rmse_holders", "RMSE_holders", "items/node", 4
+
+    def at(self, moment: Moment) -> FloatArray:
+        """(open,) now."""
+        return moment.once(_unlikeness)[1]
+
+    def value(self, batch: Batch) -> FloatArray:
+        """(episode,)."""
+        return Metric.value(self, batch)

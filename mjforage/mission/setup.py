@@ -1,0 +1,164 @@
+"""A scenario with its map: the graph, the fleet and the starts that every mission on it shares."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.cached import say_once
+from mjforage.base.lending import read_only
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
+from mjforage.mission.initial_state import InitialState, create_initial_state, nodes_around
+from mjforage.mission.link.reach import reach_m
+from mjforage.mission.moves import Corruption, MoveRules
+from mjforage.mission.task import Task
+from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.maps import (
+    GridMap,
+    check_starts,
+    grid_of,
+    load_map,
+    load_starts,
+    reachable_share,
+)
+from mjforage.scenario.scenario import Scenario
+from mjforage.scenario.sizes import check_memory, map_bytes, map_costs, mission_bytes
+
+
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """A scenario with its map read and its graph built."""
+
+    scenario: Scenario
+    grid: GridMap
+
+    @classmethod
+    def of(cls, scenario: Scenario, cells: NDArray[np.bool_] | None = None) -> "Setup":
+        """Load the map and check that the scenario fits on it.
+
+        Parameters
+        ----------
+        cells : (row, column) water, in the place of the scenario's map
+
+        Raises
+        ------
+        UserError
+            If the map cannot be used or a start is not on water.
+        """
+        choice = scenario.map
+        how = {
+            "corner_cutting": choice.corner_cutting,
+            "largest_component": choice.largest_component,
+        }
+        if cells is None:
+            grid = load_map(choice.file, water=choice.water, **how)
+        else:
+            grid = grid_of(cells.copy(), "array", **how)
+        setup = cls(scenario, grid)
+        setup.check_memory(1)
+        if costs := map_costs(scenario, grid.name, grid.navigable.shape, grid.nodes):
+            say_once(costs)
+        own = choice.starts is not None
+        owner = f"scenario {scenario.name}" if own else "the .starts.csv beside the map"
+        check_starts(setup.start_cells, grid.navigable, owner, choice.file)
+        nodes_around(setup.graph, setup.start_nodes, len(setup.fleet))
+        return setup
+
+    def check_memory(self, episodes: int, recorded: bool = False) -> None:
+        """Check that this machine has the memory for so many episodes side by side.
+
+        Parameters
+        ----------
+        recorded : whether one of them is recorded for films
+
+        Raises
+        ------
+        UserError
+            If it has not.
+        """
+        rows, columns = self.grid.navigable.shape
+        about = self.scenario, (rows, columns), self.grid.nodes
+        wanted = map_bytes(*about) + mission_bytes(*about, episodes, recorded)
+        check_memory(
+            f"scenario {self.scenario.name} on map {self.grid.name} ({rows} x {columns}), "
+            f"{episodes} episodes at a time,",
+            wanted,
+            "take a smaller map, radius, horizon or team",
+        )
+
+    @property
+    def start_cells(self) -> tuple[tuple[int, int], ...]:
+        """(row, column) of the starts: the scenario's, else those beside the map, else none."""
+        if self.scenario.map.starts is None:
+            return load_starts(self.scenario.map.file) or ()
+        return self.scenario.map.starts
+
+    @property
+    def reachable_shares(self) -> dict[str, float]:
+        """Share of the nodes that each role can end a move on, from the first start (or node 0)."""
+        first = self.start_cells[0] if self.start_cells else self._first_node
+        choice, strict = self.scenario.map, not self.scenario.rules.shorten
+        return {
+            name: reachable_share(
+                self.grid.navigable, first, role.moves, strict, choice.corner_cutting
+            )
+            for name, role in self.scenario.team.items()
+        }
+
+    @property
+    def _first_node(self) -> tuple[int, int]:
+        return int(self.graph.rows[0]), int(self.graph.cols[0])
+
+    @cached_property
+    def graph(self) -> NavigationGraph:
+        """The map as a graph."""
+        choice = self.scenario.map
+        return navigation_graph(self.grid.navigable, choice.pitch_m, choice.corner_cutting)
+
+    @cached_property
+    def fleet(self) -> Fleet:
+        """The agents."""
+        return Fleet.of(self.scenario.team, self.scenario.rules.order)
+
+    @cached_property
+    def task(self) -> Task:
+        """What policies are told."""
+        scenario, rules = self.scenario, self.scenario.rules
+        moves = MoveRules(rules.stay, rules.shorten)
+        about = scenario.horizon, scenario.belief, rules.walls
+        link = scenario.link
+        reach = reach_m(link, self.fleet.antenna_m) / scenario.map.pitch_m
+        if link.latency >= scenario.horizon:
+            reach = 0.0
+        return Task(self.graph, self.fleet, moves, *about, reach_node=reach, latency=link.latency)
+
+    @cached_property
+    def start_nodes(self) -> Int32Array:
+        """(start,) nodes to assign; empty for a random cluster."""
+        nodes = [self.graph.node_of_cell[rc] for rc in self.start_cells]
+        return read_only(np.array(nodes, np.int32))
+
+    @cached_property
+    def corruption(self) -> Corruption:
+        """Whose actions are partly random."""
+        choice = self.scenario.corruption
+        names = np.array(self.fleet.team_names)[self.fleet.team]
+        epsilon = np.where(names == choice.team, choice.epsilon, 0.0)
+        return Corruption(read_only(epsilon), choice.whole_team)
+
+    def create_initial_state(self, keys: UInt64Array) -> InitialState:
+        """Initial state of the episodes with the given keys (episode,)."""
+        scenario = self.scenario
+        return create_initial_state(
+            self.graph,
+            scenario.items,
+            scenario.weather,
+            scenario.map.pitch_m / scenario.period_s,
+            self.start_nodes,
+            len(self.fleet),
+            keys,
+            scenario.rules.walls,
+        )

@@ -1,0 +1,207 @@
+"""What a policy is told before an episode, and what it sees at every step."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.lending import read_only
+from mjforage.graph_planner.graph.geodesics import Float32Array, Int32Array
+from mjforage.graph_planner.graph.navigation import NavigationGraph
+from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.mission.moves import MoveRules, all_targets
+from mjforage.scenario.belief_settings import BeliefSettings
+from mjforage.scenario.fleet import Fleet
+
+NEVER = np.int16(-32768)
+"""Value of `last_seen` for a node that no agent has seen yet."""
+
+
+class TaskArrays(NamedTuple):
+    """A task as kernels read it: where agents can go, what each can do, how fast maps age."""
+
+    neighbours: Int32Array  # (node, 8), -1 where there is no edge
+    distances: Float32Array  # (node, node) geodesic [node], or (0, 0) on a large map
+    rows: Int32Array  # (node,)
+    cols: Int32Array  # (node,)
+    moves: NDArray[np.int64]  # (agent,) nodes per decision
+    stride_number: NDArray[np.int64]  # (agent,) which of `targets` has its nodes per decision
+    targets: Int32Array  # (stride, node, 9) where moves end with nobody in the way, -1: illegal
+    collects: NDArray[np.bool_]  # (agent,)
+    radius_number: NDArray[np.int64]  # (agent,) which list of `NodeLists`
+    stay: bool
+    shorten: bool
+    forgetting: float  # growth of idleness per step
+    radius: NDArray[np.float64]  # (agent,) [node]
+    energy: NDArray[np.float64]  # (agent,) full store [node], inf without a limit
+    horizon: int  # decisions
+
+
+IDLE, TAKEN, MISSED, UNREACHABLE = 0, 1, 2, 3
+PICKUPS = ("", "taken", "missed", "unreachable")
+"""How a period of picking up ended for an agent: nothing was sought, at least one item was taken,
+one was sought in vain, one was given up after two attempts."""
+
+
+class Pickup(NamedTuple):
+    """What picking up takes hulls, in decisions beyond the one in which they arrive; means."""
+
+    first: NDArray[np.float64]  # (agent, quays, quarter) by quays beside the item, 0 to 2, and by
+    # its bearing off the bow as the hull sets out from the next node, in quarters of half a circle
+    more: NDArray[
+        np.float64
+    ]  # (agent,) for every other item of the node: one, if not taken at once
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """The part of a scenario that decisions depend on. All that share it can only read its arrays.
+
+    Attributes
+    ----------
+    graph, fleet, rules : map, agents and what they may do
+    horizon : decisions in an episode
+    belief : what the belief planner assumes and how hard it searches
+    walls : of `graph_planner.graph.walls.WALLS`, what becomes of items that drift onto land
+    pickup : what picking up takes hulls, which may miss items, take those that they pass, and do so
+        while all drift; None where a forager takes all that is in its node, before the rest drifts
+    reach_node : how far apart agents hear each other where nothing is between; 0: never
+    latency : decisions until what was sent is heard
+    """
+
+    graph: NavigationGraph
+    fleet: Fleet
+    rules: MoveRules
+    horizon: int
+    belief: BeliefSettings = field(default_factory=BeliefSettings)
+    walls: str = "clip"
+    pickup: Pickup | None = None
+    reach_node: float = np.inf
+    latency: int = 0
+
+    @property
+    def forgetting(self) -> float:
+        """Growth of idleness per step: 1 / (0.9 T) (scenario section 1)."""
+        return 1.0 / (0.9 * self.horizon)
+
+    @cached_property
+    def view_radii(self) -> tuple[float, ...]:
+        """Distinct sensing radii of the fleet, ascending [node]."""
+        return tuple(sorted(set(self.fleet.radius.tolist())))
+
+    @cached_property
+    def radius_number(self) -> NDArray[np.int64]:
+        """(agent,) index of each agent's radius in `view_radii`."""
+        number = np.searchsorted(np.asarray(self.view_radii), self.fleet.radius)
+        return read_only(number.astype(np.int64))
+
+    @cached_property
+    def views(self) -> NodeLists:
+        """Nodes seen from every node, for each of `view_radii`."""
+        return self.graph.views(self.view_radii)
+
+    @cached_property
+    def arrays(self) -> TaskArrays:
+        """The task as kernels read it."""
+        stride_number, targets = all_targets(self.graph, self.fleet.moves, self.rules)
+        return read_only(
+            TaskArrays(
+                neighbours=self.graph.neighbours,
+                distances=self.graph.distances,
+                rows=self.graph.rows,
+                cols=self.graph.cols,
+                moves=self.fleet.moves,
+                stride_number=stride_number,
+                targets=targets,
+                collects=self.fleet.collects,
+                radius_number=self.radius_number,
+                stay=self.rules.stay,
+                shorten=self.rules.shorten,
+                forgetting=self.forgetting,
+                radius=self.fleet.radius,
+                energy=self.fleet.energy,
+                horizon=self.horizon,
+            )
+        )
+
+
+class Late(NamedTuple):
+    """Looks that a holder has heard just now, and that are older: news that is late.
+
+    What they tell of is in the observation too, where nothing newer is known; a policy that works
+    with time takes them in at their own step. In order of their steps.
+    """
+
+    looks: Int32Array  # (row, look, 3) step; agent whose it is; node where it was; padded with -1
+    shown: NDArray[
+        np.int16
+    ]  # (row, look, place) items in the nodes in view, as `Task.views` lists,
+    # negative where it did not look
+
+    @property
+    def step(self) -> Int32Array:
+        """(row, look) of the look, -1 for padding."""
+        return self.looks[..., 0]
+
+    @property
+    def agent(self) -> Int32Array:
+        """(row, look) whose it is."""
+        return self.looks[..., 1]
+
+    @property
+    def node(self) -> Int32Array:
+        """(row, look) where its agent was."""
+        return self.looks[..., 2]
+
+
+def nothing_late(rows: int) -> Late:
+    """What is heard late over an ideal link: no looks."""
+    return Late(np.zeros((rows, 0, 3), np.int32), np.zeros((rows, 0, 0), np.int16))
+
+
+class Observation(NamedTuple):
+    """What is known and the time, in one row per holder of knowledge, which decides for all agents.
+
+    With ideal communication an episode is one row, and what it knows the fleet knows together;
+    otherwise each holder has a row, and its answer counts for the agents that act by it.
+    The arrays are live, read-only views: copy what shall last or be changed. Idleness is kept as
+    the step at which a node was last seen: I = min(1, (step - last_seen) / (0.9 T)), 1 if never.
+    """
+
+    active: NDArray[np.bool_]  # (row,) False once an episode is over
+    step: Int32Array  # (row,) the decision about to be taken, 1 for the first
+    keys: NDArray[np.uint64]  # (row,) episode keys, for a policy's own randomness
+    agent_node: Int32Array  # (row, agent) where each was when last heard of
+    energy_left: NDArray[np.float64]  # (row, agent) as of then [node]
+    room_left: NDArray[np.int64]  # (row, agent) items it could take aboard, `UNLIMITED` if any
+    belief: NDArray[np.int16]  # (row, node) believed items
+    last_seen: NDArray[np.int16]  # (row, node) step, NEVER if not yet seen
+    known: Int32Array  # (row, node) nodes with belief > 0, in no particular order
+    n_known: Int32Array  # (row,) how many entries of `known` count
+    agent_seen: Int32Array  # (row, agent) step of which `agent_node` tells; now is `step` - 1
+    taken: NDArray[np.int64]  # (row, agent) items it had taken aboard by then
+    pickup: NDArray[np.int8]  # (row, agent) how its picking up ended then, see `PICKUPS`
+    agent_yaw: NDArray[np.float64]  # (row, agent) heading then [rad], 0 east, counter-clockwise
+    late_looks: Int32Array  # (row, look, 3) see `Late`, of which these are the arrays
+    late_shown: NDArray[np.int16]  # (row, look, place)
+    holder: Int32Array  # (row,) the agent that acts by this row, -1 if all do or several
+
+    @property
+    def late(self) -> Late:
+        """Looks heard just now that are older."""
+        return Late(self.late_looks, self.late_shown)
+
+
+class Truth(NamedTuple):
+    """Where the items are and how they drift: for bounds only, never for a policy in a comparison.
+
+    Live, read-only views, like an observation.
+    """
+
+    item_rc: NDArray[np.float64]  # (episode, item, 2) [node]
+    item_node: Int32Array  # (episode, item) node, -1 once removed or for padding
+    drift_rc: NDArray[np.float64]  # (episode, 2) mean of those of the items left [node/step]
+    item_drift_rc: NDArray[np.float64]  # (episode, item, 2) velocity at which wind and water carry
+    # each item where it is, gusts and noise left out [node/step]

@@ -1,0 +1,127 @@
+"""Map files: where one lies, and which of its cells are water.
+
+Rows and columns are counted from 0, row 0 at the north edge, column 0 at the west edge.
+"""
+
+import difflib
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.atomic_files import whole
+from mjforage.base.errors import UserError
+from mjforage.scenario.assets import models_folder
+from mjforage.scenario.map_formats import (
+    DARK,
+    IMAGE_SUFFIXES,
+    LIGHT,
+    Levels,
+    read_array,
+    read_image,
+    read_text,
+)
+
+WaterIs = Literal["light", "dark"]
+"""Which cells of a map file are water."""
+DESCRIPTIONS = (".yaml", ".yml")
+
+logger = logging.getLogger(__name__)
+
+
+def shipped_maps() -> tuple[str, ...]:
+    """Names of the maps that come with the package, in alphabetical order."""
+    files = (models_folder() / "maps").glob("*.csv")
+    return tuple(sorted(f.stem for f in files if not f.stem.endswith(".starts")))
+
+
+def write_table(cells: NDArray[np.bool_], path: Path) -> None:
+    """Write a map (row, column) as a table that `read_cells` reads.
+
+    Raises
+    ------
+    UserError
+        If the file cannot be written.
+    """
+    lines = (",".join("01"[int(cell)] for cell in row) + "\n" for row in cells)
+    with whole(path) as beside:
+        beside.write_text("".join(lines), encoding="utf-8")
+
+
+def is_shipped_map(reference: str) -> bool:
+    """Whether a reference names a map that comes with the package."""
+    return reference.replace("-", "_") in shipped_maps()
+
+
+def map_path(reference: str) -> Path:
+    """File of a shipped map or of a user's.
+
+    Parameters
+    ----------
+    reference : name of a shipped map (``comb_port`` or ``comb-port``) or a path
+
+    Raises
+    ------
+    UserError
+        If there is no such map or file; similar names of shipped maps are offered.
+    """
+    shipped = shipped_maps()
+    if is_shipped_map(reference):
+        return models_folder() / "maps" / f"{reference.replace('-', '_')}.csv"
+    path = Path(reference)
+    try:
+        if path.is_file():
+            return path
+        if path.exists():
+            raise UserError(f"map {reference!r}: is not a file; give a CSV, text or image file")
+    except (OSError, ValueError) as error:
+        raise UserError(f"map {reference!r}: cannot be opened ({error})") from error
+    close = difflib.get_close_matches(path.stem.replace("-", "_").lower(), shipped, n=1)
+    hint = f"did you mean {close[0]}? " if close else ""
+    raise UserError(
+        f"map {reference!r}: no such file or shipped map; {hint}shipped maps: {', '.join(shipped)}"
+    )
+
+
+def read_cells(path: Path, name: str, water: WaterIs = "light") -> NDArray[np.bool_]:
+    """Navigable cells (row, column) of a map file, in the format that its name or its content has.
+
+    An image has a pixel per cell, an array (`.npy`) an entry, a text a number or a letter: see
+    `map_formats`. The light cells are water, of a table those with 1; unknown ones are land.
+
+    Parameters
+    ----------
+    path : the file
+    name : what errors call the map
+    water : `dark` where the dark cells are water, of a table those with 0
+
+    Raises
+    ------
+    UserError
+        If the file is unreadable, too large, empty or malformed.
+    """
+    if path.suffix.lower() in DESCRIPTIONS:
+        raise UserError(
+            f"map {name}: only describes a map of map_server; give the image that its line "
+            "`image:` names (a .pgm)"
+        )
+    levels = _reader(path)(path, name)
+    cells: NDArray[np.bool_] = levels == (LIGHT if water == "light" else DARK)
+    edge = np.concatenate((cells[0], cells[-1], cells[:, 0], cells[:, -1]))
+    if edge.all() and not cells.all():
+        logger.warning(
+            "map %s: all of its edge is water; if that is the land, give --water %s",
+            *(name, "dark" if water == "light" else "light"),
+        )
+    return cells
+
+
+def _reader(path: Path) -> Callable[[Path, str], Levels]:
+    """The reader of a file's format."""
+    suffix = path.suffix.lower()
+    if suffix in IMAGE_SUFFIXES:
+        return read_image
+    return read_array if suffix == ".npy" else read_text

@@ -1,0 +1,131 @@
+"""Images: a pixel per cell, light or dark, or unknown to who drew it."""
+
+import logging
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, UnidentifiedImageError
+
+from mjforage.base.errors import UserError
+from mjforage.scenario.map_formats.levels import MOST_CELLS, UNKNOWN, Levels, check_size, levels_of
+
+IMAGE_SUFFIXES = (
+    *(".png", ".jpg", ".jpeg", ".bmp", ".gif"),
+    *(".pgm", ".pbm", ".ppm", ".pnm", ".tif", ".tiff", ".webp"),
+)
+HALF = {255: 128, 65535: 32768}  # lightest grey -> this light or lighter is light
+FREE, OCCUPIED = 0.196, 0.65  # of ROS map_server: thresholds of darkness; between them: unknown
+SERVED = {0, 205, 254, 255}  # the greys that it writes: occupied, unknown, free
+COLOURED = 48  # between the largest and the least of red, green and blue: more than JPEG makes
+MANY = 0.01  # share of pixels that is worth a word
+BAND = 256  # rows whose colours are mixed at a time
+NO_DATA = 42113  # tag of a GeoTIFF (GDAL): the value of cells without one
+_BROKEN = OSError, ValueError, TypeError, SyntaxError, EOFError, ArithmeticError, LookupError
+"""Raised by Pillow on damaged files."""
+
+logger = logging.getLogger(__name__)
+
+
+def read_image(path: Path, name: str) -> Levels:
+    """Levels of an image; its size is checked in its header.
+
+    From half as light as white a pixel is light; transparency counts as white. An image of 0 and 1
+    alone has 1 light. In PGM files, and others with the greys of ROS map_server alone, a pixel is
+    light or dark where that takes it for free or occupied, and else unknown.
+
+    Parameters
+    ----------
+    path : the file
+    name : what errors call the map
+
+    Raises
+    ------
+    UserError
+        If it is no image, damaged or too large.
+    """
+    try:
+        with warnings.catch_warnings():  # of its size, which is checked here
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+            image = Image.open(path)
+        with image:
+            check_size(image.height, image.width, name)
+            return _levels(image, name)
+    except UserError:
+        raise
+    except Image.DecompressionBombError as error:
+        raise UserError(
+            f"map {name}: has more pixels than the {MOST_CELLS:,} cells of a map; cut out the part "
+            "that you need, or make its cells larger"
+        ) from error
+    except UnidentifiedImageError as error:
+        raise UserError(f"map {name}: is no image, or one of size 0, or damaged") from error
+    except _BROKEN as error:
+        words = " ".join(str(error).split())
+        raise UserError(f"map {name}: cannot be read as an image ({words})") from error
+
+
+def _levels(image: Image.Image, name: str) -> Levels:
+    plain = "transparency" not in image.info
+    if image.mode == "F":
+        values = np.asarray(image, np.float64)
+        return levels_of(values, name, np.isnan(values) | (values == _no_data(image)))
+    if image.mode == "1" and plain:
+        return np.asarray(image).astype(np.int8)
+    if image.mode == "L" and plain:
+        return _grey(np.asarray(image), 255, image, name)
+    if image.mode.startswith("I"):
+        return _grey(np.asarray(image), 65535, image, name)
+    return _colours(image, name)
+
+
+def _no_data(image: Image.Image) -> float:
+    """The value of cells without one, NaN if the file names none."""
+    tags = getattr(image, "tag_v2", {})
+    return float(str(tags.get(NO_DATA, "nan")).strip("\0 "))
+
+
+def _grey(values: NDArray[Any], top: int, image: Image.Image, name: str) -> Levels:
+    missing = values == _no_data(image)
+    if not missing.all() and values[~missing].max() <= 1:
+        levels: Levels = (values == 1).astype(np.int8)
+    elif image.format == "PPM" or _is_served(values):
+        darkness = 1.0 - values / top
+        levels = np.where(darkness < FREE, 1, np.where(darkness > OCCUPIED, 0, UNKNOWN))
+        levels = levels.astype(np.int8)
+    else:
+        levels = (values >= HALF[top]).astype(np.int8)
+    levels[missing] = UNKNOWN
+    if (unknown := float((levels == UNKNOWN).mean())) > MANY:
+        logger.warning(
+            "map %s: %.0f %% of its pixels are unknown, as 205 of map_server is, and become land",
+            *(name, 100.0 * unknown),
+        )
+    return levels
+
+
+def _is_served(values: NDArray[Any]) -> bool:
+    """Whether an image has the greys that map_server writes, unknown cells among them."""
+    found = set(np.unique(values).tolist())
+    return 205 in found and found <= SERVED
+
+
+def _colours(image: Image.Image, name: str) -> Levels:
+    """Levels of colours by their lightness, on white."""
+    levels: Levels = np.empty((image.height, image.width), np.int8)
+    coloured = 0
+    for top in range(0, image.height, BAND):
+        part = image.crop((0, top, image.width, min(top + BAND, image.height))).convert("RGBA")
+        shown = Image.alpha_composite(Image.new("RGBA", part.size, "white"), part)
+        levels[top : top + BAND] = np.asarray(shown.convert("L")) >= HALF[255]
+        parts: NDArray[Any] = np.asarray(shown.convert("RGB"))
+        coloured += int((np.ptp(parts, axis=-1) > COLOURED).sum())
+    if coloured > MANY * levels.size:
+        logger.warning(
+            "map %s: %.0f %% of its pixels are coloured, and colours count by lightness alone: "
+            "%.0f %% of all are light; `mjforage maps %s -o seen.png` shows which",
+            *(name, 100 * coloured / levels.size, 100 * levels.mean(), name),
+        )
+    return levels

@@ -1,0 +1,73 @@
+"""What the formats share: how large a map may be, and numbers of two values as light and dark."""
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjforage.base.errors import UserError
+
+Levels: TypeAlias = NDArray[np.int8]
+"""(row, column) of `LIGHT`, `DARK` and `UNKNOWN`."""
+LIGHT, DARK, UNKNOWN = 1, 0, -1
+MOST_CELLS = 40_000_000  # rows times columns, beyond which the graph of a map fits no machine
+MOST_BYTES = 200_000_000  # of a text
+
+
+def check_size(rows: int, columns: int, name: str) -> None:
+    """Refuse a map by its size, before memory is taken for its cells.
+
+    Parameters
+    ----------
+    name : what errors call the map
+
+    Raises
+    ------
+    UserError
+        If it has no cell or more than `MOST_CELLS`.
+    """
+    if rows < 1 or columns < 1:
+        raise UserError(f"map {name}: {rows} x {columns} cells; give at least one row and column")
+    if rows * columns > MOST_CELLS:
+        raise UserError(
+            f"map {name}: {rows} x {columns} cells are more than {MOST_CELLS:,}; cut out the part "
+            "that you need, or make its cells larger"
+        )
+
+
+def levels_of(
+    values: NDArray[np.float64],
+    name: str,
+    missing: NDArray[np.bool_] | None = None,
+    found: Callable[[int, int], tuple[str, str]] | None = None,
+) -> Levels:
+    """Levels of numbers that are 0 and 1, or 0 and 255.
+
+    Parameters
+    ----------
+    values : (row, column)
+    missing : (row, column) cells without a value, which are `UNKNOWN`
+    found : how errors quote a cell's value, and its place in the file beside row and column
+
+    Raises
+    ------
+    UserError
+        Naming the first cell that is neither.
+    """
+    top = 255.0 if (values == 255.0).any() and not (values == 1.0).any() else 1.0
+    light = values == top
+    wrong = ~(light | (values == 0.0))
+    if missing is not None:
+        wrong &= ~missing
+    if wrong.any():
+        row, column = divmod(int(wrong.argmax()), wrong.shape[1])
+        quoted, place = found(row, column) if found else (f"{values[row, column]:g}", "")
+        raise UserError(
+            f"map {name}: row {row}, column {column} is {quoted}, expected 0 or {top:g} "
+            f"(counted from 0{place})"
+        )
+    levels: Levels = light.astype(np.int8)
+    if missing is not None:
+        levels[missing] = UNKNOWN
+    return levels

@@ -1,0 +1,276 @@
+"""Maps: shipped and generated ones by name, anyone's by path; what of them is connected; starts.
+
+Rows and columns are counted from 0, row 0 at the north edge, column 0 at the west edge.
+"""
+
+import logging
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from mjforage.base.compiled import kernel
+from mjforage.base.errors import UserError
+from mjforage.base.lending import read_only
+from mjforage.graph_planner.graph.geodesics import Int32Array
+from mjforage.graph_planner.graph.navigation import navigation_graph
+from mjforage.scenario.assets import models_folder
+from mjforage.scenario.harbours import harbour, harbour_cells, is_harbour
+from mjforage.scenario.map_files import WaterIs, is_shipped_map, map_path, read_cells
+from mjforage.scenario.map_formats import decoded
+
+Starts = tuple[tuple[int, int], ...]
+
+logger = logging.getLogger(__name__)
+
+
+_NAMED = 4  # components in a message
+
+
+@dataclass(frozen=True, eq=False)
+class GridMap:
+    """A map.
+
+    Attributes
+    ----------
+    name : name of a shipped map (``comb_port``) or of a generated harbour with its size
+        (``harbour:combs:7:60x46``), or file name of a user's (``port.csv``)
+    navigable : (row, column) bool, read-only
+    """
+
+    name: str
+    navigable: NDArray[np.bool_]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "navigable", read_only(self.navigable))
+
+    @property
+    def nodes(self) -> int:
+        """Number of navigable cells."""
+        return int(np.count_nonzero(self.navigable))
+
+
+def load_map(
+    reference: str,
+    *,
+    corner_cutting: bool = False,
+    largest_component: bool = False,
+    water: WaterIs = "light",
+) -> GridMap:
+    """Load a map and check that it is one component.
+
+    Parameters
+    ----------
+    reference : name of a shipped map (``comb_port`` or ``comb-port``) or of a generated harbour
+        (``harbour:combs:7``), or path of a map file (see `read_cells`)
+    corner_cutting : whether a diagonal move may pass beside a land cell or between two
+    largest_component : make an obstacle of every node outside the largest component
+    water : which cells of a file are water (see `read_cells`)
+
+    Raises
+    ------
+    UserError
+        If the file is missing, unreadable or malformed, has no navigable cell, or is not one
+        component and `largest_component` is not set; if a harbour's name is malformed; if the water
+        of a shipped map or a harbour is said to be dark.
+    """
+    if water == "dark" and (is_harbour(reference) or is_shipped_map(reference)):
+        raise UserError(f"map {reference}: has light water; leave out --water dark (map.water)")
+    if is_harbour(reference):
+        which = harbour(reference)
+        return GridMap(which.name, harbour_cells(which))
+    path = map_path(reference)
+    name = path.stem if path.parent == models_folder() / "maps" else path.name
+    return grid_of(read_cells(path, name, water), name, corner_cutting, largest_component)
+
+
+def grid_of(
+    cells: NDArray[np.bool_], name: str, corner_cutting: bool, largest_component: bool
+) -> GridMap:
+    """A map of cells (row, column) that somebody has made; arguments and errors as `load_map`."""
+    if not cells.any():
+        raise UserError(
+            f"map {name}: all {cells.size} cells are obstacles (0 or dark); mark water with 1, "
+            "or give --water dark"
+        )
+    cells = _one_component(cells, name, corner_cutting, largest_component)
+    return GridMap(name, cells)
+
+
+def components(
+    navigable: NDArray[np.bool_], corner_cutting: bool
+) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
+    """Parts of a map between which no vessel can travel.
+
+    Without corner cutting a diagonal move needs both cells beside it free, so two straight moves
+    join the same nodes: only the four straight directions count. With it all eight do.
+
+    Parameters
+    ----------
+    navigable : (row, column) bool
+    corner_cutting : whether diagonal moves may pass land cells
+
+    Returns
+    -------
+    label : (row, column) int32, 0 on land, components from 1
+    sizes : (component,) nodes in each
+    """
+    structure = ndimage.generate_binary_structure(2, 2 if corner_cutting else 1)
+    label = np.zeros(navigable.shape, np.int32)
+    ndimage.label(navigable, structure, output=label)
+    return label, np.bincount(label.ravel())[1:].astype(np.int64)
+
+
+def _one_component(
+    cells: NDArray[np.bool_], name: str, corner_cutting: bool, largest_component: bool
+) -> NDArray[np.bool_]:
+    label, sizes = components(cells, corner_cutting)
+    if sizes.size == 1:
+        return cells
+    largest, nodes = int(sizes.argmax()) + 1, int(sizes.sum())
+    if largest_component:
+        dropped = nodes - int(sizes.max())
+        logger.warning(
+            "map %s: %d of %d nodes lie outside the largest of %d components and become obstacles",
+            *(name, dropped, nodes, sizes.size),
+        )
+        return np.asarray(label == largest)
+    remedy = "keep only that one where you play on it: --set map.largest_component=true"
+    if not corner_cutting and components(cells, True)[1].size == 1:
+        remedy += ", or join them with --set map.corner_cutting=true"
+    parts = ", ".join(str(size) for size in sorted(sizes, reverse=True)[:_NAMED])
+    more = f" and {sizes.size - _NAMED} more" if sizes.size > _NAMED else ""
+    raise UserError(
+        f"map {name}: its {nodes} nodes form {sizes.size} separate components, of {parts}{more} "
+        f"nodes; {remedy}"
+    )
+
+
+def check_starts(starts: Starts, navigable: NDArray[np.bool_], owner: str, map_name: str) -> None:
+    """Refuse starts that no agent can take.
+
+    Parameters
+    ----------
+    starts : (row, column) of each start, counted from 0
+    navigable : (row, column) bool
+    owner : whose starts they are, for the message (``scenario published``)
+    map_name : what the message calls the map
+
+    Raises
+    ------
+    UserError
+        If a start lies outside the map or on land, or is given twice.
+    """
+    rows, columns = navigable.shape
+    for i, (row, column) in enumerate(starts):
+        if not (0 <= row < rows and 0 <= column < columns):
+            fault = f"is outside map {map_name} ({rows} rows x {columns} columns, counted from 0)"
+        elif not navigable[row, column]:
+            fault = f"is on land in map {map_name}"
+        elif (row, column) in starts[:i]:
+            fault = f"is given twice for map {map_name}"
+        else:
+            continue
+        raise UserError(
+            f"start ({row}, {column}) of {owner} {fault}; give --set "
+            "map.starts='[[r,c],...]' or '[]' for a random cluster"
+        )
+
+
+def load_starts(reference: str) -> Starts | None:
+    """Read the starts that lie beside a map as ``<stem>.starts.csv``, a line ``row,column`` each.
+
+    Parameters
+    ----------
+    reference : name of a shipped map or a generated harbour, or path of a map file
+
+    Returns
+    -------
+    (row, column) of each start, unchecked against the map, or None if there is no such file, as
+    beside no harbour
+
+    Raises
+    ------
+    UserError
+        If there is no such map, or the starts cannot be read, are none, or hold anything but two
+        whole numbers per line.
+    """
+    if is_harbour(reference):
+        return None
+    path = map_path(reference)
+    file = path.with_name(f"{path.stem}.starts.csv")
+    if not file.is_file():
+        return None
+    try:
+        lines = decoded(file.read_bytes()).splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"starts {file.name}: cannot be read ({error})") from error
+    starts = tuple(_start(line, i + 1, file.name) for i, line in enumerate(lines) if line.strip())
+    if not starts:
+        raise UserError(f"starts {file.name}: is empty; delete it for a random cluster")
+    return starts
+
+
+def _start(line: str, number: int, name: str) -> tuple[int, int]:
+    try:
+        row, column = (int(field) for field in line.replace(";", ",").split(","))
+    except ValueError as error:
+        found = repr(line.strip()[:40])
+        raise UserError(
+            f"starts {name}: line {number} is {found}, expected two whole numbers: row,column"
+        ) from error
+    return row, column
+
+
+@kernel
+def _count_reached(neighbours: Int32Array, start: int, moves: int, shorten: bool) -> int:
+    """Number of nodes on which moves from a node can end."""
+    reached = np.zeros(neighbours.shape[0], np.bool_)
+    queue = np.empty(neighbours.shape[0], np.int32)
+    queue[0], reached[start] = start, True
+    head, tail = 0, 1
+    while head < tail:
+        node = queue[head]
+        head += 1
+        for direction in range(8):
+            target, done = node, 0
+            while done < moves and neighbours[target, direction] >= 0:
+                target, done = neighbours[target, direction], done + 1
+            if (done == moves or shorten) and not reached[target]:
+                reached[target] = True
+                queue[tail] = target
+                tail += 1
+    return tail
+
+
+def reachable_share(
+    navigable: NDArray[np.bool_],
+    start_rc: tuple[int, int],
+    moves: int,
+    strict: bool,
+    corner_cutting: bool,
+) -> float:
+    """Share of the nodes on which a role can end a move, its start included.
+
+    Two-node moves alone keep the parity of row and column, so in open water they reach a quarter.
+
+    Parameters
+    ----------
+    navigable : (row, column) bool
+    start_rc : (row, column) of the start, counted from 0
+    moves : nodes per decision, straight on
+    strict : whether a move is illegal unless all its nodes are free, or ends before the first that
+        is not
+    corner_cutting : whether diagonal moves may pass land cells
+
+    Raises
+    ------
+    ValueError
+        If the start is not navigable.
+    """
+    if not navigable[start_rc]:
+        raise ValueError(f"start_rc: {start_rc} is not navigable")
+    graph = navigation_graph(navigable, 1.0, corner_cutting)
+    start = int(graph.node_of_cell[start_rc])
+    return _count_reached(graph.neighbours, start, moves, not strict) / len(graph)

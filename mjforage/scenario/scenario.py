@@ -1,0 +1,301 @@
+"""What a mission is: frozen dataclasses, one per table of a scenario file.
+
+They are the schema of the file (see `mjforage.scenario.schema`). Sources: paper, sections "Foraging
+Environment" and "Items Dynamics"; numbers of the published code where the paper gives none.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Annotated, Literal
+
+from mjforage.base.fields import Later, Within, source
+from mjforage.scenario.bearings import Bearing
+from mjforage.scenario.belief_settings import BeliefSettings
+from mjforage.scenario.fleet import Role
+
+_Cell = Annotated[int, Within(-(2**63), 2**63 - 1)]  # of a grid; the map says which there are
+_OAK = source("Luxonis OAK-D W: depth error below 2, 4, 6 % up to 3.5, 6.5, 9 m; 127 deg")
+
+
+@dataclass(frozen=True)
+class MapChoice:
+    """The grid, how it becomes a graph, and where agents start."""
+
+    file: str
+    """Name of a shipped map or a generated harbour (`harbour:combs:7`), or path of a table, grid or
+    image from the scenario's folder."""
+    pitch_m: Annotated[float, Within(1e-3, 1e6, "m")] = 4.0
+    """Distance between the centres of neighbouring nodes."""
+    corner_cutting: bool = False
+    """Whether diagonal moves may cut corners of the land."""
+    largest_component: bool = False
+    """Whether only the largest connected part of the map is kept."""
+    starts: tuple[tuple[_Cell, _Cell], ...] | None = None
+    """(row, column) to assign at random; absent: those beside the map; []: a random cluster."""
+    water: Annotated[Literal["light", "dark"], Later()] = "light"
+    """Which cells of a file are water: `light` pixels of an image, 1 of a table; or `dark`, 0."""
+
+
+@dataclass(frozen=True)
+class Rules:
+    """What agents may do in a decision."""
+
+    stay: bool = True
+    """Whether staying put is an action."""
+    shorten: bool = True
+    """Whether a blocked longer move ends before the obstacle instead of being illegal."""
+    walls: Annotated[Literal["clip", "project", "published"], Later()] = "clip"
+    """How an item on land is put back into the nearest node: each component of its offset cut to
+    0.49 node; the offset scaled, its larger component to 0.49; so, and the smaller one with the
+    sign of the lesser of both, as the paper's code has it."""
+    capture: Annotated[Literal["certain", "calibrated"], Later()] = "certain"
+    """Where items follow the rule: foragers take all in their node, or as surely as their hulls did
+    in trials (`mjforage calibrate`)."""
+    order: Annotated[tuple[str, ...], Later()] = ()
+    """All teams as they choose, in each the highest number first; empty: those that collect, then
+    the others, each by name."""
+
+
+@dataclass(frozen=True)
+class Items:
+    """How many items float around how wide a hotspot."""
+
+    mean: Annotated[float, Within(0, 20_000, "items"), source("paper")] = 75.0
+    """Mean number of items."""
+    std: Annotated[float, Within(0, 2_000, "items"), source("paper")] = 10.0
+    """Standard deviation of the number of items."""
+    covariance_node2: Annotated[float, Within(0, 1e9, "node^2"), source("paper")] = 20.0
+    """Variance of the items' places around their hotspot, per axis."""
+    hotspots: Annotated[int, Within(1, 100)] = 1
+    """Clusters, to which items are dealt out in turn."""
+
+
+@dataclass(frozen=True)
+class Weather:
+    """Wind or the paper's drift in every world; currents, lee and gusts where there are any.
+
+    Wind and drift are one: the physics world makes the drift by a wind of drift / 0.03, which hulls
+    feel too, and in the graph world items drift at 0.03 of a wind that is given.
+    """
+
+    wind_speed_mps: Annotated[Annotated[float, Within(0, 30, "m/s")] | None, Later()] = None
+    """Mean wind, in the place of the drift: `drift_node_per_step` then says nothing; absent: the
+    wind is the drift's."""
+    wind_from_deg: Annotated[Bearing | None, Later()] = None
+    """Where that wind comes from, clockwise from north (0 north, 90 east); absent: drawn per
+    episode, uniform over the circle."""
+    shelter_height_m: Annotated[float, Within(0, 30, "m"), Later()] = 0.0
+    """Height of what stands on all land, in whose lee the wind is weaker; 0: no lee."""
+    drift_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.1
+    """Constant drift of an episode's items, uniform in +- this per axis; not with
+    `wind_speed_mps`."""
+    noise_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.09
+    """Independent drift per item and step, uniform in +- this per axis."""
+    gust_intensity: Annotated[float, Within(0, 0.5)] = 0.0
+    """Standard deviation of the gusts along the wind, over its speed; 0.1-0.2 is usual."""
+    gust_tau_s: Annotated[float, Within(1e-2, 1e4, "s")] = 2.0
+    """Correlation time of the gusts."""
+    current_speed_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
+    """Speed of a constant current in open water. Quays let none of it through and weaken it beside
+    them; in a narrows it is faster, in a bay with one mouth it ends near the mouth. Needs water at
+    the map's edge, where it comes in and goes out."""
+    current_toward_deg: Bearing | None = None
+    """Where it flows to, counter-clockwise from east; absent: drawn per episode."""
+    current_wander_mps: Annotated[float, Within(0, 5, "m/s")] = 0.0
+    """Standard deviation per axis of a slow Gauss-Markov part of that current."""
+    circulation_mps: Annotated[float, Within(-5, 5, "m/s")] = 0.0
+    """Peak speed of a harbour circulation between the quays, positive counter-clockwise."""
+
+
+_PAYLOADS = source("Heron bare, 28 of 36 kg; Otter with 45 kg of payload, 100 of 80 kg")
+_RULES = source("estimate; the Otter's are rules of thumb, 1.5 m sideways and 1.7 I in yaw")
+_SWAY = source("Heron, linear_sway: published 40 to 100, the file has 70")
+_WORN = source("Heron: 22 to 24 N measured on a worn boat, nominal 33.6 N")
+_AREAS = source("estimate, as all areas are")
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Factors on the numbers of all hulls, within what the sources of `models/vessels` leave open.
+
+    Controllers do not know them: they go by the numbers of the vessels' files. Another hull that
+    its controllers know is a vessel file of its own.
+    """
+
+    mass: Annotated[float, Within(0.78, 1.25), _PAYLOADS] = 1.0
+    """Of mass and yaw inertia of the rigid body."""
+    added_mass: Annotated[float, Within(0.5, 1.5), _RULES] = 1.0
+    """Of the added mass of all axes."""
+    drag: Annotated[float, Within(0.57, 1.43), _SWAY] = 1.0
+    """Of linear, quadratic and cross-flow drag of all axes; not of what items aboard add."""
+    thrust: Annotated[float, Within(0.65, 1.0), _WORN] = 1.0
+    """Of the thrust of a propeller at any speed; of the highest thrust of other thrusters."""
+    windage: Annotated[float, Within(0.5, 2.0), _AREAS] = 1.0
+    """Of the areas that the wind meets."""
+
+
+@dataclass(frozen=True)
+class Physics:
+    """How the MuJoCo world carries decisions out."""
+
+    vessels: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    """Team -> vessel (a name, or a TOML file from the scenario's folder); absent: `forager` if it
+    collects, else `scout`."""
+    capture: Literal["node", "intake"] = "node"
+    """`node`: all items in the hull's node at the end of a decision; `intake`: an item that enters
+    the mouth at the bow."""
+    items: Literal["bodies", "graph"] = "bodies"
+    """`bodies` that wind and water move, or moved by the rule of the graph world."""
+    item_classes: tuple[str, ...] = ("drifter",)
+    """Classes of `models/debris.toml`, one drawn per item."""
+    integrator: Literal["fast", "reference"] = "fast"
+    """`fast`: Euler with forces averaged over the step; `reference`: Runge-Kutta of order 4."""
+    step_s: Annotated[float, Within(1e-3, 0.1, "s")] | None = None
+    """Time step of the integrator, by default 0.1 s of `fast` and 0.02 s of `reference`."""
+    scale: Annotated[Scale, Later()] = Scale()
+
+
+_Chance = Annotated[float, Within(0, 1)]
+_Distance = Annotated[float, Within(0, 1e4, "node")]
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """What looks miss and invent, in every world, and what measurements lack with hulls; nothing by
+    default.
+
+    An item in view is detected with a chance p that falls with its distance: all agents that are as
+    far detect it or miss it together, in every decision anew.
+    """
+
+    position_noise_m: Annotated[float, Within(0, 2, "m")] = 0.0
+    """Standard deviation of a position fix per axis."""
+    heading_noise_deg: Annotated[float, Within(0, 20, "deg")] = 0.0
+    """Standard deviation of the compass."""
+    detection: _Chance = 1.0
+    """p of an item in view, at distance 0 if it falls with the distance."""
+    half_range_node: Annotated[_Distance, Later()] = 0.0
+    """Distance at which p is half: detection / (1 + exp((d - half_range_node) / slope_node)); 0: it
+    does not fall."""
+    slope_node: Annotated[float, Within(1e-3, 1e4, "node"), Later()] = 1.0
+    """How gradually it falls."""
+    detection_table: Annotated[tuple[tuple[_Distance, _Chance], ...], Later()] = ()
+    """(distance, p), linear between and constant beyond, in the place of the three keys above."""
+    persistence: Annotated[float, Within(0, 0.99), Later()] = 0.0
+    """Correlation of detecting an item in two steps: some items are hard to see all along. Their p
+    are of a beta distribution with that mean, drawn once per item."""
+    false_rate: Annotated[_Chance, Later()] = 0.0
+    """Chance per node and epoch that an item is seen that is none; not where a collector is."""
+    false_hold: Annotated[int, Within(1, 30000, "decisions"), Later()] = 1
+    """Length of such an epoch."""
+    merge: Annotated[_Chance, Later()] = 0.0
+    """Chance to overlook an item, in a node in which another is detected."""
+    fov_deg: Annotated[float, Within(0, 360, "deg"), Later()] = 360.0
+    """Field of view about the heading; an agent's own node is always seen."""
+    map: Annotated[Literal["last", "filtered"], Later()] = "last"
+    """What is believed of a node: the items of the last look, or what all looks make probable."""
+    pickup_noise_m: Annotated[float, Within(0, 2, "m"), Later()] = 0.0
+    """Standard deviation per axis of where the middle of an item is in a frame of a collector's
+    camera; with 0 there is no camera, and collectors know where items are."""
+    pickup_range_noise_per_m: Annotated[float, Within(0, 0.1, "1/m"), _OAK, Later()] = 0.0065
+    """Times the range squared: standard deviation along the line of sight, beyond that."""
+    pickup_view_deg: Annotated[float, Within(10, 360, "deg"), _OAK, Later()] = 127.0
+    """Field of view of the camera about the bow."""
+    pickup_range_m: Annotated[float, Within(1, 1e4, "m"), _OAK, Later()] = 9.0
+    """Farthest item that it sees."""
+    pickup_period_s: Annotated[float, Within(0.1, 10, "s"), source("estimate"), Later()] = 0.2
+    """Time between two frames, a multiple of 0.1 s."""
+    pickup_latency_s: Annotated[float, Within(0, 10, "s"), source("estimate"), Later()] = 0.2
+    """Time until what is in a frame is known, a multiple of 0.1 s."""
+
+    @property
+    def perfect(self) -> bool:
+        """Whether looks show all that is in view, and nothing else."""
+        detects = self.detection >= 1.0 and not self.half_range_node and not self.detection_table
+        return detects and not (self.false_rate or self.merge) and self.fov_deg >= 360.0
+
+
+LOOK_BYTES, NODE_BYTES = 6, 3  # of a look, and more of every occupied node in it
+_RF = source("gz-sim, RFComms")
+
+
+@dataclass(frozen=True)
+class Link:
+    """How looks get from agent to agent; by default everybody hears everything at once.
+
+    With a link every agent acts by what it has seen and heard itself. At the end of every decision
+    agents pass on the looks that others in reach lack, the newest first, one hop at a time.
+    """
+
+    model: Literal["ideal", "none", "disk", "log-distance", "two-ray"] = "ideal"
+    """`ideal`: everybody hears everything at once; `none`: nobody hears anybody; `disk`: within a
+    range; `log-distance`: power falls with a power of the distance; `two-ray`: with the echo of the
+    water."""
+    range_m: Annotated[float, Within(0, 1e6, "m")] = 1e6
+    """Radius of the disk."""
+    wall_db: Annotated[float, Within(0, 1000, "dB")] = 0.0
+    """What every land cell on the straight line takes; a disk ends there if above 0."""
+    tx_dbm: Annotated[float, Within(-200, 100, "dBm"), _RF] = 27.0
+    """Power of a transmitter."""
+    floor_dbm: Annotated[float, Within(-200, 0, "dBm"), _RF] = -90.0
+    """Power of the noise, and the least power at which there is a contact."""
+    frequency_hz: Annotated[float, Within(1e6, 1e12, "Hz")] = 2.4e9
+    """Carrier, of `two-ray`."""
+    exponent: Annotated[float, Within(1, 8), _RF] = 2.5
+    """Path loss exponent of `log-distance`."""
+    l0_db: Annotated[float, Within(0, 200, "dB"), _RF] = 40.0
+    """Path loss at 1 m of `log-distance`."""
+    shadowing_db: Annotated[float, Within(0, 40, "dB")] = 0.0
+    """Standard deviation of the shadowing, drawn per pair and decision."""
+    loss: Annotated[float, Within(0, 0.999)] = 0.0
+    """Share of the decisions in which a directed link loses all that it carries."""
+    burst: Annotated[float, Within(1, 1e6, "decisions")] = 1.0
+    """Mean length of such a time (Gilbert and Elliott); 1: decisions are independent, which makes
+    it 1 / (1 - loss)."""
+    latency: Annotated[int, Within(0, 30000, "decisions")] = 0
+    """Time until what was sent is heard."""
+    bytes: Annotated[int, Within(0, 1_000_000_000, "B")] = 0
+    """What an agent can send in a decision, 0 without a limit; a look of n occupied nodes takes
+    6 + 3 n."""
+    cells: Annotated[int, Within(0, 1_000_000_000)] = 0
+    """The same in cells, of which it takes 1 + n."""
+    relay: bool = True
+    """Whether all agents pass on looks of others, or only those of teams with `relays`."""
+
+
+@dataclass(frozen=True)
+class CorruptionChoice:
+    """A team whose actions are partly random (CSSC)."""
+
+    team: str = ""
+    """Name of the corrupted team; empty: nobody."""
+    epsilon: Annotated[float, Within(0, 1)] = 0.0
+    """Probability per decision that an action is random."""
+    whole_team: bool = False
+    """Whether one draw decides for the whole team, as in the published code."""
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A mission: everything that decides an episode, apart from seed, policy and world."""
+
+    name: str
+    """Name of the mission, and of its run folder."""
+    map: MapChoice
+    team: Mapping[str, Role]
+    """Teams by name, in the order of the file, which numbers the agents."""
+    description: str = ""
+    """One line for lists and reports."""
+    horizon: Annotated[int, Within(1, 30000, "decisions"), source("paper: T = 150")] = 150
+    """Decisions in an episode."""
+    period_s: Annotated[float, Within(1e-3, 1e6, "s")] = 10.0
+    """Time of one decision."""
+    rules: Rules = Rules()
+    items: Items = Items()
+    weather: Weather = Weather()
+    physics: Physics = field(default_factory=Physics)
+    sensors: Sensors = Sensors()
+    link: Annotated[Link, Later()] = Link()
+    corruption: CorruptionChoice = CorruptionChoice()
+    belief: BeliefSettings = field(default_factory=BeliefSettings)

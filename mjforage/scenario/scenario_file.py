@@ -1,0 +1,330 @@
+"""Scenario files: strict TOML to `Scenario`, overrides, and the canonical form that is hashed.
+
+Strict means: an unknown key, a wrong type, a missing key or a number out of range is one error that
+names the file, the key, the value and what was expected.
+"""
+
+import dataclasses
+import difflib
+import itertools
+import json
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, cast, get_args, get_type_hints
+
+from mjforage.base.errors import UserError
+from mjforage.base.fields import Later
+from mjforage.base.references import assigned
+from mjforage.base.toml_files import read_toml
+from mjforage.scenario.assets import models_folder
+from mjforage.scenario.harbours import is_harbour
+from mjforage.scenario.map_files import is_shipped_map
+from mjforage.scenario.scenario import LOOK_BYTES, Link, Scenario
+from mjforage.scenario.schema import NAME, check, rows, shown
+
+Tree = dict[str, Any]
+
+
+def preset_names() -> list[str]:
+    """Names of the scenarios that ship with the package."""
+    return sorted(path.stem for path in (models_folder() / "scenarios").glob("*.toml"))
+
+
+def scenario_path(reference: str) -> Path:
+    """File of a preset's name or of a path.
+
+    Raises
+    ------
+    UserError
+        If there is no such preset or file.
+    """
+    name = reference.replace("_", "-")
+    if name in preset_names():
+        return models_folder() / "scenarios" / f"{name}.toml"
+    path = Path(reference)
+    try:
+        if path.suffix == ".toml" and path.is_file():
+            return path
+        meant = Path(f"{reference}.toml").is_file()
+    except (OSError, ValueError) as error:
+        raise UserError(f"scenario {reference}: cannot be opened ({error})") from error
+    close = difflib.get_close_matches(name, preset_names(), n=1)
+    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(preset_names())}"
+    hint = f"did you mean {reference}.toml?" if meant else hint
+    raise UserError(f"scenario {reference}: neither a preset nor a TOML file; {hint}")
+
+
+def load_scenario(
+    reference: str,
+    overrides: Iterable[str] = (),
+    map_file: str | None = None,
+    water: str | None = None,
+) -> Scenario:
+    """Read a preset or a file, replace the grid, then apply `KEY=VALUE` overrides in order.
+
+    Paths in a file start from the folder of that file, those of overrides from the working
+    directory.
+
+    Parameters
+    ----------
+    reference : name of a preset, or path of a TOML file
+    overrides : for example `team.scouts.count=3`; values in TOML syntax, bare words are strings
+    map_file : replaces `map.file`, and `map.water` by its default; everything else stays, starts
+        too unless it is a generated harbour, where a cluster is drawn
+    water : replaces `map.water`
+
+    Raises
+    ------
+    UserError
+        For anything that is not a valid scenario.
+    """
+    path = scenario_path(reference)
+    tree = read_toml(path, f"scenario {path.name}")
+    _start_paths(tree, path.parent)
+    if map_file is not None:
+        _put(tree, ["map", "file"], map_file, f"--map {map_file}")
+        tree["map"].pop("water", None)
+        if is_harbour(map_file):
+            _put(tree, ["map", "starts"], [], f"--map {map_file}")
+    if water is not None:
+        _put(tree, ["map", "water"], water, f"--water {water}")
+    teams, overrides = tree.get("team"), list(overrides)
+    names = list(teams) if isinstance(teams, dict) else []
+    for override in overrides:
+        _apply(tree, override)
+    try:
+        return _checked(tree, f"scenario {path.stem}")
+    except UserError as error:
+        raise _near_miss(overrides, names, error) or error from error
+
+
+def _near_miss(overrides: list[str], teams: list[str], error: UserError) -> UserError | None:
+    """The error of an override whose key is not known but nearly one that is; None if the error
+    says so itself.
+    """
+    known = set()
+    for row in rows(Scenario):
+        table, name, rest = row.key.partition(f".{NAME}")
+        known |= {f"{table}.{team}{rest}" for team in teams} if name else {row.key}
+    for override in overrides:
+        key = override.partition("=")[0].strip()
+        close = [one for one in sorted(known) if one.endswith(f".{key}")]
+        close = close or difflib.get_close_matches(key, known, n=1, cutoff=0.9)
+        if close and key not in known and f"did you mean {close[0]}?" not in str(error):
+            fault = str(error).partition("; did you mean ")[0]
+            return UserError(f"--set {override}: did you mean {close[0]}? As it is, {fault}")
+    return None
+
+
+def with_overrides(scenario: Scenario, overrides: Iterable[str]) -> Scenario:
+    """The scenario after `KEY=VALUE` overrides, as of `load_scenario`."""
+    tree = scenario_to_tree(scenario)
+    for override in overrides:
+        _apply(tree, override)
+    return scenario_from_tree(tree, f"scenario {scenario.name}")
+
+
+def _start_paths(tree: Tree, folder: Path) -> None:
+    """Let the paths of a file's map and vessels start from its folder; names stay as they are."""
+    choice, physics = tree.get("map"), tree.get("physics")
+    if isinstance(choice, dict) and isinstance(file := choice.get("file"), str):
+        named = is_shipped_map(file) or is_harbour(file)
+        choice["file"] = file if named else str(folder / file)
+    vessels = physics.get("vessels") if isinstance(physics, dict) else None
+    if not isinstance(vessels, dict):
+        return
+    for team, vessel in vessels.items():
+        if isinstance(vessel, str) and vessel.endswith(".toml"):
+            vessels[team] = str(folder / vessel)
+
+
+def _apply(tree: Tree, override: str) -> None:
+    key, separator, text = override.partition("=")
+    parts = key.strip().split(".")
+    if not separator or not all(parts):
+        raise UserError(f"--set {override}: expected KEY=VALUE, for example team.scouts.count=3")
+    if any("\ud800" <= letter <= "\udfff" for letter in override):
+        raise UserError(f"--set {override!r}: is not UTF-8")
+    document = assigned(text)
+    if len(document) > 1:
+        raise UserError(f"--set {override!r}: expected one value")
+    _put(tree, parts, document["value"], f"--set {override}")
+
+
+def _put(tree: Tree, parts: list[str], value: object, where: str) -> None:
+    table = tree
+    for part in parts[:-1]:
+        table = table.setdefault(part, {})
+        if not isinstance(table, dict):
+            raise UserError(f"{where}: {part} is a value, not a table")
+    table[parts[-1]] = value
+
+
+def scenario_from_tree(tree: Tree, where: str) -> Scenario:
+    """The scenario that `scenario_to_tree` gave as nested dicts, now or before keys were added.
+
+    Parameters
+    ----------
+    tree : as read from a run folder
+    where : what errors name first
+
+    Raises
+    ------
+    UserError
+        For an unknown or missing key, a wrong type, a value out of range, or tables that contradict
+        each other.
+    """
+    return _checked(_completed(tree), where)
+
+
+def _completed(tree: Tree) -> Tree:
+    """With the keys whose default has changed, at their old one, in tables without them."""
+    whole = dict(tree)
+    for name, schema in get_type_hints(Scenario).items():
+        if isinstance(table := whole.get(name), dict) and isinstance(schema, type):
+            marks = _later(schema).items()
+            old = {key: mark.before for key, mark in marks if mark.before is not None}
+            whole[name] = old | table
+    return whole
+
+
+def _checked(tree: Tree, where: str) -> Scenario:
+    """Check nested dicts, as read from TOML, against the schema."""
+    scenario = check(Scenario, tree, where)
+    name = scenario.name
+    if not name.isprintable() or not name.strip(" .") or set(name) & set("/\\"):
+        raise UserError(
+            f"{where}: name = {shown(name)} names the run folder; give letters, digits and dashes"
+        )
+    counts = {name: role.count for name, role in scenario.team.items()}
+    if not 1 <= sum(counts.values()) <= 255:
+        raise UserError(f"{where}: {sum(counts.values())} agents in all; give 1 to 255")
+    for team in counts:
+        if not team.replace("-", "").replace("_", "").isalnum():
+            raise UserError(
+                f"{where}: team.{shown(team)} names files; give letters, digits and dashes"
+            )
+    order = scenario.rules.order
+    if order and sorted(order) != sorted(counts):
+        raise UserError(
+            f"{where}: rules.order = {shown(list(order))}; give every team once: "
+            f"{', '.join(counts)}"
+        )
+    origin, speed = scenario.weather.wind_from_deg, scenario.weather.wind_speed_mps
+    if origin is not None and speed is None:
+        raise UserError(
+            f"{where}: weather.wind_from_deg = {origin:g} without a wind; give "
+            "weather.wind_speed_mps too"
+        )
+    unused = [f.name for f in dataclasses.fields(Link)]
+    unused = [k for k in unused[1:] if getattr(scenario.link, k) != getattr(Link(), k)]
+    if scenario.link.model == "ideal" and unused:
+        value = shown(getattr(scenario.link, unused[0]))
+        raise UserError(
+            f"{where}: link.{unused[0]} = {value} without a link; give link.model, for example disk"
+        )
+    least = scenario.link.loss / (1.0 - scenario.link.loss)
+    if 1.0 < scenario.link.burst < least:
+        raise UserError(
+            f"{where}: link.burst = {scenario.link.burst:g} is too short to lose "
+            f"{scenario.link.loss:.1%}; give at least {least:.4g}, or 1 for independent losses"
+        )
+    if 0 < scenario.link.bytes < LOOK_BYTES:
+        raise UserError(
+            f"{where}: link.bytes = {scenario.link.bytes} is too little for any look; give at "
+            f"least {LOOK_BYTES}, 0 for no limit, or link.model = none"
+        )
+    table = scenario.sensors.detection_table
+    for (near, more), (far, less) in itertools.pairwise(table):
+        if far <= near or less > more:
+            raise UserError(
+                f"{where}: sensors.detection_table: [{far:g}, {less:g}] after [{near:g}, {more:g}];"
+                " give growing distances with chances that do not grow"
+            )
+    if table and scenario.sensors.half_range_node:
+        raise UserError(
+            f"{where}: sensors.half_range_node = {scenario.sensors.half_range_node:g} beside a "
+            "detection_table; give one of them"
+        )
+    sensors = scenario.sensors
+    surest = table[0][1] if table else sensors.detection
+    if sensors.persistence > 0.0 and surest in (0.0, 1.0):
+        raise UserError(
+            f"{where}: sensors.persistence = {sensors.persistence:g}, but all items are detected "
+            f"with the same chance of {surest:g} near by; give sensors.detection between 0 and 1"
+        )
+    if sensors.map == "filtered" and sensors.perfect:
+        raise UserError(
+            f'{where}: sensors.map = "filtered", but looks miss and invent nothing; give '
+            "sensors.detection, for example 0.9"
+        )
+    choice = scenario.corruption
+    if choice.team not in counts and (choice.team or choice.epsilon):
+        teams = ", ".join(counts)
+        raise UserError(f"{where}: corruption.team = {choice.team!r}; choose {teams}")
+    for name in scenario.physics.vessels:
+        if name not in counts:
+            teams = ", ".join(counts)
+            raise UserError(f"{where}: physics.vessels.{name}: no such team; known: {teams}")
+    return scenario
+
+
+def with_values(scenario: Scenario, values: Mapping[str, object], where: str) -> Scenario:
+    """The scenario with some keys, such as `link.range_m`, set to other values.
+
+    Raises
+    ------
+    UserError
+        As `scenario_from_tree`.
+    """
+    tree = scenario_to_tree(scenario)
+    for key, value in values.items():
+        _put(tree, key.split("."), value, f"{where}: {key}")
+    return scenario_from_tree(tree, where)
+
+
+def scenario_to_tree(scenario: Scenario) -> Tree:
+    """The scenario as nested dicts and lists; `scenario_from_tree` undoes it.
+
+    Every key is present, except those marked `Later` at the value of the time before them: what a
+    scenario does not use leaves its hash as it was before that key existed.
+    """
+
+    def plain(value: object) -> object:
+        if dataclasses.is_dataclass(value) and not isinstance(value, type):
+            marks = _later(type(value))
+            entries = {f: getattr(value, f.name) for f in dataclasses.fields(value)}
+            return {
+                f.name: plain(entry)
+                for f, entry in entries.items()
+                if f.name not in marks or entry != _before(f, marks[f.name])
+            }
+        if isinstance(value, Mapping):
+            return {name: plain(entry) for name, entry in value.items()}
+        if isinstance(value, tuple):
+            return [plain(entry) for entry in value]
+        return value
+
+    return cast(Tree, plain(scenario))
+
+
+def _before(key: "dataclasses.Field[Any]", mark: Later) -> object:
+    """The value that run folders without the key were played with."""
+    if mark.before is not None:
+        return mark.before
+    made = key.default_factory
+    return key.default if made is dataclasses.MISSING else made()
+
+
+@lru_cache(maxsize=64)
+def _later(schema: type) -> dict[str, Later]:
+    """Name -> mark of a table's keys that are marked `Later`."""
+    hints = get_type_hints(schema, include_extras=True)
+    marks = {name: get_args(hint)[1:] for name, hint in hints.items()}
+    return {name: m for name, all_ in marks.items() for m in all_ if isinstance(m, Later)}
+
+
+def canonical_json(tree: object) -> str:
+    """JSON without blanks. Keys keep their order, because the order of teams numbers the agents."""
+    return json.dumps(tree, separators=(",", ":"), allow_nan=False)

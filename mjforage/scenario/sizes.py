@@ -1,0 +1,121 @@
+"""What work takes of memory, estimated before it begins: more than the machine has is refused.
+
+Only the arrays that grow with a scenario count; the estimates are good to about a third.
+"""
+
+import os
+
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.graph.visibility import list_bytes
+from mjforage.scenario.scenario import Scenario
+
+GB = 1e9
+LARGE = 50_000  # nodes of a map, from which its cost is worth a word
+_PREPARED = 5e7  # bytes of a map's arrays made in a second, measured on a core of 2.5 GHz
+_STEPPED = 2e9  # bytes of an episode's maps gone through in a second, likewise
+_MOST = 1e24  # bytes that a message can name
+_NODE = 200  # bytes of the graph per node: neighbours, rows, columns, searches
+_BELIEF = 40  # bytes per node and episode: knowledge, ledger, and a policy's own map
+_LOGGED = 200  # bytes per agent, step and episode: log and table of agents
+_COURSES = 200  # bytes per step and episode: courses of metrics and table of steps
+_ITEM = 100  # bytes per item and episode
+_LOOK = 40  # bytes of a look, and two for every node in its view
+_NEAR = 2  # bytes per node, step and holder of what a planner's views may have missed
+_DENSITY = 8  # bytes per node and holder of a filtered map
+_HEARD = 14  # bytes per look and holder: when it was heard, what arrives
+_PLACE = 4  # bytes per item and step: where it was
+_FRAME = 12  # bytes per cell and step of the one episode that a run records
+
+
+def machine_bytes() -> int:
+    """Memory of this machine."""
+    return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+
+
+def check_memory(what: str, wanted: float, remedy: str) -> None:
+    """Refuse work that does not fit into this machine.
+
+    Parameters
+    ----------
+    what : what needs the memory, as a message begins
+    wanted : [byte]
+    remedy : as a message ends
+
+    Raises
+    ------
+    UserError
+        If the machine has less memory than that.
+    """
+    there = machine_bytes()
+    if wanted > there:
+        raise UserError(
+            f"{what} needs about {min(wanted, _MOST) / GB:,.0f} GB of memory, this machine has "
+            f"{there / GB:,.0f} GB; {remedy}"
+        )
+
+
+def map_bytes(scenario: Scenario, shape: tuple[int, int], nodes: int) -> float:
+    """Memory of a map as a graph and of what is seen from its nodes [byte].
+
+    Parameters
+    ----------
+    shape : (rows, columns) of the map
+    nodes : navigable cells
+    """
+    radii = {role.radius for role in scenario.team.values() if role.count}
+    views = sum(list_bytes(radius, shape, nodes) for radius in radii)
+    return shape[0] * shape[1] * _FRAME + nodes * _NODE + views
+
+
+def mission_bytes(
+    scenario: Scenario, shape: tuple[int, int], nodes: int, episodes: int, recorded: bool
+) -> float:
+    """Memory of episodes side by side, logged, on a map whose graph is there [byte].
+
+    Parameters
+    ----------
+    episodes : of the batch
+    recorded : whether one of them is recorded for films
+    """
+    steps = scenario.horizon + 1
+    agents = sum(role.count for role in scenario.team.values())
+    items = scenario.items.mean + 3.0 * scenario.items.std
+    each = nodes * _BELIEF + items * _ITEM + steps * (_COURSES + agents * _LOGGED)
+    if scenario.link.model != "ideal":
+        each += agents * nodes * _BELIEF + agents * steps * (_LOOK + agents * _HEARD)
+        each += items * steps * _PLACE
+        roles = [role for role in scenario.team.values() if role.count]
+        each += agents * steps * 2 * max(min(4.0 * role.radius**2 + 1, nodes) for role in roles)
+    holders = agents if scenario.link.model != "ideal" else 1
+    if scenario.belief.detection < 1.0 or scenario.belief.half_range_node:
+        each += holders * steps * nodes * _NEAR
+    if scenario.sensors.map == "filtered":
+        each += (1 + holders) * nodes * _DENSITY
+    frames = steps * shape[0] * shape[1] * _FRAME if recorded else 0
+    return episodes * each + frames
+
+
+def map_costs(scenario: Scenario, name: str, shape: tuple[int, int], nodes: int) -> str:
+    """A line on what a large map will cost, empty for others.
+
+    Parameters
+    ----------
+    name : of the map
+    shape : (rows, columns) of it
+    nodes : navigable cells
+    """
+    if nodes < LARGE:
+        return ""
+    once = map_bytes(scenario, shape, nodes)
+    each = mission_bytes(scenario, shape, nodes, 1, recorded=False)
+    step_s = nodes * _BELIEF / _STEPPED
+    return (
+        f"map {name}: {nodes:,} nodes take about {once / GB:.2g} GB and {once / _PREPARED:.0f} s "
+        f"to prepare, then {each / GB:.2g} GB per episode at a time and {step_s:.1g} s per step of "
+        "it, and what policies take for so many"
+    )
+
+
+def table_bytes(episodes: int, horizon: int) -> int:
+    """Memory of the tables that a report reads of so many episodes [byte]."""
+    return episodes * (horizon + 1) * _COURSES

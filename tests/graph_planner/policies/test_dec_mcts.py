@@ -1,0 +1,117 @@
+"""The policy dec-mcts, by hand on small maps."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.dec_mcts.moment import Moment
+from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.task import Observation
+from mjforage.scenario.fleet import Role
+from tests.graph_planner.driver import FREE, observation_of, preferences, task_of
+
+N, NE, E, SE, S, SW, W, NW = range(8)
+
+
+def foragers(count: int, capacity: int = 0) -> Role:
+    return Role(count, 1, 1.0, True, capacity=capacity)
+
+
+def lake(rows: int, cols: int) -> NavigationGraph:
+    return navigation_graph(np.ones((rows, cols), np.bool_), 1.0, False)
+
+
+def just_seen(nodes: int, step: int) -> NDArray[np.int16]:
+    """When the nodes of a map were last seen, if all are in view: nothing is left unseen."""
+    return np.full(nodes, step - 1, np.int16)
+
+
+def test_foragers_share_out_what_is_known() -> None:
+    task = task_of(lake(1, 11), foragers=foragers(2))
+    seen = observation_of(task, [(0, 5), (0, 4)], {(0, 1): 1, (0, 9): 1}, just_seen(11, 5), 5)
+    moves = preferences("dec-mcts", task, seen)[0].argmax(axis=1)
+    assert moves.tolist() == [E, W]
+
+
+def test_who_was_not_heard_of_for_long_is_not_left_the_items() -> None:
+    task = task_of(lake(1, 21), foragers=foragers(2))
+    seen = observation_of(task, [(0, 10), (0, 14)], {(0, 7): 1, (0, 16): 3}, just_seen(21, 90), 90)
+    first = preferences("dec-mcts", task, seen)[0].argmax(axis=1)
+    seen.agent_seen[0, 1] = 0
+    later = preferences("dec-mcts(trust=2)", task, seen)[0].argmax(axis=1)
+    assert first.tolist() == [W, E] and later[0] == E
+
+
+def test_trust_halves() -> None:
+    task = task_of(lake(1, 4), foragers=foragers(3))
+    seen = observation_of(task, [(0, 0), (0, 1), (0, 2)], step=21)
+    seen.agent_seen[0] = 20, 15, 0
+    moment = Moment(5.0)
+    moment.is_of(seen, 0)
+    np.testing.assert_allclose(moment.heard, [1.0, 0.5, 1 / 16])
+
+
+def test_scouts_look_where_something_is_to_be_seen() -> None:
+    graph = lake(3, 40)
+    task = task_of(graph, scouts=Role(2, 2, 4.0, False), foragers=foragers(1))
+    never = np.int16(-32768)
+    last_seen = np.where(graph.cols < 30, 20, never).astype(np.int16)
+    cells = [(1, 24), (1, 23), (0, 0)]
+    seen = observation_of(task, cells, {(1, 28): 2}, last_seen, step=21)
+    moves = preferences("dec-mcts", task, seen)[0].argmax(axis=1)
+    assert {E, NE, SE} & set(moves[:2].tolist())
+
+
+@pytest.mark.parametrize(
+    ("teams", "cells"),
+    [
+        ({"scouts": Role(2, 2, 4.0, False)}, 2),
+        ({"foragers": foragers(2)}, 2),
+        ({"scouts": Role(3, 2, 4.0, False), "near": Role(3, 1, 2.0, False)}, 6),
+        ({"scouts": Role(2, 2, 4.0, False), "foragers": foragers(3, capacity=1)}, 5),
+    ],
+)
+def test_any_fleet_is_answered_for(teams: dict[str, Role], cells: int) -> None:
+    task = task_of(lake(4, 9), FREE, 150, **teams)
+    seen = observation_of(task, [(1, c) for c in range(cells)], {(2, 5): 2, (0, 7): 1}, step=4)
+    seen.room_left[0, -1] = 0  # who is full stays, if it collects
+    got = preferences("dec-mcts(rounds=2, simulations=8)", task, seen)
+    assert not np.isnan(got).any() and np.isfinite(got.max(axis=2)).all()
+
+
+def test_draws_hang_on_the_episode_and_the_step() -> None:
+    task = task_of(lake(9, 9), foragers=foragers(1), scouts=Role(2, 1, 2.0, False))
+    seen = observation_of(task, [(4, 4), (4, 4), (4, 5)], step=3, episodes=3)
+    policy = create_policy("dec-mcts(rounds=1, simulations=3)")
+    policy.reset(task, seen.keys)
+    together = policy.act(seen).copy()
+    policy.reset(task, seen.keys[1:2])
+    alone = policy.act(Observation._make(part[1:2] for part in seen))
+    np.testing.assert_array_equal(together[1:2], alone)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("rounds=0", "rounds 0 is too small; give 1 or more"),
+        ("simulations=-3", "simulations -3 is too small"),
+        ("candidates=0", "candidates 0 is too small"),
+        ("samples=0", "samples 0 is too small"),
+        ("depth=0", "depth 0 is too small"),
+        ("discount=1", "discount 1.0 is too large; give less than 1"),
+        ("look_discount=1", "look_discount 1.0 is too large"),
+        ("forget=1.5", "forget 1.5 is no share; give above 0 to 1"),
+        ("cool=0", "cool 0.0 is no share"),
+        ("rate=2", "rate 2.0 is no share"),
+        ("explore=-1", "explore -1.0 is too small; give 0 or more"),
+        ("roam=-1", "roam -1.0 is too small"),
+        ("trust=inf", "trust inf is not finite; give more than 0"),
+        ("heat=0", "heat 0.0 is too small; give more than 0"),
+        ("trust=0", "trust 0.0 is too small"),
+    ],
+)
+def test_bad_options_are_refused(options: str, message: str) -> None:
+    with pytest.raises(UserError, match=f"dec-mcts: {message}"):
+        create_policy(f"dec-mcts({options})")

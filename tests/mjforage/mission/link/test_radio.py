@@ -1,0 +1,375 @@
+"""The link in missions: what is heard when, by whom, and that nothing else is known."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mjforage.base.errors import UserError
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.exchange import Ideal
+from mjforage.mission.knowledge import Knowledge
+from mjforage.mission.link import Radio
+from mjforage.mission.link.propagation import two_ray_loss_db
+from mjforage.mission.look_log import take_in
+from mjforage.mission.mission import Mission
+from mjforage.mission.task import Observation, Task
+from mjforage.scenario.scenario_file import load_scenario
+from tests.brief_policies import brief_policies
+from tests.mjforage.mission.link.nets import DISK, advanced, played, setup_of, started
+
+
+@pytest.mark.parametrize("policy", [name for name in brief_policies() if name != "pso"])
+def test_over_a_link_that_carries_all_at_once_everything_is_as_without(policy: str) -> None:
+    """To the bit; `pso` alone goes by the order in which nodes became known."""
+    ideal, linked = played(setup_of(), policy), played(setup_of(DISK), policy)
+    for name, values in ideal.items():
+        np.testing.assert_array_equal(linked[name], values)
+
+
+def test_by_default_there_is_no_link() -> None:
+    mission = Mission(setup_of())
+    assert isinstance(mission.exchange, Ideal)
+    assert mission.exchange.link_log is None
+
+
+def test_contacts_and_losses_of_a_step_are_told_by_pairs() -> None:
+    """All within 8 nodes, all that is sent is lost in half of the decisions of a link."""
+    mission, radio = started(setup_of(DISK, "link.range_m=32", "link.loss=0.5"), 3)
+    before = radio.net.traffic.lost.copy()
+    for _ in range(12):
+        advanced(mission, "greedy", 1)
+        at = mission.setup.graph.metres(mission.state.agent_rc)
+        near = np.hypot(*np.moveaxis(at[:, :, None] - at[:, None], -1, 0)) <= 32.0
+        linked, lost = radio.link_log.contact, radio.link_log.lost_now
+        np.testing.assert_array_equal(linked, near & ~np.eye(4, dtype=bool))
+        np.testing.assert_array_equal(lost.sum(axis=(1, 2)), radio.net.traffic.lost - before)
+        assert not lost[~(linked & radio.net.contacts.bad)].any()
+        before = radio.net.traffic.lost.copy()
+    assert before.min() > 0
+
+
+def ages(radio: Radio, mission: Mission) -> NDArray[np.float64]:
+    """Age (episode, holder, agent) of what each holder last heard of each agent [decision]."""
+    agents = radio.holders
+    seen = radio.knowledge.agent_seen.reshape(-1, agents, agents)
+    return (mission.step[:, None, None] - seen).astype(np.float64)
+
+
+@pytest.mark.parametrize(("loss", "latency"), [(0.0, 3), (0.6, 0), (0.6, 2), (0.9, 0)])
+def test_the_age_of_positions_is_that_of_a_geometric_wait(loss: float, latency: int) -> None:
+    """L + q / (1 - q) where nobody passes on what others saw."""
+    keys = (DISK, f"link.loss={loss}", f"link.latency={latency}", "link.relay=false")
+    mission, radio = started(setup_of("horizon=150", "items.mean=300", *keys), 30)
+    others, found = ~np.eye(radio.holders, dtype=bool), []
+    advanced(mission, "random", 60)
+    for _ in range(20):
+        advanced(mission, "random", 3)
+        found.append(ages(radio, mission)[:, others].mean())
+    expected = latency + loss / (1.0 - loss)
+    assert np.mean(found) == pytest.approx(expected, abs=0.02 + 0.06 * expected)
+
+
+def test_relays_shorten_the_wait() -> None:
+    keys = ("horizon=150", "items.mean=300", DISK, "link.loss=0.9")
+    old = []
+    for relay in ("true", "false"):
+        mission, radio = started(setup_of(*keys, f"link.relay={relay}"), 20)
+        advanced(mission, "random", 80)
+        old.append(ages(radio, mission).mean())
+    assert old[0] < 0.8 * old[1]
+
+
+@pytest.mark.parametrize(("burst", "correlation"), [(10.0, 0.75), (1.0, 0.0)])
+def test_losses_come_in_bursts(burst: float, correlation: float) -> None:
+    """Gilbert and Elliott: share .6, r .1, p .15; lag-1 correlation 1 - p - r."""
+    keys = ("horizon=150", "items.mean=300", DISK, "link.loss=0.6", f"link.burst={burst}")
+    mission, radio = started(setup_of(*keys), 60)
+    states = [radio.net.contacts.bad.copy()]
+    for _ in range(100):
+        advanced(mission, "random", 1)
+        states.append(radio.net.contacts.bad.copy())
+    bad = np.array(states, np.float64)
+    assert bad[0].mean() == pytest.approx(0.6, abs=0.04), "stationary from the start"
+    assert bad.mean() == pytest.approx(0.6, abs=0.02)
+    before, after = bad[:-1] - bad.mean(), bad[1:] - bad.mean()
+    assert (before * after).mean() / bad.var() == pytest.approx(correlation, abs=0.03)
+
+
+def test_shadowing_is_alike_both_ways_and_cuts_its_share() -> None:
+    """Less than 1 m counts as 1 m: a margin of 1.2816 deviations is missed by a tenth."""
+    keys = ("link.model=log-distance", "link.shadowing_db=5", "link.exponent=1", "link.l0_db=0")
+    margin = 1.2816 * 5.0
+    far = ("map.pitch_m=0.001", f"link.tx_dbm={-90.0 + margin}")
+    mission, radio = started(setup_of("items.mean=300", *keys, *far), 60)
+    cut = []
+    for _ in range(40):
+        advanced(mission, "random", 1)
+        snr = radio.net.contacts.snr_db
+        np.testing.assert_array_equal(snr, snr.transpose(0, 2, 1))
+        cut.append((snr[:, ~np.eye(4, dtype=bool)] < 0.0).mean())
+    assert np.mean(cut) == pytest.approx(0.1, abs=0.01)
+
+
+def test_a_disk_ends_at_its_range_and_at_walls() -> None:
+    """Agents that start in the port's bays: 16 m, with and without the quays between them."""
+    for wall, range_m, heard in ((0, 1e6, 12), (0, 9.0, 6), (1, 1e6, 6), (0, 1.0, 0)):
+        keys = (DISK, f"link.range_m={range_m}", f"link.wall_db={wall}")
+        mission, radio = started(setup_of(*keys), 1)
+        at = mission.state.agent_node[0]
+        rows, cols = mission.setup.graph.rows[at], mission.setup.graph.cols[at]
+        assert sorted(rows) == [10, 12, 14, 16] and (cols == 7).all()
+        contacts = (radio.net.contacts.snr_db >= 0.0).sum()
+        near = sum(
+            1
+            for i in range(4)
+            for j in range(4)
+            if i != j and 4.0 * abs(rows[i] - rows[j]) <= range_m
+        )
+        if wall:
+            land = mission.setup.graph.node_of_cell[:, 7] < 0
+            near = sum(
+                1
+                for i in range(4)
+                for j in range(4)
+                if i != j and not land[min(rows[i], rows[j]) : max(rows[i], rows[j])].any()
+            )
+        assert contacts == near, heard
+
+
+def test_news_goes_one_hop_in_a_decision() -> None:
+    """Four in a row, each in reach of its neighbours only."""
+    mission, radio = started(setup_of(DISK, "link.range_m=9"), 1)
+    row = mission.setup.graph.rows[mission.state.agent_node[0]]
+    line = np.argsort(row)
+    heard_at = radio.net.mail.heard_at[0]
+    first, last = line[0], line[3]
+    assert [heard_at[h, first, 0] >= 0 for h in line] == [True, True, False, False]
+    still = np.full((1, 4, 9), -np.inf)
+    still[..., 8] = 0.0
+    for step in (1, 2):
+        mission.advance(still)
+        assert [heard_at[h, first, 0] >= 0 for h in line] == [True, True, True, step == 2]
+    assert heard_at[last, first, 0] == 2
+    late = radio.late
+    steps = [s for s, a in zip(late.step[last], late.agent[last], strict=True) if a == first]
+    assert steps == [0], "and it is told as late"
+    assert (late.step < mission.step[0]).all(), "what is seen now is not"
+
+
+@pytest.mark.parametrize(("key", "most"), [("link.bytes=12", 12), ("link.cells=3", 18)])
+def test_budgets_are_kept_and_charged_before_losses(key: str, most: int) -> None:
+    """12 bytes are one look with two occupied nodes, or two of nothing; 3 cells three of those."""
+    for loss in ("0", "0.9"):
+        mission, radio = started(setup_of(DISK, f"link.loss={loss}", key), 20)
+        advanced(mission, "greedy", 30)
+        spent = radio.net.traffic.bytes.sum()
+        assert 0 < spent <= most * 4 * (mission.step + 1).sum()
+        assert radio.net.traffic.dropped.sum() > 0
+
+
+def test_without_a_link_each_knows_its_own_looks_only() -> None:
+    mission, radio = started(setup_of("link.model=none"), 3)
+    advanced(mission, "greedy", 40)
+    heard = radio.net.mail.heard_at >= 0
+    own = np.eye(4, dtype=bool)
+    assert heard[:, own].any() and not heard[:, ~own].any()
+    seen = radio.knowledge.last_seen.reshape(3, 4, -1)
+    np.testing.assert_array_equal(seen.max(axis=1), mission.knowledge.last_seen)
+
+
+def test_knowledge_is_the_fold_of_looks_in_any_order_and_however_often() -> None:
+    mission, radio = started(setup_of(DISK, "link.range_m=40", "link.loss=0.5"), 3)
+    advanced(mission, "greedy", 50)
+    rng, net = np.random.default_rng(0), radio.net
+    starts = Knowledge.of_starts(mission._looks(), len(mission.setup.graph), 4)
+    starts.agent_node[:] = np.repeat(mission.initial.agent_node, 4, axis=0)
+    for row in range(12):
+        e, h = divmod(row, 4)
+        at = net.mail.heard_at[e, h]
+        looks = np.argwhere((at >= 0) & (at <= mission.step[e]))
+        order = rng.permutation(np.concatenate((looks, looks[::2])))
+        heard = np.array([(row, e, s, a) for a, s in order.tolist()], np.int32)
+        take_in(net.log, heard, net.views, net.radius_number, starts)
+    for name in ("belief", "last_seen", "n_known", "agent_node", "agent_seen", "taken"):
+        np.testing.assert_array_equal(getattr(starts, name), getattr(radio.knowledge, name))
+    for row, n in enumerate(starts.n_known):
+        assert set(starts.known[row, :n]) == set(radio.knowledge.known[row, :n])
+
+
+@pytest.mark.parametrize("policy", ["greedy", "belief"])
+def test_an_episode_is_the_same_alone_and_in_any_batch(policy: str) -> None:
+    keys = (DISK, "link.range_m=60", "link.loss=0.3", "link.latency=1", "link.bytes=51")
+    whole = played(setup_of(*keys), policy, 3)
+    alone = played(setup_of(*keys), policy, 1)
+    for name, values in alone.items():
+        shared = whole[name][tuple(slice(0, n) for n in values.shape)]
+        np.testing.assert_array_equal(shared[:1], values)
+
+
+@pytest.mark.parametrize("ahead", [6, 12])
+def test_episodes_are_adopted_with_their_mail(ahead: int) -> None:
+    """Whether they have made more steps than the others of the batch or not."""
+    setup = setup_of(DISK, "link.range_m=40", "link.loss=0.5", "link.burst=3", "link.latency=2")
+    (into, mine), (source, theirs) = started(setup, 3), started(setup, 1, seed=8)
+    advanced(into, "greedy", 6)
+    advanced(source, "greedy", ahead)
+    into.adopt(np.array([1]), source)
+    for mission in (into, source):
+        advanced(mission, "greedy", 8)
+    np.testing.assert_array_equal(mine.knowledge.belief[4:8], theirs.knowledge.belief)
+    np.testing.assert_array_equal(mine.net.mail.heard_at[1], theirs.net.mail.heard_at[0])
+    np.testing.assert_array_equal(mine.net.contacts.bad[1], theirs.net.contacts.bad[0])
+
+
+def test_a_filtered_map_is_of_all_looks_that_its_holder_has_heard_each_once() -> None:
+    """Of the prior and, step by step, of the best chance and largest count; late ones included."""
+    eyes = ("sensors.detection=0.6", "sensors.half_range_node=6", "sensors.false_rate=0.01")
+    link = (DISK, "link.range_m=60", "link.loss=0.3", "link.latency=2")
+    mission, radio = started(setup_of(*link, *eyes, "sensors.map=filtered"), 2)
+    advanced(mission, "greedy", 14)
+    net, graph, late = radio.net, mission.setup.graph, 0
+    for row in range(8):
+        e, h = divmod(row, 4)
+        expected = np.full(len(graph), 75.0 / len(graph))
+        for s in range(15):
+            chance, count = np.zeros(len(graph)), np.full(len(graph), -1)
+            for a in np.flatnonzero(net.mail.heard_at[e, h, :, s] >= 0):
+                if net.mail.heard_at[e, h, a, s] > 14:
+                    continue
+                late += net.mail.heard_at[e, h, a, s] > s
+                at = int(net.log.node[e, s, a])
+                view = net.views.of(at, int(net.radius_number[a]))
+                far = np.hypot(graph.rows[view] - graph.rows[at], graph.cols[view] - graph.cols[at])
+                chance[view] = np.maximum(chance[view], 0.6 / (1.0 + np.exp(far - 6.0)))
+                count[view] = np.maximum(count[view], net.log.shown[e, s, a, : view.size])
+            real = chance * expected / (chance * expected + 0.01)
+            after = (1.0 - chance) * expected + count * real
+            expected = np.where(count >= 0, after, expected)
+        np.testing.assert_allclose(net.filtered.density[row], expected, rtol=1e-9)
+        seen = radio.knowledge.last_seen[row] >= 0
+        believed = np.where(seen, np.floor(expected + 0.5), 0.0)
+        np.testing.assert_array_equal(radio.knowledge.belief[row], believed)
+    assert late > 100
+
+
+def test_only_relays_pass_on_where_the_others_do_not() -> None:
+    team = ("team.relays.count=1", "team.relays.moves=1", "team.relays.radius=0.0")
+    keys = (*team, "team.relays.collects=false", "team.relays.relays=true")
+    start = "map.starts=[[10, 7], [12, 7], [14, 7], [16, 7], [18, 7]]"
+    setup = setup_of(*keys, start, DISK, "link.range_m=9", "link.relay=false")
+    mission, radio = started(setup, 12)
+    still = np.full((12, 5, 9), -np.inf)
+    still[..., 8] = 0.0
+    for _ in range(6):
+        mission.advance(still)
+    row = setup.graph.rows[mission.state.agent_node]
+    relay = row[:, 4]
+    for e in range(12):
+        for h in range(4):
+            for a in range(4):
+                near = abs(row[e, h] - row[e, a]) <= 2
+                over = abs(row[e, h] - relay[e]) <= 2 and abs(row[e, a] - relay[e]) <= 2
+                heard = radio.net.mail.heard_at[e, h, a, 0] >= 0
+                assert heard == (near or over)
+
+
+def test_bursts_too_short_for_the_loss_are_refused() -> None:
+    with pytest.raises(UserError, match=r"link\.burst = 1\.2 .*give at least 1\.5, or 1 for"):
+        load_scenario("comb-port", [DISK, "link.loss=0.6", "link.burst=1.2"])
+    with pytest.raises(UserError, match=r"link\.range_m = -1"):
+        load_scenario("comb-port", ["link.range_m=-1"])
+    with pytest.raises(UserError, match=r"link\.model"):
+        load_scenario("comb-port", ["link.model=wire"])
+
+
+def test_every_agent_acts_by_its_own_row_and_late_padding_says_nothing() -> None:
+    """Each wants to go another way in the row of each holder; only its own counts."""
+    mission, radio = started(setup_of(DISK, "link.range_m=9", "link.latency=1"), 6)
+
+    class OwnWay:
+        def reset(self, task: Task, keys: UInt64Array) -> None:
+            pass
+
+        def act(self, observation: Observation) -> NDArray[np.float64]:
+            shape = (*observation.agent_node.shape, 9)
+            answer = np.zeros(shape)
+            answer[np.arange(shape[0]), :, observation.holder] = 1.0
+            return answer
+
+    advanced(mission, "random", 8)
+    policy = OwnWay()
+    mission.prepare(policy)
+    answer = mission.ask(policy)
+    assert (answer.argmax(axis=-1) == np.arange(4)).all()
+    late = radio.late
+    padded = late.step < 0
+    assert padded.any() and not padded.all()
+    assert (late.looks[padded] == -1).all() and (late.shown[padded] == 0).all()
+
+
+def test_what_was_not_heard_changes_nothing_that_a_holder_is_shown() -> None:
+    """Non-interference: the same looks, heard over two links of different losses, show the same."""
+    mission, radio = started(setup_of(DISK, "link.range_m=30", "link.loss=0.4"), 6)
+    advanced(mission, "greedy", 30)
+    net, nodes = radio.net, len(mission.setup.graph)
+    for row in range(24):
+        e, h = divmod(row, 4)
+        seen = np.full(nodes, -(2**15), np.int64)
+        for a, s in np.argwhere(net.mail.heard_at[e, h] >= 0).tolist():
+            view = net.views.of(int(net.log.node[e, s, a]), int(net.radius_number[a]))
+            seen[view] = np.maximum(seen[view], s)
+        np.testing.assert_array_equal(radio.knowledge.last_seen[row], seen)
+
+
+def test_the_belief_planner_loses_nothing_by_a_latency() -> None:
+    mission = Mission(setup_of("horizon=150", DISK, "link.latency=1"))
+    mission.reset(7, np.arange(3))
+    mission.run(create_policy("belief"))
+    assert mission.taken.sum() > 0.97 * mission.initial.n_items.sum(), "it was 30 % once"
+
+
+def test_masts_and_pairs_count_in_missions() -> None:
+    """Two rays by both antennas; shadowing drawn for each pair by itself; walls one by one."""
+    low, high = "team.foragers.antenna_m=0.5", "team.scouts.antenna_m=8"
+    mission, radio = started(setup_of("link.model=two-ray", low, high), 1)
+    at, snr = mission.state.agent_node[0], radio.net.contacts.snr_db[0]
+    rows = mission.setup.graph.rows[at]
+    for i, j, heights in ((0, 1, (8.0, 8.0)), (2, 3, (0.5, 0.5)), (0, 2, (8.0, 0.5))):
+        loss = two_ray_loss_db(4.0 * abs(int(rows[i]) - int(rows[j])), *heights, 2.4e9)
+        assert snr[i, j] == pytest.approx(117.0 - loss)
+    shadows = ("link.model=log-distance", "link.shadowing_db=6", "link.wall_db=3")
+    mission, radio = started(setup_of(*shadows), 40)
+    plain, bare = started(setup_of("link.model=log-distance", "link.wall_db=3"), 40)
+    first, second = np.triu_indices(4, 1)
+    both = (one.net.contacts.snr_db[:, first, second] for one in (radio, bare))
+    drawn = next(both) - next(both)
+    assert np.abs(np.corrcoef(drawn.T) - np.eye(6)).max() < 0.55
+    assert drawn.std() == pytest.approx(6.0, rel=0.15) and plain.step[0] == 0
+
+
+def test_keys_of_a_link_that_is_none_are_refused() -> None:
+    with pytest.raises(UserError, match=r"link\.latency = 3 without a link; give link\.model"):
+        load_scenario("comb-port", ["link.latency=3"])
+
+
+def test_a_budget_for_no_look_is_refused() -> None:
+    with pytest.raises(UserError, match=r"link\.bytes = 5 is too little .* at least 6, 0 for no"):
+        load_scenario("comb-port", [DISK, "link.bytes=5"])
+    assert load_scenario("comb-port", [DISK, "link.bytes=6"]).link.bytes == 6
+
+
+def test_of_two_looks_of_a_step_the_larger_count_of_a_node_is_believed() -> None:
+    """Whichever is heard first, where agents do not see alike."""
+    mission, radio = started(setup_of("link.model=none"), 1)
+    net, other = radio._net, int(mission.state.agent_node[0, 0])
+    net.log.node[0, 1, :2] = other
+    view = net.views.of(other, int(net.radius_number[0])).tolist()
+    net.log.shown[0, 1, :2, view.index(other)] = (1, 3)
+    net.log.energy_left[0, 1, 0] = 7.0
+    for order in ((0, 1), (1, 0)):
+        knowledge = Knowledge.of_starts(mission._looks(), len(mission.setup.graph), 1)
+        heard = np.array([(0, 0, 1, a) for a in order], np.int32)
+        take_in(net.log, heard, net.views, net.radius_number, knowledge)
+        assert knowledge.belief[0, other] == 3
+        assert knowledge.energy_left[0, 0] == 7.0

@@ -1,0 +1,207 @@
+"""Ages, disagreement, contact, traffic and handover in missions, and by hand."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mjforage.graph_planner.graph.visibility import NodeLists
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.exchange import LinkLog
+from mjforage.mission.look_log import LookLog
+from mjforage.mission.mission import Mission, Observer
+from mjforage.mission.mission_metrics import METRICS, Scorer
+from mjforage.mission.mission_metrics.handover import first_heard
+from mjforage.mission.task import NEVER
+from tests.mjforage.mission.link.nets import DISK, setup_of
+
+OF_LINKS = (
+    *("position_age", "disagreement", "rmse_holders", "contact"),
+    *("delivered", "lost", "dropped", "bytes_sent", "handover"),
+)
+OURS = ("aoi", "aoi_peak", *OF_LINKS)
+BUSY = (DISK, "link.range_m=60", "link.loss=0.4", "link.latency=1", "link.bytes=51")
+
+
+class Ages(Observer):
+    """AoI and age of positions, word for word, of every step of every episode."""
+
+    def __init__(self) -> None:
+        self.aoi: list[NDArray[np.float64]] = []
+        self.positions: list[NDArray[np.float64]] = []
+
+    def see(self, mission: Mission) -> None:
+        known, holders = mission.exchange.knowledge, mission.exchange.holders
+        horizon = mission.setup.scenario.horizon
+        now = np.repeat(mission.step, holders)[:, None].astype(np.int64)
+        ages = np.where(known.last_seen == NEVER, horizon, now - known.last_seen)
+        self.aoi.append(ages.mean(axis=1).reshape(-1, holders).mean(axis=1))
+        if holders > 1:
+            age = (now - known.agent_seen).reshape(-1, holders, holders)
+            others = ~np.eye(holders, dtype=bool)
+            self.positions.append(age[:, others].mean(axis=1))
+
+
+def scored(*overrides: str, policy: str = "greedy", episodes: Any = (0, 1, 2)) -> tuple[Any, ...]:
+    """Scalars and courses of a mission, its ages word for word, and the mission itself."""
+    mission = Mission(setup_of(*overrides))
+    mission.reset(5, np.array(episodes))
+    scorer, ages = Scorer(mission), Ages()
+    mission.run(create_policy(policy), (scorer, ages))
+    scores = scorer.scores()
+    return scores.scalars, scores.courses, ages, mission
+
+
+def test_without_a_link_maps_have_an_age_and_nothing_else_is_defined() -> None:
+    scalars, courses, ages, _ = scored()
+    np.testing.assert_allclose(courses["aoi"].T, ages.aoi, rtol=1e-12)
+    np.testing.assert_allclose(scalars["aoi"], np.mean(ages.aoi, axis=0))
+    for key in OF_LINKS:
+        assert np.isnan(scalars[key]).all(), key
+    for key in ("position_age", "disagreement", "rmse_holders", "contact"):
+        assert np.isnan(courses[key]).all(), key
+
+
+def test_over_a_link_that_carries_all_at_once_nothing_is_old_or_unlike() -> None:
+    """Four agents, all in reach: 3 looks come to each in every decision, and at the start."""
+    scalars, courses, _, mission = scored(DISK)
+    np.testing.assert_array_equal(courses["aoi"], scored()[1]["aoi"])
+    for key in ("position_age", "disagreement", "handover", "lost", "dropped"):
+        assert (scalars[key] == 0.0).all(), key
+    assert (scalars["contact"] == 1.0).all()
+    np.testing.assert_array_equal(scalars["delivered"], 12.0 * (mission.step + 1))
+    np.testing.assert_allclose(courses["rmse_holders"], courses["rmse"], rtol=1e-12)
+
+
+def test_where_nobody_hears_of_anybody_positions_age_with_time() -> None:
+    scalars, courses, ages, mission = scored("link.model=none")
+    assert (mission.step == 60).all(), "or the padding would stand still"
+    np.testing.assert_array_equal(courses["position_age"], np.tile(np.arange(61.0), (3, 1)))
+    np.testing.assert_allclose(courses["aoi"].T, ages.aoi, rtol=1e-12)
+    assert (scalars["contact"] == 0.0).all() and (scalars["delivered"] == 0.0).all()
+    assert (scalars["disagreement"] > 0.0).all()
+    assert (scalars["rmse_holders"] > scalars["rmse"]).all()
+    assert (scalars["handover"] > 0.2).all() and (scalars["handover"] < 1.0).all()
+
+
+@pytest.mark.parametrize("latency", [1, 3])
+def test_positions_are_as_old_as_the_latency_of_a_disk_without_an_end(latency: int) -> None:
+    """From that step on; before, where all started is known, and time goes."""
+    scalars, courses, _, mission = scored(DISK, f"link.latency={latency}")
+    aged = np.minimum(np.arange(61.0), latency)
+    np.testing.assert_array_equal(courses["position_age"], np.tile(aged, (3, 1)))
+    news = scalars["handover"] * 60.0
+    assert (news > 0.0).all() and (news <= latency).all(), "a scout's comes so late, others at once"
+    under_way = 12.0 * latency
+    np.testing.assert_array_equal(scalars["delivered"], 12.0 * (mission.step + 1) - under_way)
+
+
+def test_ages_are_those_of_the_definition_over_a_link_that_fails() -> None:
+    scalars, courses, ages, _ = scored(*BUSY)
+    for course, words in ((courses["aoi"], ages.aoi), (courses["position_age"], ages.positions)):
+        np.testing.assert_allclose(course.T, words, rtol=1e-12)
+    for key in ("lost", "dropped", "bytes_sent", "delivered"):
+        assert (scalars[key] > 0.0).all(), key
+    assert ((scalars["contact"] > 0.0) & (scalars["contact"] < 1.0)).all()
+
+
+def test_an_episode_scores_the_same_alone_and_in_any_batch() -> None:
+    whole, courses, _, _ = scored(*BUSY)
+    for episodes in ([0], [2, 1]):
+        alone, course, _, _ = scored(*BUSY, episodes=episodes)
+        for key in OURS:
+            np.testing.assert_array_equal(alone[key], whole[key][episodes], key)
+        for key in ("aoi", "position_age", "disagreement", "rmse_holders", "contact"):
+            np.testing.assert_array_equal(course[key], courses[key][episodes], key)
+
+
+def test_the_peak_of_the_age_is_that_after_maps_were_known_best() -> None:
+    """Not the start, when all is unknown."""
+
+    class Made:
+        def course(self, metric: Any) -> NDArray[np.float64]:
+            return np.array([[9.0, 5.0, 2.0, 4.0, 3.0], [9.0, 8.0, 7.0, 6.0, 6.0]])
+
+    made: Any = Made()
+    assert METRICS.find("aoi_peak")().value(made).tolist() == [4.0, 6.0]
+
+
+# Handover by hand: a scout (0) and a forager (1); nodes 0, 1, 2 in a row, of which each agent sees
+# its own alone. The forager hears what `heard` says of the scout's looks, and its own at once.
+
+STEPS = 6
+
+
+def link_of(at: Any, shown: Any, heard: dict[int, int]) -> LinkLog:
+    """Looks from nodes `at` (step, agent) that show so many items (step, agent)."""
+    heard_at = np.full((1, 2, 2, STEPS), -1, np.int16)
+    for a in range(2):
+        heard_at[0, a, a] = np.arange(STEPS)
+    for step, arrival in heard.items():
+        heard_at[0, 1, 0, step] = arrival
+    each: Any = {name: np.zeros((1, STEPS, 2)) for name in LookLog._fields}
+    each |= {
+        "node": np.array([at], np.int32),
+        "shown": np.array(shown, np.int16)[None, :, :, None],
+        "occupied": np.array([shown], np.int32),
+    }
+    views = NodeLists(np.arange(4)[None], np.arange(3, dtype=np.int32))
+    none = np.zeros(1, np.int64)
+    return LinkLog(
+        contact=np.zeros((1, 2, 2), np.bool_),
+        delivered=none,
+        lost=none,
+        lost_now=np.zeros((1, 2, 2), np.int64),
+        dropped=none,
+        bytes=none,
+        heard_at=heard_at,
+        looks=LookLog(**each),
+        views=views,
+        radius_number=np.zeros(2, np.int64),
+    )
+
+
+SCOUT_STAYS = [[0, 2]] * STEPS  # and the forager, far off
+SEES_ONE = [[1, 0]] * STEPS
+
+
+@pytest.mark.parametrize(
+    ("heard", "found", "expected"),
+    [
+        ({}, 1, -1),  # nobody who collects ever hears
+        ({1: 1}, 1, 1),  # at once
+        ({1: 4}, 1, 4),  # late
+        ({1: 5, 2: 3}, 1, 3),  # a look made later comes first
+        ({0: 2}, 1, -1),  # made before the discovery, it cannot have shown it
+        ({1: 9}, 1, -1),  # arrives after the end
+        ({4: 4, 1: 4}, 1, 4),
+    ],
+)
+def test_first_hearing_of_an_item(heard: dict[int, int], found: int, expected: int) -> None:
+    link = link_of(SCOUT_STAYS, SEES_ONE, heard)
+    item_node = np.zeros((1, STEPS, 1), np.int32)
+    about = item_node, np.array([[found]], np.int16), np.array([STEPS - 1], np.int32)
+    assert first_heard(link, np.array([1]), *about).tolist() == [[expected]]
+
+
+def test_of_several_listeners_the_first_counts() -> None:
+    link = link_of(SCOUT_STAYS, SEES_ONE, {1: 4})
+    about = np.zeros((1, STEPS, 1), np.int32), np.ones((1, 1), np.int16), np.array([STEPS - 1])
+    for listeners in ([0, 1], [1, 0]):
+        heard = first_heard(link, np.array(listeners), *about[:2], about[2].astype(np.int32))
+        assert heard.tolist() == [[1]], "the scout has seen it itself"
+
+
+def test_a_look_counts_only_if_it_shows_items_where_the_item_is() -> None:
+    """The scout leaves at step 3; the item is seen at 1, missed at 2, met by the forager at 4."""
+    at = [[0, 2], [0, 2], [0, 2], [1, 2], [1, 0], [1, 0]]
+    shown = [[0, 0], [1, 0], [0, 0], [1, 0], [0, 1], [0, 1]]
+    item_node, found = np.zeros((1, STEPS, 2), np.int32), np.array([[1, -1]], np.int16)
+    end = np.array([STEPS - 1], np.int32)
+    for heard, expected in (({2: 2, 3: 3}, 4), ({1: 3}, 3), ({}, 4)):
+        link = link_of(at, shown, heard)
+        assert first_heard(link, np.array([1]), item_node, found, end).tolist() == [[expected, -1]]
+    item_node[0, 2:, 0] = -1  # taken, or gone
+    link = link_of(at, shown, {})
+    assert first_heard(link, np.array([1]), item_node, found, end).tolist() == [[-1, -1]]

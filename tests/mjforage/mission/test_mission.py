@@ -1,0 +1,194 @@
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mjforage.base.errors import UserError
+from mjforage.graph_planner.graph.walls import WALLS
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.mission import Mission
+from mjforage.mission.mission_metrics import Scorer
+from mjforage.mission.setup import Setup
+from mjforage.mission.task import Observation, Task
+from mjforage.scenario.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree
+from tests.brief_policies import brief_policies
+
+
+def setup_of(preset: str, *overrides: str) -> Setup:
+    return Setup.of(load_scenario(preset, overrides))
+
+
+def played(
+    setup: Setup, policy: str, episodes: NDArray[np.int64], seed: int = 0
+) -> tuple[Scorer, Mission]:
+    mission = Mission(setup)
+    mission.reset(seed, episodes)
+    scorer = Scorer(mission)
+    mission.run(create_policy(policy), (scorer,))
+    return scorer, mission
+
+
+@pytest.mark.parametrize("policy", brief_policies())
+def test_logs_are_the_same_bits_whatever_the_batch(policy: str) -> None:
+    setup = setup_of("comb-port", "horizon=50")
+    first = 41  # so that an episode has another place in each batch, and by any small divisor
+    scorer, _ = played(setup, policy, np.arange(first, 70))
+    whole, scores = scorer.log, scorer.scores()
+    for batch in (np.array([63]), np.arange(60, 67), np.array([66, 60])):
+        scorer, _ = played(setup, policy, batch)
+        part, found = scorer.log, scorer.scores()
+        for name in ("agent_node", "yaw", "distance", "length", "n_items"):
+            np.testing.assert_array_equal(getattr(part, name), getattr(whole, name)[batch - first])
+        for name, course in found.courses.items():
+            np.testing.assert_array_equal(course, scores.courses[name][batch - first])
+        for name, values in found.scalars.items():
+            np.testing.assert_array_equal(values, scores.scalars[name][batch - first])
+        for name in ("t_discovered", "discovered_by", "t_collected", "collected_by", "item_start"):
+            for i, place in enumerate(batch - first):
+                k = part.n_items[i]
+                np.testing.assert_array_equal(
+                    getattr(part, name)[i, :k], getattr(whole, name)[place, :k]
+                )
+
+
+def test_item_worlds_do_not_depend_on_policy_or_team() -> None:
+    """With nobody collecting, every item drifts the same way whoever watches."""
+    tracks = []
+    for policy, team in (("random", 2), ("greedy", 2), ("greedy", 5)):
+        overrides = ("horizon=30", "team.foragers.count=0", f"team.scouts.count={team}")
+        mission = Mission(setup_of("comb-port", *overrides))
+        mission.reset(3, np.arange(6))
+        mission.run(create_policy(policy))
+        tracks.append(mission.state.item_rc.copy())
+    np.testing.assert_array_equal(tracks[0], tracks[1])
+    np.testing.assert_array_equal(tracks[0], tracks[2])
+
+
+def test_policies_start_every_batch_afresh() -> None:
+    setup = setup_of("comb-port", "horizon=40")
+    mission = Mission(setup)
+    for name in brief_policies():
+        policy, ends = create_policy(name), []
+        for episodes in (np.arange(3), np.arange(5), np.arange(3)):
+            mission.reset(1, episodes)
+            mission.run(policy)
+            ends.append(mission.state.agent_node.copy())
+        np.testing.assert_array_equal(ends[0], ends[2])
+
+
+@pytest.mark.parametrize("without", ["scouts", "foragers"])
+@pytest.mark.parametrize("policy", brief_policies())
+def test_a_fleet_may_lack_scouts_or_foragers(policy: str, without: str) -> None:
+    setup = setup_of("comb-port", f"team.{without}.count=0", "horizon=40")
+    scorer, mission = played(setup, policy, np.arange(3))
+    log = scorer.log
+    assert (mission.state.agent_node >= 0).all()
+    if without == "foragers":
+        assert (log.t_collected == -1).all() and (log.length == 40).all()
+
+
+def test_an_episode_ends_when_no_item_is_left_and_its_series_are_padded() -> None:
+    setup = setup_of("open-bay", "items.mean=1", "items.std=0", "horizon=150")
+    scorer, mission = played(setup, "greedy", np.arange(30))
+    log, courses = scorer.log, scorer.scores().courses
+    assert (mission.ledger.entries.truth[log.length < 150] == 0).all()
+    ended = np.flatnonzero(log.length < 150)
+    assert ended.size > 10
+    for e in ended:
+        assert log.t_collected[e, 0] == log.length[e]
+        assert (courses["mi"][e, log.length[e] :] == courses["mi"][e, log.length[e]]).all()
+        assert courses["rmse"][e, -1] == courses["rmse"][e, log.length[e]]
+
+
+def test_nothing_is_removed_at_the_start_but_what_is_in_view_is_discovered() -> None:
+    setup = setup_of("comb-port", "items.mean=2000", "items.std=0")
+    mission = Mission(setup)
+    mission.reset(0, np.arange(20))
+    assert (mission.state.item_node >= 0).all()
+    found = mission.ledger.entries.t_discovered == 0
+    assert found.any()
+    by_scouts = mission.times_seen(setup.fleet.discoverers, np.arange(20)) > 0
+    seen_by_scouts = np.take_along_axis(by_scouts, mission.state.item_node, axis=1)
+    np.testing.assert_array_equal(  # a tie goes to the scouts
+        np.isin(mission.ledger.entries.discovered_by, setup.fleet.discoverers), seen_by_scouts
+    )
+    assert (mission.ledger.entries.t_discovered[~found] == -1).all()
+
+
+def test_the_order_of_teams_in_a_file_does_not_decide_who_chooses_first() -> None:
+    """Foragers written first have other indices, but still choose first unless `order` differs."""
+    tree = scenario_to_tree(load_scenario("comb-port"))
+    turned = dict(reversed(tree["team"].items()))
+    assert setup_of("comb-port").fleet.order.tolist() == [3, 2, 1, 0]
+    setup = Setup.of(scenario_from_tree(tree | {"team": turned}, "turned"))
+    assert setup.fleet.names[0] == "foragers_0" and setup.fleet.order.tolist() == [1, 0, 3, 2]
+    scouts_first = setup_of("comb-port", "rules.order=['scouts','foragers']")
+    assert scouts_first.fleet.order.tolist() == [1, 0, 3, 2]
+
+
+@pytest.mark.parametrize("capability", ["carries", "relays"])
+def test_what_a_role_can_do_and_nothing_uses_is_refused(capability: str) -> None:
+    setup = setup_of("comb-port", f"team.scouts.{capability}=true")
+    with pytest.raises(UserError, match=rf"team\.scouts\.{capability} = true, but no rule"):
+        Mission(setup)
+
+
+def test_a_map_replaces_the_grid_and_nothing_else() -> None:
+    scenario = load_scenario("published", map_file="open_bay")
+    assert scenario.map.starts == load_scenario("published").map.starts
+    assert scenario.map.corner_cutting and not scenario.rules.stay
+
+
+def test_starts_on_land_and_crowded_ponds_are_refused() -> None:
+    with pytest.raises(UserError, match=r"start \(0, 0\).*land.*map\.starts"):
+        setup_of("comb-port", "map.starts=[[0,0]]")
+    with pytest.raises(UserError, match=r"200 agents do not fit|agents"):
+        setup_of("comb-port", "team.scouts.count=255", "team.foragers.count=200")
+
+
+def test_more_agents_than_starts_take_the_nearest_free_nodes() -> None:
+    setup = setup_of("comb-port", "team.scouts.count=7")
+    mission = Mission(setup)
+    mission.reset(0, np.arange(50))
+    nodes = mission.state.agent_node
+    assert all(np.unique(row).size == 9 for row in nodes)
+    assert set(setup.start_nodes.tolist()) <= set(nodes[0].tolist())
+    assert np.unique(nodes[:, 0]).size > 4  # who starts where is drawn per episode
+
+
+def test_reachable_share_is_a_quarter_for_published_scouts() -> None:
+    assert setup_of("published").reachable_shares["scouts"] == pytest.approx(0.25, abs=0.01)
+    assert setup_of("comb-port").reachable_shares == {"scouts": 1.0, "foragers": 1.0}
+
+
+@pytest.mark.parametrize("value", [0.0, -np.inf])
+def test_equal_preferences_go_to_the_lowest_legal_move(value: float) -> None:
+    mission = Mission(setup_of("comb-port"))
+    mission.reset(1, np.arange(4))
+    fleet, arrays = mission.setup.fleet, mission.setup.task.arrays
+    first, nodes = fleet.order[0], mission.state.agent_node
+    moves = mission.decide(np.full((4, len(fleet), 9), value))
+    for e in range(4):
+        legal = np.flatnonzero(arrays.targets[arrays.stride_number[first], nodes[e, first]] >= 0)
+        assert moves.direction[e, first] == legal[0]
+
+
+@pytest.mark.parametrize("walls", WALLS)
+def test_policies_are_told_the_rule_of_walls(walls: str) -> None:
+    assert setup_of("comb-port", f"rules.walls={walls}").task.walls == walls
+
+
+class Undecided:
+    """Answers with what is no number."""
+
+    def reset(self, task: Task, keys: NDArray[np.uint64]) -> None:
+        self.shape = (keys.size, len(task.fleet), 9)
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        return np.full(self.shape, np.nan)
+
+
+def test_a_policy_whose_preferences_are_nan_is_named() -> None:
+    mission = Mission(Setup.of(load_scenario("comb-port")))
+    mission.reset(0, np.arange(1))
+    with pytest.raises(UserError, match="policy Undecided: gives preferences that are NaN"):
+        mission.run(Undecided())

@@ -1,0 +1,331 @@
+"""Nobody but the mission can write to what it hands over."""
+
+import copy
+import pickle
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mjforage.base.lending import Lent, read_only
+from mjforage.base.randomness import UInt64Array, episode_keys
+from mjforage.graph_planner.policies import create_policy
+from mjforage.learning.environments.game import Game
+from mjforage.learning.environments.options import EnvironmentOptions
+from mjforage.learning.environments.rewards import RewardTerms
+from mjforage.learning.environments.rewards.term import Amounts, Step
+from mjforage.mission.mission import Mission
+from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, Moment
+from mjforage.mission.mission_metrics.scoring import Scorer
+from mjforage.mission.setup import Setup
+from mjforage.mission.task import Observation, Task, Truth
+from mjforage.physics.worlds import create_mission
+from mjforage.scenario.scenario_file import load_scenario
+from mjforage.testing.two_holders import TwoHolders
+
+OWN = ("mjforage",)
+SCRATCH = ("workspace",)  # room for searches, which is there to be written to
+RADIO = ("link.model=disk", "link.range_m=32", "link.latency=1")
+MISSIONS: list[tuple[str, tuple[str, ...]]] = [
+    ("graph", ()),
+    ("graph", RADIO),
+    ("graph", ("rules.capture=calibrated", "sensors.detection=0.9", "team.foragers.capacity=3")),
+    ("physics", ("weather.circulation_mps=0.05", "physics.capture=intake", *RADIO)),
+]
+
+
+def writable(root: object) -> list[str]:
+    """Every array that can be reached from something and be written to, but for fresh copies."""
+    return [path for path, array in _arrays(root, "", {}) if _unlocks(array)]
+
+
+def _unlocks(array: NDArray[Any]) -> bool:
+    """Whether numpy lets somebody write to it, by `setflags(write=True)` where it must."""
+    again = array.view()
+    try:
+        again.setflags(write=True)
+    except ValueError:
+        return False
+    return True
+
+
+def _arrays(
+    value: object, path: str, known: dict[int, object], again: object = None
+) -> Iterator[tuple[str, NDArray[Any]]]:
+    if isinstance(value, np.ndarray):
+        fresh = isinstance(again, np.ndarray) and not np.may_share_memory(value, again)
+        if not fresh or not value.flags.writeable:
+            yield path, value
+        return
+    if id(value) in known or path.endswith(SCRATCH):
+        return
+    known[id(value)] = value  # kept, so that no other gets its id
+    for name, part, other in _parts(value):
+        yield from _arrays(part, f"{path}.{name}", known, other)
+
+
+def _parts(value: object) -> Iterator[tuple[str, object, object]]:
+    """Name, value, and the value once more, of all that is public in something of ours."""
+    if isinstance(value, dict):
+        yield from ((str(key), part, None) for key, part in value.items())
+    elif isinstance(value, tuple | list) and not hasattr(value, "_fields"):
+        yield from ((str(i), part, None) for i, part in enumerate(value))
+    elif type(value).__module__.partition(".")[0] in (*OWN, "tests"):
+        for name in dir(value):
+            if name.startswith("_") or not hasattr(value, name):
+                continue
+            part = getattr(value, name)
+            if not callable(part):
+                yield name, part, getattr(value, name)
+
+
+class Listing:
+    """A bound that lists what can be written to of what it is handed."""
+
+    def __init__(self, apart: bool = False) -> None:
+        self.apart, self.found, self.arrays = apart, list[str](), 0
+        self._guide = create_policy("greedy")
+
+    def _look(self, what: object) -> None:
+        self.found += writable(what)
+        self.arrays += sum(1 for _ in _arrays(what, "", {}))
+
+    def reset(self, task: Task, keys: UInt64Array) -> None:
+        self._look(task)
+        self._guide.reset(task, keys)
+
+    def reveal(self, truth: Truth) -> None:
+        self._look(truth)
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        self._look(observation)
+        return self._guide.act(observation)
+
+
+class Listed(Metric):
+    """Arrays that a metric could write to."""
+
+    key, label = "listed", "listed"
+    found: ClassVar[list[str]] = []
+
+    def at(self, moment: Moment) -> FloatArray:
+        self.found.extend(writable(moment))
+        kept = moment.once(lambda one: np.ones(3))
+        assert not kept.flags.writeable
+        return np.zeros(len(moment.episodes))
+
+    def value(self, batch: Batch) -> FloatArray:
+        self.found.extend(writable(batch))
+        return np.asarray(batch.course(type(self))[:, -1])
+
+
+def mission_of(world: str, overrides: tuple[str, ...], episodes: int = 2) -> Mission:
+    setup = Setup.of(load_scenario("comb-port", ["horizon=4", *overrides]))
+    mission = create_mission(setup, world)
+    mission.reset(1, np.arange(episodes))
+    return mission
+
+
+@pytest.mark.parametrize(("world", "overrides"), MISSIONS)
+def test_policies_bounds_and_metrics_can_write_to_nothing(
+    world: str, overrides: tuple[str, ...]
+) -> None:
+    Listed.found.clear()
+    for apart in (True, False):
+        policy, mission = Listing(apart), mission_of(world, overrides)
+        scorer = Scorer(mission, [Listed])
+        mission.run(policy, (scorer,))
+        assert policy.found == []
+        assert policy.arrays > 60
+        scorer.scores()
+        assert Listed.found == []
+    assert writable(mission) == []
+
+
+def test_a_fleet_in_another_s_exchange_cannot_be_written_to() -> None:
+    setup = Setup.of(load_scenario("comb-port", ["horizon=3"]))
+    mission, policy = Mission(setup, exchange=TwoHolders()), Listing(apart=True)
+    mission.reset(0, np.arange(2))
+    mission.run(policy)
+    assert policy.found == []
+
+
+class ListingTerm:
+    found: ClassVar[list[str]] = []
+
+    def __call__(self, step: Step) -> Amounts:
+        self.found.extend(writable(step))
+        return np.zeros(step.mission.state.agent_node.shape)
+
+
+@pytest.mark.parametrize(("world", "overrides"), MISSIONS)
+def test_reward_terms_can_write_to_nothing(world: str, overrides: tuple[str, ...]) -> None:
+    mission, guide = mission_of(world, overrides), create_policy("greedy")
+    terms = RewardTerms(mission.setup.task, [f"{__name__}:ListingTerm", "approach"])
+    mission.prepare(guide)
+    while mission.active.any():
+        assert writable(terms.before(mission)) == []
+        mission.advance(mission.ask(guide))
+        terms.after(mission, mission.active)
+    assert ListingTerm.found == []
+
+
+def test_a_batch_that_took_in_other_episodes_can_not_be_written_to() -> None:
+    """As vector environments do."""
+    mission, spare = mission_of("graph", RADIO), mission_of("graph", RADIO, episodes=1)
+    guide = create_policy("greedy")
+    mission.prepare(guide)
+    mission.advance(mission.ask(guide))
+    mission.adopt(np.array([1]), spare)
+    assert writable(mission) == []
+    assert mission.step.tolist() == [1, 0]
+    mission.advance(mission.ask(guide))
+    assert mission.held.step.tolist() == [3] * 4 + [2] * 4
+    assert mission.knowledge.agent_seen.max(axis=1).tolist() == [2, 1], "views are of the new rows"
+
+
+class ListingEncoder:
+    """An encoder that lists what it could write to."""
+
+    shapes: ClassVar[dict[str, tuple[int, ...]]] = {"nothing": (1,)}
+    found: ClassVar[list[str]] = []
+
+    def __init__(self, task: Task) -> None:
+        self.found.extend(writable(task))
+
+    def reset(self, rows: int) -> None:
+        self.rows = rows
+
+    def see(self, seen: Observation, rows: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
+        self.found.extend([*writable(seen), "looked"])
+        return {"nothing": np.zeros((self.rows, seen.agent_node.shape[1], 1), np.uint8)}
+
+
+def test_encoders_see_what_can_not_be_written_to() -> None:
+    options = EnvironmentOptions(
+        scenario="comb-port", set=("horizon=4", *RADIO), observation=f"{__name__}:ListingEncoder"
+    )
+    ListingEncoder.found.clear()
+    game = Game(options)
+    game.start(np.zeros(1, np.int64), episode_keys(0, np.zeros(1, np.int64)))
+    game.see(np.zeros(1, np.int64))
+    assert ListingEncoder.found == ["looked"]
+
+
+class Ending:
+    """Ends the episodes, as in the issue."""
+
+    def reset(self, task: Task, keys: UInt64Array) -> None:
+        self.shape = keys.size, len(task.fleet), 9
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        observation.active[...] = 0
+        return np.zeros(self.shape)
+
+
+class Dreaming(Ending):
+    """Rewrites what the fleet knows, which ended the process."""
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        observation.belief[:] = 3
+        return np.zeros(self.shape)
+
+
+class Widening(Ending):
+    """Rewrites the map that all policies of a run share."""
+
+    def reset(self, task: Task, keys: UInt64Array) -> None:
+        super().reset(task, keys)
+        task.graph.neighbours[:] = 5
+
+
+class Moving(Ending):
+    """A bound that moves the items."""
+
+    def reveal(self, truth: Truth) -> None:
+        truth.item_node[:] = 5
+
+
+class Unlocking(Ending):
+    """Asks numpy to let it write after all."""
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        with pytest.raises(ValueError, match="cannot set WRITEABLE flag"):
+            observation.agent_node.setflags(write=True)
+        return super().act(observation)
+
+
+@pytest.mark.parametrize("policy", [Ending, Dreaming, Widening, Moving, Unlocking])
+@pytest.mark.parametrize(("world", "overrides"), MISSIONS)
+def test_who_writes_is_stopped(
+    policy: type[Ending], world: str, overrides: tuple[str, ...]
+) -> None:
+    mission = mission_of(world, overrides)
+    before = [part.copy() for part in mission.held]
+    with pytest.raises(ValueError, match="assignment destination is read-only"):
+        mission.run(policy())
+    for one, other in zip(before, mission.held, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+DREAMING = """
+import numpy as np
+
+class Dreaming:
+    def reset(self, task, keys):
+        self.shape = keys.size, len(task.fleet), 9
+
+    def act(self, seen):
+        seen.belief[:] = 3
+        return np.zeros(self.shape)
+"""
+
+
+def test_evaluate_says_in_one_line_which_policy_writes(
+    refused: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "dreams.py").write_text(DREAMING)
+    monkeypatch.chdir(tmp_path)
+    said = refused(
+        *("evaluate", "comb-port", "--set", "horizon=3", "--episodes", 2),
+        *("--policy", "dreams:Dreaming", "--jobs", 1, "--out", tmp_path / "run"),
+    )
+    assert "policy dreams:Dreaming: raised ValueError: assignment destination is read-only" in said
+    assert "dreams.py, line 9" in said
+
+
+def test_views_follow_their_arrays_and_a_copy_makes_its_own() -> None:
+    arrays, lent = (np.zeros(2), (np.ones(1), "words")), Lent[Any]()
+    views = lent.of(arrays)
+    assert lent.of(arrays) is views and views[1][1] == "words"
+    arrays[0][0] = 3.0
+    assert views[0][0] == 3.0
+    with pytest.raises(ValueError, match="read-only"):
+        views[1][0][0] = 2.0
+    arrays, lent = copy.deepcopy((arrays, lent))
+    arrays[0][1] = 7.0
+    assert lent.of(arrays)[0].tolist() == [3.0, 7.0]
+    assert not read_only(np.ones(1)).flags.writeable
+    assert not read_only((np.ones(1),))[0].flags.writeable
+
+
+def test_a_copy_shows_its_own_arrays() -> None:
+    ledger = mission_of("graph", ()).ledger
+    for twin in (copy.deepcopy(ledger), pickle.loads(pickle.dumps(ledger))):  # noqa: S301  ours
+        twin.open().truth[0, 5] = 77
+        assert twin.entries.truth[0, 5] == 77 != ledger.entries.truth[0, 5]
+        assert writable(twin) == []
+
+
+def test_dataclasses_of_ours_are_walked() -> None:
+    """The walk above finds what can be written to."""
+    task = mission_of("graph", ()).task
+    assert is_dataclass(task) and {"graph", "fleet"} <= {one.name for one in fields(task)}
+    walked = [path for path, _ in _arrays(task, "", {})]
+    assert {".graph.neighbours", ".fleet.energy", ".views.nodes", ".arrays.targets"} <= set(walked)
+    open_ = Observation._make(np.array(part) for part in mission_of("graph", ()).held)
+    assert len(writable(open_)) == sum(part.size > 0 for part in open_) == 15

@@ -1,0 +1,257 @@
+"""A third role and holders who do not hear everything, added here alone: no package is edited."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Self
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mjforage.base.errors import UserError
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.exchange import Exchange
+from mjforage.mission.initial_state import InitialState
+from mjforage.mission.knowledge import Knowledge, Looks, hear
+from mjforage.mission.mission import Mission
+from mjforage.mission.mission_metrics import Scorer
+from mjforage.mission.policy import Policy
+from mjforage.mission.setup import Setup
+from mjforage.mission.task import Observation, Task, nothing_late
+from mjforage.scenario.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree
+from tests.brief_policies import brief_policies
+
+PLANNING = ("belief", "greedy", "ddqn")
+SWEEPERS = {"count": 2, "moves": 1, "radius": 3.0, "collects": True, "capacity": 4}
+WATCHERS = {"count": 2, "moves": 3, "radius": 5.0, "collects": False}
+RELAYS = {"count": 1, "moves": 1, "radius": 0.0, "collects": False, "relays": True}
+CARRYING = 12.0  # geodesic distance that the link of these tests bridges [node]
+
+
+class Groups:
+    """Holders that hear the looks of their own agents only, or of some others too, at once."""
+
+    uses: frozenset[str] = frozenset()
+    link_log = None
+
+    def __init__(self, holder_of: Sequence[int], hears: Sequence[Sequence[int]]) -> None:
+        """Prepare: `hears` is 1 where a holder (holder, agent) hears an agent's looks."""
+        self.holder_of = np.array(holder_of, np.int64)
+        self._hears = np.array(hears, np.bool_)
+        self.holders = len(self._hears)
+
+    def reset(self, task: Task, looks: Looks, pooled: Knowledge, keys: UInt64Array) -> None:
+        self._task = task
+        self.late = nothing_late(looks.step.size * self.holders)
+        self.knowledge = Knowledge.of_starts(looks, len(task.graph), self.holders)
+        self.tell(looks, pooled)
+
+    def tell(self, looks: Looks, pooled: Knowledge) -> None:
+        task = self._task
+        hear(looks, self.heard(looks), task.views, task.radius_number, self.knowledge)
+
+    def heard(self, looks: Looks) -> NDArray[np.bool_]:
+        return np.tile(self._hears, (looks.step.size, 1))
+
+    def adopt(self, rows: NDArray[np.int64], other: Self, pooled: Knowledge) -> None:
+        own = (rows[:, None] * self.holders + np.arange(self.holders)).reshape(-1)
+        self.knowledge = self.knowledge.with_rows(own, other.knowledge)
+
+
+class Relayed(Groups):
+    """Foragers hear scouts only while a relay is near enough to one of them."""
+
+    uses = frozenset({"relays"})
+
+    def heard(self, looks: Looks) -> NDArray[np.bool_]:
+        fleet, at = self._task.fleet, looks.agent_node
+        relays, listeners = np.flatnonzero(fleet.relays), fleet.collectors
+        distances = self._task.graph.distances[at[:, relays, None], at[:, None, listeners]]
+        near = distances.min(axis=(1, 2)) <= CARRYING
+        heard = super().heard(looks).reshape(looks.step.size, self.holders, len(fleet))
+        heard[:, 1, fleet.discoverers] &= near.reshape(-1, 1)
+        return heard.reshape(-1, len(fleet))
+
+
+def setup_of(team: dict[str, Any], *overrides: str, order: Sequence[str] = ()) -> Setup:
+    """The default mission with more teams."""
+    tree = scenario_to_tree(load_scenario("comb-port", ["horizon=40", *overrides]))
+    tree["team"] |= team
+    tree["rules"]["order"] = list(order)
+    return Setup.of(scenario_from_tree(tree, "seam"))
+
+
+def played(setup: Setup, policy: str, exchange: Exchange | None = None) -> Scorer:
+    mission = Mission(setup, exchange=exchange)
+    mission.reset(5, np.arange(3))
+    scorer = Scorer(mission)
+    mission.run(create_policy(policy), (scorer,))
+    return scorer
+
+
+@pytest.mark.parametrize("policy", PLANNING)
+def test_a_third_role_is_a_row_in_a_scenario(policy: str) -> None:
+    """Sweepers see farther than foragers and hold little: planned for, obeyed and scored."""
+    setup = setup_of({"sweepers": SWEEPERS}, "items.mean=150")
+    assert setup.fleet.names[4:] == ("sweepers_0", "sweepers_1")
+    assert setup.fleet.order.tolist() == [3, 2, 5, 4, 1, 0]
+    scorer = played(setup, policy)
+    log = scorer.log
+    taken = np.stack([(log.collected_by == agent).sum(axis=1) for agent in range(6)], axis=1)
+    assert (taken[:, :2] == 0).all(), "scouts collect nothing"
+    assert (taken[:, 4:] <= 4).all(), "and sweepers no more than they can hold"
+    assert taken[:, 4:].sum() > 0
+    scores = scorer.scores().scalars
+    some = taken.sum(axis=1) > 0  # inequality and share of nothing are undefined
+    assert np.isfinite(scores["gini_foragers"][some]).all()
+    assert np.isfinite(scores["csr"][some]).all() and some.any()
+
+
+@pytest.mark.parametrize("policy", brief_policies())
+def test_four_holders_that_hear_everything_are_one_to_the_bit(policy: str) -> None:
+    setup = setup_of({})
+    one = played(setup, policy)
+    four = played(setup, policy, Groups(range(4), [[1] * 4] * 4))
+    for name in ("agent_node", "direction", "t_discovered", "discovered_by", "collected_by"):
+        np.testing.assert_array_equal(getattr(four.log, name), getattr(one.log, name))
+    courses = four.scores().courses
+    for name, course in one.scores().courses.items():
+        if name in {"position_age", "disagreement"}:  # of one holder they are undefined
+            assert np.isnan(course).all() and (courses[name] == 0.0).all()
+        elif name == "rmse_holders":
+            np.testing.assert_allclose(courses[name], courses["rmse"], rtol=1e-12)
+        else:
+            np.testing.assert_array_equal(courses[name], course)
+
+
+@pytest.mark.parametrize("policy", PLANNING)
+def test_who_hears_only_itself_knows_only_what_it_saw(policy: str) -> None:
+    """Scouts hold one knowledge, foragers another: neither learns what the others saw."""
+    setup = setup_of({})
+    exchange = Groups([0, 0, 1, 1], [[1, 1, 0, 0], [0, 0, 1, 1]])
+    mission = Mission(setup, exchange=exchange)
+    mission.reset(5, np.arange(3))
+    mission.run(create_policy(policy))
+    own, pooled, now = exchange.knowledge, mission.knowledge, mission.step[:, None]
+    seen = own.last_seen.reshape(3, 2, -1)
+    np.testing.assert_array_equal(seen.max(axis=1), pooled.last_seen)
+    assert (seen[:, 1] < seen[:, 0]).any() and (seen[:, 0] < seen[:, 1]).any()
+    at, heard = own.agent_node.reshape(3, 2, 4), own.agent_seen.reshape(3, 2, 4)
+    for holder, agents, others in ((0, [0, 1], [2, 3]), (1, [2, 3], [0, 1])):
+        np.testing.assert_array_equal(at[:, holder, agents], mission.state.agent_node[:, agents])
+        assert (heard[:, holder, agents] == now).all() and (heard[:, holder, others] == 0).all()
+        np.testing.assert_array_equal(
+            at[:, holder, others], mission.initial.agent_node[:, others], "where they started"
+        )
+
+
+class Thinned(Setup):
+    """A setup in which some items do not exist."""
+
+    gone: NDArray[np.bool_]  # (episode, item)
+
+    def create_initial_state(self, keys: UInt64Array) -> InitialState:
+        initial = super().create_initial_state(keys)
+        return replace(initial, item_node=np.where(self.gone, -1, initial.item_node))
+
+
+class Answers:
+    """A policy that also keeps what it was shown and what it answered."""
+
+    def __init__(self, policy: Policy) -> None:
+        self._policy = policy
+        self.shown: list[dict[str, NDArray[Any]]] = []
+
+    def reset(self, task: Task, keys: UInt64Array) -> None:
+        self._policy.reset(task, keys)
+
+    def act(self, observation: Observation) -> NDArray[np.float64]:
+        answer = self._policy.act(observation)
+        known = np.where(
+            np.arange(observation.known.shape[1]) < observation.n_known[:, None],
+            observation.known,
+            -1,
+        )
+        shown = observation._asdict() | {"known": known, "answer": answer}
+        self.shown.append({name: np.array(value) for name, value in shown.items()})
+        return answer
+
+
+def test_unheard_items_change_neither_what_a_holder_sees_nor_what_it_does() -> None:
+    """Items that only the watchers ever saw, and nobody took, are taken out of the world."""
+    order = ("scouts", "foragers", "watchers")
+    setup = setup_of({"watchers": WATCHERS}, "items.mean=400", "map.starts=[]", order=order)
+    holder_of, hears = [0, 0, 0, 0, 1, 1], [[1, 1, 1, 1, 0, 0], [0, 0, 0, 0, 1, 1]]
+    for policy in PLANNING:
+        runs, gone = [], np.zeros(1, np.bool_)
+        for _ in range(2):
+            thinned = Thinned(setup.scenario, setup.grid)
+            object.__setattr__(thinned, "gone", gone)
+            exchange, answers = Groups(holder_of, hears), Answers(create_policy(policy))
+            mission = Mission(thinned, exchange=exchange)
+            mission.reset(5, np.arange(3))
+            in_view = [_in_view(mission)]
+            mission.prepare(answers)
+            for _ in range(25):
+                mission.advance(mission.ask(answers))
+                in_view.append(_in_view(mission))
+            runs.append((answers.shown, mission))
+            seen = np.stack(in_view, axis=1)  # (holder, step, episode, item)
+            taken = mission.state.collected_by >= 0  # a forager knows what it took, seen or not
+            gone = seen[1].any(axis=0) & ~seen[0].any(axis=0) & ~taken
+        (before, whole), (after, less) = runs
+        assert (whole.ledger.entries.truth != less.ledger.entries.truth).any()
+        told = {0: True, 1: True}
+        for one, two in zip(before, after, strict=True):
+            for holder in told:
+                for name, values in one.items():
+                    same = (values[holder::2] == two[name][holder::2]).all()
+                    told[holder] = told[holder] and bool(same)
+        assert told == {0: True, 1: False}, "the watchers see the difference, the others nothing"
+        np.testing.assert_array_equal(whole.state.agent_node[:, :4], less.state.agent_node[:, :4])
+
+
+def _in_view(mission: Mission) -> NDArray[np.bool_]:
+    """(2, episode, item) whether an agent of the first, the second holder sees each item."""
+    everyone, node = np.arange(mission.step.size), mission.state.item_node
+    seen = [mission.times_seen(np.array(a), everyone) > 0 for a in ([0, 1, 2, 3], [4, 5])]
+    return np.stack([np.take_along_axis(s, np.maximum(node, 0), axis=1) for s in seen]) & (
+        node >= 0
+    )
+
+
+def test_a_relay_is_a_role_and_a_way_to_hear() -> None:
+    setup = setup_of({"relays": RELAYS})
+    with pytest.raises(UserError, match=r"team\.relays\.relays = true, but no rule"):
+        Mission(setup)
+    hears = [[1, 1, 0, 0, 1], [1, 1, 1, 1, 1]]
+    exchange = Relayed([0, 0, 1, 1, 0], hears)
+    mission = Mission(setup, exchange=exchange)
+    mission.reset(5, np.arange(20))
+    mission.run(create_policy("wanderer"))
+    age = mission.step[:, None] - exchange.knowledge.agent_seen.reshape(20, 2, 5)[:, 1, :2]
+    assert (age == 0).any() and (age > 0).any(), "some foragers hear the scouts at the end"
+    assert (age[:, 0] == age[:, 1]).all()
+
+
+def test_episodes_are_adopted_with_what_each_holder_knows() -> None:
+    setup = setup_of({})
+    both = [
+        Mission(setup, exchange=Groups([0, 0, 1, 1], [[1, 1, 0, 0], [0, 0, 1, 1]]))
+        for _ in range(2)
+    ]
+    for mission, episodes in zip(both, (np.arange(3), np.array([7])), strict=True):
+        mission.reset(5, episodes)
+        policy = create_policy("greedy")
+        mission.prepare(policy)
+        for _ in range(6):
+            mission.advance(mission.ask(policy))
+    into, source = both
+    kept = into.exchange.knowledge.belief[[0, 1, 4, 5]]
+    into.adopt(np.array([1]), source)
+    np.testing.assert_array_equal(
+        into.exchange.knowledge.belief[2:4], source.exchange.knowledge.belief
+    )
+    np.testing.assert_array_equal(into.exchange.knowledge.belief[[0, 1, 4, 5]], kept)
+    np.testing.assert_array_equal(into.ledger.entries.truth[1], source.ledger.entries.truth[0])

@@ -1,0 +1,98 @@
+"""Missions whose looks miss and invent: the same beside whatever else is played, and blind to what
+nobody has detected. `test_plain_mission` says what they see.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mjforage.base.randomness import UInt64Array
+from mjforage.graph_planner.policies import create_policy
+from mjforage.mission.initial_state import InitialState
+from mjforage.mission.mission import Mission
+from mjforage.mission.setup import Setup
+from mjforage.physics.worlds import create_mission
+from mjforage.scenario.scenario_file import load_scenario
+
+EYES = (
+    *("sensors.detection=0.7", "sensors.half_range_node=3", "sensors.persistence=0.2"),
+    *(
+        "sensors.false_rate=0.002",
+        "sensors.false_hold=3",
+        "sensors.merge=0.2",
+        "sensors.fov_deg=200",
+    ),
+    *("belief.detection=0.7", "belief.half_range_node=3", "belief.false_rate=0.002"),
+)
+DISK = ("link.model=disk",)
+
+
+def setup_of(*overrides: str) -> Setup:
+    return Setup.of(load_scenario("comb-port", ["horizon=40", *overrides]))
+
+
+def played(setup: Setup, policy: str, episodes: tuple[int, ...] = (0, 1, 2)) -> dict[str, Any]:
+    """What a batch comes to."""
+    mission = Mission(setup)
+    mission.reset(5, np.array(episodes))
+    mission.run(create_policy(policy))
+    entries, state = mission.ledger.entries, mission.state
+    return {
+        "agent_node": state.agent_node.copy(),
+        "distance": state.distance.copy(),
+        "discovered": entries.t_discovered.copy(),
+        "collected": entries.t_collected.copy(),
+        "belief": mission.knowledge.belief.copy(),
+    }
+
+
+@pytest.mark.parametrize("link", [(), (*DISK, "link.range_m=40", "link.latency=2")])
+def test_an_episode_is_the_same_alone(link: tuple[str, ...]) -> None:
+    setup = setup_of(*EYES, "sensors.map=filtered", *link)
+    whole, alone = played(setup, "belief"), played(setup, "belief", (1,))
+    for name, values in alone.items():
+        wide = whole[name][1:2]
+        if name in ("discovered", "collected"):  # padded to the largest episode
+            wide = wide[:, : values.shape[1]]
+        np.testing.assert_array_equal(values, wide, err_msg=name)
+
+
+class Thinned(Setup):
+    """A setup in which some items do not exist."""
+
+    gone: NDArray[np.bool_]  # (episode, item)
+
+    def create_initial_state(self, keys: UInt64Array) -> InitialState:
+        initial = super().create_initial_state(keys)
+        return replace(initial, item_node=np.where(self.gone, -1, initial.item_node))
+
+
+@pytest.mark.parametrize("policy", ["greedy", "belief"])
+def test_items_that_nobody_has_detected_change_nothing(policy: str) -> None:
+    setup = setup_of("sensors.detection=0.1", "belief.detection=0.1")
+    whole = played(setup, policy)
+    unseen = whole["discovered"] < 0
+    assert unseen.any() and not unseen.all()
+    thinned = Thinned(setup.scenario, setup.grid)
+    object.__setattr__(thinned, "gone", unseen)
+    less = played(thinned, policy)
+    for name in ("agent_node", "distance", "discovered", "collected", "belief"):
+        np.testing.assert_array_equal(less[name], whole[name], err_msg=name)
+
+
+def test_hulls_look_with_the_same_eyes() -> None:
+    """At step 0 hulls lie as agents stand, so both worlds show the same."""
+    known = []
+    for world in ("graph", "physics"):
+        mission = create_mission(setup_of(*EYES), world)
+        mission.reset(5, np.arange(3))
+        knowledge = mission.knowledge
+        known.append((knowledge.belief.copy(), knowledge.last_seen.copy()))
+    np.testing.assert_array_equal(known[0][0], known[1][0])
+    np.testing.assert_array_equal(known[0][1], known[1][1])
+    whole = Mission(setup_of())
+    whole.reset(5, np.arange(3))
+    assert (known[0][1] == 0).sum() < (whole.knowledge.last_seen == 0).sum(), "200 degrees"
