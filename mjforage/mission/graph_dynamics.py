@@ -15,10 +15,10 @@ from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import OFFSETS, STAY, NavigationGraph
 from mjforage.mission.capture_chances import chances_of, pickup_of
 from mjforage.mission.dynamics import ARRIVED, BLOCKED, Transition, start_state
-from mjforage.mission.film import Film
 from mjforage.mission.initial_state import LEEWAY, InitialState
 from mjforage.mission.item_rule import ItemRule
 from mjforage.mission.moves import Moves, move_length
+from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.scenario.fleet import Fleet
 from mjforage.scenario.scenario import Scenario
 
@@ -61,7 +61,11 @@ class GraphDynamics:
     """
 
     def __init__(
-        self, graph: NavigationGraph, fleet: Fleet, scenario: Scenario, film: Film | None = None
+        self,
+        graph: NavigationGraph,
+        fleet: Fleet,
+        scenario: Scenario,
+        trajectory: TrajectoryRecorder | None = None,
     ) -> None:
         """Prepare.
 
@@ -70,7 +74,7 @@ class GraphDynamics:
         UserError
             If capture is calibrated and a vessel that collects is not.
         """
-        self._graph, self._film, self._period_s = graph, film, scenario.period_s
+        self._graph, self._trajectory, self._period_s = graph, trajectory, scenario.period_s
         chances = chances_of(fleet, scenario)
         self.pickup = None if chances is None else pickup_of(fleet, scenario)
         noise, walls = scenario.weather.noise_node_per_step, scenario.rules.walls
@@ -85,8 +89,8 @@ class GraphDynamics:
         self._items.reset(initial, keys, self._state)
         drift = initial.drift_rc[0] * self._mps / LEEWAY
         self._wind = np.array((drift[1], -drift[0]))
-        if self._film is not None:
-            self._film.start(self._period_s)
+        if self._trajectory is not None:
+            self._trajectory.start(self._period_s)
         self._shoot()
         return self._state
 
@@ -121,8 +125,8 @@ class GraphDynamics:
         return self._state
 
     def _shoot(self) -> None:
-        if self._film is None:
+        if self._trajectory is None:
             return
         state, metres = self._state, self._graph.metres
         pose = np.column_stack((metres(state.agent_rc[0]), state.agent_yaw[0]))
-        self._film.shoot(pose, metres(state.item_rc[0]), state.item_node[0] >= 0, self._wind)
+        self._trajectory.record(pose, metres(state.item_rc[0]), state.item_node[0] >= 0, self._wind)

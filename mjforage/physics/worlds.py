@@ -10,14 +10,14 @@ from dataclasses import dataclass, replace
 
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.mission.dynamics import Dynamics
-from mjforage.mission.film import Film
 from mjforage.mission.graph_dynamics import GraphDynamics
 from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
+from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.scenario.fleet import Fleet
 from mjforage.scenario.scenario import Scenario
 
-Factory = Callable[[NavigationGraph, Fleet, Scenario, Film | None], Dynamics]
+Factory = Callable[[NavigationGraph, Fleet, Scenario, TrajectoryRecorder | None], Dynamics]
 
 
 @dataclass(frozen=True)
@@ -37,13 +37,13 @@ class WorldKind:
 
 
 def _physics(
-    graph: NavigationGraph, fleet: Fleet, scenario: Scenario, film: Film | None
+    graph: NavigationGraph, fleet: Fleet, scenario: Scenario, trajectory: TrajectoryRecorder | None
 ) -> Dynamics:
     from mjforage.physics.dynamics.mujoco_dynamics import (
         MujocoDynamics,  # MuJoCo only where it is wanted
     )
 
-    return MujocoDynamics(graph, fleet, scenario, film)
+    return MujocoDynamics(graph, fleet, scenario, trajectory)
 
 
 def _whole(scenario: Scenario) -> Scenario:
@@ -93,14 +93,16 @@ WORLDS = {
 """Name -> world, from the graph upwards."""
 
 
-def create_mission(setup: Setup, world: str = "graph", film: Film | None = None) -> Mission:
+def create_mission(
+    setup: Setup, world: str = "graph", trajectory: TrajectoryRecorder | None = None
+) -> Mission:
     """A mission in one of the worlds.
 
     Parameters
     ----------
     setup : scenario and map
     world : name in `WORLDS`
-    film : takes the frames of the batch's first episode
+    trajectory : takes the frames of the batch's first episode
 
     Raises
     ------
@@ -109,7 +111,7 @@ def create_mission(setup: Setup, world: str = "graph", film: Film | None = None)
     """
     kind = WORLDS[world]
     scenario = kind.adapt(setup.scenario)
-    return Mission(setup, kind.dynamics(setup.graph, setup.fleet, scenario, film))
+    return Mission(setup, kind.dynamics(setup.graph, setup.fleet, scenario, trajectory))
 
 
 def added(scenario: Scenario, before: str, world: str) -> tuple[str, ...]:

@@ -30,7 +30,7 @@ from mjforage.physics.worlds import create_mission
 from mjforage.runs import cluster
 from mjforage.runs.costs import Cost, Invocation
 from mjforage.runs.decision_time import Watch, watched
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.runs.identity import code_of, policy_code, run_code, versions
 from mjforage.runs.kept import replay_file
 from mjforage.runs.recording import record
@@ -184,7 +184,7 @@ def replay_is_kept(folder: Path, one: Episode) -> bool:
         return zipfile.is_zipfile(path)  # not if missing or truncated
 
 
-def _keep(folder: Path, replay: Replay) -> None:
+def _keep(folder: Path, replay: Recording) -> None:
     path = replay_file(folder, replay.world, replay.policy, replay.episode)
     with writing(path):
         path.parent.mkdir(exist_ok=True)

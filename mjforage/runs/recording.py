@@ -1,16 +1,16 @@
-"""Recording one episode as a `Replay`, by playing it again from its seed."""
+"""Recording one episode as a `Recording`, by playing it again from its seed."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.graph_planner.policies import create_policy
-from mjforage.mission.film import Film
 from mjforage.mission.mission import Mission, Observer
 from mjforage.mission.setup import Setup
+from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.physics.dynamics.fleet_scene import item_choices
 from mjforage.physics.dynamics.item_bodies import draw_classes
 from mjforage.physics.worlds import create_mission
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.runs.held import HeldRecorder
 from mjforage.scenario.vessel_files import hull_names
 
@@ -47,7 +47,7 @@ def record(
     seed: int,
     episode: int,
     observers: tuple[Observer, ...] = (),
-) -> Replay:
+) -> Recording:
     """Play one episode and keep all of it.
 
     Parameters
@@ -62,14 +62,14 @@ def record(
     UserError
         If there is no such policy.
     """
-    film, recorder = Film(), _Recorder()
-    mission = create_mission(setup, world, film)
+    trajectory, recorder = TrajectoryRecorder(), _Recorder()
+    mission = create_mission(setup, world, trajectory)
     mission.reset(seed, np.array([episode], np.int64))
     by_agent = HeldRecorder() if mission.exchange.link_log is not None else None
     mission.run(create_policy(policy), (recorder, *((by_agent,) if by_agent else ()), *observers))
     choice = setup.scenario.physics
     classes = draw_classes(mission.keys, mission.initial.item_node, item_choices(choice))
-    return Replay(
+    return Recording(
         navigable=setup.grid.navigable,
         pitch_m=setup.scenario.map.pitch_m,
         horizon=setup.scenario.horizon,
@@ -85,11 +85,11 @@ def record(
         in_view=np.stack(recorder.in_view),
         vessels=hull_names(setup.fleet, choice),
         item_class=classes[0].astype(np.int16),
-        frame_s=film.interval_s,
-        track_pose=film.pose,
-        track_items=film.items,
-        track_present=film.present,
-        track_wind=film.wind,
+        frame_s=trajectory.interval_s,
+        track_pose=trajectory.pose,
+        track_items=trajectory.items,
+        track_present=trajectory.present,
+        track_wind=trajectory.wind,
         world=world,
         policy=policy,
         seed=seed,

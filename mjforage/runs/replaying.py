@@ -19,7 +19,7 @@ from mjforage.graph_planner.policies.registry import (
 )
 from mjforage.mission.mission import Observer
 from mjforage.mission.setup import Setup
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.runs.identity import hull_facts
 from mjforage.runs.recording import record
 from mjforage.runs.resuming import differences
@@ -35,7 +35,7 @@ def replay_of_run(
     policy: str | None,
     episode: int,
     observers: tuple[Observer, ...] = (),
-) -> Replay:
+) -> Recording:
     """Simulate one logged episode again.
 
     The folder may be anybody's: of the policies that it names only those are played that ship,
@@ -106,7 +106,7 @@ def _cause(folder: Path, setup: Setup, worlds: Sequence[str]) -> str:
     return f"it was made with other versions or code (see run.json); {again(folder)}"
 
 
-def as_logged(replay: Replay, run: RunFolder) -> bool:
+def as_logged(replay: Recording, run: RunFolder) -> bool:
     """Whether the agents' positions are those of the log, to the bit.
 
     Raises

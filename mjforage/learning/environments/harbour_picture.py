@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 
 if TYPE_CHECKING:
     from mjforage.view.render.harbour_view import HarbourView
@@ -53,7 +53,7 @@ class HarbourPicture:
         self._camera = camera
         self._view: HarbourView | None = None
 
-    def draw(self, replay: Replay, step: int) -> NDArray[np.uint8]:
+    def draw(self, replay: Recording, step: int) -> NDArray[np.uint8]:
         """(HEIGHT, WIDTH, 3) the last step of an episode that goes on.
 
         Raises
@@ -67,7 +67,7 @@ class HarbourPicture:
             self._view.go_on(replay)
         return self._view.frame(float(step))
 
-    def _opened(self, replay: Replay) -> "HarbourView":
+    def _opened(self, replay: Recording) -> "HarbourView":
         from mjforage.view.render.harbour_view import HarbourView
 
         if HarbourPicture._drawing is not None:

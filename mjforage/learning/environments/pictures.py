@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mjforage.learning.environments.game import Episodes, Game
 from mjforage.learning.environments.harbour_picture import HarbourPicture
 from mjforage.mission.mission import Mission
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.scenario.vessel_files import hull_names
 
 LONG_SIDE = 640  # pixels
@@ -62,10 +62,10 @@ class Picture:
         if self._harbour is not None:
             self._harbour.close()
 
-    def _replay(self, game: Game, episodes: Episodes) -> Replay:
+    def _replay(self, game: Game, episodes: Episodes) -> Recording:
         """The episode until now; of what is drawn as it is now, every step is the present."""
         setup, fleet = game.setup, game.setup.fleet
-        return Replay(
+        return Recording(
             navigable=setup.grid.navigable,
             pitch_m=setup.scenario.map.pitch_m,
             horizon=setup.scenario.horizon,
@@ -103,9 +103,9 @@ class Picture:
         }
 
     def _track(self, game: Game) -> dict[str, Any]:
-        """What the game has filmed; a frame of nothing where it does not."""
-        film, agents, items = game.film, len(game.setup.fleet), self._items
-        if film is None:
+        """What the game has recorded; a frame of nothing where it does not."""
+        trajectory, agents, items = game.trajectory, len(game.setup.fleet), self._items
+        if trajectory is None:
             return {
                 "item_class": np.zeros(items.size, np.int16),
                 "frame_s": game.setup.scenario.period_s,
@@ -121,9 +121,9 @@ class Picture:
         classes = draw_classes(mission.keys, mission.initial.item_node, choices)[0]
         return {
             "item_class": classes[items].astype(np.int16),
-            "frame_s": film.interval_s,
-            "track_pose": film.pose,
-            "track_items": film.items[:, items],
-            "track_present": film.present[:, items],
-            "track_wind": film.wind,
+            "frame_s": trajectory.interval_s,
+            "track_pose": trajectory.pose,
+            "track_items": trajectory.items[:, items],
+            "track_present": trajectory.present[:, items],
+            "track_wind": trajectory.wind,
         }

@@ -17,11 +17,11 @@ from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph
 from mjforage.mission.capture_chances import chances_of, pickup_of
 from mjforage.mission.dynamics import Transition, start_state
-from mjforage.mission.film import Film
 from mjforage.mission.initial_state import LEEWAY, InitialState, nearest_nodes
 from mjforage.mission.item_rule import ItemRule, collect
 from mjforage.mission.moves import Moves
 from mjforage.mission.task import IDLE
+from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.physics.dynamics.camera import camera_of
 from mjforage.physics.dynamics.carrying import carried, leeways
 from mjforage.physics.dynamics.fleet_scene import (
@@ -60,7 +60,11 @@ class MujocoDynamics:
     """Hulls and floating bodies. Distances and energy are in node lengths, as at graph level."""
 
     def __init__(
-        self, graph: NavigationGraph, fleet: Fleet, scenario: Scenario, film: Film | None = None
+        self,
+        graph: NavigationGraph,
+        fleet: Fleet,
+        scenario: Scenario,
+        trajectory: TrajectoryRecorder | None = None,
     ) -> None:
         """Read vessels and build what does not depend on the episode.
 
@@ -71,7 +75,12 @@ class MujocoDynamics:
             hull does not fit on the map, the scenario's times do not fit together, items without
             bodies shall enter a mouth, or there shall be a current on a map without an open border.
         """
-        self._graph, self._fleet, self._scenario, self._film = graph, fleet, scenario, film
+        self._graph, self._fleet, self._scenario, self._trajectory = (
+            graph,
+            fleet,
+            scenario,
+            trajectory,
+        )
         self._choice = scenario.physics
         weather_s, self._integrator = WEATHER_TICKS * CONTROL_S, Integrator(self._choice.integrator)
         self._step_s = step_s = self._choice.step_s or self._integrator.step_s
@@ -144,8 +153,8 @@ class MujocoDynamics:
         self.place(pose)
         self._place_items(initial)
         self._tick = np.zeros(episodes, np.int64)
-        if self._film is not None:
-            self._film.start(WEATHER_TICKS * CONTROL_S)
+        if self._trajectory is not None:
+            self._trajectory.start(WEATHER_TICKS * CONTROL_S)
             self._shoot()
         return self._state
 
@@ -184,20 +193,20 @@ class MujocoDynamics:
         self._pilot.order(active, self._centres_xy[state.agent_node], target, stay)
         self._watched.begin(active)
         state.pickup[active] = IDLE
-        filmed = self._film is not None and bool(active[0])
+        recorded = self._trajectory is not None and bool(active[0])
         for tick in range(self._ticks):
             pose = measured_poses(self._scenario.sensors, self._keys, self._tick, self._motion.pose)
             self._look(active, pose)
             if tick % WEATHER_TICKS == 0:
                 self._feel(active)
                 self._seek(active, Sent(target, stay))
-                if filmed and tick:
+                if recorded and tick:
                     self._shoot()
             self._steer(active, ids, target, pose)
             if self._intake:
                 self._take(active)
         self._settle(active, step, moves)
-        if filmed:
+        if recorded:
             self._shoot()
         simulation.load[active] = self._fleet.capacity - self._room_left[active]
         return state
@@ -329,12 +338,12 @@ class MujocoDynamics:
 
     def _shoot(self) -> None:
         """A frame of the first episode, with the wind at its first hull."""
-        assert self._film is not None
+        assert self._trajectory is not None
         simulation, state, items = self._simulation, self._state, self._state.item_node.shape[1]
         xy = simulation.item_xy[0, :items] if self._bodies else self._graph.metres(state.item_rc[0])
         now = self._tick * CONTROL_S
         wind = self._field.wind(now, self._motion.pose[:, :1, :2])[0, 0]
-        self._film.shoot(self._motion.pose[0], xy, state.item_node[0] >= 0, wind)
+        self._trajectory.record(self._motion.pose[0], xy, state.item_node[0] >= 0, wind)
 
 
 def _times(whole: float, part: float, name: str, least: int = 1) -> int:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mjforage.base.errors import UserError
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.page import style
 from mjforage.view.render import palette
 from mjforage.view.render.frame_split import Box, is_brief, unit_of
@@ -53,14 +53,14 @@ class Half:
     followed : agent that the chart marks, or None
     """
 
-    replay: Replay
+    replay: Recording
     draw: Callable[[float], Image]
     moment: Callable[[float], Moment]
     charted: bool
     followed: int | None
 
 
-def check_beside(first: Replay, second: Replay) -> None:
+def check_beside(first: Recording, second: Recording) -> None:
     """Check that two episodes can share a clock.
 
     Raises
@@ -154,7 +154,7 @@ class Beside:
         words = fit(words, size, room)
         write(image, words, box.right - 10 * u, base, size, colour=PALE, align="right")
 
-    def _about(self, replay: Replay, timeline: Timeline, time: float) -> str:
+    def _about(self, replay: Recording, timeline: Timeline, time: float) -> str:
         over = time >= timeline.length
         if self._place.brief:
             now = min(time, float(timeline.length))
@@ -202,6 +202,6 @@ def _chart(half: Half, room: Box, unit: float, most: int) -> Inset:
     return chart(half.replay, colours, room, unit, half.followed, most)
 
 
-def longer_of(first: Replay, second: Replay) -> Replay:
+def longer_of(first: Recording, second: Recording) -> Recording:
     """The episode that ends later."""
     return max((first, second), key=lambda replay: len(replay.agent_rc))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import palette
 from mjforage.view.render.beside import Beside, BesideFrame, Half, check_beside
 from mjforage.view.render.cameras import CAMERAS
@@ -41,10 +41,10 @@ def needs_opengl(world: str, camera: str) -> bool:
 
 
 def render_replay(
-    replay: Replay,
+    replay: Recording,
     path: Path,
     *,
-    beside: Replay | None = None,
+    beside: Recording | None = None,
     camera: str | None = None,
     follow: str | None = None,
     seen_by: str = EVERYBODY,
@@ -59,11 +59,11 @@ def render_replay(
 
     Parameters
     ----------
-    replay : Replay
+    replay : Recording
         The episode.
     path : Path
         Its suffix chooses the kind, see `write_video`; a single PNG shows the time `start_s`.
-    beside : Replay, optional
+    beside : Recording, optional
         The same episode of another policy, shown to the right of it by the same clock; the one
         that ends earlier stays at its end.
     camera : str, optional
@@ -129,7 +129,7 @@ class _Look:
     detail: int
 
 
-def _through_mujoco(shown: list[Replay], look: _Look, size: Size, opened: ExitStack) -> Frame:
+def _through_mujoco(shown: list[Recording], look: _Look, size: Size, opened: ExitStack) -> Frame:
     """What MuJoCo draws of one episode, or of two side by side; `opened` closes it."""
     frame = _frame_size(size)
     from mjforage.view.render.harbour_view import (
@@ -137,7 +137,12 @@ def _through_mujoco(shown: list[Replay], look: _Look, size: Size, opened: ExitSt
     )
 
     def view(
-        replay: Replay, width: int, height: int, *, panel: bool, shares: HarbourView | None = None
+        replay: Recording,
+        width: int,
+        height: int,
+        *,
+        panel: bool,
+        shares: HarbourView | None = None,
     ) -> HarbourView:
         taken = HarbourView(
             replay,
@@ -172,7 +177,7 @@ def _frame_size(size: Size) -> tuple[int, int]:
     )
 
 
-def _drawing(shown: list[Replay], follow: str | None, size: Size) -> Frame:
+def _drawing(shown: list[Recording], follow: str | None, size: Size) -> Frame:
     """The plain drawing from above, for which some options mean nothing."""
     width, height = size
     if follow is not None:
@@ -194,7 +199,7 @@ def _drawing(shown: list[Replay], follow: str | None, size: Size) -> Frame:
     return TopView(shown[0], width).frame
 
 
-def _drawn_half(replay: Replay, room: tuple[int, int], most: int) -> Half:
+def _drawn_half(replay: Recording, room: tuple[int, int], most: int) -> Half:
     view = TopView(replay, room=room, most=most)
     return Half(replay, view.frame, lambda time: Moment(view.on_chart(time), "", 0.0), False, None)
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render.cameras import CAMERAS, Area, Camera, Circumstances, View, magnified
 from mjforage.view.render.frame_split import Box, is_brief, split_frame, unit_of
 from mjforage.view.render.harbour import PaddedLand
@@ -52,7 +52,7 @@ class HarbourView:
 
     def __init__(
         self,
-        replay: Replay,
+        replay: Recording,
         camera: str,
         width: int,
         height: int,
@@ -115,7 +115,7 @@ class HarbourView:
             self._replay, self._timeline, split, self._colours, self.followed
         )
 
-    def go_on(self, replay: Replay) -> None:
+    def go_on(self, replay: Recording) -> None:
         """Draw from now on from a replay that goes further in the same episode."""
         self._replay, self._track, self._timeline = replay, Track.of(replay), timeline_of(replay)
         self._circumstances = dataclasses.replace(self._circumstances, track=self._track)
@@ -246,7 +246,9 @@ def _camera_named(name: str) -> Camera:
     return CAMERAS[name]
 
 
-def followed_agent(replay: Replay, labels: tuple[str, ...], camera: str, follow: str | None) -> int:
+def followed_agent(
+    replay: Recording, labels: tuple[str, ...], camera: str, follow: str | None
+) -> int:
     """Number of the vessel that a camera belongs to.
 
     Raises
@@ -265,7 +267,7 @@ def followed_agent(replay: Replay, labels: tuple[str, ...], camera: str, follow:
     return labels.index(follow)
 
 
-def water_area(replay: Replay) -> Area:
+def water_area(replay: Recording) -> Area:
     """The rectangle of the map that holds its water."""
     row, column = np.nonzero(replay.navigable)
     last, pitch = replay.navigable.shape[0] - 1, replay.pitch_m

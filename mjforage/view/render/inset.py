@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import palette, symbols
 from mjforage.view.render.links import paint_links
 from mjforage.view.render.palette import Colour
@@ -25,7 +25,7 @@ class Inset:
 
     def __init__(
         self,
-        replay: Replay,
+        replay: Recording,
         colours: list[Colour],
         room: tuple[float, float],
         followed: int | None = None,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import palette
 from mjforage.view.render.raster import Floats, Image, paint_stroke
 from mjforage.view.render.text import write
@@ -13,7 +13,7 @@ _COUNT_SIZE, _COUNT_AWAY = 12.0, 12.0  # of the count beside it [unit]
 
 def paint_links(
     image: Image,
-    replay: Replay,
+    replay: Recording,
     step: int,
     points: Floats,
     unit: float,
@@ -52,7 +52,7 @@ def paint_lost(image: Image, ends: Floats, unit: float) -> None:
         paint_stroke(image, dash, np.full(2, 2.2 * unit), np.full(2, 0.95), palette.LOST)
 
 
-def write_lost(image: Image, replay: Replay, step: int, points: Floats, unit: float) -> None:
+def write_lost(image: Image, replay: Recording, step: int, points: Floats, unit: float) -> None:
     """Write how many looks were lost, beside the middle of each link."""
     if replay.held is None:
         return

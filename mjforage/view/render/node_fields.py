@@ -7,14 +7,14 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from mjforage.base.compiled import inlined, kernel
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render.background import Background
 from mjforage.view.render.frame_layout import Layout
 from mjforage.view.render.palette import Colour
 from mjforage.view.render.raster import Image
 
 NodeField = NDArray[np.float32]  # (row, column)
-SCOUT_VIEW, FORAGER_VIEW = 1, 2  # bits of Replay.in_view
+SCOUT_VIEW, FORAGER_VIEW = 1, 2  # bits of Recording.in_view
 VIEW_FILL, VIEW_LINE = 0.3, 0.9  # opacity
 _REACH = 3  # views are outlined up to this distance [node]
 _SMOOTHING = np.array([0.25, 0.5, 0.25], np.float32)
@@ -45,7 +45,7 @@ def nearest_water(navigable: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArr
 
 
 def fields_at(
-    replay: Replay, step: int, nearest: tuple[NDArray[np.intp], NDArray[np.intp]]
+    replay: Recording, step: int, nearest: tuple[NDArray[np.intp], NDArray[np.intp]]
 ) -> Fields:
     """Prepare the fields of one step."""
     view = replay.in_view[step][nearest]

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import palette
 from mjforage.view.render.frame_layout import (
     COLUMN_GAP,
@@ -26,7 +26,7 @@ _MOST_CHART_GROWTH = 120.0  # [unit] where the panel has room to spare
 class Panel:
     """Writes the panel of one replay: `paint_fixed` once, `paint_moving` on every frame."""
 
-    def __init__(self, replay: Replay, timeline: Timeline, layout: Layout) -> None:
+    def __init__(self, replay: Recording, timeline: Timeline, layout: Layout) -> None:
         self._replay, self._timeline, self._layout = replay, timeline, layout
         u = layout.unit
         down, across = (1, 0) if layout.stacked else (0, 1)
@@ -151,7 +151,7 @@ def mission_clock(seconds: float) -> str:
     return f"{hours}:{clock}" if hours else clock
 
 
-def team_collects(replay: Replay) -> list[bool]:
+def team_collects(replay: Recording) -> list[bool]:
     """Whether each team collects; a team without agents counts as scouts."""
     return [
         bool(np.any(replay.agent_collects[replay.agent_team == team]))

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 
 EVERYBODY = "all"
 
 
-def seen_by(replay: Replay, name: str) -> Replay:
+def seen_by(replay: Recording, name: str) -> Recording:
     """The episode with belief, idleness and views as a vessel knows them; `all`: as it is.
 
     Raises
@@ -43,14 +43,14 @@ def seen_by(replay: Replay, name: str) -> Replay:
     )
 
 
-def shown_name(replay: Replay) -> str:
+def shown_name(replay: Recording) -> str:
     """Name of the vessel by whose knowledge a replay is drawn, `all` if by everybody's."""
     if replay.held is None or replay.held.shown < 0:
         return EVERYBODY
     return replay.labels[replay.held.shown]
 
 
-def last_heard(replay: Replay, step: int) -> NDArray[np.int64]:
+def last_heard(replay: Recording, step: int) -> NDArray[np.int64]:
     """(agent,) step of the newest look of each that is known by `step` to whom is drawn."""
     if replay.held is None or replay.held.shown < 0:
         return np.full(len(replay.agent_team), step, np.int64)
@@ -58,6 +58,6 @@ def last_heard(replay: Replay, step: int) -> NDArray[np.int64]:
     return heard
 
 
-def age_of(replay: Replay, time: float, heard: int) -> str:
+def age_of(replay: Recording, time: float, heard: int) -> str:
     """How long ago a look of step `heard` was at `time` [step], in words."""
     return f"{(time - heard) * replay.period_s + 1e-6:.0f} s"

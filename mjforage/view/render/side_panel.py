@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.page import style
 from mjforage.view.render import palette, symbols
 from mjforage.view.render.frame_split import Box, Kind, Split
@@ -64,7 +64,7 @@ def paint_background(image: Image, box: Box) -> None:
     image[top:bottom, left:right] = np.array(DARK, np.uint8)
 
 
-def paint_head(image: Image, box: Box, unit: float, replay: Replay, title: str) -> None:
+def paint_head(image: Image, box: Box, unit: float, replay: Recording, title: str) -> None:
     """Name of who plays, of a user's class without its module, and which episode that is."""
     name = fit(_MODULE.sub("", title), text_size(unit, 16), 0.55 * box.width, bold=True)
     write(image, name, box.left, box.top + 16 * unit, text_size(unit, 16), bold=True, colour=_WHITE)
@@ -74,7 +74,7 @@ def paint_head(image: Image, box: Box, unit: float, replay: Replay, title: str) 
     write(image, about, box.right, box.top + 16 * unit, size, colour=PALE, align="right")
 
 
-def paint_clock(image: Image, box: Box, unit: float, replay: Replay, time: float) -> None:
+def paint_clock(image: Image, box: Box, unit: float, replay: Recording, time: float) -> None:
     """Time of the mission and the step, on one line that starts at the top of the box."""
     base, clock = box.top + 31 * unit, mission_clock(time * replay.period_s)
     write(image, clock, box.left, base, text_size(unit, 40), bold=True, colour=_WHITE)
@@ -112,13 +112,20 @@ def _paint_bar(
         paint_box(image, (box.left, low, reach, high), 4 * unit, 0.0, 1.0, colour)
 
 
-def sign_rows(replay: Replay) -> int:
+def sign_rows(replay: Recording) -> int:
     """How many rows the signs of an episode take."""
     return 4 + 2 * (replay.held is not None)
 
 
 def paint_signs(
-    image: Image, box: Box, unit: float, replay: Replay, most: int, *, drawn: bool, columns: int = 1
+    image: Image,
+    box: Box,
+    unit: float,
+    replay: Recording,
+    most: int,
+    *,
+    drawn: bool,
+    columns: int = 1,
 ) -> None:
     """What the marks mean; `drawn`: items are dots in a drawing, else bodies with rings; `most`:
     see `palette.most_believed`.
@@ -211,7 +218,7 @@ def _turned(shape: Floats, clockwise_rad: float) -> Floats:
 
 
 def chart(
-    replay: Replay,
+    replay: Recording,
     colours: list[Colour],
     box: Box,
     unit: float,
@@ -243,7 +250,7 @@ class SidePanel:
 
     def __init__(
         self,
-        replay: Replay,
+        replay: Recording,
         timeline: Timeline,
         split: Split,
         colours: list[Colour],

@@ -16,7 +16,7 @@ from mjforage.physics.scene.debris import load_debris
 from mjforage.physics.scene.mjcf import compiled, shipped_part
 from mjforage.physics.scene.vessel_bodies import hull_part
 from mjforage.physics.vessels import Vessel, load_vessel
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import harbour, sheds, textures
 from mjforage.view.render.cameras import View
 from mjforage.view.render.palette import Colour, agent_colours
@@ -56,14 +56,14 @@ class Look:
     item_geoms: tuple[NDArray[np.int64], ...]
 
 
-def vessels_of(replay: Replay) -> tuple[tuple[Vessel, ...], tuple[str, ...]]:
+def vessels_of(replay: Recording) -> tuple[tuple[Vessel, ...], tuple[str, ...]]:
     """The hulls of a replay and their names, such as ``scouts_0``."""
     kinds = {name: load_vessel(name) for name in dict.fromkeys(replay.vessels)}
     vessels = tuple(kinds[name] for name in replay.vessels)
     return vessels, replay.labels
 
 
-def build_look(replay: Replay, hull_scale: float, item_scale: float) -> Look:
+def build_look(replay: Recording, hull_scale: float, item_scale: float) -> Look:
     """Build the stage of a replay, hulls and debris larger than life by the given factors."""
     vessels, labels = vessels_of(replay)
     spec = mujoco.MjSpec()

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 
 TURN_PART = 0.35  # part of a step that a vessel takes to turn
 NEVER = np.iinfo(np.int64).max
@@ -25,7 +25,7 @@ class Timeline:
     course: NDArray[np.float64]  # (T'+1, agent) [rad], of the move that ends at the step
 
 
-def timeline_of(replay: Replay) -> Timeline:
+def timeline_of(replay: Recording) -> Timeline:
     """Events and courses of a replay; discoveries are as they were logged.
 
     Raises

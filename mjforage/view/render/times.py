@@ -4,14 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 
 STEPS_PER_VIDEO_SECOND = 4.0  # when no speed is asked for: 150 steps in 38 s
 _TOLERANCE = 1e-6  # [step]
 
 
 def frame_times(
-    replay: Replay,
+    replay: Recording,
     *,
     start_s: float = 0.0,
     duration_s: float | None = None,

@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import palette, symbols
 from mjforage.view.render.background import paint_background
 from mjforage.view.render.frame_layout import bare_layout, plan_layout
@@ -29,7 +29,7 @@ class TopView:
 
     Parameters
     ----------
-    replay : Replay
+    replay : Recording
         The episode.
     long_side : int, optional
         Most pixels along the wider side; by default 1280, 1600 for maps of over 200 nodes a side.
@@ -39,7 +39,7 @@ class TopView:
 
     def __init__(
         self,
-        replay: Replay,
+        replay: Recording,
         long_side: int | None = None,
         *,
         room: tuple[int, int] | None = None,

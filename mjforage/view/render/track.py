@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render.timeline import TURN_PART
 
 Floats = NDArray[np.float64]
@@ -34,7 +34,7 @@ class Track:
     wind: NDArray[np.float32]
 
     @classmethod
-    def of(cls, replay: Replay) -> "Track":
+    def of(cls, replay: Recording) -> "Track":
         """Take the track out of a replay. At graph level hulls turn early in each step."""
         poses = replay.track_pose.astype(np.float64)
         poses[..., 2] = np.unwrap(poses[..., 2], axis=0)

@@ -17,7 +17,7 @@ from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
 from mjforage.physics.scene import Scene, build_scene
 from mjforage.physics.vessels import load_vessel
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render.stage import vessels_of
 from mjforage.view.render.track import Track
 
@@ -83,7 +83,7 @@ def start_of(setup: Setup, seed: int, episode: int) -> tuple[Scene, Floats, Floa
     return scene, hulls, items
 
 
-def view_replay(replay: Replay, speed: float) -> None:
+def view_replay(replay: Recording, speed: float) -> None:
     """Play an episode back over and over, until the window closes.
 
     Parameters
@@ -114,7 +114,7 @@ def view_replay(replay: Replay, speed: float) -> None:
             time.sleep(_FRAME_S)
 
 
-def scene_of(replay: Replay) -> Scene:
+def scene_of(replay: Recording) -> Scene:
     """The physical scene of a replay, with looks."""
     vessels, labels = vessels_of(replay)
     return build_scene(

@@ -18,7 +18,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.page import style
 from mjforage.view.page.picture import WIDE_IN, Picture, canvas
 from mjforage.view.report.run_logs import RunLogs
@@ -72,7 +72,7 @@ def instructive_step(present: NDArray[np.bool_], share: float = INSTRUCTIVE) -> 
     return int(reached[0]) if len(reached) else len(present) // 3
 
 
-def items_per_node(replay: Replay, step: int) -> NDArray[np.int64]:
+def items_per_node(replay: Recording, step: int) -> NDArray[np.int64]:
     """Discretised distribution Y of the paper: items per node, (row, column)."""
     counts = np.zeros(replay.navigable.shape, dtype=np.int64)
     nodes = np.rint(replay.item_rc[step][replay.item_present[step]]).astype(np.int64)
@@ -98,7 +98,7 @@ def heading_degrees(track: NDArray[np.float32]) -> float:
     return math.degrees(math.atan2(-float(col), -float(row)))
 
 
-def _fleet(axes: Axes, replay: Replay, step: int) -> None:
+def _fleet(axes: Axes, replay: Recording, step: int) -> None:
     for agent, collects in enumerate(replay.agent_collects):
         track = replay.agent_rc[max(0, step - TRAIL) : step + 1, agent]
         colour = style.FORAGER if collects else style.SCOUT
@@ -117,14 +117,14 @@ def _fleet(axes: Axes, replay: Replay, step: int) -> None:
         )
 
 
-def draw_items(axes: Axes, replay: Replay, step: int) -> None:
+def draw_items(axes: Axes, replay: Recording, step: int) -> None:
     """Mark the items that are afloat after a step."""
     afloat = replay.item_rc[step][replay.item_present[step]]
     look: dict[str, Any] = {"color": style.ITEM, "edgecolors": style.ITEM_RIM, "linewidths": 0.9}
     axes.scatter(afloat[:, 1], afloat[:, 0], s=13, zorder=3, **look)
 
 
-def _scene(axes: Axes, replay: Replay, step: int) -> None:
+def _scene(axes: Axes, replay: Recording, step: int) -> None:
     draw_port(axes, replay.navigable)
     _views(axes, replay.in_view[step])
     draw_items(axes, replay, step)
@@ -189,7 +189,7 @@ def _layout(shape: tuple[int, int]) -> tuple[int, int, float, float]:
     return 3, 1, WIDE_IN, min(12.0, 3 * (WIDE_IN - 1.2) * tall) + 1.6
 
 
-def scenario_figure(logs: RunLogs, replay: Replay) -> Picture:
+def scenario_figure(logs: RunLogs, replay: Recording) -> Picture:
     """Draw the paper's scenario figure from a replay at an instructive step."""
     step = instructive_step(replay.item_present)
     counts, belief = items_per_node(replay, step), replay.belief[step].astype(np.int64)
@@ -214,7 +214,7 @@ def scenario_figure(logs: RunLogs, replay: Replay) -> Picture:
 
 def _words(
     logs: RunLogs,
-    replay: Replay,
+    replay: Recording,
     step: int,
     counts: NDArray[np.int64],
     belief: NDArray[np.int64],

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.mission.mission_metrics import Description, chosen_metrics, describe, description
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.runs.kept import replay_files
 from mjforage.runs.parquet import collected, count_rows, read_schema, scan_parquet
 from mjforage.runs.run_info import REMEDY, RunInfo, again, load_run, read_json
@@ -273,7 +273,7 @@ def load_logs(folder: Path) -> RunLogs:
     return RunLogs(folder, run, summary, episodes)
 
 
-def pick_replay(logs: RunLogs) -> Replay | None:
+def pick_replay(logs: RunLogs) -> Recording | None:
     """Load the replay that the scenario figure shows: first world and policy, lowest episode.
 
     None if the run keeps none.
@@ -285,5 +285,5 @@ def pick_replay(logs: RunLogs) -> Replay | None:
     """
     for world, policy in logs.series:
         for path in replay_files(logs.folder, world, policy).values():
-            return Replay.load(path)
+            return Recording.load(path)
     return None

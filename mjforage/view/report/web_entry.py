@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.runs.held import Held
 from mjforage.view.report.web_stream import Ints, changes, packed, thinned, track
 
@@ -17,7 +17,7 @@ MOST_COUNT = 255  # believed items per node; more are shown as this many
 ITEM_FRAME_S = 1.0  # items move slowly: no need for more frames than this
 
 
-def entry_of(replay: Replay, discovered: Ints, limit: int | None = None) -> dict[str, Any]:
+def entry_of(replay: Recording, discovered: Ints, limit: int | None = None) -> dict[str, Any]:
     """One replay for the page: as fine in time as the limit allows.
 
     Parameters
@@ -46,7 +46,7 @@ def entry_of(replay: Replay, discovered: Ints, limit: int | None = None) -> dict
     }
 
 
-def cut_entry(replay: Replay, discovered: Ints, limit: int) -> dict[str, Any]:
+def cut_entry(replay: Recording, discovered: Ints, limit: int) -> dict[str, Any]:
     """Its beginning, as `entry_of`, so long that the limit holds; `whole` are the steps it had.
 
     A limit that holds not even a step leaves one.
@@ -60,7 +60,7 @@ def cut_entry(replay: Replay, discovered: Ints, limit: int) -> dict[str, Any]:
     return found
 
 
-def _beginning(replay: Replay, steps: int) -> Replay:
+def _beginning(replay: Recording, steps: int) -> Recording:
     """The first steps of an episode, and the frames of that time."""
     frames = int(steps * replay.period_s / replay.frame_s + 1e-6) + 1
     by_step = ("agent_rc", "item_rc", "item_present", "belief", "idleness", "in_view")
@@ -86,7 +86,7 @@ def _pose_stride(item_stride: int) -> int:
     return max(1, item_stride // 2)
 
 
-def _parts(replay: Replay, discovered: Ints, stride: int) -> list[Ints]:
+def _parts(replay: Recording, discovered: Ints, stride: int) -> list[Ints]:
     """All numbers of a replay, in the order in which ``player/decode.js`` reads them."""
     frames = len(replay.track_pose)
     poses = replay.track_pose[thinned(frames, _pose_stride(stride))]

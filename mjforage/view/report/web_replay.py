@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.physics.vessels import load_vessel
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.runs.kept import ranked, replay_files
 from mjforage.runs.parquet import read_parquet
 from mjforage.runs.run_info import REMEDY, RunInfo, load_run
@@ -72,7 +72,7 @@ class _File:
 
     def entry(self, limit: int | None = None, cut_to: int | None = None) -> dict[str, Any]:
         """It for the page; read anew each time, as all of them would fill the memory."""
-        replay = Replay.load(self.path)
+        replay = Recording.load(self.path)
         discovered = self.run.discovered(self, replay)
         found = entry_of(replay, discovered, limit)
         if cut_to is not None:
@@ -126,7 +126,7 @@ class _Run:
         found = ranked(scalar(rows, "pta_c"), scalar(rows, "length"))
         return [rank for rank, episode in found.items() if episode == file.episode]
 
-    def discovered(self, file: _File, replay: Replay) -> Ints:
+    def discovered(self, file: _File, replay: Recording) -> Ints:
         """Step of every item's discovery as logged, one step past the end if never.
 
         Raises
@@ -151,7 +151,7 @@ class _Run:
 
     def facts(self) -> dict[str, Any]:
         """It for the page: its fleet and its time."""
-        replay = Replay.load(self.files[0].path)
+        replay = Recording.load(self.files[0].path)
         looks = zip(
             self.run.agents,
             style.agent_colours(map(style.role, self.collects)),
@@ -169,7 +169,7 @@ class _Run:
             ],
         }
 
-    def _lengths(self, replay: Replay) -> list[float]:
+    def _lengths(self, replay: Recording) -> list[float]:
         """Hull length of every vessel [m]: as it was run, else as shipped."""
         ran, shipped = self.run.hull_lengths, vessel_names()
         return [

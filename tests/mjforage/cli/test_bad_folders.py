@@ -12,7 +12,7 @@ from safetensors.torch import load_file, save_file
 
 from mjforage.base.errors import UserError
 from mjforage.graph_planner.networks.weights import shipped_weights
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from tests.mjforage.cli.spoiling import DEEP, SHORT, changed, few, outcome, some, spoilt
 
 pytestmark = pytest.mark.usefixtures("place")
@@ -129,7 +129,7 @@ def test_a_flipped_bit_in_a_replay(run: Path) -> None:
     for at in range(0, len(content), 29):
         file.write_bytes(content[:at] + bytes([content[at] ^ (1 << at % 8)]) + content[at + 1 :])
         try:
-            Replay.load(file)
+            Recording.load(file)
         except UserError as error:
             assert str(error).startswith("replay flipped.npz: ")
             refused += 1

@@ -38,7 +38,7 @@ SCRATCH = {
 FREE = {
     "initial": "of the batch's first episodes, as `Mission.adopt` says",
     "_moves": "of the last decision, which adopting is none",
-    "_wind": "for films, which no batch that adopts is shot for",
+    "_wind": "for a trajectory recorder, which no batch that adopts has",
 }
 Arrays = dict[str, NDArray[Any]]
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.graph.navigation import COMPASS, STAY
 from mjforage.mission.dynamics import Dynamics, Transition
-from mjforage.mission.film import Film
 from mjforage.mission.moves import Moves
+from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.physics.worlds import WORLDS
 from mjforage.scenario.fleet import Role
 from mjforage.scenario.scenario import MapChoice, Weather
@@ -41,11 +41,13 @@ class Played(NamedTuple):
 
     dynamics: Dynamics
     state: Transition
-    film: Film
+    trajectory: TrajectoryRecorder
 
     def carried(self, frames: int) -> NDArray[np.float64]:
-        """(x, y) by which the item went in the film's last frames [m]."""
-        way: NDArray[np.float64] = self.film.items[-1, 0] - self.film.items[-1 - frames, 0]
+        """(x, y) by which the item went in the trajectory's last frames [m]."""
+        way: NDArray[np.float64] = (
+            self.trajectory.items[-1, 0] - self.trajectory.items[-1 - frames, 0]
+        )
         return way
 
 
@@ -61,8 +63,8 @@ def played(
     where = MapChoice("sea", pitch_m=PITCH_M, starts=(START,))
     team = {"team": Role(count=1, moves=2, radius=2.5, collects=collects)}
     setup = by_hand(SEA, map=where, team=team, weather=weather, period_s=period_s)
-    kind, film, keys = WORLDS[world], Film(), episode_keys(0, np.arange(1))
-    dynamics = kind.dynamics(setup.graph, setup.fleet, kind.adapt(setup.scenario), film)
+    kind, trajectory, keys = WORLDS[world], TrajectoryRecorder(), episode_keys(0, np.arange(1))
+    dynamics = kind.dynamics(setup.graph, setup.fleet, kind.adapt(setup.scenario), trajectory)
     initial = setup.create_initial_state(keys)
     node = setup.graph.node_of_cell[int(item[0]), int(item[1])]
     initial = replace(initial, item_rc=item[None, None], item_node=np.array([[node]], np.int32))
@@ -79,7 +81,7 @@ def played(
             np.array([[False]]),
         )
         state = dynamics.advance(np.array([True]), np.array([step], np.int32), moves)
-    return Played(dynamics, state, film)
+    return Played(dynamics, state, trajectory)
 
 
 def frames_of(world: str) -> int:
@@ -99,7 +101,7 @@ def test_a_wind_carries_an_item_away_from_where_it_blows(world: str, origin: str
     np.testing.assert_allclose(gone, (-2 * 0.192 * y, 2 * 0.192 * x), atol=0.03)
     told = found.dynamics.drift_rc(ITEM[None, None])[0, 0]
     np.testing.assert_allclose(told, (-0.192 * y, 0.192 * x), atol=1e-9)
-    np.testing.assert_allclose(found.film.wind[-1], (4.0 * x, 4.0 * y), atol=1e-6)
+    np.testing.assert_allclose(found.trajectory.wind[-1], (4.0 * x, 4.0 * y), atol=1e-6)
 
 
 @pytest.mark.parametrize("direction", TOWARD)
@@ -110,7 +112,7 @@ def test_a_current_carries_an_item_where_it_flows_to(direction: str) -> None:
     np.testing.assert_allclose(found.carried(16), (1.552 * x, 1.552 * y), atol=0.02)
     told = found.dynamics.drift_rc(ITEM[None, None])[0, 0]
     np.testing.assert_allclose(told, (-0.3104 * y, 0.3104 * x), atol=1e-4)
-    np.testing.assert_array_equal(found.film.wind[-1], (0.0, 0.0))
+    np.testing.assert_array_equal(found.trajectory.wind[-1], (0.0, 0.0))
     np.testing.assert_array_equal(played("graph", weather).state.item_rc[0, 0], ITEM)
 
 
@@ -118,7 +120,7 @@ def test_the_noise_of_an_item_is_that_of_the_graph_in_every_decision() -> None:
     """The same draw moves its water for 4 s, and the item comes up to 0.97 of that speed."""
     weather = replace(CALM, noise_node_per_step=0.5)
     graph, physics = (
-        played(world, weather, decisions=3, period_s=4.0).film.items[:, 0]
+        played(world, weather, decisions=3, period_s=4.0).trajectory.items[:, 0]
         for world in ("graph", "physics")
     )
     noise = np.diff(graph, axis=0)  # of each decision [m]
@@ -133,7 +135,7 @@ def test_wind_and_current_push_a_hull_that_stays_at_first(side: str, water: bool
     blown, borne = {toward: origin for origin, toward in PUSHED.items()}, TOWARD[side]
     wind = replace(CALM, wind_speed_mps=8.0, wind_from_deg=FROM[blown[AXES[side]]])
     weather = replace(CALM, current_speed_mps=0.3, current_toward_deg=borne) if water else wind
-    pushed = played("physics", weather).film.pose[2, 0, :2] - (20.0, 15.0)
+    pushed = played("physics", weather).trajectory.pose[2, 0, :2] - (20.0, 15.0)
     x, y = AXES[side]
     along, aside = pushed[0] * x + pushed[1] * y, pushed[0] * y - pushed[1] * x
     assert along > 0.01
@@ -145,7 +147,7 @@ def test_wind_and_current_push_a_hull_that_stays_at_first(side: str, water: bool
 def test_a_move_of_two_nodes_takes_a_vessel_ten_metres_that_way(world: str, word: str) -> None:
     found = played(world, direction=COMPASS.index(word), period_s=20.0)
     (x, y), degrees = HEADS[word]
-    pose, exact = found.film.pose[-1, 0], 1e-5 if world == "graph" else 1.0
+    pose, exact = found.trajectory.pose[-1, 0], 1e-5 if world == "graph" else 1.0
     np.testing.assert_allclose(pose[:2], (20.0 + 10.0 * x, 15.0 + 10.0 * y), atol=exact)
     np.testing.assert_allclose(found.state.agent_rc[0, 0], (5 - 2 * y, 4 + 2 * x), atol=0.2)
     length = 2.0 * np.hypot(x, y)  # in nodes, as the log and the energy have it
@@ -156,7 +158,7 @@ def test_a_move_of_two_nodes_takes_a_vessel_ten_metres_that_way(world: str, word
     for yaw in (pose[2], found.state.agent_yaw[0, 0]):
         off = np.angle(np.exp(1j * (yaw - np.radians(degrees))))
         assert abs(off) < (1e-6 if world == "graph" else 0.5)
-    assert found.film.interval_s == (20.0 if world == "graph" else 0.5)
+    assert found.trajectory.interval_s == (20.0 if world == "graph" else 0.5)
 
 
 @pytest.mark.parametrize("world", ["graph", "physics"])
@@ -173,4 +175,4 @@ def test_a_vessel_takes_the_item_of_its_node_if_it_collects(world: str, collects
     found = played(world, collects=collects, item=np.array([5.25, 4.25]))
     assert found.state.collected_by.tolist() == [[0 if collects else -1]]
     assert (found.state.item_node[0, 0] == -1) == collects
-    assert found.film.present[:, 0].tolist()[-1] != collects
+    assert found.trajectory.present[:, 0].tolist()[-1] != collects

@@ -17,7 +17,7 @@ from mjforage.mission.setup import Setup
 from mjforage.runs import evaluate as module
 from mjforage.runs import identity, layout, source_code
 from mjforage.runs.costs import Costs
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.runs.evaluate import evaluate, summarise
 from mjforage.runs.run_info import RunInfo
 from mjforage.runs.tables import SCHEMAS, TABLES
@@ -96,7 +96,7 @@ def test_every_decision_is_logged(finished: Path) -> None:
 
 def test_replays_show_the_first_episode_as_logged(finished: Path) -> None:
     for policy in ("greedy", "levy"):
-        replay = Replay.load(finished / "replay" / f"graph-{policy}-0.npz")
+        replay = Recording.load(finished / "replay" / f"graph-{policy}-0.npz")
         logged = tables(finished, policy)["agents"].filter(pl.col("episode") == 0)
         nodes = logged.sort("step", "agent").select("row", "col").to_numpy()
         assert (replay.agent_rc.reshape(-1, 2) == nodes).all()
@@ -231,7 +231,7 @@ def test_what_follows_from_the_tables_is_mended(
     if name == "summary.json":
         assert (run_copy / name).read_bytes() == whole
     else:
-        assert Replay.load(run_copy / name).policy == "levy"
+        assert Recording.load(run_copy / name).policy == "levy"
 
 
 @pytest.mark.parametrize(

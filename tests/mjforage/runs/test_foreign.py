@@ -14,7 +14,7 @@ import pytest
 from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
 from mjforage.runs import foreign
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.foreign import own_command
 from mjforage.runs.kept import replay_file
@@ -184,7 +184,7 @@ def test_files_that_unpack_to_more_than_the_machine_has_are_refused(
     run: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = replay_file(run, "graph", "greedy", 0)
-    assert Replay.load(path).policy == "greedy"
+    assert Recording.load(path).policy == "greedy"
     zeros = io.BytesIO()
     np.save(zeros, np.zeros(10**7, np.int8))
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
@@ -192,7 +192,7 @@ def test_files_that_unpack_to_more_than_the_machine_has_are_refused(
     assert path.stat().st_size < 10**5
     monkeypatch.setattr(sizes, "machine_bytes", lambda: 10**6)
     with pytest.raises(UserError, match=r"greedy-0.npz needs about 0 GB of memory, this machine"):
-        Replay.load(path)
+        Recording.load(path)
 
 
 def test_a_json_file_larger_than_any_of_ours_is_refused(

@@ -12,7 +12,7 @@ from mjforage.mission.link import Radio
 from mjforage.mission.mission import Mission, Observer
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import NEVER
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.runs.held import UNKNOWN, Held, HeldRecorder
 from mjforage.runs.recording import record
 from mjforage.scenario.scenario_file import load_scenario
@@ -39,16 +39,16 @@ def setup_of(*keys: str) -> Setup:
 
 
 @pytest.fixture(scope="module")
-def replay() -> Replay:
+def replay() -> Recording:
     return record(setup_of(*LINK), "graph", "greedy", 3, 0)
 
 
-def held_of(replay: Replay) -> Held:
+def held_of(replay: Recording) -> Held:
     assert replay.held is not None
     return replay.held
 
 
-def test_maps_are_what_holders_knew_after_every_step(replay: Replay) -> None:
+def test_maps_are_what_holders_knew_after_every_step(replay: Recording) -> None:
     setup = setup_of(*LINK)
     mission, kept = Mission(setup), Kept()
     mission.reset(3, np.arange(1))
@@ -64,7 +64,7 @@ def test_maps_are_what_holders_knew_after_every_step(replay: Replay) -> None:
 
 
 def test_an_item_is_known_from_the_first_step_in_which_a_map_has_it_where_it_was(
-    replay: Replay,
+    replay: Recording,
 ) -> None:
     """By hand, from the maps: some look of step s, heard by then, shows items where it was at s."""
     held = held_of(replay)
@@ -87,7 +87,7 @@ def test_an_item_is_known_from_the_first_step_in_which_a_map_has_it_where_it_was
     assert informed.any() and (held.known_from.min(axis=0) == UNKNOWN)[informed].any()
 
 
-def test_contacts_and_losses_are_those_of_the_link(replay: Replay) -> None:
+def test_contacts_and_losses_are_those_of_the_link(replay: Recording) -> None:
     held, mission = held_of(replay), Mission(setup_of(*LINK))
     mission.reset(3, np.arange(1))
     policy, radio = create_policy("greedy"), mission.exchange
@@ -117,11 +117,11 @@ def test_idleness_grows_from_the_newest_look() -> None:
     np.testing.assert_array_equal(idle, [[1.0, 0.0], [0.0, 0.25], [0.25, 0.5], [0.5, 0.75]])
 
 
-def test_a_replay_over_a_link_comes_back_from_its_file(replay: Replay, tmp_path: Path) -> None:
+def test_a_replay_over_a_link_comes_back_from_its_file(replay: Recording, tmp_path: Path) -> None:
     path = tmp_path / "replay" / "a.npz"
     path.parent.mkdir()
     write_bytes(path, replay.content())
-    back = held_of(Replay.load(path))
+    back = held_of(Recording.load(path))
     for name, value in vars(held_of(replay)).items():
         np.testing.assert_array_equal(getattr(back, name), value)
 
@@ -144,7 +144,7 @@ def test_without_a_link_nothing_is_kept() -> None:
     ],
 )
 def test_spoilt_files_are_named(
-    replay: Replay, tmp_path: Path, name: str, spoil: object, words: str
+    replay: Recording, tmp_path: Path, name: str, spoil: object, words: str
 ) -> None:
     path = tmp_path / "replay" / "a.npz"
     path.parent.mkdir()
@@ -157,7 +157,7 @@ def test_spoilt_files_are_named(
         del values[f"held_{name}"]
     np.savez(path, **values)
     with pytest.raises(UserError, match=rf"replay .*a\.npz: cannot be read \(.*{words}"):
-        Replay.load(path)
+        Recording.load(path)
 
 
 def test_a_recorder_takes_down_each_step_once() -> None:

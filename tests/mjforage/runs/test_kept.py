@@ -10,7 +10,7 @@ import pytest
 
 from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.kept import check_kept, parse_kept, ranked, replay_files
 from mjforage.runs.workers import Workers
@@ -97,7 +97,7 @@ def test_what_is_kept_is_what_was_logged(usual: Path) -> None:
     for policy in ("greedy", "levy"):
         for episode, path in replay_files(usual, "graph", policy).items():
             rows = logged.filter(policy=policy, episode=episode).sort("step", "agent")
-            replay = Replay.load(path)
+            replay = Recording.load(path)
             assert (replay.policy, replay.episode) == (policy, episode)
             assert (replay.agent_rc.reshape(-1, 2) == rows.select("row", "col").to_numpy()).all()
 

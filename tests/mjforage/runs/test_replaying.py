@@ -10,7 +10,7 @@ import pytest
 
 from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.recording import record
 from mjforage.runs.replaying import replay_of_run
@@ -52,7 +52,7 @@ def test_an_episode_comes_out_as_logged(finished: Path, policy: str, episode: in
 
 def test_the_first_policy_is_the_default_and_the_stored_replay_is_equal(finished: Path) -> None:
     replay = replay_of_run(finished, "graph", None, 0)
-    stored = Replay.load(finished / "replay" / "graph-greedy-0.npz")
+    stored = Recording.load(finished / "replay" / "graph-greedy-0.npz")
     for name, value in vars(replace(replay, names=())).items():
         assert np.array_equal(value, getattr(stored, name)), name
     assert replay.labels == stored.labels

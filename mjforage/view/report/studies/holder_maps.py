@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.runs.holders_seen import UNSEEN, HoldersMaps
 from mjforage.view.page import style
 from mjforage.view.page.picture import WIDE_IN, Picture, canvas, house_style
@@ -34,7 +34,7 @@ OTHERS: dict[str, Any] = {"markerfacecolor": "white", "markeredgewidth": 1.4}
 TALL = 0.6  # height over width of maps that stand beside one another
 
 
-def _vessels(axes: Axes, replay: Replay, maps: HoldersMaps, agent: int) -> None:
+def _vessels(axes: Axes, replay: Recording, maps: HoldersMaps, agent: int) -> None:
     """Where a holder takes all vessels to be, and a thread to where those are that it has lost."""
     known, truth = maps.agent_rc[maps.holder_of[agent]], replay.agent_rc[maps.step]
     for other, collects in enumerate(replay.agent_collects):
@@ -54,14 +54,14 @@ def _vessels(axes: Axes, replay: Replay, maps: HoldersMaps, agent: int) -> None:
 
 
 def _belief(
-    axes: Axes, replay: Replay, belief: NDArray[np.int16], top: int, step: int
+    axes: Axes, replay: Recording, belief: NDArray[np.int16], top: int, step: int
 ) -> AxesImage:
     """Items that a holder believes in, and where items are."""
     draw_items(axes, replay, step)
     return draw_counts(axes, replay.navigable, belief, top, style.belief_colours())
 
 
-def _age(axes: Axes, replay: Replay, age: NDArray[np.int32], top: int) -> AxesImage:
+def _age(axes: Axes, replay: Recording, age: NDArray[np.int32], top: int) -> AxesImage:
     """Steps since a look that a holder knows of saw a node."""
     plain = LinearSegmentedColormap.from_list("ages", AGES)
     colours = plain.with_extremes(bad=style.LAND, under=NEVER_SEEN)
@@ -111,7 +111,7 @@ def pair_of(maps: HoldersMaps, collects: NDArray[np.bool_]) -> tuple[int, int]:
     return int(one[first]), int(other[second])
 
 
-def holders_picture(name: str, title: str, replay: Replay, maps: HoldersMaps) -> Picture:
+def holders_picture(name: str, title: str, replay: Recording, maps: HoldersMaps) -> Picture:
     """Draw the belief of two agents, then the age of their maps."""
     pair = pair_of(maps, replay.agent_collects)
     beliefs, ages = ([part[maps.holder_of[a]] for a in pair] for part in (maps.belief, maps.age))
@@ -139,7 +139,7 @@ def holders_picture(name: str, title: str, replay: Replay, maps: HoldersMaps) ->
 
 
 def _words(
-    replay: Replay,
+    replay: Recording,
     maps: HoldersMaps,
     pair: tuple[int, int],
     beliefs: list[NDArray[np.int16]],

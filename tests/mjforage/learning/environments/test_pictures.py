@@ -14,7 +14,7 @@ from mjforage.base.errors import UserError
 from mjforage.graph_planner.graph.navigation import OFFSETS
 from mjforage.learning.environments.pictures import LONG_SIDE
 from mjforage.mission.setup import Setup
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.runs.recording import record
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.render import TopView
@@ -31,12 +31,12 @@ THREE_D: dict[str, Any] = {
 
 
 @pytest.fixture(scope="module")
-def played() -> Replay:
+def played() -> Recording:
     setup = Setup.of(load_scenario("comb-port", SHORT))
     return replace(record(setup, "graph", "greedy", 5, 0), policy="")
 
 
-def moves_at(replay: Replay, step: int) -> NDArray[np.int64]:
+def moves_at(replay: Recording, step: int) -> NDArray[np.int64]:
     """(agent,) moves 0-8 that led from a step to the next."""
     made = np.sign(replay.agent_rc[step + 1] - replay.agent_rc[step])  # of one node or two
     return np.array([np.flatnonzero((move == OFFSETS).all(axis=1))[0] for move in made])
@@ -48,7 +48,7 @@ def picture_of(env: gymnasium.Env[Any, Any]) -> NDArray[np.uint8]:
     return drawn
 
 
-def until(replay: Replay, step: int) -> Replay:
+def until(replay: Recording, step: int) -> Recording:
     """The replay as if it had ended; discoveries later on are not known yet."""
     found = replay.t_discovered
     assert found is not None
@@ -56,7 +56,7 @@ def until(replay: Replay, step: int) -> Replay:
     return replace(replay, **cut, t_discovered=np.where(found > step, np.int16(-1), found))
 
 
-def test_a_picture_is_that_of_the_film_pixel_by_pixel(played: Replay) -> None:
+def test_a_picture_is_that_of_the_film_pixel_by_pixel(played: Recording) -> None:
     env = gymnasium.make("mjforage/Foraging-v0", set=SHORT, render_mode="rgb_array")
     env.reset(seed=5)
     for step in range(len(played.agent_rc)):
@@ -155,5 +155,5 @@ def test_a_replay_of_the_present_has_all_that_a_replay_has() -> None:
     env.reset(seed=1)
     assert env._picture is not None
     replay = env._picture._replay(env.game, env._episodes)
-    lacking = {one.name for one in fields(Replay) if getattr(replay, one.name, None) is None}
+    lacking = {one.name for one in fields(Recording) if getattr(replay, one.name, None) is None}
     assert lacking == {"held"}

@@ -10,9 +10,9 @@ from mjforage.base.errors import UserError
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.dynamics import ARRIVED, BLOCKED, LATE
 from mjforage.mission.episode_log import EpisodeLog
-from mjforage.mission.film import Film
 from mjforage.mission.mission_metrics import Scorer
 from mjforage.mission.setup import Setup
+from mjforage.mission.trajectory import TrajectoryRecorder
 from mjforage.physics.dynamics.mujoco_dynamics import MujocoDynamics
 from mjforage.physics.simulation import InstabilityError
 from mjforage.physics.worlds import WORLDS, create_mission
@@ -36,9 +36,9 @@ def scored(
     episodes: list[int],
     world: str = "physics",
     policy: str = "greedy",
-    film: Film | None = None,
+    trajectory: TrajectoryRecorder | None = None,
 ) -> Scorer:
-    mission = create_mission(setup, world, film)
+    mission = create_mission(setup, world, trajectory)
     mission.reset(3, np.array(episodes, np.int64))
     scorer = Scorer(mission)
     mission.run(create_policy(policy), (scorer,))
@@ -128,16 +128,16 @@ def test_pilots_are_told_one_item_to_pick_up_or_one_to_be_ready_for() -> None:
 
 
 def test_filming_changes_nothing_and_shows_where_hulls_were() -> None:
-    setup, film = setup_of("comb-port", *SHORT), Film()
-    filmed = scored(setup, [1], film=film)
-    assert fingerprint(filmed, 0) == fingerprint(scored(setup, [1]), 0)
-    log = filmed.log
-    assert film.pose.shape == (1 + 6 * 20, 4, 3)
-    ends = setup.graph.row_column(film.pose[::20, :, :2].astype(np.float64))
+    setup, trajectory = setup_of("comb-port", *SHORT), TrajectoryRecorder()
+    recorded = scored(setup, [1], trajectory=trajectory)
+    assert fingerprint(recorded, 0) == fingerprint(scored(setup, [1]), 0)
+    log = recorded.log
+    assert trajectory.pose.shape == (1 + 6 * 20, 4, 3)
+    ends = setup.graph.row_column(trajectory.pose[::20, :, :2].astype(np.float64))
     np.testing.assert_allclose(ends, log.agent_rc[0], atol=1e-5)
-    assert film.items.shape[1] == log.n_items[0]
+    assert trajectory.items.shape[1] == log.n_items[0]
     steps, taken = np.arange(7)[:, None], log.t_collected[0][None]
-    assert (film.present[::20] == ~((taken >= 0) & (taken <= steps))).all()
+    assert (trajectory.present[::20] == ~((taken >= 0) & (taken <= steps))).all()
     assert taken.max() > 0
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 
 PITCH_M = 4.0
 RADII = (4.0, 1.0)  # scouts, foragers [node]
@@ -31,7 +31,7 @@ def make_replay(
     agents: tuple[int, int] = (2, 2),
     seed: int = 1,
     spread: float = 4.5,
-) -> Replay:
+) -> Recording:
     """Simulate something that looks like an episode; agents walk straight until blocked."""
     rng = np.random.Generator(np.random.PCG64(seed))
     water = np.argwhere(navigable)
@@ -70,7 +70,7 @@ def make_replay(
     found = in_view | ~present  # removed unseen counts as discovered
     t_discovered = np.where(found.any(axis=0), found.argmax(axis=0), -1).astype(np.int16)
     pose = np.concatenate((_metres(places, rows), _yaws(places)[..., None]), axis=-1)
-    return Replay(
+    return Recording(
         navigable=navigable,
         pitch_m=PITCH_M,
         horizon=max(150, steps),
@@ -97,7 +97,7 @@ def make_replay(
     )
 
 
-def physics_like(replay: Replay, frames_per_step: int = 20) -> Replay:
+def physics_like(replay: Recording, frames_per_step: int = 20) -> Recording:
     """The same episode with a finer track, as the physics world has it."""
     last = len(replay.track_pose) - 1
     place = np.arange(last * frames_per_step + 1) / frames_per_step
@@ -165,13 +165,13 @@ def _wander(
 
 
 @pytest.fixture(scope="session")
-def build() -> Callable[..., Replay]:
+def build() -> Callable[..., Recording]:
     """The builder `make_replay`."""
     return make_replay
 
 
 @pytest.fixture(scope="session")
-def refine() -> Callable[..., Replay]:
+def refine() -> Callable[..., Recording]:
     """The function `physics_like`."""
     return physics_like
 

@@ -12,24 +12,24 @@ from numpy.typing import NDArray
 from PIL import Image as PilImage
 
 from mjforage.base.errors import UserError
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import render_replay
 from mjforage.view.render.beside import BesideFrame
 
-Build = Callable[..., Replay]
+Build = Callable[..., Recording]
 Image = NDArray[np.uint8]
 SERIES = ("agent_rc", "item_rc", "item_present", "belief", "idleness", "in_view")
 
 
 @pytest.fixture(scope="module")
-def first(build: Build) -> Replay:
+def first(build: Build) -> Recording:
     water = np.ones((14, 18), np.bool_)
     water[0], water[:, 0], water[6:8, 5:14] = False, False, False
     return replace(build(water, steps=6, items=8), policy="greedy")
 
 
 @pytest.fixture(scope="module")
-def shorter(first: Replay) -> Replay:
+def shorter(first: Recording) -> Recording:
     """The same, over after step 3."""
     cut: dict[str, Any] = {name: getattr(first, name)[:4] for name in SERIES}
     frames = 1 + (len(first.track_pose) - 1) * 3 // 6
@@ -38,7 +38,9 @@ def shorter(first: Replay) -> Replay:
     return replace(first, policy="levy", **cut)
 
 
-def still(first: Replay, second: Replay, path: Path, step: float, size: tuple[int, int]) -> Image:
+def still(
+    first: Recording, second: Recording, path: Path, step: float, size: tuple[int, int]
+) -> Image:
     start_s = step * first.period_s
     options: dict[str, Any] = {"start_s": start_s, "size": size}
     assert render_replay(first, path / "a.png", beside=second, **options) == 1
@@ -57,7 +59,9 @@ def test_halves_are_of_one_size_and_share_the_frame_with_the_rest(size: tuple[in
     assert 2 * left.width * left.height > 0.5 * width * height
 
 
-def test_each_half_shows_its_own_episode(first: Replay, shorter: Replay, tmp_path: Path) -> None:
+def test_each_half_shows_its_own_episode(
+    first: Recording, shorter: Recording, tmp_path: Path
+) -> None:
     place, size = BesideFrame(640, 480), (640, 480)
     image = still(first, shorter, tmp_path, 2.0, size)
     gone = replace(shorter, item_present=np.zeros_like(shorter.item_present))
@@ -71,7 +75,9 @@ def test_each_half_shows_its_own_episode(first: Replay, shorter: Replay, tmp_pat
     assert (image[: place.head] != swapped[: place.head]).any(), "names stand above"
 
 
-def test_beliefs_of_both_have_one_scale(first: Replay, shorter: Replay, tmp_path: Path) -> None:
+def test_beliefs_of_both_have_one_scale(
+    first: Recording, shorter: Recording, tmp_path: Path
+) -> None:
     """What the other believes at most changes how dark a count is drawn in both."""
     belief = np.zeros_like(first.belief)
     belief[:, 3, 4] = 3
@@ -88,7 +94,7 @@ def test_beliefs_of_both_have_one_scale(first: Replay, shorter: Replay, tmp_path
 
 @pytest.mark.parametrize("order", ["longer first", "shorter first"])
 def test_the_shorter_one_stays_at_its_end_while_the_other_goes_on(
-    first: Replay, shorter: Replay, tmp_path: Path, order: str
+    first: Recording, shorter: Recording, tmp_path: Path, order: str
 ) -> None:
     pair = (first, shorter) if order == "longer first" else (shorter, first)
     boxes = BesideFrame(800, 480).pictures
@@ -102,7 +108,7 @@ def test_the_shorter_one_stays_at_its_end_while_the_other_goes_on(
 
 
 def test_films_of_odd_widths_gifs_and_series_are_written(
-    first: Replay, shorter: Replay, tmp_path: Path
+    first: Recording, shorter: Recording, tmp_path: Path
 ) -> None:
     options: dict[str, Any] = {"beside": shorter, "fps": 5.0, "speed": 10.0, "size": (321, 241)}
     lasts = round(6 * first.period_s / 10.0 * 5.0) + 1
@@ -117,7 +123,7 @@ def test_films_of_odd_widths_gifs_and_series_are_written(
 
 @pytest.mark.parametrize("camera", ["overview", "chase", "top"])
 def test_mujoco_draws_both(
-    opengl: str, first: Replay, shorter: Replay, refine: Build, tmp_path: Path, camera: str
+    opengl: str, first: Recording, shorter: Recording, refine: Build, tmp_path: Path, camera: str
 ) -> None:
     assert opengl
     pair, size = [refine(each) for each in (first, shorter)], (641, 361)
@@ -132,7 +138,7 @@ def test_mujoco_draws_both(
 
 
 def test_what_cannot_share_a_clock_is_refused(
-    first: Replay, shorter: Replay, tmp_path: Path
+    first: Recording, shorter: Recording, tmp_path: Path
 ) -> None:
     with pytest.raises(UserError, match="beside greedy: is the film's own policy"):
         render_replay(first, tmp_path / "a.png", beside=replace(shorter, policy="greedy"))

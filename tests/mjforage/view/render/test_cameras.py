@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import cameras
 from mjforage.view.render.cameras import (
     CAMERAS,
@@ -112,7 +112,7 @@ def test_scout_looks_from_its_mast_over_the_bow() -> None:
 
 @pytest.mark.parametrize("name", CAMERAS)
 def test_cameras_are_functions_of_the_time_and_never_upside_down(
-    build: Callable[..., Replay], name: str
+    build: Callable[..., Recording], name: str
 ) -> None:
     track = Track.of(build(np.ones((20, 20), np.bool_), steps=20, items=1))
 

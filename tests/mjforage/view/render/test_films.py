@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from mjforage.base.errors import UserError
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import TopView, default_camera, needs_opengl, opengl, render_replay
 
 
 @pytest.fixture(scope="module")
-def replay(build: Callable[..., Replay]) -> Replay:
+def replay(build: Callable[..., Recording]) -> Recording:
     return build(np.ones((8, 8), np.bool_), steps=3, items=3)
 
 
@@ -31,7 +31,9 @@ def test_only_the_graph_world_from_above_is_plain_drawing() -> None:
 
 
 @pytest.mark.usefixtures("blind")
-def test_plain_drawing_needs_no_opengl_and_the_rest_says_so(replay: Replay, tmp_path: Path) -> None:
+def test_plain_drawing_needs_no_opengl_and_the_rest_says_so(
+    replay: Recording, tmp_path: Path
+) -> None:
     assert render_replay(replay, tmp_path / "a.png", size=(480, None)) == 1
     with pytest.raises(UserError, match="neither EGL nor OSMesa"):
         render_replay(replay, tmp_path / "b.png", camera="overview")
@@ -50,14 +52,14 @@ def test_plain_drawing_needs_no_opengl_and_the_rest_says_so(replay: Replay, tmp_
     ],
 )
 def test_bad_options_are_named(
-    replay: Replay, tmp_path: Path, options: dict[str, Any], message: str
+    replay: Recording, tmp_path: Path, options: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(UserError, match=message):
         render_replay(replay, tmp_path / "film.mp4", **options)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_plain_drawing_is_the_top_view(replay: Replay, tmp_path: Path) -> None:
+def test_the_plain_drawing_is_the_top_view(replay: Recording, tmp_path: Path) -> None:
     from PIL import Image as PilImage
 
     render_replay(replay, tmp_path / "a.png", size=(480, None), start_s=15.0)

@@ -15,7 +15,7 @@ from mjforage.physics.callback.installation import uninstall
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessels import load_vessel
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import palette, render_replay
 from mjforage.view.render.cameras import CAMERAS
 from mjforage.view.render.harbour_view import HarbourView, afloat, floating
@@ -26,7 +26,7 @@ SIZE, LARGE = (160, 120), (400, 300)
 
 
 @pytest.fixture(scope="module")
-def replay(build: Callable[..., Replay]) -> Replay:
+def replay(build: Callable[..., Recording]) -> Recording:
     """A small harbour with a pier and an open edge."""
     water = np.ones((14, 18), np.bool_)
     water[0], water[:, 0], water[6:8, 5:14] = False, False, False
@@ -34,12 +34,12 @@ def replay(build: Callable[..., Replay]) -> Replay:
 
 
 @pytest.fixture(scope="module")
-def physics(replay: Replay, refine: Callable[..., Replay]) -> Replay:
+def physics(replay: Recording, refine: Callable[..., Recording]) -> Recording:
     return refine(replay)
 
 
 def frame(
-    replay: Replay, camera: str, time: float, size: tuple[int, int] = SIZE, **options: Any
+    replay: Recording, camera: str, time: float, size: tuple[int, int] = SIZE, **options: Any
 ) -> Image:
     with HarbourView(replay, camera, *size, **options) as view:
         return view.frame(time)
@@ -52,7 +52,7 @@ def close_to(image: Image, colour: palette.Colour, tolerance: float) -> int:
 
 @pytest.mark.parametrize("camera", CAMERAS)
 def test_frames_of_both_worlds_have_the_size_asked_for_and_repeat_to_the_bit(
-    replay: Replay, physics: Replay, camera: str
+    replay: Recording, physics: Recording, camera: str
 ) -> None:
     for episode in (replay, physics):
         with HarbourView(episode, camera, *SIZE) as view:
@@ -66,7 +66,7 @@ def test_frames_of_both_worlds_have_the_size_asked_for_and_repeat_to_the_bit(
         np.testing.assert_array_equal(frame(episode, camera, 2.3), first)
 
 
-def test_hulls_are_drawn_in_their_teams_colours_and_behind_them_nothing(replay: Replay) -> None:
+def test_hulls_are_drawn_in_their_teams_colours_and_behind_them_nothing(replay: Recording) -> None:
     colours = palette.agent_colours([False, True])
     image = frame(replay, "top", 0.0, LARGE)
     assert all(close_to(image, colour, 30.0) > 2 for colour in colours)
@@ -76,7 +76,7 @@ def test_hulls_are_drawn_in_their_teams_colours_and_behind_them_nothing(replay: 
     assert all(close_to(image, colour, 30.0) == 0 for colour in colours)
 
 
-def test_taken_items_are_gone(replay: Replay) -> None:
+def test_taken_items_are_gone(replay: Recording) -> None:
     none = np.zeros_like(replay.track_present)
     still = replace(
         replay, item_present=none, item_class=np.full(8, 4, np.int16), track_present=none
@@ -87,13 +87,13 @@ def test_taken_items_are_gone(replay: Replay) -> None:
     assert shown > taken
 
 
-def test_the_mast_of_another_vessel_shows_another_view(replay: Replay) -> None:
+def test_the_mast_of_another_vessel_shows_another_view(replay: Recording) -> None:
     views = [frame(replay, "scout", 1.0, follow=name) for name in ("scouts_0", "scouts_1")]
     assert np.abs(views[0].astype(int) - views[1]).mean() > 3.0
     np.testing.assert_array_equal(views[0], frame(replay, "scout", 1.0))
 
 
-def test_more_detail_changes_no_size_and_little_else(replay: Replay) -> None:
+def test_more_detail_changes_no_size_and_little_else(replay: Recording) -> None:
     plain, fine = (frame(replay, "overview", 1.0, detail=detail) for detail in (1, 2))
     assert plain.shape == fine.shape
     assert np.abs(plain.astype(int) - fine).mean() < 8.0
@@ -112,14 +112,14 @@ def test_more_detail_changes_no_size_and_little_else(replay: Replay) -> None:
     ],
 )
 def test_bad_choices_are_named(
-    physics: Replay, camera: str, follow: str | None, message: str
+    physics: Recording, camera: str, follow: str | None, message: str
 ) -> None:
     with pytest.raises(UserError, match=message):
         HarbourView(physics, camera, *SIZE, follow=follow)
     HarbourView(physics, "top", *SIZE).close()
 
 
-def test_times_outside_the_episode_are_refused(replay: Replay) -> None:
+def test_times_outside_the_episode_are_refused(replay: Recording) -> None:
     with HarbourView(replay, "top", *SIZE) as view, pytest.raises(ValueError, match="outside"):
         view.frame(6.1)
 
@@ -133,7 +133,7 @@ def alarm() -> Iterator[list[str]]:
 
 
 def test_drawing_calls_no_physics_and_changes_no_simulation(
-    physics: Replay, alarm: list[str]
+    physics: Recording, alarm: list[str]
 ) -> None:
     def run(draw: bool) -> NDArray[np.float64]:
         simulation = Simulation(build_scene([load_vessel("scout")]))
@@ -154,7 +154,7 @@ def test_drawing_calls_no_physics_and_changes_no_simulation(
 
 
 def test_films_series_and_pictures_are_written(
-    physics: Replay, tmp_path: Path, caplog: pytest.LogCaptureFixture
+    physics: Recording, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     seen: list[tuple[int, int]] = []
     options: dict[str, Any] = {"size": (128, 96), "start_s": 10.0, "fps": 2.0}

@@ -7,27 +7,27 @@ import pytest
 from PIL import Image as PilImage
 
 from mjforage.base.errors import UserError
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import TopView, frame_times, render_replay
 
 
 @pytest.fixture(scope="module")
-def replay(build: Callable[..., Replay]) -> Replay:
+def replay(build: Callable[..., Recording]) -> Recording:
     """Ten steps of ten seconds on a small map."""
     return build(np.ones((9, 12), np.bool_), steps=10, items=6)
 
 
-def test_default_speed_shows_four_steps_a_second(replay: Replay) -> None:
+def test_default_speed_shows_four_steps_a_second(replay: Recording) -> None:
     times = frame_times(replay, fps=8.0)
     np.testing.assert_allclose(times, np.arange(21) * 0.5)
 
 
-def test_start_duration_and_speed_are_simulated_seconds(replay: Replay) -> None:
+def test_start_duration_and_speed_are_simulated_seconds(replay: Recording) -> None:
     times = frame_times(replay, start_s=25.0, duration_s=10.0, fps=2.0, speed=5.0)
     np.testing.assert_allclose(times, [2.5, 2.75, 3.0, 3.25, 3.5])
 
 
-def test_last_frame_is_the_last_step_and_never_beyond(replay: Replay) -> None:
+def test_last_frame_is_the_last_step_and_never_beyond(replay: Recording) -> None:
     for fps in (30.0, 29.97, 7.0):
         times = frame_times(replay, fps=fps)
         assert 10.0 - 4.0 / fps < times[-1] <= 10.0
@@ -50,14 +50,16 @@ def test_last_frame_is_the_last_step_and_never_beyond(replay: Replay) -> None:
     ],
 )
 def test_bad_options_are_named(
-    replay: Replay, tmp_path: Path, options: dict[str, float], message: str
+    replay: Recording, tmp_path: Path, options: dict[str, float], message: str
 ) -> None:
     with pytest.raises(UserError, match=message):
         render_replay(replay, tmp_path / "film.mp4", **options)  # type: ignore[arg-type]
     assert list(tmp_path.iterdir()) == []
 
 
-def test_film_has_the_promised_frames_and_reports_progress(replay: Replay, tmp_path: Path) -> None:
+def test_film_has_the_promised_frames_and_reports_progress(
+    replay: Recording, tmp_path: Path
+) -> None:
     path, seen = tmp_path / "film.mp4", list[tuple[int, int]]()
     count = render_replay(
         replay,
@@ -77,7 +79,7 @@ def test_film_has_the_promised_frames_and_reports_progress(replay: Replay, tmp_p
         assert np.abs(decoded[number].astype(float) - source).mean() < 4.0
 
 
-def test_png_shows_the_start(replay: Replay, tmp_path: Path) -> None:
+def test_png_shows_the_start(replay: Recording, tmp_path: Path) -> None:
     path = tmp_path / "view.png"
     assert render_replay(replay, path, start_s=35.0, size=(480, None)) == 1
     shown = np.asarray(PilImage.open(path))

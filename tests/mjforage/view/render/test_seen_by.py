@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.runs.held import Held
 from mjforage.view.render import TopView, palette, render_replay
 from mjforage.view.render.frame_split import Box, split_frame
@@ -19,7 +19,7 @@ from mjforage.view.render.seen_by import age_of, last_heard, seen_by, shown_name
 from mjforage.view.render.side_panel import paint_signs
 from mjforage.view.render.timeline import timeline_of
 
-Build = Callable[..., Replay]
+Build = Callable[..., Recording]
 Image = NDArray[np.uint8]
 SCOUT, FORAGER = palette.agent_colours([False, True])
 STEPS = 4
@@ -30,7 +30,7 @@ def in_turn(values: list[int]) -> NDArray[np.int16]:
 
 
 @pytest.fixture
-def apart(build: Build) -> Replay:
+def apart(build: Build) -> Recording:
     """A scout goes from (2, 2) to (2, 10) and is last heard by the forager at (10, 2) in step 1.
 
     The forager has seen its own node in every step, and of node (5, 5) in step 3 what was there in
@@ -84,7 +84,7 @@ def share(image: Image, colour: palette.Colour, tolerance: float = 12.0) -> floa
     return float((off < tolerance).mean())
 
 
-def test_the_map_of_a_vessel_takes_the_place_of_the_fleets(apart: Replay) -> None:
+def test_the_map_of_a_vessel_takes_the_place_of_the_fleets(apart: Recording) -> None:
     seen = seen_by(apart, "foragers_0")
     assert (shown_name(apart), shown_name(seen)) == ("all", "foragers_0")
     assert seen.belief[:, 5, 5].tolist() == [0, 0, 0, 2, 2] and seen.belief[3:].sum() == 4
@@ -97,7 +97,7 @@ def test_the_map_of_a_vessel_takes_the_place_of_the_fleets(apart: Replay) -> Non
     assert not blind.belief.any() and (blind.idleness == 1.0).all()
 
 
-def test_vessels_go_by_the_names_of_their_folder(apart: Replay) -> None:
+def test_vessels_go_by_the_names_of_their_folder(apart: Recording) -> None:
     """Earlier versions wrote `scouts-0`."""
     old = replace(apart, names=("scouts-0", "foragers-0"))
     assert shown_name(seen_by(old, "foragers-0")) == "foragers-0"
@@ -105,13 +105,13 @@ def test_vessels_go_by_the_names_of_their_folder(apart: Replay) -> None:
         seen_by(old, "scouts_0")
 
 
-def test_land_is_not_idle(apart: Replay) -> None:
+def test_land_is_not_idle(apart: Recording) -> None:
     water = apart.navigable.copy()
     water[0, 0] = False
     assert not seen_by(replace(apart, navigable=water), "scouts_0").idleness[:, 0, 0].any()
 
 
-def test_items_are_known_by_the_map_and_discovered_by_the_truth(apart: Replay) -> None:
+def test_items_are_known_by_the_map_and_discovered_by_the_truth(apart: Recording) -> None:
     never = np.iinfo(np.int64).max
     alone, fleet = timeline_of(seen_by(apart, "foragers_0")), timeline_of(apart)
     assert alone.known.tolist() == [3, never] and fleet.known.tolist() == [1, 1]
@@ -119,7 +119,7 @@ def test_items_are_known_by_the_map_and_discovered_by_the_truth(apart: Replay) -
     np.testing.assert_array_equal(alone.pta_d, fleet.pta_d)
 
 
-def test_who_was_last_heard_when(apart: Replay) -> None:
+def test_who_was_last_heard_when(apart: Recording) -> None:
     assert last_heard(apart, 3).tolist() == [3, 3]
     assert last_heard(seen_by(apart, "foragers_0"), 3).tolist() == [1, 3]
 
@@ -131,20 +131,22 @@ def test_who_was_last_heard_when(apart: Replay) -> None:
         ("", "seen by : no such vessel"),
     ],
 )
-def test_unknown_vessels_are_named(apart: Replay, tmp_path: Path, name: str, message: str) -> None:
+def test_unknown_vessels_are_named(
+    apart: Recording, tmp_path: Path, name: str, message: str
+) -> None:
     with pytest.raises(UserError, match=message):
         render_replay(apart, tmp_path / "a.png", seen_by=name)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_without_a_link_nobody_sees_alone(apart: Replay) -> None:
+def test_without_a_link_nobody_sees_alone(apart: Recording) -> None:
     plain = replace(apart, held=None)
     assert seen_by(plain, "all") is plain
     with pytest.raises(UserError, match="seen by scouts_0: without a link all know the same"):
         seen_by(plain, "scouts_0")
 
 
-def test_a_vessel_is_faded_where_it_was_last_heard_of(apart: Replay) -> None:
+def test_a_vessel_is_faded_where_it_was_last_heard_of(apart: Recording) -> None:
     """At step 4 the scout is at (2, 10); the forager heard of it at (2, 4)."""
     views = {name: TopView(seen_by(apart, name), 640) for name in ("all", "foragers_0")}
     frames = {name: view.frame(4.0) for name, view in views.items()}
@@ -159,7 +161,7 @@ def test_a_vessel_is_faded_where_it_was_last_heard_of(apart: Replay) -> None:
     assert share(ago, palette.INK, 40.0) > 0.02, "30 s ago"
 
 
-def test_items_that_it_does_not_know_are_dim(apart: Replay) -> None:
+def test_items_that_it_does_not_know_are_dim(apart: Recording) -> None:
     views = [TopView(seen_by(apart, name), 640) for name in ("all", "foragers_0")]
     first, second = (
         [around(v.frame(4.0), v, rc, 2).mean() for v in views] for rc in ((5, 5), (10, 10))
@@ -168,7 +170,7 @@ def test_items_that_it_does_not_know_are_dim(apart: Replay) -> None:
     assert second[0] > second[1] + 10.0, "and by what all know"
 
 
-def test_contacts_are_lines_and_broken_red_ones_where_looks_were_lost(apart: Replay) -> None:
+def test_contacts_are_lines_and_broken_red_ones_where_looks_were_lost(apart: Recording) -> None:
     assert apart.held is not None
     nothing = np.zeros_like(apart.held.lost)
     kept = replace(apart, held=replace(apart.held, lost=nothing))
@@ -184,12 +186,12 @@ def test_contacts_are_lines_and_broken_red_ones_where_looks_were_lost(apart: Rep
     assert np.abs(changed[1] - changed[2]).max() > 60.0, "a dark line"
 
 
-def test_the_age_of_a_look_is_told_in_seconds(apart: Replay) -> None:
+def test_the_age_of_a_look_is_told_in_seconds(apart: Recording) -> None:
     """Two and a half steps of 10 s."""
     assert apart.period_s == 10.0 and age_of(apart, 3.5, 1) == "25 s"
 
 
-def test_the_panel_has_a_sign_for_contacts_and_one_for_losses(apart: Replay) -> None:
+def test_the_panel_has_a_sign_for_contacts_and_one_for_losses(apart: Recording) -> None:
     image = np.zeros((180, 260, 3), np.uint8)
     paint_signs(image, Box(0, 0, 260, 180), 1.0, apart, 4, drawn=True)
     rows = [image[22 * n : 22 * n + 22, :36].astype(float) for n in (4, 5)]
@@ -197,7 +199,7 @@ def test_the_panel_has_a_sign_for_contacts_and_one_for_losses(apart: Replay) -> 
     assert away[1] < 30.0 < away[0], "in contact, then lost, in red"
 
 
-def test_the_inset_shows_the_same(apart: Replay) -> None:
+def test_the_inset_shows_the_same(apart: Recording) -> None:
     """Scale 10: a node's middle is at 10 x (column + 1.5), as one cell around the water shows."""
     images = {}
     for name in ("all", "foragers_0"):
@@ -225,13 +227,13 @@ def test_the_inset_shows_the_same(apart: Replay) -> None:
     ), "what it believes"
 
 
-def on_chart(replay: Replay, step: int) -> NDArray[np.float64]:
+def on_chart(replay: Recording, step: int) -> NDArray[np.float64]:
     """Hulls as a chart takes them, all eastward."""
     places = replay.agent_rc[step].astype(np.float64)
     return np.column_stack((places, np.zeros(len(places))))
 
 
-def test_the_inset_draws_links(apart: Replay) -> None:
+def test_the_inset_draws_links(apart: Recording) -> None:
     inset = Inset(apart, [SCOUT, FORAGER], (130.0, 130.0))
     image = np.zeros((inset.height, inset.width, 3), np.uint8)
     reds = []
@@ -241,7 +243,7 @@ def test_the_inset_draws_links(apart: Replay) -> None:
     assert reds[0] > 0.001 and reds[1] == 0.0, "in the step of the loss"
 
 
-def test_a_film_through_mujoco_shows_it_too(opengl: str, apart: Replay, refine: Build) -> None:
+def test_a_film_through_mujoco_shows_it_too(opengl: str, apart: Recording, refine: Build) -> None:
     assert opengl
     frames = []
     for name in ("all", "foragers_0"):

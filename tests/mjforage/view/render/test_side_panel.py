@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import palette, side_panel
 from mjforage.view.render.frame_split import Box, Kind, Split, split_frame
 from mjforage.view.render.inset import Inset
@@ -18,7 +18,7 @@ COLOURS = palette.agent_colours([False, True])
 
 
 @pytest.fixture(scope="module")
-def replay(build: Callable[..., Replay]) -> Replay:
+def replay(build: Callable[..., Recording]) -> Recording:
     water = np.zeros((20, 16), np.bool_)
     water[3:15, 2:14] = True
     return build(water, steps=8, items=10)
@@ -28,12 +28,12 @@ SIZES = [(1280, 720), (960, 540), (640, 480), (3840, 2160), (720, 1280), (480, 2
 NORTH = 0.0
 
 
-def panel_of(replay: Replay, split: Split, followed: int | None = None) -> SidePanel:
+def panel_of(replay: Recording, split: Split, followed: int | None = None) -> SidePanel:
     colours = palette.agent_colours(replay.agent_collects.tolist())
     return SidePanel(replay, timeline_of(replay), split, colours, followed)
 
 
-def moment(replay: Replay, step: int) -> Moment:
+def moment(replay: Recording, step: int) -> Moment:
     places = replay.agent_rc[step].astype(np.float64)
     return Moment(np.column_stack((places, np.zeros(len(places)))), "a note", NORTH)
 
@@ -41,7 +41,7 @@ def moment(replay: Replay, step: int) -> Moment:
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("shape", [None, 0.5, 3.0])
 def test_the_panel_stays_off_the_picture_and_the_picture_is_most_of_the_frame(
-    replay: Replay, size: tuple[int, int], shape: float | None
+    replay: Recording, size: tuple[int, int], shape: float | None
 ) -> None:
     width, height = size
     split = split_frame(width, height, shape)
@@ -60,7 +60,7 @@ def test_the_panel_is_where_it_leaves_the_picture_larger() -> None:
     assert split_frame(320, 240, 0.8).kind is Kind.LINE
 
 
-def test_figures_change_with_the_story(replay: Replay) -> None:
+def test_figures_change_with_the_story(replay: Recording) -> None:
     split = split_frame(640, 480, 1.0)
     images = []
     for time in (0.0, 8.0):
@@ -79,7 +79,7 @@ def said(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 @pytest.fixture
-def told(replay: Replay) -> Replay:
+def told(replay: Recording) -> Recording:
     """Of ten items seven are discovered and four collected by step 5; all in the end."""
     present = np.ones((9, 10), np.bool_)
     present[5:, :4] = present[8:, 4:] = False
@@ -89,7 +89,7 @@ def told(replay: Replay) -> Replay:
     return dataclasses.replace(replay, item_present=present, t_discovered=found, belief=belief)
 
 
-def test_score_and_clock_tell_what_is_known_then(told: Replay, said: list[str]) -> None:
+def test_score_and_clock_tell_what_is_known_then(told: Recording, said: list[str]) -> None:
     """At step 5.5 of steps of 10 s, each bar as long as its share."""
     split, image = split_frame(1280, 720, 1.0), np.zeros((720, 1280, 3), np.uint8)
     panel_of(told, split).paint(image, 5.5, moment(told, 5))
@@ -104,14 +104,14 @@ def test_score_and_clock_tell_what_is_known_then(told: Replay, said: list[str]) 
         assert np.sort(lengths)[-3] == pytest.approx(share * bar, abs=8.0)
 
 
-def test_one_line_tells_the_same(told: Replay, said: list[str]) -> None:
+def test_one_line_tells_the_same(told: Recording, said: list[str]) -> None:
     split = split_frame(480, 200, None)
     assert split.kind is Kind.LINE
     panel_of(told, split).paint(np.zeros((200, 480, 3), np.uint8), 5.5, moment(told, 5))
     assert said == ["00:55   PTA_D 70 %   PTA_C 40 %"]
 
 
-def test_signs_of_items_and_idleness_are_as_on_the_map(replay: Replay, said: list[str]) -> None:
+def test_signs_of_items_and_idleness_are_as_on_the_map(replay: Recording, said: list[str]) -> None:
     image = np.zeros((140, 260, 3), np.uint8)
     paint_signs(image, Box(0, 0, 260, 140), 1.0, replay, 9, drawn=True)
     assert said[:4] == ["item, discovered", "item, not yet", "believed: 1, 2, 9", "idleness 0–1"]
@@ -129,7 +129,7 @@ def test_signs_of_items_and_idleness_are_as_on_the_map(replay: Replay, said: lis
     [("my_policies:Homing(heading=4)", "Homing(heading=4)"), ("belief(items=30)",) * 2],
 )
 def test_a_class_of_a_user_is_named_without_its_module(
-    replay: Replay, monkeypatch: pytest.MonkeyPatch, title: str, shown: str
+    replay: Recording, monkeypatch: pytest.MonkeyPatch, title: str, shown: str
 ) -> None:
     said: list[str] = []
     monkeypatch.setattr(side_panel, "write", lambda image, words, *at, **how: said.append(words))
@@ -137,7 +137,9 @@ def test_a_class_of_a_user_is_named_without_its_module(
     assert said[0] == shown
 
 
-def test_the_signs_of_a_drawing_show_scouts_and_foragers_in_their_colours(replay: Replay) -> None:
+def test_the_signs_of_a_drawing_show_scouts_and_foragers_in_their_colours(
+    replay: Recording,
+) -> None:
     image = np.zeros((140, 260, 3), np.uint8)
     paint_signs(image, Box(0, 0, 260, 140), 1.0, replay, 4, drawn=True)
     for row, colour in ((4, palette.SCOUT), (5, palette.FORAGER)):
@@ -145,7 +147,7 @@ def test_the_signs_of_a_drawing_show_scouts_and_foragers_in_their_colours(replay
         assert np.abs(mark - colour).max(axis=1).min() < 12.0
 
 
-def test_the_compass_turns_with_the_picture(replay: Replay) -> None:
+def test_the_compass_turns_with_the_picture(replay: Recording) -> None:
     images = []
     for north_rad in (0.0, 1.5):
         image = np.zeros((200, 300, 3), np.uint8)
@@ -157,7 +159,7 @@ def test_the_compass_turns_with_the_picture(replay: Replay) -> None:
 
 
 def test_a_dart_comes_from_where_the_wind_does(
-    replay: Replay, monkeypatch: pytest.MonkeyPatch
+    replay: Recording, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In a picture whose north is right, a wind to the north comes from the left."""
     said: list[str] = []
@@ -175,7 +177,7 @@ def test_a_dart_comes_from_where_the_wind_does(
     assert said.count("wind 6.0 m/s") == 2 and said.count("x") == 4
 
 
-def test_tags_do_not_cover_each_other(replay: Replay) -> None:
+def test_tags_do_not_cover_each_other(replay: Recording) -> None:
     tags = Tags(("a",), COLOURS, 1280, 1.0)
     taken: list[tuple[float, float, float, float]] = []
     for x, y in ((600.0, 300.0), (610.0, 302.0), (604.0, 306.0), (605.0, 296.0)):
@@ -213,7 +215,7 @@ def test_tags_cover_no_vessel_and_what_floats_below_them_shows() -> None:
 
 
 @pytest.mark.parametrize("width", [480, 240])
-def test_a_line_of_words_has_a_compass_too(replay: Replay, width: int) -> None:
+def test_a_line_of_words_has_a_compass_too(replay: Recording, width: int) -> None:
     split = split_frame(width, 200, None)
     images = []
     for north_rad in (0.0, 1.5):
@@ -227,7 +229,7 @@ def test_a_line_of_words_has_a_compass_too(replay: Replay, width: int) -> None:
     assert turned[:, 1].min() > width - 30, "at the end of the line, the words are the same"
 
 
-def test_the_inset_shows_belief_where_it_is_and_hulls_in_their_colours(replay: Replay) -> None:
+def test_the_inset_shows_belief_where_it_is_and_hulls_in_their_colours(replay: Recording) -> None:
     colours = palette.agent_colours(replay.agent_collects.tolist())
     inset = Inset(replay, colours, (200.0, 200.0))
     assert (inset.width, inset.height) == (200, 200)
@@ -257,7 +259,7 @@ def painted(inset: Inset, places: NDArray[np.float64], course: NDArray[np.float6
     return image
 
 
-def test_the_inset_shows_headings_and_who_is_followed(replay: Replay) -> None:
+def test_the_inset_shows_headings_and_who_is_followed(replay: Recording) -> None:
     colours = palette.agent_colours(replay.agent_collects.tolist())
     places = np.array([[4.0, 3.0], [4.0, 12.0], [13.0, 3.0], [13.0, 12.0]])
     east, south = np.zeros(4), np.full(4, 0.5 * np.pi)

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from mjforage.base.errors import UserError
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render.panel import mission_clock
 from mjforage.view.render.timeline import NEVER, course_at, timeline_of
 
 
 @pytest.fixture
-def small(build: Callable[..., Replay]) -> Replay:
+def small(build: Callable[..., Recording]) -> Recording:
     """Four items in nodes (0, 0)..(0, 3) of a 4 x 4 map over three steps, nothing seen."""
     replay = build(np.ones((4, 4), np.bool_), steps=3, items=4, agents=(1, 1))
     places = np.stack([np.zeros(4), np.arange(4) + 0.3], axis=1)
@@ -25,7 +25,7 @@ def small(build: Callable[..., Replay]) -> Replay:
     )
 
 
-def test_discoveries_as_logged_and_removals_give_pta(small: Replay) -> None:
+def test_discoveries_as_logged_and_removals_give_pta(small: Recording) -> None:
     """What is in view and was missed is not discovered: the log says, not the picture."""
     present = small.item_present.copy()
     present[3:, 0] = False
@@ -40,17 +40,17 @@ def test_discoveries_as_logged_and_removals_give_pta(small: Replay) -> None:
 
 
 def test_a_replay_of_before_discoveries_is_read_but_not_drawn(
-    small: Replay, tmp_path: Path
+    small: Recording, tmp_path: Path
 ) -> None:
     path = tmp_path / "old.npz"
     path.write_bytes(replace(small, t_discovered=None).content())
-    old = Replay.load(path)
+    old = Recording.load(path)
     np.testing.assert_array_equal(old.item_rc, small.item_rc)
     with pytest.raises(UserError, match=r"tells no discoveries.*mjforage render"):
         timeline_of(old)
 
 
-def test_course_follows_the_motion_and_is_kept_when_staying(small: Replay) -> None:
+def test_course_follows_the_motion_and_is_kept_when_staying(small: Recording) -> None:
     east, south = [0.0, 1.0], [1.0, 0.0]
     steps = np.array([[0.0, 0.0], [0.0, 0.0], south])
     scout = np.cumsum(np.vstack([[[0.0, 0.0]], [east, [0.0, 0.0], south]]), axis=0)
@@ -63,7 +63,7 @@ def test_course_follows_the_motion_and_is_kept_when_staying(small: Replay) -> No
     np.testing.assert_allclose(course_at(timeline, 2.9)[0], np.pi / 2)
 
 
-def test_turns_take_the_short_way(small: Replay) -> None:
+def test_turns_take_the_short_way(small: Recording) -> None:
     route = np.zeros((4, 2, 2), np.float32)
     route[:, 0] = [[0, 2], [-1, 0], [0, -2], [1, -4]]  # west by north, then west by south
     timeline = timeline_of(replace(small, agent_rc=route))

@@ -5,15 +5,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render import TopView, palette
 
-Build = Callable[..., Replay]
+Build = Callable[..., Recording]
 Image = NDArray[np.uint8]
 LONG_SIDE = 640  # of the small map; a frame of the full size takes four times as long
 
 
-def drawn(replay: Replay) -> TopView:
+def drawn(replay: Recording) -> TopView:
     return TopView(replay, LONG_SIDE)
 
 
@@ -29,7 +29,7 @@ def holds(image: Image, colour: palette.Colour, tolerance: float = 12.0) -> bool
 
 
 @pytest.fixture
-def still(build: Build) -> Replay:
+def still(build: Build) -> Recording:
     """A scout at (2, 2), a forager at (2, 9), one item at (8, 8), all unseen and unmoved."""
     replay = build(np.ones((12, 12), np.bool_), steps=4, items=1, agents=(1, 1))
     nothing = np.zeros_like(replay.in_view)
@@ -72,14 +72,14 @@ def test_frames_are_deterministic(build: Build, comb: NDArray[np.bool_]) -> None
     assert first.frame(1.7).tobytes() == second.frame(1.7).tobytes()
 
 
-def test_time_outside_the_episode_is_refused(still: Replay) -> None:
+def test_time_outside_the_episode_is_refused(still: Recording) -> None:
     view = drawn(still)
     for time in (-0.1, 4.1):
         with pytest.raises(ValueError, match="outside the episode"):
             view.frame(time)
 
 
-def test_vessels_are_drawn_at_their_nodes_in_agent_colours(still: Replay) -> None:
+def test_vessels_are_drawn_at_their_nodes_in_agent_colours(still: Recording) -> None:
     view = drawn(still)
     frame = view.frame(0.0)
     scout, forager = palette.agent_colours([False, True])
@@ -90,7 +90,7 @@ def test_vessels_are_drawn_at_their_nodes_in_agent_colours(still: Replay) -> Non
     assert not holds(around(frame, view, (5, 5), 14), scout)
 
 
-def test_vessels_move_between_steps(still: Replay) -> None:
+def test_vessels_move_between_steps(still: Recording) -> None:
     route = still.agent_rc.copy()
     route[1:, 0] = (2.0, 4.0)
     view = drawn(replace(still, agent_rc=route))
@@ -99,7 +99,7 @@ def test_vessels_move_between_steps(still: Replay) -> None:
     assert not holds(around(view.frame(0.0), view, (2, 3.5), 8), scout)
 
 
-def test_hull_points_along_the_motion(still: Replay) -> None:
+def test_hull_points_along_the_motion(still: Recording) -> None:
     """Seen from above, the slender bow leaves more water beside it than the stern does."""
     east, west = still.agent_rc.copy(), still.agent_rc.copy()
     east[:, 0, 1] = np.arange(5) + 2
@@ -114,7 +114,7 @@ def test_hull_points_along_the_motion(still: Replay) -> None:
     assert heavier == [True, False]
 
 
-def test_removed_item_disappears(still: Replay) -> None:
+def test_removed_item_disappears(still: Recording) -> None:
     present = still.item_present.copy()
     present[2:] = False
     found = np.zeros(1, np.int16)
@@ -123,13 +123,13 @@ def test_removed_item_disappears(still: Replay) -> None:
     assert not holds(around(view.frame(3.0), view, (8, 8), 6), palette.ITEM, 40.0)
 
 
-def test_undiscovered_items_are_dimmer(still: Replay) -> None:
+def test_undiscovered_items_are_dimmer(still: Recording) -> None:
     view = drawn(replace(still, t_discovered=np.ones(1, np.int16)))
     before, after = (around(view.frame(time), view, (8, 8), 1) for time in (0.0, 1.0))
     assert after.astype(float).mean() > before.astype(float).mean() + 10.0
 
 
-def test_a_node_is_filled_only_where_items_are_believed(still: Replay) -> None:
+def test_a_node_is_filled_only_where_items_are_believed(still: Recording) -> None:
     belief = still.belief.copy()
     belief[1:3, 5, 5] = 2
     view = drawn(replace(still, belief=belief))
@@ -141,7 +141,7 @@ def test_a_node_is_filled_only_where_items_are_believed(still: Replay) -> None:
         assert not holds(around(frame, view, (8, 8), 3), shade, 30.0)
 
 
-def test_idle_water_is_darker_and_quays_stay(still: Replay) -> None:
+def test_idle_water_is_darker_and_quays_stay(still: Recording) -> None:
     navigable = still.navigable.copy()
     navigable[10:, :] = False
     hazy = drawn(replace(still, navigable=navigable))
@@ -153,7 +153,7 @@ def test_idle_water_is_darker_and_quays_stay(still: Replay) -> None:
 
 
 @pytest.mark.parametrize("bit", [1, 2])
-def test_view_is_tinted_and_outlined(still: Replay, bit: int) -> None:
+def test_view_is_tinted_and_outlined(still: Recording, bit: int) -> None:
     seen = still.in_view.copy()
     seen[:, 4:8, 4:8] = bit
     view = TopView(replace(still, in_view=seen))
@@ -171,7 +171,7 @@ def test_zero_scouts_and_zero_items(build: Build) -> None:
     assert view.frame(1.0).shape == (*view.size, 3)
 
 
-def test_an_episode_without_a_step_has_one_picture(still: Replay) -> None:
+def test_an_episode_without_a_step_has_one_picture(still: Recording) -> None:
     series = ("agent_rc", "item_rc", "item_present", "belief", "idleness", "in_view")
     view = drawn(replace(still, **{name: getattr(still, name)[:1] for name in series}))
     assert view.length == 0

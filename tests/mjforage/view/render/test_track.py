@@ -4,15 +4,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.render.timeline import TURN_PART
 from mjforage.view.render.track import FADE_PART, Track
 
-Build = Callable[..., Replay]
+Build = Callable[..., Recording]
 
 
 @pytest.fixture
-def two_frames(build: Build) -> Replay:
+def two_frames(build: Build) -> Recording:
     """One hull that goes 8 m east and turns from 170 to -170 degrees; one item, then taken."""
     replay = build(np.ones((5, 5), np.bool_), steps=1, items=1, agents=(1, 0))
     pose = np.array([[[0, 0, np.radians(170)]], [[8, 4, np.radians(-170)]]], np.float32)
@@ -21,7 +21,7 @@ def two_frames(build: Build) -> Replay:
     return replace(replay, track_pose=pose, track_items=items, track_present=present)
 
 
-def test_hulls_glide_and_turn_the_short_way_early_in_a_step(two_frames: Replay) -> None:
+def test_hulls_glide_and_turn_the_short_way_early_in_a_step(two_frames: Recording) -> None:
     track = Track.of(two_frames)
     half = track.hulls_at(10.0 * TURN_PART / 2.0)[0]
     np.testing.assert_allclose(half[:2], [8 * TURN_PART / 2, 4 * TURN_PART / 2], rtol=1e-6)
@@ -29,13 +29,13 @@ def test_hulls_glide_and_turn_the_short_way_early_in_a_step(two_frames: Replay) 
     assert np.degrees(track.hulls_at(10.0 * TURN_PART)[0, 2]) == pytest.approx(190.0, abs=1e-4)
 
 
-def test_a_finer_track_turns_evenly(two_frames: Replay) -> None:
+def test_a_finer_track_turns_evenly(two_frames: Recording) -> None:
     track = Track.of(replace(two_frames, frame_s=0.5))
     assert np.degrees(track.hulls_at(0.25)[0, 2]) == pytest.approx(180.0, abs=1e-4)
     assert track.end_s == 0.5
 
 
-def test_items_vanish_as_they_are_taken(two_frames: Replay) -> None:
+def test_items_vanish_as_they_are_taken(two_frames: Recording) -> None:
     track = Track.of(two_frames)
     np.testing.assert_allclose(track.items_at(5.0), [[2.0, 2.0, 1.0]])
     fading = 10.0 * (1.0 - FADE_PART / 4.0)

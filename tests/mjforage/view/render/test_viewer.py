@@ -6,7 +6,7 @@ import pytest
 
 from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.render.track import Track
 from mjforage.view.render.viewer import put, scene_of, start_of, view_replay, view_scenario
@@ -21,12 +21,12 @@ def dark(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(scope="module")
-def replay(build: Callable[..., Replay]) -> Replay:
+def replay(build: Callable[..., Recording]) -> Recording:
     return build(np.ones((8, 8), np.bool_), steps=4, items=6)
 
 
 @pytest.mark.usefixtures("dark")
-def test_without_a_display_the_way_out_is_named(replay: Replay) -> None:
+def test_without_a_display_the_way_out_is_named(replay: Recording) -> None:
     with pytest.raises(UserError, match=r"no display here.*mjforage render writes"):
         view_replay(replay, 10.0)
     with pytest.raises(UserError, match="no display here"):
@@ -35,7 +35,7 @@ def test_without_a_display_the_way_out_is_named(replay: Replay) -> None:
         view_replay(replay, -1.0)
 
 
-def test_bodies_are_put_where_the_track_says(replay: Replay) -> None:
+def test_bodies_are_put_where_the_track_says(replay: Recording) -> None:
     scene, track = scene_of(replay), Track.of(replay)
     data = mujoco.MjData(scene.model)
     hulls, items = track.hulls_at(17.0), track.items_at(17.0)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.mission.mission_metrics import chosen_metrics
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 
 FLOATS = tuple(one.key for one in chosen_metrics())
 COURSES = tuple(one.course_name() for one in chosen_metrics() if one.has_course())
@@ -63,7 +63,7 @@ def _walk(
 @dataclass
 class Episode:
     tables: dict[str, list[dict[str, Any]]]
-    replay: Replay
+    replay: Recording
 
 
 def made_up_episode(plan: Plan, world: str, policy: str, episode: int, skill: float) -> Episode:
@@ -218,7 +218,7 @@ def _replay(
     gone: NDArray[np.bool_],
     seen: NDArray[np.bool_],
     length: int,
-) -> Replay:
+) -> Recording:
     agents, shape = plan.scouts + plan.foragers, mask.shape
     places = np.stack(tracks, 1) if tracks else np.zeros((length + 1, 0, 2))
     rows, cols = np.indices(shape)
@@ -234,7 +234,7 @@ def _replay(
         known = nodes[seen[t] & ~gone[t]]
         np.add.at(belief[t], (known[:, 0], known[:, 1]), 1)
     idle = np.where(mask, 0.5, 0.0).astype(np.float16)
-    return Replay(
+    return Recording(
         navigable=mask,
         pitch_m=4.0,
         horizon=plan.horizon,

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.atomic_files import write_bytes
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.runs.held import Held
 from mjforage.view.report.web_replay import WebReplay, web_replay
 
@@ -62,7 +62,7 @@ def read_layer(numbers: Numbers, shape: tuple[int, ...]) -> NDArray[np.int64]:
     return np.array(steps).reshape(shape)
 
 
-def finer(replay: Replay, frame_s: float, world: str) -> Replay:
+def finer(replay: Recording, frame_s: float, world: str) -> Recording:
     """The same episode with a track as the physics world has it: smooth, noisy, often turning."""
     rng = np.random.default_rng(7)
     per = round(replay.period_s / frame_s)
@@ -91,19 +91,19 @@ def finer(replay: Replay, frame_s: float, world: str) -> Replay:
     )
 
 
-def with_track(folder: Path, world: str, frame_s: float) -> Replay:
+def with_track(folder: Path, world: str, frame_s: float) -> Recording:
     """Give a world of the run a track of its own, and return that replay."""
     path = folder / "replay" / f"{world}-greedy-0.npz"
-    replay = finer(Replay.load(path), frame_s, world)
+    replay = finer(Recording.load(path), frame_s, world)
     write_bytes(path, replay.content())
     return replay
 
 
-def with_physics(folder: Path) -> Replay:
+def with_physics(folder: Path) -> Recording:
     return with_track(folder, "physics", 0.5)
 
 
-def over_link(replay: Replay, seed: int = 4) -> Replay:
+def over_link(replay: Recording, seed: int = 4) -> Recording:
     """The same episode with a link made up by chance: who hears what, and what is lost."""
     rng = np.random.default_rng(seed)
     (steps, items), agents = replay.item_present.shape, len(replay.agent_team)
@@ -131,10 +131,10 @@ def over_link(replay: Replay, seed: int = 4) -> Replay:
     return replace(replay, held=held)
 
 
-def with_link(folder: Path) -> Replay:
+def with_link(folder: Path) -> Recording:
     """Put the run's replay of the graph world over a link, and return it."""
     path = folder / "replay" / "graph-greedy-0.npz"
-    replay = over_link(Replay.load(path))
+    replay = over_link(Recording.load(path))
     write_bytes(path, replay.content())
     return replay
 

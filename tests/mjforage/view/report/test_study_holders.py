@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.runs.holders_seen import UNSEEN, HoldersMaps
 from mjforage.view.report.studies.holder_maps import holders_picture, pair_of
 from tests.mjforage.view.report.made_up_episodes import Plan, made_up_episode
@@ -14,12 +14,12 @@ STEP = 4
 
 
 @pytest.fixture(scope="module")
-def replay() -> Replay:
+def replay() -> Recording:
     return made_up_episode(Plan(), "graph", "greedy", 0, 1.0).replay
 
 
 @pytest.fixture
-def maps(replay: Replay) -> HoldersMaps:
+def maps(replay: Recording) -> HoldersMaps:
     """Return what four holders know: all but forager 1 of nothing, and of itself alone."""
     shape, agents = replay.navigable.shape, 4
     belief = np.zeros((agents, *shape), np.int16)
@@ -43,7 +43,7 @@ def test_the_scout_and_the_forager_least_alike_are_shown(maps: HoldersMaps) -> N
     assert pair_of(maps, np.zeros(4, np.bool_)) == (0, 3)
 
 
-def test_what_each_knows_is_drawn_and_counted(replay: Replay, maps: HoldersMaps) -> None:
+def test_what_each_knows_is_drawn_and_counted(replay: Recording, maps: HoldersMaps) -> None:
     drawn = holders_picture("holders", "T", replay, maps)
     panels = drawn.figure.axes[:4]
     titles = [panel.get_title(loc="left") for panel in panels]
@@ -62,7 +62,7 @@ def test_what_each_knows_is_drawn_and_counted(replay: Replay, maps: HoldersMaps)
     assert f"{int(replay.item_present[STEP].sum())} items are afloat" in drawn.caption
 
 
-def test_who_is_lost_has_a_line_to_where_it_is(replay: Replay, maps: HoldersMaps) -> None:
+def test_who_is_lost_has_a_line_to_where_it_is(replay: Recording, maps: HoldersMaps) -> None:
     found, lost = holders_picture("holders", "T", replay, maps).figure.axes[:2]
     threads = [
         [line for line in panel.lines if np.size(line.get_xdata()) == 2] for panel in (found, lost)

@@ -10,7 +10,7 @@ import pytest
 
 from mjforage.base.atomic_files import write_bytes
 from mjforage.base.errors import UserError
-from mjforage.runs.episode_replay import Replay
+from mjforage.runs.episode_recording import Recording
 from mjforage.view.report import write_report
 from mjforage.view.report.run_logs import load_logs
 from mjforage.view.report.web_entry import fair_share
@@ -214,25 +214,25 @@ def test_without_replays_there_is_no_player(make_run: MakeRun) -> None:
     assert web_replay({"": folder}) is None
 
 
-def other_map(replay: Replay) -> Replay:
+def other_map(replay: Recording) -> Recording:
     return replace(replay, navigable=~replay.navigable)
 
 
-def other_items(replay: Replay) -> Replay:
+def other_items(replay: Recording) -> Recording:
     return replace(replay, item_present=replay.item_present[:, 1:])
 
 
-def other_policy(replay: Replay) -> Replay:
+def other_policy(replay: Recording) -> Recording:
     return replace(replay, policy="levy")
 
 
 @pytest.mark.parametrize("change", [other_map, other_items, other_policy])
 def test_a_replay_of_another_run_is_refused(
-    make_run: MakeRun, change: Callable[[Replay], Replay]
+    make_run: MakeRun, change: Callable[[Recording], Recording]
 ) -> None:
     folder = make_run(episodes=1)
     path = folder / "replay" / "graph-greedy-0.npz"
-    write_bytes(path, change(Replay.load(path)).content())
+    write_bytes(path, change(Recording.load(path)).content())
     with pytest.raises(UserError, match=r"greedy-0\.npz: (is not of the run|.* does not fit)"):
         web_replay({"": folder})
 
@@ -277,7 +277,7 @@ def test_three_replays_of_three_policies_in_two_worlds_make_a_page_below_5_mb(
         items=80,
     )
     for path in sorted((folder / "replay").glob("physics-*.npz")):
-        write_bytes(path, finer(Replay.load(path), 0.5, "physics").content())
+        write_bytes(path, finer(Recording.load(path), 0.5, "physics").content())
     result = shown(folder)
     texts = [len(entry["text"]) for entry in result.data["replays"]]
     assert (len(texts), result.left_out) == (18, 0)

@@ -56,7 +56,7 @@ NOT_FIELDS = ("held", "names")
 
 
 @dataclass(frozen=True)
-class Replay:
+class Recording:
     """Everything visible in one episode. T' is its length; step 0 is the state before any move.
 
     What decisions see is kept per step; where bodies are, per frame of a track, several to a step
@@ -112,7 +112,7 @@ class Replay:
         return buffer.getvalue()
 
     @classmethod
-    def load(cls, path: Path) -> "Replay":
+    def load(cls, path: Path) -> "Recording":
         """Read a file of such content.
 
         Raises
@@ -150,7 +150,7 @@ def _unpacked(path: Path) -> int:
 
 def _values(file: Any) -> dict[str, Any]:
     """The fields of a replay from an open npz file."""
-    names = [f.name for f in fields(Replay) if f.name not in NOT_FIELDS]
+    names = [f.name for f in fields(Recording) if f.name not in NOT_FIELDS]
     values = {name: file[name] for name in names if name != "t_discovered" or name in file}
     _check_axes(values | {name: file[name] for name in HELD_AXES if name in file})
     values["held"] = Held.of(file, values["navigable"].size)

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 Scalar = TypeVar("Scalar", bound=np.generic)
 
 
-class Film:
-    """Frames of the first episode of a batch, shot by its dynamics.
+class TrajectoryRecorder:
+    """Frames of the first episode of a batch, as its dynamics records them.
 
     Attributes
     ----------
@@ -20,14 +20,14 @@ class Film:
         self.start(0.5)
 
     def start(self, interval_s: float) -> None:
-        """Begin anew, with a batch whose dynamics shoots so often [s]."""
+        """Begin anew, with a frame every `interval_s` seconds."""
         self.interval_s = interval_s
         self._pose: list[NDArray[np.float32]] = []
         self._items: list[NDArray[np.float32]] = []
         self._present: list[NDArray[np.bool_]] = []
         self._wind: list[NDArray[np.float32]] = []
 
-    def shoot(
+    def record(
         self,
         pose: NDArray[np.float64],
         items: NDArray[np.float64],
