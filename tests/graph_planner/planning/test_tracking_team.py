@@ -1,5 +1,7 @@
 """Policies that act on tracks, by hand on small maps: `ogr` and `orienteering`."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -9,7 +11,8 @@ from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navig
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.moves import MoveRules
 from mjforage.mission.policy import Policy
-from mjforage.mission.task import NEVER, Observation, Task
+from mjforage.mission.task import NEVER, UNREACHABLE, Observation, Pickup, Task
+from mjforage.scenario.belief_settings import BeliefSettings
 from mjforage.scenario.fleet import Role
 from tests.graph_planner.driver import observation_of, preferences, task_of
 
@@ -80,23 +83,59 @@ def test_a_full_forager_and_one_out_of_energy_stay_and_leave_items_to_others(nam
 
 @BOTH
 def test_items_are_met_where_they_will_be(name: str) -> None:
-    """Seen twice, five items have drifted east by one node in ten steps: foragers lead them."""
-    graph = lake(31, 41)
-    task = task_of(graph, foragers=foragers())
-    first = {(2, 12 + i): 1 for i in (0, 2, 4, 6, 8)}
-    later = {(2, 13 + i): 1 for i in (0, 2, 4, 6, 8)}
-    policy = create_policy(name)
-    seen = observation_of(task, [(28, 20)], first, all_seen(graph))
+    """Two columns of items have come east by 3 nodes in 30 steps: the nearer one gets away."""
+    graph = lake(5, 61)
+    task, policy = task_of(graph, foragers=foragers()), create_policy(name)
+    first, last = (
+        {(row, col): 1 for row in range(5) for col in both} for both in ((12, 41), (15, 44))
+    )
+    seen = observation_of(task, [(2, 30)], first, all_seen(graph))
     policy.reset(task, seen.keys)
-    policy.act(seen)
-    empty = np.full(len(graph), 0, np.int16)
-    between = observation_of(task, [(28, 20)], first, empty, step=2)
-    for step in range(2, 11):
-        between.step[:], between.agent_seen[:] = step, step - 1
-        policy.act(between)
-    seen = observation_of(task, [(28, 20)], later, all_seen(graph, 10), step=11)
-    ((row, col),) = walked(policy, task, seen, 24)
-    assert row <= 4 and col >= 14
+    for step in range(1, 31):
+        policy.act(seen._replace(step=np.array([step]), agent_seen=np.array([[step - 1]])))
+    seen = observation_of(task, [(2, 30)], last, all_seen(graph, 30), step=31)
+    assert policy.act(seen)[0, 0].argmax() in WEST
+
+
+@BOTH
+def test_a_forager_goes_on_at_once_where_it_has_collected(name: str) -> None:
+    task = task_of(lake(5, 41), foragers=foragers())
+    seen = observation_of(task, [(2, 8)], {(2, 9): 1, (2, 29): 1}, all_seen(task.graph))
+    assert after(name, task, seen, 6)[0][1] == 8 + 6
+
+
+@pytest.mark.parametrize("every", [1, 4])
+def test_routes_are_solved_anew_every_few_decisions(every: int) -> None:
+    """Until then what has come up to the west does not turn a forager that goes east."""
+    task, policy = (
+        task_of(lake(5, 41), foragers=foragers()),
+        create_policy(f"orienteering(every={every})"),
+    )
+    moves = []
+    for step, known in enumerate([{(2, 30): 1}] + [{(2, 19): 2, (2, 30): 1}] * 6, 1):
+        seen = observation_of(task, [(2, 20)], known, all_seen(task.graph, step - 1), step)
+        if step == 1:
+            policy.reset(task, seen.keys)
+        moves.append(int(policy.act(seen)[0, 0].argmax()))
+    assert [move in EAST for move in moves[: every + 1]] == [True] * every + [False]
+
+
+def test_an_item_that_a_hull_gave_up_counts_less_for_six_decisions() -> None:
+    """It lies under the bow, another one 3 nodes to the west."""
+    graph = lake(5, 21)
+    task = replace(
+        task_of(graph, foragers=foragers()), pickup=Pickup(np.zeros((1, 3, 4)), np.zeros(4))
+    )
+    policy, moves = create_policy("ogr"), []
+    for step in range(1, 10):
+        seen = observation_of(
+            task, [(2, 10)], {(2, 10): 1, (2, 7): 1}, all_seen(graph, step - 1), step
+        )
+        if step == 1:
+            policy.reset(task, seen.keys)
+        seen.pickup[:] = UNREACHABLE if step == 2 else 0
+        moves.append(int(policy.act(seen)[0, 0].argmax()))
+    assert [move in WEST for move in moves] == [False] + [True] * 6 + [False] * 2
 
 
 @BOTH
@@ -121,11 +160,16 @@ def test_a_fleet_without_scouts_looks_for_itself(name: str) -> None:
 
 
 @BOTH
-def test_a_scout_out_of_energy_stays(name: str) -> None:
-    task = task_of(lake(9, 41), scouts=Role(1, 2, 4.0, False, energy=5.0))
-    seen = observation_of(task, [(4, 20)])
-    seen.energy_left[:] = 0.5
-    assert chosen(name, task, seen) == [STAY]
+def test_a_scout_out_of_energy_stays_and_others_look_behind_it(name: str) -> None:
+    graph = lake(9, 41)
+    team = Role(2, 2, 4.0, False, energy=50.0)
+    task = replace(task_of(graph, scouts=team), belief=BeliefSettings(hotspot=False))
+    behind = np.hypot(graph.rows - 4, graph.cols - 20) <= 4
+    last_seen = np.where(behind | (graph.cols < 2), NEVER, 9).astype(np.int16)
+    seen = observation_of(task, [(4, 20), (4, 13)], last_seen=last_seen, step=10)
+    seen.energy_left[0, 0] = 0.5
+    stays, goes = chosen(name, task, seen)
+    assert stays == STAY and goes in EAST
 
 
 @BOTH
