@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import prepared
+from mjforage.base.compiled import BoundKernel
 from mjforage.base.randomness import Stream, UInt64Array, stream_key
 from mjforage.graph_planner.belief_planner import hotspots as hs
 from mjforage.graph_planner.belief_planner import late as lt
@@ -70,9 +70,12 @@ class Beliefs:
         self.expected = np.zeros((rows, nodes))
         self.later = np.zeros((rows, nodes), np.int64)
         self._store = self._stored(capacity)
-        self._learn, self._begin = prepared(up.learn, self._store), prepared(up.begin, self._store)
-        self._settle = prepared(up.settle, self._store)
-        self._expect = prepared(up.expect, self._store)
+        self._learn, self._begin = (
+            BoundKernel(up.learn, self._store),
+            BoundKernel(up.begin, self._store),
+        )
+        self._settle = BoundKernel(up.settle, self._store)
+        self._expect = BoundKernel(up.expect, self._store)
 
     def _stored(self, capacity: int) -> up.Store:
         """All of that for the kernels."""

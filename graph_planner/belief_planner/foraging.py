@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel, prepared
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.graph_planner.belief_planner.group import Group
 from mjforage.graph_planner.belief_planner.move_preferences import towards
 from mjforage.graph_planner.belief_planner.routes import NOWHERE, Legs, search_routes
@@ -255,8 +255,8 @@ class Collecting:
         step = (USUAL_STEP * task.fleet.moves[agents]).astype(np.float64)
         self._members = Members(agents, kind, step, float(self.taking.first.max(initial=0.0)))
         nothing = np.zeros(len(task.graph))
-        self._hold = prepared(_hold, self._members, self.group.ways, nothing)
-        self._able_now = prepared(able_now, self._members)
+        self._hold = BoundKernel(_hold, self._members, self.group.ways, nothing)
+        self._able_now = BoundKernel(able_now, self._members)
 
     def able_now(self, room_left: NDArray[np.int64], energy_left: NDArray[np.float64]) -> Able:
         """Those foragers that can still collect, by what every agent (agent,) has left."""
@@ -292,7 +292,7 @@ class Foraging(Collecting):
             else Effort(task.rules.stay, settings.joint, 32, 10, 14 * members, taking)
         )
         about = self._members, self.shore, self.group.ways, effort, self._scratch
-        self._send = prepared(_send, *about)
+        self._send = BoundKernel(_send, *about)
 
     def send(
         self,

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import MARGIN, inlined, kernel, rough
+from mjforage.base.compiled import TOLERANCE, inlined, kernel, reassociating
 from mjforage.graph_planner.belief_planner.beam import free_slot, insert, limit
 from mjforage.graph_planner.belief_planner.stops import FAR
 
@@ -195,7 +195,7 @@ def _choose(
     return number
 
 
-@rough
+@reassociating
 def _rest_roughly(
     weight: NDArray[np.float64], others: NDArray[np.float64], free: float, way: NDArray[np.float64]
 ) -> float:
@@ -304,7 +304,7 @@ def _grow(
             if not complete:
                 way_on = between[kind[f], max(j, 0)]
                 weight[max(j, 0)] -= weight_there  # it is not among the rest
-                price = paid + MARGIN * _rest_roughly(weight, others, free, way_on)
+                price = paid + TOLERANCE * _rest_roughly(weight, others, free, way_on)
                 if price < enough:
                     price = _rest(weight, others, free, way_on, paid)
                 weight[max(j, 0)] += weight_there

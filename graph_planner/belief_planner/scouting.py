@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel, prepared
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.graph_planner.belief_planner.covers import view_cover
 from mjforage.graph_planner.belief_planner.sweeps import (
     LONGEST,
@@ -102,7 +102,7 @@ class Scouting:
         self._late = lateness(settings.look_discount)
         self._sight = sight(len(graph))
         self._path = np.zeros(self._depth, np.int32)
-        self._sweeps: dict[tuple[int, ...], prepared[None]] = {}  # by who has which cover
+        self._sweeps: dict[tuple[int, ...], BoundKernel[None]] = {}  # by who has which cover
 
     def look(
         self,
@@ -124,7 +124,7 @@ class Scouting:
             return
         which = tuple(map(id, covers))
         if which not in self._sweeps:
-            self._sweeps[which] = prepared(_sweep, self._sweeper(covers))
+            self._sweeps[which] = BoundKernel(_sweep, self._sweeper(covers))
         self._sweeps[which](agent_node, mass, preferences)
 
     def _sweeper(self, covers: list[Cover]) -> Sweeper:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel, prepared
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.graph_planner.belief_planner.beliefs import Beliefs
 from mjforage.graph_planner.belief_planner.shore import Shore
 from mjforage.graph_planner.belief_planner.stops import Floating
@@ -103,8 +103,8 @@ class Wanted:
         believed = beliefs.tracks, beliefs.expected
         sightings = beliefs.spots.number
         about = *believed, beliefs.later, shore, sightings, settings.hotspot
-        self._list_items = prepared(_list_items, *about)
-        self._worth_seeing = prepared(_worth_seeing, *believed, settings.refresh)
+        self._list_items = BoundKernel(_list_items, *about)
+        self._worth_seeing = BoundKernel(_worth_seeing, *believed, settings.refresh)
 
     def list_items(self, e: int, now: int, items: Floating) -> None:
         """Fill `items` with tracks, and with the nodes where most unseen items are expected.

@@ -9,7 +9,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel, kinds_of, prepared
+from mjforage.base.compiled import BoundKernel, kernel, kinds_of
 from mjforage.graph_planner.encodings.chart import COARSE, REACH, Chart
 from mjforage.graph_planner.encodings.encoder import (
     TOP,
@@ -297,7 +297,7 @@ class Egocentric:
         if not _alike(asked, self._asked):
             about = self._task.arrays, self._around, self._chart, self._memory
             memory = self._fields, self._distances, self._pictures
-            self._look = prepared(_look_around, *about, *memory)
+            self._look = BoundKernel(_look_around, *about, *memory)
         self._asked = asked
         self._look(rows, seen)
         return self._out

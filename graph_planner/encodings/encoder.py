@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
 from mjforage.base.errors import UserError
-from mjforage.base.registry import Table, built
+from mjforage.base.registry import Registry, built
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.task import Observation, Task
 
@@ -49,11 +49,13 @@ class Encoder(Protocol):
         ...
 
 
-ENCODERS: Table[Callable[..., Encoder]] = Table("observation", "mjforage.observations", given=1)
+ENCODERS: Registry[Callable[..., Encoder]] = Registry(
+    "observation", "mjforage.observations", given=1
+)
 
 
 encoder = ENCODERS.register
-"""Class decorator that makes an encoder known under a name, as `Table.register`."""
+"""Class decorator that makes an encoder known under a name, as `Registry.register`."""
 
 
 def encoder_class(text: str) -> Callable[..., Encoder]:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import inlined, kernel, prepared
+from mjforage.base.compiled import BoundKernel, inlined, kernel
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.mission.moves import free_move, move_length
@@ -95,7 +95,7 @@ class LegalMoves:
     """`legal_moves` of one task, asked often, always with arrays of one layout."""
 
     def __init__(self, task: Task) -> None:
-        self._legal = prepared(_legal, task.arrays)
+        self._legal = BoundKernel(_legal, task.arrays)
 
     def __call__(
         self, agent_node: Int32Array, energy_left: NDArray[np.float64]

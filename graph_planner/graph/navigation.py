@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from mjforage.base.compiled import kernel
-from mjforage.base.lending import read_only
+from mjforage.base.views import read_only
 from mjforage.graph_planner.graph.geodesics import (
     DIAGONAL,
     DistanceRows,

@@ -112,7 +112,7 @@ def read_header(path: Path) -> WeightsHeader:
             "package.module:Class"
         )
     try:
-        ENCODERS.told(parse_reference(encoding, ENCODERS.kind).name, "header")
+        ENCODERS.check_trusted(parse_reference(encoding, ENCODERS.kind).name, "header")
         encoder_class(encoding)
     except UserError as error:
         raise WeightsError(f"weights {path}: {error}") from error

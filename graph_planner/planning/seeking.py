@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel, prepared
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import Stream, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import (
     DIAGONAL,
@@ -79,7 +79,7 @@ class ItemSeeker:
     """Preferences that take foragers to the nearest known item by a shortest path."""
 
     def __init__(self, task: Task) -> None:
-        self._seek = prepared(_seek, task.arrays, Workspace.of(len(task.graph)))
+        self._seek = BoundKernel(_seek, task.arrays, Workspace.of(len(task.graph)))
 
     def guide(self, observation: Observation, preferences: NDArray[np.float64]) -> None:
         """Overwrite the foragers' rows of preferences (episode, agent, 9) where items are known."""

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel, prepared
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import Stream, normal, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import STAY
@@ -84,7 +84,7 @@ class Walker:
         agents = (episodes, len(task.fleet))
         heading, left = np.full(agents, NO_HEADING, np.int8), np.zeros(agents, np.int32)
         self._preferences = np.zeros((*agents, 9))
-        self._walk = prepared(_walk, task.arrays, self.cap, heading, left, self._preferences)
+        self._walk = BoundKernel(_walk, task.arrays, self.cap, heading, left, self._preferences)
 
     def walk(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9) of the next step of every walk."""

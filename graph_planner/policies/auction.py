@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel, prepared
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.errors import UserError
 from mjforage.base.option_ranges import check_at_least
 from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
@@ -349,7 +349,7 @@ class AuctionPolicy:
         harbour = Harbour(task.arrays, task.views, discs, table, workspace)
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
         warmth = np.zeros((keys.size, nodes))
-        self._decide = prepared(_decide, self._terms, harbour, warmth, self._preferences)
+        self._decide = BoundKernel(_decide, self._terms, harbour, warmth, self._preferences)
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9): down the way to what each agent won."""

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel, prepared
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
 from mjforage.graph_planner.graph.geodesics import FAR, Workspace, distances_to_nearest
 from mjforage.graph_planner.graph.visibility import NodeLists
@@ -110,7 +110,7 @@ class GreedyPolicy:
         """Get ready for a batch of episodes (episode,)."""
         self._plain, graph = Plain(task, keys.size), task.graph
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
-        self._fill = prepared(
+        self._fill = BoundKernel(
             _rewards,
             self._weights,
             task.arrays,

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel, prepared
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.graph.geodesics import FAR, Int32Array, Workspace, distances_to_nearest
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph
@@ -113,7 +113,7 @@ class LawnmowerPolicy:
         self.sweep = self._plan(task, keys.size)
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
         room = Workspace.of(len(task.graph))
-        self._go_on = prepared(_sweep, task.arrays, self.sweep, room, self._preferences)
+        self._go_on = BoundKernel(_sweep, task.arrays, self.sweep, room, self._preferences)
 
     def _plan(self, task: Task, episodes: int) -> Sweep:
         """Lay out each agent's share of its team's corners in one flat list."""

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel, prepared
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import OFFSETS, STAY
@@ -164,7 +164,7 @@ class PsoPolicy:
             best_items=np.zeros(agents, np.int32),
         )
         self._preferences = np.zeros((*agents, 9))
-        self._fly = prepared(_fly, task.arrays, task.views, swarm, self._preferences)
+        self._fly = BoundKernel(_fly, task.arrays, task.views, swarm, self._preferences)
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9): cosine between the velocity and each move."""

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel, prepared
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import Stream, UInt64Array, fill_bits, stream_key, to_uniform
 from mjforage.graph_planner.policies.registry import register
 from mjforage.mission.plain import Plain
@@ -32,7 +32,7 @@ class RandomPolicy:
         """Get ready for a batch of episodes (episode,)."""
         self._plain = Plain(task, keys.size)
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
-        self._draw = prepared(_draw, self._preferences)
+        self._draw = BoundKernel(_draw, self._preferences)
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Independent uniform preferences (episode, agent, 9)."""

@@ -7,12 +7,12 @@ from typing import Any, TypeVar
 
 from mjforage.base.errors import UserError
 from mjforage.base.references import Reference, parse_reference
-from mjforage.base.registry import Place, Table, built, is_ours
+from mjforage.base.registry import ImportSpec, Registry, built, is_ours
 from mjforage.mission.policy import Policy
 
 WeightsPlayer = TypeVar("WeightsPlayer", bound=Callable[[Path], Policy])
 
-POLICIES: Table[Callable[..., Policy]] = Table(
+POLICIES: Registry[Callable[..., Policy]] = Registry(
     "policy", "mjforage.policies", methods=("reset", "act")
 )
 _PLAYERS: list[Callable[[Path], Policy]] = []
@@ -20,7 +20,7 @@ _logger = logging.getLogger(__name__)
 
 
 register = POLICIES.register
-"""Class decorator that makes a policy known under a name, as `Table.register`."""
+"""Class decorator that makes a policy known under a name, as `Registry.register`."""
 
 
 def plays_weights(policy: WeightsPlayer) -> WeightsPlayer:
@@ -42,7 +42,7 @@ def own_weights(name: str) -> Path | None:
 
 
 def _bound(text: str) -> tuple[Reference, Callable[..., Policy], dict[str, Any]]:
-    """As `Table.bound`, weights of the present folder included."""
+    """As `Registry.bound`, weights of the present folder included."""
     reference = parse_reference(text, "policy")
     weights = own_weights(reference.name)
     if weights is None:
@@ -140,22 +140,22 @@ def has_policy(text: str) -> bool:
     return POLICIES.has(parse_reference(text, "policy").name)
 
 
-def told_policy(text: str, where: str, reference: str = "") -> None:
+def check_policy_trusted(text: str, where: str, reference: str = "") -> None:
     """Refuse a policy that a file names, of code that is not known to be trusted.
 
     Parameters
     ----------
-    text, where, reference : as of `Table.told`; the name may have options
+    text, where, reference : as of `Registry.check_trusted`; the name may have options
 
     Raises
     ------
     UserError
-        As `Table.told`, and if it is no reference.
+        As `Registry.check_trusted`, and if it is no reference.
     """
-    POLICIES.told(parse_reference(text, "policy").name, where, reference)
+    POLICIES.check_trusted(parse_reference(text, "policy").name, where, reference)
 
 
-def policy_place(text: str) -> Place | None:
+def policy_import_spec(text: str) -> ImportSpec | None:
     """Where another process finds a policy; None for one of ours.
 
     Raises
@@ -164,18 +164,18 @@ def policy_place(text: str) -> Place | None:
         If another process cannot.
     """
     name = parse_reference(text, "policy").name
-    return None if own_weights(name) else POLICIES.places([name]).get(name)
+    return None if own_weights(name) else POLICIES.import_specs([name]).get(name)
 
 
-def adopt_policy(text: str, place: Place) -> None:
-    """Make a policy known here that another process found, by its place there.
+def add_policy(text: str, spec: ImportSpec) -> None:
+    """Make a policy known here that another process found, by its import spec.
 
     Raises
     ------
     UserError
         If it cannot be imported here.
     """
-    POLICIES.adopt(parse_reference(text, "policy").name, place)
+    POLICIES.add(parse_reference(text, "policy").name, spec)
 
 
 def policy_files(text: str) -> tuple[Path, ...]:

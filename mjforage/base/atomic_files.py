@@ -48,7 +48,7 @@ def remedy(error: BaseException, otherwise: str = "") -> str:
 
 
 @contextmanager
-def writing(path: Path, *others: type[Exception]) -> Iterator[None]:
+def write_errors(path: Path, *others: type[Exception]) -> Iterator[None]:
     """Turn a failure to write into one clear error that names the cause and its remedy.
 
     Parameters
@@ -77,21 +77,21 @@ def writing(path: Path, *others: type[Exception]) -> Iterator[None]:
 
 
 @contextmanager
-def whole(path: Path, *others: type[Exception]) -> Iterator[Path]:
+def atomic_write(path: Path, *others: type[Exception]) -> Iterator[Path]:
     """Give a temporary path in the same folder; it takes the place of `path` after the block.
 
     If the block fails, nothing is left of it and an older file stays.
 
     Parameters
     ----------
-    path, others : as for `writing`
+    path, others : as for `write_errors`
 
     Raises
     ------
     UserError
         If the file cannot be written.
     """
-    with writing(path, *others):
+    with write_errors(path, *others):
         place = Path(os.path.realpath(path))  # a link stays one
         if place.exists() and not (place.is_file() or place.is_dir()):
             yield place  # a device or a pipe
@@ -125,9 +125,9 @@ def write_bytes(path: Path, content: bytes) -> None:
     UserError
         If it cannot be written.
     """
-    with writing(path):
+    with write_errors(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-    with whole(path) as beside:
+    with atomic_write(path) as beside:
         beside.write_bytes(content)
 
 
@@ -140,8 +140,8 @@ def write_json(path: Path, value: object) -> None:
         If it cannot be written.
     """
     content = (json.dumps(value, indent=1, allow_nan=False) + "\n").encode()
-    with writing(path):
+    with write_errors(path):
         if path.is_file() and path.read_bytes() == content:
             return
-    with whole(path) as beside:
+    with atomic_write(path) as beside:
         beside.write_bytes(content)

@@ -5,24 +5,24 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any, TypeVar
 
-from mjforage.base.lending import read_only
+from mjforage.base.views import read_only
 
 _T = TypeVar("_T")
 
 
 @cache
-def say_once(line: str) -> None:
+def warn_once(line: str) -> None:
     """Say a line of warning, the first time that it is asked for in this process."""
     logging.getLogger(__name__).warning("%s", line)
 
 
-class Once:
+class Cache:
     """Base of what formulas are given: keeps what several of them compute from it."""
 
     def __init__(self) -> None:
         self._kept: dict[object, Any] = {}
 
-    def once(self, compute: Callable[[Any], _T]) -> _T:
+    def cached(self, compute: Callable[[Any], _T]) -> _T:
         """`compute(self)`, or what it gave when it was asked for before; arrays read-only."""
         if compute not in self._kept:
             self._kept[compute] = read_only(compute(self))

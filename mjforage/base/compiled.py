@@ -153,7 +153,7 @@ def kinds_of(value: object, ours: bool = False) -> object:
 _entries: dict[object, Callable[..., Any]] = {}  # by kernel and kinds of its arguments
 
 
-class prepared(Generic[T]):  # noqa: N801  what it makes is called like a function
+class BoundKernel(Generic[T]):
     """A kernel that keeps its first arguments and no longer looks at anybody's type: for kernels
     called once per decision, where finding out the types of dozens of arrays takes most of a call.
 
@@ -183,19 +183,19 @@ class prepared(Generic[T]):  # noqa: N801  what it makes is called like a functi
             self._entry = _entries[kinds] = dispatcher.overloads[types].entry_point
         return answer
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> "prepared[T]":
+    def __deepcopy__(self, memo: dict[int, Any]) -> "BoundKernel[T]":
         """The same kernel on copies."""
-        return prepared(self._function, *copy.deepcopy(self._fixed, memo))
+        return BoundKernel(self._function, *copy.deepcopy(self._fixed, memo))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Where the kernel is and its arguments; another process finds the compiled code itself."""
         function = cast(Any, self._function)
-        return _prepared_again, (function.__module__, function.__name__, *self._fixed)
+        return _bound_again, (function.__module__, function.__name__, *self._fixed)
 
 
-def _prepared_again(module: str, name: str, *fixed: object) -> prepared[Any]:
+def _bound_again(module: str, name: str, *fixed: object) -> BoundKernel[Any]:
     """By its name: numba would carry a kernel's source along, whose code no disk keeps."""
-    return prepared(getattr(importlib.import_module(module), name), *fixed)
+    return BoundKernel(getattr(importlib.import_module(module), name), *fixed)
 
 
 def inlined(function: F) -> F:
@@ -203,14 +203,14 @@ def inlined(function: F) -> F:
     return _compiled(function, "always")
 
 
-def rough(function: F) -> F:
+def reassociating(function: F) -> F:
     """Compile a sum whose terms may be added in any order, which processors do several at a time.
 
-    Its last bits depend on the processor: compare it with a margin (`MARGIN`), and only to skip
+    Its last bits depend on the processor: compare it with a margin (`TOLERANCE`), and only to skip
     what an exact sum would skip as well.
     """
     return _compiled(function, "never", {"reassoc", "contract"})
 
 
-MARGIN = 1.0 - 1e-9
+TOLERANCE = 1.0 - 1e-9
 """What a rough sum of terms of one sign is multiplied by to be no larger than the exact one."""

@@ -1,9 +1,9 @@
-"""Tables of things by name, ours and those that users bring from outside.
+"""Registries of classes by name: ours, installed ones, and those of a user.
 
 A table knows what is registered by decorator, what an installed package brings by an entry point,
 and `package.module:Name`, importable from the present folder too. A worker process, to which only
-names travel, finds them again by `places` and `adopt`. A name that stands in a file is `told`
-first: of code that neither ships nor is installed only what the user has named may be imported.
+names travel, finds them again by `import_specs` and `add`. A name of a file is checked
+first: other code than what ships or is installed is imported only if the user has named it.
 """
 
 import importlib
@@ -48,14 +48,14 @@ def trusted() -> tuple[str, ...]:
 _BROUGHT: dict[str, str] = {}  # package from outside -> what it was imported for
 
 
-class Place(NamedTuple):
+class ImportSpec(NamedTuple):
     """Where another process finds something: a reference, and the folder to import it from."""
 
     reference: str  # package.module:Name
     folder: str  # "" for what is installed
 
 
-class Table(Generic[T]):
+class Registry(Generic[T]):
     """Classes or functions of one kind, by name.
 
     Attributes
@@ -108,7 +108,7 @@ class Table(Generic[T]):
     def find(self, name: str) -> T:
         """What a name without options stands for; one that is registered comes first.
 
-        The name is the user's own word; one that a file gives is `told` before.
+        The name is the user's own word; one of a file goes through `check_trusted` before.
 
         Raises
         ------
@@ -136,7 +136,7 @@ class Table(Generic[T]):
                 raise UserError(f"{self.kind} {name}: has no method {method}; define it")
         return found
 
-    def told(self, name: str, where: str, reference: str = "") -> None:
+    def check_trusted(self, name: str, where: str, reference: str = "") -> None:
         """Refuse a name that stands in a file, of code that is not known to be trusted.
 
         What ships, what an installed package brings and what the user has named is taken.
@@ -183,7 +183,7 @@ class Table(Generic[T]):
         made = self.find(name)
         return "" if is_ours(made) else str(made.__module__)
 
-    def places(self, names: Iterable[str]) -> dict[str, Place]:
+    def import_specs(self, names: Iterable[str]) -> dict[str, ImportSpec]:
         """Where another process finds those names that are not ours.
 
         Raises
@@ -192,10 +192,12 @@ class Table(Generic[T]):
             If one is of the script itself, which another process cannot import.
         """
         found = {name: self.find(name) for name in names}
-        return {name: self.place(name, made) for name, made in found.items() if not is_ours(made)}
+        return {
+            name: self.import_spec(name, made) for name, made in found.items() if not is_ours(made)
+        }
 
-    def place(self, name: str, made: T) -> Place:
-        """Where another process finds something that goes by a name here; raises as `places`."""
+    def import_spec(self, name: str, made: T) -> ImportSpec:
+        """Where another process finds what has a name here; raises as `import_specs`."""
         module, path = made.__module__, getattr(made, "__qualname__", "<none>")
         if module == "__main__" or "<" in path:
             raise UserError(
@@ -207,10 +209,10 @@ class Table(Generic[T]):
         folder = Path(root).resolve().parent if root else None
         if folder is not None and Path(str(root)).name == "__init__.py":
             folder = folder.parent
-        return Place(f"{module}:{path}", str(folder or ""))
+        return ImportSpec(f"{module}:{path}", str(folder or ""))
 
-    def adopt(self, name: str, place: Place) -> None:
-        """Make a name known that another process found, by its place there.
+    def add(self, name: str, spec: ImportSpec) -> None:
+        """Make a name known that another process found, by its import spec.
 
         Raises
         ------
@@ -218,19 +220,19 @@ class Table(Generic[T]):
             If it cannot be imported here.
         """
         if name not in self._registered:
-            made = self.at(place)
+            made = self.resolve(spec)
             self._registered.setdefault(name, made)  # its module may have registered it itself
 
-    def at(self, place: Place) -> T:
-        """What is at a place that another process found; it gets no name here.
+    def resolve(self, spec: ImportSpec) -> T:
+        """The class of an import spec; it gets no name here.
 
         Raises
         ------
         UserError
             If it cannot be imported here.
         """
-        _reach(place.folder)
-        return self._class(place.reference, place.reference)
+        _reach(spec.folder)
+        return self._class(spec.reference, spec.reference)
 
 
 def is_ours(made: Any) -> bool:

@@ -9,7 +9,7 @@ T = TypeVar("T", bound=np.generic)
 Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
 
 
-def put_rows(
+def scatter_rows(
     into: NDArray[T], rows: NDArray[np.int64], values: NDArray[T], fill: int = 0
 ) -> NDArray[T]:
     """A copy of `into` (episode, ...) with `values` (row, ...) at `rows`.
@@ -29,9 +29,9 @@ def put_rows(
     return result
 
 
-def put_all(into: Arrays, rows: NDArray[np.int64], values: Arrays) -> Arrays:
-    """`put_rows` for every array of a named tuple."""
+def scatter_all(into: Arrays, rows: NDArray[np.int64], values: Arrays) -> Arrays:
+    """`scatter_rows` for every array of a named tuple."""
     kind: Any = type(into)
     both = zip(into, values, strict=True)
-    mixed: Arrays = kind(*(put_rows(mine, rows, theirs) for mine, theirs in both))
+    mixed: Arrays = kind(*(scatter_rows(mine, rows, theirs) for mine, theirs in both))
     return mixed

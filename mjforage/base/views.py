@@ -1,16 +1,65 @@
-"""Views of arrays that nobody can write."""
+"""Read-only views of arrays, for policies, bounds, metrics, reward terms and encoders."""
 
-from typing import Any, TypeVar, cast
+from typing import Any, ClassVar, Generic, TypeVar, cast
 
 import numpy as np
 
-A = TypeVar("A")
+T = TypeVar("T")
 
 
-def view_of(array: A) -> A:
+def view_of(array: T) -> T:
     """A view of an array that cannot be written.
 
     It is of a read-only buffer, so numpy refuses `setflags(write=True)` as well.
     """
     content: Any = array
-    return cast(A, np.asarray(memoryview(content).toreadonly()))
+    return cast(T, np.asarray(memoryview(content).toreadonly()))
+
+
+def read_only(value: T) -> T:
+    """Views that cannot be written of an array, or of all arrays in a tuple; what else it is."""
+    if isinstance(value, np.ndarray):
+        return view_of(value)
+    if isinstance(value, tuple):
+        parts = map(read_only, value)
+        make = getattr(type(value), "_make", tuple)  # a named tuple's
+        return cast(T, make(parts))
+    return value
+
+
+class ReadOnlyViews:
+    """Base of classes that show their arrays as read-only views; a copy makes views of its own."""
+
+    _shows: ClassVar[dict[str, str]] = {}  # name of the views -> name of the arrays
+
+    def _show(self, name: str, arrays: object) -> None:
+        """Keep arrays, and show views of them by a name."""
+        setattr(self, self._shows[name], arrays)
+        setattr(self, name, read_only(arrays))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: of for name, of in vars(self).items() if name not in self._shows}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        for name, own in self._shows.items():
+            if own in state:
+                self._show(name, state[own])
+
+
+class CachedViews(Generic[T]):
+    """Read-only views, made once for the same arrays; a copy makes views of its own."""
+
+    def __init__(self) -> None:
+        self._of: object = None
+        self._views: T | None = None
+
+    def of(self, arrays: T) -> T:
+        """Views of a tuple of arrays (or of one)."""
+        if self._of is not arrays:
+            self._of, self._views = arrays, read_only(arrays)
+        return cast(T, self._views)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """No views: they would be of other arrays."""
+        return CachedViews, ()

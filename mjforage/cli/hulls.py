@@ -52,7 +52,7 @@ def manoeuvre(
     plot
         Picture to write.
     """
-    from mjforage.base.atomic_files import whole
+    from mjforage.base.atomic_files import atomic_write
     from mjforage.physics.manoeuvre import (
         check_file,
         key_figures,
@@ -70,7 +70,7 @@ def manoeuvre(
     if out is not None:
         write_trajectory(path, out)
     if plot is not None:
-        with whole(plot) as beside:
+        with atomic_write(plot) as beside:
             manoeuvre_figure(path).savefig(beside, format=plot.suffix[1:])
     table = Table("figure", "value", "unit", "meaning")
     for name, figure in key_figures(path).items():

@@ -108,7 +108,7 @@ def maps(
     output_file
         What to write: a picture, for example port.png, or the map itself as port.csv.
     """
-    from mjforage.base.cached import say_once
+    from mjforage.base.cached import warn_once
     from mjforage.scenario.harbours import family, is_family
     from mjforage.scenario.map_files import shipped_maps
     from mjforage.scenario.maps import load_map
@@ -123,7 +123,7 @@ def maps(
         rows, columns = grid.navigable.shape
         output.print(f"{grid.name}: {rows} x {columns}, {grid.nodes} nodes")
         if costs := map_costs(scenario, grid.name, grid.navigable.shape, grid.nodes):
-            say_once(costs)
+            warn_once(costs)
     if output_file is not None and map:
         _write(grids, output_file)
 

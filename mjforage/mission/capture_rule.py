@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
 from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
-from mjforage.base.rows import put_rows
+from mjforage.base.rows import scatter_rows
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.capture_chances import Chances
 from mjforage.mission.dynamics import Transition
@@ -39,7 +39,10 @@ class Stays(NamedTuple):
     def with_rows(self, rows: NDArray[np.int64], other: Self) -> Self:
         """Those of a batch with episodes (row,) replaced by those of another one."""
         return type(self)(
-            *(put_rows(getattr(self, name), rows, getattr(other, name)) for name in self._fields)
+            *(
+                scatter_rows(getattr(self, name), rows, getattr(other, name))
+                for name in self._fields
+            )
         )
 
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage import metrics
-from mjforage.base.compiled import kernel, prepared
-from mjforage.base.lending import read_only
+from mjforage.base.compiled import BoundKernel, kernel
+from mjforage.base.views import read_only
 from mjforage.mission.dynamics import Transition
 from mjforage.mission.mission import Mission, Observer
 from mjforage.mission.moves import Moves
@@ -133,7 +133,7 @@ class EpisodeLog(Observer):
         items = self.item_start.shape[1] if self._linked else 0
         self.item_node = np.full((episodes, steps, items), -1, np.int32)
         tracks = Tracks(*(getattr(self, name) for name in Tracks._fields))
-        self._write_down = prepared(_write_down, tracks)
+        self._write_down = BoundKernel(_write_down, tracks)
         at_rest = np.zeros((episodes, agents), np.int8)
         nowhere = at_rest.astype(np.int32)
         self._no_moves = Moves(at_rest, nowhere, at_rest, at_rest.astype(np.bool_))

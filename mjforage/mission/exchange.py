@@ -10,8 +10,8 @@ from typing import NamedTuple, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.lending import Lent, read_only
 from mjforage.base.randomness import UInt64Array
+from mjforage.base.views import CachedViews, read_only
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.knowledge import Knowledge, Looks
 from mjforage.mission.look_log import LookLog
@@ -95,7 +95,7 @@ class Ideal:
     link_log = None
 
     def __init__(self) -> None:
-        self._lent = Lent[Knowledge]()
+        self._lent = CachedViews[Knowledge]()
 
     @property
     def knowledge(self) -> Knowledge:

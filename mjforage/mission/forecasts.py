@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mjforage import metrics
 from mjforage.base.compiled import kernel
 from mjforage.base.errors import UserError
-from mjforage.base.rows import put_rows
+from mjforage.base.rows import scatter_rows
 
 _ROUNDING = 1e-9
 
@@ -92,7 +92,7 @@ class Forecasts:
     def adopt(self, rows: NDArray[np.int64], other: "Forecasts") -> None:
         """Replace episodes (row,) of the batch by those of another."""
         self._widen(other._by_row.shape[1])
-        self._by_row = put_rows(self._by_row, rows, other._by_row)
+        self._by_row = scatter_rows(self._by_row, rows, other._by_row)
 
     def _widen(self, holders: int) -> None:
         """Make room for so many that forecast in an episode."""

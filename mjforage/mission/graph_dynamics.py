@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel, prepared
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import UInt64Array
-from mjforage.base.rows import put_rows
+from mjforage.base.rows import scatter_rows
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import OFFSETS, STAY, NavigationGraph
 from mjforage.mission.capture_chances import chances_of, pickup_of
@@ -95,7 +95,7 @@ class GraphDynamics:
         return self._state
 
     def _begin(self, state: Transition) -> None:
-        self._state, self._move = state, prepared(_move, self._centres, self._yaw, state)
+        self._state, self._move = state, BoundKernel(_move, self._centres, self._yaw, state)
 
     def adopt(self, rows: NDArray[np.int64], other: "GraphDynamics") -> Transition:
         """Replace episodes (row,) of the batch by those of another one; returns the new state."""
@@ -104,7 +104,9 @@ class GraphDynamics:
         self._begin(
             Transition(
                 *(
-                    put_rows(getattr(mine, name), rows, getattr(theirs, name), -(name in nobody))
+                    scatter_rows(
+                        getattr(mine, name), rows, getattr(theirs, name), -(name in nobody)
+                    )
                     for name in mine._fields
                 )
             )

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
 from mjforage.base.errors import UserError
-from mjforage.base.lending import read_only
 from mjforage.base.randomness import Stream, UInt64Array, bits, normal, stream_key, uniform
+from mjforage.base.views import read_only
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph, Water
 from mjforage.graph_planner.graph.walls import WALLS, into_water

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import inlined, kernel, prepared
+from mjforage.base.compiled import BoundKernel, inlined, kernel
 from mjforage.base.randomness import Stream, UInt64Array, fill_bits, stream_key
-from mjforage.base.rows import put_rows
+from mjforage.base.rows import scatter_rows
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph, Water
 from mjforage.graph_planner.graph.walls import WALLS, into_water, put_back
@@ -290,9 +290,9 @@ class ItemRule:
         places = state.item_rc.reshape(by_episode), centre.reshape(by_episode).astype(np.float32)
         fixed = around, state, *places, scratch
         if self._chances is None:
-            self.advance = prepared(_advance, *fixed)
+            self.advance = BoundKernel(_advance, *fixed)
         else:
-            self.advance = prepared(_advance_by_chance, self._chances, stays, *fixed)
+            self.advance = BoundKernel(_advance_by_chance, self._chances, stays, *fixed)
 
     def adopt(self, rows: NDArray[np.int64], other: "ItemRule", state: Transition) -> None:
         """Replace episodes (row,) of the batch by those of another one.
@@ -304,7 +304,7 @@ class ItemRule:
         mine, theirs = self._around, other._around
         names = ("keys", "places", "drift_rc", "room_left")
         mixed: dict[str, Any] = {
-            name: put_rows(getattr(mine, name), rows, getattr(theirs, name)) for name in names
+            name: scatter_rows(getattr(mine, name), rows, getattr(theirs, name)) for name in names
         }
         stays = self._stays.with_rows(rows, other._stays)
         self._begin(mine._replace(**mixed), stays, state)

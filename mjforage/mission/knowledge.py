@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
-from mjforage.base.rows import put_rows
+from mjforage.base.rows import scatter_rows
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.task import NEVER
@@ -84,7 +84,7 @@ class Knowledge(NamedTuple):
     def with_rows(self, rows: NDArray[np.int64], other: "Knowledge") -> "Knowledge":
         """A copy in which the given rows (row,) are those of another knowledge, in its order."""
         return Knowledge(
-            *(put_rows(getattr(self, n), rows, getattr(other, n)) for n in self._fields)
+            *(scatter_rows(getattr(self, n), rows, getattr(other, n)) for n in self._fields)
         )
 
 

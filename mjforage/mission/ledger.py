@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.base.lending import Lending
-from mjforage.base.rows import put_rows
+from mjforage.base.rows import scatter_rows
+from mjforage.base.views import ReadOnlyViews
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.initial_state import item_places
@@ -119,7 +119,7 @@ def credit(
             in_view[np.uint64(known[e, i])] = False
 
 
-class Ledger(Lending):
+class Ledger(ReadOnlyViews):
     """The ledger of a batch of episodes; see `Entries` for the arrays, `Lookout` for their life."""
 
     entries: Entries
@@ -156,7 +156,9 @@ class Ledger(Lending):
         """Replace episodes (row,) of the batch by those of another ledger."""
         mine, theirs = self._entries, other._entries
         mixed: dict[str, Any] = {  # `truth` is filled with 0, others with nobody, nowhere and never
-            name: put_rows(getattr(mine, name), rows, getattr(theirs, name), (name == "truth") - 1)
+            name: scatter_rows(
+                getattr(mine, name), rows, getattr(theirs, name), (name == "truth") - 1
+            )
             for name in mine._fields
         }
         self._show("entries", Entries(**mixed))

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel, prepared
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
@@ -101,10 +101,10 @@ class Lookout:
             np.empty(items, np.int32),
         )
         if sensors.perfect:
-            self._look = prepared(_look, eyes, entries, knowledge)
+            self._look = BoundKernel(_look, eyes, entries, knowledge)
         else:
             sees = sensing(sensors, task, keys, items)
-            self._look = prepared(_look_imperfectly, eyes, sees, filtered, entries, knowledge)
+            self._look = BoundKernel(_look_imperfectly, eyes, sees, filtered, entries, knowledge)
 
     def look(self, looks: Looks, item_node: Int32Array, taken_by: NDArray[np.int16]) -> None:
         """Take in the end of a step.

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.base.rows import put_rows
+from mjforage.base.rows import scatter_rows
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.detection import corrected
@@ -39,7 +39,7 @@ class MapFilter(NamedTuple):
         """A copy in which the given rows (row,) are those of another, in its order."""
         if not self.density.shape[0]:
             return self
-        return self._replace(density=put_rows(self.density, rows, other.density))
+        return self._replace(density=scatter_rows(self.density, rows, other.density))
 
 
 @kernel

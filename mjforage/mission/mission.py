@@ -11,12 +11,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import prepared
+from mjforage.base.compiled import BoundKernel
 from mjforage.base.errors import UserError
-from mjforage.base.lending import Lending, Lent, read_only
 from mjforage.base.randomness import UInt64Array, episode_keys
-from mjforage.base.rows import put_rows
-from mjforage.base.views import view_of
+from mjforage.base.rows import scatter_rows
+from mjforage.base.views import CachedViews, ReadOnlyViews, read_only, view_of
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.dynamics import Dynamics, Transition, goes_on, mean_drift, taken_by
 from mjforage.mission.exchange import Exchange
@@ -37,7 +36,7 @@ _ONE = np.ones(1, np.int32)
 _TOLD = attrgetter(*Observation._fields[3:14])  # of knowledge
 
 
-class Mission(Lending):
+class Mission(ReadOnlyViews):
     """A batch of episodes of one scenario in one world; one episode is a batch of one.
 
     Its arrays are live, and nobody but the mission can write to them.
@@ -88,12 +87,12 @@ class Mission(Lending):
         self.task = setup.task if pickup is None else replace(setup.task, pickup=pickup)
         self.ledger = Ledger(self.task)
         self._dynamics = dynamics
-        self._lent_held = Lent[Knowledge]()
+        self._lent_held = CachedViews[Knowledge]()
         self._views, self._radius_number = self.task.views, self.task.radius_number
         self._resolver = Resolver(setup.graph, setup.fleet, setup.task.rules, setup.corruption)
         self._endless = bool(np.isinf(setup.fleet.energy).all())
         self._holds = np.flatnonzero(setup.fleet.capacity < UNLIMITED)  # whose room has an end
-        self._go_on = prepared(goes_on, setup.scenario.horizon)
+        self._go_on = BoundKernel(goes_on, setup.scenario.horizon)
 
     def reset(self, seed: int, episodes: NDArray[np.int64]) -> None:
         """Start the given episodes of a seed.
@@ -191,12 +190,12 @@ class Mission(Lending):
         self.ledger.adopt(rows, other.ledger)
         self._show("knowledge", self._knowledge.with_rows(rows, other._knowledge))
         self.exchange.adopt(rows, other.exchange, self._knowledge)
-        self._shown = put_rows(self._shown, rows, other._shown)
+        self._shown = scatter_rows(self._shown, rows, other._shown)
         self.forecasts.adopt(rows, other.forecasts)
         self._filtered = self._filtered.with_rows(rows, other._filtered)
-        self._begin_step(put_rows(self.step, rows, other.step))
+        self._begin_step(scatter_rows(self.step, rows, other.step))
         for name in ("keys", "active"):
-            mixed = put_rows(getattr(self, name), rows, getattr(other, name))
+            mixed = scatter_rows(getattr(self, name), rows, getattr(other, name))
             setattr(self, name, read_only(mixed))
         self._held_keys = read_only(np.repeat(self.keys, self.exchange.holders))
         self._post_lookout()

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import inlined, kernel, prepared
+from mjforage.base.compiled import BoundKernel, inlined, kernel
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.graph_planner.graph.geodesics import DIAGONAL, Int32Array
@@ -301,7 +301,7 @@ class Resolver:
         about = fleet.collects, fleet.order, rules.stay, rules.shorten
         movers = Movers(graph.neighbours, fleet.moves, shut, *about)
         claimed = np.zeros(len(graph), np.int64)  # node -> token of who took it last
-        self._resolve = prepared(_resolve, movers, corruption, claimed)
+        self._resolve = BoundKernel(_resolve, movers, corruption, claimed)
         self._one_holder, self._token = np.zeros(len(fleet), np.int64), 1
 
     def __call__(

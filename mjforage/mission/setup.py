@@ -6,9 +6,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.cached import say_once
-from mjforage.base.lending import read_only
+from mjforage.base.cached import warn_once
 from mjforage.base.randomness import UInt64Array
+from mjforage.base.views import read_only
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
 from mjforage.mission.initial_state import InitialState, create_initial_state, nodes_around
@@ -60,7 +60,7 @@ class Setup:
         setup = cls(scenario, grid)
         setup.check_memory(1)
         if costs := map_costs(scenario, grid.name, grid.navigable.shape, grid.nodes):
-            say_once(costs)
+            warn_once(costs)
         own = choice.starts is not None
         owner = f"scenario {scenario.name}" if own else "the .starts.csv beside the map"
         check_starts(setup.start_cells, grid.navigable, owner, choice.file)

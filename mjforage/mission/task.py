@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.lending import read_only
+from mjforage.base.views import read_only
 from mjforage.graph_planner.graph.geodesics import Float32Array, Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.graph_planner.graph.visibility import NodeLists

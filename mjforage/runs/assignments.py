@@ -19,12 +19,12 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from mjforage.base.atomic_files import write_bytes, writing
+from mjforage.base.atomic_files import write_bytes, write_errors
 from mjforage.base.errors import UserError
-from mjforage.base.registry import Place, blamed, fault, is_ours, trust, trusted
+from mjforage.base.registry import ImportSpec, blamed, fault, is_ours, trust, trusted
 from mjforage.graph_planner.policies import create_policy
-from mjforage.graph_planner.policies.registry import adopt_policy, outside_class
-from mjforage.mission.mission_metrics import Metric, Scorer, chosen_metrics, places_of
+from mjforage.graph_planner.policies.registry import add_policy, outside_class
+from mjforage.mission.mission_metrics import Metric, Scorer, chosen_metrics, import_specs_of
 from mjforage.mission.setup import Setup
 from mjforage.physics.worlds import create_mission
 from mjforage.runs import cluster
@@ -38,7 +38,7 @@ from mjforage.runs.replaying import as_logged
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import frames
 from mjforage.runs.under_way import Teller, telling
-from mjforage.runs.workers import Workers, policy_places
+from mjforage.runs.workers import Workers, policy_import_specs
 from mjforage.scenario.maps import GridMap
 from mjforage.scenario.scenario_file import canonical_json, scenario_from_tree, scenario_to_tree
 
@@ -60,8 +60,8 @@ class Assignment:
     parent: int | None  # process that asked for it and must outlive its workers; None: a cluster
     policies: tuple[str, ...] = ()
     worlds: tuple[str, ...] = ()
-    metrics: tuple[str | Place, ...] = ()  # references; for other processes where to find theirs
-    places: tuple[tuple[str, Place], ...] = ()  # of policies, for other processes
+    metrics: tuple[str | ImportSpec, ...] = ()  # references, or import specs
+    places: tuple[tuple[str, ImportSpec], ...] = ()  # of policies, for other processes
     code: tuple[tuple[str, str], ...] = ()  # file or library -> hash or version, which must agree
     kept: tuple[int, ...] = ()  # episodes whose replays are kept along with their chunks
     trusted: tuple[str, ...] = ()  # code that the user named, which weights may name
@@ -95,8 +95,8 @@ class Assignment:
             None if workers.remote else os.getpid(),
             policies,
             tuple(info["worlds"]),
-            places_of(taken) if workers.elsewhere else tuple(metrics),
-            policy_places(policies) if workers.elsewhere else (),
+            import_specs_of(taken) if workers.elsewhere else tuple(metrics),
+            policy_import_specs(policies) if workers.elsewhere else (),
             _facts(policies, worlds, taken),
             kept,
             trusted() if workers.elsewhere else (),
@@ -142,7 +142,7 @@ def _setup(assignment: Assignment) -> Setup:
         cluster.check_threads()  # first: two threads that look for code disturb each other
     trust(*assignment.trusted)
     for policy, place in assignment.places:
-        adopt_policy(policy, place)
+        add_policy(policy, place)
     if assignment.parent != os.getpid() and assignment.code:
         worlds = assignment.worlds if assignment.parent is None else None
         here = dict(_facts(assignment.policies, worlds, chosen_metrics(assignment.metrics)))
@@ -180,13 +180,13 @@ def replay_is_kept(folder: Path, one: Episode) -> bool:
         If the folder cannot be read.
     """
     path = replay_file(folder, *one)
-    with writing(path):
+    with write_errors(path):
         return zipfile.is_zipfile(path)  # not if missing or truncated
 
 
 def _keep(folder: Path, replay: Recording) -> None:
     path = replay_file(folder, replay.world, replay.policy, replay.episode)
-    with writing(path):
+    with write_errors(path):
         path.parent.mkdir(exist_ok=True)
     write_bytes(path, replay.content())
 

@@ -12,8 +12,8 @@ from urllib.parse import urlsplit
 
 from mjforage.base.errors import UserError
 from mjforage.base.extras import require
-from mjforage.base.registry import Place
-from mjforage.graph_planner.policies.registry import told_policy
+from mjforage.base.registry import ImportSpec
+from mjforage.graph_planner.policies.registry import check_policy_trusted
 from mjforage.mission.setup import Setup
 from mjforage.runs.identity import run_info
 from mjforage.runs.interrupts import interrupts_held
@@ -239,7 +239,7 @@ def check_threads() -> None:
 
 
 def check_run(
-    folder: Path, run_hash: str, setup: Setup, metrics: Sequence[str | Place] = ()
+    folder: Path, run_hash: str, setup: Setup, metrics: Sequence[str | ImportSpec] = ()
 ) -> None:
     """Check in a worker that it shares the run folder, and reads the same scenario and hulls.
 
@@ -256,7 +256,7 @@ def check_run(
         )
     run = load_run(file)
     for policy in run.policies:
-        told_policy(policy, str(file))
+        check_policy_trusted(policy, str(file))
     own = run_info(setup, run.policies, run.worlds, 0, 0, metrics)["hash"]
     if not run_hash == own == run.hash:
         raise UserError(

@@ -29,7 +29,7 @@ from mjforage.runs.distributing import keep_replays, run_chunks
 from mjforage.runs.identity import pinned, run_info
 from mjforage.runs.kept import FIRST, KEPT, check_kept, chosen, ranked, sure
 from mjforage.runs.layout import chunk_size, plan, take_apart
-from mjforage.runs.resuming import Resume, set_aside
+from mjforage.runs.resuming import Resume, archive
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import metric_columns
 from mjforage.runs.under_way import forget, waiting
@@ -367,7 +367,7 @@ def evaluate(
     )
     invocation = workers.invocation(run.policies, run.metrics)
     if resume == "fresh":
-        set_aside(folder, "run")
+        archive(folder, "run")
     run.open(accept=resume == "accept-code-change")
-    with run.folder.claimed():
+    with run.folder.lock():
         return carry_out([run], workers, invocation, progress)[0]

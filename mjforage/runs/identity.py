@@ -12,7 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from mjforage.base.registry import Place, is_ours
+from mjforage.base.registry import ImportSpec, is_ours
 from mjforage.graph_planner.policies.registry import (
     is_bound,
     outside_class,
@@ -165,7 +165,7 @@ def run_info(
     worlds: Sequence[str],
     episodes: int,
     seed: int,
-    metrics: Iterable[str | Place] = (),
+    metrics: Iterable[str | ImportSpec] = (),
 ) -> dict[str, Any]:
     """Content of `run.json` before the run: what it is and where it comes from.
 

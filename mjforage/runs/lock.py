@@ -15,7 +15,7 @@ _READ_ONLY = (errno.EACCES, errno.EPERM, errno.EROFS)
 
 
 @contextmanager
-def claimed(path: Path) -> Iterator[None]:
+def folder_lock(path: Path) -> Iterator[None]:
     """Keep other processes from writing a folder; the system lets go of it with the process.
 
     The lock is on the file `.lock` in the folder, which stays. A folder that this process may not

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import polars as pl
 
-from mjforage.base.atomic_files import whole
+from mjforage.base.atomic_files import atomic_write
 from mjforage.base.errors import UserError
 from mjforage.scenario.sizes import check_memory
 
@@ -131,7 +131,7 @@ def join_parquet(sources: Iterable[Path], target: Path) -> None:
     UserError
         If the target cannot be written.
     """
-    with whole(target, pl.exceptions.PolarsError) as beside:
+    with atomic_write(target, pl.exceptions.PolarsError) as beside:
         frame = pl.scan_parquet(files := list(sources), glob=False)
         schemas = [read_schema(file) for file in files]
         if any(schema != schemas[0] for schema in schemas):

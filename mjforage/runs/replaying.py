@@ -8,14 +8,14 @@ import numpy as np
 import polars as pl
 
 from mjforage.base.errors import UserError
-from mjforage.base.registry import Place
+from mjforage.base.registry import ImportSpec
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.graph_planner.policies.registry import (
-    adopt_policy,
+    add_policy,
     check_policies,
+    check_policy_trusted,
     has_policy,
     policy_label,
-    told_policy,
 )
 from mjforage.mission.mission import Observer
 from mjforage.mission.setup import Setup
@@ -91,9 +91,9 @@ def _known(policy: str, place: str, where: str) -> None:
     ----------
     place : package.module:Class, as the run says: its name may be one that only that registers
     """
-    told_policy(policy, where, place)
+    check_policy_trusted(policy, where, place)
     if place and not has_policy(policy):
-        adopt_policy(policy, Place(place, ""))
+        add_policy(policy, ImportSpec(place, ""))
 
 
 def _cause(folder: Path, setup: Setup, worlds: Sequence[str]) -> str:

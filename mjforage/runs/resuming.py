@@ -13,10 +13,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from mjforage.base.atomic_files import write_json, writing
+from mjforage.base.atomic_files import write_errors, write_json
 from mjforage.base.errors import UserError
 from mjforage.runs.foreign import check_files
-from mjforage.runs.lock import claimed
+from mjforage.runs.lock import folder_lock
 from mjforage.runs.run_info import read_json
 
 CODE = ("versions", "code")
@@ -154,7 +154,7 @@ def found_in(
     Nothing is written. Parameters and errors are those of `open_folder`.
     """
     file = path / f"{kind}.json"
-    with writing(path):
+    with write_errors(path):
         inside = path.iterdir() if path.is_dir() else ()
         found = sorted(entry.name for entry in inside if entry.name[0] != ".")
     if file.name not in found:
@@ -204,7 +204,7 @@ def open_folder(
         If the folder holds another one (the difference is named) or something else, or cannot be
         written, or is just being written.
     """
-    with writing(path):
+    with write_errors(path):
         path.mkdir(parents=True, exist_ok=True)
     file = path / f"{kind}.json"
     there, differing = found_in(path, kind, info, identity, accept)
@@ -216,7 +216,7 @@ def open_folder(
     if differing or grown:
         keys = (*ACCEPTABLE, "hash", "accepted", *(("command", GROWS) if grown else ()))
         changed = {key: content[key] for key in keys if key in content}
-        with claimed(path), writing(path):
+        with folder_lock(path), write_errors(path):
             if grown:
                 (path / "summary.json").unlink(missing_ok=True)  # before the file asks for more
             write_json(file, there | changed)
@@ -225,7 +225,7 @@ def open_folder(
 
 def _holds_nothing(path: Path, file: str) -> bool:
     """Whether a folder has nothing but the file that says what it was to hold."""
-    with writing(path):
+    with write_errors(path):
         return not any(
             entry.name != file and entry.name[0] != "." and not _is_empty(entry)
             for entry in path.iterdir()
@@ -236,7 +236,7 @@ def _is_empty(entry: Path) -> bool:
     return entry.is_dir() and all(one.name[0] == "." for one in entry.iterdir())
 
 
-def set_aside(path: Path, kind: str) -> Path | None:
+def archive(path: Path, kind: str) -> Path | None:
     """Rename a folder that holds a run, study or training, so that its place is free.
 
     Returns
@@ -252,7 +252,7 @@ def set_aside(path: Path, kind: str) -> Path | None:
         return None
     now = f"{datetime.now(UTC):%Y%m%dT%H%M%S}"
     names = (f"{path.name}.before-{now}{more}" for more in ("", *(f"-{n}" for n in range(2, 100))))
-    with claimed(path), writing(path):
+    with folder_lock(path), write_errors(path):
         aside = next(path.parent / name for name in names if not (path.parent / name).exists())
         path.rename(aside)
     _logger.warning("%s: what it held is kept as %s", path, aside)

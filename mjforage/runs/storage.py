@@ -17,11 +17,11 @@ from typing import Any
 
 import polars as pl
 
-from mjforage.base.atomic_files import remove_parts, writing
+from mjforage.base.atomic_files import remove_parts, write_errors
 from mjforage.base.errors import UserError
 from mjforage.base.references import file_label
 from mjforage.runs.costs import Cost
-from mjforage.runs.lock import claimed
+from mjforage.runs.lock import folder_lock
 from mjforage.runs.parquet import join_parquet, parquet_bytes
 from mjforage.runs.resuming import CODE, found_in, open_folder
 from mjforage.runs.run_info import again, read_json
@@ -99,9 +99,9 @@ class RunFolder:
                 check_table(path, table, self._moved(path))
         return info
 
-    def claimed(self) -> contextlib.AbstractContextManager[None]:
-        """Keep other processes from writing the folder, as `claimed`."""
-        return claimed(self.path)
+    def lock(self) -> contextlib.AbstractContextManager[None]:
+        """Keep other processes from writing the folder, as `folder_lock`."""
+        return folder_lock(self.path)
 
     @property
     def complete(self) -> bool:
@@ -156,7 +156,7 @@ class RunFolder:
             If it cannot be written.
         """
         target = self._chunks / chunk.name
-        with writing(target):
+        with write_errors(target):
             self._chunks.mkdir(exist_ok=True)
             temporary = Path(tempfile.mkdtemp(prefix=".", dir=self._chunks))
             try:

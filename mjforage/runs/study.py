@@ -18,8 +18,8 @@ from mjforage.runs.evaluate import THIS_PROCESS, Progress, Run, carry_out
 from mjforage.runs.foreign import check_files, check_names
 from mjforage.runs.identity import provenance
 from mjforage.runs.kept import FIRST, KEPT
-from mjforage.runs.lock import claimed
-from mjforage.runs.resuming import GROWS, Resume, found_in, open_folder, set_aside
+from mjforage.runs.lock import folder_lock
+from mjforage.runs.resuming import GROWS, Resume, archive, found_in, open_folder
 from mjforage.runs.run_info import REMEDY, read_json
 from mjforage.runs.source_code import commit
 from mjforage.runs.workers import Workers
@@ -256,17 +256,17 @@ def run_study(
     runs = [_plan(study, variant, folder) for variant in study.variants]
     invocation = workers.invocation({p for run in runs for p in run.policies}, study.metrics)
     if resume == "fresh":
-        set_aside(folder, "study")
+        archive(folder, "study")
     _check_flags(folder, study.info)
     found_in(folder, "study", study.info, IDENTITY)
     for run in runs:  # before anything is written: a study that is refused stays as it was
         run.folder.check(run.info, resume == "accept-code-change")
     open_folder(folder, "study", study.info, IDENTITY)
     with ExitStack() as stack:
-        stack.enter_context(claimed(folder))
+        stack.enter_context(folder_lock(folder))
         for run in runs:
             run.open(accept=resume == "accept-code-change")
-            stack.enter_context(run.folder.claimed())
+            stack.enter_context(run.folder.lock())
         begin()
         summaries: Sequence[Any] = carry_out(runs, workers, invocation, progress)
         names = [variant.name for variant in study.variants]

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 
 from mjforage.base.errors import UserError
-from mjforage.base.registry import Place
-from mjforage.graph_planner.policies.registry import own_weights, policy_place
-from mjforage.mission.mission_metrics import chosen_metrics, places_of
+from mjforage.base.registry import ImportSpec
+from mjforage.graph_planner.policies.registry import own_weights, policy_import_spec
+from mjforage.mission.mission_metrics import chosen_metrics, import_specs_of
 from mjforage.runs import cluster
 from mjforage.runs.costs import Invocation
 
@@ -61,8 +61,8 @@ class Workers:
         started, count = datetime.now(UTC).isoformat(), self.local_cluster or self.jobs
         how = "local dask cluster" if self.local_cluster else "processes"
         if self.elsewhere:
-            policy_places(policies)
-            places_of(chosen_metrics(metrics))
+            policy_import_specs(policies)
+            import_specs_of(chosen_metrics(metrics))
         if self.remote:
             cluster.check_dask()
         if self.scheduler:
@@ -82,7 +82,7 @@ def _check_weights(policies: Iterable[str]) -> None:
             )
 
 
-def policy_places(policies: Iterable[str]) -> tuple[tuple[str, Place], ...]:
+def policy_import_specs(policies: Iterable[str]) -> tuple[tuple[str, ImportSpec], ...]:
     """Where other processes find the policies that are not ours."""
-    found = ((policy, policy_place(policy)) for policy in policies)
+    found = ((policy, policy_import_spec(policy)) for policy in policies)
     return tuple((policy, place) for policy, place in found if place is not None)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.fields import Later, Within
-from mjforage.base.lending import read_only
+from mjforage.base.views import read_only
 
 UNLIMITED = int(np.iinfo(np.int64).max)
 """Capacity of an agent that can take any number of items aboard."""

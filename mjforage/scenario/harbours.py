@@ -13,8 +13,8 @@ import numpy as np
 from scipy import ndimage
 
 from mjforage.base.errors import UserError
-from mjforage.base.lending import read_only
 from mjforage.base.randomness import Stream, episode_keys, stream_key
+from mjforage.base.views import read_only
 from mjforage.scenario.harbour_shapes import KINDS, Cells, Draw, drawn
 
 ONE, MANY = "harbour:", "harbours:"

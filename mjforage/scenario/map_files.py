@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.atomic_files import whole
+from mjforage.base.atomic_files import atomic_write
 from mjforage.base.errors import UserError
 from mjforage.scenario.assets import models_folder
 from mjforage.scenario.map_formats import (
@@ -47,7 +47,7 @@ def write_table(cells: NDArray[np.bool_], path: Path) -> None:
         If the file cannot be written.
     """
     lines = (",".join("01"[int(cell)] for cell in row) + "\n" for row in cells)
-    with whole(path) as beside:
+    with atomic_write(path) as beside:
         beside.write_text("".join(lines), encoding="utf-8")
 
 

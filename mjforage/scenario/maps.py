@@ -12,7 +12,7 @@ from scipy import ndimage
 
 from mjforage.base.compiled import kernel
 from mjforage.base.errors import UserError
-from mjforage.base.lending import read_only
+from mjforage.base.views import read_only
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.scenario.assets import models_folder

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
-from mjforage.base.registry import Place, is_ours
+from mjforage.base.registry import ImportSpec, is_ours
 from mjforage.graph_planner.policies import create_policy
-from mjforage.graph_planner.policies.registry import POLICIES, adopt_policy, policy_class
+from mjforage.graph_planner.policies.registry import POLICIES, add_policy, policy_class
 from mjforage.mission.mission import Mission
 from mjforage.mission.policy import Bound, Policy
 from mjforage.mission.setup import Setup
@@ -221,7 +221,7 @@ def check_worker(trial: PolicyTrial) -> None:
     made = policy_class(trial.policy) if isinstance(trial.policy, str) else trial.policy
     if not is_ours(made):
         try:
-            place = POLICIES.place(trial.name, made)
+            place = POLICIES.import_spec(trial.name, made)
         except UserError as error:
             raise trial.error("worker", f"cannot be sent to a worker process: {error}") from error
     if not isinstance(trial.policy, str):
@@ -241,7 +241,7 @@ def check_worker(trial: PolicyTrial) -> None:
 
 def _answers(
     text: str,
-    place: Place | None,
+    place: ImportSpec | None,
     scenario: str,
     overrides: tuple[str, ...],
     episodes: int,
@@ -249,7 +249,7 @@ def _answers(
 ) -> list[Preferences]:
     """Answers of a policy in this process."""
     if place is not None:
-        adopt_policy(text, place)
+        add_policy(text, place)
     trial = PolicyTrial(text, scenario, overrides, episodes, seed)
     return [frame.answer for frame in trial.whole]
 

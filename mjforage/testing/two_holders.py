@@ -6,8 +6,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.lending import Lent, read_only
 from mjforage.base.randomness import UInt64Array
+from mjforage.base.views import CachedViews, read_only
 from mjforage.mission.knowledge import Knowledge, Looks, hear
 from mjforage.mission.task import Task, nothing_late
 
@@ -22,7 +22,7 @@ class TwoHolders:
     link_log = None
 
     def __init__(self) -> None:
-        self._lent = Lent[Knowledge]()
+        self._lent = CachedViews[Knowledge]()
 
     @property
     def knowledge(self) -> Knowledge:

@@ -15,7 +15,7 @@ from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from mjforage.base.atomic_files import whole
+from mjforage.base.atomic_files import atomic_write
 from mjforage.base.errors import UserError
 from mjforage.scenario.maps import GridMap, Starts
 from mjforage.view.page import style
@@ -97,7 +97,7 @@ def save_figure(figure: Figure, path: Path, dpi: int) -> None:
     if kind not in kinds:
         raise UserError(f"picture {path}: unknown kind; give .{', .'.join(kinds)}")
     literal(figure)
-    with whole(path) as beside:
+    with atomic_write(path) as beside:
         figure.savefig(beside, dpi=dpi, format=kind)
 
 

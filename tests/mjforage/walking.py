@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.lending import Lent
+from mjforage.base.views import CachedViews
 
 OURS = ("mjforage", "gymnasium")
 
@@ -14,11 +14,11 @@ OURS = ("mjforage", "gymnasium")
 def arrays(value: Any, path: str, met: dict[int, Any]) -> Iterator[tuple[str, NDArray[Any]]]:
     """All arrays that something of ours holds, by all names, but for what else was met before.
 
-    Views that are lent (`Lent`) are made anew for whoever asks.
+    Views that are lent (`CachedViews`) are made anew for whoever asks.
     """
     if isinstance(value, np.ndarray):
         yield path, value
-    if id(value) in met or isinstance(value, np.ndarray | Lent):
+    if id(value) in met or isinstance(value, np.ndarray | CachedViews):
         return
     met[id(value)] = value
     if isinstance(value, tuple) and hasattr(value, "_fields"):

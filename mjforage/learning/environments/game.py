@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel, prepared
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.encodings import LegalMoves, create_encoder
 from mjforage.graph_planner.graph.geodesics import Int32Array
@@ -119,7 +119,7 @@ class Game:
         self._spare = Mission(self.setup) if graph and num_envs > 1 else None
         self._weights = options.weights
         self._terms = RewardTerms(self.setup.task, self._weights)
-        self._share_happened = prepared(_share_happened)
+        self._share_happened = BoundKernel(_share_happened)
         self._legal_moves = LegalMoves(self.setup.task)
         self._encoder = create_encoder(options.observation, self.setup.task)
         self.shapes = self._encoder.shapes

@@ -7,7 +7,7 @@ from typing import Any, TypedDict
 
 from numpy.typing import NDArray
 
-from mjforage.base.cached import say_once
+from mjforage.base.cached import warn_once
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.graph_planner.encodings import encoder_label
@@ -79,7 +79,7 @@ class EnvironmentOptions:
         object.__setattr__(self, "observation", encoder_label(self.observation))
         object.__setattr__(self, "setup", chosen_setup(self.scenario, self.map, self.set))
         for line in foretold(self.setup, (self.world,)):
-            say_once(line)
+            warn_once(line)
         weights = PUBLISHED if self.reward is None else self.reward
         object.__setattr__(self, "weights", checked_weights(weights))
 

@@ -10,7 +10,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.cached import say_once
+from mjforage.base.cached import warn_once
 from mjforage.controllers import Pilot
 from mjforage.learning.environments.checks import checked_options, checked_started, checked_thrusts
 from mjforage.learning.environments.choices import check_known
@@ -107,7 +107,7 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
         self._weights = checked_names(REWARD if reward is None else reward, REWARD)
         self._course = Course(load_vessel(str(vessel)), weather, WAYPOINTS)
         for line in foretold_of_hull(self._course.vessel, wind_mps, TICK_S, STEP_REMEDY):
-            say_once(f"vessel {self._course.vessel.name}: {line}")
+            warn_once(f"vessel {self._course.vessel.name}: {line}")
         self._low, self._high = self._course.vessel.thruster.command_range
         self._way: list[tuple[float, float]] = []  # empty until the first reset
         self.observation_space = gymnasium.spaces.Box(-1.0, 1.0, (SCALES.size,), np.float32)

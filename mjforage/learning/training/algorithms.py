@@ -3,13 +3,13 @@
 from typing import Any
 
 from mjforage.base.errors import UserError
-from mjforage.base.registry import Table
+from mjforage.base.registry import Registry
 from mjforage.graph_planner.networks.weights import KINDS
 from mjforage.learning.training.algorithm import Algorithm
 from mjforage.learning.training.mappo.trainer import MappoTrainer
 from mjforage.learning.training.trainer import Trainer
 
-ALGORITHMS: Table[type[Algorithm[Any]]] = Table("algorithm", "mjforage.algorithms")
+ALGORITHMS: Registry[type[Algorithm[Any]]] = Registry("algorithm", "mjforage.algorithms")
 """Subclasses of `Algorithm`; installed packages bring theirs by entry points."""
 
 TO_WRITE = ("networks", "play_round", "tensors", "restore")

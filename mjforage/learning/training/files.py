@@ -11,7 +11,7 @@ from safetensors.torch import save_file
 from torch import Tensor
 from torch.optim import Adam
 
-from mjforage.base.atomic_files import whole
+from mjforage.base.atomic_files import atomic_write
 
 
 def save_tensors(path: Path, tensors: Mapping[str, Tensor], note: tuple[str, str]) -> None:
@@ -26,7 +26,7 @@ def save_tensors(path: Path, tensors: Mapping[str, Tensor], note: tuple[str, str
     UserError
         If the file cannot be written.
     """
-    with whole(path, SafetensorError) as beside:
+    with atomic_write(path, SafetensorError) as beside:
         save_file(dict(tensors), beside, metadata=dict([note]))
         beside.chmod(0o644)  # safetensors leaves it to the owner alone
 

@@ -38,8 +38,8 @@ from mjforage.runs.identity import (
     weight_hashes,
 )
 from mjforage.runs.interrupts import stop_noted
-from mjforage.runs.lock import claimed
-from mjforage.runs.resuming import CODE, Resume, open_folder, set_aside
+from mjforage.runs.lock import folder_lock
+from mjforage.runs.resuming import CODE, Resume, archive, open_folder
 from mjforage.runs.source_code import WHOLE, decisive_code
 from mjforage.scenario.scenario import Scenario
 from mjforage.scenario.scenario_file import canonical_json
@@ -131,9 +131,9 @@ def train_with(
     if evaluate:
         trainer.evaluate_on(evaluate)
     if resume == "fresh":
-        set_aside(folder, "training")
+        archive(folder, "training")
     open_folder(folder, "training", _facts(trainer), IDENTITY, resume == "accept-code-change")
-    with claimed(folder):
+    with folder_lock(folder):
         _go_on(trainer, folder, hours, updates, report)
     return trainer
 

@@ -6,10 +6,10 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel, prepared
-from mjforage.base.lending import Lent, read_only
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.base.randomness import UInt64Array
-from mjforage.base.rows import put_all, put_rows
+from mjforage.base.rows import scatter_all, scatter_rows
+from mjforage.base.views import CachedViews, read_only
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.exchange import Exchange, Ideal, LinkLog
@@ -117,7 +117,7 @@ class Radio:
         """
         self._scenario, self.holders = scenario, agents
         self.holder_of = read_only(np.arange(agents, dtype=np.int64))
-        self._lent_knowledge, self._lent_net = Lent[Knowledge](), Lent[Net]()
+        self._lent_knowledge, self._lent_net = CachedViews[Knowledge](), CachedViews[Net]()
 
     @property
     def knowledge(self) -> Knowledge:
@@ -149,7 +149,7 @@ class Radio:
             np.zeros(rows, np.int64),
             map_filter(self._scenario, task, rows),
         )
-        self._tell = prepared(_tell, self._net, self._knowledge)
+        self._tell = BoundKernel(_tell, self._net, self._knowledge)
         self.tell(looks, pooled)
 
     def tell(self, looks: Looks, pooled: Knowledge) -> None:
@@ -191,20 +191,20 @@ class Radio:
         self._knowledge = self._knowledge.with_rows(own, other._knowledge)
 
         moved = {
-            name: put_rows(getattr(mine.mail, name), rows, getattr(theirs.mail, name))
+            name: scatter_rows(getattr(mine.mail, name), rows, getattr(theirs.mail, name))
             for name in ("heard_at", "newest", "complete", "arrived", "flying", "landing")
         }
         self._net = mine._replace(
-            keys=put_rows(mine.keys, rows, theirs.keys),
-            log=put_all(mine.log, rows, theirs.log),
-            contacts=put_all(mine.contacts, rows, theirs.contacts),
+            keys=scatter_rows(mine.keys, rows, theirs.keys),
+            log=scatter_all(mine.log, rows, theirs.log),
+            contacts=scatter_all(mine.contacts, rows, theirs.contacts),
             mail=mine.mail._replace(**moved),
-            traffic=put_all(mine.traffic, rows, theirs.traffic),
-            late=put_rows(mine.late, own, theirs.late),
-            n_late=put_rows(mine.n_late, own, theirs.n_late),
+            traffic=scatter_all(mine.traffic, rows, theirs.traffic),
+            late=scatter_rows(mine.late, own, theirs.late),
+            n_late=scatter_rows(mine.n_late, own, theirs.n_late),
             filtered=mine.filtered.with_rows(own, theirs.filtered),
         )
-        self._tell = prepared(_tell, self._net, self._knowledge)
+        self._tell = BoundKernel(_tell, self._net, self._knowledge)
 
 
 def exchange_of(scenario: Scenario, agents: int) -> Exchange:

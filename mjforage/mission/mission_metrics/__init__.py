@@ -13,8 +13,8 @@ from mjforage.mission.mission_metrics.known import (
     METRICS,
     chosen_metrics,
     describe,
+    import_specs_of,
     metric,
-    places_of,
 )
 from mjforage.mission.mission_metrics.metric import Batch, Description, Metric, Moment, description
 from mjforage.mission.mission_metrics.scoring import Scorer, Scores, score
@@ -30,8 +30,8 @@ __all__ = [
     "chosen_metrics",
     "describe",
     "description",
+    "import_specs_of",
     "metric",
-    "places_of",
     "score",
 ]
 

@@ -26,7 +26,7 @@ class ErrorOverNodes(Metric):
 
     def at(self, moment: Moment) -> FloatArray:
         """(open,) now."""
-        return moment.once(errors)[0]
+        return moment.cached(errors)[0]
 
 
 @metric
@@ -41,4 +41,4 @@ class ErrorPerColumn(Metric):
 
     def at(self, moment: Moment) -> FloatArray:
         """(open,) now."""
-        return moment.once(errors)[1]
+        return moment.cached(errors)[1]

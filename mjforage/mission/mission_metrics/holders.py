@@ -17,7 +17,7 @@ def _unlikeness(moment: Moment) -> tuple[FloatArray, FloatArray]:
         moment.of_open(mission.knowledge.belief),
         moment.of_open(held.reshape(-1, holders, held.shape[1])),
         moment.of_open(mission.ledger.entries.truth),
-        moment.once(errors)[0],
+        moment.cached(errors)[0],
         mission.setup.grid.navigable,
     )
 
@@ -67,7 +67,7 @@ class Disagreement(OfHolders):
 
     def at(self, moment: Moment) -> FloatArray:
         """(open,) now."""
-        return moment.once(_unlikeness)[0]
+        return moment.cached(_unlikeness)[0]
 
 
 @metric
@@ -82,7 +82,7 @@ class ErrorOfHolders(OfHolders):
 
     def at(self, moment: Moment) -> FloatArray:
         """(open,) now."""
-        return moment.once(_unlikeness)[1]
+        return moment.cached(_unlikeness)[1]
 
     def value(self, batch: Batch) -> FloatArray:
         """(episode,)."""

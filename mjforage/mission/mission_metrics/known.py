@@ -9,12 +9,12 @@ from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
 from mjforage.base.errors import UserError
-from mjforage.base.registry import Place, Table, is_ours
+from mjforage.base.registry import ImportSpec, Registry, is_ours
 from mjforage.mission.mission_metrics.metric import Description, Metric, description
 
 _M = TypeVar("_M", bound=type[Metric])
 
-METRICS: Table[type[Metric]] = Table("metric", "mjforage.metrics")
+METRICS: Registry[type[Metric]] = Registry("metric", "mjforage.metrics")
 
 _FIRST = (
     *("pta_d", "pta_c", "rmse", "rmse_columns", "nt50", "nt90", "throughput", "throughput_scouts"),
@@ -39,7 +39,7 @@ def metric(made: _M) -> _M:
     return made
 
 
-def chosen_metrics(references: Iterable[str | Place] = ()) -> tuple[type[Metric], ...]:
+def chosen_metrics(references: Iterable[str | ImportSpec] = ()) -> tuple[type[Metric], ...]:
     """Our metrics and those referred to, in a fixed order.
 
     Parameters
@@ -53,7 +53,7 @@ def chosen_metrics(references: Iterable[str | Place] = ()) -> tuple[type[Metric]
     """
     found: dict[str, type[Metric]] = {}
     for name in (*METRICS.ours(), *references):
-        made = METRICS.at(name) if isinstance(name, Place) else METRICS.find(name)
+        made = METRICS.resolve(name) if isinstance(name, ImportSpec) else METRICS.find(name)
         one = checked(made, name if isinstance(name, str) else name.reference)
         if found.setdefault(one.key, one) is not one:
             raise UserError(
@@ -66,7 +66,7 @@ def chosen_metrics(references: Iterable[str | Place] = ()) -> tuple[type[Metric]
     )
 
 
-def places_of(metrics: Iterable[type[Metric]]) -> tuple[Place, ...]:
+def import_specs_of(metrics: Iterable[type[Metric]]) -> tuple[ImportSpec, ...]:
     """Where another process finds those metrics that are not ours.
 
     Raises
@@ -74,7 +74,7 @@ def places_of(metrics: Iterable[type[Metric]]) -> tuple[Place, ...]:
     UserError
         If one is of the script itself, which another process cannot import.
     """
-    return tuple(METRICS.place(one.key, one) for one in metrics if not is_ours(one))
+    return tuple(METRICS.import_spec(one.key, one) for one in metrics if not is_ours(one))
 
 
 def checked(made: object, name: str) -> type[Metric]:

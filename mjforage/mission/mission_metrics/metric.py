@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage import metrics
-from mjforage.base.cached import Once
+from mjforage.base.cached import Cache
 from mjforage.base.errors import UserError
 from mjforage.base.fields import Within
-from mjforage.base.lending import read_only
+from mjforage.base.views import read_only
 from mjforage.mission.episode_log import EpisodeLog
 from mjforage.mission.mission import Mission
 from mjforage.scenario.fleet import Fleet
@@ -26,7 +26,7 @@ FloatArray = NDArray[np.float64]
 _T = TypeVar("_T", bound=np.generic)
 
 
-class Moment(Once):
+class Moment(Cache):
     """A mission after its start or a step, as a course that is taken live sees it.
 
     Attributes
@@ -45,7 +45,7 @@ class Moment(Once):
         return values if whole else values[self.episodes]
 
 
-class Batch(Once):
+class Batch(Cache):
     """A batch that is over, as a metric's formula sees it.
 
     Attributes

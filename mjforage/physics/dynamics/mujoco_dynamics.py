@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import prepared
+from mjforage.base.compiled import BoundKernel
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import UInt64Array
 from mjforage.controllers import Chart, Pilot
@@ -140,12 +140,12 @@ class MujocoDynamics:
         )
         self._pilot = Pilot(self._helms, self._chart, episodes, CONTROL_S)
         self._watched = Watched.of(initial.agent_node.shape)
-        self._watch = prepared(watch, self._harbour, self._watched)
+        self._watch = BoundKernel(watch, self._harbour, self._watched)
         self._attempts = Attempts.of(len(self._fleet), initial.item_node)
         if self._has_camera:
             tracks = Tracks.of(self._camera, len(self._fleet), initial.item_node)
             self._tracks = tracks
-            self._look_out = prepared(
+            self._look_out = BoundKernel(
                 look_out, self._camera, self._water, keys, self._fleet.collects, tracks
             )
         pose = np.zeros((*initial.agent_node.shape, 3))

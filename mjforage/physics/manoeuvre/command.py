@@ -3,7 +3,7 @@
 import math
 from pathlib import Path
 
-from mjforage.base.cached import say_once
+from mjforage.base.cached import warn_once
 from mjforage.base.errors import UserError
 from mjforage.physics.foretold import foretold_of_hull
 from mjforage.physics.hydrodynamics.conditions import Conditions
@@ -59,7 +59,7 @@ def manoeuvre(
             "table (`mjforage vessels scout` has one), or leave out --wind"
         )
     for line in foretold_of_hull(hull, 0.0, min(dt_s, STEP_S, hull.lag_s), "give --dt of at most"):
-        say_once(f"vessel {hull.name}: {line}")
+        warn_once(f"vessel {hull.name}: {line}")
     conditions = Conditions(
         current_mps=parse_flow(current, "--current"),
         wind_mps=parse_flow(wind, "--wind"),

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.atomic_files import whole
+from mjforage.base.atomic_files import atomic_write
 from mjforage.base.errors import UserError
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.vessels import Vessel
@@ -66,7 +66,7 @@ def write_trajectory(trajectory: Trajectory, path: str | Path) -> None:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
     writer.writerows(np.column_stack((trajectory.times_s, trajectory.states)).tolist())
-    with whole(Path(path)) as beside:
+    with atomic_write(Path(path)) as beside:
         beside.write_text(text.getvalue(), encoding="utf-8")
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import prepared as kernel_with
+from mjforage.base.compiled import BoundKernel
 from mjforage.base.errors import UserError
 from mjforage.physics.callback import Route, calling, install
 from mjforage.physics.callback.model_layout import (
@@ -158,9 +158,9 @@ class Simulation:
         """The kernels of items, with their arrays."""
         items, bodies = self._afloat, self._bodies
         averaged = self._integrator is Integrator.FAST
-        self._lend = kernel_with(lend, items, bodies, self._pose, self._sizes, self._reach)
-        self._take_back = kernel_with(take_back, items, bodies)
-        self._drift = kernel_with(drift, items, quays, self.step_s, averaged)
+        self._lend = BoundKernel(lend, items, bodies, self._pose, self._sizes, self._reach)
+        self._take_back = BoundKernel(take_back, items, bodies)
+        self._drift = BoundKernel(drift, items, quays, self.step_s, averaged)
 
     def _bind(self, vessels: int) -> None:
         engine, n, bodies = self.engine, self.simulations, self.scene.items

@@ -26,7 +26,7 @@ import numpy as np
 
 from mjforage.base.compiled import kernel
 from mjforage.base.errors import UserError
-from mjforage.base.lending import read_only
+from mjforage.base.views import read_only
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.physics.weather.settings import WeatherSettings
 from mjforage.physics.weather.stream_element import (

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image as PilImage
 
-from mjforage.base.atomic_files import whole
+from mjforage.base.atomic_files import atomic_write
 from mjforage.base.errors import UserError
 from mjforage.base.extras import require
 
@@ -110,7 +110,7 @@ def _encoded(write: Writer, frames: Frames, path: Path, fps: float) -> int:
     first = next(frames, None)
     if first is None:
         return 0
-    with whole(path, av.FFmpegError) as part:
+    with atomic_write(path, av.FFmpegError) as part:
         return write(chain((first,), frames), part, fps)
 
 
@@ -154,5 +154,5 @@ def _refuse_old(pattern: Path) -> None:
 
 
 def _save_png(frame: NDArray[np.uint8], path: Path) -> None:
-    with whole(path) as part, part.open("wb") as file:
+    with atomic_write(path) as part, part.open("wb") as file:
         PilImage.fromarray(frame).save(file, format="PNG", compress_level=4)

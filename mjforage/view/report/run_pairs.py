@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.atomic_files import write_bytes, writing
+from mjforage.base.atomic_files import write_bytes, write_errors
 from mjforage.base.errors import UserError
 from mjforage.mission.mission_metrics import Description
 from mjforage.runs.run_info import load_run, read_json
@@ -85,7 +85,7 @@ def write_pair(first: Path, second: Path, out: Path | None = None) -> Path:
         ),
     }
     text = set_page("pair.html.j2", runs[0].run.versions.get("mjforage", ""), content)
-    with writing(out):
+    with write_errors(out):
         out.mkdir(parents=True, exist_ok=True)
     for table in filter(None, (brief, full, hulls, settings)):
         write_table(table, out / "tables", ("csv",))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import MARGIN
+from mjforage.base.compiled import TOLERANCE
 from mjforage.graph_planner.belief_planner.routes import (
     NOWHERE,
     Legs,
@@ -104,7 +104,7 @@ def test_rough_prices_are_prices() -> None:
         way = rng.integers(1, 40, n).astype(float)
         exact = _rest(weight, others, 5.0, way, 0.0)
         assert _rest_roughly(weight, others, 5.0, way) == pytest.approx(exact, rel=1e-12)
-    assert 1.0 - 1e-6 < MARGIN < 1.0 - 1e-12
+    assert 1.0 - 1e-6 < TOLERANCE < 1.0 - 1e-12
 
 
 @pytest.mark.parametrize("seed", range(12))

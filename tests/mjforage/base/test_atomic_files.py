@@ -7,12 +7,18 @@ from pathlib import Path
 
 import pytest
 
-from mjforage.base.atomic_files import remove_parts, whole, write_bytes, write_json, writing
+from mjforage.base.atomic_files import (
+    atomic_write,
+    remove_parts,
+    write_bytes,
+    write_errors,
+    write_json,
+)
 from mjforage.base.errors import UserError
 
 
 def error_of(number: int, path: Path) -> str:
-    with pytest.raises(UserError) as caught, writing(path):
+    with pytest.raises(UserError) as caught, write_errors(path):
         raise OSError(number, os.strerror(number))
     assert "\n" not in str(caught.value)
     return str(caught.value)
@@ -39,9 +45,9 @@ def test_the_cause_is_named_and_not_another(number: int, words: str, tmp_path: P
 
 
 def test_other_errors_pass(tmp_path: Path) -> None:
-    with pytest.raises(ZeroDivisionError), writing(tmp_path):
+    with pytest.raises(ZeroDivisionError), write_errors(tmp_path):
         raise ZeroDivisionError
-    with pytest.raises(ValueError, match="odd"), writing(tmp_path):
+    with pytest.raises(ValueError, match="odd"), write_errors(tmp_path):
         raise ValueError("odd")
 
 
@@ -59,7 +65,7 @@ def test_two_writers_of_a_file_do_not_meet(tmp_path: Path) -> None:
     path, both = tmp_path / "a", threading.Barrier(2, timeout=60.0)
 
     def write(letter: bytes) -> None:
-        with whole(path) as beside:
+        with atomic_write(path) as beside:
             beside.write_bytes(letter * 10)
             both.wait()  # both have written before one is renamed
 
@@ -76,7 +82,7 @@ def test_two_writers_of_a_file_do_not_meet(tmp_path: Path) -> None:
 def test_a_failure_leaves_the_old_file_and_no_other(tmp_path: Path, error: BaseException) -> None:
     path = tmp_path / "a"
     path.write_bytes(b"older")
-    with pytest.raises((type(error), UserError)), whole(path) as beside:
+    with pytest.raises((type(error), UserError)), atomic_write(path) as beside:
         beside.write_bytes(b"half")
         raise error
     assert path.read_bytes() == b"older"

@@ -15,7 +15,7 @@ from numba.core import event
 from numba.core.errors import TypingError
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import compiling, kernel, prepared
+from mjforage.base.compiled import BoundKernel, compiling, kernel
 
 
 class Pair(NamedTuple):
@@ -32,7 +32,7 @@ def _scale(by: Pair, values: NDArray[np.float64]) -> float:
 
 def test_a_prepared_kernel_keeps_its_first_arguments_and_sees_what_becomes_of_them() -> None:
     factor = np.array([2.0, 3.0])
-    scale = prepared(_scale, Pair(factor, 1.0))
+    scale = BoundKernel(_scale, Pair(factor, 1.0))
     first, second = np.ones(2), np.array([1.0, 10.0])
     assert scale(first) == 3.0 + 4.0  # compiles
     assert scale(second) == 3.0 + 31.0  # goes straight to the compiled code
@@ -43,7 +43,7 @@ def test_a_prepared_kernel_keeps_its_first_arguments_and_sees_what_becomes_of_th
 
 
 def test_a_prepared_kernel_passes_errors_on() -> None:
-    fails = prepared(_fail)
+    fails = BoundKernel(_fail)
     for _ in range(2):
         with pytest.raises(ValueError, match="no number"):
             fails(1)
@@ -58,7 +58,7 @@ def _fail(number: int) -> int:
 
 def test_a_copy_of_a_prepared_kernel_has_arguments_of_its_own() -> None:
     factor = np.array([2.0, 3.0])
-    scale = prepared(_scale, Pair(factor, 1.0))
+    scale = BoundKernel(_scale, Pair(factor, 1.0))
     scale(np.ones(2))
     for again in (copy.deepcopy(scale), pickle.loads(pickle.dumps(scale))):  # noqa: S301  ours
         factor[:] = 0.0
@@ -69,7 +69,7 @@ def test_a_copy_of_a_prepared_kernel_has_arguments_of_its_own() -> None:
 
 def test_a_pickled_kernel_is_looked_up_in_its_module(monkeypatch: pytest.MonkeyPatch) -> None:
     """So that it is the one of that process, which the disk has compiled."""
-    sent = pickle.dumps(prepared(_scale, Pair(np.ones(1), 1.0)))
+    sent = pickle.dumps(BoundKernel(_scale, Pair(np.ones(1), 1.0)))
     monkeypatch.setattr(sys.modules[__name__], "_scale", lambda by, values: -1.0)
     assert pickle.loads(sent)(np.ones(1)) == -1.0  # noqa: S301  ours
 
@@ -95,15 +95,15 @@ def test_prepared_kernels_take_every_place_of_arrays_of_other_types_and_layouts(
     )
     for values in kinds + kinds:
         expected = 0.5 + float(np.arange(1, values.size + 1) @ values.ravel())
-        assert prepared(_in_order, values)(by) == expected
+        assert BoundKernel(_in_order, values)(by) == expected
 
 
 def test_what_may_not_be_written_is_not_by_another_s_code() -> None:
     mine, theirs = np.ones(2), np.ones(2)
     theirs.flags.writeable = False
-    prepared(_zero, mine)()
+    BoundKernel(_zero, mine)()
     with pytest.raises(TypingError):
-        prepared(_zero, theirs)()
+        BoundKernel(_zero, theirs)()
     assert theirs[0] == 1.0
 
 
@@ -129,16 +129,16 @@ def _depth(of: Rise | Fall) -> float:
 
 def test_prepared_kernels_tell_named_tuples_and_kernels_apart() -> None:
     for _ in range(2):
-        assert prepared(_height)(Rise(1.0, 3.0)) == 2.0
-        assert prepared(_height)(Fall(1.0, 3.0)) == -2.0
-        assert prepared(_depth)(Rise(1.0, 3.0)) == -2.0
+        assert BoundKernel(_height)(Rise(1.0, 3.0)) == 2.0
+        assert BoundKernel(_height)(Fall(1.0, 3.0)) == -2.0
+        assert BoundKernel(_depth)(Rise(1.0, 3.0)) == -2.0
 
 
 def test_prepared_kernels_look_into_tuples() -> None:
     whole = np.array([2, 3])
     factors: list[NDArray[Any]] = [whole.astype(np.float64), whole.astype(np.float32), whole]
     for factor in factors:
-        assert prepared(_scale, Pair(factor, 1.0))(np.ones(2)) == 7.0
+        assert BoundKernel(_scale, Pair(factor, 1.0))(np.ones(2)) == 7.0
 
 
 class Heard(event.Listener):

@@ -8,7 +8,7 @@ import pytest
 
 from mjforage.base.errors import UserError
 from mjforage.base.extras import extra_with
-from mjforage.base.registry import Place, Table
+from mjforage.base.registry import ImportSpec, Registry
 
 METADATA = "Metadata-Version: 2.1\nName: reef-tools\nVersion: 1.2\n"
 SOURCE = '''class Reef:
@@ -42,8 +42,8 @@ def installed(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-def boats() -> "Table[type]":
-    return Table("boat", "tests.boats")
+def boats() -> "Registry[type]":
+    return Registry("boat", "tests.boats")
 
 
 def test_an_installed_package_brings_names_and_says_where_from(installed: Path) -> None:
@@ -67,16 +67,16 @@ def test_another_process_finds_it_by_its_place(folder: Path) -> None:
     (package / "__init__.py").write_text("")
     (package / "reef.py").write_text(SOURCE)
     sys.path.append(str(folder / "yard"))
-    places = boats().places(["boats.reef:Reef"])
-    assert places == {"boats.reef:Reef": Place("boats.reef:Reef", str(folder / "yard"))}
+    places = boats().import_specs(["boats.reef:Reef"])
+    assert places == {"boats.reef:Reef": ImportSpec("boats.reef:Reef", str(folder / "yard"))}
     sys.path.remove(str(folder / "yard"))
     for name in ("boats.reef", "boats"):
         del sys.modules[name]
     other = boats()
-    other.adopt("mine", Place("boats.reef:Reef", str(folder / "yard")))
+    other.add("mine", ImportSpec("boats.reef:Reef", str(folder / "yard")))
     assert other.find("mine").__doc__ == "Around the reef."
     before = other.names()
-    other.adopt("boats.reef:Reef", Place("boats.reef:Reef", str(folder / "yard")))
+    other.add("boats.reef:Reef", ImportSpec("boats.reef:Reef", str(folder / "yard")))
     assert other.has("boats.reef:Reef") and other.names() == before
 
 
@@ -95,7 +95,7 @@ def test_what_is_of_a_function_or_script_is_refused_with_the_remedy() -> None:
     table = boats()
     table.register("local")(Local)
     with pytest.raises(UserError, match=r"boat local: .*Local is defined in the script itself or"):
-        table.places(["local"])
+        table.import_specs(["local"])
 
 
 @pytest.mark.parametrize(

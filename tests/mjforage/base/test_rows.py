@@ -1,22 +1,22 @@
 import numpy as np
 
-from mjforage.base.rows import put_rows
+from mjforage.base.rows import scatter_rows
 
 
 def test_rows_are_replaced_in_a_copy() -> None:
     into = np.arange(6).reshape(3, 2)
-    result = put_rows(into, np.array([1]), np.array([[9, 8]]))
+    result = scatter_rows(into, np.array([1]), np.array([[9, 8]]))
     assert result.tolist() == [[0, 1], [9, 8], [4, 5]]
     assert into[1].tolist() == [2, 3]
 
 
 def test_the_narrower_side_is_padded() -> None:
     into = np.ones((2, 2), np.int16)
-    assert put_rows(into, np.array([0]), np.full((1, 3), 5, np.int16), -1).tolist() == [
+    assert scatter_rows(into, np.array([0]), np.full((1, 3), 5, np.int16), -1).tolist() == [
         [5, 5, 5],
         [1, 1, -1],
     ]
-    assert put_rows(into, np.array([1]), np.full((1, 1), 5, np.int16), -1).tolist() == [
+    assert scatter_rows(into, np.array([1]), np.full((1, 1), 5, np.int16), -1).tolist() == [
         [1, 1],
         [5, -1],
     ]

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mjforage.base.lending import Lent, read_only
 from mjforage.base.randomness import UInt64Array, episode_keys
+from mjforage.base.views import CachedViews, read_only
 from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.game import Game
 from mjforage.learning.environments.options import EnvironmentOptions
@@ -114,7 +114,7 @@ class Listed(Metric):
 
     def at(self, moment: Moment) -> FloatArray:
         self.found.extend(writable(moment))
-        kept = moment.once(lambda one: np.ones(3))
+        kept = moment.cached(lambda one: np.ones(3))
         assert not kept.flags.writeable
         return np.zeros(len(moment.episodes))
 
@@ -299,7 +299,7 @@ def test_evaluate_says_in_one_line_which_policy_writes(
 
 
 def test_views_follow_their_arrays_and_a_copy_makes_its_own() -> None:
-    arrays, lent = (np.zeros(2), (np.ones(1), "words")), Lent[Any]()
+    arrays, lent = (np.zeros(2), (np.ones(1), "words")), CachedViews[Any]()
     views = lent.of(arrays)
     assert lent.of(arrays) is views and views[1][1] == "words"
     arrays[0][0] = 3.0

@@ -18,7 +18,7 @@ from mjforage.runs.episode_recording import Recording
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.foreign import own_command
 from mjforage.runs.kept import replay_file
-from mjforage.runs.resuming import open_folder, set_aside
+from mjforage.runs.resuming import archive, open_folder
 from mjforage.runs.run_info import again, load_run, read_json
 from mjforage.runs.study import load_study_info
 from mjforage.scenario import sizes
@@ -129,7 +129,7 @@ def test_links_in_a_folder_are_refused(run: Path, place: str, kind: str) -> None
     for opened in (
         lambda: write_report(run),
         lambda: open_folder(run, "run", content(run), ("seed",)),
-        lambda: set_aside(run, "run"),
+        lambda: archive(run, "run"),
     ):
         with pytest.raises(UserError, match=f"{place}: is a link or a device") as caught:
             opened()

@@ -20,7 +20,7 @@ from mjforage.runs.assignments import Assignment, run_chunk
 from mjforage.runs.costs import load_costs
 from mjforage.runs.evaluate import evaluate
 from mjforage.runs.layout import CHUNK, plan
-from mjforage.runs.lock import claimed
+from mjforage.runs.lock import folder_lock
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import TABLES
 from mjforage.scenario.scenario_file import load_scenario
@@ -353,7 +353,7 @@ def test_a_run_killed_while_it_goes_on_to_more_loses_nothing(
 
 def test_nobody_goes_on_to_more_of_a_run_that_is_being_written(tmp_path: Path) -> None:
     run = of_episodes(tmp_path / "run", 1)
-    with claimed(run), pytest.raises(UserError, match="another process is writing this run"):
+    with folder_lock(run), pytest.raises(UserError, match="another process is writing this run"):
         of_episodes(run, 2)
     assert of_episodes(run, 1) and (run / "summary.json").exists()
 

@@ -14,7 +14,7 @@ from mjforage.base.errors import UserError
 from mjforage.mission.setup import Setup
 from mjforage.runs.costs import Cost
 from mjforage.runs.identity import hull_facts, run_hash
-from mjforage.runs.resuming import set_aside
+from mjforage.runs.resuming import archive
 from mjforage.runs.storage import Chunk, RunFolder
 from mjforage.runs.tables import SCHEMAS, TABLES
 from mjforage.scenario.scenario_file import load_scenario
@@ -153,18 +153,18 @@ def test_changed_code_is_accepted_on_request_and_noted(run: RunFolder) -> None:
 
 def test_what_a_fresh_run_replaces_is_kept_beside(run: RunFolder) -> None:
     before = {path.name: path.read_bytes() for path in run.path.rglob("*") if path.is_file()}
-    aside = set_aside(run.path, "run")
+    aside = archive(run.path, "run")
     assert aside is not None and aside.name.startswith("run.before-") and not run.path.exists()
     kept = {path.name: path.read_bytes() for path in aside.rglob("[!.]*") if path.is_file()}
     assert kept == before
     run.open(INFO | {"seed": 7})
-    again = set_aside(run.path, "run")
+    again = archive(run.path, "run")
     assert again is not None and again != aside
 
 
 def test_a_folder_that_holds_no_run_is_not_renamed(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("")
-    assert set_aside(tmp_path, "run") is None and (tmp_path / "thesis.tex").exists()
+    assert archive(tmp_path, "run") is None and (tmp_path / "thesis.tex").exists()
 
 
 @pytest.mark.parametrize("text", ["", "{", "[1]", "\udcff", "null"])
@@ -334,7 +334,7 @@ def test_hash_depends_on_scenario_map_code_and_versions_of_what_computes() -> No
 
 def test_a_folder_is_written_by_one_process_at_a_time(tmp_path: Path) -> None:
     hold = "import sys; from pathlib import Path; from mjforage.runs.storage import RunFolder\n"
-    hold += "with RunFolder(Path(sys.argv[1])).claimed(): print('mine', flush=True); input()"
+    hold += "with RunFolder(Path(sys.argv[1])).lock(): print('mine', flush=True); input()"
     other = subprocess.Popen(
         [sys.executable, "-c", hold, str(tmp_path)],
         stdin=subprocess.PIPE,
@@ -346,11 +346,11 @@ def test_a_folder_is_written_by_one_process_at_a_time(tmp_path: Path) -> None:
         assert other.stdout.readline() == "mine\n"
         with (
             pytest.raises(UserError, match="another process is writing this run"),
-            RunFolder(tmp_path).claimed(),
+            RunFolder(tmp_path).lock(),
         ):
             pass
         other.communicate("\n")
-    with RunFolder(tmp_path).claimed():
+    with RunFolder(tmp_path).lock():
         pass
 
 

@@ -39,7 +39,7 @@ class Removed:
 
     def __call__(self, step: Step) -> Amounts:
         """(episode, agent) [item]."""
-        return step.once(_removed)
+        return step.cached(_removed)
 
 
 @reward("team_removed")
@@ -48,7 +48,7 @@ class TeamRemoved:
 
     def __call__(self, step: Step) -> Amounts:
         """(episode, agent) [item]."""
-        removed = step.once(_removed)
+        removed = step.cached(_removed)
         return np.repeat(removed.mean(axis=1, keepdims=True), removed.shape[1], axis=1)
 
 

@@ -8,20 +8,20 @@ from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
-from mjforage.base.registry import Table, built, is_ours
+from mjforage.base.registry import Registry, built, is_ours
 from mjforage.graph_planner.graph.geodesics import Workspace
 from mjforage.learning.environments.rewards.term import Amounts, Before, Follower, Step, Term
 from mjforage.mission.mission import Mission
 from mjforage.mission.task import Task
 
-REWARDS: Table[Callable[..., Term]] = Table("reward", "mjforage.rewards")
+REWARDS: Registry[Callable[..., Term]] = Registry("reward", "mjforage.rewards")
 
 PUBLISHED = {"belief": 2.12, "removed": 5.91, "idleness": 2.23, "distance": -1.7}
 """Weights of the published experiments (scenario section 3)."""
 
 
 reward = REWARDS.register
-"""Class decorator that makes a term known under a name, as `Table.register`."""
+"""Class decorator that makes a term known under a name, as `Registry.register`."""
 
 
 def term_class(text: str) -> Callable[..., Term]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mjforage.base.compiled import kernel, prepared
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.graph_planner.graph.geodesics import FAR, Int32Array, Workspace, distances_to_nearest
 from mjforage.learning.environments.rewards.known import reward
 from mjforage.learning.environments.rewards.term import Amounts, Step
@@ -41,7 +41,7 @@ class _ToNearest:
     """What both terms measure."""
 
     def __init__(self) -> None:
-        self._nearest_known = prepared(_nearest_known)
+        self._nearest_known = BoundKernel(_nearest_known)
 
     def nearest(
         self, step: Step, known: Int32Array, n_known: Int32Array, agent_node: Int32Array

@@ -5,9 +5,9 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.cached import Once
-from mjforage.base.compiled import kernel, prepared
-from mjforage.base.lending import Lent
+from mjforage.base.cached import Cache
+from mjforage.base.compiled import BoundKernel, kernel
+from mjforage.base.views import CachedViews
 from mjforage.graph_planner.graph.geodesics import Int32Array, Workspace
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.mission import Mission
@@ -38,8 +38,8 @@ class Follower:
 
     def __init__(self) -> None:
         self._copy: Before | None = None
-        self._lent = Lent[Before]()
-        self._follow = prepared(_follow)
+        self._lent = CachedViews[Before]()
+        self._follow = BoundKernel(_follow)
 
     def follow(self, mission: Mission) -> Before:
         """The copy, brought up to date; call once before every step of one mission."""
@@ -87,7 +87,7 @@ def _follow(
                 own_last_seen[e, nodes[i]] = last_seen[e, nodes[i]]
 
 
-class Step(Once):
+class Step(Cache):
     """A step that was just made, as a term sees it. `once` keeps what several terms compute.
 
     Attributes

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.compiled import kernel, prepared
+from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.learning.environments.rewards.known import reward
@@ -67,7 +67,7 @@ class BeliefChanged:
     """Change of the belief map in view, shared where views overlap."""
 
     def __init__(self) -> None:
-        self._changed = prepared(_belief_changed)
+        self._changed = BoundKernel(_belief_changed)
 
     def __call__(self, step: Step) -> Amounts:
         """(episode, agent) [item]."""
@@ -83,7 +83,7 @@ class IdlenessEnded:
     """Idleness, before the look, of the nodes in view of agents that do not collect."""
 
     def __init__(self) -> None:
-        self._ended = prepared(_idleness_ended)
+        self._ended = BoundKernel(_idleness_ended)
 
     def __call__(self, step: Step) -> Amounts:
         """(episode, agent) [node of idleness 1]."""

@@ -6,10 +6,10 @@ from functools import lru_cache
 from mjforage.base.errors import UserError
 from mjforage.base.references import parse_reference
 from mjforage.graph_planner.policies.registry import (
+    check_policy_trusted,
     policy_files,
     policy_names,
     policy_summary,
-    told_policy,
 )
 from mjforage.scenario.assets import models_folder
 from mjforage.view.page import style
@@ -50,7 +50,7 @@ def given(policy: str) -> tuple[str, str]:
     """What a policy was given, and where it is described; "" for what is not known here."""
     name = parse_reference(policy, "policy").name
     try:
-        told_policy(policy, "study.json")
+        check_policy_trusted(policy, "study.json")
         files = [path.name for path in policy_files(policy)]
     except UserError:
         files = []

@@ -19,7 +19,7 @@ from mjforage.learning.training.progress import Row
 from mjforage.learning.training.run import IDLE_ROUNDS, train, train_with
 from mjforage.learning.training.soundness import check_parts
 from mjforage.learning.training.trainer import Trainer
-from mjforage.runs.lock import claimed
+from mjforage.runs.lock import folder_lock
 from tests.mjforage.learning.training.tiny_runs import hyperparameters, scenario
 
 
@@ -39,7 +39,7 @@ def test_ends_and_folders_are_checked(finished: tuple[Path, Trainer], tmp_path: 
         train(scenario(), hyperparameters(), copy, seed=3, updates=1)
     with pytest.raises(UserError, match="--device tpu: choose auto, cpu or cuda"):
         train(scenario(), hyperparameters(), tmp_path, updates=1, device="tpu")
-    with claimed(copy), pytest.raises(UserError, match="another process is writing this run"):
+    with folder_lock(copy), pytest.raises(UserError, match="another process is writing this run"):
         train(scenario(), hyperparameters(), copy, seed=3, updates=1)
 
 
