@@ -13,16 +13,16 @@ from mjforage.base.compiled import BoundKernel
 from mjforage.base.randomness import Stream, UInt64Array, stream_key
 from mjforage.graph_planner.belief_planner import hotspots as hs
 from mjforage.graph_planner.belief_planner import late as lt
-from mjforage.graph_planner.belief_planner import misses as ms
+from mjforage.graph_planner.belief_planner import missed_detections as ms
 from mjforage.graph_planner.belief_planner import reconciling as rc
 from mjforage.graph_planner.belief_planner import stragglers as st
 from mjforage.graph_planner.belief_planner import tracks as tr
 from mjforage.graph_planner.belief_planner import updating as up
 from mjforage.graph_planner.belief_planner import wind as wd
-from mjforage.graph_planner.belief_planner.cloud import cloud_of
-from mjforage.graph_planner.belief_planner.currents import currents_of
+from mjforage.graph_planner.belief_planner.boundary import boundary_of
+from mjforage.graph_planner.belief_planner.drift_hypotheses import drift_hypotheses_of
 from mjforage.graph_planner.belief_planner.routes import NOWHERE
-from mjforage.graph_planner.belief_planner.shore import shore_of
+from mjforage.graph_planner.belief_planner.spatial_prior import spatial_prior_of
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.task import Observation, Task
 from mjforage.scenario.belief_settings import BeliefSettings
@@ -34,7 +34,7 @@ IDLE, OLD = 0.05, 135.0  # without a belief: items in a node not seen for so man
 LEAST_EXPECTED = 0.1  # of the mean unseen items per node: so many may be anywhere
 
 
-def neglected(seen: Observation, e: int) -> NDArray[np.float64]:
+def stale_nodes(seen: Observation, e: int) -> NDArray[np.float64]:
     """Items expected in each node (node,) without a belief: more where nobody looked for long."""
     age: NDArray[np.float64] = seen.step[e] - 1.0 - seen.last_seen[e].astype(np.float64)
     return IDLE * np.minimum(1.0, age / OLD)
@@ -58,14 +58,16 @@ class Beliefs:
         self.tracks = tr.tracks(rows, capacity)
         self.wind = wd.wind(rows, settings)
         largest = settings.drift_node_per_step
-        self._currents = currents_of(graph, task.walls, largest, task.horizon)
-        hypotheses = len(self._currents.drift)
+        self._hypotheses = drift_hypotheses_of(graph, task.walls, largest, task.horizon)
+        hypotheses = len(self._hypotheses.drift)
         self.spots = hs.hotspots(rows, nodes, hypotheses, capacity, settings)
         foragers, noise = self._foragers.size, settings.noise_node_per_step
-        self._misses = ms.misses(rows, nodes, task.horizon, ms.assumed_chances(task, settings))
-        about = nodes, task.horizon, foragers, noise, self._misses
+        self._missed_detections = ms.missed_detections(
+            rows, nodes, task.horizon, ms.assumed_chances(task, settings)
+        )
+        about = nodes, task.horizon, foragers, noise, self._missed_detections
         self.stragglers = st.stragglers(rows, *about)
-        self._shore = shore_of(graph, task.walls)
+        self._boundary = boundary_of(graph, task.walls)
         self._glance = lt.glance(nodes)
         self.expected = np.zeros((rows, nodes))
         self.later = np.zeros((rows, nodes), np.int64)
@@ -98,13 +100,13 @@ class Beliefs:
             self.wind,
             self.spots,
             self.stragglers,
-            self._shore,
-            cloud_of(task.graph, settings.spread_node),
+            self._boundary,
+            spatial_prior_of(task.graph, settings.spread_node),
             tr.ended(4 * capacity),
             tr.losses(capacity),
             rc.scratch(nodes),
             self._keys,
-            self._currents.axis,
+            self._hypotheses.axis,
             self.expected,
             self.later,
             np.zeros((rows, self._foragers.size), np.int64),
@@ -114,20 +116,20 @@ class Beliefs:
     def learn(self, seen: Observation, e: int) -> None:
         """Bring tracks, drift and expectations of a row of a plain observation up to date."""
         now, store = int(seen.step[e]) - 1, self._store
-        nodes = self._currents.nodes(now)
+        nodes = self._hypotheses.nodes(now)
         if (seen.late_looks[e, :, 0] >= 0).any():
             foragers_at = self._begin(seen, e)
             found = self._take_late(seen, e, now)
             sighted, drift = self._settle(seen, e, foragers_at), self.wind.mean[e]
             for late in found:
                 if late.node.size:
-                    about = self.spots, store.cloud, self._shore, e, late.step, late.node
+                    about = self.spots, store.prior, self._boundary, e, late.step, late.node
                     hs.sight(*about, drift[0], drift[1])
             self._expect(seen, e, nodes, sighted)
         else:
             self._learn(seen, e, nodes)
         if not self._settings.hotspot:
-            self.expected[e] = neglected(seen, e)
+            self.expected[e] = stale_nodes(seen, e)
         elif self.tracks.number[e] == 0 and self.spots.number[e]:
             self._keep_hoping(seen, e, now)
 
@@ -166,7 +168,7 @@ class Beliefs:
             lt.show(step, at, seen.late_shown[e, looks], radius, views, self._glance)
             found.append(self._take_step(e, step, now, at, who))
         if self._settings.particles:
-            st.retest(self.stragglers, self._shore, self._keys[e], e, now - 1)
+            st.retest(self.stragglers, self._boundary, self._keys[e], e, now - 1)
         return found
 
     def _collecting(self, e: int, at: Int32Array, who: NDArray[np.int64]) -> Int32Array:
@@ -185,24 +187,24 @@ class Beliefs:
         """Take in what the glance shows of a step, of agents (look,) at their nodes (look,)."""
         foragers_at = self._collecting(e, at, who)
         store, tracks, particles, past = self._store, self.tracks, self.stragglers, now - step
-        shore, ways, lost, seen = self._shore, store.ways, store.lost, self._glance.last_seen
+        boundary, ways, lost, seen = self._boundary, store.ways, store.lost, self._glance.last_seen
         drift = self.wind.mean[e] * self._settings.advection
         up.remember(store, e, step, seen, at, who, foragers_at)
-        hs.look(self.spots, e, self._currents.nodes(step), self._misses.factor)
-        lt.work_back(tracks, shore, e, step, past, drift)
-        lt.collect(tracks, shore, e, step, foragers_at, drift, ways, lost)
+        hs.look(self.spots, e, self._hypotheses.nodes(step), self._missed_detections.factor)
+        lt.work_back(tracks, boundary, e, step, past, drift)
+        lt.collect(tracks, boundary, e, step, foragers_at, drift, ways, lost)
         edges, view = self._task.graph.neighbours, rc.View(step, self._glance.belief, seen)
         nobody = rc.Catch(foragers_at[:0], store.taken[e, :0])
         false_rate, least = store.assumed.false_rate, store.assumed.least
-        doubts = rc.Doubts(self._misses, false_rate, self.expected[e], least)
+        doubts = rc.Doubts(self._missed_detections, false_rate, self.expected[e], least)
         about = up.wander_of(store, e), nobody, doubts, store.scratch
-        new = rc.reconcile(tracks, shore, edges, e, view, *about, ways, lost)
-        new = lt.doubt(tracks, particles, shore, e, new, step, now, drift, ways, lost)
+        new = rc.reconcile(tracks, boundary, edges, e, view, *about, ways, lost)
+        new = lt.doubt(tracks, particles, boundary, e, new, step, now, drift, ways, lost)
         last = slice(int(tracks.number[e]) - new, int(tracks.number[e]))
         nodes = tracks.node[e, last].copy()
-        lt.carry_on(tracks, shore, e, step, past, drift)
+        lt.carry_on(tracks, boundary, e, step, past, drift)
         after = tracks.node[e, last]
         if self._settings.particles:
-            known = [st.find(particles, shore, e, node) for node in after]
+            known = [st.find(particles, boundary, e, node) for node in after]
             nodes = nodes[~np.array(known, np.bool_)]
         return lt.Sighted(step, nodes)

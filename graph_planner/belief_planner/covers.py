@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.graph_planner.belief_planner.cloud import Cloud, cloud_of
-from mjforage.graph_planner.belief_planner.misses import assumed_chances
+from mjforage.graph_planner.belief_planner.missed_detections import assumed_chances
+from mjforage.graph_planner.belief_planner.spatial_prior import SpatialPrior, spatial_prior_of
 from mjforage.graph_planner.belief_planner.sweeps import Cover
 from mjforage.graph_planner.belief_planner.ways import UInt16Array, Ways, search_back, ways_of
 from mjforage.graph_planner.graph.geodesics import Int32Array
@@ -141,14 +141,14 @@ class BlockCover(NamedTuple):
 def _shown(
     lists: NodeLists,
     radius: int,
-    cloud: Cloud,
+    prior: SpatialPrior,
     detection: NDArray[np.float64],
     node: int,
     share: NDArray[np.float64],
 ) -> None:
     """Fill share (hotspot,) with the part of each hotspot's items that a look from a node shows."""
-    nodes, cells, cell_start, shares = lists.nodes, cloud.cells, cloud.cell_start, cloud.shares
-    rows, cols, reach, width = cloud.rows, cloud.cols, cloud.reach, cloud.node.shape[1]
+    nodes, cells, cell_start, shares = lists.nodes, prior.cells, prior.cell_start, prior.shares
+    rows, cols, reach, width = prior.rows, prior.cols, prior.reach, prior.node.shape[1]
     share[:] = 0.0
     for i in range(lists.start[radius, node], lists.start[radius, node + 1]):
         x = nodes[i]
@@ -165,7 +165,7 @@ def _shown(
 def _noticed(
     lists: NodeLists,
     radius: int,
-    cloud: Cloud,
+    prior: SpatialPrior,
     block: Int32Array,
     size: NDArray[np.int64],
     detection: NDArray[np.float64],
@@ -182,7 +182,7 @@ def _noticed(
     share, noticed = np.empty(n), np.zeros(size.size, np.int64)
     found = np.empty((n, size.size), np.bool_)
     for v in range(n):
-        _shown(lists, radius, cloud, detection, v, share)
+        _shown(lists, radius, prior, detection, v, share)
         noticed[:] = 0
         for c in range(n):
             noticed[block[c]] += share[c] >= least
@@ -210,8 +210,8 @@ def _block_cover(
     names = graph.rows // BLOCK * across + graph.cols // BLOCK
     found, block = np.unique(names, return_inverse=True)
     block, size = block.astype(np.int32), np.bincount(block).astype(np.int64)
-    lists, cloud = graph.views(radii), cloud_of(graph, spread)
-    noticed = _noticed(lists, radius, cloud, block, size, np.array(detection), least)
+    lists, prior = graph.views(radii), spatial_prior_of(graph, spread)
+    noticed = _noticed(lists, radius, prior, block, size, np.array(detection), least)
     start = np.concatenate(([0], np.cumsum(noticed.sum(axis=1))))
     cells = np.nonzero(noticed)[1].astype(np.int32)
     marks, belongs = landmarks_of(graph)

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
+from mjforage.graph_planner.belief_planner.boundary import Boundary, boundary_of, settled
 from mjforage.graph_planner.belief_planner.group import Group
 from mjforage.graph_planner.belief_planner.move_preferences import towards
 from mjforage.graph_planner.belief_planner.routes import NOWHERE, Legs, search_routes
-from mjforage.graph_planner.belief_planner.shore import Shore, settled, shore_of
 from mjforage.graph_planner.belief_planner.stops import (
     MOST,
     Floating,
@@ -121,7 +121,7 @@ class Scratch(NamedTuple):
 @kernel
 def gather_legs(
     items: Floating,
-    shore: Shore,
+    boundary: Boundary,
     ways: tuple[Ways, ...],
     able: Able,
     agent_node: Int32Array,
@@ -140,18 +140,18 @@ def gather_legs(
     stay, taking : see `Effort`
     """
     kind, agents, at = able.kind, able.agents, agent_node[able.agents]
-    gather_stops(items, shore, ways, kind, at, drift_rc, taking, found)
+    gather_stops(items, boundary, ways, kind, at, drift_rc, taking, found)
     n = found.number[0]
     first, between = decisions_between(found, ways, kind, at, stay)
     if n:
-        add_pickup(taking, shore, found, agents, at, agent_yaw[agents], first, between)
+        add_pickup(taking, boundary, found, agents, at, agent_yaw[agents], first, between)
     return Legs(found.weight[:n], first, between, kind, able.room, able.lasts)
 
 
 @kernel
 def follow_routes(
     items: Floating,
-    shore: Shore,
+    boundary: Boundary,
     ways: tuple[Ways, ...],
     able: Able,
     agent_node: Int32Array,
@@ -169,7 +169,7 @@ def follow_routes(
     """
     kind, found, worth = able.kind, scratch.found, scratch.worth
     for i in range(items.number[0]):
-        _, _, node = settled(shore, items.row[i], items.col[i])
+        _, _, node = settled(boundary, items.row[i], items.col[i])
         worth[node] += items.weight[i]
     for f in range(target.size):
         goal = target[f] if target[f] != NOWHERE else _nearest(first, f)
@@ -181,7 +181,7 @@ def follow_routes(
 @kernel
 def plan_routes(
     items: Floating,
-    shore: Shore,
+    boundary: Boundary,
     ways: tuple[Ways, ...],
     able: Able,
     agent_node: Int32Array,
@@ -201,7 +201,7 @@ def plan_routes(
     -------
     Number of stops; with none nothing is written
     """
-    about = items, shore, ways, able, agent_node
+    about = items, boundary, ways, able, agent_node
     stay, taking, found = effort.stay, effort.taking, scratch.found
     legs = gather_legs(*about, agent_yaw, drift_rc, stay, taking, found)
     n = legs.weight.size
@@ -217,7 +217,7 @@ def plan_routes(
 @kernel
 def _send(
     members: Members,
-    shore: Shore,
+    boundary: Boundary,
     ways: tuple[Ways, ...],
     effort: Effort,
     scratch: Scratch,
@@ -231,7 +231,7 @@ def _send(
 ) -> int:
     """As `Foraging.send`."""
     able = able_now(members, room_left, energy_left)
-    about = items, shore, ways, able, agent_node
+    about = items, boundary, ways, able, agent_node
     return plan_routes(*about, agent_yaw, drift_rc, effort, scratch, preferences)
 
 
@@ -241,14 +241,14 @@ class Collecting:
     Attributes
     ----------
     group : who they are, and the ways of each
-    shore : where items drift
+    boundary : where items drift
     items : what there is to collect, filled by others
     taking : how long collecting takes
     """
 
     def __init__(self, task: Task, settings: BeliefSettings) -> None:
         self.group = Group.of(task, task.fleet.collectors)
-        self.shore = shore_of(task.graph, task.walls)
+        self.boundary = boundary_of(task.graph, task.walls)
         self.items = floating(max(4096, 5 * int(settings.items)))
         self.taking = Taking.of(task)
         agents, kind = self.group.agents, self.group.kind
@@ -291,7 +291,7 @@ class Foraging(Collecting):
             if settings.fast
             else Effort(task.rules.stay, settings.joint, 32, 10, 14 * members, taking)
         )
-        about = self._members, self.shore, self.group.ways, effort, self._scratch
+        about = self._members, self.boundary, self.group.ways, effort, self._scratch
         self._send = BoundKernel(_send, *about)
 
     def send(

@@ -18,14 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.graph_planner.belief_planner.cloud import (
-    Cloud,
+from mjforage.graph_planner.belief_planner.boundary import Boundary, settled
+from mjforage.graph_planner.belief_planner.spatial_prior import (
+    SpatialPrior,
     bounds,
     gathered,
     scattered,
     start_chances,
 )
-from mjforage.graph_planner.belief_planner.shore import Shore, settled
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.scenario.belief_settings import BeliefSettings
 
@@ -128,14 +128,19 @@ def believed(spots: Hotspots, e: int) -> int:
 
 @kernel
 def _add_start(
-    spots: Hotspots, cloud: Cloud, shore: Shore, e: int, i: int, chances: NDArray[np.float64]
+    spots: Hotspots,
+    prior: SpatialPrior,
+    boundary: Boundary,
+    e: int,
+    i: int,
+    chances: NDArray[np.float64],
 ) -> None:
     """Credit sighting i to the hotspot that it fits best."""
     node, step = spots.node[e, i], float(spots.step[e, i])
-    row = shore.rows[node] - spots.used[e, 0] * step
-    col = shore.cols[node] - spots.used[e, 1] * step
-    _, _, start = settled(shore, row, col)
-    start_chances(cloud, start, chances)
+    row = boundary.rows[node] - spots.used[e, 0] * step
+    col = boundary.cols[node] - spots.used[e, 1] * step
+    _, _, start = settled(boundary, row, col)
+    start_chances(prior, start, chances)
     best, fit, many = 0, -1.0, believed(spots, e)
     for h in range(many):
         if spots.sighted[e, h] == 0:
@@ -167,21 +172,21 @@ def _normalise(log_weight: NDArray[np.float64], chance: NDArray[np.float64]) -> 
 
 
 @kernel
-def _refit(spots: Hotspots, cloud: Cloud, shore: Shore, e: int, first: int) -> None:
+def _refit(spots: Hotspots, prior: SpatialPrior, boundary: Boundary, e: int, first: int) -> None:
     """Credit the sightings from number `first` on; from 0 on, all anew."""
     if first == 0:
         spots.log_starts[e] = 0.0
         spots.sighted[e] = 0
     chances = np.empty(spots.chance.shape[2])
     for i in range(first, spots.number[e]):
-        _add_start(spots, cloud, shore, e, i, chances)
+        _add_start(spots, prior, boundary, e, i, chances)
 
 
 @kernel
 def sight(
     spots: Hotspots,
-    cloud: Cloud,
-    shore: Shore,
+    prior: SpatialPrior,
+    boundary: Boundary,
     e: int,
     now: int,
     nodes: Int32Array,
@@ -205,11 +210,13 @@ def sight(
     if off * longest > STALE or known == 0:
         spots.used[e, 0], spots.used[e, 1] = drift_row, drift_col
         first = 0
-    _refit(spots, cloud, shore, e, first)
+    _refit(spots, prior, boundary, e, first)
 
 
 @kernel
-def retract(spots: Hotspots, cloud: Cloud, shore: Shore, e: int, node: int, step: int) -> None:
+def retract(
+    spots: Hotspots, prior: SpatialPrior, boundary: Boundary, e: int, node: int, step: int
+) -> None:
     """Take back a sighting in a node at a step, which was of nothing."""
     last = spots.number[e] - 1
     for i in range(last + 1):
@@ -217,7 +224,7 @@ def retract(spots: Hotspots, cloud: Cloud, shore: Shore, e: int, node: int, step
             spots.node[e, i], spots.step[e, i] = spots.node[e, last], spots.step[e, last]
             spots.number[e] = last
             spots.chance[e] = 1.0 / spots.chance.shape[2]
-            _refit(spots, cloud, shore, e, 0)
+            _refit(spots, prior, boundary, e, 0)
             break
 
 
@@ -235,7 +242,7 @@ def _never_shown(share: NDArray[np.float64], unseen: NDArray[np.float32]) -> NDA
 
 @kernel
 def _locate(
-    spots: Hotspots, cloud: Cloud, e: int, h: int, rate: float, mean: NDArray[np.float64]
+    spots: Hotspots, prior: SpatialPrior, e: int, h: int, rate: float, mean: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Update the posterior of hotspot h.
 
@@ -252,11 +259,11 @@ def _locate(
     n, a, b = mean.size, spots.shape + spots.sighted[e, h], rate
     log_starts, box = spots.log_starts[e, h], np.array([0, 1 << 40, 0, 1 << 40])
     if spots.sighted[e, h] > 0:
-        box = bounds(cloud, log_starts, log_starts.max() - a * np.log1p(1.0 / b) - 9.0)
+        box = bounds(prior, log_starts, log_starts.max() - a * np.log1p(1.0 / b) - 9.0)
     else:
-        box[1], box[3] = np.int64(cloud.rows.max()), np.int64(cloud.cols.max())
+        box[1], box[3] = np.int64(prior.rows.max()), np.int64(prior.cols.max())
     left, log_weight, total = np.full(n, -1.0), np.empty(n), np.empty(n)
-    gathered(cloud, mean, box, left)
+    gathered(prior, mean, box, left)
     for c in range(n):
         rate = b + max(0.0, 1.0 - left[c])
         total[c] = a / rate
@@ -288,7 +295,7 @@ def _carry(
 
 @kernel
 def expect(
-    spots: Hotspots, cloud: Cloud, e: int, nodes: Int32Array, expected: NDArray[np.float64]
+    spots: Hotspots, prior: SpatialPrior, e: int, nodes: Int32Array, expected: NDArray[np.float64]
 ) -> None:
     """Update the posterior and fill expected (node,): unseen items in every node now.
 
@@ -301,12 +308,12 @@ def expect(
     mean, starts = _never_shown(share, unseen), np.zeros(expected.size)
     spots.total[e] = 0.0
     for h in range(many):
-        items, box = _locate(spots, cloud, e, h, rate, mean)
+        items, box = _locate(spots, prior, e, h, rate, mean)
         alike = many - h if spots.sighted[e, h] == 0 else 1  # those never sighted are alike
         for c in range(items.size):
             items[c] *= alike * spots.chance[e, h, c]
             spots.total[e] += items[c]
-        scattered(cloud, items, box, starts)
+        scattered(prior, items, box, starts)
         if alike > 1:
             spots.chance[e, h + 1 : many] = spots.chance[e, h]
         if spots.sighted[e, h] == 0:

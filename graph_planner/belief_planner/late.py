@@ -1,4 +1,4 @@
-"""Late news: looks that are heard after the step in which they were made.
+"""Delayed measurements: scans received after the step in which they were made.
 
 Each is taken in at its own step, the oldest first (out-of-sequence measurements; Y. Bar-Shalom,
 IEEE Transactions on Aerospace and Electronic Systems 38, 2002). Tracks are worked back to that step
@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.graph_planner.belief_planner.misses import missed
-from mjforage.graph_planner.belief_planner.shore import Shore, drifted, settled
+from mjforage.graph_planner.belief_planner.boundary import Boundary, drifted, settled
+from mjforage.graph_planner.belief_planner.missed_detections import missed
 from mjforage.graph_planner.belief_planner.stragglers import Stragglers, was_in_view
 from mjforage.graph_planner.belief_planner.tracks import ENDED, Ended, Lost, Tracks, drop, lose
 from mjforage.graph_planner.graph.geodesics import Int32Array
@@ -71,7 +71,7 @@ def show(
 
 @kernel
 def work_back(
-    tracks: Tracks, shore: Shore, e: int, step: int, steps: int, drift: NDArray[np.float64]
+    tracks: Tracks, boundary: Boundary, e: int, step: int, steps: int, drift: NDArray[np.float64]
 ) -> None:
     """Bring all tracks back to a step that is `steps` ago, by the drift (2,) [node/step]."""
     for i in range(tracks.number[e]):
@@ -79,14 +79,14 @@ def work_back(
         tracks.now_row[e, i], tracks.now_col[e, i] = row, col
         tracks.firm[e, i] = tracks.seen[e, i] >= step
         tracks.row[e, i], tracks.col[e, i], tracks.node[e, i] = drifted(
-            shore, row, col, -drift[0], -drift[1], float(steps)
+            boundary, row, col, -drift[0], -drift[1], float(steps)
         )
 
 
 @kernel
 def collect(
     tracks: Tracks,
-    shore: Shore,
+    boundary: Boundary,
     e: int,
     step: int,
     foragers_at: Int32Array,
@@ -99,12 +99,12 @@ def collect(
         i = 0
         while i < tracks.number[e]:
             _, _, before = drifted(
-                shore, tracks.row[e, i], tracks.col[e, i], -drift[0], -drift[1], 1.0
+                boundary, tracks.row[e, i], tracks.col[e, i], -drift[0], -drift[1], 1.0
             )
             if before == foragers_at[f] and not tracks.firm[e, i]:
                 if tracks.seen[e, i] < step - 1:
                     lose(tracks, e, i, lost)
-                drop(tracks, shore, e, i, ways)
+                drop(tracks, boundary, e, i, ways)
             else:
                 i += 1
 
@@ -112,7 +112,7 @@ def collect(
 @kernel
 def _is_out(
     stragglers: Stragglers,
-    shore: Shore,
+    boundary: Boundary,
     e: int,
     row: float,
     col: float,
@@ -121,15 +121,15 @@ def _is_out(
     now: int,
 ) -> bool:
     """Whether an item at a place [node] at a step would have been seen or taken before now."""
-    row, col, node = settled(shore, row, col)
+    row, col, node = settled(boundary, row, col)
     unseen = 1.0
     for s in range(step + 1, now):
         for f in range(stragglers.foragers.shape[2]):
             if stragglers.foragers[e, s, f] == node:
                 return True
-        row, col, node = drifted(shore, row, col, drift[0], drift[1], 1.0)
+        row, col, node = drifted(boundary, row, col, drift[0], drift[1], 1.0)
         if was_in_view(stragglers.views[e], s, node):
-            unseen *= missed(stragglers.misses, e, s, node)
+            unseen *= missed(stragglers.missed_detections, e, s, node)
         if unseen < ENDED:
             return True
     return False
@@ -139,7 +139,7 @@ def _is_out(
 def doubt(
     tracks: Tracks,
     stragglers: Stragglers,
-    shore: Shore,
+    boundary: Boundary,
     e: int,
     new: int,
     step: int,
@@ -154,16 +154,16 @@ def doubt(
     """
     kept = new
     for i in range(tracks.number[e] - 1, tracks.number[e] - 1 - new, -1):
-        if _is_out(stragglers, shore, e, tracks.row[e, i], tracks.col[e, i], drift, step, now):
+        if _is_out(stragglers, boundary, e, tracks.row[e, i], tracks.col[e, i], drift, step, now):
             lose(tracks, e, i, lost)
-            drop(tracks, shore, e, i, ways)
+            drop(tracks, boundary, e, i, ways)
             kept -= 1
     return kept
 
 
 @kernel
 def carry_on(
-    tracks: Tracks, shore: Shore, e: int, step: int, steps: int, drift: NDArray[np.float64]
+    tracks: Tracks, boundary: Boundary, e: int, step: int, steps: int, drift: NDArray[np.float64]
 ) -> None:
     """Bring worked back tracks to now: those that the look moved by the drift, others as before."""
     for i in range(tracks.number[e]):
@@ -172,13 +172,13 @@ def carry_on(
         if not touched:
             now_row, now_col = tracks.now_row[e, i], tracks.now_col[e, i]
             back_row, back_col, _ = drifted(
-                shore, now_row, now_col, -drift[0], -drift[1], float(steps)
+                boundary, now_row, now_col, -drift[0], -drift[1], float(steps)
             )
             touched = row != back_row or col != back_col
             if not touched:
                 row, col = now_row, now_col
         left = float(steps) if touched else 0.0
         tracks.row[e, i], tracks.col[e, i], tracks.node[e, i] = drifted(
-            shore, row, col, drift[0], drift[1], left
+            boundary, row, col, drift[0], drift[1], left
         )
         tracks.firm[e, i] = False

@@ -6,16 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.randomness import UInt64Array
-from mjforage.graph_planner.belief_planner.beliefs import Beliefs, neglected
+from mjforage.graph_planner.belief_planner.beliefs import Beliefs, stale_nodes
+from mjforage.graph_planner.belief_planner.boundary import boundary_of
+from mjforage.graph_planner.belief_planner.connectivity import NOBODY, Connectivity
 from mjforage.graph_planner.belief_planner.covers import BlockCover, hotspot_cover, landmarks_of
 from mjforage.graph_planner.belief_planner.foraging import Foraging
 from mjforage.graph_planner.belief_planner.group import Group
 from mjforage.graph_planner.belief_planner.move_preferences import towards
 from mjforage.graph_planner.belief_planner.scouting import Scouting
-from mjforage.graph_planner.belief_planner.shore import shore_of
-from mjforage.graph_planner.belief_planner.touch import NOBODY, Touch
+from mjforage.graph_planner.belief_planner.target_values import TargetValues, summed
 from mjforage.graph_planner.belief_planner.waiting import approach, regrets
-from mjforage.graph_planner.belief_planner.wanted import Wanted, summed
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task
@@ -43,13 +43,13 @@ class BeliefPlanner:
         self.settings, self._task = settings, task
         self.beliefs = believing(task, settings, keys)
         self._foragers = self._foraging(settings)
-        self._wanted = Wanted(self.beliefs, settings, shore_of(graph, task.walls))
+        self._target_values = TargetValues(self.beliefs, settings, boundary_of(graph, task.walls))
         # Without scouts, foragers look around when they know of nothing to collect.
         self._lone = task.fleet.discoverers.size == 0
         lookers = task.fleet.collectors if self._lone else task.fleet.discoverers
         self._scouts = self._lookers(lookers)
         self._alone: dict[int, Lookers] = {}  # foragers that have looked for themselves
-        self._touch = Touch(task, settings, episodes)
+        self._connectivity = Connectivity(task, settings, episodes)
         self._landmarks, self._belongs = landmarks_of(graph)
         self._nothing = np.zeros(len(graph))
         self._viewed, self._news = np.zeros(episodes, np.int64), np.zeros(episodes, np.int64)
@@ -75,7 +75,7 @@ class BeliefPlanner:
         """Preferences (episode, agent, 9)."""
         observation = self._plain(observation)
         for e in np.flatnonzero(observation.active).tolist():
-            self._touch.note(observation, e)
+            self._connectivity.note(observation, e)
             self.beliefs.learn(observation, e)
             self._decide(observation, e)
         return self._preferences
@@ -83,7 +83,7 @@ class BeliefPlanner:
     def _decide(self, seen: Observation, e: int) -> None:
         at, yaw, preferences = seen.agent_node[e], seen.agent_yaw[e], self._preferences[e]
         sighted = self.beliefs.spots.number[e] > 0
-        self._wanted.list_items(e, int(seen.step[e]) - 1, self._foragers.items)
+        self._target_values.list_items(e, int(seen.step[e]) - 1, self._foragers.items)
         room, energy, busy = seen.room_left[e], seen.energy_left[e], False
         holder = int(seen.holder[e])  # whose move alone counts, unless it is nobody's
         if holder == NOBODY or self._task.fleet.collects[holder]:
@@ -95,8 +95,8 @@ class BeliefPlanner:
         looks = holder == NOBODY or self._lone or not self._task.fleet.collects[holder]
         if looks and not (self._lone and busy):
             self._look(seen, e, sighted, preferences)
-        if holder != NOBODY and not self._touch.always:
-            self._keep_in_touch(seen, e, busy)
+        if holder != NOBODY and not self._connectivity.always:
+            self._stay_connected(seen, e, busy)
 
     def _look(
         self, seen: Observation, e: int, sighted: bool, preferences: NDArray[np.float64]
@@ -104,25 +104,25 @@ class BeliefPlanner:
         """Let the scouts go where most is worth seeing."""
         at, scouting = seen.agent_node[e], self._scouts.scouting
         if sighted or not self.settings.hotspot:
-            scouting.look(at, self._wanted.worth_seeing(seen, e), preferences)
+            scouting.look(at, self._target_values.worth_seeing(seen, e), preferences)
         elif self._in_vain(seen, e):
-            scouting.look(at, neglected(seen, e), preferences)
+            scouting.look(at, stale_nodes(seen, e), preferences)
         else:
             self._search(at, self.beliefs.spots.chance[e, 0], preferences)
 
-    def _keep_in_touch(self, seen: Observation, e: int, busy: bool) -> None:
+    def _stay_connected(self, seen: Observation, e: int, busy: bool) -> None:
         """Send one who acts by itself to where it brings news, or waits for it, or looks alone."""
-        agent, touch, foragers = int(seen.holder[e]), self._touch, self._foragers
+        agent, connectivity, foragers = int(seen.holder[e]), self._connectivity, self._foragers
         group, goal = self._scouts.group, NOBODY
         if not self._task.fleet.collects[agent]:
             ways = group.ways_of(agent)
             tracks = self.beliefs.tracks
-            goal = touch.connects(seen, e, ways)
+            goal = connectivity.connects(seen, e, ways)
             if goal == NOBODY:
-                goal = touch.tells(seen, e, tracks.born[e, : tracks.number[e]], ways)
+                goal = connectivity.tells(seen, e, tracks.born[e, : tracks.number[e]], ways)
         elif not busy and foragers.is_able(agent, seen.room_left[e], seen.energy_left[e]):
-            ways, goal = foragers.group.ways_of(agent), touch.waits(seen, e)
-            if goal != NOBODY and touch.looks_alone(seen, e):
+            ways, goal = foragers.group.ways_of(agent), connectivity.waits(seen, e)
+            if goal != NOBODY and connectivity.looks_alone(seen, e):
                 self._look_alone(seen, e, agent)
                 return
         if goal != NOBODY:
@@ -135,9 +135,9 @@ class BeliefPlanner:
             itself = np.array([agent], np.int64)
             self._alone[agent] = self._lookers(itself)
         (cover, block), scouting = self._alone[agent].blocks[0], self._alone[agent].scouting
-        chance = self.beliefs.spots.chance[e, 0] * self._touch.part(seen, e)
+        chance = self.beliefs.spots.chance[e, 0] * self._connectivity.part(seen, e)
         mass = summed(block, chance, cover.landmark.size)
-        self._touch.passed(e, cover, int(seen.agent_node[e, agent]), mass)
+        self._connectivity.passed(e, cover, int(seen.agent_node[e, agent]), mass)
         scouting.look(seen.agent_node[e], mass, self._preferences[e], [cover])
 
     def _in_vain(self, seen: Observation, e: int) -> bool:

@@ -12,8 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.graph_planner.belief_planner.misses import Misses, missed, misses
-from mjforage.graph_planner.belief_planner.shore import Shore
+from mjforage.graph_planner.belief_planner.boundary import Boundary
+from mjforage.graph_planner.belief_planner.missed_detections import (
+    MissedDetections,
+    missed,
+    missed_detections,
+)
 from mjforage.graph_planner.belief_planner.tracks import (
     CERTAIN,
     ENDED,
@@ -45,9 +49,9 @@ class View(NamedTuple):
 
 
 class Doubts(NamedTuple):
-    """What a view may have missed or invented; see `misses`."""
+    """What a view may have missed or invented; see `missed_detections`."""
 
-    misses: Misses
+    missed_detections: MissedDetections
     false_rate: float  # items per node and step that are seen and are none
     expected: NDArray[np.float64]  # (node,) unseen items before the view
     least: float  # of them that may be anywhere
@@ -55,7 +59,7 @@ class Doubts(NamedTuple):
 
 def no_doubts(nodes: int) -> Doubts:
     """Views show all that is in view, and nothing else."""
-    return Doubts(misses(1, nodes, 0, np.ones(1)), 0.0, np.zeros(nodes), 0.0)
+    return Doubts(missed_detections(1, nodes, 0, np.ones(1)), 0.0, np.zeros(nodes), 0.0)
 
 
 class Catch(NamedTuple):
@@ -80,14 +84,14 @@ def scratch(nodes: int) -> Scratch:
 
 
 @kernel
-def _squared(shore: Shore, node: int, row: float, col: float) -> float:
+def _squared(boundary: Boundary, node: int, row: float, col: float) -> float:
     """Squared distance of a place to the centre of a node [node^2]."""
-    return float((shore.rows[node] - row) ** 2 + (shore.cols[node] - col) ** 2)
+    return float((boundary.rows[node] - row) ** 2 + (boundary.cols[node] - col) ** 2)
 
 
 @kernel
 def _loosen(
-    tracks: Tracks, shore: Shore, e: int, view: View, tracked: NDArray[np.int16]
+    tracks: Tracks, boundary: Boundary, e: int, view: View, tracked: NDArray[np.int16]
 ) -> NDArray[np.bool_]:
     """Which tracks (track,) are too many in a node in view: those farthest from its middle."""
     n, node = tracks.number[e], tracks.node[e]
@@ -100,7 +104,7 @@ def _loosen(
             worst, far = -1, -1.0
             for k in range(n):
                 if node[k] == here and not loose[k] and not tracks.firm[e, k]:
-                    away = _squared(shore, here, tracks.row[e, k], tracks.col[e, k])
+                    away = _squared(boundary, here, tracks.row[e, k], tracks.col[e, k])
                     if away > far:
                         worst, far = k, away
             tracked[here] -= 1
@@ -134,7 +138,7 @@ def _lacks(
 @kernel
 def _nearest_lack(
     tracks: Tracks,
-    shore: Shore,
+    boundary: Boundary,
     e: int,
     now: int,
     wander: float,
@@ -150,24 +154,26 @@ def _nearest_lack(
         gate = FIRST_GATE + wander * abs(now - tracks.seen[e, i])
         gate = max(gate, IN_VIEW_GATE) if loose[i] else gate
         for j in range(lacking.size):
-            away = _squared(shore, lacking[j], tracks.row[e, i], tracks.col[e, i])
+            away = _squared(boundary, lacking[j], tracks.row[e, i], tracks.col[e, i])
             if away < best and away <= gate * gate:
                 best, best_track, best_lack = away, i, j
     return best_track, best_lack
 
 
 @kernel
-def _hide(tracks: Tracks, shore: Shore, neighbours: Int32Array, e: int, i: int, view: View) -> bool:
+def _hide(
+    tracks: Tracks, boundary: Boundary, neighbours: Int32Array, e: int, i: int, view: View
+) -> bool:
     """Push a track into the nearest node beside it that is out of sight; False if there is none."""
     row, col, hidden, nearest = tracks.row[e, i], tracks.col[e, i], -1, HIDING**2
     for direction in range(8):
         other = neighbours[tracks.node[e, i], direction]
         if other >= 0 and view.last_seen[other] != view.now:
-            away = _squared(shore, other, row, col)
+            away = _squared(boundary, other, row, col)
             if away < nearest:
                 hidden, nearest = other, away
     if hidden >= 0:
-        r, c = float(shore.rows[hidden]), float(shore.cols[hidden])
+        r, c = float(boundary.rows[hidden]), float(boundary.cols[hidden])
         tracks.row[e, i] = min(max(row, r - INSET), r + INSET)
         tracks.col[e, i] = min(max(col, c - INSET), c + INSET)
         tracks.node[e, i] = hidden
@@ -175,10 +181,10 @@ def _hide(tracks: Tracks, shore: Shore, neighbours: Int32Array, e: int, i: int, 
 
 
 @kernel
-def _caught(tracks: Tracks, shore: Shore, e: int, i: int, catch: Catch) -> bool:
+def _caught(tracks: Tracks, boundary: Boundary, e: int, i: int, catch: Catch) -> bool:
     """Whether a track that is not where it should be can be an item that a forager took."""
     for f in range(catch.at.size):
-        away = _squared(shore, catch.at[f], tracks.row[e, i], tracks.col[e, i])
+        away = _squared(boundary, catch.at[f], tracks.row[e, i], tracks.col[e, i])
         if catch.left[f] > 0 and away <= CATCH_GATE**2:
             catch.left[f] -= 1
             return True
@@ -189,7 +195,7 @@ def _caught(tracks: Tracks, shore: Shore, e: int, i: int, catch: Catch) -> bool:
 def _seen(tracks: Tracks, e: int, i: int, node: int, now: int, doubts: Doubts) -> None:
     """Be more certain of a track that is confirmed."""
     if doubts.false_rate > 0.0:
-        chance = 1.0 - missed(doubts.misses, e, now, node)
+        chance = 1.0 - missed(doubts.missed_detections, e, now, node)
         tracks.real[e, i] = real_if_seen(tracks.real[e, i], chance, doubts.false_rate)
     else:
         tracks.real[e, i] = 1.0
@@ -198,7 +204,7 @@ def _seen(tracks: Tracks, e: int, i: int, node: int, now: int, doubts: Doubts) -
 @kernel
 def _is_overlooked(tracks: Tracks, e: int, i: int, now: int, doubts: Doubts) -> bool:
     """Be less certain of a track that is not shown; whether it may still be there."""
-    chance = 1.0 - missed(doubts.misses, e, now, tracks.node[e, i])
+    chance = 1.0 - missed(doubts.missed_detections, e, now, tracks.node[e, i])
     real = real_if_missed(min(CERTAIN, tracks.real[e, i]), chance)
     if real >= ENDED:
         tracks.real[e, i] = real
@@ -217,7 +223,7 @@ def _is_real(
     for direction in range(8):
         if neighbours[node, direction] >= 0:
             density = max(density, expected[neighbours[node, direction]])
-    chance = 1.0 - missed(doubts.misses, e, now, node)
+    chance = 1.0 - missed(doubts.missed_detections, e, now, node)
     tracks.real[e, i] = real_if_new(density, chance, doubts.false_rate)
     return bool(tracks.real[e, i] >= ENDED)
 
@@ -234,7 +240,7 @@ def _has(nodes: Int32Array, node: int) -> bool:
 @kernel
 def reconcile(
     tracks: Tracks,
-    shore: Shore,
+    boundary: Boundary,
     neighbours: Int32Array,
     e: int,
     view: View,
@@ -261,24 +267,24 @@ def reconcile(
     New tracks; they are the last ones
     """
     n, now = tracks.number[e], view.now
-    loose = _loosen(tracks, shore, e, view, memory.tracked)
+    loose = _loosen(tracks, boundary, e, view, memory.tracked)
     lacking, lacks = _lacks(tracks, e, view, memory.tracked)
     settled_now = np.zeros(n, np.bool_)
     for i in range(n):
         if not loose[i] and view.last_seen[tracks.node[e, i]] == now:
             if not tracks.firm[e, i]:
-                confirm(tracks, shore, e, i, tracks.node[e, i], now, ways)
+                confirm(tracks, boundary, e, i, tracks.node[e, i], now, ways)
                 _seen(tracks, e, i, tracks.node[e, i], now, doubts)
             settled_now[i] = True
     # Loose tracks, then unseen ones, go to the nearest lack within their gates.
     for unseen_too in range(2):
         while lacks > 0:
             free = ~settled_now if unseen_too else loose & ~settled_now
-            i, j = _nearest_lack(tracks, shore, e, now, wander, free, loose, lacking[:lacks])
+            i, j = _nearest_lack(tracks, boundary, e, now, wander, free, loose, lacking[:lacks])
             if i < 0:
                 break
             if not tracks.firm[e, i]:
-                confirm(tracks, shore, e, i, lacking[j], now, ways)
+                confirm(tracks, boundary, e, i, lacking[j], now, ways)
                 _seen(tracks, e, i, lacking[j], now, doubts)
             settled_now[i] = True
             lacks -= 1
@@ -287,19 +293,21 @@ def reconcile(
     for i in range(n - 1, -1, -1):
         if not loose[i] or settled_now[i]:
             continue
-        if _caught(tracks, shore, e, i, catch):
-            drop(tracks, shore, e, i, ways)
+        if _caught(tracks, boundary, e, i, catch):
+            drop(tracks, boundary, e, i, ways)
         elif _is_overlooked(tracks, e, i, now, doubts):
             continue
-        elif _has(catch.at, tracks.node[e, i]) or not _hide(tracks, shore, neighbours, e, i, view):
+        elif _has(catch.at, tracks.node[e, i]) or not _hide(
+            tracks, boundary, neighbours, e, i, view
+        ):
             lose(tracks, e, i, lost)
-            drop(tracks, shore, e, i, ways)
+            drop(tracks, boundary, e, i, ways)
     new = 0
     for j in range(lacks):
-        if not begin(tracks, shore, e, lacking[j], now, ways):
+        if not begin(tracks, boundary, e, lacking[j], now, ways):
             break
         new += 1
         if not _is_real(tracks, neighbours, e, tracks.number[e] - 1, now, doubts):
-            drop(tracks, shore, e, tracks.number[e] - 1, ways)
+            drop(tracks, boundary, e, tracks.number[e] - 1, ways)
             new -= 1
     return new

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.graph_planner.belief_planner.shore import Shore, drifted
+from mjforage.graph_planner.belief_planner.boundary import Boundary, drifted
 from mjforage.graph_planner.belief_planner.taking import Taking, dwell, quays_beside, turning
 from mjforage.graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
 from mjforage.graph_planner.graph.geodesics import Int32Array
@@ -79,7 +79,7 @@ def soonest(ways: tuple[Ways, ...], kind: NDArray[np.int64], at: Int32Array, nod
 @kernel
 def gather_stops(
     items: Floating,
-    shore: Shore,
+    boundary: Boundary,
     ways: tuple[Ways, ...],
     kind: NDArray[np.int64],
     at: Int32Array,
@@ -106,19 +106,21 @@ def gather_stops(
     quays = np.zeros(items.number[0], np.int64)
     n = 0
     for i in range(items.number[0]):
-        row, col, here = drifted(shore, items.row[i], items.col[i], 0.0, 0.0, 0.0)
+        row, col, here = drifted(boundary, items.row[i], items.col[i], 0.0, 0.0, 0.0)
         wait = soonest(ways, kind, at, here)
         if wait >= FAR:
             continue
         if wait > 1.0:
             of = min(i, drift_rc.shape[0] - 1)
-            row, col, here = drifted(shore, row, col, drift_rc[of, 0], drift_rc[of, 1], wait - 1.0)
+            row, col, here = drifted(
+                boundary, row, col, drift_rc[of, 0], drift_rc[of, 1], wait - 1.0
+            )
         if place[here] < 0:
             place[here] = n
             node[n], worth[n], delay[n] = here, 0.0, max(wait, 1.0)
             n += 1
         worth[place[here]] += items.weight[i]
-        quays[place[here]] = max(quays[place[here]], quays_beside(shore, row, col, here))
+        quays[place[here]] = max(quays[place[here]], quays_beside(boundary, row, col, here))
     for i in range(n):
         place[node[i]] = -1
         stay[i] = dwell(taking, worth[i])
@@ -167,7 +169,7 @@ def _counted(decisions: np.uint16, again: float) -> float:
 @kernel
 def add_pickup(
     taking: Taking,
-    shore: Shore,
+    boundary: Boundary,
     found: Stops,
     agents: NDArray[np.int64],
     at: Int32Array,
@@ -192,7 +194,7 @@ def add_pickup(
             if first[f, j] > 1.0 or found.node[j] == at[f]:
                 first[f, j] += taking.usual[quays]
                 continue
-            up = shore.rows[at[f]] - shore.rows[found.node[j]]
-            east = shore.cols[found.node[j]] - shore.cols[at[f]]
+            up = boundary.rows[at[f]] - boundary.rows[found.node[j]]
+            east = boundary.cols[found.node[j]] - boundary.cols[at[f]]
             first[f, j] += turning(taking, agents[f], quays, math.atan2(up, east) - yaw[f])
         between[:, :, j] += taking.usual[quays]

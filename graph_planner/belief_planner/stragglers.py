@@ -14,9 +14,13 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
 from mjforage.base.randomness import bits, normal, uniform
+from mjforage.graph_planner.belief_planner.boundary import Boundary, settled
 from mjforage.graph_planner.belief_planner.hotspots import Hotspots, believed
-from mjforage.graph_planner.belief_planner.misses import Misses, missed, misses
-from mjforage.graph_planner.belief_planner.shore import Shore, settled
+from mjforage.graph_planner.belief_planner.missed_detections import (
+    MissedDetections,
+    missed,
+    missed_detections,
+)
 from mjforage.graph_planner.belief_planner.wind import Wind
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.walls import own_node
@@ -48,7 +52,7 @@ class Stragglers(NamedTuple):
     since: NDArray[np.int64]  # (episode, particle) and the step
     lost: NDArray[np.int64]  # (episode, loss) particles it began with, 0 free
     noise: float  # largest own drift per axis [node/step]
-    misses: Misses  # of those views
+    missed_detections: MissedDetections  # of those views
 
 
 def stragglers(
@@ -57,7 +61,7 @@ def stragglers(
     horizon: int,
     foragers: int,
     noise: float,
-    may_miss: Misses | None = None,
+    may_miss: MissedDetections | None = None,
 ) -> Stragglers:
     """Nothing lost and no particles yet.
 
@@ -82,7 +86,7 @@ def stragglers(
         since=np.zeros(both, np.int64),
         lost=np.zeros((episodes, LOSSES), np.int64),
         noise=noise,
-        misses=may_miss or misses(episodes, nodes, horizon, np.ones(1)),
+        missed_detections=may_miss or missed_detections(episodes, nodes, horizon, np.ones(1)),
     )
 
 
@@ -111,16 +115,24 @@ def was_in_view(views: NDArray[np.uint64], step: int, node: int) -> bool:
 
 
 @kernel
-def _is_missed(misses: Misses, key: np.uint64, e: int, label: int, step: int, node: int) -> bool:
-    """Whether a view misses a particle in it; `label` is that of its first draw."""
-    if misses.near.shape[1] == 0:
+def _is_missed(
+    missed_detections: MissedDetections, key: np.uint64, e: int, label: int, step: int, node: int
+) -> bool:
+    """A view misses a particle in it; `label` is that of its first draw."""
+    if missed_detections.near.shape[1] == 0:
         return False
-    return bool(uniform(key, label + 1, step) < missed(misses, e, step, node))
+    return bool(uniform(key, label + 1, step) < missed(missed_detections, e, step, node))
 
 
 @kernel
 def _survives(
-    stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, i: int, first: int, last: int
+    stragglers: Stragglers,
+    boundary: Boundary,
+    key: np.uint64,
+    e: int,
+    i: int,
+    first: int,
+    last: int,
 ) -> bool:
     """Let particle i drift into the steps from `first` to `last`.
 
@@ -128,8 +140,8 @@ def _survives(
     -------
     False if it is collected before one of them, or seen in one of them
     """
-    views, foragers, framed = stragglers.views[e], stragglers.foragers[e], shore.framed
-    row, col, node = settled(shore, stragglers.row[e, i], stragglers.col[e, i])
+    views, foragers, framed = stragglers.views[e], stragglers.foragers[e], boundary.framed
+    row, col, node = settled(boundary, stragglers.row[e, i], stragglers.col[e, i])
     drift_row, drift_col = stragglers.drift[e, i, 0], stragglers.drift[e, i, 1]
     noise, label = stragglers.noise * np.sqrt(EVERY), _DRAWS * stragglers.label[e, i]
     alive = True
@@ -146,9 +158,9 @@ def _survives(
             col += noise * (np.float64(draw & np.uint64(0xFFFFFFFF)) * _TO_SYMMETRIC - 1.0)
         node = own_node(framed, row, col)
         if node < 0:
-            row, col, node = settled(shore, row, col)
+            row, col, node = settled(boundary, row, col)
         alive = not was_in_view(views, step, node) or _is_missed(
-            stragglers.misses, key, e, label, step, node
+            stragglers.missed_detections, key, e, label, step, node
         )
         if not alive:
             break
@@ -171,18 +183,18 @@ def _remove(stragglers: Stragglers, e: int, i: int) -> None:
 
 
 @kernel
-def advance(stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, now: int) -> None:
+def advance(stragglers: Stragglers, boundary: Boundary, key: np.uint64, e: int, now: int) -> None:
     """Let the particles drift into step `now`, and throw away those that are in view."""
     i = 0
     while i < stragglers.number[e]:
-        if _survives(stragglers, shore, key, e, i, now, now):
+        if _survives(stragglers, boundary, key, e, i, now, now):
             i += 1
         else:
             _remove(stragglers, e, i)
 
 
 @kernel
-def retest(stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, now: int) -> None:
+def retest(stragglers: Stragglers, boundary: Boundary, key: np.uint64, e: int, now: int) -> None:
     """Run the particles again, up to step `now`, through views that late looks have added to.
 
     Their drift and noise are those of before, so those that live are where they were.
@@ -192,29 +204,31 @@ def retest(stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, now: in
         since = stragglers.since[e, i]
         stragglers.row[e, i] = stragglers.begun[e, i, 0]
         stragglers.col[e, i] = stragglers.begun[e, i, 1]
-        met = _began_in_view(stragglers, shore, key, e, i)
-        if not met and _survives(stragglers, shore, key, e, i, since + 1, now):
+        met = _began_in_view(stragglers, boundary, key, e, i)
+        if not met and _survives(stragglers, boundary, key, e, i, since + 1, now):
             i += 1
         else:
             _remove(stragglers, e, i)
 
 
 @kernel
-def _began_in_view(stragglers: Stragglers, shore: Shore, key: np.uint64, e: int, i: int) -> bool:
+def _began_in_view(
+    stragglers: Stragglers, boundary: Boundary, key: np.uint64, e: int, i: int
+) -> bool:
     """Whether a particle that was never seen began where a view of step 0 shows it."""
     row, col = stragglers.begun[e, i, 0], stragglers.begun[e, i, 1]
-    _, _, node = settled(shore, row, col)
+    _, _, node = settled(boundary, row, col)
     if stragglers.source[e, i] != NEVER_SEEN or not was_in_view(stragglers.views[e], 0, node):
         return False
     label = _DRAWS * stragglers.label[e, i]
-    return not _is_missed(stragglers.misses, key, e, label, 0, node)
+    return not _is_missed(stragglers.missed_detections, key, e, label, 0, node)
 
 
 @kernel
 def _run(
     stragglers: Stragglers,
     wind: Wind,
-    shore: Shore,
+    boundary: Boundary,
     key: np.uint64,
     e: int,
     source: int,
@@ -230,14 +244,14 @@ def _run(
     i, label = stragglers.number[e], stragglers.labels[e] - 1
     if i == stragglers.row.shape[1]:
         return False
-    row, col, _ = settled(shore, row, col)
+    row, col, _ = settled(boundary, row, col)
     stragglers.row[e, i], stragglers.col[e, i] = row, col
     stragglers.begun[e, i, 0], stragglers.begun[e, i, 1], stragglers.since[e, i] = row, col, since
     stragglers.label[e, i], stragglers.source[e, i] = label, source
     for axis in range(2):
         draw = normal(key, _DRAWS // 2 * label + 4 + axis, 0)
         stragglers.drift[e, i, axis] = wind.mean[e, axis] + wind.deviation[e, axis] * draw
-    if not _survives(stragglers, shore, key, e, i, since + 1, now):
+    if not _survives(stragglers, boundary, key, e, i, since + 1, now):
         return False
     stragglers.number[e] = i + 1
     return True
@@ -247,7 +261,7 @@ def _run(
 def lose(
     stragglers: Stragglers,
     wind: Wind,
-    shore: Shore,
+    boundary: Boundary,
     key: np.uint64,
     e: int,
     node: int,
@@ -267,20 +281,20 @@ def lose(
             break
         stragglers.labels[e] += 1
         first = _DRAWS * (stragglers.labels[e] - 1)
-        row = shore.rows[node] + uniform(key, first + 2, 0) - 0.5
-        col = shore.cols[node] + uniform(key, first + 3, 0) - 0.5
-        if _run(stragglers, wind, shore, key, e, place, row, col, since, now):
+        row = boundary.rows[node] + uniform(key, first + 2, 0) - 0.5
+        col = boundary.cols[node] + uniform(key, first + 3, 0) - 0.5
+        if _run(stragglers, wind, boundary, key, e, place, row, col, since, now):
             stragglers.lost[e, place] += 1
 
 
 @kernel
-def find(stragglers: Stragglers, shore: Shore, e: int, node: int) -> bool:
+def find(stragglers: Stragglers, boundary: Boundary, e: int, node: int) -> bool:
     """Whether a newly seen item is a lost one, by the nearest particle; that loss is then over."""
     nearest, best = FOUND_GATE**2, NEVER_SEEN
     for i in range(stragglers.number[e]):
         if stragglers.source[e, i] != NEVER_SEEN:
-            down = shore.rows[node] - stragglers.row[e, i]
-            right = shore.cols[node] - stragglers.col[e, i]
+            down = boundary.rows[node] - stragglers.row[e, i]
+            right = boundary.cols[node] - stragglers.col[e, i]
             if down * down + right * right < nearest:
                 nearest, best = down * down + right * right, stragglers.source[e, i]
     if best == NEVER_SEEN:
@@ -306,7 +320,7 @@ def try_more(
     stragglers: Stragglers,
     spots: Hotspots,
     wind: Wind,
-    shore: Shore,
+    boundary: Boundary,
     key: np.uint64,
     e: int,
     now: int,
@@ -339,18 +353,18 @@ def try_more(
         stragglers.tried[e] += 1
         first = _DRAWS * label
         hotspot = _drawn(running[label % many], uniform(key, first + 2, 0))
-        row = shore.rows[hotspot] + spread * normal(key, first // 2 + 2, 0)
-        col = shore.cols[hotspot] + spread * normal(key, first // 2 + 3, 0)
-        _, _, node = settled(shore, row, col)
+        row = boundary.rows[hotspot] + spread * normal(key, first // 2 + 2, 0)
+        col = boundary.cols[hotspot] + spread * normal(key, first // 2 + 3, 0)
+        _, _, node = settled(boundary, row, col)
         seen = was_in_view(stragglers.views[e], 0, node)
-        if not seen or _is_missed(stragglers.misses, key, e, first, 0, node):
-            kept += _run(stragglers, wind, shore, key, e, NEVER_SEEN, row, col, 0, now)
+        if not seen or _is_missed(stragglers.missed_detections, key, e, first, 0, node):
+            kept += _run(stragglers, wind, boundary, key, e, NEVER_SEEN, row, col, 0, now)
 
 
 @kernel
 def expect_stragglers(
     stragglers: Stragglers,
-    shore: Shore,
+    boundary: Boundary,
     e: int,
     total: float,
     real: float,
@@ -365,7 +379,7 @@ def expect_stragglers(
     """
     for i in range(stragglers.number[e]):
         source = stragglers.source[e, i]
-        _, _, node = settled(shore, stragglers.row[e, i], stragglers.col[e, i])
+        _, _, node = settled(boundary, stragglers.row[e, i], stragglers.col[e, i])
         if source == NEVER_SEEN:
             expected[node] += total / stragglers.tried[e]
         else:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.graph_planner.belief_planner.shore import Shore
+from mjforage.graph_planner.belief_planner.boundary import Boundary
 from mjforage.mission.task import Task
 
 BESIDE = 0.15  # a quay nearer than that to an item is beside it [node]
@@ -37,12 +37,12 @@ class Taking(NamedTuple):
 
 
 @kernel
-def quays_beside(shore: Shore, row: float, col: float, node: int) -> int:
+def quays_beside(boundary: Boundary, row: float, col: float, node: int) -> int:
     """How many quays (0 to 2) lie beside a position in a node."""
     count = 0
     for axis in range(2):
-        off = row - shore.rows[node] if axis == 0 else col - shore.cols[node]
-        walls = shore.room[node, axis]
+        off = row - boundary.rows[node] if axis == 0 else col - boundary.cols[node]
+        walls = boundary.room[node, axis]
         count += walls[1 if off > 0.0 else 0] == 0 and abs(off) > 0.5 - BESIDE
     return count
 

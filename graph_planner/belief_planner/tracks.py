@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
-from mjforage.graph_planner.belief_planner.shore import Shore, drifted, held
+from mjforage.graph_planner.belief_planner.boundary import Boundary, drifted, held
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.walls import INSET
 
@@ -96,12 +96,12 @@ def losses(capacity: int) -> Lost:
 
 
 @kernel
-def _report(tracks: Tracks, shore: Shore, e: int, i: int, axis: int, ways: Ended) -> None:
+def _report(tracks: Tracks, boundary: Boundary, e: int, i: int, axis: int, ways: Ended) -> None:
     """Hand the way of a track along one axis over, from its base to its last sighting."""
     steps, n = tracks.seen[e, i] - tracks.base[e, i, axis], ways.number[0]
     if steps <= 0 or n >= ways.axis.size:
         return
-    places, start = shore.rows if axis == 0 else shore.cols, tracks.base_node[e, i, axis]
+    places, start = boundary.rows if axis == 0 else boundary.cols, tracks.base_node[e, i, axis]
     ways.axis[n], ways.steps[n], ways.start[n] = axis, float(steps), start
     ways.shift[n] = float(places[tracks.seen_node[e, i]] - places[start])
     ways.number[0] = n + 1
@@ -125,10 +125,10 @@ def _copy(tracks: Tracks, e: int, source: int, goal: int) -> None:
 
 
 @kernel
-def drop(tracks: Tracks, shore: Shore, e: int, i: int, ways: Ended) -> None:
+def drop(tracks: Tracks, boundary: Boundary, e: int, i: int, ways: Ended) -> None:
     """End track i; the last one takes its place."""
     for axis in range(2):
-        _report(tracks, shore, e, i, axis, ways)
+        _report(tracks, boundary, e, i, axis, ways)
     tracks.number[e] -= 1
     _copy(tracks, e, tracks.number[e], i)
 
@@ -144,35 +144,43 @@ def lose(tracks: Tracks, e: int, i: int, lost: Lost) -> None:
 
 
 @inlined
-def _same_walls(shore: Shore, start: int, node: int, axis: int) -> bool:
+def _same_walls(boundary: Boundary, start: int, node: int, axis: int) -> bool:
     """Whether drift along an axis ends at the same walls in two nodes, and is held up alike."""
     shift = (
-        (shore.rows[node] - shore.rows[start])
+        (boundary.rows[node] - boundary.rows[start])
         if axis == 0
-        else (shore.cols[node] - shore.cols[start])
+        else (boundary.cols[node] - boundary.cols[start])
     )
-    before, now = shore.room[start, axis], shore.room[node, axis]
-    alike = held(shore, start, axis) == held(shore, node, axis)
+    before, now = boundary.room[start, axis], boundary.room[node, axis]
+    alike = held(boundary, start, axis) == held(boundary, node, axis)
     return bool((now[0] - shift == before[0]) & (now[1] + shift == before[1]) & alike)
 
 
 @kernel
-def confirm(tracks: Tracks, shore: Shore, e: int, i: int, node: int, now: int, ways: Ended) -> None:
+def confirm(
+    tracks: Tracks, boundary: Boundary, e: int, i: int, node: int, now: int, ways: Ended
+) -> None:
     """Put track i into a node in which it is seen now."""
-    row, col = float(shore.rows[node]), float(shore.cols[node])
+    row, col = float(boundary.rows[node]), float(boundary.cols[node])
     tracks.row[e, i] = min(max(tracks.row[e, i], row - INSET), row + INSET)
     tracks.col[e, i] = min(max(tracks.col[e, i], col - INSET), col + INSET)
     tracks.node[e, i] = node
     for axis in range(2):
-        if not _same_walls(shore, tracks.base_node[e, i, axis], node, axis):
-            _report(tracks, shore, e, i, axis, ways)
+        if not _same_walls(boundary, tracks.base_node[e, i, axis], node, axis):
+            _report(tracks, boundary, e, i, axis, ways)
             tracks.base[e, i, axis], tracks.base_node[e, i, axis] = now, node
     tracks.seen[e, i], tracks.seen_node[e, i] = now, node
 
 
 @kernel
 def collect(
-    tracks: Tracks, shore: Shore, e: int, now: int, foragers_at: Int32Array, ways: Ended, lost: Lost
+    tracks: Tracks,
+    boundary: Boundary,
+    e: int,
+    now: int,
+    foragers_at: Int32Array,
+    ways: Ended,
+    lost: Lost,
 ) -> None:
     """End the tracks in the nodes that foragers are in now: items are removed before they drift.
 
@@ -190,32 +198,32 @@ def collect(
             if tracks.node[e, i] == foragers_at[f]:
                 if tracks.seen[e, i] < now - 1:
                     lose(tracks, e, i, lost)
-                drop(tracks, shore, e, i, ways)
+                drop(tracks, boundary, e, i, ways)
             else:
                 i += 1
 
 
 @kernel
-def carry(tracks: Tracks, shore: Shore, e: int, drift_row: float, drift_col: float) -> None:
+def carry(tracks: Tracks, boundary: Boundary, e: int, drift_row: float, drift_col: float) -> None:
     """Let all tracks drift for one step [node/step]."""
     for i in range(tracks.number[e]):
         row, col, node = drifted(
-            shore, tracks.row[e, i], tracks.col[e, i], drift_row, drift_col, 1.0
+            boundary, tracks.row[e, i], tracks.col[e, i], drift_row, drift_col, 1.0
         )
         tracks.row[e, i], tracks.col[e, i], tracks.node[e, i] = row, col, node
 
 
 @kernel
-def begin(tracks: Tracks, shore: Shore, e: int, node: int, now: int, ways: Ended) -> bool:
+def begin(tracks: Tracks, boundary: Boundary, e: int, node: int, now: int, ways: Ended) -> bool:
     """Begin a track in a node in view; False if there is no room."""
     i = tracks.number[e]
     if i == tracks.row.shape[1]:
         return False
-    tracks.row[e, i], tracks.col[e, i] = float(shore.rows[node]), float(shore.cols[node])
+    tracks.row[e, i], tracks.col[e, i] = float(boundary.rows[node]), float(boundary.cols[node])
     tracks.born[e, i], tracks.seen[e, i] = now, now
     tracks.seen_node[e, i], tracks.firm[e, i] = node, False
     tracks.real[e, i], tracks.born_node[e, i] = 1.0, node
     tracks.base[e, i], tracks.base_node[e, i] = now, node
     tracks.number[e] = i + 1
-    confirm(tracks, shore, e, i, node, now, ways)
+    confirm(tracks, boundary, e, i, node, now, ways)
     return True

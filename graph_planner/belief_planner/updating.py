@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import kernel
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.belief_planner import hotspots as hs
-from mjforage.graph_planner.belief_planner import misses as ms
+from mjforage.graph_planner.belief_planner import missed_detections as ms
 from mjforage.graph_planner.belief_planner import reconciling as rc
 from mjforage.graph_planner.belief_planner import stragglers as st
 from mjforage.graph_planner.belief_planner import tracks as tr
 from mjforage.graph_planner.belief_planner import wind as wd
-from mjforage.graph_planner.belief_planner.cloud import Cloud
+from mjforage.graph_planner.belief_planner.boundary import Boundary
 from mjforage.graph_planner.belief_planner.routes import NOWHERE
-from mjforage.graph_planner.belief_planner.shore import Shore
+from mjforage.graph_planner.belief_planner.spatial_prior import SpatialPrior
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.task import UNREACHABLE, Observation
@@ -60,9 +60,9 @@ class Store(NamedTuple):
     tracks: tr.Tracks
     wind: wd.Wind
     spots: hs.Hotspots
-    stragglers: st.Stragglers  # with `misses`
-    shore: Shore
-    cloud: Cloud
+    stragglers: st.Stragglers  # with `missed_detections`
+    boundary: Boundary
+    prior: SpatialPrior
     ways: tr.Ended  # empty between decisions
     lost: tr.Lost
     scratch: rc.Scratch
@@ -94,10 +94,10 @@ def begin(store: Store, seen: Observation, e: int) -> Int32Array:
             foragers_at[f] = seen.agent_node[e, agent]
         store.had_room[e, f] = seen.room_left[e, agent] > 0
     if now > 0:
-        tracks, shore, drift = store.tracks, store.shore, store.wind.mean[e]
-        tr.collect(tracks, shore, e, now, foragers_at, store.ways, store.lost)
+        tracks, boundary, drift = store.tracks, store.boundary, store.wind.mean[e]
+        tr.collect(tracks, boundary, e, now, foragers_at, store.ways, store.lost)
         if assumed.advection:
-            tr.carry(tracks, shore, e, drift[0], drift[1])
+            tr.carry(tracks, boundary, e, drift[0], drift[1])
     return foragers_at
 
 
@@ -112,9 +112,9 @@ def remember(
     foragers_at: Int32Array,
 ) -> None:
     """Keep a view of a step: of agents (look,) at their nodes (look,)."""
-    eyes, shore = store.eyes, store.shore
-    looking = ms.Looking(at, eyes.radius_number[who], eyes.views, shore.rows, shore.cols)
-    ms.look_at(store.stragglers.misses, e, step, last_seen, looking)
+    eyes, boundary = store.eyes, store.boundary
+    looking = ms.Looking(at, eyes.radius_number[who], eyes.views, boundary.rows, boundary.cols)
+    ms.look_at(store.stragglers.missed_detections, e, step, last_seen, looking)
     st.remember(store.stragglers, e, step, last_seen, foragers_at)
 
 
@@ -138,15 +138,15 @@ def catch_of(store: Store, seen: Observation, e: int) -> rc.Catch:
 @kernel
 def settle(store: Store, seen: Observation, e: int, foragers_at: Int32Array) -> Int32Array:
     """Make tracks, drift and losses agree with what is in view; nodes of new items (sighting,)."""
-    now, assumed, tracks, shore = seen.step[e] - 1, store.assumed, store.tracks, store.shore
+    now, assumed, tracks, boundary = seen.step[e] - 1, store.assumed, store.tracks, store.boundary
     who = np.flatnonzero(seen.agent_seen[e] == now)
     last_seen = seen.last_seen[e]
     remember(store, e, now, last_seen, seen.agent_node[e][who], who, foragers_at)
-    misses = store.stragglers.misses
-    doubts = rc.Doubts(misses, assumed.false_rate, store.expected[e], assumed.least)
+    missed_detections = store.stragglers.missed_detections
+    doubts = rc.Doubts(missed_detections, assumed.false_rate, store.expected[e], assumed.least)
     new = rc.reconcile(
         tracks,
-        shore,
+        boundary,
         store.eyes.neighbours,
         e,
         rc.View(now, seen.belief[e], last_seen),
@@ -158,8 +158,8 @@ def settle(store: Store, seen: Observation, e: int, foragers_at: Int32Array) -> 
         store.lost,
     )
     if assumed.wind:
-        wd.settle(store.wind, shore, e, store.ways)
-        wd.estimate(store.wind, tracks, shore, e)
+        wd.settle(store.wind, boundary, e, store.ways)
+        wd.estimate(store.wind, tracks, boundary, e)
     n = tracks.number[e]
     sighted = tracks.node[e, n - new : n].copy()
     if assumed.false_rate > 0.0:
@@ -177,21 +177,21 @@ def retract(store: Store, e: int) -> None:
     """
     lost, spots = store.lost, store.spots
     for i in range(lost.number[0]):
-        hs.retract(spots, store.cloud, store.shore, e, lost.born_node[i], lost.born[i])
+        hs.retract(spots, store.prior, store.boundary, e, lost.born_node[i], lost.born[i])
 
 
 @kernel
 def settle_losses(store: Store, e: int, now: int, sighted: Int32Array) -> Int32Array:
     """Take in what was lost and found; those of the new sightings that are really new."""
-    particles, shore, key, lost = store.stragglers, store.shore, store.keys[e], store.lost
+    particles, boundary, key, lost = store.stragglers, store.boundary, store.keys[e], store.lost
     if particles.number[e]:
         new = np.empty(sighted.size, np.bool_)
         for i in range(sighted.size):
-            new[i] = not st.find(particles, shore, e, sighted[i])
+            new[i] = not st.find(particles, boundary, e, sighted[i])
         sighted = sighted[new]
-        st.advance(particles, shore, key, e, now)
+        st.advance(particles, boundary, key, e, now)
     for i in range(lost.number[0]):
-        st.lose(particles, store.wind, shore, key, e, lost.node[i], lost.step[i], now)
+        st.lose(particles, store.wind, boundary, key, e, lost.node[i], lost.step[i], now)
     return sighted
 
 
@@ -205,18 +205,18 @@ def expect(store: Store, seen: Observation, e: int, nodes: Int32Array, sighted: 
     sighted : (sighting,) nodes of new items
     """
     now, spots, wind, expected = seen.step[e] - 1, store.spots, store.wind, store.expected[e]
-    misses = store.stragglers.misses
+    missed_detections = store.stragglers.missed_detections
     hs.weigh(store.axis, wind.grid, wind.chance[e], spots.share[e])
-    hs.look(spots, e, nodes, misses.factor)
+    hs.look(spots, e, nodes, missed_detections.factor)
     if sighted.size:
         drift = wind.mean[e]
-        hs.sight(spots, store.cloud, store.shore, e, now, sighted, drift[0], drift[1])
+        hs.sight(spots, store.prior, store.boundary, e, now, sighted, drift[0], drift[1])
     if not store.assumed.hotspot:
         return
-    hs.expect(spots, store.cloud, e, nodes, expected)
+    hs.expect(spots, store.prior, e, nodes, expected)
     if store.assumed.particles and spots.number[e]:
         expect_stragglers(store, e, now)
-    if ms.is_certain(misses):
+    if ms.is_certain(missed_detections):
         for node in range(expected.size):
             if seen.last_seen[e, node] == now:
                 expected[node] = 0.0
@@ -228,11 +228,11 @@ def expect_stragglers(store: Store, e: int, now: int) -> None:
     particles, spots, expected = store.stragglers, store.spots, store.expected[e]
     total, real = 0.0, REAL
     if store.tracks.number[e] <= FEW and expected.sum() < LATE:
-        about = particles, spots, store.wind, store.shore, store.keys[e]
+        about = particles, spots, store.wind, store.boundary, store.keys[e]
         st.try_more(*about, e, now, store.assumed.spread, store.assumed.tries)
         expected[:] = 0.0
         total, real = spots.total[e], REAL_LATE
-    st.expect_stragglers(particles, store.shore, e, total, real, expected)
+    st.expect_stragglers(particles, store.boundary, e, total, real, expected)
 
 
 @kernel

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.graph_planner.belief_planner.shore import Shore, held
+from mjforage.graph_planner.belief_planner.boundary import Boundary, held
 from mjforage.graph_planner.belief_planner.tracks import Ended, Tracks
 from mjforage.scenario.belief_settings import BeliefSettings
 
@@ -82,12 +82,12 @@ def log_likelihood(
 
 
 @kernel
-def settle(wind: Wind, shore: Shore, e: int, ways: Ended) -> None:
+def settle(wind: Wind, boundary: Boundary, e: int, ways: Ended) -> None:
     """Keep what ended ways say for good, and empty the list."""
     for i in range(ways.number[0]):
-        if held(shore, ways.start[i], ways.axis[i]):
+        if held(boundary, ways.start[i], ways.axis[i]):
             continue
-        axis, room = ways.axis[i], shore.room[ways.start[i], ways.axis[i]]
+        axis, room = ways.axis[i], boundary.room[ways.start[i], ways.axis[i]]
         log_likelihood(
             ways.shift[i],
             ways.steps[i],
@@ -101,19 +101,19 @@ def settle(wind: Wind, shore: Shore, e: int, ways: Ended) -> None:
 
 
 @kernel
-def estimate(wind: Wind, tracks: Tracks, shore: Shore, e: int) -> None:
+def estimate(wind: Wind, tracks: Tracks, boundary: Boundary, e: int) -> None:
     """Posterior, mean and deviation per axis from the ended ways and the tracks' ways so far."""
     grid = wind.grid
     for axis in range(2):
-        places = shore.rows if axis == 0 else shore.cols
+        places = boundary.rows if axis == 0 else boundary.cols
         total = wind.prior + wind.settled[e, axis]
         for i in range(tracks.number[e]):
             start = tracks.base_node[e, i, axis]
             steps = float(tracks.seen[e, i] - tracks.base[e, i, axis])
-            if steps < 1.0 or held(shore, start, axis):
+            if steps < 1.0 or held(boundary, start, axis):
                 continue
             shift = float(places[tracks.seen_node[e, i]] - places[start])
-            room = shore.room[start, axis]
+            room = boundary.room[start, axis]
             log_likelihood(shift, steps, room[0], room[1], wind.noise, grid, total)
         chance = np.exp(total - total.max())
         chance /= chance.sum()

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
+from mjforage.graph_planner.belief_planner.boundary import Boundary
 from mjforage.graph_planner.belief_planner.foraging import (
     Able,
     Foraging,
@@ -12,12 +13,11 @@ from mjforage.graph_planner.belief_planner.foraging import (
     gather_legs,
 )
 from mjforage.graph_planner.belief_planner.routes import NOWHERE, Legs
-from mjforage.graph_planner.belief_planner.shore import Shore
 from mjforage.graph_planner.belief_planner.stops import Floating
 from mjforage.graph_planner.belief_planner.taking import Taking
 from mjforage.graph_planner.belief_planner.ways import Ways
+from mjforage.graph_planner.dec_mcts.context import DecisionContext
 from mjforage.graph_planner.dec_mcts.draws import begin
-from mjforage.graph_planner.dec_mcts.moment import Moment
 from mjforage.graph_planner.dec_mcts.plans import (
     Plans,
     end_turn,
@@ -101,7 +101,7 @@ def search_tours(
 @kernel
 def _plan_tours(
     items: Floating,
-    shore: Shore,
+    boundary: Boundary,
     ways: tuple[Ways, ...],
     able: Able,
     agent_node: Int32Array,
@@ -118,7 +118,7 @@ def _plan_tours(
 ) -> int:
     """As `plan_routes`, by `search_tours`."""
     found = scratch.found
-    about = items, shore, ways, able, agent_node
+    about = items, boundary, ways, able, agent_node
     legs = gather_legs(*about, agent_yaw, drift_rc, stay, taking, found)
     n = legs.weight.size
     if n == 0 or able.agents.size == 0:
@@ -132,10 +132,10 @@ class TreeForaging(Foraging):
     """Those who collect, each by its own tree."""
 
     def __init__(
-        self, task: Task, settings: BeliefSettings, effort: Effort, moment: Moment
+        self, task: Task, settings: BeliefSettings, effort: Effort, context: DecisionContext
     ) -> None:
         super().__init__(task, settings)
-        self._search, self._moment, self._stay = effort, moment, task.rules.stay
+        self._search, self._context, self._stay = effort, context, task.rules.stay
 
     def send(
         self,
@@ -147,10 +147,10 @@ class TreeForaging(Foraging):
         preferences: NDArray[np.float64],
     ) -> int:
         """As the belief planner's, by trees."""
-        moment = self._moment
+        context = self._context
         return _plan_tours(
             self.items,
-            self.shore,
+            self.boundary,
             self.group.ways,
             self.able_now(room_left, energy_left),
             agent_node,
@@ -161,7 +161,7 @@ class TreeForaging(Foraging):
             self._scratch,
             preferences,
             self._search,
-            moment.heard,
-            moment.key,
-            moment.step,
+            context.heard,
+            context.key,
+            context.step,
         )

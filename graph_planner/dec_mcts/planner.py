@@ -7,8 +7,8 @@ from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.belief_planner.foraging import Foraging
 from mjforage.graph_planner.belief_planner.planner import BeliefPlanner
 from mjforage.graph_planner.belief_planner.scouting import Scouting
+from mjforage.graph_planner.dec_mcts.context import DecisionContext
 from mjforage.graph_planner.dec_mcts.foraging import TreeForaging
-from mjforage.graph_planner.dec_mcts.moment import Moment
 from mjforage.graph_planner.dec_mcts.scouting import TreeScouting
 from mjforage.graph_planner.dec_mcts.settings import Effort
 from mjforage.mission.task import Observation, Task
@@ -19,15 +19,15 @@ class TreePlanner(BeliefPlanner):
     """Beliefs and plans of a batch of rows, by decentralised Monte-Carlo tree search."""
 
     def __init__(self, task: Task, keys: UInt64Array, effort: Effort) -> None:
-        self._effort, self._moment = effort, Moment(effort.trust)
+        self._effort, self._context = effort, DecisionContext(effort.trust)
         super().__init__(task, keys)
 
     def _foraging(self, settings: BeliefSettings) -> Foraging:
-        return TreeForaging(self._task, settings, self._effort, self._moment)
+        return TreeForaging(self._task, settings, self._effort, self._context)
 
     def _scouting(self, settings: BeliefSettings, agents: NDArray[np.int64]) -> Scouting:
-        return TreeScouting(self._task, settings, agents, self._effort, self._moment)
+        return TreeScouting(self._task, settings, agents, self._effort, self._context)
 
     def _decide(self, seen: Observation, e: int) -> None:
-        self._moment.is_of(seen, e)
+        self._context.is_of(seen, e)
         super()._decide(seen, e)

@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import kernel
 from mjforage.graph_planner.belief_planner.scouting import Scouting
 from mjforage.graph_planner.belief_planner.sweeps import Cover
+from mjforage.graph_planner.dec_mcts.context import DecisionContext
 from mjforage.graph_planner.dec_mcts.draws import begin
-from mjforage.graph_planner.dec_mcts.moment import Moment
 from mjforage.graph_planner.dec_mcts.plans import (
     Plans,
     end_turn,
@@ -126,10 +126,10 @@ class TreeScouting(Scouting):
         settings: BeliefSettings,
         agents: NDArray[np.int64],
         effort: Effort,
-        moment: Moment,
+        context: DecisionContext,
     ) -> None:
         super().__init__(task, settings, agents)
-        self._search, self._moment = effort, moment
+        self._search, self._context = effort, context
         able = [(task.fleet.moves[a], task.fleet.radius[a]) for a in agents]
         kinds = sorted(set(able))
         self._kind = np.array([kinds.index(each) for each in able], np.int64)
@@ -158,7 +158,7 @@ class TreeScouting(Scouting):
             self._sights[size] = sights
         at = agent_node[self.agents]
         scouts = Scouts(self._kind, at, self._ends_of, kinds, mass, np.zeros(marks))
-        moment, mine = self._moment, np.empty((at.size, 9))
-        heard = moment.heard[self.agents]
-        search_sweeps(self._search, scouts, heard, sights, moment.key, moment.step, mine)
+        context, mine = self._context, np.empty((at.size, 9))
+        heard = context.heard[self.agents]
+        search_sweeps(self._search, scouts, heard, sights, context.key, context.step, mine)
         preferences[self.agents] = mine

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
+from mjforage.graph_planner.belief_planner.boundary import Boundary, drifted
 from mjforage.graph_planner.belief_planner.foraging import Able
 from mjforage.graph_planner.belief_planner.routes import NOWHERE
-from mjforage.graph_planner.belief_planner.shore import Shore, drifted
 from mjforage.graph_planner.belief_planner.stops import FAR, Floating
 from mjforage.graph_planner.belief_planner.taking import Taking, dwell, quays_beside
 from mjforage.graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
@@ -26,7 +26,7 @@ _STRIDE = 0.5  # of the decisions still missing are let pass at once: items drif
 class Sea(NamedTuple):
     """What moves items and agents."""
 
-    shore: Shore
+    boundary: Boundary
     ways: tuple[Ways, ...]  # one per kind of forager
     drift: NDArray[np.float64]  # (2,) [node/step]
     taking: Taking
@@ -34,7 +34,7 @@ class Sea(NamedTuple):
     latest: float  # decision after which nothing is met
 
 
-class Wanted(NamedTuple):
+class Lots(NamedTuple):
     """Nodes with items, certain or probable."""
 
     node: Int32Array  # (lot,) now
@@ -60,9 +60,9 @@ def meet(
     row, col : place of the item now [node]
     free : decisions from now until it sets out
     """
-    shore, drift = sea.shore, sea.drift
+    boundary, drift = sea.boundary, sea.drift
     ways, again = sea.ways[kind], 1.0 if sea.stay else 2.0
-    row, col, node = drifted(shore, row, col, drift[0], drift[1], free)
+    row, col, node = drifted(boundary, row, col, drift[0], drift[1], free)
     when = free + 1.0
     while when <= latest:
         decisions = ways.decisions[row_to(ways, node), at]
@@ -70,31 +70,31 @@ def meet(
         if decisions != UNREACHED:
             missing = free + (float(decisions) if decisions > 0 else again) - when
         if missing <= 0.0:
-            stop = when + sea.taking.usual[quays_beside(shore, row, col, node)]
+            stop = when + sea.taking.usual[quays_beside(boundary, row, col, node)]
             return stop, node
         passed = max(1.0, np.floor(_STRIDE * missing))
-        row, col, node = drifted(shore, row, col, drift[0], drift[1], passed)
+        row, col, node = drifted(boundary, row, col, drift[0], drift[1], passed)
         when += passed
     return FAR, NOWHERE
 
 
 @kernel
-def lots_of(items: Floating, sea: Sea, near: float) -> Wanted:
+def lots_of(items: Floating, sea: Sea, near: float) -> Lots:
     """The items of every node in one lot.
 
     Parameters
     ----------
     near : decisions by which the reward of what is around falls to 1/e; 0: it counts nothing
     """
-    ways, shore = sea.ways[0], sea.shore
-    place = np.full(shore.rows.size, NOWHERE)
+    ways, boundary = sea.ways[0], sea.boundary
+    place = np.full(boundary.rows.size, NOWHERE)
     n, count = 0, items.number[0]
     node, weight = np.empty(count, np.int32), np.zeros(count)
     row, col = np.zeros(count), np.zeros(count)
     for i in range(count):
         if items.weight[i] <= 0.0:
             continue
-        down, right, here = drifted(shore, items.row[i], items.col[i], 0.0, 0.0, 0.0)
+        down, right, here = drifted(boundary, items.row[i], items.col[i], 0.0, 0.0, 0.0)
         if place[here] == NOWHERE:
             place[here], node[n] = n, here
             n += 1
@@ -109,7 +109,7 @@ def lots_of(items: Floating, sea: Sea, near: float) -> Wanted:
         for j in range(n):
             if near > 0.0 and j != i and decisions[node[j]] != UNREACHED:
                 reward[i] += weight[j] * np.exp(-float(decisions[node[j]]) / near)
-    return Wanted(node[:n], row[:n], col[:n], weight[:n], reward)
+    return Lots(node[:n], row[:n], col[:n], weight[:n], reward)
 
 
 @kernel
@@ -119,7 +119,7 @@ def _meet_all(
     f: int,
     at: int,
     free: float,
-    wanted: Wanted,
+    lots: Lots,
     open_: NDArray[np.bool_],
     when: NDArray[np.float64],
     where: Int32Array,
@@ -127,7 +127,7 @@ def _meet_all(
     """Fill when and where (lot,) a forager that is free at `at` from `free` on meets each lot."""
     for lot in range(open_.size):
         if open_[lot]:
-            place = wanted.row[lot], wanted.col[lot]
+            place = lots.row[lot], lots.col[lot]
             latest = min(able.lasts[f], sea.latest)
             about = sea, able.kind[f], at, place[0], place[1], free, latest
             when[lot], where[lot] = meet(*about)
@@ -157,29 +157,29 @@ def assign(
     urgency : exponent of the time in a ratio
     ahead : items that a forager is given at most
     """
-    wanted, n_foragers = lots_of(items, sea, near), at.size
-    n = wanted.node.size
+    lots, n_foragers = lots_of(items, sea, near), at.size
+    n = lots.node.size
     open_, room = np.ones(n, np.bool_), able.room.copy()
     when, where = np.full((n_foragers, n), FAR), np.full((n_foragers, n), np.int32(NOWHERE))
     given = np.zeros(n_foragers, np.int64)
     goal[:] = NOWHERE
     for f in range(n_foragers):
-        _meet_all(sea, able, f, at[f], 0.0, wanted, open_, when[f], where[f])
+        _meet_all(sea, able, f, at[f], 0.0, lots, open_, when[f], where[f])
     for _ in range(n):
         best, who, what = 0.0, NOWHERE, NOWHERE
         for f in range(n_foragers):
             if given[f] < ahead and room[f] > 0.0:
                 for lot in range(n):
                     if open_[lot] and when[f, lot] < FAR:
-                        ratio = wanted.reward[lot] / when[f, lot] ** urgency
+                        ratio = lots.reward[lot] / when[f, lot] ** urgency
                         if ratio > best:
                             best, who, what = ratio, f, lot
         if who == NOWHERE:
             return
-        weight, met = wanted.weight[what], where[who, what]
+        weight, met = lots.weight[what], where[who, what]
         free = when[who, what] + dwell(sea.taking, weight)
         goal[who] = met if given[who] == 0 else goal[who]
         given[who] += 1
         room[who] -= weight
         open_[what] = False
-        _meet_all(sea, able, who, met, free, wanted, open_, when[who], where[who])
+        _meet_all(sea, able, who, met, free, lots, open_, when[who], where[who])

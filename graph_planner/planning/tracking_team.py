@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import kernel
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.belief_planner.beliefs import Beliefs
+from mjforage.graph_planner.belief_planner.connectivity import NOBODY
 from mjforage.graph_planner.belief_planner.covers import landmarks_of
 from mjforage.graph_planner.belief_planner.foraging import Collecting
 from mjforage.graph_planner.belief_planner.group import Group
 from mjforage.graph_planner.belief_planner.move_preferences import towards
 from mjforage.graph_planner.belief_planner.routes import NOWHERE
-from mjforage.graph_planner.belief_planner.touch import NOBODY
+from mjforage.graph_planner.belief_planner.target_values import TargetValues, summed
 from mjforage.graph_planner.belief_planner.waiting import approach
-from mjforage.graph_planner.belief_planner.wanted import Wanted, summed
 from mjforage.graph_planner.belief_planner.ways import UNREACHED, Ways, search_on
 from mjforage.graph_planner.graph.geodesics import FAR, Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
@@ -93,7 +93,7 @@ class TrackingTeam:
         self._settings, self._task, graph = task.belief.in_force(), task, task.graph
         self.beliefs = Beliefs(task, self._settings, keys)
         self.collecting = Collecting(task, self._settings)
-        self._wanted = Wanted(self.beliefs, self._settings, self.collecting.shore)
+        self._target_values = TargetValues(self.beliefs, self._settings, self.collecting.boundary)
         fleet = task.fleet
         self._lone = fleet.discoverers.size == 0
         self._lookers = Group.of(task, fleet.collectors if self._lone else fleet.discoverers)
@@ -110,7 +110,7 @@ class TrackingTeam:
         for e in np.flatnonzero(observation.active).tolist():
             self.beliefs.learn(observation, e)
             now, goals = int(observation.step[e]) - 1, self._goals
-            self._wanted.list_items(e, now, self.collecting.items)
+            self._target_values.list_items(e, now, self.collecting.items)
             goals[:] = NOWHERE
             holder = int(observation.holder[e])  # whose move alone counts, unless it is nobody's
             collects = holder == NOBODY or bool(self._task.fleet.collects[holder])
@@ -154,7 +154,7 @@ class TrackingTeam:
         who = lookers.agents[free]
         if not who.size:
             return
-        worth = self._wanted.worth_seeing(seen, e) + _LEAST
+        worth = self._target_values.worth_seeing(seen, e) + _LEAST
         kinds = lookers.kind[free]
         about = arrays, views, lookers.ways, kinds, self._patience
         won = _share_views(*about, at, energy, who, worth.copy())

@@ -57,7 +57,7 @@ class OgrPolicy:
         if not able.agents.size:
             return
         drift = self._team.beliefs.wind.mean[e]
-        sea = Sea(collecting.shore, group.ways, drift, collecting.taking, *self._rules)
+        sea = Sea(collecting.boundary, group.ways, drift, collecting.taking, *self._rules)
         found = np.empty(able.agents.size, np.int32)
         assign(sea, able, seen.agent_node[e][able.agents], collecting.items, *self._ratio, found)
         goals[np.isin(group.agents, able.agents)] = found

@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.belief_planner.foraging import Foraging
 from mjforage.graph_planner.belief_planner.planner import BeliefPlanner
+from mjforage.graph_planner.belief_planner.privileged_beliefs import PrivilegedBeliefs
 from mjforage.graph_planner.belief_planner.scouting import Scouting
 from mjforage.graph_planner.belief_planner.stops import floating
-from mjforage.graph_planner.belief_planner.told import ToldBeliefs
 from mjforage.graph_planner.policies.registry import register
 from mjforage.mission.plain import Plain, plain_truth
 from mjforage.mission.task import Observation, Task, Truth
@@ -42,7 +42,7 @@ class OraclePolicy:
         settings = replace(task.belief, joint=True, sweeps=True)
         self._task = task
         if self.apart:
-            self._planner = BeliefPlanner(replace(task, belief=settings), keys, ToldBeliefs)
+            self._planner = BeliefPlanner(replace(task, belief=settings), keys, PrivilegedBeliefs)
             return
         self._foragers = Foraging(task, settings)
         self._scouts = Scouting(task, settings)
@@ -59,7 +59,7 @@ class OraclePolicy:
         truth = self._truth
         if self.apart:
             beliefs = self._planner.beliefs
-            assert isinstance(beliefs, ToldBeliefs)
+            assert isinstance(beliefs, PrivilegedBeliefs)
             beliefs.reveal(truth)
             return self._planner.act(observation)
         observation = self._plain(observation)

@@ -90,12 +90,12 @@ class OrienteeringPolicy:
         collecting, found, at = self._team.collecting, self._found, seen.agent_node[e][able.agents]
         if not able.agents.size:
             return []
-        ways, taking, shore = collecting.group.ways, collecting.taking, collecting.shore
+        ways, taking, boundary = collecting.group.ways, collecting.taking, collecting.boundary
         drift = self._team.beliefs.wind.mean[e : e + 1]
-        gather_stops(collecting.items, shore, ways, able.kind, at, drift, taking, found)
+        gather_stops(collecting.items, boundary, ways, able.kind, at, drift, taking, found)
         first, between = decisions_between(found, ways, able.kind, at, self._task.rules.stay)
         yaw = seen.agent_yaw[e][able.agents]
-        add_pickup(taking, shore, found, able.agents, at, yaw, first, between)
+        add_pickup(taking, boundary, found, able.agents, at, yaw, first, between)
         weight = found.weight[: found.number[0]]
         legs = Legs(weight, first, between, able.kind, able.room, able.lasts)
         routes = solve_routes(routing_library(), legs, *self._search)

@@ -3,15 +3,15 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.graph_planner.belief_planner import hotspots as hs
-from mjforage.graph_planner.belief_planner.cloud import (
+from mjforage.graph_planner.belief_planner.boundary import boundary_of, nearest_of_cells
+from mjforage.graph_planner.belief_planner.drift_hypotheses import DriftHypotheses
+from mjforage.graph_planner.belief_planner.spatial_prior import (
     bounds,
-    cloud_of,
     gathered,
     scattered,
+    spatial_prior_of,
     start_chances,
 )
-from mjforage.graph_planner.belief_planner.currents import Currents
-from mjforage.graph_planner.belief_planner.shore import nearest_of_cells, shore_of
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
 from mjforage.scenario.belief_settings import BeliefSettings
 
@@ -23,9 +23,9 @@ STILL = np.arange(len(SEA), dtype=np.int32)[None]
 
 def table(graph: NavigationGraph, spread: float) -> F64:
     """P0[c, x] of all pairs, from the starts' side."""
-    cloud, out = cloud_of(graph, spread), np.zeros((len(graph), len(graph)))
+    prior, out = spatial_prior_of(graph, spread), np.zeros((len(graph), len(graph)))
     for x in range(len(graph)):
-        start_chances(cloud, x, out[:, x])
+        start_chances(prior, x, out[:, x])
     return out
 
 
@@ -45,15 +45,15 @@ def test_sums_over_starts_and_over_hotspots_are_those_of_the_table(
     ragged_coast: NavigationGraph,
 ) -> None:
     chances, rng = table(ragged_coast, 2.0), np.random.default_rng(0)
-    n, cloud = len(ragged_coast), cloud_of(ragged_coast, 2.0)
+    n, prior = len(ragged_coast), spatial_prior_of(ragged_coast, 2.0)
     value, out, spread_out = rng.random(n), np.full(n, -1.0), np.zeros(n)
     weight = np.where((ragged_coast.rows > 5) & (ragged_coast.rows < 15), rng.random(n), 0.0)
-    box = bounds(cloud, weight, 0.0)
-    gathered(cloud, value, box, out)
+    box = bounds(prior, weight, 0.0)
+    gathered(prior, value, box, out)
     inside = (ragged_coast.rows > 5) & (ragged_coast.rows < 15)
     np.testing.assert_allclose(out[inside], (chances @ value)[inside], atol=1e-9)
     assert (out[~inside] == -1.0).all()
-    scattered(cloud, weight, box, spread_out)
+    scattered(prior, weight, box, spread_out)
     np.testing.assert_allclose(spread_out, weight @ chances, atol=1e-9)
 
 
@@ -62,7 +62,10 @@ class Belief:
 
     def __init__(self, **assumptions: float) -> None:
         self.settings = BeliefSettings(**assumptions)  # type: ignore[arg-type]
-        self.cloud, self.shore = cloud_of(SEA, self.settings.spread_node), shore_of(SEA)
+        self.prior, self.boundary = (
+            spatial_prior_of(SEA, self.settings.spread_node),
+            boundary_of(SEA),
+        )
         self.spots = hs.hotspots(1, len(SEA), 1, 400, self.settings)
         self.expected = np.zeros(len(SEA))
 
@@ -77,10 +80,10 @@ class Belief:
         drift: tuple[float, float] = (0.0, 0.0),
     ) -> None:
         nodes = np.array([SEA.node_of_cell[cell] for cell in cells], np.int32)
-        hs.sight(self.spots, self.cloud, self.shore, 0, now, nodes, *drift)
+        hs.sight(self.spots, self.prior, self.boundary, 0, now, nodes, *drift)
 
     def expect(self) -> F64:
-        hs.expect(self.spots, self.cloud, 0, STILL, self.expected)
+        hs.expect(self.spots, self.prior, 0, STILL, self.expected)
         return self.expected.reshape(40, 40)
 
 
@@ -226,25 +229,25 @@ def test_an_unsighted_second_hotspot_is_expected_where_nobody_has_looked() -> No
 
 
 def test_currents_carry_every_start_and_are_made_step_by_step() -> None:
-    currents = Currents(SEA, "clip", 0.1, 150)
-    assert currents.drift.shape == (25, 2) and np.abs(currents.drift).max() <= 0.1
-    w = int(np.argmin(np.abs(currents.drift - (0.08, -0.04)).sum(axis=1)))
-    later = currents.nodes(50)[w].reshape(40, 40)
+    drift_hypotheses = DriftHypotheses(SEA, "clip", 0.1, 150)
+    assert drift_hypotheses.drift.shape == (25, 2) and np.abs(drift_hypotheses.drift).max() <= 0.1
+    w = int(np.argmin(np.abs(drift_hypotheses.drift - (0.08, -0.04)).sum(axis=1)))
+    later = drift_hypotheses.nodes(50)[w].reshape(40, 40)
     assert later[10, 20] == SEA.node_of_cell[14, 18]
     assert later[38, 20] == SEA.node_of_cell[39, 18]
-    np.testing.assert_array_equal(currents.nodes(0)[w], np.arange(1600))
+    np.testing.assert_array_equal(drift_hypotheses.nodes(0)[w], np.arange(1600))
 
 
 def test_starts_that_drifted_into_view_are_seen_only_under_that_drift() -> None:
-    currents = Currents(SEA, "clip", 0.1, 150)
+    drift_hypotheses = DriftHypotheses(SEA, "clip", 0.1, 150)
     spots = hs.hotspots(1, len(SEA), 25, 10, BeliefSettings())
     last_seen = np.full(len(SEA), -32768, np.int16)
     last_seen[SEA.node_of_cell[14, 18]] = 50
-    hs.look(spots, 0, currents.nodes(50), (last_seen != 50).astype(np.float32))
+    hs.look(spots, 0, drift_hypotheses.nodes(50), (last_seen != 50).astype(np.float32))
     gone = np.argwhere(spots.unseen[0] == 0)
     assert len(gone) == 25
     for w, x in gone:
-        drifted = np.array([SEA.rows[x], SEA.cols[x]]) + 50 * currents.drift[w]
+        drifted = np.array([SEA.rows[x], SEA.cols[x]]) + 50 * drift_hypotheses.drift[w]
         np.testing.assert_allclose(drifted, (14, 18), atol=0.51)
 
 

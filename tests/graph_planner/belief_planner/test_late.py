@@ -7,17 +7,17 @@ from mjforage.graph_planner.belief_planner import late as lt
 from mjforage.graph_planner.belief_planner import reconciling as rc
 from mjforage.graph_planner.belief_planner import stragglers as st
 from mjforage.graph_planner.belief_planner import tracks as tr
-from mjforage.graph_planner.belief_planner.shore import shore_of
+from mjforage.graph_planner.belief_planner.boundary import boundary_of
 from mjforage.graph_planner.belief_planner.stragglers import stragglers
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.task import NEVER
+from tests.graph_planner.belief_planner.test_stragglers import BOUNDARY as WIDE_SHORE
 from tests.graph_planner.belief_planner.test_stragglers import KEY, Search
 from tests.graph_planner.belief_planner.test_stragglers import SEA as WIDE
-from tests.graph_planner.belief_planner.test_stragglers import SHORE as WIDE_SHORE
 
 SEA = navigation_graph(np.ones((12, 30), np.bool_), 1.0, False)
-SHORE = shore_of(SEA)
+BOUNDARY = boundary_of(SEA)
 EAST = np.array([0.0, 0.5])  # drift [node/step]
 NOBODY = np.full(1, -1, np.int32)
 
@@ -34,7 +34,7 @@ class Past:
     def track(self, row: float, col: float, seen: int) -> None:
         i = int(self.tracks.number[0])
         node = SEA.node_of_cell[round(row), round(col)]
-        tr.begin(self.tracks, SHORE, 0, node, seen, self.ways)
+        tr.begin(self.tracks, BOUNDARY, 0, node, seen, self.ways)
         self.tracks.row[0, i], self.tracks.col[0, i] = row, col
 
     def hear(
@@ -51,15 +51,15 @@ class Past:
             seen[SEA.node_of_cell[cell]] = step
         past, tracks, ways, lost = self.now - step, self.tracks, self.ways, self.lost
         st.remember(self.particles, 0, step, seen, foragers_at)
-        lt.work_back(tracks, SHORE, 0, step, past, EAST)
-        lt.collect(tracks, SHORE, 0, step, foragers_at, EAST, ways, lost)
+        lt.work_back(tracks, BOUNDARY, 0, step, past, EAST)
+        lt.collect(tracks, BOUNDARY, 0, step, foragers_at, EAST, ways, lost)
         view, nobody = rc.View(step, belief, seen), rc.Catch(NOBODY[:0], np.zeros(0, np.int64))
         doubts = rc.no_doubts(len(SEA))
         about = SEA.neighbours, 0, view, 0.1, nobody, doubts, self.memory, ways, lost
-        new = rc.reconcile(tracks, SHORE, *about)
+        new = rc.reconcile(tracks, BOUNDARY, *about)
         about_now = 0, new, step, self.now, EAST, ways, lost
-        new = lt.doubt(tracks, self.particles, SHORE, *about_now)
-        lt.carry_on(tracks, SHORE, 0, step, past, EAST)
+        new = lt.doubt(tracks, self.particles, BOUNDARY, *about_now)
+        lt.carry_on(tracks, BOUNDARY, 0, step, past, EAST)
         return new
 
     @property

@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import TOLERANCE
+from mjforage.graph_planner.belief_planner.boundary import boundary_of
 from mjforage.graph_planner.belief_planner.routes import (
     NOWHERE,
     Legs,
@@ -14,7 +15,6 @@ from mjforage.graph_planner.belief_planner.routes import (
     _rest_roughly,
     search_routes,
 )
-from mjforage.graph_planner.belief_planner.shore import shore_of
 from mjforage.graph_planner.belief_planner.stops import (
     FAR,
     MOST,
@@ -303,7 +303,7 @@ SEA = navigation_graph(np.ones((40, 40), np.bool_), 1.0, False)
 AT_ONCE = Taking(np.zeros((2, 3, 4)), np.zeros(3), 0.0)
 FORAGER = 0.1 * np.arange(12.0).reshape(3, 4)  # after a scout, which takes nothing
 HULLS = Taking(np.stack((np.full((3, 4), 9.0), FORAGER)), np.array([0.0, 0.2, 1.5]), 0.5)
-SHORE, WAYS = shore_of(SEA), (ways_of(SEA, 1, True, True),)
+BOUNDARY, WAYS = boundary_of(SEA), (ways_of(SEA, 1, True, True),)
 
 
 def test_stops_are_where_items_are_met_and_add_up_their_weights() -> None:
@@ -312,7 +312,7 @@ def test_stops_are_where_items_are_met_and_add_up_their_weights() -> None:
     at = SEA.node_of_cell[20:21, 0].copy()
     for row, col, weight in ((20.0, 10.0, 1.0), (20.1, 10.2, 0.5), (5.0, 1.0, 1.0)):
         float_item(items, row, col, weight)
-    gather_stops(items, SHORE, WAYS, ONE_KIND, at, np.array([[0.1, 0.0]]), AT_ONCE, found)
+    gather_stops(items, BOUNDARY, WAYS, ONE_KIND, at, np.array([[0.1, 0.0]]), AT_ONCE, found)
     cells = [(int(SEA.rows[v]), int(SEA.cols[v])) for v in found.node[: found.number[0]]]
     assert cells == [(21, 10), (6, 1)]  # the sooner per worth first
     assert found.weight[:2].tolist() == [1.5, 1.0]
@@ -328,7 +328,7 @@ def test_items_that_drift_each_their_own_way_are_met_where_each_will_be() -> Non
     for row in (20.0, 24.0):
         float_item(items, row, 10.0, 1.0)
     drift = np.array([[0.1, 0.0], [0.0, 0.2]])
-    gather_stops(items, SHORE, WAYS, ONE_KIND, at, drift, AT_ONCE, found)
+    gather_stops(items, BOUNDARY, WAYS, ONE_KIND, at, drift, AT_ONCE, found)
     cells = {(int(SEA.rows[v]), int(SEA.cols[v])) for v in found.node[: found.number[0]]}
     assert cells == {(21, 10), (24, 12)}
 
@@ -337,7 +337,7 @@ def test_an_item_in_the_foragers_own_node_takes_a_decision_or_two() -> None:
     items, found = floating(2), stops(MOST, len(SEA))
     at = SEA.node_of_cell[20:21, 7].copy()
     float_item(items, 20.0, 7.0, 1.0)
-    gather_stops(items, SHORE, WAYS, ONE_KIND, at, np.array([[0.1, 0.0]]), AT_ONCE, found)
+    gather_stops(items, BOUNDARY, WAYS, ONE_KIND, at, np.array([[0.1, 0.0]]), AT_ONCE, found)
     assert decisions_between(found, WAYS, ONE_KIND, at, True)[0][0, 0] == 1.0
     assert decisions_between(found, WAYS, ONE_KIND, at, False)[0][0, 0] == 2.0
 
@@ -347,7 +347,7 @@ def test_of_too_many_items_the_soonest_per_worth_become_stops() -> None:
     at = SEA.node_of_cell[0:1, 0].copy()
     for node in range(len(SEA)):
         float_item(items, SEA.rows[node], SEA.cols[node], 1.0)
-    gather_stops(items, SHORE, WAYS, ONE_KIND, at, np.zeros((1, 2)), AT_ONCE, found)
+    gather_stops(items, BOUNDARY, WAYS, ONE_KIND, at, np.zeros((1, 2)), AT_ONCE, found)
     assert found.number[0] == MOST
     assert max(SEA.rows[found.node].max(), SEA.cols[found.node].max()) == 7
 
@@ -359,7 +359,7 @@ def test_hulls_stay_longer_the_more_there_is() -> None:
         items, found = floating(4), stops(MOST, len(SEA))
         for row, col in ((20.0, 25.0), (20.1, 25.0), (20.2, 25.0), (39.45, 39.45)):
             float_item(items, row, col, 1.0)
-        gather_stops(items, SHORE, WAYS, ONE_KIND, at, np.zeros((1, 2)), taking, found)
+        gather_stops(items, BOUNDARY, WAYS, ONE_KIND, at, np.zeros((1, 2)), taking, found)
         between = decisions_between(found, WAYS, ONE_KIND, at, True)[1][0]
         assert between[0, 1] - 19.0 == pytest.approx(longer)
         assert between[1, 0] - 19.0 == 0.0
@@ -381,10 +381,10 @@ def test_hulls_lose_time_over_quays_and_turning_to_what_lies_behind_them_in_the_
         items, found = floating(6), stops(MOST, len(SEA))
         for row, col in places:
             float_item(items, row, col, 1.0)
-        gather_stops(items, SHORE, WAYS, ONE_KIND, at, np.zeros((1, 2)), taking, found)
+        gather_stops(items, BOUNDARY, WAYS, ONE_KIND, at, np.zeros((1, 2)), taking, found)
         before = decisions_between(found, WAYS, ONE_KIND, at, True)
         first, between = before[0].copy(), before[1].copy()
-        add_pickup(taking, SHORE, found, agents, at, yaw, first, between)
+        add_pickup(taking, BOUNDARY, found, agents, at, yaw, first, between)
         number = {int(node): j for j, node in enumerate(found.node[:6])}
         order = [number[int(SEA.node_of_cell[cell])] for cell in (*cells, (39, 39))]
         assert (first - before[0])[0, order] == pytest.approx(expected)
@@ -394,7 +394,7 @@ def test_hulls_lose_time_over_quays_and_turning_to_what_lies_behind_them_in_the_
 
 def test_quays_beside_an_item_are_counted() -> None:
     corner, side = int(SEA.node_of_cell[39, 39]), int(SEA.node_of_cell[39, 20])
-    assert quays_beside(SHORE, 39.45, 39.45, corner) == 2
-    assert quays_beside(SHORE, 39.45, 39.0, corner) == 1
-    assert quays_beside(SHORE, 38.6, 38.6, corner) == 0
-    assert quays_beside(SHORE, 39.45, 20.45, side) == 1
+    assert quays_beside(BOUNDARY, 39.45, 39.45, corner) == 2
+    assert quays_beside(BOUNDARY, 39.45, 39.0, corner) == 1
+    assert quays_beside(BOUNDARY, 38.6, 38.6, corner) == 0
+    assert quays_beside(BOUNDARY, 39.45, 20.45, side) == 1

@@ -6,7 +6,7 @@ from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.belief_planner import hotspots as hs
 from mjforage.graph_planner.belief_planner import stragglers as st
 from mjforage.graph_planner.belief_planner import wind as wd
-from mjforage.graph_planner.belief_planner.shore import shore_of
+from mjforage.graph_planner.belief_planner.boundary import boundary_of
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.graph_planner.graph.walls import WALLS
 from mjforage.mission.dynamics import start_state
@@ -16,7 +16,7 @@ from mjforage.scenario.belief_settings import BeliefSettings
 from mjforage.scenario.fleet import Fleet, Role
 
 SEA = navigation_graph(np.ones((40, 40), np.bool_), 1.0, False)
-SHORE, KEY = shore_of(SEA), np.uint64(77)
+BOUNDARY, KEY = boundary_of(SEA), np.uint64(77)
 
 
 class Search:
@@ -39,12 +39,12 @@ class Search:
 
     def draw(self, now: int, tries: int = 400) -> None:
         spots, wind = self.spots, self.wind
-        st.try_more(self.particles, spots, wind, SHORE, KEY, 0, now, 4.0, tries)
+        st.try_more(self.particles, spots, wind, BOUNDARY, KEY, 0, now, 4.0, tries)
 
     @property
     def expected(self) -> NDArray[np.float64]:
         out = np.zeros(len(SEA))
-        st.expect_stragglers(self.particles, SHORE, 0, 75.0, 0.5, out)
+        st.expect_stragglers(self.particles, BOUNDARY, 0, 75.0, 0.5, out)
         return out.reshape(40, 40)
 
 
@@ -74,7 +74,7 @@ def test_particles_that_drift_into_a_later_view_are_gone() -> None:
     for search in (late, early):
         for step in range(1, 31):
             search.view(step, *((r, 25) for r in range(40)))
-            st.advance(search.particles, SHORE, KEY, 0, step)
+            st.advance(search.particles, BOUNDARY, KEY, 0, step)
     late.draw(30)
     for search in (late, early):
         assert search.particles.number[0] >= 3
@@ -87,20 +87,20 @@ def test_a_lost_item_is_expected_where_it_drifted_and_not_where_it_would_be_seen
     node = int(SEA.node_of_cell[10, 10])
     for step in range(24, 31):
         search.view(step, *((r, c) for r in range(9, 14) for c in range(10, 12)))
-    st.lose(search.particles, search.wind, SHORE, KEY, 0, node, 10, 30)
+    st.lose(search.particles, search.wind, BOUNDARY, KEY, 0, node, 10, 30)
     expected = search.expected
     assert expected.sum() == pytest.approx(0.5)
     assert expected[9:14, 10:12].sum() == 0
     assert expected[10:16, 6:16].sum() == pytest.approx(0.5)
-    assert not st.find(search.particles, SHORE, 0, int(SEA.node_of_cell[30, 30]))
-    assert st.find(search.particles, SHORE, 0, int(SEA.node_of_cell[12, 9]))
+    assert not st.find(search.particles, BOUNDARY, 0, int(SEA.node_of_cell[30, 30]))
+    assert st.find(search.particles, BOUNDARY, 0, int(SEA.node_of_cell[12, 9]))
     assert search.particles.number[0] == 0 and search.expected.sum() == 0
 
 
 def test_what_a_forager_would_have_collected_is_no_straggler() -> None:
     search = Search()
     search.view(1, forager=(10, 10))
-    st.lose(search.particles, search.wind, SHORE, KEY, 0, int(SEA.node_of_cell[10, 10]), 0, 1)
+    st.lose(search.particles, search.wind, BOUNDARY, KEY, 0, int(SEA.node_of_cell[10, 10]), 0, 1)
     assert search.particles.number[0] == 0
 
 
@@ -141,15 +141,18 @@ def particles_adrift(
     cell: tuple[int, int], drift: tuple[float, float], walls: str
 ) -> NDArray[np.float64]:
     """(node,) share of particles there that nobody sees."""
-    particles, shore = st.stragglers(EPISODES, len(BAY), STEPS, 0, NOISE), shore_of(BAY, walls)
+    particles, boundary = (
+        st.stragglers(EPISODES, len(BAY), STEPS, 0, NOISE),
+        boundary_of(BAY, walls),
+    )
     particles.row[:, :EACH], particles.col[:, :EACH] = np.moveaxis(starts(cell), -1, 0)
     particles.drift[:], particles.label[:, :EACH] = drift, np.arange(EACH)
     particles.number[:] = particles.lost[:, 0] = EACH  # and each is of loss 0
     shares = np.zeros(len(BAY))
     for e in range(EPISODES):
         for step in range(1, STEPS + 1):
-            st.advance(particles, shore, np.uint64(e), e, step)
-        st.expect_stragglers(particles, shore, e, 0.0, 1.0 / EPISODES, shares)
+            st.advance(particles, boundary, np.uint64(e), e, step)
+        st.expect_stragglers(particles, boundary, e, 0.0, 1.0 / EPISODES, shares)
     return shares
 
 

@@ -231,7 +231,7 @@ def test_covers_count_decisions_until_a_landmark_is_in_view(
 
 
 def test_a_hotspot_is_noticed_from_farther_than_a_node_is_seen() -> None:
-    """75 items around (20, 20): a scout of radius 4 notices the cloud from its fringe."""
+    """75 items around (20, 20): a scout of radius 4 notices the prior from its fringe."""
     task = task_of(SEA, scouts=Role(1, 2, 4.0, False))
     blocks = hotspot_cover(task, 0, BeliefSettings())
     middle = blocks.block[SEA.node_of_cell[20, 20]]

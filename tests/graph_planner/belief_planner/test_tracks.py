@@ -3,18 +3,18 @@ from numpy.typing import NDArray
 
 from mjforage.graph_planner.belief_planner import reconciling as rc
 from mjforage.graph_planner.belief_planner import tracks as tr
-from mjforage.graph_planner.belief_planner.shore import Shore, shore_of
+from mjforage.graph_planner.belief_planner.boundary import Boundary, boundary_of
 from mjforage.graph_planner.graph.navigation import navigation_graph
 
 SEA = navigation_graph(np.ones((12, 12), np.bool_), 1.0, False)
-SHORE = shore_of(SEA)
+BOUNDARY = boundary_of(SEA)
 
 
 class Watch:
     """One episode's tracks, fed with views by hand."""
 
-    def __init__(self, shore: Shore = SHORE) -> None:
-        self.shore, self.tracks = shore, tr.tracks(1, 20)
+    def __init__(self, boundary: Boundary = BOUNDARY) -> None:
+        self.boundary, self.tracks = boundary, tr.tracks(1, 20)
         self.ways, self.lost, self.memory = tr.ended(50), tr.losses(20), rc.scratch(len(SEA))
         self.last_seen = np.full(len(SEA), -32768, np.int16)
 
@@ -42,7 +42,7 @@ class Watch:
         self.catch = rc.Catch(at, np.array(list((caught or {}).values()), np.int64))
         about = edges, 0, view, wander, self.catch
         memory = self.doubts, self.memory, self.ways, self.lost
-        return rc.reconcile(self.tracks, self.shore, *about, *memory)
+        return rc.reconcile(self.tracks, self.boundary, *about, *memory)
 
     @property
     def cells(self) -> list[tuple[int, int]]:
@@ -107,10 +107,10 @@ def test_foragers_end_the_tracks_in_their_nodes_and_doubtful_ones_are_lost() -> 
     watch = Watch()
     watch.view(4, {(3, 3): 2, (8, 8): 1})
     at = SEA.node_of_cell[[3], [3]].astype(np.int32)
-    tr.collect(watch.tracks, SHORE, 0, 5, at, watch.ways, watch.lost)
+    tr.collect(watch.tracks, BOUNDARY, 0, 5, at, watch.ways, watch.lost)
     assert watch.cells == [(8, 8)] and watch.lost.number[0] == 0
     at = SEA.node_of_cell[[8], [8]].astype(np.int32)
-    tr.collect(watch.tracks, SHORE, 0, 9, at, watch.ways, watch.lost)
+    tr.collect(watch.tracks, BOUNDARY, 0, 9, at, watch.ways, watch.lost)
     assert watch.cells == [] and watch.lost.number[0] == 1
 
 
@@ -118,7 +118,7 @@ def test_tracks_are_carried_by_the_drift() -> None:
     watch = Watch()
     watch.view(0, {(3, 3): 1})
     for _ in range(10):
-        tr.carry(watch.tracks, SHORE, 0, 0.1, -0.2)
+        tr.carry(watch.tracks, BOUNDARY, 0, 0.1, -0.2)
     assert watch.cells == [(4, 1)]
     np.testing.assert_allclose([watch.tracks.row[0, 0], watch.tracks.col[0, 0]], [4.0, 1.0])
 
@@ -134,7 +134,7 @@ def test_an_ended_track_reports_its_way_along_both_axes() -> None:
     watch.view(0, {(3, 3): 1})
     watch.view(6, {(4, 3): 1})
     watch.view(12, {(5, 4): 1})
-    tr.drop(watch.tracks, SHORE, 0, 0, watch.ways)
+    tr.drop(watch.tracks, BOUNDARY, 0, 0, watch.ways)
     assert reported(watch.ways) == [(0, 2.0, 12.0), (1, 1.0, 12.0)]
 
 
@@ -142,8 +142,8 @@ def test_a_way_along_a_quay_that_holds_items_up_is_one_of_its_own() -> None:
     along = {"clip": [(1, 3.0, 18.0)], "published": [(1, 1.0, 6.0), (1, 1.0, 6.0)]}
     for walls, expected in along.items():
         basin = navigation_graph(np.pad(np.ones((12, 12), np.bool_), 1), 1.0, False)
-        watch = Watch(shore_of(basin, walls))  # the same nodes, between quays
+        watch = Watch(boundary_of(basin, walls))  # the same nodes, between quays
         for step, cell in enumerate(((2, 3), (1, 4), (0, 5), (0, 6))):
             watch.view(6 * step, {cell: 1})
-        tr.drop(watch.tracks, watch.shore, 0, 0, watch.ways)
+        tr.drop(watch.tracks, watch.boundary, 0, 0, watch.ways)
         assert reported(watch.ways) == [(0, -2.0, 18.0), *expected]

@@ -3,12 +3,12 @@ import pytest
 
 from mjforage.graph_planner.belief_planner import tracks as tr
 from mjforage.graph_planner.belief_planner import wind as wd
-from mjforage.graph_planner.belief_planner.shore import shore_of
+from mjforage.graph_planner.belief_planner.boundary import boundary_of
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.scenario.belief_settings import BeliefSettings
 from tests.graph_planner.charts import grid
 
-SEA = shore_of(navigation_graph(np.ones((80, 80), np.bool_), 1.0, False))
+SEA = boundary_of(navigation_graph(np.ones((80, 80), np.bool_), 1.0, False))
 CHANNEL = navigation_graph(grid("..........", ".........."), 1.0, False)
 
 
@@ -69,15 +69,17 @@ def test_what_a_quay_may_hold_up_says_nothing_of_the_drift_along_it(
     walls: str, drift: float
 ) -> None:
     """Three tracks of 50 steps along the north quay, by live tracks and by ways that ended."""
-    shore = shore_of(navigation_graph(np.pad(np.ones((80, 80), np.bool_), 1), 1.0, False), walls)
+    boundary = boundary_of(
+        navigation_graph(np.pad(np.ones((80, 80), np.bool_), 1), 1.0, False), walls
+    )
     live, ended, none = tr.tracks(1, 4), tr.ended(9), tr.tracks(1, 4)
     live.base_node[0, :3], live.seen_node[0, :3], live.seen[0, :3] = 40, 44, 50
     ended.axis[:3], ended.start[:3], ended.shift[:3], ended.steps[:3] = 1, 40, 4.0, 50.0
     live.number[0] = ended.number[0] = 3
     for tracks, ways in ((live, tr.ended(1)), (none, ended)):
         wind = wd.wind(1, BeliefSettings())
-        wd.settle(wind, shore, 0, ways)
-        wd.estimate(wind, tracks, shore, 0)
+        wd.settle(wind, boundary, 0, ways)
+        wd.estimate(wind, tracks, boundary, 0)
         assert wind.mean[0, 1] == pytest.approx(drift, abs=0.015)
         assert (wind.deviation[0, 1] > 0.05) == (walls != "clip")
 
@@ -97,24 +99,24 @@ def test_live_tracks_count_too() -> None:
 def test_a_quay_on_either_side_holds_up_and_ways_off_it_count_all_the_same(turned: bool) -> None:
     """Of 3 ways along a southern (eastern) quay and 3 in open water behind them, these count."""
     graph = navigation_graph(np.pad(np.ones((80, 80), np.bool_), 1), 1.0, False)
-    shore, axis = shore_of(graph, "published"), 0 if turned else 1
+    boundary, axis = boundary_of(graph, "published"), 0 if turned else 1
     at = (40, 80) if turned else (80, 40)
     quay, sea = graph.node_of_cell[at], graph.node_of_cell[40, 40]
     wind, ended = wd.wind(1, BeliefSettings()), tr.ended(9)
     ended.axis[:6], ended.start[:3], ended.start[3:6] = axis, quay, sea
     ended.shift[:3], ended.shift[3:6], ended.steps[:6] = -4.0, 4.0, 50.0
     ended.number[0] = 6
-    wd.settle(wind, shore, 0, ended)
-    wd.estimate(wind, tr.tracks(1, 4), shore, 0)
+    wd.settle(wind, boundary, 0, ended)
+    wd.estimate(wind, tr.tracks(1, 4), boundary, 0)
     assert wind.mean[0, axis] == pytest.approx(0.08, abs=0.015)
 
 
 def test_the_edge_of_the_map_holds_nothing_up() -> None:
     """Items are clipped to it and go on along it, whatever the rule (scenario section 1)."""
     open_sea = navigation_graph(np.ones((80, 80), np.bool_), 1.0, False)
-    shore, ended = shore_of(open_sea, "published"), tr.ended(9)
+    boundary, ended = boundary_of(open_sea, "published"), tr.ended(9)
     ended.axis[:3], ended.start[:3], ended.shift[:3], ended.steps[:3] = 1, 40, 4.0, 50.0
     ended.number[0], wind = 3, wd.wind(1, BeliefSettings())
-    wd.settle(wind, shore, 0, ended)
-    wd.estimate(wind, tr.tracks(1, 4), shore, 0)
+    wd.settle(wind, boundary, 0, ended)
+    wd.estimate(wind, tr.tracks(1, 4), boundary, 0)
     assert wind.mean[0, 1] == pytest.approx(0.08, abs=0.015)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from mjforage.graph_planner.belief_planner.boundary import boundary_of, drifted
 from mjforage.graph_planner.belief_planner.foraging import Able
-from mjforage.graph_planner.belief_planner.shore import drifted, shore_of
 from mjforage.graph_planner.belief_planner.stops import FAR, Floating, float_item, floating
 from mjforage.graph_planner.belief_planner.taking import Taking
 from mjforage.graph_planner.belief_planner.ways import UNREACHED, row_to, ways_of
@@ -22,7 +22,7 @@ def lake(rows: int, cols: int) -> NavigationGraph:
 
 def sea_of(graph: NavigationGraph, *drift: float, moves: int = 1, taking: Taking = NO_TIME) -> Sea:
     ways = (ways_of(graph, moves, True, True),)
-    return Sea(shore_of(graph), ways, np.array(drift or (0.0, 0.0)), taking, True, 999.0)
+    return Sea(boundary_of(graph), ways, np.array(drift or (0.0, 0.0)), taking, True, 999.0)
 
 
 def items_of(*placed: tuple[float, float, float]) -> Floating:
@@ -61,7 +61,9 @@ def first_meeting(
     """The first decision in which an agent can be where the item is, each tried."""
     ways = sea.ways[0]
     for when in range(free + 1, latest + 1):
-        _, _, node = drifted(sea.shore, place[0], place[1], sea.drift[0], sea.drift[1], when - 1.0)
+        _, _, node = drifted(
+            sea.boundary, place[0], place[1], sea.drift[0], sea.drift[1], when - 1.0
+        )
         decisions = int(ways.decisions[row_to(ways, node), at])
         if decisions < UNREACHED and free + max(decisions, 1) <= when:
             return float(when), int(node)

@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
-from mjforage.graph_planner.dec_mcts.moment import Moment
+from mjforage.graph_planner.dec_mcts.context import DecisionContext
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.task import Observation
@@ -48,9 +48,9 @@ def test_trust_halves() -> None:
     task = task_of(lake(1, 4), foragers=foragers(3))
     seen = observation_of(task, [(0, 0), (0, 1), (0, 2)], step=21)
     seen.agent_seen[0] = 20, 15, 0
-    moment = Moment(5.0)
-    moment.is_of(seen, 0)
-    np.testing.assert_allclose(moment.heard, [1.0, 0.5, 1 / 16])
+    context = DecisionContext(5.0)
+    context.is_of(seen, 0)
+    np.testing.assert_allclose(context.heard, [1.0, 0.5, 1 / 16])
 
 
 def test_scouts_look_where_something_is_to_be_seen() -> None:

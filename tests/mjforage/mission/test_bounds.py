@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.base.randomness import UInt64Array
-from mjforage.graph_planner.belief_planner.told import UNHEARD
+from mjforage.graph_planner.belief_planner.privileged_beliefs import UNHEARD
 from mjforage.graph_planner.policies import create_policy, is_bound, policy_names
 from mjforage.mission.mission import Mission
 from mjforage.mission.policy import Policy

@@ -1,4 +1,4 @@
-"""The decision at hand, as the searches need to know of it."""
+"""Context of the decision at hand, for the searches."""
 
 from dataclasses import dataclass, field
 
@@ -10,7 +10,7 @@ from mjforage.mission.task import Observation
 
 
 @dataclass
-class Moment:
+class DecisionContext:
     """Whose row is decided, when, and how far its team-mates are to be counted on.
 
     Attributes

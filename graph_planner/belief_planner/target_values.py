@@ -1,11 +1,11 @@
-"""What of all that is believed is wanted: items to collect, and nodes that are worth seeing."""
+"""Target values: items worth collecting and nodes worth seeing, from all that is believed."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.graph_planner.belief_planner.beliefs import Beliefs
-from mjforage.graph_planner.belief_planner.shore import Shore
+from mjforage.graph_planner.belief_planner.boundary import Boundary
 from mjforage.graph_planner.belief_planner.stops import Floating
 from mjforage.graph_planner.belief_planner.tracks import Tracks
 from mjforage.graph_planner.graph.geodesics import Int32Array
@@ -52,14 +52,14 @@ def _list_items(
     tracks: Tracks,
     expected: NDArray[np.float64],
     later: NDArray[np.int64],
-    shore: Shore,
+    boundary: Boundary,
     sightings: NDArray[np.int64],
     hotspot: bool,
     e: int,
     now: int,
     items: Floating,
 ) -> None:
-    """As `Wanted.list_items`; sightings (row,) so far, `hotspot` as in the settings."""
+    """As `TargetValues.list_items`; sightings (row,) so far, `hotspot` as in the settings."""
     n = tracks.number[e]
     for i in range(n):
         items.row[i], items.col[i] = tracks.row[e, i], tracks.col[e, i]
@@ -69,7 +69,7 @@ def _list_items(
         best = np.empty(PROBABLE, np.int64)
         for k in range(likeliest(expected[e], best)):
             node = best[k]
-            items.row[n], items.col[n] = shore.rows[node], shore.cols[node]
+            items.row[n], items.col[n] = boundary.rows[node], boundary.cols[node]
             items.weight[n] = expected[e, node]
             n += 1
     items.number[0] = n
@@ -79,7 +79,7 @@ def _list_items(
 def _worth_seeing(
     tracks: Tracks, expected: NDArray[np.float64], refresh: bool, seen: Observation, e: int
 ) -> NDArray[np.float64]:
-    """As `Wanted.worth_seeing`."""
+    """As `TargetValues.worth_seeing`."""
     now = seen.step[e] - 1
     mass: NDArray[np.float64] = expected[e].copy()
     if not refresh:
@@ -96,13 +96,13 @@ def _worth_seeing(
     return mass
 
 
-class Wanted:
-    """What is wanted of the beliefs of a batch of rows."""
+class TargetValues:
+    """Target values of the beliefs of a batch of rows."""
 
-    def __init__(self, beliefs: Beliefs, settings: BeliefSettings, shore: Shore) -> None:
+    def __init__(self, beliefs: Beliefs, settings: BeliefSettings, boundary: Boundary) -> None:
         believed = beliefs.tracks, beliefs.expected
         sightings = beliefs.spots.number
-        about = *believed, beliefs.later, shore, sightings, settings.hotspot
+        about = *believed, beliefs.later, boundary, sightings, settings.hotspot
         self._list_items = BoundKernel(_list_items, *about)
         self._worth_seeing = BoundKernel(_worth_seeing, *believed, settings.refresh)
 

@@ -1,4 +1,4 @@
-"""What is believed by one who is told the truth of what it has heard of: a bound over a link.
+"""Beliefs with the ground truth of all that was received: an oracle upper bound over a link.
 
 An item that a look has shown is known from then on to whoever has heard that look: where it is, and
 whether it is gone. The drift is known with the first item. All else is believed as ever.
@@ -17,7 +17,7 @@ from mjforage.scenario.belief_settings import BeliefSettings
 UNHEARD = np.int32(np.iinfo(np.int32).max)
 
 
-class ToldBeliefs(Beliefs):
+class PrivilegedBeliefs(Beliefs):
     """Beliefs of a batch of rows, with true items in the place of tracks.
 
     Attributes

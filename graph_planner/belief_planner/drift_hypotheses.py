@@ -1,4 +1,4 @@
-"""Where an item from each start node would be by now, under a few hypotheses of the drift."""
+"""Drift hypotheses: the node that an item from each start has drifted to by now, under each."""
 
 from functools import lru_cache
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
-from mjforage.graph_planner.belief_planner.shore import Shore, drifted, shore_of
+from mjforage.graph_planner.belief_planner.boundary import Boundary, boundary_of, drifted
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import TABLE_LIMIT, NavigationGraph
 
@@ -16,7 +16,7 @@ MEMORY = 1 << 28  # bytes of tables; time is taken in longer strides where they 
 
 @kernel
 def _carried(
-    shore: Shore,
+    boundary: Boundary,
     drift: NDArray[np.float64],
     row: NDArray[np.float64],
     col: NDArray[np.float64],
@@ -27,11 +27,11 @@ def _carried(
     for w in range(row.shape[0]):
         for x in range(row.shape[1]):
             row[w, x], col[w, x], node[w, x] = drifted(
-                shore, row[w, x], col[w, x], drift[w, 0], drift[w, 1], steps
+                boundary, row[w, x], col[w, x], drift[w, 0], drift[w, 1], steps
             )
 
 
-class Currents:
+class DriftHypotheses:
     """Tables of drifted nodes, made as time goes on and shared by all episodes.
 
     Attributes
@@ -50,7 +50,7 @@ class Currents:
         self._row = np.tile(graph.rows.astype(np.float64), (hypotheses, 1))
         self._col = np.tile(graph.cols.astype(np.float64), (hypotheses, 1))
         self._tables = [np.tile(np.arange(n, dtype=np.int32), (hypotheses, 1))]
-        self._shore, self._still = shore_of(graph, walls), many == 1
+        self._boundary, self._still = boundary_of(graph, walls), many == 1
 
     def nodes(self, step: int) -> Int32Array:
         """(hypothesis, node) where an item that started in a node is after so many steps."""
@@ -60,12 +60,14 @@ class Currents:
         while len(self._tables) <= number:
             table = np.empty_like(self._tables[0])
             stride = float(self._stride)
-            _carried(self._shore, self.drift, self._row, self._col, stride, table)
+            _carried(self._boundary, self.drift, self._row, self._col, stride, table)
             self._tables.append(table)
         return self._tables[number]
 
 
 @lru_cache(maxsize=8)
-def currents_of(graph: NavigationGraph, walls: str, largest: float, horizon: int) -> Currents:
-    """The currents of a map for drifts of up to `largest` per axis, made once and kept."""
-    return Currents(graph, walls, largest, horizon)
+def drift_hypotheses_of(
+    graph: NavigationGraph, walls: str, largest: float, horizon: int
+) -> DriftHypotheses:
+    """The drift_hypotheses of a map for drifts of up to `largest` per axis, made once and kept."""
+    return DriftHypotheses(graph, walls, largest, horizon)

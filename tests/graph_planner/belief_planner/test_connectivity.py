@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mjforage.graph_planner.belief_planner.touch import (
+from mjforage.graph_planner.belief_planner.connectivity import (
     ELSEWHERE,
     NOBODY,
     PATIENCE,
     SLACK,
     STAYS,
-    Touch,
+    Connectivity,
     parts_of,
 )
 from mjforage.graph_planner.belief_planner.ways import ways_of
@@ -40,8 +40,8 @@ def seen_by(holder: int, heard: dict[int, int], step: int = 21) -> Observation:
     return observation
 
 
-def touch_of(**settings: Any) -> Touch:
-    return Touch(TASK, replace(BeliefSettings(), **settings), 1)
+def connectivity_of(**settings: Any) -> Connectivity:
+    return Connectivity(TASK, replace(BeliefSettings(), **settings), 1)
 
 
 def is_at(node: int, row: int, col: int) -> bool:
@@ -52,20 +52,22 @@ def is_at(node: int, row: int, col: int) -> bool:
 def test_news_is_brought_to_the_nearest_who_lacks_it_and_is_idle() -> None:
     late = 20 - SLACK - 1
     told = seen_by(SCOUT, {FORAGER: late, OTHER: late})
-    assert is_at(touch_of().tells(told, 0, NEWS, WAYS), 0, 20)
+    assert is_at(connectivity_of().tells(told, 0, NEWS, WAYS), 0, 20)
     both = seen_by(SCOUT, {FORAGER: 20, OTHER: late})
-    assert is_at(touch_of().tells(both, 0, NEWS, WAYS), 20, 0), "the first is in touch"
-    assert touch_of().tells(told, 0, NEWS[:1], WAYS) == NOBODY, "old news"
-    assert touch_of(report=False).tells(told, 0, NEWS, WAYS) == NOBODY
-    assert touch_of(link_node=0.0).tells(told, 0, NEWS, WAYS) == NOBODY, "nobody would hear it"
-    assert touch_of(link_node=np.inf).always
+    assert is_at(connectivity_of().tells(both, 0, NEWS, WAYS), 20, 0), "the first is in touch"
+    assert connectivity_of().tells(told, 0, NEWS[:1], WAYS) == NOBODY, "old news"
+    assert connectivity_of(report=False).tells(told, 0, NEWS, WAYS) == NOBODY
+    assert connectivity_of(link_node=0.0).tells(told, 0, NEWS, WAYS) == NOBODY, (
+        "nobody would hear it"
+    )
+    assert connectivity_of(link_node=np.inf).always
     many = np.concatenate((np.zeros(40, np.int32), [18])).astype(np.int32)
-    assert touch_of().tells(told, 0, many, WAYS) == NOBODY, "they have enough to do"
+    assert connectivity_of().tells(told, 0, many, WAYS) == NOBODY, "they have enough to do"
 
 
 def test_who_is_not_found_where_it_was_is_looked_for_at_the_meeting_place() -> None:
     """In the middle of the sea; and at neither until something newer is heard."""
-    touch, late = touch_of(meet=True), 20 - SLACK - 2
+    touch, late = connectivity_of(meet=True), 20 - SLACK - 2
     told = seen_by(SCOUT, {FORAGER: late, OTHER: 20})
     told.agent_node[0, SCOUT] = SEA.node_of_cell[0, 19]
     for _ in range(2):
@@ -79,7 +81,7 @@ def test_who_is_not_found_where_it_was_is_looked_for_at_the_meeting_place() -> N
 
 
 def test_without_a_meeting_place_who_is_not_found_is_not_looked_for() -> None:
-    touch, late = touch_of(), 20 - SLACK - 2
+    touch, late = connectivity_of(), 20 - SLACK - 2
     told = seen_by(SCOUT, {FORAGER: late, OTHER: 20})
     told.agent_node[0, SCOUT] = SEA.node_of_cell[0, 19]
     assert touch.tells(told, 0, NEWS, WAYS) == NOBODY
@@ -90,7 +92,7 @@ def test_without_a_meeting_place_who_is_not_found_is_not_looked_for() -> None:
 
 
 def test_a_forager_waits_where_it_was_last_in_touch_and_then_looks_alone() -> None:
-    touch = touch_of(meet=True)
+    touch = connectivity_of(meet=True)
     touch.note(seen_by(FORAGER, {SCOUT: 20}), 0)
     away = seen_by(FORAGER, {SCOUT: 20}, step=21 + SLACK + 1)
     away.agent_node[0, FORAGER] = SEA.node_of_cell[9, 9]
@@ -99,12 +101,12 @@ def test_a_forager_waits_where_it_was_last_in_touch_and_then_looks_alone() -> No
     assert not touch.looks_alone(away, 0)
     lost = seen_by(FORAGER, {SCOUT: 20}, step=21 + SLACK + STAYS)
     assert is_at(touch.waits(lost, 0), 14, 14), "then at the meeting place"
-    apart = touch_of()
+    apart = connectivity_of()
     apart.note(seen_by(FORAGER, {SCOUT: 20}), 0)
     assert apart.waits(lost, 0) == SEA.node_of_cell[0, 20]
-    assert touch_of(link_node=0.0).looks_alone(away, 0), "at once where nobody is ever heard"
+    assert connectivity_of(link_node=0.0).looks_alone(away, 0), "at once where nobody is ever heard"
     long = seen_by(FORAGER, {SCOUT: 20}, step=21 + PATIENCE)
-    assert touch.looks_alone(long, 0) and not touch_of(alone=False).looks_alone(long, 0)
+    assert touch.looks_alone(long, 0) and not connectivity_of(alone=False).looks_alone(long, 0)
     assert touch.waits(seen_by(FORAGER, {SCOUT: 20}), 0) == NOBODY, "in touch"
 
 
@@ -116,7 +118,7 @@ def test_parts_share_the_map(number: int) -> None:
 
 
 def test_each_who_looks_alone_has_a_part_of_its_own() -> None:
-    mine, other = (touch_of().part(seen_by(who, {}), 0) for who in (FORAGER, OTHER))
+    mine, other = (connectivity_of().part(seen_by(who, {}), 0) for who in (FORAGER, OTHER))
     assert ((mine == 1.0) != (other == 1.0)).all()
     assert set(mine) == {ELSEWHERE, 1.0}
 
@@ -126,7 +128,7 @@ def test_who_was_told_much_long_ago_has_done_with_it() -> None:
     born = np.concatenate((np.zeros(40, np.int32), [40])).astype(np.int32)
     for step, goes in ((50, False), (75, True)):
         told = seen_by(SCOUT, {FORAGER: 10, OTHER: step - 1}, step)
-        assert (touch_of().tells(told, 0, born, WAYS) != NOBODY) == goes
+        assert (connectivity_of().tells(told, 0, born, WAYS) != NOBODY) == goes
 
 
 def test_beside_is_not_near_with_a_quay_between() -> None:
@@ -137,7 +139,7 @@ def test_beside_is_not_near_with_a_quay_between() -> None:
     told = observation_of(replace(team, reach_node=5.0), [(0, 9), (0, 11)], step=21)
     told.holder[:], told.agent_seen[0, 1] = 0, 10
     ways = ways_of(graph, 2, team.rules.stay, team.rules.shorten)
-    touch = Touch(replace(team, reach_node=5.0), BeliefSettings(), 1)
+    touch = Connectivity(replace(team, reach_node=5.0), BeliefSettings(), 1)
     assert touch.tells(told, 0, NEWS, ways) != NOBODY, "it has to go round"
 
 
@@ -145,7 +147,7 @@ def test_who_looks_alone_does_not_look_again_where_it_would_have_noticed() -> No
     from mjforage.graph_planner.belief_planner.covers import NOTICED, hotspot_cover
 
     cover, _ = hotspot_cover(TASK, FORAGER, BeliefSettings())
-    touch, here = touch_of(), int(SEA.node_of_cell[10, 10])
+    touch, here = connectivity_of(), int(SEA.node_of_cell[10, 10])
     cells = cover.cells[cover.start[here] : cover.start[here + 1]]
     assert cells.size
     for passes in (1, 2):
@@ -163,16 +165,16 @@ def test_a_relay_beside_a_forager_brings_no_news() -> None:
     observation = observation_of(task, [(0, 0), (0, 20), (0, 21)], step=21)
     observation.holder[:] = 1
     observation.agent_seen[0, 0] = 3
-    touch = Touch(task, BeliefSettings(), 1)
+    touch = Connectivity(task, BeliefSettings(), 1)
     touch.note(observation, 0)
     assert touch.waits(observation, 0) == SEA.node_of_cell[0, 20]
 
 
 def test_with_a_latency_news_is_older() -> None:
-    late = Touch(replace(TASK, latency=5), BeliefSettings(), 1)
+    late = Connectivity(replace(TASK, latency=5), BeliefSettings(), 1)
     told = seen_by(SCOUT, {FORAGER: 20 - SLACK - 4, OTHER: 20 - SLACK - 5})
     assert late.tells(told, 0, NEWS, WAYS) == NOBODY
-    assert touch_of().tells(told, 0, NEWS, WAYS) != NOBODY
+    assert connectivity_of().tells(told, 0, NEWS, WAYS) != NOBODY
 
 
 def test_a_relay_stands_where_the_others_are_in_its_reach() -> None:
@@ -186,13 +188,17 @@ def test_a_relay_stands_where_the_others_are_in_its_reach() -> None:
         seen = observation_of(task, [(5, 0), (5, far), (25, 20)], step=9)
         for holder in (0, 1):
             seen.holder[:] = holder
-            assert Touch(task, BeliefSettings(), 1).connects(seen, 0, WAYS) == NOBODY, "no relay"
+            assert Connectivity(task, BeliefSettings(), 1).connects(seen, 0, WAYS) == NOBODY, (
+                "no relay"
+            )
         seen.holder[:] = 2
-        node = Touch(task, BeliefSettings(), 1).connects(seen, 0, WAYS)
+        node = Connectivity(task, BeliefSettings(), 1).connects(seen, 0, WAYS)
         away = [np.hypot(SEA.rows[node] - 5, SEA.cols[node] - col) for col in (0, far)]
         assert col_from <= SEA.cols[node] <= col_to and max(away) <= max(8.0, far / 2) + 1.5
-        assert Touch(task, BeliefSettings(relay=False), 1).connects(seen, 0, WAYS) == NOBODY
-        assert Touch(task, BeliefSettings(link_node=0.0), 1).connects(seen, 0, WAYS) == NOBODY
+        assert Connectivity(task, BeliefSettings(relay=False), 1).connects(seen, 0, WAYS) == NOBODY
+        assert (
+            Connectivity(task, BeliefSettings(link_node=0.0), 1).connects(seen, 0, WAYS) == NOBODY
+        )
         news = np.array([5, 8], np.int32)
         seen.agent_seen[0, 1] = 0
-        assert Touch(task, BeliefSettings(), 1).tells(seen, 0, news, WAYS) == NOBODY
+        assert Connectivity(task, BeliefSettings(), 1).tells(seen, 0, news, WAYS) == NOBODY

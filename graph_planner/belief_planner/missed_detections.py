@@ -1,4 +1,4 @@
-"""What views may have missed: how likely an item that was in view was not shown.
+"""Missed-detection model: the probability that an item in view was not shown.
 
 All who look at a node in a step detect an item there or miss it together, so the nearest of them
 counts. What is kept of every view is therefore the distance of the nearest who looked.
@@ -19,7 +19,7 @@ from mjforage.scenario.belief_settings import BeliefSettings
 _FARTHEST = 65534  # squared distance that is kept
 
 
-class Misses(NamedTuple):
+class MissedDetections(NamedTuple):
     """Memory of a batch; without steps where nothing in view is ever missed."""
 
     near: NDArray[np.uint16]  # (row, step, node) one more than the squared distance, 0 out of view
@@ -37,11 +37,13 @@ class Looking(NamedTuple):
     cols: Int32Array
 
 
-def misses(rows: int, nodes: int, horizon: int, chance: NDArray[np.float64]) -> Misses:
+def missed_detections(
+    rows: int, nodes: int, horizon: int, chance: NDArray[np.float64]
+) -> MissedDetections:
     """No views yet, for chances by squared distance as `chances_by_square` gives them."""
     steps = 0 if chance.min(initial=1.0) >= 1.0 else horizon + 1
     near = np.zeros((rows, steps, nodes if steps else 0), np.uint16)
-    return Misses(near, chance, np.ones(nodes, np.float32))
+    return MissedDetections(near, chance, np.ones(nodes, np.float32))
 
 
 def assumed_chances(task: Task, settings: BeliefSettings) -> NDArray[np.float64]:
@@ -51,23 +53,27 @@ def assumed_chances(task: Task, settings: BeliefSettings) -> NDArray[np.float64]
 
 
 @inlined
-def is_certain(misses: Misses) -> bool:
+def is_certain(missed_detections: MissedDetections) -> bool:
     """Whether nothing in view is ever missed."""
-    return bool(misses.near.shape[1] == 0)
+    return bool(missed_detections.near.shape[1] == 0)
 
 
 @kernel
-def missed(misses: Misses, e: int, step: int, node: int) -> float:
+def missed(missed_detections: MissedDetections, e: int, step: int, node: int) -> float:
     """Chance that an item in a node that was in view in a step was not shown."""
-    if misses.near.shape[1] == 0:
+    if missed_detections.near.shape[1] == 0:
         return 0.0
-    near = misses.near[e, step, node]
-    return 1.0 - misses.chance[near - 1] if near > 0 else 1.0
+    near = missed_detections.near[e, step, node]
+    return 1.0 - missed_detections.chance[near - 1] if near > 0 else 1.0
 
 
 @kernel
 def look_at(
-    misses: Misses, e: int, step: int, last_seen: NDArray[np.int16], looking: Looking
+    missed_detections: MissedDetections,
+    e: int,
+    step: int,
+    last_seen: NDArray[np.int16],
+    looking: Looking,
 ) -> None:
     """Take in a view, and fill `factor`: what is new in it counts.
 
@@ -75,7 +81,7 @@ def look_at(
     ----------
     last_seen : (node,) `step` where the node was in view
     """
-    factor, near = misses.factor, misses.near
+    factor, near = missed_detections.factor, missed_detections.near
     if near.shape[1] == 0:
         for node in range(factor.size):
             factor[node] = last_seen[node] != step
@@ -91,7 +97,7 @@ def look_at(
             before = near[e, step, node]
             if last_seen[node] != step or (before > 0 and before <= mark):
                 continue
-            unseen = missed(misses, e, step, node)
+            unseen = missed(missed_detections, e, step, node)
             near[e, step, node] = mark
             if unseen > 0.0:
-                factor[node] *= missed(misses, e, step, node) / unseen
+                factor[node] *= missed(missed_detections, e, step, node) / unseen

@@ -1,4 +1,4 @@
-"""Where a position on land or off the map counts as: the nearest navigable node.
+"""Boundary of the water: a position on land or off the map counts as the nearest navigable node.
 
 The planner's own view of the items' rule (scenario section 1): items pushed out of the water are
 put back beside the nearest node's centre by the rule of walls.
@@ -19,7 +19,7 @@ from mjforage.graph_planner.graph.walls import WALLS, into_water
 STRIDE = 0.4  # longest stretch drifted at once, so that no quay is jumped over [node]
 
 
-class Shore(NamedTuple):
+class Boundary(NamedTuple):
     """Where water ends, and what becomes of items there."""
 
     framed: Int32Array  # (row + 2, column + 2) node of each cell in a frame of land, see `Water`
@@ -54,8 +54,8 @@ def nearest_of_cells(graph: NavigationGraph) -> Int32Array:
 
 
 @lru_cache(maxsize=16)
-def shore_of(graph: NavigationGraph, walls: str = "clip") -> Shore:
-    """The shore of a map under a rule of `WALLS`, made once and kept."""
+def boundary_of(graph: NavigationGraph, walls: str = "clip") -> Boundary:
+    """The boundary of a map under a rule of `WALLS`, made once and kept."""
     rows, cols = graph.rows, graph.cols
     room = _rooms(graph.node_of_cell, rows, cols)
     land = np.pad(~graph.navigable, 1)
@@ -66,27 +66,29 @@ def shore_of(graph: NavigationGraph, walls: str = "clip") -> Shore:
         ),
         axis=1,
     )
-    return Shore(graph.water.framed, rows, cols, room, quay, WALLS.index(walls))
+    return Boundary(graph.water.framed, rows, cols, room, quay, WALLS.index(walls))
 
 
 @inlined
-def held(shore: Shore, node: int, axis: int) -> bool:
+def held(boundary: Boundary, node: int, axis: int) -> bool:
     """Whether a quay beside a node may hold up items that drift along it, as all but clip do.
 
     Items at the edge of the map are clipped to it, whatever the rule, and drift along it freely.
     """
-    return bool((shore.walls != 0) & shore.quay[node, 1 - axis])
+    return bool((boundary.walls != 0) & boundary.quay[node, 1 - axis])
 
 
 @kernel
-def settled(shore: Shore, row: float, col: float) -> tuple[float, float, int]:
+def settled(boundary: Boundary, row: float, col: float) -> tuple[float, float, int]:
     """A position with its node, moved into the water as the world does it."""
-    return into_water(Water(shore.framed, shore.rows, shore.cols), shore.walls, row, col)
+    return into_water(
+        Water(boundary.framed, boundary.rows, boundary.cols), boundary.walls, row, col
+    )
 
 
 @kernel
 def drifted(
-    shore: Shore, row: float, col: float, drift_row: float, drift_col: float, steps: float
+    boundary: Boundary, row: float, col: float, drift_row: float, drift_col: float, steps: float
 ) -> tuple[float, float, int]:
     """Position and node of an item after so many steps of a constant drift, along the quays.
 
@@ -98,7 +100,7 @@ def drifted(
     """
     way_row, way_col = drift_row * steps, drift_col * steps
     pieces = int(max(abs(way_row), abs(way_col)) / STRIDE) + 1
-    row, col, node = settled(shore, row, col)
+    row, col, node = settled(boundary, row, col)
     for _ in range(pieces):
-        row, col, node = settled(shore, row + way_row / pieces, col + way_col / pieces)
+        row, col, node = settled(boundary, row + way_row / pieces, col + way_col / pieces)
     return row, col, node

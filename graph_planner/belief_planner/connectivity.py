@@ -1,4 +1,4 @@
-"""Keeping in touch over a link with an end: who brings news to whom, and who waits where.
+"""Connectivity maintenance over a limited link: reports, meeting places and relay positions.
 
 An agent that plans by what it has heard itself knows when it last heard of the others, and takes it
 that they heard of it then. Scouts with news of items come back to foragers that have nothing left
@@ -51,8 +51,8 @@ def parts_of(graph: NavigationGraph, start: int, number: int) -> NDArray[np.int6
     return part
 
 
-class Touch:
-    """What every row of a batch takes the others to have heard.
+class Connectivity:
+    """Connectivity maintenance of a batch: what each row takes the others to have received.
 
     `waits`, `looks_alone` and `tells` are for rows by which one agent acts, if not `always`.
 

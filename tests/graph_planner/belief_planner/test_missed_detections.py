@@ -5,19 +5,19 @@ import pytest
 
 from mjforage.graph_planner.belief_planner import hotspots as hs
 from mjforage.graph_planner.belief_planner import late as lt
-from mjforage.graph_planner.belief_planner import misses as ms
+from mjforage.graph_planner.belief_planner import missed_detections as ms
 from mjforage.graph_planner.belief_planner import reconciling as rc
 from mjforage.graph_planner.belief_planner import stragglers as st
 from mjforage.graph_planner.belief_planner import tracks as tr
 from mjforage.graph_planner.belief_planner import wind as wd
-from mjforage.graph_planner.belief_planner.cloud import cloud_of
-from mjforage.graph_planner.belief_planner.shore import shore_of
+from mjforage.graph_planner.belief_planner.boundary import boundary_of
+from mjforage.graph_planner.belief_planner.spatial_prior import spatial_prior_of
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.detection import real_if_missed, real_if_new, real_if_seen
 from mjforage.scenario.belief_settings import BeliefSettings
 
 SEA = navigation_graph(np.ones((20, 20), np.bool_), 1.0, False)
-SHORE, KEY, NODES = shore_of(SEA), np.uint64(5), 400
+BOUNDARY, KEY, NODES = boundary_of(SEA), np.uint64(5), 400
 RADII = (2.0, 4.0)
 VIEWS = SEA.views(RADII)
 CHANCE = np.array([0.8, 0.6, 0.5, 0.5, 0.4, *[0.1] * 12])  # by squared distance
@@ -38,41 +38,43 @@ def seen_by(at: list[int], radius: list[int], step: int) -> np.ndarray:
     return last_seen
 
 
-def look(misses: ms.Misses, at: list[int], radius: list[int], step: int = 3) -> None:
-    ms.look_at(misses, 0, step, seen_by(at, radius, step), looking(at, radius))
+def look(
+    missed_detections: ms.MissedDetections, at: list[int], radius: list[int], step: int = 3
+) -> None:
+    ms.look_at(missed_detections, 0, step, seen_by(at, radius, step), looking(at, radius))
 
 
 def test_the_nearest_who_looks_decides_what_is_missed() -> None:
-    misses = ms.misses(1, NODES, 10, CHANCE)
-    look(misses, [THERE, HERE], [1, 0])
-    assert ms.missed(misses, 0, 3, HERE) == pytest.approx(0.2), "its own node"
-    assert ms.missed(misses, 0, 3, HERE + 1) == pytest.approx(0.4), (
+    missed_detections = ms.missed_detections(1, NODES, 10, CHANCE)
+    look(missed_detections, [THERE, HERE], [1, 0])
+    assert ms.missed(missed_detections, 0, 3, HERE) == pytest.approx(0.2), "its own node"
+    assert ms.missed(missed_detections, 0, 3, HERE + 1) == pytest.approx(0.4), (
         "one from the one, two the other"
     )
-    assert ms.missed(misses, 0, 3, THERE + 4) == pytest.approx(0.9)
-    assert ms.missed(misses, 0, 3, HERE - 3) == 1.0, "out of view"
-    assert ms.missed(misses, 0, 4, HERE) == 1.0, "another step"
-    assert misses.factor[[HERE, HERE + 1, HERE - 3]] == pytest.approx([0.2, 0.4, 1.0])
+    assert ms.missed(missed_detections, 0, 3, THERE + 4) == pytest.approx(0.9)
+    assert ms.missed(missed_detections, 0, 3, HERE - 3) == 1.0, "out of view"
+    assert ms.missed(missed_detections, 0, 4, HERE) == 1.0, "another step"
+    assert missed_detections.factor[[HERE, HERE + 1, HERE - 3]] == pytest.approx([0.2, 0.4, 1.0])
 
 
 def test_a_view_that_is_heard_of_later_counts_by_what_it_adds() -> None:
     """Missed in .5 by the first, in .2 by both: the second multiplies by .2 / .5."""
-    misses = ms.misses(1, NODES, 10, CHANCE)
-    look(misses, [HERE - 20 + 1], [0])
-    assert misses.factor[HERE] == pytest.approx(0.5)
-    look(misses, [HERE], [0])
-    assert misses.factor[HERE] == pytest.approx(0.4)
-    look(misses, [HERE + 2], [1])
-    assert misses.factor[HERE] == 1.0, "a look from farther off adds nothing"
-    assert ms.missed(misses, 0, 3, HERE) == pytest.approx(0.2)
+    missed_detections = ms.missed_detections(1, NODES, 10, CHANCE)
+    look(missed_detections, [HERE - 20 + 1], [0])
+    assert missed_detections.factor[HERE] == pytest.approx(0.5)
+    look(missed_detections, [HERE], [0])
+    assert missed_detections.factor[HERE] == pytest.approx(0.4)
+    look(missed_detections, [HERE + 2], [1])
+    assert missed_detections.factor[HERE] == 1.0, "a look from farther off adds nothing"
+    assert ms.missed(missed_detections, 0, 3, HERE) == pytest.approx(0.2)
 
 
 def test_without_misses_a_view_leaves_nothing_unseen() -> None:
-    misses = ms.misses(1, NODES, 10, np.ones(17))
-    look(misses, [HERE], [0])
-    assert ms.is_certain(misses) and misses.near.size == 0
-    assert (misses.factor == (seen_by([HERE], [0], 3) != 3)).all()
-    assert not ms.is_certain(ms.misses(1, NODES, 10, CHANCE))
+    missed_detections = ms.missed_detections(1, NODES, 10, np.ones(17))
+    look(missed_detections, [HERE], [0])
+    assert ms.is_certain(missed_detections) and missed_detections.near.size == 0
+    assert (missed_detections.factor == (seen_by([HERE], [0], 3) != 3)).all()
+    assert not ms.is_certain(ms.missed_detections(1, NODES, 10, CHANCE))
 
 
 def test_chances_that_an_item_is_there() -> None:
@@ -85,14 +87,14 @@ def test_chances_that_an_item_is_there() -> None:
 
 
 class Watch:
-    """Tracks of one episode, and one scout at `HERE` that misses and may invent items."""
+    """Tracks of one episode, and one scout at `HERE` that may miss and invent items."""
 
     def __init__(self, chance: float, false_rate: float = 0.0, expected: float = 0.0) -> None:
         self.tracks, self.ways, self.lost = tr.tracks(1, 20), tr.ended(90), tr.losses(20)
-        self.misses = ms.misses(1, NODES, 40, np.full(17, chance))
+        self.missed_detections = ms.missed_detections(1, NODES, 40, np.full(17, chance))
         self.memory, self.step = rc.scratch(NODES), 0
         everywhere = np.full(NODES, expected)
-        self.doubts = rc.Doubts(self.misses, false_rate, everywhere, 0.0)
+        self.doubts = rc.Doubts(self.missed_detections, false_rate, everywhere, 0.0)
 
     def view(self, **counts: int) -> int:
         """See `here`, `beside` and the rest; new tracks."""
@@ -101,11 +103,11 @@ class Watch:
             rc.Catch(np.zeros(0, np.int32), np.zeros(0, np.int64)),
         )
         belief[HERE], belief[BESIDE] = counts.get("here", 0), counts.get("beside", 0)
-        look(self.misses, [HERE], [1], self.step)
+        look(self.missed_detections, [HERE], [1], self.step)
         view = rc.View(self.step, belief, seen_by([HERE], [1], self.step))
         about = SEA.neighbours, 0, view, 0.05, nobody, self.doubts, self.memory
         self.lost.number[0] = 0
-        new = rc.reconcile(self.tracks, SHORE, *about, self.ways, self.lost)
+        new = rc.reconcile(self.tracks, BOUNDARY, *about, self.ways, self.lost)
         self.step += 1
         return new
 
@@ -155,31 +157,31 @@ def test_late_news_is_out_once_views_since_would_hardly_have_missed_it() -> None
     """Missed with .5 by each of the views since: .125 after three, .0625 after four."""
     for views, kept in ((3, 1), (4, 0)):
         watch = Watch(0.5)
-        particles = st.stragglers(1, NODES, 40, 0, 0.0, watch.misses)
-        tr.begin(watch.tracks, SHORE, 0, HERE, 1, watch.ways)
+        particles = st.stragglers(1, NODES, 40, 0, 0.0, watch.missed_detections)
+        tr.begin(watch.tracks, BOUNDARY, 0, HERE, 1, watch.ways)
         for step in range(2, 2 + views):
-            look(watch.misses, [HERE], [1], step)
+            look(watch.missed_detections, [HERE], [1], step)
             st.remember(particles, 0, step, seen_by([HERE], [1], step), np.zeros(0, np.int32))
         drift, ways = np.zeros(2), (watch.ways, watch.lost)
-        new = lt.doubt(watch.tracks, particles, SHORE, 0, 1, 1, 10, drift, *ways)
+        new = lt.doubt(watch.tracks, particles, BOUNDARY, 0, 1, 1, 10, drift, *ways)
         assert new == kept == watch.tracks.number[0]
 
 
 def test_a_particle_survives_a_view_with_the_chance_to_be_missed() -> None:
     survived = []
     for chance in (0.7, 1.0):
-        misses = ms.misses(1, NODES, 10, np.full(17, chance))
-        particles = st.stragglers(1, NODES, 10, 0, 0.0, misses)
+        missed_detections = ms.missed_detections(1, NODES, 10, np.full(17, chance))
+        particles = st.stragglers(1, NODES, 10, 0, 0.0, missed_detections)
         spots, wind = hs.hotspots(1, NODES, 1, 10, BeliefSettings()), wd.wind(1, BeliefSettings())
         wind.mean[0], wind.deviation[0] = 0.0, 0.0
         spots.chance[0, 0], spots.sighted[0, 0] = 0.0, 1
         spots.chance[0, 0, HERE] = 1.0
         for step in range(3):
             view = np.full(NODES, step, np.int16)
-            misses.near[0, step:, :] = 1 if chance < 1.0 else 0
+            missed_detections.near[0, step:, :] = 1 if chance < 1.0 else 0
             st.remember(particles, 0, step, view, np.zeros(0, np.int32))
         for _ in range(20):
-            st.try_more(particles, spots, wind, SHORE, KEY, 0, 2, 2.0, 200)
+            st.try_more(particles, spots, wind, BOUNDARY, KEY, 0, 2, 2.0, 200)
         survived.append(int(particles.number[0]) / int(particles.tried[0]))
     assert survived[1] == 0.0
     share = 0.3**3  # at steps 0, 1 and 2
@@ -196,16 +198,16 @@ def test_a_hotspot_is_less_likely_where_views_showed_nothing_but_not_refuted() -
 
 
 def test_a_sighting_that_was_of_nothing_is_taken_back() -> None:
-    settings, cloud = BeliefSettings(), cloud_of(SEA, 3.0)
+    settings, prior = BeliefSettings(), spatial_prior_of(SEA, 3.0)
     once, twice = (hs.hotspots(1, NODES, 1, 10, settings) for _ in range(2))
     true, ghost = np.array([HERE], np.int32), np.array([15], np.int32)
-    hs.sight(once, cloud, SHORE, 0, 0, true, 0.0, 0.0)
-    hs.sight(twice, cloud, SHORE, 0, 0, ghost, 0.0, 0.0)
-    hs.sight(twice, cloud, SHORE, 0, 0, true, 0.0, 0.0)
+    hs.sight(once, prior, BOUNDARY, 0, 0, true, 0.0, 0.0)
+    hs.sight(twice, prior, BOUNDARY, 0, 0, ghost, 0.0, 0.0)
+    hs.sight(twice, prior, BOUNDARY, 0, 0, true, 0.0, 0.0)
     assert twice.number[0] == 2
-    hs.retract(twice, cloud, SHORE, 0, 15, 7)
+    hs.retract(twice, prior, BOUNDARY, 0, 15, 7)
     assert twice.number[0] == 2, "another step"
-    hs.retract(twice, cloud, SHORE, 0, 15, 0)
+    hs.retract(twice, prior, BOUNDARY, 0, 15, 0)
     assert twice.number[0] == 1 and twice.node[0, 0] == HERE
     np.testing.assert_allclose(twice.log_starts[0, 0], once.log_starts[0, 0])
     np.testing.assert_allclose(twice.chance[0, 0], once.chance[0, 0])

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.graph_planner.belief_planner.told import UNHEARD, ToldBeliefs
+from mjforage.graph_planner.belief_planner.privileged_beliefs import UNHEARD, PrivilegedBeliefs
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.task import Observation, Truth
 from mjforage.scenario.fleet import Role
@@ -33,11 +33,11 @@ def seen_at(step: int, shows: dict[tuple[int, int], int]) -> Observation:
     return observation_of(TASK, AT, known, last_seen, step=step + 1)
 
 
-def beliefs() -> ToldBeliefs:
-    return ToldBeliefs(TASK, TASK.belief, np.array([7], np.uint64))
+def beliefs() -> PrivilegedBeliefs:
+    return PrivilegedBeliefs(TASK, TASK.belief, np.array([7], np.uint64))
 
 
-def told(believed: ToldBeliefs) -> NDArray[np.float64]:
+def told(believed: PrivilegedBeliefs) -> NDArray[np.float64]:
     """(item, 2) places at which items are believed."""
     n, tracks = int(believed.tracks.number[0]), believed.tracks
     return np.stack((tracks.row[0, :n], tracks.col[0, :n]), axis=1)

@@ -1,4 +1,4 @@
-"""How the items of a hotspot lie on the water: Gaussian per axis, what falls on land beside it.
+"""Spatial prior of a hotspot's items: Gaussian per axis, what falls on land is put beside it.
 
 P0[c, x] is the probability that an item of a hotspot in node c starts in node x: the integral of
 the Gaussian over every cell, counted for the cell's nearest node. It is never tabulated: sums over
@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from mjforage.base.compiled import kernel
-from mjforage.graph_planner.belief_planner.shore import nearest_of_cells
+from mjforage.graph_planner.belief_planner.boundary import nearest_of_cells
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 
 MARGIN = 3.2  # the Gaussian is cut at so many standard deviations
 
 
-class Cloud(NamedTuple):
+class SpatialPrior(NamedTuple):
     """The map with a margin, and the Gaussian's shares per cell."""
 
     reach: int  # cells of margin
@@ -33,24 +33,24 @@ class Cloud(NamedTuple):
 
 
 @lru_cache(maxsize=16)
-def cloud_of(graph: NavigationGraph, spread: float) -> Cloud:
-    """The cloud of a hotspot on a map, for a standard deviation per axis [node]."""
+def spatial_prior_of(graph: NavigationGraph, spread: float) -> SpatialPrior:
+    """The prior of a hotspot on a map, for a standard deviation per axis [node]."""
     reach = min(int(np.ceil(MARGIN * spread)), max(graph.shape))
     steps = np.arange(-reach, reach + 1)
     shares = ndtr((steps + 0.5) / spread) - ndtr((steps - 0.5) / spread)
     node = np.pad(nearest_of_cells(graph), reach, mode="edge").astype(np.int32)
     order = np.argsort(node.ravel(), kind="stable").astype(np.int64)
     start = np.searchsorted(node.ravel()[order], np.arange(len(graph) + 1)).astype(np.int64)
-    return Cloud(reach, shares / shares.sum(), node, start, order, graph.rows, graph.cols)
+    return SpatialPrior(reach, shares / shares.sum(), node, start, order, graph.rows, graph.cols)
 
 
 @kernel
-def bounds(cloud: Cloud, weight: NDArray[np.float64], least: float) -> NDArray[np.int64]:
+def bounds(prior: SpatialPrior, weight: NDArray[np.float64], least: float) -> NDArray[np.int64]:
     """First and last row and column (4,) of the nodes with more than `least` weight (node,)."""
     box = np.array([1 << 40, -1, 1 << 40, -1])
     for node in range(weight.size):
         if weight[node] > least:
-            row, col = np.int64(cloud.rows[node]), np.int64(cloud.cols[node])
+            row, col = np.int64(prior.rows[node]), np.int64(prior.cols[node])
             box[0], box[1] = min(box[0], row), max(box[1], row)
             box[2], box[3] = min(box[2], col), max(box[3], col)
     return box
@@ -58,10 +58,13 @@ def bounds(cloud: Cloud, weight: NDArray[np.float64], least: float) -> NDArray[n
 
 @kernel
 def gathered(
-    cloud: Cloud, value: NDArray[np.float64], box: NDArray[np.int64], out: NDArray[np.float64]
+    prior: SpatialPrior,
+    value: NDArray[np.float64],
+    box: NDArray[np.int64],
+    out: NDArray[np.float64],
 ) -> None:
     """out[c] = sum over x of P0[c, x] value[x] for the nodes c of a box; others are left alone."""
-    reach, shares, node = cloud.reach, cloud.shares, cloud.node
+    reach, shares, node = prior.reach, prior.shares, prior.node
     top, bottom, left, right = box
     if bottom < top:
         return
@@ -81,7 +84,7 @@ def gathered(
             share = shares[k]
             for c in range(width):
                 result[r, c] += share * across[r + k, c]
-    rows, cols = cloud.rows, cloud.cols
+    rows, cols = prior.rows, prior.cols
     for v in range(rows.size):
         if top <= rows[v] <= bottom and left <= cols[v] <= right:
             out[v] = result[rows[v] - top, cols[v] - left]
@@ -89,11 +92,14 @@ def gathered(
 
 @kernel
 def scattered(
-    cloud: Cloud, weight: NDArray[np.float64], box: NDArray[np.int64], out: NDArray[np.float64]
+    prior: SpatialPrior,
+    weight: NDArray[np.float64],
+    box: NDArray[np.int64],
+    out: NDArray[np.float64],
 ) -> None:
     """out[x] += sum over the nodes c of a box of weight[c] P0[c, x]."""
-    reach, shares, node = cloud.reach, cloud.shares, cloud.node
-    rows, cols = cloud.rows, cloud.cols
+    reach, shares, node = prior.reach, prior.shares, prior.node
+    rows, cols = prior.rows, prior.cols
     top, bottom, left, right = box
     if bottom < top:
         return
@@ -120,13 +126,13 @@ def scattered(
 
 
 @kernel
-def start_chances(cloud: Cloud, start: int, out: NDArray[np.float64]) -> None:
+def start_chances(prior: SpatialPrior, start: int, out: NDArray[np.float64]) -> None:
     """out[c] = P0[c, start] for all hotspots c."""
-    reach, shares, width = cloud.reach, cloud.shares, cloud.node.shape[1]
-    rows, cols = cloud.rows, cloud.cols
+    reach, shares, width = prior.reach, prior.shares, prior.node.shape[1]
+    rows, cols = prior.rows, prior.cols
     out[:] = 0.0
-    for i in range(cloud.cell_start[start], cloud.cell_start[start + 1]):
-        row, col = cloud.cells[i] // width - reach, cloud.cells[i] % width - reach
+    for i in range(prior.cell_start[start], prior.cell_start[start + 1]):
+        row, col = prior.cells[i] // width - reach, prior.cells[i] % width - reach
         for c in range(rows.size):
             down, right = row - rows[c] + reach, col - cols[c] + reach
             if 0 <= down <= 2 * reach and 0 <= right <= 2 * reach:

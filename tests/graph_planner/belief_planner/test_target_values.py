@@ -5,10 +5,15 @@ import pytest
 
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.belief_planner.beliefs import Beliefs
-from mjforage.graph_planner.belief_planner.shore import shore_of
+from mjforage.graph_planner.belief_planner.boundary import boundary_of
 from mjforage.graph_planner.belief_planner.stops import floating
+from mjforage.graph_planner.belief_planner.target_values import (
+    FAILED,
+    LEAST,
+    TargetValues,
+    likeliest,
+)
 from mjforage.graph_planner.belief_planner.tracks import Tracks
-from mjforage.graph_planner.belief_planner.wanted import FAILED, LEAST, Wanted, likeliest
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.scenario.belief_settings import BeliefSettings
 from tests.graph_planner.driver import observation_of, task_of
@@ -18,7 +23,7 @@ TASK = task_of(SEA)
 NOW = 20
 
 
-def believing(settings: BeliefSettings) -> tuple[Beliefs, Wanted]:
+def believing(settings: BeliefSettings) -> tuple[Beliefs, TargetValues]:
     """Two rows; in the second two tracks in (3, 3), one in (4, 4), and unseen items in places."""
     beliefs = Beliefs(TASK, settings, episode_keys(0, np.arange(2)))
     tracks: Tracks = beliefs.tracks
@@ -30,7 +35,7 @@ def believing(settings: BeliefSettings) -> tuple[Beliefs, Wanted]:
     beliefs.spots.number[1] = 4
     beliefs.expected[1] = np.random.default_rng(0).choice([0.0, 0.01, 0.3, 0.7], len(SEA))
     beliefs.later[1, SEA.node_of_cell[4, 4]] = NOW + 1
-    return beliefs, Wanted(beliefs, settings, shore_of(SEA))
+    return beliefs, TargetValues(beliefs, settings, boundary_of(SEA))
 
 
 @pytest.mark.parametrize("room", [1, 7, 40, 200])
