@@ -16,6 +16,7 @@ from mjforage.base.errors import UserError, WeightsError
 from mjforage.base.references import parse_reference
 from mjforage.graph_planner.encodings import ENCODERS, Shapes, create_encoder, encoder_class
 from mjforage.mission.task import Task
+from mjforage.scenario.assets import models_folder
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -30,8 +31,6 @@ KINDS = {Q_NETWORK: "DuelingNetwork", ACTOR: "MoveNetwork"}
 TEAMS = ("scout", "forager")
 """Networks of a file: for agents that do not collect, and for those that do."""
 
-_HERE = Path(__file__).resolve().parent
-_PLACES = (_HERE.parent / "mjforage" / "models", _HERE.parent / "models")  # a wheel, a checkout
 _LARGEST_HEADER = 1 << 20  # bytes
 LARGEST = 1e4
 """Magnitude of a weight, those that ship being below 10: through five layers of some thousand
@@ -74,14 +73,11 @@ def shipped_weights(name: str) -> Path:
     WeightsError
         If there are none of that name.
     """
-    tried = [place / "weights" / f"{name}.safetensors" for place in _PLACES]
-    for path in tried:
-        if path.is_file():
-            return path
-    raise WeightsError(
-        f"weights {name}: not found as {' or '.join(map(str, tried))}; train some with "
-        "`mjforage train ddqn`"
-    )
+    path = models_folder() / "weights" / f"{name}.safetensors"
+    if path.is_file():
+        return path
+    train = "train some with `mjforage train ddqn`"
+    raise WeightsError(f"weights {name}: not found as {path}; {train}")
 
 
 def read_header(path: Path) -> WeightsHeader:
