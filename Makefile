@@ -21,7 +21,8 @@ BIN := $(VENV)/bin
 # Tests start many processes, each of which would compile our modules anew where this is set.
 unexport PYTHONDONTWRITEBYTECODE
 
-# What torch computes depends on the processor's instructions, so learning is tested under each set.
+# What torch computes depends on the processor's instructions, so learning is tested under each set
+# that this processor has.
 CAPABILITIES := default avx2 avx512
 LEARNING := tests/mjforage/learning tests/graph_planner/networks/test_weights.py
 
@@ -47,7 +48,7 @@ demo: $(VENV)/.installed
 	$(BIN)/mjforage compare comb-port --policy greedy --policy levy --episodes 20 --jobs 2 --out runs/demo
 	$(BIN)/mjforage render runs/demo --world physics --policy greedy --duration 600 --fps 15 --width 960 --height 540 -o runs/demo/port.mp4
 
-# `slow` is what stands in tests/slow.txt: `$(BIN)/pytest -n 2 --measure` writes it anew.
+# `slow` is what stands in tests/slow.txt, and what loads torch (tests/conftest.py).
 quick: $(VENV)/.installed-dev
 	$(BIN)/pytest -n 2 --dist worksteal -m 'not slow'
 
@@ -82,9 +83,11 @@ hulls: planner
 	$(BIN)/mjforage evaluate comb-port-weather --policy greedy --world physics --out $(VENV)/hulls $(COMPILE)
 
 capabilities: $(VENV)/.installed-dev
+	most=$$($(BIN)/python -c 'import torch; print(torch.backends.cpu.get_cpu_capability().lower())'); \
 	for capability in $(CAPABILITIES); do \
-		echo "learning, ATEN_CPU_CAPABILITY=$$capability"; \
+		echo "learning, ATEN_CPU_CAPABILITY=$$capability of at most $$most"; \
 		ATEN_CPU_CAPABILITY=$$capability $(BIN)/pytest -n 2 -rs -m every_capability $(LEARNING) || exit 1; \
+		[ $$capability != $$most ] || break; \
 	done
 
 # The second MuJoCo lies before all other libraries, which both environments share. Version 4 splits
@@ -117,7 +120,7 @@ $(VENV)/lowest/.installed: lowest.txt constraints.txt pyproject.toml
 	rm -rf $(@D)
 	$(PYTHON) -m venv $(@D)
 	$(@D)/bin/pip install --quiet --requirement lowest.txt
-	$(@D)/bin/pip install --quiet --constraint constraints.txt pytest pytest-xdist hypothesis psutil jsonschema
+	$(@D)/bin/pip install --quiet --constraint constraints.txt pytest pytest-xdist hypothesis jsonschema
 	$(@D)/bin/pip install --quiet --no-deps --editable .
 	$(@D)/bin/pip check
 	touch $@

@@ -1,65 +1,80 @@
-"""Settings of all tests, and which of them this processor can run.
+"""Settings of all tests, and the marks of slow ones.
 
-Hypothesis has no deadlines (kernels compile) and is the same every time. Tests that are marked
-`every_capability` are run by `make capabilities` under each set of instructions that torch can be
-told to use (`ATEN_CPU_CAPABILITY`); torch takes the word for it, and a processor without them ends
-the process, so such tests are skipped there.
+Hypothesis has no deadlines (kernels compile) and is the same every time. `tests/slow.txt` names the
+tests that take more than 0.3 s of CPU time with all their parameters (`pytest --durations=50`).
+They have the mark `slow`, and so have all tests of a file that imports one of `HEAVY`, which takes
+seconds itself. Listed tests of the folders of `WHOLE` play whole commands, trainings and reports;
+they have the mark `thorough` too.
 """
 
-import os
-import subprocess
+import re
 import sys
 from collections.abc import Iterator
 from functools import cache
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
-pytest_plugins = ["tests.cpu_seconds"]
-
 settings.register_profile("mjforage", deadline=None, derandomize=True)
 settings.load_profile("mjforage")
 
-CAPABILITY = "ATEN_CPU_CAPABILITY"
-RISING = ("default", "avx2", "avx512")
-LACKING = "MJFORAGE_LACKS_CAPABILITY"  # why tests are skipped; processes of tests inherit it
+SLOW = Path(__file__).with_name("slow.txt")
+HEAVY = (
+    *("torch", "torchrl", "tensordict", "safetensors.torch", "stable_baselines3"),
+    *("mjforage.learning.training", "mjforage.bench", "mjforage.cli.schemas"),
+    *("mjforage.graph_planner.networks.inference", "mjforage.graph_planner.networks.q_network"),
+    "mjforage.learning.model_policy",
+)
+WHOLE = tuple(
+    f"tests/{folder}/"
+    for folder in (
+        *("documents", "mjforage/bench", "mjforage/cli", "mjforage/learning"),
+        *("mjforage/physics/dynamics", "mjforage/physics/validation"),
+        *("mjforage/runs", "mjforage/testing", "mjforage/view"),
+    )
+)
+_IMPORTS = re.compile(rf"^(?:from|import) (?:{'|'.join(map(re.escape, HEAVY))})\b", re.MULTILINE)
 
 
 @cache
-def capability() -> str:
-    """Return what torch finds on this processor when it is told nothing."""
-    told_nothing = {name: value for name, value in os.environ.items() if name != CAPABILITY}
-    program = "import torch; print(torch.backends.cpu.get_cpu_capability().lower())"
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        env=told_nothing,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return done.stdout.strip()
+def slow_tests() -> dict[str, set[str]]:
+    """File -> its tests that `slow.txt` names."""
+    found: dict[str, set[str]] = {}
+    file = ""
+    for line in SLOW.read_text("utf-8").splitlines():
+        if line.startswith(" "):
+            found[file].add(line.strip())
+        elif not line.startswith("#"):
+            found[file := line] = set()
+    return found
 
 
-def pytest_configure() -> None:
-    """Have torch choose for itself where this processor lacks what it is told to use.
-
-    Some libraries compute while they are imported, which tests do before any of them is skipped.
-    """
-    asked = os.environ.get(CAPABILITY, RISING[0])
-    if asked == RISING[0]:
-        return
-    found = capability()
-    most = RISING.index(found) if found in RISING else 0
-    if asked not in RISING[: most + 1]:
-        os.environ[LACKING] = f"torch finds {found} on this processor, no {asked}"
-        del os.environ[CAPABILITY]
+@cache
+def _text(path: Path) -> str:
+    return path.read_text("utf-8")
 
 
-def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Skip what this processor cannot run, and say why."""
-    why = os.environ.get(LACKING)
-    if why and item.get_closest_marker("every_capability"):
-        pytest.skip(why)
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave out files of which `-m 'not slow'` would leave out everything, before they load."""
+    if config.option.markexpr != "not slow" or not collection_path.match("test_*.py"):
+        return None
+    tests = set(re.findall(r"^def (test_\w+)\(", _text(collection_path), re.MULTILINE))
+    file = collection_path.relative_to(config.rootpath).as_posix()
+    slow = tests <= slow_tests().get(file, set()) or _IMPORTS.search(_text(collection_path))
+    return True if slow else None
+
+
+@pytest.hookimpl(tryfirst=True)  # before `-m` chooses
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark slow tests."""
+    for item in items:
+        file, _, test = item.nodeid.partition("[")[0].partition("::")
+        listed = test in slow_tests().get(file, ())
+        if listed or _IMPORTS.search(_text(item.path)):
+            item.add_marker("slow")
+        if listed and file.startswith(WHOLE):
+            item.add_marker("thorough")
 
 
 @pytest.fixture(autouse=True)
