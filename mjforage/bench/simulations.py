@@ -1,6 +1,6 @@
 """How fast the physics runs here, in CPU seconds of one core; for `mjforage bench`.
 
-Driven as `mjforage.physics.validation.port_drive` says.
+Driven as `mjforage.physics.port_drive` says.
 """
 
 import contextlib
@@ -14,9 +14,9 @@ import mujoco
 
 from mjforage.bench.rates import Rate, rate
 from mjforage.physics.callback import Route, calling
+from mjforage.physics.port_drive import STEP_S, drive, port_scene, port_simulation
 from mjforage.physics.scene import Scene
 from mjforage.physics.simulation.integrators import Integrator
-from mjforage.physics.validation.port_drive import STEP_S, drive, port_scene, port_simulation
 
 REPEATS = 15
 

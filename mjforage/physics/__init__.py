@@ -1,4 +1,4 @@
-"""The same mission in MuJoCo: vessels, weather, scene, simulation, dynamics, validation."""
+"""The same mission in MuJoCo: vessels, weather, scene, simulation, dynamics."""
 
 from mjforage.base.environment import mujoco_despite
 

@@ -70,7 +70,7 @@ def play(command: str, jobs: int = 1, runs: Path = RUNS) -> Path:
             _carry_out(words)
         return folder
     words += ["--out", str(folder)]
-    words += [] if words[0] in ("validate", "train") else ["--jobs", str(jobs)]
+    words += [] if words[0] == "train" else ["--jobs", str(jobs)]
     words += ["--replay", "none"] if words[0] in ("evaluate", "compare") else []
     try:
         _carry_out(words)

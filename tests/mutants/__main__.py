@@ -19,10 +19,10 @@ from tests.mutants.running import Outcome, copied, is_plain, run_check, run_muta
 _PAGE = """<!-- Written by `python -m tests.mutants --page docs/mutants.md`. -->
 # Mutation tests: single faults, and what notices them
 
-`make mutants` makes each fault alone, in a copy of the repository, and runs its check, which must
-fail: one of `mjforage validate`, or a test. Continuous integration does so with a tenth of them,
-another one after each commit. The faults are data, `tests/mutants/*.toml`. Each names its place by
-function and text, and a test sees to it that this place still exists.
+`make mutants` makes each fault alone, in a copy of the repository, and runs its check: a test that
+must fail. Continuous integration does so with a tenth of them, another one after each commit. The
+faults are data, `tests/mutants/*.toml`. Each names its place by function and text, and a test sees
+to it that this place still exists.
 """
 _HEAD = """
 ## {room}

@@ -26,7 +26,7 @@ class Mutant:
         outside of functions; the path of a file that is no Python
     old, new : text that occurs once there and in no other place of that name, and what takes its
         place
-    check : of `mjforage validate`, or a test, `tests/.../test_file.py::test_name`
+    check : a test, `tests/.../test_file.py::test_name`
     room : name of the TOML file that holds it
     """
 
@@ -37,11 +37,6 @@ class Mutant:
     new: str
     check: str
     room: str
-
-    @property
-    def is_test(self) -> bool:
-        """Whether the check is a test, not one of `mjforage validate`."""
-        return "::" in self.check
 
     def spoilt(self, root: Path = ROOT) -> tuple[Path, str]:
         """The file in a copy of the repository, and its text with the fault.

@@ -1,10 +1,7 @@
 """What is no table of runs: the board's page, the checks of the physics, and speeds."""
 
-import math
 from collections.abc import Iterator
-from typing import Any
 
-from mjforage.physics.validation.finding import Measure
 from mjforage.view.report.studies.board_page import write_board_page
 from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row
 from tests.evidence.playing import Runs
@@ -29,26 +26,14 @@ def _speeds(runs: Runs) -> Iterator[Row]:
 
 def _validation(runs: Runs) -> Iterator[Row]:
     """Of each check the measure that is nearest to its limit."""
-    for check in runs.figures("validation.json")["checks"]:
-        worst = max(map(_measure, check["measures"]), key=lambda m: m.strain, default=None)
-        head = [check["number"], f"`{check['name']}`"]
-        if worst is None:
-            yield [*head, None, None, None, None, check["status"]]
-        else:
-            value: Cell = {"mean": worst.value} if math.isfinite(worst.value) else None
-            yield [*head, worst.what, value, worst.unit, worst.limit, check["status"]]
-
-
-def _measure(told: dict[str, Any]) -> Measure:
-    ends = {"value": math.nan, "low": -math.inf, "high": math.inf}
-    numbers = {key: end if told[key] is None else told[key] for key, end in ends.items()}
-    return Measure(told["what"], **numbers, unit=told["unit"])
+    for number, name, what, value, *rest in runs.figures():
+        yield [number, f"`{name}`", what, {"mean": value}, *rest]
 
 
 PIECES = (
     Piece(
         "validation",
-        {"": "mjforage validate"},
+        {"": "python -m tests.mjforage.physics.validation.table"},
         (
             *(Column(""), Column("check"), Column("measured"), Column("value", 4, True)),
             *(Column("unit"), Column("limit"), Column("result")),

@@ -106,7 +106,7 @@ PATHS = (
     ("manoeuvre", "otter", "--test", "stop", "--duration", "0.1", "--plot", "{}"),
     ("manoeuvre", "otter", "--duration", "0.1", "--schedule", "{}"),
     ("manoeuvre", "{}", "--test", "stop"),
-    ("validate", "--check", "nothing", "--out", "{}"),
+    ("validate", "{}"),
     ("maps", "comb_port", "-o", "{}"),
     ("maps", "{}"),
     ("schemas", "--out", "{}"),

@@ -16,8 +16,8 @@ from mjforage.physics.manoeuvre.key_figures import (
 )
 from mjforage.physics.manoeuvre.overshoots import zigzag_figures
 from mjforage.physics.manoeuvre.standard import shares
-from mjforage.physics.validation.turning import steady_turn
 from mjforage.physics.vessels import load_vessel
+from tests.mjforage.physics.validation.manoeuvre_checks import steady_turn
 
 OTTER, SCOUT, FORAGER = (load_vessel(name) for name in ("otter", "scout", "forager"))
 TIMES = np.linspace(0.0, 40.0, 4001)

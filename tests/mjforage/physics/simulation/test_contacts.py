@@ -1,4 +1,4 @@
-"""Items against quays and hulls; forces in contacts are in the validation checks."""
+"""A quay that holds a turning vessel; other contacts are among the checks of `validation`."""
 
 import numpy as np
 import pytest
@@ -34,19 +34,6 @@ def pressed(
 
 
 @BOTH
-@pytest.mark.parametrize(
-    ("wind", "current"), [(12.0, 0.0), (22.5, 0.0), (0.0, 0.5), (12.0, 0.3), (12.0, -0.1)]
-)
-def test_a_quay_bears_wind_and_current(integrator: Integrator, wind: float, current: float) -> None:
-    """Blendermann's load, linear damping and cross-flow drag of a hull at rest, beam on."""
-    air = 0.5 * 1.224 * 0.85 * 0.90 * wind**2
-    water = 162.5 * current + 0.5 * 1025.0 * 0.195 * 2.0 * current * abs(current)
-    force, moment = pressed(integrator, wind, current)
-    assert force == pytest.approx(air + water, rel=5e-3)
-    assert moment == pytest.approx(0.0, abs=0.5)
-
-
-@BOTH
 @pytest.mark.parametrize(("current", "moment"), [(0.0, 50.0), (0.0, -50.0), (0.3, 40.0)])
 def test_a_quay_bears_a_turning_hull_at_one_corner(
     integrator: Integrator, current: float, moment: float
@@ -58,19 +45,3 @@ def test_a_quay_bears_a_turning_hull_at_one_corner(
     force, turn = pressed(integrator, 12.0, current, moment)
     assert turn == pytest.approx(moment, rel=1e-2)
     assert force == pytest.approx(134.16 if current else 67.42, rel=1e-2)
-
-
-@BOTH
-def test_items_stop_at_quays_and_give_way_to_hulls(integrator: Integrator) -> None:
-    scene = build_scene([FORAGER], navigable=BASIN, pitch_m=4.0, items=2)
-    simulation = Simulation(scene, integrator=integrator, step_s=0.1)
-    simulation.place_vessels(np.array([4.0, 4.0, 0.0]))
-    simulation.place_items(np.array([[20.0, 12.0], [8.0, 4.0]]), np.array([0, 2]))
-    simulation.item_wind[0, 0] = 0.0, 10.0
-    simulation.commands[:] = 60.0
-    simulation.step(100)
-    (_, y), (x, _) = simulation.item_xy[0]
-    assert y == pytest.approx(QUAY_Y_M - 0.1, abs=0.02)
-    bow = simulation.vessel_pose[0, 0, 0] + 1.0
-    assert x == pytest.approx(bow + 0.1, abs=0.03)
-    assert bow > 9.0

@@ -13,14 +13,14 @@ from mjforage.physics import callback
 from mjforage.physics.callback import Route
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.hydrodynamics.ode_hull import OdeHull
-from mjforage.physics.scene import build_scene, with_bodies
-from mjforage.physics.simulation import InstabilityError, Integrator, Simulation
-from mjforage.physics.simulation.mujoco_hull import MujocoHull
-from mjforage.physics.validation.port_drive import (
+from mjforage.physics.port_drive import (
     drive,
     port_scene,
     port_simulation,
 )
+from mjforage.physics.scene import build_scene, with_bodies
+from mjforage.physics.simulation import InstabilityError, Integrator, Simulation
+from mjforage.physics.simulation.mujoco_hull import MujocoHull
 from mjforage.physics.vessels import load_vessel
 
 OTTER = load_vessel("otter")

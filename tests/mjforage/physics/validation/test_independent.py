@@ -9,9 +9,9 @@ from scipy.linalg import eigvals
 from mjforage.physics.hydrodynamics.conditions import Conditions
 from mjforage.physics.manoeuvre import Schedule, key_figures, run_manoeuvre, run_test
 from mjforage.physics.simulation.mujoco_hull import MujocoHull
-from mjforage.physics.validation import independent
-from mjforage.physics.validation.independent import IndependentOtter
 from mjforage.physics.vessels import load_vessel
+from tests.mjforage.physics.validation import independent
+from tests.mjforage.physics.validation.independent import IndependentOtter
 
 OTTER = load_vessel("otter")
 CASES = {

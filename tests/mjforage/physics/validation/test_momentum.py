@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from mjforage.physics.hydrodynamics.conditions import Conditions
-from mjforage.physics.validation.momentum import MomentumHull, wind_load
-from mjforage.physics.validation.shared_runs import coasting
-from mjforage.physics.validation.turning import steady_turn
-from mjforage.physics.validation.winds import leeway
+from mjforage.physics.vessel_checks import coasting
 from mjforage.physics.vessels import load_vessel
+from tests.mjforage.physics.validation.manoeuvre_checks import steady_turn
+from tests.mjforage.physics.validation.momentum import MomentumHull, wind_load
+from tests.mjforage.physics.validation.motion_checks import leeway
 
 
 @pytest.mark.parametrize(
