@@ -1,4 +1,4 @@
-"""`mjforage bench --decisions`: what a policy's decision for a whole fleet takes, by its size."""
+"""CPU time of one decision of a whole fleet, by policy and size of the fleet."""
 
 import statistics
 from collections.abc import Callable, Sequence
@@ -14,46 +14,48 @@ from mjforage.mission.setup import Setup
 from mjforage.runs.decision_time import Watch, watched
 from mjforage.scenario.scenario_file import load_scenario
 
-SCENARIO = "open-bay"  # where there is room for 64
 FLEETS = (4, 16, 64)  # agents, half of them scouts
 HORIZON = 40  # decisions: most work is done in the first
-EPISODES = 4  # one after the other, as a fleet at sea is alone
-REPEATS = 3
+EPISODES, REPEATS = 4, 3  # one after the other, as a fleet at sea is alone
 
 
 @dataclass(frozen=True)
 class DecisionTime:
-    """CPU time of one decision of a fleet.
-
-    Attributes
-    ----------
-    policy, agents : whose, and of how many
-    ms : median over episodes, repeats apart; without an episode's first decision, which prepares
-    low, high : of the episodes
-    reason : why there is no time; "" if there is
-    """
+    """Median [ms] over episodes, without an episode's first decision, and their range."""
 
     policy: str
     agents: int
     ms: float
     low: float
     high: float
-    reason: str = ""
+    reason: str = ""  # why there is no time, which is 0 then
 
 
 def fleet_setup(agents: int, horizon: int = HORIZON) -> Setup:
     """The mission that is decided in, with so many agents."""
     half = agents // 2
     teams = f"team.scouts.count={half}", f"team.foragers.count={agents - half}"
-    return Setup.of(load_scenario(SCENARIO, (*teams, "map.starts=[]", f"horizon={horizon}")))
+    return Setup.of(load_scenario("open-bay", (*teams, "map.starts=[]", f"horizon={horizon}")))
 
 
 def _episode_ms(setup: Setup, name: str, episode: int) -> float:
-    """CPU milliseconds per decision of an episode."""
     mission, watch = Mission(setup), Watch()
     mission.reset(0, np.array([episode]))
     mission.run(watched(create_policy(name), watch, 1))
     return 1000.0 * watch.cpu_s / max(1, watch.decisions)
+
+
+def _time(setup: Setup, name: str) -> DecisionTime:
+    agents = len(setup.fleet)
+    try:
+        _episode_ms(setup, name, EPISODES)  # compiles
+        least = [
+            min(_episode_ms(setup, name, episode) for _ in range(REPEATS))
+            for episode in range(EPISODES)
+        ]
+    except UserError as error:
+        return DecisionTime(name, agents, 0.0, 0.0, 0.0, str(error))
+    return DecisionTime(name, agents, statistics.median(least), min(least), max(least))
 
 
 def decision_times(
@@ -68,18 +70,5 @@ def decision_times(
         setup = fleet_setup(agents, horizon)
         for name in policies or policy_names():
             progress(f"{name}, {agents} agents")
-            try:
-                _episode_ms(setup, name, EPISODES)  # compiles
-                each = [
-                    _episode_ms(setup, name, episode)
-                    for episode in range(EPISODES)
-                    for _ in range(REPEATS)
-                ]
-            except UserError as error:
-                found.append(DecisionTime(name, agents, *(float("nan"),) * 3, str(error)))
-                continue
-            least = [min(each[i : i + REPEATS]) for i in range(0, len(each), REPEATS)]
-            found.append(
-                DecisionTime(name, agents, statistics.median(least), min(least), max(least))
-            )
+            found.append(_time(setup, name))
     return found

@@ -2,16 +2,13 @@
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from cyclopts import Parameter
 from rich.table import Table
 
 from mjforage.base.errors import UserError
 from mjforage.cli.console import OUT, app, errors, print_table
-
-if TYPE_CHECKING:
-    from mjforage.bench.running import Figures
 
 
 def _rounded(value: float) -> str:
@@ -31,8 +28,8 @@ def bench(
     Parameters
     ----------
     out
-        Also write the figures to this file: {key: {"value", "unit"}}, and the
-        "quickest" slice of a speed, whose value is the median; or a list of comparisons.
+        Also write the figures to this file: {key: {"value", "quickest", "unit"}}, the median of
+        slices and the fastest; or a list of comparisons, or of decision times.
     against
         Folder of another checkout: measure it beside this one, in slices of CPU time in turn, which
         is the way to compare two states of the code on a machine with other work to do.
@@ -42,58 +39,40 @@ def bench(
         Only what every policy takes to decide once for a fleet of 4, 16 and 64 agents.
     """
     from mjforage.base.atomic_files import write_json
+    from mjforage.bench import decisions as deciding
+    from mjforage.bench import running
 
     if out is not None and not out.parent.is_dir():
         raise UserError(f"--out {out}: cannot be written, no folder {out.parent}")
     if decisions and against is not None:
         raise UserError(f"--decisions, --against {against}: give one of them")
     found: object
-    if decisions:
-        found = _decided()
-    else:
-        found = _measured() if against is None else _compared(against, slices)
+    with errors.status("measuring") as status:
+
+        def shown(name: str) -> None:
+            status.update(f"measuring {name}")
+
+        if decisions:
+            times = deciding.decision_times(progress=shown)
+            table = Table("policy", "agents", "ms", "range", "")
+            for one in times:
+                span = "" if one.reason else f"{one.low:.3g} to {one.high:.3g}"
+                table.add_row(one.policy, str(one.agents), f"{one.ms:.3g}", span, one.reason)
+            found = [asdict(one) for one in times]
+        elif against is not None:
+            pairs = running.against(against, slices, progress=shown)
+            table = Table("per CPU second", "this code", str(against), "ratio", "middle half")
+            for pair in pairs:
+                rates = _rounded(pair.ours), _rounded(pair.theirs)
+                half = f"{pair.low:.2f} to {pair.high:.2f}"
+                table.add_row(pair.key, *rates, f"{pair.ratio:.2f}", half)
+            found = [asdict(pair) for pair in pairs]
+        else:
+            figures = running.bench(shown)
+            table = Table("figure", "value", "quickest", "unit")
+            for key, one in figures.items():
+                table.add_row(key, _rounded(one.value), _rounded(one.quickest), one.unit)
+            found = {key: asdict(one) for key, one in figures.items()}
+    print_table(table)
     if out is not None:
         write_json(out, found)
-
-
-def _measured() -> "Figures":
-    from mjforage.bench.running import bench as measure
-
-    with errors.status("measuring") as status:
-        figures = measure(lambda key: status.update(f"measuring {key}"))
-    table = Table("figure", "value", "quickest", "unit")
-    for key, figure in figures.items():
-        quickest = _rounded(float(figure["quickest"])) if "quickest" in figure else ""
-        table.add_row(key, _rounded(float(figure["value"])), quickest, str(figure["unit"]))
-    print_table(table)
-    return figures
-
-
-def _decided() -> list[dict[str, float | str]]:
-    from mjforage.bench.decisions import FLEETS, decision_times
-
-    with errors.status("measuring") as status:
-        times = decision_times(progress=lambda name: status.update(f"measuring {name}"))
-    table = Table("policy", *(f"{agents} agents [ms]" for agents in FLEETS))
-    rows: dict[str, list[str]] = {}
-    for one in times:
-        words = one.reason or f"{one.ms:.3g} ({one.low:.3g} to {one.high:.3g})"
-        rows.setdefault(one.policy, []).append(words)
-    for policy, cells in rows.items():
-        table.add_row(policy, *cells)
-    print_table(table)
-    return [asdict(one) for one in times]
-
-
-def _compared(other: Path, slices: int) -> list[dict[str, float | str]]:
-    from mjforage.bench.against import against
-
-    with errors.status("measuring") as status:
-        pairs = against(other, slices, progress=lambda name: status.update(f"measuring {name}"))
-    table = Table("work per CPU second", "this code", str(other), "ratio", "middle half of ratios")
-    for pair in pairs:
-        half = f"{pair.low:.2f} to {pair.high:.2f}"
-        rates = _rounded(pair.ours), _rounded(pair.theirs)
-        table.add_row(pair.name, *rates, f"{pair.ratio:.2f}", half)
-    print_table(table)
-    return [asdict(pair) for pair in pairs]

@@ -20,8 +20,8 @@ def _board(runs: Runs) -> None:
 
 def _speeds(runs: Runs) -> Iterator[Row]:
     for key, figure in runs.figures().items():
-        quickest: Cell = {"mean": figure["quickest"]} if "quickest" in figure else None
-        yield [f"`{key}`", {"mean": figure["value"]}, quickest, figure["unit"]]
+        value, quickest = ({"mean": figure[name]} for name in ("value", "quickest"))
+        yield [f"`{key}`", value, quickest, figure["unit"]]
 
 
 def _validation(runs: Runs) -> Iterator[Row]:

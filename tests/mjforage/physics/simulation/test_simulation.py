@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 
 from mjforage.base.errors import UserError
-from mjforage.bench.rates import Rate
-from mjforage.bench.simulations import physics_speeds
 from mjforage.physics import callback
 from mjforage.physics.callback import Route
 from mjforage.physics.hydrodynamics.conditions import Conditions
@@ -208,14 +206,3 @@ def test_one_hull_moves_as_the_plain_equations_say() -> None:
         for hull in (ours, plain):
             hull.step(40.0, 30.0 + 20.0 * (k > 300), 0.05 if k % 3 else 0.025)
     np.testing.assert_allclose(ours.state(), plain.state(), rtol=0, atol=1e-4)
-
-
-def test_speeds_are_measured_in_contact() -> None:
-    speeds = physics_speeds(seconds=5.0, simulations=1)
-    contacts = speeds["physics_contacts"]
-    assert isinstance(contacts, float) and contacts > 1.0
-    rates = {key: value.median for key, value in speeds.items() if isinstance(value, Rate)}
-    assert rates["physics_sim_s_per_core_s"] > rates["physics_sim_s_per_core_s_reference"] > 0.0
-    assert rates["physics_steps_per_core_s"] == pytest.approx(
-        10.0 * rates["physics_sim_s_per_core_s"]
-    )
