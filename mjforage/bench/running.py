@@ -122,7 +122,7 @@ def against(
                 order = (ours, theirs) if turn % 2 == 0 else (theirs, ours)
                 rates = {side: side.rate(key, seconds) for side in order}
                 pairs.append((rates[ours], rates[theirs]))
-            low, middle, high = statistics.quantiles([mine / its for mine, its in pairs], n=4)
-            medians = (statistics.median(side) for side in zip(*pairs, strict=True))
-            found.append(Comparison(key, *medians, middle, low, high))
+            low, middle, high = statistics.quantiles([own / others for own, others in pairs], n=4)
+            mine, its = (statistics.median(side) for side in zip(*pairs, strict=True))
+            found.append(Comparison(key, mine, its, middle, low, high))
     return found

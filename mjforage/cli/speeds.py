@@ -70,9 +70,9 @@ def bench(
         else:
             figures = running.bench(shown)
             table = Table("figure", "value", "quickest", "unit")
-            for key, one in figures.items():
-                table.add_row(key, _rounded(one.value), _rounded(one.quickest), one.unit)
-            found = {key: asdict(one) for key, one in figures.items()}
+            for key, speed in figures.items():
+                table.add_row(key, _rounded(speed.value), _rounded(speed.quickest), speed.unit)
+            found = {key: asdict(speed) for key, speed in figures.items()}
     print_table(table)
     if out is not None:
         write_json(out, found)
