@@ -21,8 +21,8 @@ import mjforage  # noqa: F401  registers the environments
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
+from mjforage.physics.port_drive import drive, port_scene, port_simulation
 from mjforage.physics.simulation.integrators import Integrator
-from mjforage.physics.validation.port_drive import drive, port_scene, port_simulation
 from mjforage.physics.worlds import create_mission
 from mjforage.runs.evaluate import evaluate
 from mjforage.scenario.maps import GridMap

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from mjforage.view.report.studies.board_page import write_board_page
-from tests.evidence.piece import REPOSITORY, Cell, Column, Piece, Row
+from tests.evidence.piece import REPOSITORY, Column, Piece, Row
 from tests.evidence.playing import Runs
 
 BOARD = (
