@@ -19,9 +19,9 @@ VARIANTS = {
     "published": (),
     "comb-port": ("weather.wind_speed_mps=3", "weather.wind_from_deg=250"),
     "open-bay": (
-        *("team.foragers.radius=2.5", "weather.drift_node_per_step=0.6", "link.model=disk"),
-        *("link.range_m=20", "items.covariance_node2=100", "corruption.team=foragers"),
-        *("corruption.epsilon=1", "corruption.whole_team=true"),
+        *("team.foragers.radius=1", "team.foragers.capacity=1", "weather.drift_node_per_step=0.6"),
+        *("link.model=disk", "link.range_m=8", "items.covariance_node2=20"),
+        *("corruption.team=foragers", "corruption.epsilon=1", "corruption.whole_team=true"),
     ),
     "channels": (
         *("team.scouts.moves=3", "team.scouts.energy=25", "team.foragers.capacity=3"),

@@ -164,6 +164,11 @@ def test_a_filtered_map_by_hand() -> None:
             density = 0.5 * density + float(shown[e, 0, place - 1] > 0)
         assert watched.knowledge.belief[e, EAST] == int(density + 0.5)
     assert (watched.knowledge.belief[:, 0] == 0).all(), "nothing is believed of what nobody saw"
+    sensors = Sensors(detection_table=((1.0, 0.9), (2.0, 0.1)), map="filtered")
+    task = task_of((5, 5), scouts=replace(SCOUT, count=2))  # 3 items expected in each node
+    for at in ([11, 14], [14, 11]):
+        belief = Watched(task, sensors, at, [-1], 0, 1).knowledge.belief[0]
+        assert belief[[6, 12, 13]].tolist() == [0, 0, 0], "the nearer look counts"
 
 
 def test_late_looks_weigh_as_those_of_their_time() -> None:
