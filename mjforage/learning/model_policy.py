@@ -17,8 +17,8 @@ from mjforage.graph_planner.encodings import create_encoder, encoder_class, lega
 from mjforage.graph_planner.encodings.masks import legal_of_agent
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.graph_planner.networks.inference import BLOCK, one_thread
-from mjforage.learning.environments.game import CHOSEN, OTHERWISE_STAY
-from mjforage.learning.environments.spaces import MASK, Pictures, values
+from mjforage.learning.environments.core import CHOSEN, OTHERWISE_STAY
+from mjforage.learning.environments.spaces import MASK, Arrays, values
 from mjforage.mission.moves import Corruption, Resolver
 from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task
@@ -57,7 +57,7 @@ class ModelPolicy:
         """The encoder, whose source is part of what a run is."""
         return (encoder_class(self.observation),)
 
-    def decide(self, seen: Pictures, agents: Rows) -> NDArray[Any]:
+    def decide(self, seen: Arrays, agents: Rows) -> NDArray[Any]:
         """Ask the model.
 
         Parameters
@@ -106,7 +106,7 @@ class ModelPolicy:
             _VIEWS[self.trained_on](self, observation, rows, seen)
         return self._preferences
 
-    def _ask(self, seen: Pictures, agents: Rows) -> NDArray[np.int64]:
+    def _ask(self, seen: Arrays, agents: Rows) -> NDArray[np.int64]:
         """Moves (row, ...), asked for in blocks of one size, so that the batch changes no bit."""
         parts = []
         mask = seen[MASK].astype(np.bool_)
@@ -143,7 +143,7 @@ class ModelPolicy:
         self._preferences[rows, agent, moves] = CHOSEN
 
 
-def _in_turn(policy: ModelPolicy, seen: Observation, rows: Rows, pictures: Pictures) -> None:
+def _in_turn(policy: ModelPolicy, seen: Observation, rows: Rows, pictures: Arrays) -> None:
     """One agent after the other, each knowing which nodes those before it took."""
     policy._round += 1
     arrays, claimed = policy.task.arrays, policy._claimed
@@ -179,7 +179,7 @@ def _masks(policy: ModelPolicy, seen: Observation, rows: Rows) -> NDArray[np.int
     return legal.astype(np.int8)
 
 
-def _at_once(policy: ModelPolicy, seen: Observation, rows: Rows, pictures: Pictures) -> None:
+def _at_once(policy: ModelPolicy, seen: Observation, rows: Rows, pictures: Arrays) -> None:
     """The whole fleet as one."""
     own = pictures | {MASK: _masks(policy, seen, rows)}
     moves = policy._ask(own, np.full(rows.size, -1))
@@ -187,7 +187,7 @@ def _at_once(policy: ModelPolicy, seen: Observation, rows: Rows, pictures: Pictu
         policy._choose(rows, agent, moves[:, agent])
 
 
-def _each(policy: ModelPolicy, seen: Observation, rows: Rows, pictures: Pictures) -> None:
+def _each(policy: ModelPolicy, seen: Observation, rows: Rows, pictures: Arrays) -> None:
     """Every agent for itself, in a row of its own."""
     own = pictures | {MASK: _masks(policy, seen, rows)}
     count = len(policy.task.fleet)
@@ -197,7 +197,7 @@ def _each(policy: ModelPolicy, seen: Observation, rows: Rows, pictures: Pictures
         policy._choose(rows, agent, moves[:, agent])
 
 
-_VIEWS: dict[str, Callable[[ModelPolicy, Observation, Rows, Pictures], None]] = {
+_VIEWS: dict[str, Callable[[ModelPolicy, Observation, Rows, Arrays], None]] = {
     "mjforage/SharedPolicy-v0": _in_turn,
     "mjforage/Foraging-v0": _at_once,
     "parallel_env": _each,

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from mjforage.learning.environments.checks import checked_moves, checked_options
 from mjforage.learning.environments.options import EnvironmentArguments
 from mjforage.learning.environments.single import METADATA, SingleEnvironment, summed
-from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, shown
+from mjforage.learning.environments.spaces import MASK, Arrays, arrays_space, shown
 
 
-class ForagingEnv(SingleEnvironment, gymnasium.Env[Pictures, NDArray[np.int64]]):
+class ForagingEnv(SingleEnvironment, gymnasium.Env[Arrays, NDArray[np.int64]]):
     """One decision of all agents per step.
 
     **Action** `MultiDiscrete([9] * agents)`: per agent 0-7 compass from north clockwise, 8 stay.
@@ -42,20 +42,20 @@ class ForagingEnv(SingleEnvironment, gymnasium.Env[Pictures, NDArray[np.int64]])
 
     def __init__(self, **arguments: Unpack[EnvironmentArguments]) -> None:
         SingleEnvironment.__init__(self, arguments)
-        agents = self._game.agents
-        self.observation_space = picture_space(self._game.shapes, (agents,), self._dtype)
+        agents = self._core.agents
+        self.observation_space = arrays_space(self._core.shapes, (agents,), self._dtype)
         self.action_space = gymnasium.spaces.MultiDiscrete([9] * agents)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Pictures, dict[str, Any]]:
+    ) -> tuple[Arrays, dict[str, Any]]:
         """Start the next episode; with a seed, the first one of that seed."""
         checked_options(options)
         super().reset(seed=seed)
         self._start(seed, self.np_random)
-        return self._observed(), self._game.fact()
+        return self._observed(), self._core.fact()
 
-    def step(self, action: NDArray[np.int64]) -> tuple[Pictures, float, bool, bool, dict[str, Any]]:
+    def step(self, action: NDArray[np.int64]) -> tuple[Arrays, float, bool, bool, dict[str, Any]]:
         """One decision of the fleet.
 
         Parameters
@@ -72,10 +72,10 @@ class ForagingEnv(SingleEnvironment, gymnasium.Env[Pictures, NDArray[np.int64]])
         UserError
             If the action is not of its space, or there was no reset.
         """
-        moves = checked_moves(action, (self._game.agents,))
+        moves = checked_moves(action, (self._core.agents,))
         reward, ended, late, info = summed(self._play(moves))
-        return self._observed(), reward, ended, late, self._game.fact() | info
+        return self._observed(), reward, ended, late, self._core.fact() | info
 
-    def _observed(self) -> Pictures:
-        seen: Pictures = {name: shown(level, self._dtype) for name, level in self._seen().items()}
-        return {**seen, MASK: self._game.masks[0]}
+    def _observed(self) -> Arrays:
+        seen: Arrays = {name: shown(level, self._dtype) for name, level in self._seen().items()}
+        return {**seen, MASK: self._core.masks[0]}

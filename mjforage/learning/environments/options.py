@@ -12,7 +12,7 @@ from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.graph_planner.encodings import encoder_label
 from mjforage.learning.environments.choices import Overrides, check_known, chosen_setup
-from mjforage.learning.environments.harbour_picture import check_camera
+from mjforage.learning.environments.harbour_figure import check_camera
 from mjforage.learning.environments.rewards import PUBLISHED, checked_weights
 from mjforage.learning.environments.spaces import DTYPES
 from mjforage.mission.setup import Setup

@@ -13,11 +13,11 @@ from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.learning.environments.checks import checked_moves, checked_options, checked_started
 from mjforage.learning.environments.options import EnvironmentArguments
 from mjforage.learning.environments.single import METADATA, SingleEnvironment
-from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, shown
-from mjforage.learning.environments.state import Picture, state_of, state_space
+from mjforage.learning.environments.spaces import MASK, Arrays, arrays_space, shown
+from mjforage.learning.environments.state import StateArray, state_of, state_space
 
 
-class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Pictures, int]):  # type: ignore[misc]
+class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Arrays, int]):  # type: ignore[misc]
     """Agents `scouts_0`, `foragers_0`, ... decide at once; `rules.order` decides conflicts.
 
     **Action** `Discrete(9)`, **observation** and masks per agent as in `mjforage/SharedPolicy-v0`,
@@ -40,21 +40,21 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Pictures, int]):  
     def __init__(self, **arguments: Unpack[EnvironmentArguments]) -> None:
         SingleEnvironment.__init__(self, arguments)
         self._entropy = np.random.default_rng()
-        self.possible_agents = list(self._game.setup.fleet.names)
+        self.possible_agents = list(self._core.setup.fleet.names)
         self.agents: list[str] = []
-        self.state_space = state_space(self._game.setup)
+        self.state_space = state_space(self._core.setup)
 
     @cached_property
     def _spaces(
         self,
-    ) -> dict[str, tuple[gymnasium.spaces.Space[Pictures], gymnasium.spaces.Discrete]]:
-        shapes = self._game.shapes
+    ) -> dict[str, tuple[gymnasium.spaces.Space[Arrays], gymnasium.spaces.Discrete]]:
+        shapes = self._core.shapes
         return {
-            agent: (picture_space(shapes, (), self._dtype), gymnasium.spaces.Discrete(9))
+            agent: (arrays_space(shapes, (), self._dtype), gymnasium.spaces.Discrete(9))
             for agent in self.possible_agents
         }
 
-    def observation_space(self, agent: str) -> gymnasium.spaces.Space[Pictures]:
+    def observation_space(self, agent: str) -> gymnasium.spaces.Space[Arrays]:
         """Space of an agent's observations, always the same object."""
         return self._spaces[agent][0]
 
@@ -64,7 +64,7 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Pictures, int]):  
 
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[dict[str, Pictures], dict[str, dict[str, Any]]]:
+    ) -> tuple[dict[str, Arrays], dict[str, dict[str, Any]]]:
         """Start the next episode; with a seed, the first one of that seed."""
         checked_options(options)
         self._start(seed, self._entropy)
@@ -74,7 +74,7 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Pictures, int]):  
     def step(
         self, actions: dict[str, int]
     ) -> tuple[
-        dict[str, Pictures],
+        dict[str, Arrays],
         dict[str, float],
         dict[str, bool],
         dict[str, bool],
@@ -101,14 +101,14 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Pictures, int]):  
         self.agents = [a for a in present if not (terminated[a] or truncated[a])]
         return observations, rewards, terminated, truncated, infos
 
-    def state(self) -> Picture:
+    def state(self) -> StateArray:
         """What the fleet knows together, and the truth: (channel, row, column), see `state_of`."""
-        checked_started(self._game.started, "state")
-        return state_of(self._game.mission)
+        checked_started(self._core.started, "state")
+        return state_of(self._core.mission)
 
     def _chosen(self, actions: dict[str, int]) -> NDArray[np.int64]:
         """(agent,) moves; agents that are over stay."""
-        checked_started(self._game.started, "step")
+        checked_started(self._core.started, "step")
         names = ", ".join(self.possible_agents)
         for agent in actions:
             if agent not in self.possible_agents:
@@ -123,14 +123,14 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Pictures, int]):  
                 chosen[i] = checked_moves(actions[agent], (), f"action of {agent}")
         return chosen
 
-    def _observed(self, agents: list[str]) -> tuple[dict[str, Pictures], dict[str, dict[str, Any]]]:
-        levels, masks, facts = self._seen(), self._game.masks[0], self._game.fact()
-        observations: dict[str, Pictures] = {}
+    def _observed(self, agents: list[str]) -> tuple[dict[str, Arrays], dict[str, dict[str, Any]]]:
+        levels, masks, facts = self._seen(), self._core.masks[0], self._core.fact()
+        observations: dict[str, Arrays] = {}
         infos: dict[str, dict[str, Any]] = {}
-        nothing = {f"reward/{name}": 0.0 for name in self._game.options.weights}
+        nothing = {f"reward/{name}": 0.0 for name in self._core.options.weights}
         for i, agent in enumerate(self.possible_agents):
             if agent in agents:
-                seen: Pictures = {n: shown(level[i], self._dtype) for n, level in levels.items()}
+                seen: Arrays = {n: shown(level[i], self._dtype) for n, level in levels.items()}
                 observations[agent] = {**seen, MASK: masks[i].copy()}
                 infos[agent] = {**nothing, **facts}
         return observations, infos

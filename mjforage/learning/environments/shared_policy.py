@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from mjforage.graph_planner.encodings.masks import legal_of_agent
 from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.learning.environments.checks import checked_moves, checked_options, checked_started
-from mjforage.learning.environments.game import CHOSEN, OTHERWISE_STAY
+from mjforage.learning.environments.core import CHOSEN, OTHERWISE_STAY
 from mjforage.learning.environments.options import EnvironmentArguments
 from mjforage.learning.environments.single import METADATA, SingleEnvironment, summed
-from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, shown
+from mjforage.learning.environments.spaces import MASK, Arrays, arrays_space, shown
 
 
-class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Pictures, np.int64]):
+class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Arrays, np.int64]):
     """One decision of one agent per step; when all have decided, the mission moves on.
 
     Agents decide in the mission's order (`rules.order`), so `action_mask` also leaves out what
@@ -35,14 +35,14 @@ class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Pictures, np.int64]):
 
     def __init__(self, **arguments: Unpack[EnvironmentArguments]) -> None:
         SingleEnvironment.__init__(self, arguments)
-        self._claimed = np.zeros(len(self._game.setup.graph), np.int64)
+        self._claimed = np.zeros(len(self._core.setup.graph), np.int64)
         self._round = 0
-        self.observation_space = picture_space(self._game.shapes, (), self._dtype)
+        self.observation_space = arrays_space(self._core.shapes, (), self._dtype)
         self.action_space = gymnasium.spaces.Discrete(9)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Pictures, dict[str, Any]]:
+    ) -> tuple[Arrays, dict[str, Any]]:
         """Start the next episode; with a seed, the first one of that seed."""
         checked_options(options)
         super().reset(seed=seed)
@@ -50,7 +50,7 @@ class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Pictures, np.int64]):
         self._begin_round()
         return self._observed(), self._info()
 
-    def step(self, action: np.int64) -> tuple[Pictures, float, bool, bool, dict[str, Any]]:
+    def step(self, action: np.int64) -> tuple[Arrays, float, bool, bool, dict[str, Any]]:
         """One agent's decision; the fleet moves, and a reward other than 0 comes, after the last.
 
         Parameters
@@ -66,7 +66,7 @@ class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Pictures, np.int64]):
         UserError
             If the action is not of its space, or there was no reset.
         """
-        checked_started(self._game.started, "step")
+        checked_started(self._core.started, "step")
         self._choose(int(checked_moves(action, ())))
         if self._waiting:
             self._turn = self._waiting.pop()
@@ -77,10 +77,10 @@ class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Pictures, np.int64]):
 
     def action_masks(self) -> NDArray[np.bool_]:
         """(9,) legal moves of the agent whose turn it is."""
-        checked_started(self._game.started, "action_masks")
-        seen, agent = self._game.mission.observation, self._turn
+        checked_started(self._core.started, "action_masks")
+        seen, agent = self._core.mission.observation, self._turn
         return legal_of_agent(
-            self._game.setup.task.arrays,
+            self._core.setup.task.arrays,
             self._claimed,
             self._round,
             agent,
@@ -90,24 +90,24 @@ class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Pictures, np.int64]):
 
     def _begin_round(self) -> None:
         self._round += 1
-        self._waiting = self._game.setup.fleet.order[::-1].tolist()
+        self._waiting = self._core.setup.fleet.order[::-1].tolist()
         self._turn = self._waiting.pop()
-        self._actions = np.full(self._game.agents, STAY, np.int64)
+        self._actions = np.full(self._core.agents, STAY, np.int64)
         self._levels = self._seen()
 
     def _choose(self, action: int) -> None:
         """Take note of a decision and of the node that it claims."""
         self._actions[self._turn] = action
-        preferences = np.zeros((1, self._game.agents, 9))
+        preferences = np.zeros((1, self._core.agents, 9))
         preferences[..., STAY] = OTHERWISE_STAY
         np.put_along_axis(preferences[0], self._actions[:, None], CHOSEN, axis=-1)
-        target = self._game.mission.decide(preferences).target[0, self._turn]
+        target = self._core.mission.decide(preferences).target[0, self._turn]
         self._claimed[target] = self._round
 
     def _info(self) -> dict[str, Any]:
-        return {"agent": self._turn, **self._game.fact()}
+        return {"agent": self._turn, **self._core.fact()}
 
-    def _observed(self) -> Pictures:
+    def _observed(self) -> Arrays:
         turn, dtype = self._turn, self._dtype
-        seen: Pictures = {name: shown(level[turn], dtype) for name, level in self._levels.items()}
+        seen: Arrays = {name: shown(level[turn], dtype) for name, level in self._levels.items()}
         return {**seen, MASK: self.action_masks().astype(np.int8)}

@@ -1,4 +1,4 @@
-"""What the environments of one episode at a time share: the game, its episodes, its picture."""
+"""What the environments of one episode at a time share: the core, its episodes, its picture."""
 
 from typing import Any, ClassVar
 
@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from mjforage.graph_planner.encodings.encoder import Levels
 from mjforage.learning.environments.checks import checked_started
 from mjforage.learning.environments.copies import Copied
-from mjforage.learning.environments.game import Episodes, Game, Outcome
+from mjforage.learning.environments.core import EnvironmentCore, Episodes, Outcome
+from mjforage.learning.environments.episode_figure import EpisodeFigure
 from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
-from mjforage.learning.environments.pictures import Picture
 from mjforage.learning.environments.screen import Screen
 from mjforage.learning.environments.window import RENDER_MODES, metadata_here
 
@@ -33,15 +33,15 @@ class SingleEnvironment(Copied):
         self.metadata = metadata_here(type(self).metadata)  # type: ignore[misc]
         options = EnvironmentOptions.of(arguments)
         self.render_mode, self._dtype = options.render_mode, options.dtype
-        self._game = Game(options)
+        self._core = EnvironmentCore(options)
         self._episodes = Episodes()
-        self._picture = Picture(camera=options.camera) if options.render_mode else None
+        self._figure = EpisodeFigure(camera=options.camera) if options.render_mode else None
         self._screen = Screen(options.render_mode, self._drawn)
 
     @property
-    def game(self) -> Game:
+    def core(self) -> EnvironmentCore:
         """The mission and all about it."""
-        return self._game
+        return self._core
 
     def render(self) -> Any:
         """The map from above or what the camera sees, (height, width, 3) uint8, or None."""
@@ -50,33 +50,33 @@ class SingleEnvironment(Copied):
     def close(self) -> None:
         """Close the window of `human`, and give OpenGL back."""
         self._screen.close()
-        if self._picture is not None:
-            self._picture.close()
+        if self._figure is not None:
+            self._figure.close()
 
     def _start(self, seed: int | None, entropy: np.random.Generator) -> None:
         """Begin the next episode; with a seed, the first one of that seed."""
-        self._game.start(ONLY, self._episodes.following(seed, entropy))
+        self._core.start(ONLY, self._episodes.following(seed, entropy))
         self._note()
 
     def _play(self, actions: NDArray[np.int64]) -> Outcome:
         """One decision (agent,) of the fleet."""
-        outcome = self._game.step(actions[None])
+        outcome = self._core.step(actions[None])
         self._note()
         return outcome
 
     def _seen(self) -> dict[str, Levels]:
         """Levels (agent, ...) of the observation; live."""
-        return {name: level[0] for name, level in self._game.see(ONLY).items()}
+        return {name: level[0] for name, level in self._core.see(ONLY).items()}
 
     def _note(self) -> None:
-        if self._picture is not None:
-            self._picture.see(self._game.mission)
+        if self._figure is not None:
+            self._figure.see(self._core.mission)
         self._screen.refresh()
 
     def _drawn(self) -> NDArray[np.uint8]:
-        assert self._picture is not None, "drawn only in a render mode"
-        checked_started(self._game.started, "render")
-        return self._picture.draw(self._game, self._episodes)
+        assert self._figure is not None, "drawn only in a render mode"
+        checked_started(self._core.started, "render")
+        return self._figure.draw(self._core, self._episodes)
 
 
 def summed(outcome: Outcome) -> tuple[float, bool, bool, dict[str, Any]]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import kernel
 from mjforage.graph_planner.encodings.encoder import TOP, Shapes
 
-Pictures: TypeAlias = dict[str, NDArray[Any]]
+Arrays: TypeAlias = dict[str, NDArray[Any]]
 
 MASK = "action_mask"
 DTYPES = ("float32", "uint8")
@@ -17,9 +17,9 @@ DTYPES = ("float32", "uint8")
 _SCALE = np.float32(1.0 / TOP)
 
 
-def picture_space(
+def arrays_space(
     shapes: Shapes, lead: tuple[int, ...] = (), dtype: str = DTYPES[0]
-) -> spaces.Space[Pictures]:
+) -> spaces.Space[Arrays]:
     """Space of one agent's arrays, or of several in leading axes, with their action masks.
 
     Values are float32 in [0, 1], or levels uint8 of 0 to 255; masks are int8, 1 where a move is
@@ -30,7 +30,7 @@ def picture_space(
         name: spaces.Box(0, high, (*lead, *shape), kind) for name, shape in shapes.items()
     }
     space = spaces.Dict({**boxes, MASK: spaces.Box(0, 1, (*lead, 9), np.int8)})
-    return cast("spaces.Space[Pictures]", space)
+    return cast("spaces.Space[Arrays]", space)
 
 
 @kernel

@@ -17,7 +17,7 @@ CHANNELS = (
     *("drift south", "drift east", "energy left", "room left"),
 )  # and one for every agent
 
-Picture = NDArray[np.float32]
+StateArray = NDArray[np.float32]
 
 
 def state_space(setup: Setup) -> gymnasium.spaces.Box:
@@ -26,7 +26,7 @@ def state_space(setup: Setup) -> gymnasium.spaces.Box:
     return gymnasium.spaces.Box(0.0, 1.0, shape, np.float32)
 
 
-def state_of(mission: Mission, episode: int = 0) -> Picture:
+def state_of(mission: Mission, episode: int = 0) -> StateArray:
     """(channel, row, column) float32 in [0, 1] of one episode, in new memory; land is 0.
 
     | channel | meaning | unit | value |

@@ -19,17 +19,23 @@ from mjforage.learning.environments.checks import (
     checked_started,
 )
 from mjforage.learning.environments.copies import Copied
-from mjforage.learning.environments.game import Episodes, Game, Outcome
+from mjforage.learning.environments.core import EnvironmentCore, Episodes, Outcome
+from mjforage.learning.environments.episode_figure import EpisodeFigure
 from mjforage.learning.environments.options import EnvironmentArguments, EnvironmentOptions
-from mjforage.learning.environments.pictures import Picture
 from mjforage.learning.environments.screen import check_mode
 from mjforage.learning.environments.single import METADATA
-from mjforage.learning.environments.spaces import MASK, Pictures, picture_space, shown, values
+from mjforage.learning.environments.spaces import (
+    MASK,
+    Arrays,
+    arrays_space,
+    shown,
+    values,
+)
 
 MODES = ["rgb_array"]
 
 
-class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[Any]]):
+class ForagingVectorEnv(Copied, VectorEnv[Arrays, NDArray[np.int64], NDArray[Any]]):
     """A batch of `ForagingEnv`: number i is to the bit the environment seeded with `seed + i`.
 
     In the graph world one batched mission plays all sub-environments; elsewhere each has its own.
@@ -64,17 +70,17 @@ class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[A
         self.metadata = {**type(self).metadata, "autoreset_mode": self.autoreset_mode}  # type: ignore[misc]
         batched = options.world == "graph"
         sizes = [num_envs] if batched else [1] * num_envs
-        self._games = [Game(options, size) for size in sizes]
+        self._cores = [EnvironmentCore(options, size) for size in sizes]
         self._where = [(0, i) if batched else (i, 0) for i in range(num_envs)]
         self._episodes = [Episodes() for _ in range(num_envs)]
         self._ended, self._everybody = np.zeros(num_envs, np.bool_), np.ones(num_envs, np.bool_)
-        self._rows = [np.arange(game.num_envs) for game in self._games]
+        self._rows = [np.arange(core.num_envs) for core in self._cores]
         shown = self._where if self.render_mode else []
-        self._pictures = [Picture(env, options.camera) for _, env in shown]
-        agents, shapes = self._games[0].agents, self._games[0].shapes
+        self._figures = [EpisodeFigure(env, options.camera) for _, env in shown]
+        agents, shapes = self._cores[0].agents, self._cores[0].shapes
         self._dtype, self._copy = options.dtype, copy
         self._values: dict[str, NDArray[np.float32]] = {}  # of the last observation, to be reused
-        self.single_observation_space = picture_space(shapes, (agents,), options.dtype)
+        self.single_observation_space = arrays_space(shapes, (agents,), options.dtype)
         self.single_action_space = spaces.MultiDiscrete([9] * agents)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -84,7 +90,7 @@ class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[A
         *,
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
-    ) -> tuple[Pictures, dict[str, Any]]:
+    ) -> tuple[Arrays, dict[str, Any]]:
         """Start the next episode of all sub-environments, or of some.
 
         Parameters
@@ -125,12 +131,12 @@ class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[A
             words = f"give {self.num_envs} booleans, at least one of them True"
             raise UserError(f"reset_mask = {reprlib.repr(mask)}: {words}")
         if not chosen.all():
-            checked_started(self._games[0].started, "reset of some sub-environments")
+            checked_started(self._cores[0].started, "reset of some sub-environments")
         return np.flatnonzero(chosen)
 
     def step(
         self, actions: NDArray[np.int64]
-    ) -> tuple[Pictures, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+    ) -> tuple[Arrays, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """One decision of every fleet.
 
         Parameters
@@ -147,7 +153,7 @@ class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[A
         UserError
             If an action is not of its space, or there was no reset.
         """
-        moves = checked_moves(actions, (self.num_envs, self._games[0].agents), "actions")
+        moves = checked_moves(actions, (self.num_envs, self._cores[0].agents), "actions")
         again = self._ended.copy() if self.autoreset_mode is AutoresetMode.NEXT_STEP else None
         parts = self._play(moves)
         rewards = _joined([np.add.reduce(part.rewards, axis=1) for part in parts])
@@ -163,8 +169,8 @@ class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[A
             self._start(np.flatnonzero(again), [None] * self.num_envs)
         else:
             again = None
-        for picture, (game, _) in zip(self._pictures, self._where, strict=False):
-            picture.see(self._games[game].mission)
+        for picture, (core, _) in zip(self._figures, self._where, strict=False):
+            picture.see(self._cores[core].mission)
         info: dict[str, Any] = {}
         if self.autoreset_mode is AutoresetMode.SAME_STEP and over.any():
             info = {"final_obs": self._last_seen(over), "_final_obs": over.copy()}
@@ -182,42 +188,42 @@ class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[A
         """A picture (height, width, 3) uint8 of each, or None without a render mode."""
         if not self.render_mode:
             return None
-        checked_started(self._games[0].started, "render")
-        each = zip(self._pictures, self._where, self._episodes, strict=True)
+        checked_started(self._cores[0].started, "render")
+        each = zip(self._figures, self._where, self._episodes, strict=True)
         return tuple(
-            picture.draw(self._games[game], episodes) for picture, (game, _), episodes in each
+            picture.draw(self._cores[core], episodes) for picture, (core, _), episodes in each
         )
 
     def close_extras(self, **_: Any) -> None:
         """Give OpenGL back."""
-        for picture in self._pictures:
+        for picture in self._figures:
             picture.close()
 
     def _play(self, actions: NDArray[np.int64]) -> list[Outcome]:
-        if len(self._games) == 1:
-            return [self._games[0].step(actions)]
-        return [game.step(actions[i : i + 1]) for i, game in enumerate(self._games)]
+        if len(self._cores) == 1:
+            return [self._cores[0].step(actions)]
+        return [core.step(actions[i : i + 1]) for i, core in enumerate(self._cores)]
 
     def _start(self, envs: NDArray[np.intp], seeds: list[int | None]) -> None:
         keys = [self._episodes[i].following(seeds[i], self.np_random) for i in envs]
-        if len(self._games) == 1 and envs.size:
-            self._games[0].start(envs.astype(np.int64), np.concatenate(keys))
+        if len(self._cores) == 1 and envs.size:
+            self._cores[0].start(envs.astype(np.int64), np.concatenate(keys))
         elif envs.size:
             for i, key in zip(envs, keys, strict=True):
-                self._games[i].start(np.zeros(1, np.int64), key)
+                self._cores[i].start(np.zeros(1, np.int64), key)
         self._ended[envs] = False
         for i in envs:
-            if self._pictures:
-                self._pictures[i].see(self._games[self._where[i][0]].mission)
+            if self._figures:
+                self._figures[i].see(self._cores[self._where[i][0]].mission)
 
-    def _observed(self) -> Pictures:
+    def _observed(self) -> Arrays:
         """Of all sub-environments; in new memory if the user wants it."""
         seen = {name: self._shown(name, levels) for name, levels in self._levels().items()}
-        return {**seen, MASK: _joined([game.masks for game in self._games])}
+        return {**seen, MASK: _joined([core.masks for core in self._cores])}
 
     def _last_seen(self, over: NDArray[np.bool_]) -> NDArray[np.object_]:
         """(env,) observations of those that are over, each for itself; None of others."""
-        levels, masks = self._levels(), _joined([game.masks for game in self._games])
+        levels, masks = self._levels(), _joined([core.masks for core in self._cores])
         last = np.full(self.num_envs, None, np.object_)
         for i in np.flatnonzero(over):
             seen = {name: shown(level[i], self._dtype) for name, level in levels.items()}
@@ -226,7 +232,7 @@ class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[A
 
     def _levels(self) -> dict[str, NDArray[np.uint8]]:
         """Levels (env, agent, ...) that all see."""
-        parts = [game.see(rows) for game, rows in zip(self._games, self._rows, strict=True)]
+        parts = [core.see(rows) for core, rows in zip(self._cores, self._rows, strict=True)]
         return {name: _joined([part[name] for part in parts]) for name in parts[0]}
 
     def _shown(self, name: str, levels: NDArray[np.uint8]) -> NDArray[Any]:
@@ -239,7 +245,7 @@ class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[A
         return values(levels, self._values[name])
 
     def _facts(self) -> dict[str, Any]:
-        facts = [game.facts() for game in self._games]
+        facts = [core.facts() for core in self._cores]
         if len(facts) == 1:
             return facts[0]
         return {name: _joined([fact[name] for fact in facts]) for name in facts[0]}
@@ -261,7 +267,7 @@ class ForagingVectorEnv(Copied, VectorEnv[Pictures, NDArray[np.int64], NDArray[A
 
 
 def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
-    """What each game has, one after the other; that of a single game as it is."""
+    """What each core has, one after the other; that of a single core as it is."""
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 

@@ -15,9 +15,9 @@ from mjforage.controllers import Pilot
 from mjforage.learning.environments.checks import checked_options, checked_started, checked_thrusts
 from mjforage.learning.environments.choices import check_known
 from mjforage.learning.environments.copies import Copied
-from mjforage.learning.environments.course import TICK_S, Course
 from mjforage.learning.environments.rewards import checked_names
 from mjforage.learning.environments.screen import Screen
+from mjforage.learning.environments.waypoint_track import TICK_S, WaypointTrack
 from mjforage.learning.environments.window import RENDER_MODES, metadata_here
 from mjforage.physics.foretold import foretold_of_hull
 from mjforage.physics.vessel_helm import helm_of
@@ -105,18 +105,18 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
         self.metadata = metadata_here(type(self).metadata)  # type: ignore[misc]
         self.render_mode, self._screen = render_mode, Screen(render_mode, self._drawn)
         self._weights = checked_names(REWARD if reward is None else reward, REWARD)
-        self._course = Course(load_vessel(str(vessel)), weather, WAYPOINTS)
-        for line in foretold_of_hull(self._course.vessel, wind_mps, TICK_S, STEP_REMEDY):
-            warn_once(f"vessel {self._course.vessel.name}: {line}")
-        self._low, self._high = self._course.vessel.thruster.command_range
+        self._track = WaypointTrack(load_vessel(str(vessel)), weather, WAYPOINTS)
+        for line in foretold_of_hull(self._track.vessel, wind_mps, TICK_S, STEP_REMEDY):
+            warn_once(f"vessel {self._track.vessel.name}: {line}")
+        self._low, self._high = self._track.vessel.thruster.command_range
         self._way: list[tuple[float, float]] = []  # empty until the first reset
         self.observation_space = gymnasium.spaces.Box(-1.0, 1.0, (SCALES.size,), np.float32)
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32)
 
     @property
-    def course(self) -> Course:
+    def track(self) -> WaypointTrack:
         """The hull and its waypoints."""
-        return self._course
+        return self._track
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -124,7 +124,7 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
         """Draw new waypoints and weather."""
         checked_options(options)
         super().reset(seed=seed)
-        self._course.start(self.np_random)
+        self._track.start(self.np_random)
         self._steps = 0
         self._way = []
         self._note()
@@ -151,8 +151,8 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
         port, starboard = (self._command(float(share)) for share in thrusts)
         gained, reached = 0.0, 0
         for _ in range(TICKS):
-            if not self._course.over:
-                gain, there = self._course.tick(port, starboard)
+            if not self._track.over:
+                gain, there = self._track.tick(port, starboard)
                 gained, reached = gained + gain, reached + there
         effort = float(np.mean(np.square(thrusts)))
         return self._end_step({"progress": gained, "reached": reached, "effort": effort})
@@ -167,12 +167,12 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
         checked_started(bool(self._way), "step")
         gained, reached, effort = 0.0, 0, 0.0
         for _ in range(TICKS):
-            if self._course.over:
+            if self._track.over:
                 break
-            course = self._course
-            pose, velocity = course.pose[None, None], course.velocity[None, None]
+            track = self._track
+            pose, velocity = track.pose[None, None], track.velocity[None, None]
             port, starboard = pilot.command(np.ones(1, np.bool_), pose, velocity)[0, 0]
-            gain, there = course.tick(port, starboard)
+            gain, there = track.tick(port, starboard)
             gained, reached = gained + gain, reached + there
             if there:
                 self._order(pilot)
@@ -183,13 +183,13 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
     def builtin_pilot(self) -> Pilot:
         """The built-in controller of the hull, with its orders for the present waypoint."""
         checked_started(bool(self._way), "builtin_pilot")
-        pilot = Pilot([helm_of(self._course.vessel)], None, 1, TICK_S)
+        pilot = Pilot([helm_of(self._track.vessel)], None, 1, TICK_S)
         self._order(pilot)
         return pilot
 
     def _order(self, pilot: Pilot) -> None:
-        course, nobody = self._course, np.zeros((1, 1), np.bool_)
-        origin, target = course.pose[None, None, :2], course.target[None, None]
+        track, nobody = self._track, np.zeros((1, 1), np.bool_)
+        origin, target = track.pose[None, None, :2], track.target[None, None]
         pilot.order(np.ones(1, np.bool_), origin, target, nobody)
 
     def _end_step(
@@ -200,12 +200,12 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
         terms = {name: w * ({"time": 1.0} | amounts)[name] for name, w in self._weights.items()}
         info: dict[str, Any] = {f"reward/{name}": value for name, value in terms.items()}
         info |= self._facts()
-        over = self._course.over
+        over = self._track.over
         late = self._steps >= HORIZON and not over
         return self._observed(), float(sum(terms.values())), over, late, info
 
     def _facts(self) -> dict[str, Any]:
-        return {"reached": self._course.reached, "distance_m": self._course.distance_m}
+        return {"reached": self._track.reached, "distance_m": self._track.distance_m}
 
     def _command(self, share: float) -> float:
         """Command [rad/s or N] of an action's entry."""
@@ -216,17 +216,17 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
         return command / (self._high if command > 0.0 else -self._low)
 
     def _observed(self) -> Numbers:
-        course = self._course
-        state = course.simulation.thruster_state[0, 0] / self._high
+        track = self._track
+        state = track.simulation.thruster_state[0, 0] / self._high
         values = np.concatenate(
             (
-                *(self._ahead(course.target - course.pose[:2]),) * 2,
-                self._ahead(course.following - course.pose[:2]),
-                self._ahead(course.velocity[:2]),
-                [course.velocity[2]],
+                *(self._ahead(track.target - track.pose[:2]),) * 2,
+                self._ahead(track.following - track.pose[:2]),
+                self._ahead(track.velocity[:2]),
+                [track.velocity[2]],
                 state,
-                self._ahead(course.wind),
-                self._ahead(course.current),
+                self._ahead(track.wind),
+                self._ahead(track.current),
                 [1.0 - self._steps / HORIZON],
             )
         )
@@ -234,18 +234,18 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
 
     def _ahead(self, vector: NDArray[np.float64]) -> NDArray[np.float64]:
         """A vector of the world as (forward, to port)."""
-        c, s = math.cos(self._course.pose[2]), math.sin(self._course.pose[2])
+        c, s = math.cos(self._track.pose[2]), math.sin(self._track.pose[2])
         return np.array([c * vector[0] + s * vector[1], c * vector[1] - s * vector[0]])
 
     def _note(self) -> None:
-        self._way.append((float(self._course.pose[0]), float(self._course.pose[1])))
+        self._way.append((float(self._track.pose[0]), float(self._track.pose[1])))
         self._screen.refresh()
 
     def _drawn(self) -> NDArray[np.uint8]:
-        from mjforage.learning.environments.course_picture import draw_course
+        from mjforage.learning.environments.waypoint_figure import draw_track
 
         checked_started(bool(self._way), "render")
-        return draw_course(self._course, self._way)
+        return draw_track(self._track, self._way)
 
     def render(self) -> Any:
         """Track, hull and waypoints from above, north up, (480, 480, 3) uint8; or None."""

@@ -22,12 +22,12 @@ from mjforage.graph_planner.policies.registry import check_policies
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.environments.rewards import labelled
 from mjforage.learning.training.evaluation import HELD_OUT, Evaluation
-from mjforage.learning.training.families import ground_on
 from mjforage.learning.training.files import save_tensors
-from mjforage.learning.training.grounds import Ground, common_shapes
 from mjforage.learning.training.hyperparameters import CommonHyperparameters
 from mjforage.learning.training.progress import Clock, Progress, Row
 from mjforage.learning.training.rounds import Round
+from mjforage.learning.training.task_families import training_task_of
+from mjforage.learning.training.tasks import TrainingTask, common_shapes
 from mjforage.mission.task import Task
 from mjforage.scenario.scenario import Scenario
 
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 TRAINED = 1 << 41  # added to training seeds: `evaluate` with the same seed plays other episodes
 
-Told = TypeVar("Told", bound=CommonHyperparameters)
+Settings = TypeVar("Settings", bound=CommonHyperparameters)
 
 
 class LearnersPolicy(QPolicy):
@@ -53,7 +53,7 @@ class LearnersPolicy(QPolicy):
         return self._trained
 
 
-class Algorithm(Generic[Told]):
+class Algorithm(Generic[Settings]):
     """Base of one training run of an algorithm.
 
     Attributes
@@ -63,7 +63,7 @@ class Algorithm(Generic[Told]):
     learned : what each of its updates tells, by name; rows have the means
     hyperparameters, seed, device : as given
     setup : of the first scenario
-    grounds : the scenarios; rounds take them in turn
+    tasks : the scenarios; rounds take them in turn
     evaluation : on what the networks are judged; the first scenario, until `evaluate_on`
     shapes : of one agent's pictures
     agents : team of `TEAMS` -> its agents
@@ -81,7 +81,7 @@ class Algorithm(Generic[Told]):
     def __init__(
         self,
         scenarios: Sequence[Scenario],
-        hyperparameters: Told,
+        hyperparameters: Settings,
         seed: int = 0,
         device: str = "cpu",
     ) -> None:
@@ -104,24 +104,27 @@ class Algorithm(Generic[Told]):
             reward=labelled(hyperparameters.reward),
         )
         self.seed, self.device = seed, device
-        home = self._ground(scenarios[0])
+        home = self._training_task(scenarios[0])
         self.setup = home.setup
         self.evaluation = self._evaluation([home.scenario])
-        self.grounds = [home, *(ground_on(each, self._ground) for each in scenarios[1:])]
-        self.shapes = common_shapes([each for ground in self.grounds for each in ground.examples])
+        self.tasks = [
+            home,
+            *(training_task_of(each, self._training_task) for each in scenarios[1:]),
+        ]
+        self.shapes = common_shapes([each for task in self.tasks for each in task.examples])
         fleet = self.setup.fleet
         self.agents = dict(zip(TEAMS, (fleet.discoverers, fleet.collectors), strict=True))
         self.random = np.random.Generator(np.random.PCG64(seed))
         self.progress, self.clock = Progress(), Clock()
         self._booked = time.perf_counter()
 
-    def _ground(self, scenario: Scenario) -> Ground:
-        told = self.hyperparameters
-        return Ground(self._options(scenario), told.num_envs, told.vary)
+    def _training_task(self, scenario: Scenario) -> TrainingTask:
+        settings = self.hyperparameters
+        return TrainingTask(self._options(scenario), settings.num_envs, settings.vary)
 
     def _options(self, scenario: Scenario) -> EnvironmentOptions:
-        told = self.hyperparameters
-        return EnvironmentOptions(scenario, told.world, told.observation, told.reward)
+        settings = self.hyperparameters
+        return EnvironmentOptions(scenario, settings.world, settings.observation, settings.reward)
 
     def _evaluation(self, scenarios: Sequence[Scenario]) -> Evaluation:
         return Evaluation(scenarios, self._options, self.hyperparameters.evaluate_episodes)
@@ -139,7 +142,7 @@ class Algorithm(Generic[Told]):
             If one is not valid, its fleet or arrays differ, or there are fewer episodes than maps.
         """
         evaluation = self._evaluation(scenarios)
-        evaluation.check(self.grounds[0].examples[0])
+        evaluation.check(self.tasks[0].examples[0])
         self.evaluation = evaluation
 
     @property
@@ -190,8 +193,8 @@ class Algorithm(Generic[Told]):
         progress, num_envs = self.progress, self.hyperparameters.num_envs
         numbers = np.arange(progress.episodes, progress.episodes + num_envs)
         keys = episode_keys(TRAINED + self.seed, numbers)
-        turn, number = divmod(progress.rounds, len(self.grounds))
-        self.round = self.grounds[number].round(keys, turn)
+        turn, number = divmod(progress.rounds, len(self.tasks))
+        self.round = self.tasks[number].round(keys, turn)
         self.round.start(keys)
 
     def teach(self, teacher: str, updates: int) -> NDArray[np.bool_] | None:
@@ -290,7 +293,7 @@ def save_weights(trainer: Algorithm[Any], path: Path) -> None:
         for team, network in trainer.networks.items()
         for name, value in network.state_dict().items()
     }
-    notes = tuple(note for ground in trainer.grounds for note in ground.notes)
+    notes = tuple(note for task in trainer.tasks for note in task.notes)
     header = WeightsHeader(
         trainer.hyperparameters.observation, trainer.shapes, notes, trainer.weights_kind
     )

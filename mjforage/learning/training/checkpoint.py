@@ -22,7 +22,7 @@ from mjforage.learning.training.progress import Progress
 from mjforage.scenario.scenario_file import scenario_to_tree
 from mjforage.scenario.schema import check
 
-FORMAT = "mjforage training checkpoint 4"
+FORMAT = "mjforage training checkpoint 5"
 _NOTE = "mjforage"
 REMEDY = "remove it or give another --out"
 
@@ -39,7 +39,7 @@ class _Notes:
 
 def identity(trainer: Algorithm[Any]) -> dict[str, Any]:
     """What two runs must share for one to go on where the other stopped."""
-    first, *others = (ground.scenario for ground in trainer.grounds)
+    first, *others = (task.scenario for task in trainer.tasks)
     made, judged = type(trainer), trainer.evaluation.scenarios
     return {
         "algorithm": f"{made.__module__}:{made.__qualname__}",

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from mjforage import metrics
 from mjforage.base.errors import UserError
 from mjforage.learning.environments.options import EnvironmentOptions
-from mjforage.learning.training.families import ends, scenarios_of
-from mjforage.learning.training.grounds import common_shapes
+from mjforage.learning.training.task_families import ends, scenarios_of
+from mjforage.learning.training.tasks import common_shapes
 from mjforage.mission.mission_metrics import METRICS, Scorer
 from mjforage.mission.policy import Policy
 from mjforage.physics.worlds import create_mission

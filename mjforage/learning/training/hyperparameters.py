@@ -1,4 +1,4 @@
-"""Everything that a training run can be told. With the scenario and the seed it decides a run."""
+"""Settings of a training run. With the scenario and the seed they decide a run."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -28,7 +28,7 @@ REWARD = MappingProxyType(
 
 @dataclass(frozen=True)
 class CommonHyperparameters:
-    """What every algorithm can be told."""
+    """Settings of every algorithm."""
 
     observation: str = "egocentric"
     """Observation that networks read."""
@@ -59,7 +59,7 @@ class CommonHyperparameters:
         return plain | {"reward": dict(self.reward), "vary": dict(self.vary)}
 
 
-Told = TypeVar("Told", bound=CommonHyperparameters)
+Settings = TypeVar("Settings", bound=CommonHyperparameters)
 
 
 @dataclass(frozen=True)
@@ -104,11 +104,11 @@ class Hyperparameters(CommonHyperparameters):
     teacher: str = ""
     """Policy that shows moves; empty: reward alone."""
     teacher_updates: Annotated[int, Within(0, 1_000_000_000)] = 0
-    """Updates during which there are shown moves; the share of episodes it plays falls to 0."""
+    """Updates with demonstrated moves; the share of episodes that the teacher plays falls to 0."""
     margin: Annotated[float, Within(0, 100)] = 0.3
-    """By how much a shown move has to be better than the others (Hester et al. 2018)."""
+    """By how much a demonstrated move has to be better than the others (Hester et al. 2018)."""
     margin_weight: Annotated[float, Within(0, 100)] = 3.0
-    """Weight of the shown moves' loss."""
+    """Weight of the demonstrated moves' loss."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -128,7 +128,7 @@ def check_teacher(teacher: str, updates: int) -> None:
         )
 
 
-def changed(hyperparameters: Told, changes: Mapping[str, Any]) -> Told:
+def changed(hyperparameters: Settings, changes: Mapping[str, Any]) -> Settings:
     """Hyperparameters with some values replaced; `reward.TERM` and `vary.KEY` replace one entry.
 
     Raises

@@ -35,7 +35,7 @@ def initial_file(reference: str) -> Path:
 
 
 def begin_with(
-    modules: Mapping[str, Sequence[Module]], told: CommonHyperparameters, task: Task, kind: str
+    modules: Mapping[str, Sequence[Module]], settings: CommonHyperparameters, task: Task, kind: str
 ) -> None:
     """Give networks the weights that are named; optimisers are new.
 
@@ -50,18 +50,18 @@ def begin_with(
         If they are of another kind or observation, or not what the policies that play them would
         take: see `load_networks`.
     """
-    path = initial_file(told.initial)
+    path = initial_file(settings.initial)
     header = read_header(path)
     if header.format != kind:
         raise UserError(
-            f"--from {told.initial}: weights of the kind {header.format}, but this algorithm "
+            f"--from {settings.initial}: weights of the kind {header.format}, but this algorithm "
             f"trains {kind}; give others"
         )
     encoding = encoder_label(header.encoding)
-    if encoding != told.observation:
+    if encoding != settings.observation:
         raise UserError(
-            f"--from {told.initial}: weights of the {encoding} observation, but this training has "
-            f"{told.observation}; give --learning observation={encoding}, or other weights"
+            f"--from {settings.initial}: weights of the {encoding} observation, but this training "
+            f"has {settings.observation}; give --learning observation={encoding}, or other weights"
         )
     networks = load_networks(path, task)
     for team, own in modules.items():

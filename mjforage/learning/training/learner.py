@@ -1,8 +1,8 @@
 """The Double DQN of one team: its networks, its memory and one update of them.
 
 Double DQN: van Hasselt, Guez and Silver (2016); dueling network: Wang et al. (2016); prioritised
-replay: Schaul et al. (2016); large margin for shown moves: Hester et al. (2018). Action masks act
-before both argmaxes: that of the policy and that of the target.
+replay: Schaul et al. (2016); large margin for demonstrated moves: Hester et al. (2018). Action
+masks act before both argmaxes: that of the policy and that of the target.
 
 Steps of one size leave the weights swinging for ever, and values with them by more than two moves
 often differ. What is played in the end is therefore the average of the weights over the run, the
@@ -29,16 +29,16 @@ NETWORKS = ("online", "target", "average")
 GRADIENT_LIMIT = 10.0  # norm of a step's gradients at most; an estimate
 
 
-def lead_lacking(values: Tensor, shown: Tensor, margin: float) -> Tensor:
-    """(row,) by how much the best shown move fails to lead all that are not shown by the margin.
+def lead_lacking(values: Tensor, demonstrated: Tensor, margin: float) -> Tensor:
+    """(row,) by how much the best demonstrated move fails to lead all others by the margin.
 
     Parameters
     ----------
-    values, shown : (row, 9); rows without a shown move give 0
+    values, demonstrated : (row, 9); rows without a demonstrated move give 0
     """
-    best = values.masked_fill(~shown, -torch.inf).max(dim=1).values
-    raised = (values + margin * ~shown).max(dim=1).values
-    return torch.where(shown.any(dim=1), raised - best, 0.0)
+    best = values.masked_fill(~demonstrated, -torch.inf).max(dim=1).values
+    raised = (values + margin * ~demonstrated).max(dim=1).values
+    return torch.where(demonstrated.any(dim=1), raised - best, 0.0)
 
 
 class Learner:
@@ -88,9 +88,9 @@ class Learner:
     @property
     def rate(self) -> float:
         """Learning rate of the next update."""
-        told = self.hyperparameters
-        halvings = self.updates / told.rate_halves if told.rate_halves else 0.0
-        return float(told.learning_rate * 2.0**-halvings)
+        settings = self.hyperparameters
+        halvings = self.updates / settings.rate_halves if settings.rate_halves else 0.0
+        return float(settings.learning_rate * 2.0**-halvings)
 
     def values(self, levels: Mapping[str, NDArray[np.uint8]]) -> NDArray[np.float32]:
         """(row, 9) values of pictures (row, ...)."""
@@ -103,7 +103,7 @@ class Learner:
         -------
         loss, mean value and mean size of the errors; and the errors (row,), the new priorities
         """
-        moves, shown = self._tensor(batch.moves), self._tensor(batch.shown)
+        moves, demonstrated = self._tensor(batch.moves), self._tensor(batch.demonstrated)
         weights = self._tensor(batch.weights)
         with one_thread():
             levels = self._tensors(batch.levels)
@@ -113,7 +113,7 @@ class Learner:
             error = chosen - goal
             losses = torch.nn.functional.smooth_l1_loss(chosen, goal, reduction="none")
             losses = losses + self.hyperparameters.margin_weight * lead_lacking(
-                values, shown, self.hyperparameters.margin
+                values, demonstrated, self.hyperparameters.margin
             )
             loss = (weights * losses).mean()
             self.optimiser.zero_grad(set_to_none=True)

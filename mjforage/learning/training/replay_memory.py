@@ -28,7 +28,7 @@ class Batch(NamedTuple):
     levels: dict[str, NDArray[np.uint8]]
     legal: NDArray[np.bool_]  # (row, 9)
     moves: NDArray[np.int64]
-    shown: NDArray[np.bool_]  # (row, 9) the teacher's moves; none where it was not asked
+    demonstrated: NDArray[np.bool_]  # (row, 9) the teacher's moves; none where it was not asked
     rewards: NDArray[np.float32]  # discounted sum until the successor
     discount: NDArray[np.float32]  # of the successor's value; 0 where there is none
     following: dict[str, NDArray[np.uint8]]
@@ -119,7 +119,7 @@ class ReplayMemory:
         self.levels = {name: np.zeros((rows, *shape), np.uint8) for name, shape in shapes.items()}
         self.legal = np.zeros((rows, 9), np.bool_)
         self.moves = np.zeros(rows, np.uint8)
-        self.shown = np.zeros((rows, 9), np.bool_)
+        self.demonstrated = np.zeros((rows, 9), np.bool_)
         self.rewards = np.zeros(rows, np.float32)
         self.kind = np.zeros(rows, np.uint8)
         self.tree = np.zeros(_tree_size(rows))
@@ -149,7 +149,7 @@ class ReplayMemory:
         for name, level in levels.items():
             self.levels[name][block] = level
         self.legal[block], self.kind[block] = legal, kind
-        self.shown[block], self.rewards[block] = False, 0.0
+        self.demonstrated[block], self.rewards[block] = False, 0.0
         self.written += 1
         if self.written - self.ready > self.n_step:
             self._release()
@@ -157,7 +157,7 @@ class ReplayMemory:
     def close(
         self,
         moves: NDArray[np.int64],
-        shown: NDArray[np.bool_],
+        demonstrated: NDArray[np.bool_],
         rewards: NDArray[np.float64],
         over: NDArray[np.bool_],
     ) -> None:
@@ -166,12 +166,16 @@ class ReplayMemory:
         Parameters
         ----------
         moves : (stream,) taken
-        shown : (stream, 9) the teacher's
+        demonstrated : (stream, 9) the teacher's
         rewards : (stream,)
         over : (stream,) where the task came to its end
         """
         block = self._block(self.written - 1)
-        self.moves[block], self.shown[block], self.rewards[block] = moves, shown, rewards
+        self.moves[block], self.demonstrated[block], self.rewards[block] = (
+            moves,
+            demonstrated,
+            rewards,
+        )
         self.kind[block][over] = LAST
 
     def finish(self) -> None:
@@ -211,7 +215,7 @@ class ReplayMemory:
             levels={name: level[rows] for name, level in self.levels.items()},
             legal=self.legal[rows],
             moves=self.moves[rows].astype(np.int64),
-            shown=self.shown[rows],
+            demonstrated=self.demonstrated[rows],
             rewards=sums,
             discount=discount,
             following={name: level[successor] for name, level in self.levels.items()},
@@ -231,7 +235,7 @@ class ReplayMemory:
         """All memory, for a checkpoint; `restore` takes it back."""
         rows = min(self.written, self.blocks) * self.streams
         leaves = self.tree.size // 2
-        own = {"legal", "moves", "shown", "rewards", "kind"}
+        own = {"legal", "moves", "demonstrated", "rewards", "kind"}
         return {
             **{f"levels.{name}": level[:rows] for name, level in self.levels.items()},
             **{name: getattr(self, name)[:rows] for name in sorted(own)},

@@ -1,4 +1,4 @@
-"""The episodes of a round side by side, in one game or in several that are played as one."""
+"""The episodes of a round side by side, in one core or in several."""
 
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple, TypeVar
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.policies import create_policy
-from mjforage.learning.environments.game import Game
+from mjforage.learning.environments.core import EnvironmentCore
 from mjforage.mission.moves import check_preferences
 from mjforage.mission.policy import Policy
 
@@ -30,17 +30,17 @@ class Round:
 
     Attributes
     ----------
-    games : that play them; fleets and pictures are alike
-    envs : (game,) of the sub-environments (env,) that each plays
-    num_envs, agents : of all games; of each
+    cores : that play them; fleets and pictures are alike
+    envs : (core,) of the sub-environments (env,) that each plays
+    num_envs, agents : of all cores; of each
     earned : term of the reward -> what all agents had of it, weighted, since the round's start
     """
 
-    def __init__(self, games: Sequence[Game], envs: Sequence[NDArray[np.int64]]) -> None:
-        self.games, self.envs = games, envs
-        self.num_envs, self.agents = sum(each.size for each in envs), games[0].agents
+    def __init__(self, cores: Sequence[EnvironmentCore], envs: Sequence[NDArray[np.int64]]) -> None:
+        self.cores, self.envs = cores, envs
+        self.num_envs, self.agents = sum(each.size for each in envs), cores[0].agents
         each = (self.num_envs, self.agents)
-        self._levels = {n: np.zeros((*each, *s), np.uint8) for n, s in games[0].shapes.items()}
+        self._levels = {n: np.zeros((*each, *s), np.uint8) for n, s in cores[0].shapes.items()}
         self._teachers: list[Policy] = []
         self._nothing_yet()
 
@@ -53,26 +53,26 @@ class Round:
         """Start episodes of the given keys (env,)."""
         self._teachers = []
         self._nothing_yet()
-        for game, envs in zip(self.games, self.envs, strict=True):
-            game.start(np.arange(envs.size), keys[envs])
+        for core, envs in zip(self.cores, self.envs, strict=True):
+            core.start(np.arange(envs.size), keys[envs])
 
     @property
     def active(self) -> NDArray[np.bool_]:
         """(env,) whether an episode goes on."""
-        return self._joined(game.mission.active for game in self.games) & ~self._over
+        return self._joined(core.mission.active for core in self.cores) & ~self._over
 
     @property
     def masks(self) -> NDArray[np.int8]:
         """(env, agent, 9) 1 where a move is legal whatever the others choose."""
-        return self._joined(game.masks for game in self.games)
+        return self._joined(core.masks for core in self.cores)
 
     def see(self, envs: NDArray[np.int64]) -> dict[str, NDArray[np.uint8]]:
         """Levels (env, agent, ...) of what each agent knows; only `envs` are of this moment."""
-        if len(self.games) == 1:
-            return self.games[0].see(envs)
-        for game, own in zip(self.games, self.envs, strict=True):
+        if len(self.cores) == 1:
+            return self.cores[0].see(envs)
+        for core, own in zip(self.cores, self.envs, strict=True):
             chosen = np.flatnonzero(np.isin(own, envs))
-            for name, level in game.see(chosen).items() if chosen.size else ():
+            for name, level in core.see(chosen).items() if chosen.size else ():
                 self._levels[name][own[chosen]] = level[chosen]
         return self._levels
 
@@ -87,7 +87,7 @@ class Round:
         check_preferences(preferences, (self.num_envs, self.agents), "algorithm", "play was given")
         played = self.active
         each = [
-            game.play(preferences[envs]) for game, envs in zip(self.games, self.envs, strict=True)
+            core.play(preferences[envs]) for core, envs in zip(self.cores, self.envs, strict=True)
         ]
         for outcome, envs in zip(each, self.envs, strict=True):
             for name, amounts in outcome.terms.items():
@@ -101,26 +101,26 @@ class Round:
 
     def teach(self, name: str) -> None:
         """Have a policy ready that shows moves in the episodes that were started."""
-        self._teachers = [create_policy(name) for _ in self.games]
-        for game, teacher in zip(self.games, self._teachers, strict=True):
-            game.mission.prepare(teacher)
+        self._teachers = [create_policy(name) for _ in self.cores]
+        for core, teacher in zip(self.cores, self._teachers, strict=True):
+            core.mission.prepare(teacher)
 
     @property
     def has_teacher(self) -> bool:
         """Whether a policy has been got ready to show moves in these episodes."""
         return bool(self._teachers)
 
-    def shown(self) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    def demonstrated(self) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
         """The teacher's preferences (env, agent, 9), and the moves that it would make or likes as
         much.
         """
         theirs = self._joined(
-            game.mission.ask(teacher)
-            for game, teacher in zip(self.games, self._teachers, strict=True)
+            core.mission.ask(teacher)
+            for core, teacher in zip(self.cores, self._teachers, strict=True)
         )
         moves = self._joined(
-            game.mission.decide(theirs[envs]).direction
-            for game, envs in zip(self.games, self.envs, strict=True)
+            core.mission.decide(theirs[envs]).direction
+            for core, envs in zip(self.cores, self.envs, strict=True)
         )
         own = np.take_along_axis(theirs, moves[..., None].astype(np.int64), axis=-1)
         return theirs, theirs >= own
@@ -128,8 +128,8 @@ class Round:
     @property
     def collected(self) -> float:
         """Share of all items that have been collected."""
-        total = sum(int(game.n_items.sum()) for game in self.games)
-        found = (game.mission.ledger.entries.t_collected >= 0 for game in self.games)
+        total = sum(int(core.n_items.sum()) for core in self.cores)
+        found = (core.mission.ledger.entries.t_collected >= 0 for core in self.cores)
         return sum(int(each.sum()) for each in found) / total
 
     @property
@@ -138,7 +138,7 @@ class Round:
         return self._steps
 
     def _joined(self, parts: Iterable[NDArray[_Kind]]) -> NDArray[_Kind]:
-        """(env, ...) of what each game has for its own; that of a single game as it is."""
+        """(env, ...) of what each core has for its own; that of a single core as it is."""
         arrays = list(parts)
         if len(arrays) == 1:
             return arrays[0]

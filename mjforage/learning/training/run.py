@@ -18,12 +18,12 @@ from mjforage.graph_planner.encodings import encoder_class
 from mjforage.graph_planner.networks.weights import ground_note
 from mjforage.learning.environments.rewards import term_class
 from mjforage.learning.training.algorithm import Algorithm, save_weights
+from mjforage.learning.training.algorithm_validation import check_parts, checked_row
 from mjforage.learning.training.checkpoint import identity, restore_checkpoint, save_checkpoint
 from mjforage.learning.training.hyperparameters import CommonHyperparameters, Hyperparameters
 from mjforage.learning.training.initial_weights import initial_file
 from mjforage.learning.training.logs import Logs
 from mjforage.learning.training.progress import Row
-from mjforage.learning.training.soundness import check_parts, checked_row
 from mjforage.learning.training.trainer import Trainer
 from mjforage.mission.setup import Setup
 from mjforage.runs.identity import (
@@ -63,7 +63,7 @@ Report = Callable[[str, Row], None]
 Made = TypeVar("Made", bound=Algorithm[Any])
 
 
-class Told(TypedDict, total=False):
+class RunOptions(TypedDict, total=False):
     """How a run goes on, see `train_with`."""
 
     also: Sequence[Scenario]
@@ -77,10 +77,13 @@ class Told(TypedDict, total=False):
 
 
 def train(
-    scenario: Scenario, hyperparameters: Hyperparameters, folder: Path, **told: Unpack[Told]
+    scenario: Scenario,
+    hyperparameters: Hyperparameters,
+    folder: Path,
+    **options: Unpack[RunOptions],
 ) -> Trainer:
     """Train the Double DQN, see `train_with`."""
-    return train_with(Trainer, scenario, hyperparameters, folder, **told)
+    return train_with(Trainer, scenario, hyperparameters, folder, **options)
 
 
 def train_with(
@@ -187,7 +190,7 @@ def _checked(trainer: Algorithm[Any], row: Row) -> Row:
     if teacher and progress.rounds == 1 and not trainer.round.has_teacher:
         logging.getLogger(__name__).warning(
             f"{name}: --teacher {teacher} shows nothing, as play_round does not ask it; call "
-            "self.teach and self.round.shown, or leave the teacher out"
+            "self.teach and self.round.demonstrated, or leave the teacher out"
         )
     return row
 
@@ -233,18 +236,18 @@ def _device(name: str) -> str:
 
 def _facts(trainer: Algorithm[Any]) -> dict[str, object]:
     """Content of `training.json`."""
-    told = trainer.hyperparameters
-    teachers = [one for one in (getattr(told, "teacher", ""),) if one]
+    settings = trainer.hyperparameters
+    teachers = [one for one in (getattr(settings, "teacher", ""),) if one]
     code = decisive_code(["mjforage.learning.training.algorithm"], WHOLE)
-    found: list[Callable[..., Any]] = [type(trainer), encoder_class(told.observation)]
-    found += map(term_class, told.reward)
+    found: list[Callable[..., Any]] = [type(trainer), encoder_class(settings.observation)]
+    found += map(term_class, settings.reward)
     code = code.joined(policy_code(teachers)).joined(code_of(found))
     weights, hulls, setups = weight_hashes(teachers), {}, _setups(trainer)
-    if told.initial:
-        weights |= {told.initial: files_hash([initial_file(told.initial)])}
-    if told.world != "graph":
-        code = code.joined(run_code([], [told.world], []))
-        hulls = {"hulls": _hulls(setups, [told.world])}
+    if settings.initial:
+        weights |= {settings.initial: files_hash([initial_file(settings.initial)])}
+    if settings.world != "graph":
+        code = code.joined(run_code([], [settings.world], []))
+        hulls = {"hulls": _hulls(setups, [settings.world])}
     return {
         "command": provenance()["command"],
         "instructions": torch.backends.cpu.get_cpu_capability(),
@@ -259,7 +262,7 @@ def _facts(trainer: Algorithm[Any]) -> dict[str, object]:
 
 def _setups(trainer: Algorithm[Any]) -> list[Setup]:
     """Of what is played, and of what evaluations play beside it."""
-    played = [each for ground in trainer.grounds for each in ground.examples]
+    played = [each for task in trainer.tasks for each in task.examples]
     if trainer.evaluation.scenarios != (trainer.setup.scenario,):
         played += trainer.evaluation.examples()
     return [each.setup for each in played]

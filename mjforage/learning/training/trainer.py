@@ -108,16 +108,16 @@ class Trainer(Algorithm[Hyperparameters]):
         before, self._present = self._present, self.round.active.copy()
         self._open(np.where(self._present, PLAYED, np.where(before, FINAL, NOTHING)))
         preferences = self._preferences()
-        shown = np.zeros(preferences.shape, np.bool_)
+        demonstrated = np.zeros(preferences.shape, np.bool_)
         if taught is not None:
-            theirs, shown = clock("teacher", self.round.shown)
+            theirs, demonstrated = clock("teacher", self.round.demonstrated)
             preferences[taught] = theirs[taught]
         outcome: Played = clock("environment", lambda: self.round.play(preferences))
         for team, learner in self.learners.items():
             ids = self.agents[team]
             learner.memory.close(
                 outcome.taken[:, ids].reshape(-1).astype(np.int64),
-                shown[:, ids].reshape(-1, 9),
+                demonstrated[:, ids].reshape(-1, 9),
                 outcome.rewards[:, ids].reshape(-1),
                 np.repeat(outcome.terminated, ids.size),
             )

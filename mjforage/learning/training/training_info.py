@@ -22,7 +22,7 @@ class TrainingInfo:
     also: tuple[Mapping[str, Any], ...]
     """Scenarios that rounds take in turn with the first."""
     hyperparameters: Mapping[str, Any]
-    """All that the algorithm was told, defaults included."""
+    """All that the algorithm was settings, defaults included."""
     seed: int
     """Seed of the run."""
     device: str

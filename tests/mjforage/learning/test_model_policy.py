@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import mjforage
 from mjforage.base.errors import UserError
-from mjforage.learning.environments.spaces import Pictures
+from mjforage.learning.environments.spaces import Arrays
 from mjforage.learning.model_policy import ModelPolicy
 from mjforage.mission.episode_log import EpisodeLog
 from mjforage.mission.mission import Mission
@@ -22,7 +22,7 @@ from mjforage.scenario.scenario_file import load_scenario
 SHORT = ("horizon=12",)
 
 
-def scored(seen: Pictures) -> NDArray[np.float64]:
+def scored(seen: Arrays) -> NDArray[np.float64]:
     """Values of moves by a fixed rule of all that is seen, illegal moves included."""
     moves, own = seen["moves"].astype(np.float64), seen["own"].astype(np.float64)
     rule = np.cos(np.arange(moves.shape[-1]) * 1.7) @ np.swapaxes(moves, -1, -2)
@@ -32,7 +32,7 @@ def scored(seen: Pictures) -> NDArray[np.float64]:
 
 
 class InTurn(ModelPolicy):
-    def decide(self, seen: Pictures, agents: NDArray[np.int64]) -> NDArray[Any]:
+    def decide(self, seen: Arrays, agents: NDArray[np.int64]) -> NDArray[Any]:
         return np.asarray(scored(seen).argmax(axis=-1))
 
 
@@ -45,7 +45,7 @@ class Each(InTurn):
 
 
 class Values(InTurn):
-    def decide(self, seen: Pictures, agents: NDArray[np.int64]) -> NDArray[Any]:
+    def decide(self, seen: Arrays, agents: NDArray[np.int64]) -> NDArray[Any]:
         return scored(seen)
 
 
@@ -56,7 +56,7 @@ def single(name: str) -> Callable[[], list[int]]:
         while not over:
             seen, _, ended, late, _ = env.step(scored(seen).argmax(axis=-1))
             over = ended or late
-        return [int(node) for node in env.game.mission.state.agent_node[0]]
+        return [int(node) for node in env.core.mission.state.agent_node[0]]
 
     return play
 
@@ -66,7 +66,7 @@ def parallel() -> list[int]:
     seen, _ = env.reset(seed=7)
     while env.agents:
         seen, *_ = env.step({agent: int(scored(one).argmax()) for agent, one in seen.items()})
-    return [int(node) for node in env.game.mission.state.agent_node[0]]
+    return [int(node) for node in env.core.mission.state.agent_node[0]]
 
 
 def played(policy: ModelPolicy, episodes: list[int], world: str = "graph") -> Mission:
@@ -125,7 +125,7 @@ def test_values_are_masked() -> None:
 )
 def test_what_is_neither_moves_nor_values_is_one_line(said: NDArray[Any], words: str) -> None:
     class Bad(ModelPolicy):
-        def decide(self, seen: Pictures, agents: NDArray[np.int64]) -> NDArray[Any]:
+        def decide(self, seen: Arrays, agents: NDArray[np.int64]) -> NDArray[Any]:
             return said
 
     with pytest.raises(UserError, match=words):
@@ -155,7 +155,7 @@ def test_a_stable_baselines3_model_plays_in_both_worlds(
             super().__init__([file])
             self.model = sb3.PPO.load(file, device="cpu")
 
-        def decide(self, seen: Pictures, agents: NDArray[np.int64]) -> NDArray[Any]:
+        def decide(self, seen: Arrays, agents: NDArray[np.int64]) -> NDArray[Any]:
             chosen: NDArray[Any] = self.model.predict(seen, deterministic=True)[0]
             return chosen
 
@@ -163,9 +163,9 @@ def test_a_stable_baselines3_model_plays_in_both_worlds(
     while not over:
         seen, _, ended, late, _ = env.step(model.predict(seen, deterministic=True)[0])
         over = ended or late
-    game: Any = env.unwrapped
+    core: Any = env.unwrapped
     policy = Ppo(tmp_path / "ppo.zip")
     in_graph = played(policy, [0]).state.agent_node[0]
-    assert in_graph.tolist() == game.game.mission.state.agent_node[0].tolist()
+    assert in_graph.tolist() == core.core.mission.state.agent_node[0].tolist()
     np.testing.assert_array_equal(played(policy, [0, 1]).state.agent_node[0], in_graph)
     assert (played(policy, [0], "physics").state.agent_node >= 0).all()

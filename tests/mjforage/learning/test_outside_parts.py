@@ -120,12 +120,12 @@ def test_an_environment_takes_them_by_name_and_options(folder: Path) -> None:
     env = gymnasium.make("mjforage/Foraging-v0", **options())
     seen, _ = env.reset(seed=1)
     assert seen["clock"].shape == (4, 3) and (seen["clock"] == 1.0).all()
-    game: Any = env.unwrapped
-    game = game.game
-    rows = game.setup.graph.rows
-    before = rows[game.mission.state.agent_node].sum()
+    core: Any = env.unwrapped
+    core = core.core
+    rows = core.setup.graph.rows
+    before = rows[core.mission.state.agent_node].sum()
     seen, reward, *_, info = env.step(np.full(4, 4))
-    made = int(rows[game.mission.state.agent_node].sum() - before)
+    made = int(rows[core.mission.state.agent_node].sum() - before)
     assert made > 0 and info[f"reward/{SOUTH}"] == 6.0 * made
     assert reward == pytest.approx(6.0 * made - 4.0)
     assert env.observation_space.contains(seen) and (seen["clock"] < 1.0).all()

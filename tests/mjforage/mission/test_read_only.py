@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mjforage.base.randomness import UInt64Array, episode_keys
 from mjforage.base.views import CachedViews, read_only
 from mjforage.graph_planner.policies import create_policy
-from mjforage.learning.environments.game import Game
+from mjforage.learning.environments.core import EnvironmentCore
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.environments.rewards import RewardTerms
 from mjforage.learning.environments.rewards.term import Amounts, Step
@@ -210,7 +210,7 @@ def test_encoders_see_what_can_not_be_written_to() -> None:
         scenario="comb-port", set=("horizon=4", *RADIO), observation=f"{__name__}:ListingEncoder"
     )
     ListingEncoder.found.clear()
-    game = Game(options)
+    game = EnvironmentCore(options)
     game.start(np.zeros(1, np.int64), episode_keys(0, np.zeros(1, np.int64)))
     game.see(np.zeros(1, np.int64))
     assert ListingEncoder.found == ["looked"]

@@ -104,7 +104,7 @@ class Step(Cache):
 
 
 class Term(Protocol):
-    """A term. Its class is called with the options of a reference as keywords, once for each game.
+    """A term. Its class is called with the options of a reference as keywords, once for each core.
 
     It keeps nothing from one step to the next: episodes of a batch start and end on their own.
     """

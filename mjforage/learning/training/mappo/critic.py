@@ -2,8 +2,8 @@
 
 Its size depends neither on the map nor on the fleet: agents' numbers are embedded one by one and
 averaged over each team (Zaheer et al. 2017, *Deep Sets*), their maps are averaged, and the truth
-is added (`overview`). An agent's value reads this and its own embedding: the agent-specific global
-state that Yu et al. (2022, section 5.2) recommend. Needs torch.
+is added (`critic_features`). An agent's value reads this and its own embedding: the agent-specific
+global state that Yu et al. (2022, section 5.2) recommend. Needs torch.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,7 +15,7 @@ from torch import Tensor, nn
 
 from mjforage.graph_planner.encodings import Shapes
 from mjforage.graph_planner.networks.q_network import HEAD, LEVELS, WIDTH, eye, eye_size, key_of
-from mjforage.learning.training.mappo.overview import OVERVIEW
+from mjforage.learning.training.mappo.critic_features import CRITIC_FEATURES
 
 
 class Critic(nn.Module):
@@ -31,7 +31,7 @@ class Critic(nn.Module):
         """
         super().__init__()
         self.teams = [torch.from_numpy(ids.astype(np.int64)) for ids in teams]
-        every = shapes | OVERVIEW
+        every = shapes | CRITIC_FEATURES
         self.maps = nn.ModuleDict(
             {key_of(name): eye(shape) for name, shape in every.items() if len(shape) == 3}
         )
@@ -40,12 +40,12 @@ class Critic(nn.Module):
         numbers = sum(torch.Size(shapes[name]).numel() for name in self.flat)
         self.embedding = nn.Sequential(nn.Linear(numbers, HEAD), nn.ReLU())
         width = sum(eye_size(self.maps[key_of(name)], every[name]) for name in self.pictures)
-        width += HEAD * len(teams) + OVERVIEW["truth.facts"][0]
+        width += HEAD * len(teams) + CRITIC_FEATURES["truth.facts"][0]
         self.trunk = nn.Sequential(nn.Linear(width, WIDTH), nn.ReLU())
         self.value = nn.Sequential(nn.Linear(WIDTH + HEAD, HEAD), nn.ReLU(), nn.Linear(HEAD, 1))
 
     def forward(self, levels: Mapping[str, Tensor]) -> Tensor:
-        """(row, agent, 1) values of levels (row, agent, ...), of `OVERVIEW` (row, ...), uint8."""
+        """(row, agent, 1) values of levels (row, agent, ...) and `CRITIC_FEATURES` (row, ...)."""
         seen = {name: level.float() / LEVELS for name, level in levels.items()}
         own = self.embedding(torch.cat([seen[name].flatten(2) for name in self.flat], dim=2))
         parts = [
@@ -53,7 +53,7 @@ class Critic(nn.Module):
             for ids in self.teams
         ]
         for name in self.pictures:
-            picture = seen[name] if name in OVERVIEW else seen[name].mean(dim=1)
+            picture = seen[name] if name in CRITIC_FEATURES else seen[name].mean(dim=1)
             parts.append(self.maps[key_of(name)](picture))
         trunk = self.trunk(torch.cat([*parts, seen["truth.facts"]], dim=1))
         every = trunk[:, None].expand(-1, own.shape[1], -1)

@@ -1,4 +1,4 @@
-"""Everything that multi-agent PPO can be told.
+"""Settings of multi-agent PPO.
 
 Yu: Yu et al. (2022), *The Surprising Effectiveness of PPO in Cooperative Multi-Agent Games*,
 NeurIPS 35, section 5 and the tables of its appendix.
@@ -49,5 +49,5 @@ class MappoHyperparameters(CommonHyperparameters):
     teacher: str = ""
     """Policy that shows moves at first; empty: reward alone, as Yu has it."""
     teacher_updates: Annotated[int, Within(0, 1_000_000_000)] = 0
-    """Updates of a warm start, in which actors learn shown moves and the critic values them; the
-    share of episodes that the teacher plays falls to 0."""
+    """Updates of a warm start, in which actors learn demonstrated moves and the critic values them;
+    the share of episodes that the teacher plays falls to 0."""

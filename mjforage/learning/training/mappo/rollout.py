@@ -12,9 +12,9 @@ Levels = dict[str, NDArray[np.uint8]]
 class Decisions(NamedTuple):
     """All of a round: a row per step of an episode, agents side by side."""
 
-    levels: Levels  # (row, agent, ...), of `OVERVIEW` (row, ...)
+    levels: Levels  # (row, agent, ...), of `CRITIC_FEATURES` (row, ...)
     legal: NDArray[np.bool_]  # (row, agent, 9)
-    shown: NDArray[np.bool_]  # (row, agent, 9) moves that a teacher would make
+    demonstrated: NDArray[np.bool_]  # (row, agent, 9) moves that a teacher would make
     moves: NDArray[np.int64]  # (row, agent) that were chosen
     chances: NDArray[np.float32]  # (row, agent) logarithm of their probability
     rewards: NDArray[np.float32]  # (row, agent)
@@ -44,7 +44,7 @@ class Rollout:
         Parameters
         ----------
         levels : (env, ...) of all episodes
-        parts : legal, shown, moves, chances, rewards, values, terminated (row, ...)
+        parts : legal, demonstrated, moves, chances, rewards, values, terminated (row, ...)
         """
         step = np.full(envs.size, len(self._parts))
         self._levels.append({name: level[envs] for name, level in levels.items()})
@@ -62,7 +62,7 @@ class Rollout:
             for name in list(self._levels[0])
         }
         columns = [np.concatenate(column) for column in zip(*self._parts, strict=True)]
-        legal, shown, moves, chances, rewards, values, terminated, step, env = columns
+        legal, demonstrated, moves, chances, rewards, values, terminated, step, env = columns
         row = np.full((int(step.max()) + 2, len(last)), -1)  # of the step of an episode
         row[step, env] = np.arange(step.size)
         next_row = row[step + 1, env]
@@ -71,7 +71,7 @@ class Rollout:
         return Decisions(
             levels,
             legal,
-            shown,
+            demonstrated,
             moves,
             chances,
             rewards,

@@ -20,12 +20,12 @@ from mjforage.graph_planner.graph.navigation import STAY
 from mjforage.graph_planner.networks.inference import one_thread
 from mjforage.graph_planner.networks.q_network import MoveNetwork
 from mjforage.graph_planner.networks.weights import ACTOR
-from mjforage.learning.environments.game import CHOSEN, OTHERWISE_STAY
+from mjforage.learning.environments.core import CHOSEN, OTHERWISE_STAY
 from mjforage.learning.training.algorithm import Algorithm, teacher_label
 from mjforage.learning.training.files import count_of, restore_moments
 from mjforage.learning.training.mappo.critic import Critic
+from mjforage.learning.training.mappo.critic_features import critic_features
 from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
-from mjforage.learning.training.mappo.overview import overview
 from mjforage.learning.training.mappo.rollout import Rollout
 from mjforage.learning.training.progress import Row
 from mjforage.scenario.scenario import Scenario
@@ -112,7 +112,7 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
         envs = np.flatnonzero(present)
 
         def look() -> dict[str, NDArray[np.uint8]]:
-            return {**self.round.see(envs), **overview(self.round)}
+            return {**self.round.see(envs), **critic_features(self.round)}
 
         found: dict[str, NDArray[np.uint8]] = self.clock("environment", look)
         return found
@@ -131,9 +131,9 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
         preferences = np.zeros((self.round.num_envs, self.round.agents, 9))
         preferences[..., STAY] = OTHERWISE_STAY
         preferences[envs[:, None], np.arange(self.round.agents), moves] = CHOSEN
-        shown = np.zeros(preferences.shape, np.bool_)
+        demonstrated = np.zeros(preferences.shape, np.bool_)
         if taught is not None:
-            theirs, shown = self.clock("teacher", self.round.shown)
+            theirs, demonstrated = self.clock("teacher", self.round.demonstrated)
             preferences[taught] = theirs[taught]
         outcome = self.clock("environment", lambda: self.round.play(preferences))
         share = self.hyperparameters.shared
@@ -141,7 +141,7 @@ class MappoTrainer(Algorithm[MappoHyperparameters]):
         mean = own.mean(axis=1, keepdims=True)
         paid = ((1.0 - share) * own + share * mean)[envs].astype(np.float32)
         ends = outcome.terminated[envs]
-        rollout.add(envs, seen, legal, shown[envs], moves, chances, paid, values, ends)
+        rollout.add(envs, seen, legal, demonstrated[envs], moves, chances, paid, values, ends)
         return own
 
     def _logits(

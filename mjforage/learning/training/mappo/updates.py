@@ -85,7 +85,7 @@ class Updates:
     """
 
     def __init__(
-        self, actors: Actors, critic: Critic, names: list[str], told: MappoHyperparameters
+        self, actors: Actors, critic: Critic, names: list[str], settings: MappoHyperparameters
     ) -> None:
         """Prepare.
 
@@ -93,7 +93,7 @@ class Updates:
         ----------
         names : of the arrays that an agent sees; the others are the critic's alone
         """
-        self.actors, self.critic, self.told, self.updates = actors, critic, told, 0
+        self.actors, self.critic, self.settings, self.updates = actors, critic, settings, 0
         self.names, self.norm = names, PopArtValueNorm(shape=1)
         self.real = _Real(critic, self.norm)
         every = sorted({*names, *critic.pictures, "truth.facts"})
@@ -112,14 +112,14 @@ class Updates:
             actor,
             value,
             value_norm=self.norm,
-            clip_epsilon=told.clip,
-            clip_value=told.clip,
-            entropy_coeff=told.entropy_from,
+            clip_epsilon=settings.clip,
+            clip_value=settings.clip,
+            entropy_coeff=settings.entropy_from,
             normalize_advantage=False,  # of a whole round below, as Yu et al. do
             functional=False,
         )
         self.loss.set_keys(sample_log_prob="chance")
-        self.optimiser = torch.optim.Adam(self.parameters(), told.learning_rate, eps=1e-5)
+        self.optimiser = torch.optim.Adam(self.parameters(), settings.learning_rate, eps=1e-5)
 
     def parameters(self) -> list[nn.Parameter]:
         """All that is learned, the actors' first."""
@@ -132,25 +132,25 @@ class Updates:
 
         Parameters
         ----------
-        taught : whether actors learn the moves that a teacher has shown, instead of by PPO
+        taught : whether actors learn the moves that a teacher has demonstrated, instead of by PPO
         """
-        told = self.told
+        settings = self.settings
         with one_thread():
             data = self._data(round)
             found = []
-            for _ in range(told.epochs):
+            for _ in range(settings.epochs):
                 order = torch.from_numpy(random.permutation(len(data)))
-                for rows in torch.split(order, told.batch):
+                for rows in torch.split(order, settings.batch):
                     found.append(self._update(data[rows], taught))
         return found
 
     def _data(self, round: Decisions) -> TensorDict:
         """What the loss reads."""
-        advantage, target = advantages(round, self.told.gamma, self.told.gae)
+        advantage, target = advantages(round, self.settings.gamma, self.settings.gae)
         columns: dict[str, Any] = {
             **{name: torch.from_numpy(level) for name, level in round.levels.items()},
             "legal": torch.from_numpy(round.legal),
-            "shown": torch.from_numpy(round.shown),
+            "demonstrated": torch.from_numpy(round.demonstrated),
             "action": torch.from_numpy(round.moves),
             "chance": torch.from_numpy(round.chances),
             "state_value": torch.from_numpy(round.values)[..., None],
@@ -166,7 +166,7 @@ class Updates:
         self.optimiser.zero_grad(set_to_none=True)
         loss.backward()  # type: ignore[no-untyped-call]
         for part in (self.actors, self.critic):
-            torch.nn.utils.clip_grad_norm_(part.parameters(), self.told.gradient_limit)
+            torch.nn.utils.clip_grad_norm_(part.parameters(), self.settings.gradient_limit)
         self.optimiser.step()
         self.updates += 1
         facts = {name: float(found[name].detach()) for name in FACTS if name in found}
@@ -174,25 +174,25 @@ class Updates:
 
     def _schedule(self) -> None:
         """Learning rate and weight of the entropy, now."""
-        told = self.told
-        gone = min(1.0, self.updates / told.entropy_updates)
-        weight = told.entropy_from + gone * (told.entropy_to - told.entropy_from)
+        settings = self.settings
+        gone = min(1.0, self.updates / settings.entropy_updates)
+        weight = settings.entropy_from + gone * (settings.entropy_to - settings.entropy_from)
         self.loss.entropy_coeff.fill_(weight)
-        late = min(1.0, self.updates / told.rate_updates)
-        self.optimiser.param_groups[0]["lr"] = told.learning_rate * (1.0 - 0.9 * late)
+        late = min(1.0, self.updates / settings.rate_updates)
+        self.optimiser.param_groups[0]["lr"] = settings.learning_rate * (1.0 - 0.9 * late)
 
     def _taught(self, batch: TensorDict) -> dict[str, Tensor]:
-        """Losses of a warm start: minus the log-probability of the shown moves; the critic's."""
+        """Losses of a warm start: minus the log-probability of demonstrated moves; the critic's."""
         logits = self.actors({name: batch[name] for name in self.names})
-        loss = lacking(logits, batch["legal"], batch["shown"])
+        loss = lacking(logits, batch["legal"], batch["demonstrated"])
         return {"loss_taught": loss, "loss_critic": self.loss.loss_critic(batch)[0].mean()}
 
 
-def lacking(logits: Tensor, legal: Tensor, shown: Tensor) -> Tensor:
-    """Mean of -log(probability of any shown move), where one is shown; all are (..., 9)."""
+def lacking(logits: Tensor, legal: Tensor, demonstrated: Tensor) -> Tensor:
+    """Mean of -log(probability of any demonstrated move), where there is one; all are (..., 9)."""
     chances = logits.masked_fill(~legal, -torch.inf).log_softmax(dim=-1)
-    some = (shown & legal).any(dim=-1)
-    kept = chances.masked_fill(~(shown & legal), -torch.inf)[some]
+    some = (demonstrated & legal).any(dim=-1)
+    kept = chances.masked_fill(~(demonstrated & legal), -torch.inf)[some]
     return -kept.logsumexp(dim=-1).mean()
 
 

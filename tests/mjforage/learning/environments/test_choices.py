@@ -19,7 +19,7 @@ NAME = "mjforage/Foraging-v0"
 
 def scenario_of(**arguments: Any) -> Scenario:
     env: Any = gymnasium.make(NAME, **arguments).unwrapped
-    found: Scenario = env.game.setup.scenario
+    found: Scenario = env.core.setup.scenario
     return found
 
 
@@ -60,9 +60,9 @@ def test_a_map_may_be_an_array(kind: Any) -> None:
     env: Any = gymnasium.make(NAME, map=cells, set={"horizon": 4}, observation="paper").unwrapped
     seen, _ = env.reset(seed=1)
     assert seen["map"].shape == (4, 6, 12, 15)
-    np.testing.assert_array_equal(env.game.setup.grid.navigable, cells.astype(np.bool_))
+    np.testing.assert_array_equal(env.core.setup.grid.navigable, cells.astype(np.bool_))
     cells[:] = 0
-    assert env.game.setup.grid.navigable.any(), "a copy of its own"
+    assert env.core.setup.grid.navigable.any(), "a copy of its own"
 
 
 @pytest.mark.parametrize("world", ["graph", "physics"])
@@ -78,7 +78,7 @@ def test_a_map_may_be_a_path(tmp_path: Path) -> None:
     path = tmp_path / "pond.csv"
     np.savetxt(path, np.ones((8, 9), np.int64), "%d", ",")
     env: Any = gymnasium.make(NAME, map=path, set={"map.starts": []}).unwrapped
-    assert env.game.setup.grid.navigable.shape == (8, 9)
+    assert env.core.setup.grid.navigable.shape == (8, 9)
 
 
 @pytest.mark.parametrize(
@@ -125,15 +125,15 @@ def test_options_of_a_reset_are_named(options: Any) -> None:
 )
 def test_an_array_is_taken_as_a_file_of_it_would_be(cells: Any) -> None:
     env: Any = gymnasium.make(NAME, map=cells, set={"horizon": 2}).unwrapped
-    assert env.game.setup.grid.navigable.shape == (9, 8)
-    assert env.game.setup.grid.navigable.all()
+    assert env.core.setup.grid.navigable.shape == (9, 8)
+    assert env.core.setup.grid.navigable.all()
 
 
 def test_cells_of_an_array_without_a_number_are_land() -> None:
     cells = np.ones((9, 8))
     cells[0, 3:] = np.nan
     env: Any = gymnasium.make(NAME, map=cells, set={"horizon": 2}).unwrapped
-    assert np.argwhere(~env.game.setup.grid.navigable).tolist() == [[0, k] for k in range(3, 8)]
+    assert np.argwhere(~env.core.setup.grid.navigable).tolist() == [[0, k] for k in range(3, 8)]
 
 
 @pytest.mark.parametrize("name", [NAME, "mjforage/SharedPolicy-v0", "mjforage/Waypoint-v0"])

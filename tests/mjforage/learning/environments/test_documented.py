@@ -43,8 +43,8 @@ def test_numbers_of_its_own_are_as_documented() -> None:
     env: Any = shared("egocentric", set=options)
     observation, info = env.reset(seed=0)
     for turn in range(10):
-        game = env.unwrapped.game
-        seen, task = game.mission.observation, game.setup.task
+        core = env.unwrapped.core
+        seen, task = core.mission.observation, core.setup.task
         agent, own = info["agent"], observation["own"]
         expected = {
             0: float(agent >= 3),

@@ -255,12 +255,12 @@ def test_ends_are_told_apart() -> None:
     assert episode(full, 0, 0)[-1][2:4] == (False, True)  # the horizon, with items left
     few = ("horizon=400", "items.mean=1", "items.std=0", "items.covariance_node2=0")
     env = make(NAMES[0], set=few)
-    policy, game = create_policy("greedy"), env.unwrapped.game  # type: ignore[attr-defined]
+    policy, core = create_policy("greedy"), env.unwrapped.core  # type: ignore[attr-defined]
     env.reset(seed=0)
-    policy.reset(game.setup.task, game.mission.keys)
+    policy.reset(core.setup.task, core.mission.keys)
     over = False
     while not over:
-        action = game.mission.decide(policy.act(game.mission.observation)).direction[0]
+        action = core.mission.decide(policy.act(core.mission.observation)).direction[0]
         _, _, over, late, info = env.step(action)
         assert not late
     assert info["pta_c"] == 100.0  # nothing is left

@@ -12,7 +12,7 @@ import mjforage
 from mjforage.graph_planner.encodings import create_encoder
 from mjforage.graph_planner.encodings.masks import legal_of_agent
 from mjforage.graph_planner.policies import create_policy
-from mjforage.learning.environments.game import Game
+from mjforage.learning.environments.core import EnvironmentCore
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.mission.initial_state import InitialState
 from mjforage.mission.mission import Mission
@@ -23,13 +23,13 @@ from mjforage.mission.task import Observation
 NEAR = ("horizon=60", "link.model=disk", "link.range_m=40", "link.latency=1")
 
 
-def game(*overrides: str, num_envs: int = 3) -> Game:
-    return Game(EnvironmentOptions(set=("horizon=30", *overrides)), num_envs)
+def core(*overrides: str, num_envs: int = 3) -> EnvironmentCore:
+    return EnvironmentCore(EnvironmentOptions(set=("horizon=30", *overrides)), num_envs)
 
 
-def played(link: str, steps: int = 12) -> tuple[Game, list[dict[str, NDArray[Any]]]]:
-    """A game of random moves, and what everybody saw."""
-    one, rng = game(link), np.random.default_rng(0)
+def played(link: str, steps: int = 12) -> tuple[EnvironmentCore, list[dict[str, NDArray[Any]]]]:
+    """An episode of random moves, and what everybody saw."""
+    one, rng = core(link), np.random.default_rng(0)
     one.start(np.arange(3), np.array([3, 4, 5], np.uint64))
     seen = []
     for _ in range(steps):
@@ -60,7 +60,7 @@ def test_an_agent_sees_its_own_row_of_the_mission(kind: str) -> None:
     seen, _ = env.reset(seed=4)
     all_seen, _ = stacked.reset(seed=4)
     one_seen, info = turns.reset(seed=4)
-    mission, names = env.game.mission, env.possible_agents
+    mission, names = env.core.mission, env.possible_agents
     encoders = [create_encoder(kind, mission.task) for _ in names]
     for each in encoders:
         each.reset(1)
@@ -104,14 +104,14 @@ class Played:
                 for a, i in infos.items()
             }
         )
-        self.item_node.append(self.env.game.mission.state.item_node[0].copy())
+        self.item_node.append(self.env.core.mission.state.item_node[0].copy())
 
 
 def play(moves: list[NDArray[np.int8]] | None = None, seed: int = 5) -> Played:
     """An episode by given moves; absent: Greedy's."""
     one = Played(mjforage.parallel_env(set=NEAR))
     one.note(*one.env.reset(seed=seed))
-    mission: Mission = one.env.game.mission
+    mission: Mission = one.env.core.mission
     policy = create_policy("greedy")
     mission.prepare(policy)
     for step in range(50):
@@ -124,7 +124,7 @@ def play(moves: list[NDArray[np.int8]] | None = None, seed: int = 5) -> Played:
 
 def told_of(one: Played, holder: int) -> NDArray[np.bool_]:
     """(item,) which items any look that an agent has heard shows, or says to have been taken."""
-    mission: Mission = one.env.game.mission
+    mission: Mission = one.env.core.mission
     net: Any = mission.exchange
     heard_at, log, entries = net.net.mail.heard_at[0, holder], net.net.log, mission.ledger.entries
     told = np.zeros(one.item_node[0].size, np.bool_)
@@ -170,7 +170,7 @@ def test_what_an_agent_has_not_heard_of_changes_nothing_for_it(
 
 def test_rewards_are_of_all_looks_whatever_the_link() -> None:
     rng = np.random.default_rng(1)
-    one, other = game("link.model=ideal"), game("link.model=none")
+    one, other = core("link.model=ideal"), core("link.model=none")
     for each in (one, other):
         each.start(np.arange(3), np.array([3, 4, 5], np.uint64))
     earned = 0.0
@@ -188,11 +188,11 @@ def test_only_claims_within_the_sum_of_their_moves_are_masked(link: str) -> None
     """So no mask tells of anybody who is out of sight, and none hangs on the link."""
     env: Any = gymnasium.make("mjforage/SharedPolicy-v0", set=("horizon=40", link)).unwrapped
     seen, info = env.reset(seed=2)
-    rng, task, over, fewer = np.random.default_rng(0), env.game.setup.task, False, 0
+    rng, task, over, fewer = np.random.default_rng(0), env.core.setup.task, False, 0
     arrays, graph = task.arrays, task.graph
     claims: dict[int, int] = {}  # agent -> node
     while not over:
-        agent, at = int(info["agent"]), env.game.mission.state.agent_node[0]
+        agent, at = int(info["agent"]), env.core.mission.state.agent_node[0]
         claims = {} if agent == task.fleet.order[0] else claims
         rows, cols = graph.rows[at], graph.cols[at]
         apart = np.maximum(abs(rows - rows[agent]), abs(cols - cols[agent]))

@@ -164,7 +164,7 @@ def test_each_agent_is_paid_for_the_items_that_it_removed_itself() -> None:
     few = ("horizon=60", "items.mean=80", "team.scouts.energy=6")
     env = mjforage.parallel_env(set=few, reward={"removed": 2.0, "time": -0.5})
     env.reset(seed=4)
-    mission, policy = env.game.mission, create_policy("greedy")
+    mission, policy = env.core.mission, create_policy("greedy")
     policy.reset(mission.task, mission.keys)
     earned, names = np.zeros(4), list(env.possible_agents)
     while env.agents:

@@ -5,14 +5,14 @@ import pytest
 
 import mjforage
 from mjforage.base.errors import UserError
-from mjforage.learning.environments.state import CHANNELS, Picture
+from mjforage.learning.environments.state import CHANNELS, StateArray
 from mjforage.mission.mission import Mission
 
 LINK = ("link.model=disk", "link.range_m=32")
 STORES = ("horizon=20", "team.foragers.capacity=4", "team.scouts.energy=10")
 
 
-def by_hand(mission: Mission) -> Picture:
+def by_hand(mission: Mission) -> StateArray:
     """The table of `state_of`, node by node."""
     graph, state, known = mission.setup.graph, mission.state, mission.knowledge
     agents, step = mission.setup.fleet.names, int(mission.step[0])
@@ -47,7 +47,7 @@ def test_the_state_is_as_documented() -> None:
     while env.agents:
         state = env.state()
         assert env.state_space.contains(state)
-        np.testing.assert_allclose(state, by_hand(env.game.mission), atol=1e-6)
+        np.testing.assert_allclose(state, by_hand(env.core.mission), atol=1e-6)
         shown += [np.unique(channel).size for channel in state]
         legal = {a: np.flatnonzero(seen[a]["action_mask"]) for a in env.agents}
         seen, *_ = env.step({a: int(rng.choice(moves)) for a, moves in legal.items()})

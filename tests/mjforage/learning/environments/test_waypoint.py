@@ -7,8 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
-from mjforage.learning.environments.course import FARTHEST_M, NEAREST_M
 from mjforage.learning.environments.waypoint import REWARD, WaypointEnv
+from mjforage.learning.environments.waypoint_track import FARTHEST_M, NEAREST_M
 from mjforage.scenario.vessel_files import vessel_path
 
 
@@ -27,7 +27,7 @@ def test_the_built_in_controller_reaches_all_waypoints_and_noise_none(env: Waypo
         total += reward
     assert info["reached"] == 8
     start, length = np.zeros((1, 2)), 0.0
-    for leg in np.diff(np.concatenate((start, env.course.waypoints)), axis=0):
+    for leg in np.diff(np.concatenate((start, env.track.waypoints)), axis=0):
         assert NEAREST_M <= np.hypot(*leg) <= FARTHEST_M
         length += float(np.hypot(*leg))
     assert 0.5 * length < total < 8 * REWARD["reached"] + length  # progress is bounded by the way
@@ -39,18 +39,18 @@ def test_the_built_in_controller_reaches_all_waypoints_and_noise_none(env: Waypo
 
 def test_progress_is_the_way_made_good(env: WaypointEnv) -> None:
     env.reset(seed=4)
-    before = env.course.distance_m
+    before = env.track.distance_m
     *_, info = env.step(np.array([1.0, 1.0], np.float32))
-    assert info["reward/progress"] == pytest.approx(before - env.course.distance_m)
+    assert info["reward/progress"] == pytest.approx(before - env.track.distance_m)
     assert info["reward/effort"] == pytest.approx(REWARD["effort"])
     assert info["reward/time"] == REWARD["time"]
 
 
 def test_entries_in_the_body_frame(env: WaypointEnv) -> None:
     observation, _ = env.reset(seed=2)
-    x, y, yaw = env.course.pose
-    bearing = np.arctan2(*(env.course.target - (x, y))[::-1]) - yaw
-    distance = env.course.distance_m
+    x, y, yaw = env.track.pose
+    bearing = np.arctan2(*(env.track.target - (x, y))[::-1]) - yaw
+    distance = env.track.distance_m
     np.testing.assert_allclose(
         observation[:2] * 20.0, distance * np.array([np.cos(bearing), np.sin(bearing)]), rtol=1e-5
     )
@@ -101,7 +101,7 @@ def test_the_built_in_controller_pays_for_effort_like_actions_do(env: WaypointEn
 
     class Astern:
         def command(self, *_: object) -> NDArray[np.float64]:
-            return np.full((1, 1, 2), env.course.vessel.thruster.command_range[0])
+            return np.full((1, 1, 2), env.track.vessel.thruster.command_range[0])
 
     env.reset(seed=1)
     *_, builtin = env.step_builtin(Astern())  # type: ignore[arg-type]
@@ -122,4 +122,4 @@ def test_info_has_the_same_facts_at_a_reset_and_at_a_step(env: WaypointEnv) -> N
     _, facts = env.reset(seed=3)
     *_, info = env.step(np.zeros(2, np.float32))
     assert facts.keys() == {name for name in info if not name.startswith("reward/")}
-    assert facts == {"reached": 0, "distance_m": np.hypot(*env.course.waypoints[0])}
+    assert facts == {"reached": 0, "distance_m": np.hypot(*env.track.waypoints[0])}

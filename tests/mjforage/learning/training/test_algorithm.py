@@ -1,4 +1,4 @@
-"""What all algorithms share: which episodes are played, and what is told of them."""
+"""What all algorithms share: which episodes are played, and what their logs have."""
 
 from pathlib import Path
 from typing import Any
@@ -16,16 +16,16 @@ from tests.mjforage.learning.training.chain import SETTINGS, channel
 
 
 def made(kind: type[Algorithm[Any]], folder: Path, seed: int = 3) -> Algorithm[Any]:
-    told: Any = Hyperparameters() if kind is Trainer else MappoHyperparameters()
-    return kind([channel(folder)], changed(told, SETTINGS), seed=seed)
+    settings: Any = Hyperparameters() if kind is Trainer else MappoHyperparameters()
+    return kind([channel(folder)], changed(settings, SETTINGS), seed=seed)
 
 
 def keys(trainer: Algorithm[Any]) -> list[int]:
     """Of the episodes of the next round, which is played."""
     trainer.play_round()
     found = np.zeros(2, np.uint64)
-    for game, envs in zip(trainer.round.games, trainer.round.envs, strict=True):
-        found[envs] = game.mission.keys
+    for core, envs in zip(trainer.round.cores, trainer.round.envs, strict=True):
+        found[envs] = core.mission.keys
     return [int(key) for key in found]
 
 
@@ -52,8 +52,8 @@ def test_a_row_counts_decisions_up_to_the_end_and_what_they_cost(
     for _ in range(8):
         row = trainer.play_round()
         steps = np.zeros(2, np.int64)
-        for game, envs in zip(trainer.round.games, trainer.round.envs, strict=True):
-            steps[envs] = 2 if game.setup.fleet.energy[0] == 2.0 else 6
+        for core, envs in zip(trainer.round.cores, trainer.round.envs, strict=True):
+            steps[envs] = 2 if core.setup.fleet.energy[0] == 2.0 else 6
         decisions += steps.sum()
         lengths.add(row["length"])
         assert row["length"] == steps.mean() and trainer.progress.decisions == decisions

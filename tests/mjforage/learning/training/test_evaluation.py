@@ -33,7 +33,7 @@ def on(reference: str) -> Scenario:
     return placed(scenario(), reference)
 
 
-def told(**changes: object) -> Hyperparameters:
+def settings(**changes: object) -> Hyperparameters:
     return changed(Hyperparameters(), TINY | changes)
 
 
@@ -69,19 +69,19 @@ def test_a_familys_harbours_are_maps_of_their_own() -> None:
 @pytest.mark.every_capability
 def test_a_run_is_judged_on_them_and_goes_on_only_with_them(tmp_path: Path) -> None:
     first, judged = scenario(), [on("harbours:900-901")]
-    train(first, told(), tmp_path, evaluate=judged, seed=3, updates=10)
+    train(first, settings(), tmp_path, evaluate=judged, seed=3, updates=10)
     (written,) = json.loads((tmp_path / "training.json").read_text())["evaluate"]
     assert written["map"]["file"] == "harbours:900-901"
-    trainer = train(first, told(), tmp_path, evaluate=judged, seed=3, updates=20)
+    trainer = train(first, settings(), tmp_path, evaluate=judged, seed=3, updates=20)
     last = pl.read_parquet(tmp_path / "evaluations.parquet").row(-1, named=True)
     assert last["updates"] == trainer.progress.updates >= 20
     again = trainer.evaluate()
     assert again["pta_d"] == last["pta_d"]
-    at_home = Trainer([first], told(), seed=3)
+    at_home = Trainer([first], settings(), seed=3)
     at_home.restore(trainer.tensors())
     assert at_home.evaluate()["pta_d"] != last["pta_d"]
     with pytest.raises(UserError, match=r"evaluate is .*harbours:900-901.* there and null here"):
-        train(first, told(), tmp_path, seed=3, updates=30)
+        train(first, settings(), tmp_path, seed=3, updates=30)
 
 
 @pytest.mark.parametrize(
@@ -93,17 +93,17 @@ def test_a_run_is_judged_on_them_and_goes_on_only_with_them(tmp_path: Path) -> N
     ],
 )
 def test_what_cannot_be_evaluated_is_refused_at_once(judged: str, words: str) -> None:
-    trainer = Trainer([scenario()], told())
+    trainer = Trainer([scenario()], settings())
     with pytest.raises(UserError, match=words):
         trainer.evaluate_on([on(judged)])
     assert trainer.evaluation.scenarios == (scenario(),)
 
 
 def test_other_fleets_and_arrays_are_refused() -> None:
-    trainer = Trainer([scenario()], told())
+    trainer = Trainer([scenario()], settings())
     with pytest.raises(UserError, match=r"fleets or arrays differ"):
         trainer.evaluate_on([scenario("team.scouts.count=3")])
-    by_map = Trainer([scenario()], told(observation="paper"))
+    by_map = Trainer([scenario()], settings(observation="paper"))
     with pytest.raises(UserError, match=r"fleets or arrays differ; give .* egocentric"):
         by_map.evaluate_on([on("harbour:combs:900")])
 
@@ -123,11 +123,11 @@ def test_a_map_that_changed_is_another_run(tmp_path: Path) -> None:
     where = tmp_path / "mine.csv"
     np.savetxt(where, cells, fmt="%d", delimiter=",")
     judged = [on(str(where))]
-    train(scenario(), told(), tmp_path / "run", evaluate=judged, seed=3, updates=5)
+    train(scenario(), settings(), tmp_path / "run", evaluate=judged, seed=3, updates=5)
     cells[10:12, 10:12] = 0
     np.savetxt(where, cells, fmt="%d", delimiter=",")
     with pytest.raises(UserError, match=r'maps is "\w+" there and'):
-        train(scenario(), told(), tmp_path / "run", evaluate=judged, seed=3, updates=10)
+        train(scenario(), settings(), tmp_path / "run", evaluate=judged, seed=3, updates=10)
 
 
 def test_hulls_of_evaluations_are_part_of_a_run(tmp_path: Path) -> None:
@@ -135,7 +135,7 @@ def test_hulls_of_evaluations_are_part_of_a_run(tmp_path: Path) -> None:
     text = (models_folder() / "vessels" / "scout.toml").read_text("utf-8")
     judged = scenario(f'physics.vessels.scouts="{boat}"')
     boat.write_text(text)
-    run = told(world="hulls", evaluate_episodes=1, num_envs=1)
+    run = settings(world="hulls", evaluate_episodes=1, num_envs=1)
     train(scenario(), run, tmp_path / "run", evaluate=[judged], seed=3, updates=1)
     boat.write_text(text.replace("mass_kg = { value = 36.0", "mass_kg = { value = 40.0"))
     with pytest.raises(UserError, match=r'hulls is "\w+" there and'):

@@ -99,11 +99,11 @@ def test_what_no_training_writes_is_refused(
 
 
 def test_so_is_one_of_the_actors(tmp_path: Path) -> None:
-    told = changed(MappoHyperparameters(), {"num_envs": 2, "batch": 16, "evaluate_episodes": 2})
-    train_with(MappoTrainer, scenario(), told, tmp_path, seed=3, updates=1)
+    settings = changed(MappoHyperparameters(), {"num_envs": 2, "batch": 16, "evaluate_episodes": 2})
+    train_with(MappoTrainer, scenario(), settings, tmp_path, seed=3, updates=1)
     spoilt(tmp_path, flat)
     with pytest.raises(UserError, match=r"checkpoint .*are not of its shape"):
-        train_with(MappoTrainer, scenario(), told, tmp_path, seed=3, updates=99)
+        train_with(MappoTrainer, scenario(), settings, tmp_path, seed=3, updates=99)
 
 
 @pytest.mark.parametrize("rounds", [None, ["one"]])

@@ -16,8 +16,8 @@ from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training import run
 from mjforage.learning.training.algorithms import ALGORITHMS, find_algorithm
 from mjforage.learning.training.checkpoint import identity, restore_checkpoint
-from mjforage.learning.training.grounds import Ground
 from mjforage.learning.training.run import IDENTITY, train_with
+from mjforage.learning.training.tasks import TrainingTask
 from mjforage.learning.training.trainer import Trainer
 from mjforage.learning.training.training_info import TrainingInfo
 from mjforage.runs.resuming import differences
@@ -50,8 +50,8 @@ def facts_of(trainer: Trainer, **changed: Any) -> dict[str, Any]:
 
 def test_whatever_training_json_says_decides_or_is_free_for_a_reason(finished: Finished) -> None:
     there = json.loads((finished[0] / "training.json").read_text())
-    told = facts_of(finished[1])
-    assert told.keys() == there.keys() and not differences(there, told, IDENTITY)
+    settings = facts_of(finished[1])
+    assert settings.keys() == there.keys() and not differences(there, settings, IDENTITY)
     named = {field.name for field in fields(TrainingInfo)} | {"code"}
     assert named == {*IDENTITY, *(name.partition(".")[0] for name in FREE)}
     for path in leaves(there):
@@ -68,8 +68,8 @@ def test_every_setting_is_of_the_training(name: str, finished: Finished) -> None
     trainer: Any = copy.copy(finished[1])
     trainer.hyperparameters = hyperparameters() if name == "ddqn" else settings()
     there, names = identity(trainer), set()
-    for field, told in changes(trainer.hyperparameters):
-        trainer.hyperparameters = told
+    for field, changed in changes(trainer.hyperparameters):
+        trainer.hyperparameters = changed
         assert differences(there, identity(trainer), IDENTITY), field
         with pytest.raises(UserError, match="of another training"):
             restore_checkpoint(trainer, folder / "checkpoint.safetensors")
@@ -96,17 +96,22 @@ def test_every_argument_of_train_is_of_the_training_or_free(
         "folder": "where it is",
         "hours": "where it stops",
         "updates": "where it stops",
-        "report": "is told",
+        "report": "is settings",
         "resume": "what to do with another training",
     }
     assert asked.keys() | free.keys() == inspect.signature(train_with).parameters.keys()
-    told: dict[str, Any] = {"algorithm": Trainer, "scenario": scenario(), "seed": 3, "updates": 99}
-    told |= {"hyperparameters": hyperparameters(), "folder": folder}
+    settings: dict[str, Any] = {
+        "algorithm": Trainer,
+        "scenario": scenario(),
+        "seed": 3,
+        "updates": 99,
+    }
+    settings |= {"hyperparameters": hyperparameters(), "folder": folder}
     for name, value in asked.items():
         if name == "device":
             monkeypatch.setattr(run, "_device", lambda name: "meta")  # whose tensors hold nothing
             monkeypatch.setattr(run, "check_parts", lambda trainer: None)
-        assert_refused(folder, partial(train_with, **told | {name: value}), name)
+        assert_refused(folder, partial(train_with, **settings | {name: value}), name)
 
 
 def placed_on(file: Path) -> Scenario:
@@ -118,20 +123,20 @@ def placed_on(file: Path) -> Scenario:
 def test_cells_and_starts_of_maps_are_of_the_training(finished: Finished, tmp_path: Path) -> None:
     """Whatever their names say; those of evaluations too."""
     file, starts = tmp_path / "bay.csv", tmp_path / "bay.starts.csv"
-    told = []
+    settings = []
     for cell, start in (("1", "0,0"), ("0", "0,0"), ("1", "1,1")):
         file.write_text("\n".join([*["1,1,1,1,1,1"] * 5, f"1,1,1,1,1,{cell}"]) + "\n")
         starts.write_text(f"{start}\n0,2\n2,0\n3,3\n")
-        ground = Ground(EnvironmentOptions(placed_on(file)), 3, {})
+        task = TrainingTask(EnvironmentOptions(placed_on(file)), 3, {})
         judged = copy.copy(finished[1])
         judged.evaluate_on([placed_on(file)])
-        told += [
-            facts_of(finished[1], grounds=[ground]),
-            facts_of(finished[1], grounds=[*finished[1].grounds, ground]),
+        settings += [
+            facts_of(finished[1], tasks=[task]),
+            facts_of(finished[1], tasks=[*finished[1].tasks, task]),
             facts_of(judged),
         ]
     for place in range(3):
-        first, *others = told[place::3]
+        first, *others = settings[place::3]
         for other in others:
             assert [one.key for one in differences(first, other, IDENTITY)] == ["maps"]
 
@@ -146,10 +151,10 @@ def test_what_is_in_files_of_weights_is_of_the_training(
     other = weights[:-1] + bytes([weights[-1] ^ 1])
     every: list[dict[str, Any]] = [{"initial": file.name}, {"teacher": "w", "teacher_updates": 5}]
     for asked in every:
-        told = []
+        settings = []
         for content in (weights, other):
             file.write_bytes(content)
             settings = replace(finished[1].hyperparameters, **asked)
-            told.append(facts_of(finished[1], hyperparameters=settings))
-        found = differences(told[0], told[1], IDENTITY)
+            settings.append(facts_of(finished[1], hyperparameters=settings))
+        found = differences(settings[0], settings[1], IDENTITY)
         assert [one.key for one in found] == ["weights"], asked

@@ -38,12 +38,12 @@ def scenario(*changes: str) -> Scenario:
     return load_scenario("comb-port", ("horizon=12", *changes))
 
 
-def told(**changes: object) -> Hyperparameters:
+def settings(**changes: object) -> Hyperparameters:
     return changed(Hyperparameters(), TINY | {"initial": "ddqn"} | changes)
 
 
 def begun(**changes: object) -> Trainer:
-    trainer = Trainer([scenario()], told(**changes))
+    trainer = Trainer([scenario()], settings(**changes))
     trainer.begin()
     return trainer
 
@@ -64,7 +64,7 @@ def test_all_networks_begin_with_the_weights_and_optimisers_anew() -> None:
 
 def test_the_first_evaluation_is_that_of_the_weights(tmp_path: Path) -> None:
     """Before any update: of the policy that plays them, the best until a better one is found."""
-    train(scenario(), told(), tmp_path, updates=1)
+    train(scenario(), settings(), tmp_path, updates=1)
     first = pl.read_parquet(tmp_path / "evaluations.parquet").row(0, named=True)
     assert first["updates"] == first["rounds"] == 0
     mission = Mission(Setup.of(scenario()))
@@ -108,9 +108,9 @@ def test_weights_that_do_not_fit_are_refused(
     monkeypatch.chdir(tmp_path)
     Path("bad.safetensors").write_bytes(b"none")
     alone = scenario("team.scouts.count=0", "map.starts=[]")
-    save_weights(Trainer([alone], told(initial="")), Path("small.safetensors"))
+    save_weights(Trainer([alone], settings(initial="")), Path("small.safetensors"))
     with pytest.raises(UserError, match=words):
-        train(scenario(), told(**changes), tmp_path / "run", updates=1)
+        train(scenario(), settings(**changes), tmp_path / "run", updates=1)
     assert not (tmp_path / "run").exists()
 
 
@@ -119,7 +119,7 @@ def test_a_run_goes_on_with_the_same_weights_only(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     shutil.copy(shipped_weights("ddqn"), "mine.safetensors")
-    chosen = told(initial="mine.safetensors")
+    chosen = settings(initial="mine.safetensors")
     for folder, ends in (("whole", (16,)), ("parts", (4, 16))):
         for updates in ends:
             train(scenario(), chosen, tmp_path / folder, seed=3, updates=updates)
@@ -133,7 +133,7 @@ def test_a_run_goes_on_with_the_same_weights_only(
     digest = facts["weights"]["mine.safetensors"]
     assert len(digest) == 16 and facts["hyperparameters"]["initial"] == "mine.safetensors"
     with pytest.raises(UserError, match=r"hyperparameters.initial is .* there and .ddqn. here"):
-        train(scenario(), told(), tmp_path / "parts", seed=3, updates=20)
+        train(scenario(), settings(), tmp_path / "parts", seed=3, updates=20)
     shutil.copy(shipped_weights("ddqn-link"), "mine.safetensors")
     with pytest.raises(UserError, match=rf"weights.mine.safetensors is .{digest}. there and"):
         train(scenario(), chosen, tmp_path / "parts", seed=3, updates=20)

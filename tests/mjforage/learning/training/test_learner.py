@@ -30,20 +30,20 @@ def learner(seed: int = 0, **changes: object) -> Learner:
 def batch(
     following: list[int],
     discount: float = 0.5,
-    shown: tuple[int, ...] = (),
+    demonstrated: tuple[int, ...] = (),
     legal: tuple[int, ...] = tuple(range(9)),
 ) -> Batch:
     """Legal moves before and after move 3, which earned 1."""
     before, after = np.zeros((2, 1, 9), np.bool_)
     before[0, list(legal)] = after[0, following] = True
     teacher = np.zeros((1, 9), np.bool_)
-    teacher[0, list(shown)] = True
+    teacher[0, list(demonstrated)] = True
     return Batch(
         rows=np.zeros(1, np.int64),
         levels={"x": np.array([[255, 0]], np.uint8)},
         legal=before,
         moves=np.array([3]),
-        shown=teacher,
+        demonstrated=teacher,
         rewards=np.ones(1, np.float32),
         discount=np.array([discount], np.float32),
         following={"x": np.array([[0, 255]], np.uint8)},
@@ -104,7 +104,7 @@ def test_the_target_follows_slowly() -> None:
 def test_a_shown_move_comes_to_lead_by_the_margin() -> None:
     one = learner(margin=0.5, margin_weight=1.0)
     for _ in range(150):
-        one.learn(batch([0], discount=0.0, shown=(6,)))
+        one.learn(batch([0], discount=0.0, demonstrated=(6,)))
     values = one.values({"x": np.array([[255, 0]], np.uint8)})[0]
     others = np.delete(values, 6)
     assert values[6] - others.max() > 0.4

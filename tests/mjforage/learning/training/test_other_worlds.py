@@ -14,7 +14,7 @@ from safetensors.torch import load_file
 from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.policies import create_policy
-from mjforage.learning.environments.game import Game
+from mjforage.learning.environments.core import EnvironmentCore
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.evaluation import HELD_OUT
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
@@ -45,7 +45,7 @@ def scenario(*changes: str) -> Scenario:
     return load_scenario("comb-port-weather", (*few, *changes))
 
 
-def told(**changes: object) -> Hyperparameters:
+def settings(**changes: object) -> Hyperparameters:
     return changed(Hyperparameters(), TINY | changes)
 
 
@@ -58,7 +58,7 @@ def test_a_batch_is_its_episodes_alone() -> None:
     """To the bit, and started anew as often as one likes."""
     keys = episode_keys(3, np.arange(3))
     moves = np.random.default_rng(0).random((4, 3, 4, 9))
-    batch = Game(EnvironmentOptions(scenario(), "physics"), 3)
+    batch = EnvironmentCore(EnvironmentOptions(scenario(), "physics"), 3)
     for _ in range(2):
         batch.start(np.arange(3), keys)
         together = played(batch.mission, moves)
@@ -73,19 +73,19 @@ def test_a_batch_is_its_episodes_alone() -> None:
 
 def test_episodes_draw_hulls_and_weather() -> None:
     """Every episode of a round is to the bit that of its own scenario in the world."""
-    trainer = Trainer([scenario()], told(num_envs=6, **VARY), seed=3)
+    trainer = Trainer([scenario()], settings(num_envs=6, **VARY), seed=3)
     keys = episode_keys(3, np.arange(6))
-    together = trainer.grounds[0].round(keys, 0)
+    together = trainer.tasks[0].round(keys, 0)
     together.start(keys)
     moves = np.random.default_rng(0).random((4, 6, 4, 9))
     drawn = set()
-    for game, envs in zip(together.games, together.envs, strict=True):
-        chosen = game.setup.scenario
+    for core, envs in zip(together.cores, together.envs, strict=True):
+        chosen = core.setup.scenario
         drawn.add((chosen.physics.scale.mass, chosen.weather.wind_speed_mps))
         alone = create_mission(Setup.of(chosen), "physics")
         alone.start(keys[envs])
         np.testing.assert_array_equal(
-            played(alone, moves[:, envs]), played(game.mission, moves[:, envs])
+            played(alone, moves[:, envs]), played(core.mission, moves[:, envs])
         )
     assert len({mass for mass, _ in drawn}) == len({wind for _, wind in drawn}) == 2
 
@@ -102,7 +102,7 @@ def test_a_heavier_hull_in_stronger_wind_goes_another_way() -> None:
 
 def test_evaluations_are_in_the_world() -> None:
     many = scenario("horizon=12", "items.mean=60")
-    trainer = Trainer([many], told(initial="ddqn"), seed=3)
+    trainer = Trainer([many], settings(initial="ddqn"), seed=3)
     trainer.begin()
     row = trainer.evaluate()
     assert scores(many, "physics") == pytest.approx({name: row[name] for name in SCORES})
@@ -122,7 +122,7 @@ def scores(chosen: Scenario, world: str) -> dict[str, float]:
 
 
 def test_n_and_m_updates_are_n_stop_resume_m(tmp_path: Path) -> None:
-    chosen = told(initial="ddqn", **VARY)
+    chosen = settings(initial="ddqn", **VARY)
     for folder, ends in (("whole", (8,)), ("parts", (3, 8))):
         for updates in ends:
             done = train(scenario(), chosen, tmp_path / folder, seed=3, updates=updates)
@@ -137,7 +137,7 @@ def test_n_and_m_updates_are_n_stop_resume_m(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"hyperparameters.world is .physics. there and .hulls. he"):
         train(
             scenario(),
-            told(initial="ddqn", world="hulls", **VARY),
+            settings(initial="ddqn", world="hulls", **VARY),
             tmp_path / "parts",
             seed=3,
             updates=9,
@@ -148,7 +148,7 @@ def test_a_run_goes_on_with_the_same_hulls_only(tmp_path: Path) -> None:
     boat = tmp_path / "boat.toml"
     text = (models_folder() / "vessels" / "forager.toml").read_text(encoding="utf-8")
     boat.write_text(text, encoding="utf-8")
-    chosen = told(**{"vary.physics.vessels.foragers": ["forager", str(boat)], "num_envs": 1})
+    chosen = settings(**{"vary.physics.vessels.foragers": ["forager", str(boat)], "num_envs": 1})
     train(scenario(), chosen, tmp_path / "run", updates=1)
     assert "value = 80.0" in text
     boat.write_text(text.replace("value = 80.0", "value = 81.0"), encoding="utf-8")
@@ -171,7 +171,7 @@ def test_what_a_world_refuses_is_said_before_training(
     changes: dict[str, object], words: str, tmp_path: Path
 ) -> None:
     with pytest.raises(UserError, match=words):
-        train(scenario(), told(**changes), tmp_path / "run", updates=1)
+        train(scenario(), settings(**changes), tmp_path / "run", updates=1)
     assert not (tmp_path / "run").exists()
 
 

@@ -58,7 +58,7 @@ def test_no_evaluation_plays_what_was_trained_on() -> None:
     """`evaluate --seed 3` has other episodes than `train --seed 3`, and than its evaluations."""
     trainer = Trainer([scenario()], hyperparameters(), seed=3)
     trainer.start_round()
-    trained = set(trainer.round.games[0].mission.keys.tolist())
+    trained = set(trainer.round.cores[0].mission.keys.tolist())
     for seed in (3, HELD_OUT):
         evaluated = set(episode_keys(seed, np.arange(64)).tolist())
         assert trained and not trained & evaluated
@@ -232,8 +232,8 @@ def test_the_best_weights_are_those_of_the_lowest_rank(tmp_path: Path) -> None:
             best = tmp_path / "best.safetensors"
             kept.append(best.read_bytes() if best.is_file() else b"")
 
-    told = hyperparameters(evaluate_every=1)
-    train(scenario(), told, tmp_path, seed=3, updates=60, report=note)
+    settings = hyperparameters(evaluate_every=1)
+    train(scenario(), settings, tmp_path, seed=3, updates=60, report=note)
     kept.append((tmp_path / "best.safetensors").read_bytes())
     better = [i == 0 or rank < min(ranks[:i]) for i, rank in enumerate(ranks)]
     assert [kept[i] != kept[i + 1] for i in range(len(ranks))] == better
@@ -267,8 +267,8 @@ def test_rounds_take_scenarios_in_turn(tmp_path: Path) -> None:
     nodes = set()
     for _ in range(2):
         trainer.play_round()
-        nodes.add(len(trainer.round.games[0].setup.graph))
-    assert nodes == {len(Setup.of(one.scenario).graph) for one in trainer.grounds}
+        nodes.add(len(trainer.round.cores[0].setup.graph))
+    assert nodes == {len(Setup.of(one.scenario).graph) for one in trainer.tasks}
     assert len(nodes) == 2
     train(scenario(), hyperparameters(), tmp_path, also=[other], updates=1)
     with pytest.raises(UserError, match=r"also is .* there and .* here"):

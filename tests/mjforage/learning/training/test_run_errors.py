@@ -13,11 +13,11 @@ from mjforage.base.errors import UserError
 from mjforage.graph_planner.networks.q_network import DuelingNetwork
 from mjforage.graph_planner.networks.weights import ACTOR
 from mjforage.learning.training.algorithm import Algorithm, save_weights
+from mjforage.learning.training.algorithm_validation import check_parts
 from mjforage.learning.training.algorithms import find_algorithm
 from mjforage.learning.training.checkpoint import save_checkpoint
 from mjforage.learning.training.progress import Row
 from mjforage.learning.training.run import IDLE_ROUNDS, train, train_with
-from mjforage.learning.training.soundness import check_parts
 from mjforage.learning.training.trainer import Trainer
 from mjforage.runs.lock import folder_lock
 from tests.mjforage.learning.training.tiny_runs import hyperparameters, scenario
@@ -150,7 +150,7 @@ class Telling(Trainer):
 
 
 @pytest.mark.parametrize(
-    ("told", "words"),
+    ("settings", "words"),
     [
         (None, "play_round gave NoneType; return what self.end_round gives"),
         ([("loss", 1.0)], "play_round gave list; return what self.end_round gives"),
@@ -159,9 +159,9 @@ class Telling(Trainer):
     ],
 )
 def test_a_round_that_tells_something_else_is_named(
-    told: Any, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    settings: Any, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Telling, "row", told)
+    monkeypatch.setattr(Telling, "row", settings)
     with pytest.raises(UserError, match=f"Telling: {words}"):
         train_with(Telling, scenario(), hyperparameters(), tmp_path, updates=1)
 
@@ -179,7 +179,7 @@ def test_a_row_without_what_end_round_gives_is_named(tmp_path: Path) -> None:
 
 
 class Idle(Trainer):
-    """Its rounds are played and nothing is learned; it is stopped when it has been told so."""
+    """Its rounds are played and nothing is learned; it is stopped when it has been settings so."""
 
     def play_round(self) -> Row:
         if self.progress.rounds == IDLE_ROUNDS:

@@ -35,16 +35,16 @@ TINY: dict[str, object] = {
 
 
 def made(folder: Path, **changes: Any) -> Trainer:
-    return Trainer([channel(folder)], told(**changes), seed=0)
+    return Trainer([channel(folder)], settings(**changes), seed=0)
 
 
-def told(**changes: object) -> Hyperparameters:
+def settings(**changes: object) -> Hyperparameters:
     return changed(Hyperparameters(), SETTINGS | TINY | changes)
 
 
 def in_a_pond(folder: Path, seed: int, **changes: object) -> Trainer:
     pond_only = {"observation": WHERE, "reward": {"removed": 1.0, "team_removed": 2.0}, **changes}
-    hyperparameters = told(warmup=1000, **pond_only)
+    hyperparameters = settings(warmup=1000, **pond_only)
     return Trainer([pond(folder)], changed(hyperparameters, {"vary": {}}), seed=seed)
 
 
@@ -93,7 +93,7 @@ def test_a_replay_holds_what_was_played(tmp_path: Path, seed: int) -> None:
     """
     trainer = in_a_pond(tmp_path, seed, num_envs=4)
     trainer.play_round()
-    keys, ends = trainer.round.games[0].mission.keys, []
+    keys, ends = trainer.round.cores[0].mission.keys, []
     blocks = {
         team: {
             name: array[: learner.memory.written * 8].reshape(-1, 4, 2, *array.shape[1:])
@@ -183,8 +183,8 @@ def test_a_teacher_plays_its_environments_and_the_networks_the_others(tmp_path: 
     kind = memory.kind[: memory.written * 32].reshape(shape)
     moves = memory.moves[: memory.written * 32].reshape(shape)
     rows = np.isin(memory.kind, (PLAYED, LAST))
-    assert (memory.shown[rows].argmax(axis=1) == EAST).all()
-    assert (memory.shown[rows].sum(axis=1) == 1).all()
+    assert (memory.demonstrated[rows].argmax(axis=1) == EAST).all()
+    assert (memory.demonstrated[rows].sum(axis=1) == 1).all()
     values = trainer.learners["forager"].values(memory.levels)
     values[~memory.legal] = -np.inf
     best = values.argmax(axis=1)[: memory.written * 32].reshape(shape)

@@ -98,7 +98,7 @@ def test_the_state_shows_the_drift_of_every_node() -> None:
     """As `state_of` documents: 5 and 6 are drift south and east, (1 + d) / 2."""
     env = mjforage.parallel_env(scenario="channels", world="physics", set=("horizon=5", *GYRE))
     env.reset(seed=3)
-    graph, drift = env.game.setup.graph, env.game.mission.node_drift_rc[0]
+    graph, drift = env.core.setup.graph, env.core.mission.node_drift_rc[0]
     shown = env.state()[5:7][:, graph.rows, graph.cols]
     np.testing.assert_allclose(shown, (0.5 + 0.5 * drift).T, atol=1e-6)
     assert np.ptp(drift, axis=0).min() > 0.1, "a gyre goes both ways"

@@ -28,14 +28,14 @@ from tests.mjforage.learning.training.chain import (
 TINY: dict[str, object] = {"learning_rate": 5e-3, "rate_updates": 200, "batch": 64}
 
 
-def told(**changes: object) -> MappoHyperparameters:
+def settings(**changes: object) -> MappoHyperparameters:
     return changed(MappoHyperparameters(), SETTINGS | TINY | changes)
 
 
 @pytest.mark.every_capability
 def test_it_learns_the_moves_and_the_values_of_the_chain(tmp_path: Path) -> None:
     """At every step: with no end in sight a value is the same at the horizon as far from it."""
-    trainer = MappoTrainer([channel(tmp_path)], told(), seed=0)
+    trainer = MappoTrainer([channel(tmp_path)], settings(), seed=0)
     while trainer.progress.updates < 160:
         trainer.play_round()
     logits = trainer.actors["forager"]({"x": torch.from_numpy(PICTURES)}).detach().numpy()
@@ -67,7 +67,7 @@ def in_a_pond(
 ) -> tuple[MappoTrainer, Decisions]:
     """A round that was played, and what is learnt from it, before it is."""
     settings = {"observation": WHERE, "vary": {}, "reward": {"removed": 1.0}, "num_envs": 6}
-    trainer, found = MappoTrainer([pond(folder, 1)], told(**settings, **changes), seed=0), []
+    trainer, found = MappoTrainer([pond(folder, 1)], settings(**settings, **changes), seed=0), []
 
     def note(round: Decisions, *_: Any) -> list[dict[str, float]]:
         found.append(round)
@@ -85,7 +85,7 @@ def test_a_round_is_learnt_from_as_it_was_played(
     how it ended; each value is that of its row, and followed by that of the next in its episode.
     """
     trainer, round = in_a_pond(tmp_path, monkeypatch)
-    keys, ends = trainer.round.games[0].mission.keys, set()
+    keys, ends = trainer.round.cores[0].mission.keys, set()
     for env in range(6):
         rows = np.flatnonzero(round.env == env)
         assert round.step[rows].tolist() == list(range(rows.size))

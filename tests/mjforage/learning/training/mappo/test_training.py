@@ -17,8 +17,8 @@ from mjforage.graph_planner.networks.weights import ACTOR, read_header
 from mjforage.graph_planner.policies.ddqn import QPolicy
 from mjforage.graph_planner.policies.mappo import MappoPolicy
 from mjforage.learning.training.hyperparameters import changed
+from mjforage.learning.training.mappo.critic_features import critic_features
 from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
-from mjforage.learning.training.mappo.overview import overview
 from mjforage.learning.training.mappo.trainer import MappoTrainer
 from mjforage.learning.training.run import train, train_with
 from mjforage.mission.mission import Mission
@@ -41,12 +41,12 @@ def scenario() -> Scenario:
     return load_scenario("published", ("horizon=12",))
 
 
-def told(**changes: object) -> MappoHyperparameters:
+def settings(**changes: object) -> MappoHyperparameters:
     return changed(MappoHyperparameters(), TINY | changes)
 
 
 def run(folder: Path, updates: int, **more: Any) -> MappoTrainer:
-    return train_with(MappoTrainer, scenario(), told(), folder, seed=3, updates=updates, **more)
+    return train_with(MappoTrainer, scenario(), settings(), folder, seed=3, updates=updates, **more)
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +73,7 @@ def test_n_and_m_updates_are_n_stop_resume_m(
 def test_training_changes_every_weight_and_tells_what_it_did(
     finished: tuple[Path, MappoTrainer],
 ) -> None:
-    fresh = MappoTrainer([scenario()], told(), seed=3).tensors()
+    fresh = MappoTrainer([scenario()], settings(), seed=3).tensors()
     after = finished[1].tensors()
     same = [n for n, v in fresh.items() if n.startswith(("actors", "critic")) and v.numel() > 1]
     assert not [name for name in same if torch.equal(fresh[name], after[name])]
@@ -84,9 +84,9 @@ def test_training_changes_every_weight_and_tells_what_it_did(
 
 
 def test_the_critic_alone_is_shown_where_items_are() -> None:
-    trainer = MappoTrainer([scenario()], told(), seed=0)
+    trainer = MappoTrainer([scenario()], settings(), seed=0)
     trainer.start_round()
-    found, mission = overview(trainer.round), trainer.round.games[0].mission
+    found, mission = critic_features(trainer.round), trainer.round.cores[0].mission
     graph, counts = mission.setup.graph, np.zeros((3, 16, 16))
     height, width = graph.shape
     for env, item in np.argwhere(mission.truth.item_node >= 0):
@@ -102,12 +102,12 @@ def test_the_critic_alone_is_shown_where_items_are() -> None:
 def test_the_critic_is_told_how_far_it_has_come_and_how_items_drift() -> None:
     """In 255ths, rounded down: items left, those found and left, the time, drift south and east."""
     long = load_scenario("published", ("horizon=60",))
-    trainer = MappoTrainer([long], told(), seed=0)
+    trainer = MappoTrainer([long], settings(), seed=0)
     trainer.start_round()
     trainer.round.teach("greedy")
     for _ in range(45):
-        trainer.round.play(trainer.round.shown()[0])
-    found, mission = overview(trainer.round)["truth.facts"], trainer.round.games[0].mission
+        trainer.round.play(trainer.round.demonstrated()[0])
+    found, mission = critic_features(trainer.round)["truth.facts"], trainer.round.cores[0].mission
     for env in range(3):
         here = mission.truth.item_node[env] >= 0
         items, entries = int(mission.initial.n_items[env]), mission.ledger.entries
@@ -122,7 +122,7 @@ def test_the_critic_is_told_how_far_it_has_come_and_how_items_drift() -> None:
 def test_rewards_are_an_agents_own_or_the_fleets(monkeypatch: pytest.MonkeyPatch) -> None:
     paid = {}
     for shared in (0.0, 1.0):
-        trainer = MappoTrainer([scenario()], told(shared=shared, teacher="", teacher_updates=0))
+        trainer = MappoTrainer([scenario()], settings(shared=shared, teacher="", teacher_updates=0))
         learn = trainer.updates.learn
         monkeypatch.setattr(
             trainer.updates, "learn", lambda round, *a, s=shared: paid.update({s: round}) or []
@@ -192,11 +192,11 @@ def changed_ddqn() -> Any:
 
 def test_settings_and_devices_are_checked(refused: Callable[..., str], tmp_path: Path) -> None:
     with pytest.raises(UserError, match="gae = 2 is out of range"):
-        told(gae=2)
+        settings(gae=2)
     with pytest.raises(UserError, match="teacher = 'greedy', teacher_updates = 0: give both"):
-        told(teacher_updates=0)
+        settings(teacher_updates=0)
     with pytest.raises(UserError, match="mappo trains on the CPU; use --device cpu"):
-        MappoTrainer([scenario()], told(), device="cuda")
+        MappoTrainer([scenario()], settings(), device="cuda")
     words = ("--updates", 1, "--out", tmp_path / "run")
     assert "unknown key n_step" in refused("train", "mappo", "--learning", "n_step=3", *words)
     assert "algorithm mapo: unknown; did you mean mappo" in refused("train", "mapo", *words)

@@ -9,8 +9,8 @@ import torch
 from mjforage.graph_planner.encodings import Shapes
 from mjforage.graph_planner.networks.q_network import MoveNetwork
 from mjforage.learning.training.mappo.critic import Critic
+from mjforage.learning.training.mappo.critic_features import CRITIC_FEATURES
 from mjforage.learning.training.mappo.hyperparameters import MappoHyperparameters
-from mjforage.learning.training.mappo.overview import OVERVIEW
 from mjforage.learning.training.mappo.rollout import Decisions, Rollout
 from mjforage.learning.training.mappo.trainer import drawn
 from mjforage.learning.training.mappo.updates import Actors, Updates, advantages, lacking
@@ -28,7 +28,9 @@ def actors(seed: int = 0) -> Actors:
 def levels(rows: int, seed: int = 0) -> dict[str, np.ndarray]:
     random = np.random.default_rng(seed)
     own = {n: random.integers(0, 256, (rows, AGENTS, *s), np.uint8) for n, s in SHAPES.items()}
-    return own | {n: random.integers(0, 256, (rows, *s), np.uint8) for n, s in OVERVIEW.items()}
+    return own | {
+        n: random.integers(0, 256, (rows, *s), np.uint8) for n, s in CRITIC_FEATURES.items()
+    }
 
 
 def tensors(arrays: dict[str, np.ndarray]) -> dict[str, torch.Tensor]:
@@ -69,7 +71,7 @@ def test_the_critic_sees_all_agents_and_the_truth_whatever_the_fleet() -> None:
     seen = tensors(levels(2))
     values = critic(seen)
     assert values.shape == (2, AGENTS, 1)
-    for name in ("x", *OVERVIEW):
+    for name in ("x", *CRITIC_FEATURES):
         changed = dict(seen)
         changed[name] = seen[name].clone()
         changed[name].view(2, -1)[:, 0] = 255 - changed[name].view(2, -1)[:, 0]
@@ -121,10 +123,12 @@ def test_advantages_are_those_computed_by_hand() -> None:
 def test_shown_moves_are_asked_for_among_the_legal_ones() -> None:
     logits = torch.tensor([[[0.0, 1.0, 2.0, *[9.0] * 6]] * 2])
     legal = torch.tensor([True] * 3 + [False] * 6).expand(1, 2, 9)
-    shown = torch.zeros(1, 2, 9, dtype=torch.bool)
-    shown[0, 0, :2] = True  # of the other agent nothing is shown
+    demonstrated = torch.zeros(1, 2, 9, dtype=torch.bool)
+    demonstrated[0, 0, :2] = True  # of the other agent nothing is demonstrated
     total = 1.0 + math.e + math.e**2
-    assert float(lacking(logits, legal, shown)) == pytest.approx(-np.log((1.0 + math.e) / total))
+    assert float(lacking(logits, legal, demonstrated)) == pytest.approx(
+        -np.log((1.0 + math.e) / total)
+    )
 
 
 def bandit(rows: int, seed: int, made: Updates) -> Decisions:
@@ -138,10 +142,10 @@ def bandit(rows: int, seed: int, made: Updates) -> Decisions:
     moves, chances = drawn(logits, legal, random)
     ends = np.ones(rows, np.bool_)
     zeros = np.zeros(moves.shape, np.float32)
-    shown = legal & (seen["moves"][..., 0] > 160)
-    rewards = np.take_along_axis(shown, moves[..., None], axis=-1)[..., 0].astype(np.float32)
+    demonstrated = legal & (seen["moves"][..., 0] > 160)
+    rewards = np.take_along_axis(demonstrated, moves[..., None], axis=-1)[..., 0].astype(np.float32)
     return Decisions(
-        *(seen, legal, shown, moves, chances, rewards, values),
+        *(seen, legal, demonstrated, moves, chances, rewards, values),
         *(zeros, ends, ends, np.zeros(rows, np.int64), np.arange(rows)),
     )
 
@@ -149,9 +153,9 @@ def bandit(rows: int, seed: int, made: Updates) -> Decisions:
 @pytest.mark.parametrize("taught", [False, True])
 def test_it_learns_which_move_is_rewarded_or_shown(taught: bool) -> None:
     torch.manual_seed(0)
-    told = MappoHyperparameters(batch=64, learning_rate=3e-3)
+    settings = MappoHyperparameters(batch=64, learning_rate=3e-3)
     critic = Critic(SHAPES, list(TEAMS.values()))
-    made = Updates(actors(), critic, list(SHAPES), told)
+    made = Updates(actors(), critic, list(SHAPES), settings)
     random = np.random.default_rng(0)
     wins = []
     for i in range(12):
@@ -165,10 +169,10 @@ def test_it_learns_which_move_is_rewarded_or_shown(taught: bool) -> None:
 
 
 def test_rate_and_entropy_fall_in_straight_lines() -> None:
-    told = MappoHyperparameters(
+    settings = MappoHyperparameters(
         learning_rate=1e-3, rate_updates=10, entropy_from=0.1, entropy_to=0.0, entropy_updates=20
     )
-    made = Updates(actors(), Critic(SHAPES, list(TEAMS.values())), list(SHAPES), told)
+    made = Updates(actors(), Critic(SHAPES, list(TEAMS.values())), list(SHAPES), settings)
     for updates, rate, entropy in ((0, 1e-3, 0.1), (5, 5.5e-4, 0.075), (30, 1e-4, 0.0)):
         made.updates = updates
         made._schedule()

@@ -1,6 +1,6 @@
-"""A scenario on a family of generated harbours: every turn is played on the next of them.
+"""Task family: a scenario on generated harbours in turn.
 
-A harbour's game is built when its turn comes and dropped after it, so that memory does not grow
+A harbour's core is built when its turn comes and dropped after it, so that memory does not grow
 with the family; the graphs of the last few stay with `navigation_graph`.
 """
 
@@ -10,15 +10,15 @@ from typing import Any
 
 from mjforage.base.randomness import UInt64Array
 from mjforage.learning.environments.options import EnvironmentOptions
-from mjforage.learning.training.grounds import Ground, common_shapes
 from mjforage.learning.training.rounds import Round
+from mjforage.learning.training.tasks import TrainingTask, common_shapes
 from mjforage.scenario.harbours import family, is_family
 from mjforage.scenario.scenario import Scenario
 
-Make = Callable[[Scenario], Ground]
+Make = Callable[[Scenario], TrainingTask]
 
 
-class FamilyGround:
+class TaskFamily:
     """A scenario of a training run on harbours in turn.
 
     Attributes
@@ -58,9 +58,9 @@ class FamilyGround:
         UserError
             If the observation's arrays have not the same shapes there.
         """
-        ground = self._make(self._scenarios[turn % len(self._scenarios)])
-        common_shapes([*self.examples[:1], *ground.options[:1]])
-        return ground.round(keys)
+        task = self._make(self._scenarios[turn % len(self._scenarios)])
+        common_shapes([*self.examples[:1], *task.options[:1]])
+        return task.round(keys)
 
 
 def scenarios_of(scenario: Scenario) -> list[Scenario]:
@@ -84,12 +84,12 @@ def ends(scenarios: list[Scenario]) -> list[Scenario]:
     return scenarios[:1] + scenarios[1:][-1:]
 
 
-def ground_on(scenario: Scenario, make: Make) -> Ground | FamilyGround:
+def training_task_of(scenario: Scenario, make: Make) -> TrainingTask | TaskFamily:
     """What rounds of a scenario are played on: its map, or its family of harbours in turn.
 
     Raises
     ------
     UserError
-        As `Ground` and `FamilyGround`.
+        As `TrainingTask` and `TaskFamily`.
     """
-    return FamilyGround(scenario, make) if is_family(scenario.map.file) else make(scenario)
+    return TaskFamily(scenario, make) if is_family(scenario.map.file) else make(scenario)

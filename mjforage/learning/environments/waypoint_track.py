@@ -1,4 +1,4 @@
-"""One hull on open water in weather, and the waypoints it is to visit: what `Waypoint-v0` views."""
+"""Core of `Waypoint-v0`: one hull on open water in weather, and the waypoints it is to visit."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ REACHED_M = 1.0  # from a waypoint's centre, as a decision's arrival has it
 FloatArray = NDArray[np.float64]
 
 
-class Course:
+class WaypointTrack:
     """A hull and its waypoints.
 
     Attributes

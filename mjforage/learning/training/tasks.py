@@ -1,4 +1,4 @@
-"""What rounds are played on: a scenario, or variants of it of which each episode draws one.
+"""Training tasks: a scenario, or variants of it of which each episode draws one.
 
 Settings that are drawn anew for every episode are domain randomisation (Tobin et al., IROS 2017).
 """
@@ -18,7 +18,7 @@ from mjforage.base.errors import UserError
 from mjforage.base.randomness import Stream, UInt64Array, stream_key, uniform
 from mjforage.graph_planner.encodings import Shapes, create_encoder
 from mjforage.graph_planner.networks.weights import ground_note
-from mjforage.learning.environments.game import Game
+from mjforage.learning.environments.core import EnvironmentCore
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.hyperparameters import WHERE
 from mjforage.learning.training.rounds import Round
@@ -49,7 +49,7 @@ def variants(scenario: Scenario, vary: Vary) -> list[Scenario]:
     return [with_values(scenario, each, f"{WHERE} vary") for each in drawn]
 
 
-class Ground:
+class TrainingTask:
     """A scenario of a training run, and its variants.
 
     Attributes
@@ -93,16 +93,18 @@ class Ground:
         return [note for i, note in enumerate(notes) if note not in notes[:i]]
 
     @cached_property
-    def _game(self) -> Game:
-        return Game(self.options[0], self._num_envs)
+    def _core(self) -> EnvironmentCore:
+        return EnvironmentCore(self.options[0], self._num_envs)
 
     def round(self, keys: UInt64Array, turn: int = 0) -> Round:
         """One episode of each key (env,), not yet started, the same in every turn."""
         if not self._varied:
-            return Round([self._game], [np.arange(self._num_envs)])
+            return Round([self._core], [np.arange(self._num_envs)])
         number = _drawn(keys, Stream.VARIANT, len(self.options))
         envs = [np.flatnonzero(number == one) for one in np.unique(number)]
-        return Round([Game(self.options[number[own[0]]], own.size) for own in envs], envs)
+        return Round(
+            [EnvironmentCore(self.options[number[own[0]]], own.size) for own in envs], envs
+        )
 
 
 @kernel

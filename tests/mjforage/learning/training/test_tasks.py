@@ -11,12 +11,12 @@ from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.encodings import create_encoder
 from mjforage.graph_planner.policies import create_policy
-from mjforage.learning.environments.game import Game
+from mjforage.learning.environments.core import EnvironmentCore
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.algorithm import TRAINED
-from mjforage.learning.training.grounds import Ground, variants
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
 from mjforage.learning.training.run import train
+from mjforage.learning.training.tasks import TrainingTask, variants
 from mjforage.learning.training.trainer import Trainer
 from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
@@ -44,11 +44,11 @@ def test_variants_are_all_combinations() -> None:
 
 def test_values_are_drawn_alike_often_and_by_the_episode_alone() -> None:
     """Of two values each is drawn by half of 400 episodes, +- 4 deviations of a coin (40)."""
-    ground = Ground(EnvironmentOptions(scenario()), 400, {"link.latency": (0, 1)})
-    round_of_all = ground.round(episode_keys(0, np.arange(400)))
+    task = TrainingTask(EnvironmentOptions(scenario()), 400, {"link.latency": (0, 1)})
+    round_of_all = task.round(episode_keys(0, np.arange(400)))
     sizes = [own.size for own in round_of_all.envs]
     assert sum(sizes) == 400 and abs(sizes[0] - 200) <= 40
-    of_some = ground.round(episode_keys(0, np.arange(7, 400)))
+    of_some = task.round(episode_keys(0, np.arange(7, 400)))
     for whole, part in zip(round_of_all.envs, of_some.envs, strict=True):
         np.testing.assert_array_equal(whole[whole >= 7] - 7, part)
 
@@ -58,13 +58,13 @@ def test_what_is_stored_is_what_each_agent_knew() -> None:
     one = trainer(**VARY)
     keys = episode_keys(TRAINED + 3, np.arange(6))
     one.play_round()
-    assert len(one.round.games) > 1
+    assert len(one.round.cores) > 1
     differ = 0
-    for game, envs in zip(one.round.games, one.round.envs, strict=True):
+    for core, envs in zip(one.round.cores, one.round.envs, strict=True):
         for env in envs:
-            mission = Mission(game.setup)
+            mission = Mission(core.setup)
             mission.start(keys[[env]])
-            encoder = create_encoder("egocentric", game.setup.task)
+            encoder = create_encoder("egocentric", core.setup.task)
             encoder.reset(4)
             for step in range(12):
                 levels = {n: v.copy() for n, v in encoder.see(mission.held, np.arange(4)).items()}
@@ -96,11 +96,11 @@ def test_a_round_without_a_link_is_a_round_of_one_row() -> None:
 
 @pytest.mark.every_capability
 def test_n_and_m_updates_are_n_stop_resume_m(tmp_path: Path) -> None:
-    told = changed(Hyperparameters(), TINY | VARY)
+    settings = changed(Hyperparameters(), TINY | VARY)
     whole, parts = tmp_path / "whole", tmp_path / "parts"
-    train(scenario(), told, whole, seed=3, updates=40)
-    train(scenario(), told, parts, seed=3, updates=15)
-    train(scenario(), told, parts, seed=3, updates=40)
+    train(scenario(), settings, whole, seed=3, updates=40)
+    train(scenario(), settings, parts, seed=3, updates=15)
+    train(scenario(), settings, parts, seed=3, updates=40)
     one, other = ((f / "weights.safetensors").read_bytes() for f in (whole, parts))
     assert one == other
     with pytest.raises(UserError, match=r"hyperparameters.vary.link.latency is \[0, 1\] there and"):
@@ -111,11 +111,11 @@ def test_a_teacher_knows_what_each_agent_knows() -> None:
     """Its moves are those that it makes by the holders' rows, not by what all know together."""
     one = trainer(**VARY, teacher="greedy", teacher_updates=1000)
     one.play_round()  # all of it is the teacher's
-    for game, envs in zip(one.round.games, one.round.envs, strict=True):
-        mission = Mission(game.setup)
+    for core, envs in zip(one.round.cores, one.round.envs, strict=True):
+        mission = Mission(core.setup)
         mission.start(episode_keys(TRAINED + 3, np.arange(6))[envs])
         mission.run(create_policy("greedy"))
-        np.testing.assert_array_equal(mission.state.agent_node, game.mission.state.agent_node)
+        np.testing.assert_array_equal(mission.state.agent_node, core.mission.state.agent_node)
 
 
 @pytest.mark.parametrize(
@@ -136,9 +136,9 @@ def test_what_cannot_be_drawn_is_refused(changes: dict[str, Any], words: str) ->
 
 
 def test_a_key_that_needs_a_link_names_it() -> None:
-    told = changed(Hyperparameters(), TINY | {"vary.link.range_m": [16]})
+    settings = changed(Hyperparameters(), TINY | {"vary.link.range_m": [16]})
     with pytest.raises(UserError, match=r"link.range_m = 16.* without a link; give link.model"):
-        Trainer([scenario("link.model=ideal")], told)
+        Trainer([scenario("link.model=ideal")], settings)
 
 
 def test_values_replace_those_of_a_scenario() -> None:
@@ -146,4 +146,4 @@ def test_values_replace_those_of_a_scenario() -> None:
     after = with_values(before, {"link.latency": 2, "horizon": 9}, "here")
     assert (after.link.latency, after.horizon, before.horizon) == (2, 9, 12)
     assert with_values(before, {}, "here") == before
-    assert Game(EnvironmentOptions(after), 1).setup.scenario == Setup.of(after).scenario
+    assert EnvironmentCore(EnvironmentOptions(after), 1).setup.scenario == Setup.of(after).scenario

@@ -1,4 +1,4 @@
-"""A batch of episodes that start and end on their own: what all foraging environments view."""
+"""Batched core of the foraging environments: episodes that start and end on their own."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -94,7 +94,7 @@ def _how_it_ended(
     return terminated, truncated, illegal
 
 
-class Game:
+class EnvironmentCore:
     """Sub-environments, an episode in each; one is started again whenever its user wants."""
 
     def __init__(self, options: EnvironmentOptions, num_envs: int = 1) -> None:

@@ -1,4 +1,4 @@
-"""What the central critic is shown beside what the agents see: where the items are, and drift.
+"""Features of the central critic beside the agents' observations: true items, and drift.
 
 For training alone: no agent and no shipped network reads it.
 """
@@ -8,22 +8,22 @@ from numpy.typing import NDArray
 
 from mjforage.graph_planner.encodings.chart import COARSE
 from mjforage.graph_planner.encodings.encoder import MOST_ITEMS, TOP
-from mjforage.learning.environments.game import Game
+from mjforage.learning.environments.core import EnvironmentCore
 from mjforage.learning.training.rounds import Round
 from mjforage.mission.mission import Mission
 
-OVERVIEW = {"truth.items": (1, COARSE, COARSE), "truth.facts": (5,)}
+CRITIC_FEATURES = {"truth.items": (1, COARSE, COARSE), "truth.facts": (5,)}
 """Arrays of an episode, uint8 levels: items that are left in each of the map's coarse cells; shares
 of items left, of items left but found, of decisions taken, and mean drift of the items left, south
 and east."""
 
 
-def overview(played: Round) -> dict[str, NDArray[np.uint8]]:
-    """Arrays (env, ...) of `OVERVIEW` of all episodes of a round, as they are now."""
-    out = {n: np.zeros((played.num_envs, *s), np.uint8) for n, s in OVERVIEW.items()}
-    for game, envs in zip(played.games, played.envs, strict=True):
-        out["truth.items"][envs, 0] = _items(game.mission)
-        out["truth.facts"][envs] = _facts(game)
+def critic_features(played: Round) -> dict[str, NDArray[np.uint8]]:
+    """Arrays (env, ...) of `CRITIC_FEATURES` of all episodes of a round, as they are now."""
+    out = {n: np.zeros((played.num_envs, *s), np.uint8) for n, s in CRITIC_FEATURES.items()}
+    for core, envs in zip(played.cores, played.envs, strict=True):
+        out["truth.items"][envs, 0] = _items(core.mission)
+        out["truth.facts"][envs] = _facts(core)
     return out
 
 
@@ -39,17 +39,17 @@ def _items(mission: Mission) -> NDArray[np.uint8]:
     return np.asarray(levels.reshape(-1, COARSE, COARSE), np.uint8)
 
 
-def _facts(game: Game) -> NDArray[np.uint8]:
-    """(env, 5) the last array of `OVERVIEW`."""
-    mission = game.mission
+def _facts(core: EnvironmentCore) -> NDArray[np.uint8]:
+    """(env, 5) the last array of `CRITIC_FEATURES`."""
+    mission = core.mission
     left = (mission.truth.item_node >= 0).sum(axis=1)
     found = (mission.ledger.entries.t_discovered >= 0).sum(axis=1)
     gone = (mission.ledger.entries.t_collected >= 0).sum(axis=1)
     drift = np.clip(0.5 + 0.5 * mission.truth.drift_rc, 0.0, 1.0)
     columns = (
-        left / game.n_items,
-        (found - gone) / game.n_items,
-        mission.step / game.setup.scenario.horizon,
+        left / core.n_items,
+        (found - gone) / core.n_items,
+        mission.step / core.setup.scenario.horizon,
         drift[:, 0],
         drift[:, 1],
     )

@@ -1,11 +1,11 @@
-"""What a game makes of moves and of a step, against plain numpy."""
+"""The batched core of the environments against plain numpy."""
 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
 from mjforage.graph_planner.graph.navigation import STAY
-from mjforage.learning.environments.game import (
+from mjforage.learning.environments.core import (
     CHOSEN,
     OTHERWISE_STAY,
     _how_it_ended,

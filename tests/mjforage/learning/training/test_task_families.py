@@ -24,17 +24,17 @@ def on(reference: str) -> Scenario:
     return placed(scenario(), reference)
 
 
-def told(**changes: object) -> Hyperparameters:
+def settings(**changes: object) -> Hyperparameters:
     return changed(Hyperparameters(), TINY | changes)
 
 
 def test_each_turn_takes_the_next_harbour() -> None:
-    trainer = Trainer([scenario(), on("harbours:5-7")], told(), seed=3)
+    trainer = Trainer([scenario(), on("harbours:5-7")], settings(), seed=3)
     names = []
     for _ in range(10):
         trainer.play_round()
-        (game,) = trainer.round.games
-        names.append(game.setup.grid.name)
+        (core,) = trainer.round.cores
+        names.append(core.setup.grid.name)
     assert names[::2] == ["comb_port"] * 5
     kinds = [name.split(":")[1:3] for name in names[1::2]]
     assert kinds == [
@@ -44,18 +44,18 @@ def test_each_turn_takes_the_next_harbour() -> None:
         ["combs", "5"],
         *kinds[1:2],
     ]
-    notes = [note["map"] for ground in trainer.grounds for note in ground.notes]
+    notes = [note["map"] for task in trainer.tasks for note in task.notes]
     assert len(set(notes)) == len(notes) == 4
 
 
 def test_values_are_drawn_on_harbours_too() -> None:
     linked = replace(on("harbours:5-6"), link=replace(scenario().link, model="disk"))
     home = load_scenario("comb-port", ("horizon=8", "link.model=disk"))
-    trainer = Trainer([home, linked], told(**{"vary.link.range_m": [16, 1e6]}), seed=3)
+    trainer = Trainer([home, linked], settings(**{"vary.link.range_m": [16, 1e6]}), seed=3)
     trainer.play_round()
     trainer.play_round()
-    assert {game.setup.grid.name.split(":")[1] for game in trainer.round.games} == {"combs"}
-    assert {game.setup.scenario.link.range_m for game in trainer.round.games} <= {16, 1e6}
+    assert {core.setup.grid.name.split(":")[1] for core in trainer.round.cores} == {"combs"}
+    assert {core.setup.scenario.link.range_m for core in trainer.round.cores} <= {16, 1e6}
 
 
 @pytest.mark.every_capability
@@ -63,14 +63,14 @@ def test_n_and_m_updates_are_n_stop_resume_m(tmp_path: Path) -> None:
     """Whose turn it is follows from the number of the round, whenever the run was stopped."""
     also = [on("harbours:5-9")]
     whole, parts = tmp_path / "whole", tmp_path / "parts"
-    train(scenario(), told(), whole, also=also, seed=3, updates=40)
-    stopped = train(scenario(), told(), parts, also=also, seed=3, updates=20)
+    train(scenario(), settings(), whole, also=also, seed=3, updates=40)
+    stopped = train(scenario(), settings(), parts, also=also, seed=3, updates=20)
     assert stopped.progress.rounds % 2 == 0 and stopped.progress.rounds < 10
-    train(scenario(), told(), parts, also=also, seed=3, updates=40)
+    train(scenario(), settings(), parts, also=also, seed=3, updates=40)
     one, other = ((f / "weights.safetensors").read_bytes() for f in (whole, parts))
     assert one == other
     with pytest.raises(UserError, match=r"harbours:5-9.* there and .*harbours:5-8"):
-        train(scenario(), told(), parts, also=[on("harbours:5-8")], seed=3, updates=40)
+        train(scenario(), settings(), parts, also=[on("harbours:5-8")], seed=3, updates=40)
 
 
 @pytest.mark.parametrize(
@@ -82,9 +82,9 @@ def test_n_and_m_updates_are_n_stop_resume_m(tmp_path: Path) -> None:
 )
 def test_a_family_that_cannot_be_is_refused(first: str, also: str, words: str) -> None:
     with pytest.raises(UserError, match=words):
-        Trainer([on(first), on(also)], told())
+        Trainer([on(first), on(also)], settings())
 
 
 def test_arrays_of_the_maps_size_are_refused_at_once() -> None:
     with pytest.raises(UserError, match=r"fleets or arrays differ; .* egocentric"):
-        Trainer([scenario(), on("harbours:0-1")], told(observation="paper"))
+        Trainer([scenario(), on("harbours:0-1")], settings(observation="paper"))

@@ -40,14 +40,14 @@ def check_camera(camera: str | None, world: str, mode: str | None) -> None:
         )
 
 
-class HarbourPicture:
+class HarbourFigure:
     """One view from a camera, opened with the first picture of an episode.
 
     A process has but one canvas: of several that draw in turn, each takes it from the one before,
     which opens its view again when it is next asked. A copy has no view of its own yet.
     """
 
-    _drawing: ClassVar[Optional["HarbourPicture"]] = None
+    _drawing: ClassVar[Optional["HarbourFigure"]] = None
 
     def __init__(self, camera: str) -> None:
         self._camera = camera
@@ -70,17 +70,17 @@ class HarbourPicture:
     def _opened(self, replay: Recording) -> "HarbourView":
         from mjforage.view.render.harbour_view import HarbourView
 
-        if HarbourPicture._drawing is not None:
-            HarbourPicture._drawing.close()
+        if HarbourFigure._drawing is not None:
+            HarbourFigure._drawing.close()
         view = HarbourView(replay, self._camera, WIDTH, HEIGHT, panel=False)
-        HarbourPicture._drawing = self
+        HarbourFigure._drawing = self
         return view
 
     def close(self) -> None:
         """Give OpenGL back; the next picture opens it again."""
         if self._view is not None:
             self._view.close()
-            self._view, HarbourPicture._drawing = None, None
+            self._view, HarbourFigure._drawing = None, None
 
     def __getstate__(self) -> dict[str, Any]:
         return {**vars(self), "_view": None}

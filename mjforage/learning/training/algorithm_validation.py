@@ -1,4 +1,4 @@
-"""Whether an algorithm, of a user perhaps, has and gives what runs and checks need."""
+"""Validation of algorithms, of users too: the parts and rows that runs and checks need."""
 
 import logging
 from collections.abc import Mapping
@@ -80,12 +80,12 @@ def checked_row(trainer: "Algorithm[Any]", row: Any) -> Row:
         If it is none: nothing, without what `end_round` gives or with other counts, or with
         what is no number.
     """
-    who, told = f"algorithm {type(trainer).__name__}: play_round gave", "self.end_round gives"
+    who, given = f"algorithm {type(trainer).__name__}: play_round gave", "self.end_round gives"
     if not isinstance(row, Mapping):
-        raise UserError(f"{who} {type(row).__name__}; return what {told}")
+        raise UserError(f"{who} {type(row).__name__}; return what {given}")
     lacking = [name for name in ALWAYS if name not in row]
     if lacking:
-        raise UserError(f"{who} a row without {', '.join(lacking)}; return what {told}")
+        raise UserError(f"{who} a row without {', '.join(lacking)}; return what {given}")
     for name, value in row.items():
         if not isinstance(value, int | float | np.number):
             raise UserError(f"{who} {name} = {value!r:.40}; a row has numbers")
@@ -93,6 +93,6 @@ def checked_row(trainer: "Algorithm[Any]", row: Any) -> Row:
         if row[name] != count:
             raise UserError(
                 f"{who} {name} = {row[name]:g} where self.progress has {count:g}; return what "
-                f"{told}"
+                f"{given}"
             )
     return dict(row)

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.learning.environments.game import Episodes, Game
-from mjforage.learning.environments.harbour_picture import HarbourPicture
+from mjforage.learning.environments.core import EnvironmentCore, Episodes
+from mjforage.learning.environments.harbour_figure import HarbourFigure
 from mjforage.mission.mission import Mission
 from mjforage.runs.episode_recording import Recording
 from mjforage.scenario.vessel_files import hull_names
@@ -17,18 +17,18 @@ from mjforage.scenario.vessel_files import hull_names
 LONG_SIDE = 640  # pixels
 
 
-class Picture:
+class EpisodeFigure:
     """Remembers the way of one sub-environment, and draws its present.
 
     Parameters
     ----------
-    env : number of the sub-environment in its game
+    env : number of the sub-environment in its core
     camera : name of a view in 3-D, None for the map from above
     """
 
     def __init__(self, env: int = 0, camera: str | None = None) -> None:
         self._env = env
-        self._harbour = HarbourPicture(camera) if camera else None
+        self._harbour = HarbourFigure(camera) if camera else None
 
     def see(self, mission: Mission) -> None:
         """Take note of the state; step 0 begins anew."""
@@ -46,12 +46,12 @@ class Picture:
         self._present[self._step] = state.item_node[env, self._items] >= 0
         self._most = max(self._most, int(mission.knowledge.belief[env].max(initial=0)))
 
-    def draw(self, game: Game, episodes: Episodes) -> NDArray[np.uint8]:
+    def draw(self, core: EnvironmentCore, episodes: Episodes) -> NDArray[np.uint8]:
         """(height, width, 3) what is there now, from above with seed and episode in the title."""
         from mjforage.view.render import TopView  # matplotlib-free, but slow to import
         from mjforage.view.render.palette import LEAST_MOST
 
-        replay = self._replay(game, episodes)
+        replay = self._replay(core, episodes)
         if self._harbour is not None:
             return self._harbour.draw(replay, self._step)
         most = max(LEAST_MOST, self._most)
@@ -62,9 +62,9 @@ class Picture:
         if self._harbour is not None:
             self._harbour.close()
 
-    def _replay(self, game: Game, episodes: Episodes) -> Recording:
+    def _replay(self, core: EnvironmentCore, episodes: Episodes) -> Recording:
         """The episode until now; of what is drawn as it is now, every step is the present."""
-        setup, fleet = game.setup, game.setup.fleet
+        setup, fleet = core.setup, core.setup.fleet
         return Recording(
             navigable=setup.grid.navigable,
             pitch_m=setup.scenario.map.pitch_m,
@@ -74,14 +74,14 @@ class Picture:
             agent_team=fleet.team,
             agent_collects=fleet.collects,
             vessels=hull_names(fleet, setup.scenario.physics),
-            world=game.options.world,
+            world=core.options.world,
             seed=episodes.seed,
             episode=episodes.number,
             agent_rc=self._agent_rc[: self._step + 1],
             item_present=self._present[: self._step + 1],
-            t_discovered=game.mission.ledger.entries.t_discovered[self._env, self._items],
-            **self._present_fields(game.mission),
-            **self._track(game),
+            t_discovered=core.mission.ledger.entries.t_discovered[self._env, self._items],
+            **self._present_fields(core.mission),
+            **self._track(core),
         )
 
     def _present_fields(self, mission: Mission) -> dict[str, Any]:
@@ -102,13 +102,13 @@ class Picture:
             for name, field in now.items()
         }
 
-    def _track(self, game: Game) -> dict[str, Any]:
-        """What the game has recorded; a frame of nothing where it does not."""
-        trajectory, agents, items = game.trajectory, len(game.setup.fleet), self._items
+    def _track(self, core: EnvironmentCore) -> dict[str, Any]:
+        """What the core has recorded; a frame of nothing where it does not."""
+        trajectory, agents, items = core.trajectory, len(core.setup.fleet), self._items
         if trajectory is None:
             return {
                 "item_class": np.zeros(items.size, np.int16),
-                "frame_s": game.setup.scenario.period_s,
+                "frame_s": core.setup.scenario.period_s,
                 "track_pose": np.zeros((1, agents, 3), np.float32),
                 "track_items": np.zeros((1, items.size, 2), np.float32),
                 "track_present": np.zeros((1, items.size), np.bool_),
@@ -117,7 +117,7 @@ class Picture:
         from mjforage.physics.dynamics.fleet_scene import item_choices
         from mjforage.physics.dynamics.item_bodies import draw_classes
 
-        mission, choices = game.mission, item_choices(game.setup.scenario.physics)
+        mission, choices = core.mission, item_choices(core.setup.scenario.physics)
         classes = draw_classes(mission.keys, mission.initial.item_node, choices)[0]
         return {
             "item_class": classes[items].astype(np.int16),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import mjforage
 from mjforage.base.errors import UserError
 from mjforage.graph_planner.graph.navigation import OFFSETS
-from mjforage.learning.environments.pictures import LONG_SIDE
+from mjforage.learning.environments.episode_figure import LONG_SIDE
 from mjforage.mission.setup import Setup
 from mjforage.runs.episode_recording import Recording
 from mjforage.runs.recording import record
@@ -86,8 +86,8 @@ def test_what_a_picture_gathers_does_not_grow_with_the_episode() -> None:
     held = []
     for _ in range(50):
         env.step(dict.fromkeys(env.agents, 8))
-        assert env._picture is not None
-        replay = env._picture._replay(env.game, env._episodes)
+        assert env._figure is not None
+        replay = env._figure._replay(env.core, env._episodes)
         held.append(sum(getattr(replay, name).base.nbytes for name in BY_STEP[3:]))
     assert len(set(held)) == 1  # of the present alone, whatever the step
     assert replay.belief.shape[0] == 51
@@ -142,9 +142,9 @@ def test_a_copy_of_a_picture_has_a_view_of_its_own() -> None:
     env = mjforage.parallel_env(camera="top", **THREE_D)
     env.reset(seed=1)
     first = env.render()
-    other = copy.deepcopy(env._picture)
+    other = copy.deepcopy(env._figure)
     assert other is not None
-    assert np.array_equal(other.draw(env.game, env._episodes), first)
+    assert np.array_equal(other.draw(env.core, env._episodes), first)
     other.close()
     assert np.array_equal(env.render(), first)
     env.close()
@@ -153,7 +153,7 @@ def test_a_copy_of_a_picture_has_a_view_of_its_own() -> None:
 def test_a_replay_of_the_present_has_all_that_a_replay_has() -> None:
     env = mjforage.parallel_env(set=SHORT, render_mode="rgb_array")
     env.reset(seed=1)
-    assert env._picture is not None
-    replay = env._picture._replay(env.game, env._episodes)
+    assert env._figure is not None
+    replay = env._figure._replay(env.core, env._episodes)
     lacking = {one.name for one in fields(Recording) if getattr(replay, one.name, None) is None}
     assert lacking == {"held"}
