@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.belief_planner.beliefs import Beliefs
-from mjforage.mission.task import Observation, Task, Truth
+from mjforage.mission.task import GroundTruth, Observation, Task
 from mjforage.scenario.belief_settings import BeliefSettings
 
 UNHEARD = np.int32(np.iinfo(np.int32).max)
@@ -31,7 +31,7 @@ class PrivilegedBeliefs(Beliefs):
         super().__init__(task, replace(settings, wind=False), keys)  # the drift is not estimated
         self.since = np.zeros((keys.size, 0), np.int32)
 
-    def reveal(self, truth: Truth) -> None:
+    def set_ground_truth(self, truth: GroundTruth) -> None:
         """Take in where the items are: a row for each row of the observation that comes next."""
         self._truth, items = truth, truth.item_node.shape
         if self.since.shape != items:

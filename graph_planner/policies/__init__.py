@@ -9,7 +9,7 @@ import pkgutil
 
 from mjforage.graph_planner.policies.registry import (
     create_policy,
-    is_bound,
+    is_upper_bound,
     policy_names,
     register,
 )
@@ -17,4 +17,4 @@ from mjforage.graph_planner.policies.registry import (
 for _module in pkgutil.iter_modules(__path__):
     importlib.import_module(f"{__name__}.{_module.name}")
 
-__all__ = ["create_policy", "is_bound", "policy_names", "register"]
+__all__ = ["create_policy", "is_upper_bound", "policy_names", "register"]

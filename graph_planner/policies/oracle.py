@@ -27,7 +27,7 @@ from mjforage.graph_planner.belief_planner.scouting import Scouting
 from mjforage.graph_planner.belief_planner.stops import floating
 from mjforage.graph_planner.policies.registry import register
 from mjforage.mission.plain import Plain, plain_truth
-from mjforage.mission.task import Observation, Task, Truth
+from mjforage.mission.task import GroundTruth, Observation, Task
 
 
 @register("oracle")
@@ -35,13 +35,13 @@ class OraclePolicy:
     """A bound, not a policy: foragers see every item and its drift; joint multi-item routes."""
 
     def __init__(self, heard: bool = False) -> None:
-        self.apart = heard
+        self.decentralised = heard
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
         settings = replace(task.belief, joint=True, sweeps=True)
         self._task = task
-        if self.apart:
+        if self.decentralised:
             self._planner = BeliefPlanner(replace(task, belief=settings), keys, PrivilegedBeliefs)
             return
         self._foragers = Foraging(task, settings)
@@ -50,17 +50,17 @@ class OraclePolicy:
         self._plain = Plain(task, keys.size)
         self._preferences = np.zeros((keys.size, len(task.fleet), 9))
 
-    def reveal(self, truth: Truth) -> None:
+    def set_ground_truth(self, truth: GroundTruth) -> None:
         """Take in where the items are."""
         self._truth = plain_truth(truth, self._task)
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         """Preferences (episode, agent, 9)."""
         truth = self._truth
-        if self.apart:
+        if self.decentralised:
             beliefs = self._planner.beliefs
             assert isinstance(beliefs, PrivilegedBeliefs)
-            beliefs.reveal(truth)
+            beliefs.set_ground_truth(truth)
             return self._planner.act(observation)
         observation = self._plain(observation)
         if truth.item_node.shape[1] > self._foragers.items.row.size:

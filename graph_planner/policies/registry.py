@@ -217,9 +217,9 @@ def policy_summary(name: str) -> str:
     return ((POLICIES.find(name).__doc__ or "").strip().splitlines() or [""])[0]
 
 
-def is_bound(text: str) -> bool:
-    """Whether a policy is shown the truth; what is not known here is not."""
+def is_upper_bound(text: str) -> bool:
+    """True for a policy that gets the ground truth; an unknown one does not."""
     try:
-        return hasattr(_bound(text)[1], "reveal")
+        return hasattr(_bound(text)[1], "set_ground_truth")
     except UserError:
         return False

@@ -178,7 +178,7 @@ def _play(
     again: Resuming,
 ) -> None:
     """Run, show the headline table and draw the report."""
-    from mjforage.graph_planner.policies import is_bound
+    from mjforage.graph_planner.policies import is_upper_bound
     from mjforage.runs.evaluate import evaluate as run
     from mjforage.view.report import terminal_table, write_report
 
@@ -198,7 +198,7 @@ def _play(
             progress=shown,
             resume=again.resume,
         )
-    bounds = {policy for found in summary.values() for policy in found if is_bound(policy)}
+    bounds = {policy for found in summary.values() for policy in found if is_upper_bound(policy)}
     print_table(terminal_table(summary, bounds))
     with working("drawing the report"):
         path = write_report(folder)

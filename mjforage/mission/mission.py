@@ -26,10 +26,10 @@ from mjforage.mission.ledger import Ledger
 from mjforage.mission.link import exchange_of
 from mjforage.mission.looking import Lookout
 from mjforage.mission.moves import Moves, Resolver, check_preferences
-from mjforage.mission.policy import Bound, Policy
+from mjforage.mission.policy import Policy, UpperBound
 from mjforage.mission.sensing import map_filter, no_shown
 from mjforage.mission.setup import Setup
-from mjforage.mission.task import Late, Observation, Truth, nothing_late
+from mjforage.mission.task import GroundTruth, Late, Observation, nothing_late
 from mjforage.scenario.fleet import UNLIMITED
 
 _ONE = np.ones(1, np.int32)
@@ -253,12 +253,12 @@ class Mission(ReadOnlyViews):
         return Observation._make((active, step, keys, *told, late.looks, late.shown, holder))
 
     @property
-    def truth(self) -> Truth:
+    def truth(self) -> GroundTruth:
         """What no policy may see but a bound."""
         state = self.state
         drift = self._dynamics.drift_rc(state.item_rc, items=True)
         mean = mean_drift(drift, state.item_node >= 0)
-        return read_only(Truth(state.item_rc, state.item_node, mean, drift))
+        return read_only(GroundTruth(state.item_rc, state.item_node, mean, drift))
 
     @property
     def node_drift_rc(self) -> NDArray[np.float64]:
@@ -284,16 +284,16 @@ class Mission(ReadOnlyViews):
 
     def prepare(self, policy: Policy) -> None:
         """Get a policy ready for the batch: it decides once for each holder, a bound for each
-        episode unless it is `apart`.
+        episode unless it is `decentralised`.
         """
-        pooled = isinstance(policy, Bound) and not getattr(policy, "apart", False)
+        pooled = isinstance(policy, UpperBound) and not getattr(policy, "decentralised", False)
         policy.reset(self.task, np.repeat(self.keys, 1 if pooled else self.exchange.holders))
 
     def ask(self, policy: Policy) -> NDArray[np.float64]:
         """The preferences (episode, agent, 9) of a policy, those of each agent by what it knows.
 
-        A bound (`Bound`) is shown the truth too, and what the fleet knows together unless it is
-        `apart`.
+        An oracle upper bound (`UpperBound`) gets the truth too, and what the fleet knows together
+        unless it is `decentralised`.
 
         Raises
         ------
@@ -301,14 +301,16 @@ class Mission(ReadOnlyViews):
             If the answer is no array of numbers of that shape.
         """
         self._asked = who = f"policy {type(policy).__name__}"
-        reveal = getattr(policy, "reveal", None)  # `isinstance` of a protocol takes 25 us
-        apart = reveal is None or getattr(policy, "apart", False)
-        holders, holder_of = self.exchange.holders if apart else 1, self.exchange.holder_of
-        if reveal is not None:
+        set_ground_truth = getattr(
+            policy, "set_ground_truth", None
+        )  # `isinstance` of a protocol takes 25 us
+        decentralised = set_ground_truth is None or getattr(policy, "decentralised", False)
+        holders, holder_of = self.exchange.holders if decentralised else 1, self.exchange.holder_of
+        if set_ground_truth is not None:
             truth = self.truth
             rows = truth if holders == 1 else (np.repeat(a, holders, 0) for a in truth)
-            reveal(read_only(Truth._make(rows)))
-        answer = policy.act(self.held if apart else self.observation)
+            set_ground_truth(read_only(GroundTruth._make(rows)))
+        answer = policy.act(self.held if decentralised else self.observation)
         forecast = getattr(policy, "forecast", None)
         if forecast is not None:
             self.forecasts.take(forecast(), self.ledger.open().truth, self.active, who)

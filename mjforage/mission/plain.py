@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
 from mjforage.mission.look_log import widest_view
-from mjforage.mission.task import PICKUPS, Observation, Task, Truth
+from mjforage.mission.task import PICKUPS, GroundTruth, Observation, Task
 
 _TYPES = tuple(
     np.dtype(name)
@@ -79,7 +79,7 @@ def _is_lent(array: NDArray[Any], kind: "np.dtype[Any]") -> bool:
     return array.flags.num & _ASKED == _LENT and array.dtype == kind
 
 
-def plain_truth(truth: Truth, task: Task) -> Truth:
+def plain_truth(truth: GroundTruth, task: Task) -> GroundTruth:
     """A truth, in which items are in nodes or nowhere, at finite places; raises as `Plain`."""
     if truth.item_node.flags.writeable or truth.item_rc.flags.writeable:
         node, agents = np.asarray(truth.item_node), (*np.shape(truth.item_node), 2)

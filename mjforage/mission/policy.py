@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.randomness import UInt64Array
-from mjforage.mission.task import Observation, Task, Truth
+from mjforage.mission.task import GroundTruth, Observation, Task
 
 
 class Policy(Protocol):
@@ -38,13 +38,13 @@ class Policy(Protocol):
 
 
 @runtime_checkable
-class Bound(Policy, Protocol):
-    """A policy that is shown the truth: no policy to compare with, but a bound on what is possible.
+class UpperBound(Policy, Protocol):
+    """An oracle upper bound: it gets the ground truth, and bounds what policies can reach.
 
     Every table marks it as a bound. It decides by what the fleet knows together, once for each
-    episode; one with an attribute `apart` that is true decides for each holder, as policies do.
+    episode; with a true attribute `decentralised` it decides for each belief owner, as policies do.
     """
 
-    def reveal(self, truth: Truth) -> None:
+    def set_ground_truth(self, truth: GroundTruth) -> None:
         """Take in where the items are, before every `act`, in the rows of its observation."""
         ...

@@ -194,7 +194,7 @@ class Observation(NamedTuple):
         return Late(self.late_looks, self.late_shown)
 
 
-class Truth(NamedTuple):
+class GroundTruth(NamedTuple):
     """Where the items are and how they drift: for bounds only, never for a policy in a comparison.
 
     Live, read-only views, like an observation.

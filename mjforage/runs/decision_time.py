@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.randomness import UInt64Array
-from mjforage.mission.policy import Bound, Policy
-from mjforage.mission.task import Observation, Task, Truth
+from mjforage.mission.policy import Policy, UpperBound
+from mjforage.mission.task import GroundTruth, Observation, Task
 
 
 @dataclass
@@ -23,7 +23,7 @@ class Watch:
 
     Attributes
     ----------
-    cpu_s : processor time of this process in `reveal` and `act`
+    cpu_s : processor time of this process in `set_ground_truth` and `act`
     decisions : fleet decisions made in that time: one per episode that is not over and step
     """
 
@@ -68,10 +68,10 @@ class _Watched:
 
 
 class _WatchedBound(_Watched):
-    def reveal(self, truth: Truth) -> None:
-        assert isinstance(self._policy, Bound)
+    def set_ground_truth(self, truth: GroundTruth) -> None:
+        assert isinstance(self._policy, UpperBound)
         with self._watch.running():
-            self._policy.reveal(truth)
+            self._policy.set_ground_truth(truth)
 
 
 def watched(policy: Policy, watch: Watch, episodes: int) -> Policy:
@@ -81,7 +81,7 @@ def watched(policy: Policy, watch: Watch, episodes: int) -> Policy:
     ----------
     episodes : of its batch; a policy that decides for every holder has a row for each
     """
-    kind = _WatchedBound if isinstance(policy, Bound) else _Watched
+    kind = _WatchedBound if isinstance(policy, UpperBound) else _Watched
     made = type(type(policy).__name__, (kind,), {})  # messages name the class
     timed: Policy = made(policy, watch, episodes)
     return timed

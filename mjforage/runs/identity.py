@@ -14,7 +14,7 @@ from typing import Any
 
 from mjforage.base.registry import ImportSpec, is_ours
 from mjforage.graph_planner.policies.registry import (
-    is_bound,
+    is_upper_bound,
     outside_class,
     policy_class,
     policy_files,
@@ -193,7 +193,7 @@ def run_info(
         "episodes": episodes,
         "worlds": list(worlds),
         "policies": list(policies),
-        "bounds": [name for name in policies if is_bound(name)],
+        "bounds": [name for name in policies if is_upper_bound(name)],
         "classes": {
             policy: reference for policy in policies if (reference := outside_class(policy))
         },

@@ -14,9 +14,9 @@ from mjforage.base.registry import ImportSpec, is_ours
 from mjforage.graph_planner.policies import create_policy
 from mjforage.graph_planner.policies.registry import POLICIES, add_policy, policy_class
 from mjforage.mission.mission import Mission
-from mjforage.mission.policy import Bound, Policy
+from mjforage.mission.policy import Policy, UpperBound
 from mjforage.mission.setup import Setup
-from mjforage.mission.task import Observation, Task, Truth
+from mjforage.mission.task import GroundTruth, Observation, Task
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.testing.conformance import ConformanceError, first_difference, run_checks
 from mjforage.testing.two_holders import HOLDERS, TwoHolders
@@ -32,12 +32,12 @@ class Frame(NamedTuple):
     """What a policy was shown at one step, in copies, and what it answered."""
 
     observation: Observation
-    truth: Truth | None  # for bounds
+    truth: GroundTruth | None  # for bounds
     answer: Preferences
 
     def of(self, rows: Rows) -> "Frame":
         """The same for some rows only, in their order."""
-        truth = None if self.truth is None else Truth._make(part[rows] for part in self.truth)
+        truth = None if self.truth is None else GroundTruth._make(part[rows] for part in self.truth)
         observation = Observation._make(part[rows] for part in self.observation)
         return Frame(observation, truth, self.answer[rows])
 
@@ -85,7 +85,7 @@ class PolicyTrial:
         mission.reset(self.seed, np.array(list(episodes)))
         watched = _Watched(policy)
         mission.prepare(watched)
-        bound = isinstance(policy, Bound)
+        bound = isinstance(policy, UpperBound)
         while mission.active.any():
             watched.truth = mission.truth if bound else None
             mission.advance(mission.ask(watched))
@@ -102,7 +102,7 @@ class _Watched:
     def __init__(self, policy: Policy) -> None:
         self._policy = policy
         self.frames: list[Frame] = []
-        self.truth: Truth | None = None
+        self.truth: GroundTruth | None = None
 
     def reset(self, task: Task, keys: NDArray[np.uint64]) -> None:
         self._shape = (keys.size, len(task.fleet), 9)
@@ -111,9 +111,9 @@ class _Watched:
     def act(self, observation: Observation) -> Preferences:
         shown = Observation._make(part.copy() for part in observation)
         truth = None
-        if isinstance(self._policy, Bound) and self.truth is not None:
-            truth = Truth._make(part.copy() for part in self.truth)
-            self._policy.reveal(self.truth)
+        if isinstance(self._policy, UpperBound) and self.truth is not None:
+            truth = GroundTruth._make(part.copy() for part in self.truth)
+            self._policy.set_ground_truth(self.truth)
         answer = self._policy.act(observation)
         self.frames.append(Frame(shown, truth, np.array(answer, copy=True)))
         return np.asarray(answer)
@@ -124,8 +124,8 @@ def check_shape(trial: PolicyTrial) -> None:
     policy, mission = trial.fresh(), Mission(trial.setup)
     mission.reset(trial.seed, np.arange(trial.episodes))
     policy.reset(trial.setup.task, mission.keys)
-    if isinstance(policy, Bound):
-        policy.reveal(mission.truth)
+    if isinstance(policy, UpperBound):
+        policy.set_ground_truth(mission.truth)
     answer = policy.act(mission.observation)
     shape = (trial.episodes, len(trial.setup.fleet), 9)
     kind = getattr(getattr(answer, "dtype", None), "kind", "")
@@ -189,7 +189,7 @@ def check_rows(trial: PolicyTrial) -> None:
 
 def check_second_holder(trial: PolicyTrial) -> None:
     """Where two holders of knowledge share an episode and its key, each is answered for itself."""
-    if isinstance(trial.fresh(), Bound):
+    if isinstance(trial.fresh(), UpperBound):
         return  # a bound is shown the truth, once for each episode
     frames = trial.played(trial.fresh(), range(trial.episodes), HOLDERS)
     why = (
@@ -209,8 +209,8 @@ def _check_parts(trial: PolicyTrial, check: str, frames: list[Frame], size: int,
         policy.reset(trial.setup.task, frames[0].observation.keys[rows])
         shown, answered = [frame.of(rows) for frame in frames], []
         for frame in shown:
-            if frame.truth is not None and isinstance(policy, Bound):
-                policy.reveal(frame.truth)
+            if frame.truth is not None and isinstance(policy, UpperBound):
+                policy.set_ground_truth(frame.truth)
             answered.append(frame._replace(answer=np.array(policy.act(frame.observation))))
         _compare(trial, check, shown, answered, why)
 

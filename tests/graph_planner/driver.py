@@ -7,8 +7,8 @@ from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.moves import MoveRules
-from mjforage.mission.policy import Bound
-from mjforage.mission.task import NEVER, Observation, Task, Truth, nothing_late
+from mjforage.mission.policy import UpperBound
+from mjforage.mission.task import NEVER, GroundTruth, Observation, Task, nothing_late
 from mjforage.scenario.fleet import Fleet, Role
 
 FREE = MoveRules(stay=True, shorten=True)
@@ -57,18 +57,18 @@ def observation_of(
     )
 
 
-def truth_of(task: Task, observation: Observation) -> Truth:
+def truth_of(task: Task, observation: Observation) -> GroundTruth:
     """A truth in which one item lies in the middle of every node that is known to hold some."""
     count = int(observation.n_known[0])
     node = observation.known[:, :count].astype(np.int32)
     places = np.stack((task.graph.rows[node], task.graph.cols[node]), axis=-1).astype(np.float64)
-    return Truth(places, node, np.zeros((node.shape[0], 2)), np.zeros_like(places))
+    return GroundTruth(places, node, np.zeros((node.shape[0], 2)), np.zeros_like(places))
 
 
 def preferences(name: str, task: Task, observation: Observation) -> NDArray[np.float64]:
     """What a fresh policy prefers."""
     policy = create_policy(name)
     policy.reset(task, observation.keys)
-    if isinstance(policy, Bound):
-        policy.reveal(truth_of(task, observation))
+    if isinstance(policy, UpperBound):
+        policy.set_ground_truth(truth_of(task, observation))
     return policy.act(observation).copy()

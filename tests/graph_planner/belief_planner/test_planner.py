@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from mjforage.graph_planner.belief_planner.waiting import approach, regrets
 from mjforage.graph_planner.belief_planner.ways import ways_of
 from mjforage.graph_planner.graph.navigation import TABLE_LIMIT, NavigationGraph, navigation_graph
-from mjforage.graph_planner.policies import create_policy, is_bound
+from mjforage.graph_planner.policies import create_policy, is_upper_bound
 from mjforage.graph_planner.policies.belief import BeliefPolicy
 from mjforage.mission.task import NEVER, Task
 from mjforage.scenario.belief_settings import BeliefSettings
@@ -26,7 +26,9 @@ def with_settings(task: Task, settings: BeliefSettings) -> Task:
 
 
 def test_the_oracle_is_a_bound_and_the_belief_planner_is_not() -> None:
-    assert is_bound("oracle") and not is_bound("belief") and not is_bound("nothing")
+    assert (
+        is_upper_bound("oracle") and not is_upper_bound("belief") and not is_upper_bound("nothing")
+    )
 
 
 def test_the_oracle_goes_where_the_item_is_and_not_where_it_is_believed() -> None:

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from mjforage.graph_planner.belief_planner.privileged_beliefs import UNHEARD, PrivilegedBeliefs
 from mjforage.graph_planner.graph.navigation import navigation_graph
-from mjforage.mission.task import Observation, Truth
+from mjforage.mission.task import GroundTruth, Observation
 from mjforage.scenario.fleet import Role
 from tests.graph_planner.driver import observation_of, task_of
 
@@ -16,12 +16,12 @@ DRIFT = np.array([[0.02, -0.06]])
 HIDDEN, SHOWN, TAKEN = (2.0, 25.0), (10.2, 12.9), (11.0, 9.0)
 
 
-def truth_of(*places: tuple[float, float], gone: tuple[int, ...] = ()) -> Truth:
+def truth_of(*places: tuple[float, float], gone: tuple[int, ...] = ()) -> GroundTruth:
     """Items at places, some of them taken."""
     item_rc = np.array([places])
     node = np.array([[SEA.node_of_cell[round(r), round(c)] for r, c in places]], np.int32)
     node[0, list(gone)] = -1
-    return Truth(item_rc, node, DRIFT, np.broadcast_to(DRIFT, item_rc.shape).copy())
+    return GroundTruth(item_rc, node, DRIFT, np.broadcast_to(DRIFT, item_rc.shape).copy())
 
 
 def seen_at(step: int, shows: dict[tuple[int, int], int]) -> Observation:
@@ -45,16 +45,16 @@ def told(believed: PrivilegedBeliefs) -> NDArray[np.float64]:
 
 def test_an_item_once_shown_is_known_until_it_is_taken_and_others_are_not() -> None:
     believed, places = beliefs(), (HIDDEN, SHOWN, TAKEN)
-    believed.reveal(truth_of(*places))
+    believed.set_ground_truth(truth_of(*places))
     believed.learn(seen_at(0, {(10, 12): 0, (2, 2): 0}), 0)
     assert told(believed).size == 0 and (believed.wind.mean == 0.0).all(), "nothing is known yet"
-    believed.reveal(truth_of(*places))
+    believed.set_ground_truth(truth_of(*places))
     believed.learn(seen_at(1, {(10, 13): 1, (11, 9): 1}), 0)
     np.testing.assert_array_equal(told(believed), [SHOWN, TAKEN])
     np.testing.assert_array_equal(believed.wind.mean, DRIFT)
     assert believed.since[0].tolist() == [UNHEARD, 1, 1]
     far = (15.0, 3.0)  # where it has drifted, out of sight
-    believed.reveal(truth_of(HIDDEN, far, TAKEN, gone=(2,)))
+    believed.set_ground_truth(truth_of(HIDDEN, far, TAKEN, gone=(2,)))
     believed.learn(seen_at(2, {(0, 0): 0}), 0)
     np.testing.assert_array_equal(told(believed), [far])
     assert believed.tracks.born[0, 0] == 1 and believed.tracks.seen[0, 0] == 2
@@ -63,14 +63,14 @@ def test_an_item_once_shown_is_known_until_it_is_taken_and_others_are_not() -> N
 def test_late_looks_tell_of_what_they_show_at_their_own_step() -> None:
     """The item has left the node since, and another has come into it."""
     believed = beliefs()
-    believed.reveal(truth_of((10.0, 22.0), (3.0, 3.0)))
+    believed.set_ground_truth(truth_of((10.0, 22.0), (3.0, 3.0)))
     believed.learn(seen_at(0, {(0, 0): 0}), 0)
     now, cell = truth_of((14.0, 26.0), (10.0, 22.0)), SEA.node_of_cell[10, 22]
     view = TASK.views.of(int(SEA.node_of_cell[10, 20]), int(TASK.radius_number[0]))
     shown = (view == cell).astype(np.int16)[None, None]
     assert shown.sum() == 1
     looks = np.array([[[0, 0, SEA.node_of_cell[10, 20]]]], np.int32)
-    believed.reveal(now)
+    believed.set_ground_truth(now)
     heard = seen_at(1, {(0, 0): 0})._replace(late_looks=looks, late_shown=shown)
     believed.learn(heard, 0)
     np.testing.assert_array_equal(told(believed), [(14.0, 26.0)])

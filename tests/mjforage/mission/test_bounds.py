@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.belief_planner.privileged_beliefs import UNHEARD
-from mjforage.graph_planner.policies import create_policy, is_bound, policy_names
+from mjforage.graph_planner.policies import create_policy, is_upper_bound, policy_names
 from mjforage.mission.mission import Mission
 from mjforage.mission.policy import Policy
 from mjforage.mission.setup import Setup
-from mjforage.mission.task import Observation, Task, Truth
+from mjforage.mission.task import GroundTruth, Observation, Task
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.view.report.policy_pairs import comparison_table
 from mjforage.view.report.run_logs import load_logs
@@ -24,7 +24,7 @@ class Watcher:
     """Stays put and remembers what it was told."""
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
-        self.told: list[Truth] = []
+        self.told: list[GroundTruth] = []
         self._moves = np.zeros((keys.size, len(task.fleet), 9))
         self._moves[:, :, 8] = 1.0
 
@@ -33,12 +33,12 @@ class Watcher:
 
 
 class Peeper(Watcher):
-    def reveal(self, truth: Truth) -> None:
-        self.told.append(Truth._make(part.copy() for part in truth))
+    def set_ground_truth(self, truth: GroundTruth) -> None:
+        self.told.append(GroundTruth._make(part.copy() for part in truth))
 
 
 class ApartPeeper(Peeper):
-    apart = True
+    decentralised = True
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         self.rows = observation.keys.size
@@ -82,20 +82,20 @@ LINK = ("horizon=60", "link.model=disk", "link.range_m=40", "link.latency=1")
 class Recorder:
     """The oracle of what was heard; keeps what it is shown and answers."""
 
-    apart = True
+    decentralised = True
 
     def __init__(self) -> None:
         self.oracle = create_policy("oracle(heard=true)")
         self.seen: list[Observation] = []
-        self.told: list[Truth] = []
+        self.told: list[GroundTruth] = []
         self.answers: list[NDArray[np.float64]] = []
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         self.oracle.reset(task, keys)
 
-    def reveal(self, truth: Truth) -> None:
-        self.told.append(Truth._make(part.copy() for part in truth))
-        self.oracle.reveal(truth)  # type: ignore[attr-defined]
+    def set_ground_truth(self, truth: GroundTruth) -> None:
+        self.told.append(GroundTruth._make(part.copy() for part in truth))
+        self.oracle.set_ground_truth(truth)  # type: ignore[attr-defined]
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         self.seen.append(Observation._make(part.copy() for part in observation))
@@ -109,7 +109,7 @@ def answers_to(first: Recorder, mission: Mission, hidden: NDArray[np.bool_]) -> 
     again.reset(mission.task, first.seen[0].keys)
     for seen, truth in zip(first.seen, first.told, strict=True):
         item_rc = np.where(hidden[..., None], 0.0, truth.item_rc)
-        again.reveal(
+        again.set_ground_truth(
             truth._replace(item_rc=item_rc, item_node=np.where(hidden, -1, truth.item_node))
         )
         again.act(seen)
@@ -134,10 +134,10 @@ def test_the_oracle_of_what_was_heard_knows_nothing_else() -> None:
 
 
 def test_the_oracle_alone_is_marked() -> None:
-    assert [name for name in policy_names() if is_bound(name)] == ["oracle"]
+    assert [name for name in policy_names() if is_upper_bound(name)] == ["oracle"]
     assert policy_name("oracle", ["oracle"]) == "oracle (bound)"
-    assert is_bound("oracle(heard=true)")
-    assert not hasattr(create_policy("belief"), "reveal")
+    assert is_upper_bound("oracle(heard=true)")
+    assert not hasattr(create_policy("belief"), "set_ground_truth")
 
 
 def test_tables_mark_bounds_and_pick_the_best_without_them(

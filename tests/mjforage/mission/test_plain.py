@@ -10,7 +10,7 @@ from mjforage.base.errors import UserError
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.plain import Plain, plain_truth
-from mjforage.mission.task import Observation, Task, Truth
+from mjforage.mission.task import GroundTruth, Observation, Task
 from mjforage.scenario.fleet import Role
 from tests.graph_planner.driver import observation_of, task_of, truth_of
 
@@ -130,4 +130,4 @@ def test_a_truth_tells_of_nodes_and_places() -> None:
         (truth._replace(item_drift_rc=np.zeros(2)), r"truth\.item_drift_rc: has shape \(2,\)"),
     ):
         with pytest.raises(UserError, match=words):
-            plain_truth(Truth(*wrong), TASK)
+            plain_truth(GroundTruth(*wrong), TASK)

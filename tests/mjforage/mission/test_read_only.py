@@ -22,7 +22,7 @@ from mjforage.mission.mission import Mission
 from mjforage.mission.mission_metrics.metric import Batch, FloatArray, Metric, Moment
 from mjforage.mission.mission_metrics.scoring import Scorer
 from mjforage.mission.setup import Setup
-from mjforage.mission.task import Observation, Task, Truth
+from mjforage.mission.task import GroundTruth, Observation, Task
 from mjforage.physics.worlds import create_mission
 from mjforage.scenario.scenario_file import load_scenario
 from mjforage.testing.two_holders import TwoHolders
@@ -86,8 +86,8 @@ def _parts(value: object) -> Iterator[tuple[str, object, object]]:
 class Listing:
     """A bound that lists what can be written to of what it is handed."""
 
-    def __init__(self, apart: bool = False) -> None:
-        self.apart, self.found, self.arrays = apart, list[str](), 0
+    def __init__(self, decentralised: bool = False) -> None:
+        self.decentralised, self.found, self.arrays = decentralised, list[str](), 0
         self._guide = create_policy("greedy")
 
     def _look(self, what: object) -> None:
@@ -98,7 +98,7 @@ class Listing:
         self._look(task)
         self._guide.reset(task, keys)
 
-    def reveal(self, truth: Truth) -> None:
+    def set_ground_truth(self, truth: GroundTruth) -> None:
         self._look(truth)
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
@@ -135,8 +135,8 @@ def test_policies_bounds_and_metrics_can_write_to_nothing(
     world: str, overrides: tuple[str, ...]
 ) -> None:
     Listed.found.clear()
-    for apart in (True, False):
-        policy, mission = Listing(apart), mission_of(world, overrides)
+    for decentralised in (True, False):
+        policy, mission = Listing(decentralised), mission_of(world, overrides)
         scorer = Scorer(mission, [Listed])
         mission.run(policy, (scorer,))
         assert policy.found == []
@@ -148,7 +148,7 @@ def test_policies_bounds_and_metrics_can_write_to_nothing(
 
 def test_a_fleet_in_another_s_exchange_cannot_be_written_to() -> None:
     setup = Setup.of(load_scenario("comb-port", ["horizon=3"]))
-    mission, policy = Mission(setup, exchange=TwoHolders()), Listing(apart=True)
+    mission, policy = Mission(setup, exchange=TwoHolders()), Listing(decentralised=True)
     mission.reset(0, np.arange(2))
     mission.run(policy)
     assert policy.found == []
@@ -246,7 +246,7 @@ class Widening(Ending):
 class Moving(Ending):
     """A bound that moves the items."""
 
-    def reveal(self, truth: Truth) -> None:
+    def set_ground_truth(self, truth: GroundTruth) -> None:
         truth.item_node[:] = 5
 
 

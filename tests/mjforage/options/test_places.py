@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.mission import Mission
-from mjforage.mission.policy import Bound
+from mjforage.mission.policy import UpperBound
 from mjforage.mission.setup import Setup
 from mjforage.mission.task import Observation
 from mjforage.scenario.fleet import Fleet
@@ -59,8 +59,8 @@ def test_the_order_of_the_teams_plays_no_part(name: str) -> None:
     play.prepare(one)
     other.reset(replace(play.task, fleet=Fleet.of(dict(reversed(list(roles.items()))))), play.keys)
     while play.active.any():
-        if isinstance(other, Bound):
-            other.reveal(play.truth)
+        if isinstance(other, UpperBound):
+            other.set_ground_truth(play.truth)
         answer, going = play.ask(one).copy(), play.active
         turned = other.act(in_order(play.held, order))[:, order]
         np.testing.assert_array_equal(turned[going], answer[going], str(play.step))

@@ -67,7 +67,7 @@ def test_a_watched_policy_has_the_name_and_attributes_of_its_own() -> None:
     timed = watched(policy, Watch(), 1)
     assert type(timed).__name__ == type(policy).__name__
     assert timed.files == policy.files  # type: ignore[attr-defined]
-    assert not hasattr(timed, "reveal")
+    assert not hasattr(timed, "set_ground_truth")
 
 
 def test_episodes_that_are_over_are_not_counted() -> None:

@@ -54,7 +54,7 @@ class North:
 class Seer(North):
     """A bound."""
 
-    def reveal(self, truth):
+    def set_ground_truth(self, truth):
         pass
 '''
 NO_REPORT = """
