@@ -96,7 +96,7 @@ def test_every_argument_of_train_is_of_the_training_or_free(
         "folder": "where it is",
         "hours": "where it stops",
         "updates": "where it stops",
-        "report": "is settings",
+        "report": "is told",
         "resume": "what to do with another training",
     }
     assert asked.keys() | free.keys() == inspect.signature(train_with).parameters.keys()
@@ -123,20 +123,20 @@ def placed_on(file: Path) -> Scenario:
 def test_cells_and_starts_of_maps_are_of_the_training(finished: Finished, tmp_path: Path) -> None:
     """Whatever their names say; those of evaluations too."""
     file, starts = tmp_path / "bay.csv", tmp_path / "bay.starts.csv"
-    settings = []
+    facts = []
     for cell, start in (("1", "0,0"), ("0", "0,0"), ("1", "1,1")):
         file.write_text("\n".join([*["1,1,1,1,1,1"] * 5, f"1,1,1,1,1,{cell}"]) + "\n")
         starts.write_text(f"{start}\n0,2\n2,0\n3,3\n")
         task = TrainingTask(EnvironmentOptions(placed_on(file)), 3, {})
         judged = copy.copy(finished[1])
         judged.evaluate_on([placed_on(file)])
-        settings += [
+        facts += [
             facts_of(finished[1], tasks=[task]),
             facts_of(finished[1], tasks=[*finished[1].tasks, task]),
             facts_of(judged),
         ]
     for place in range(3):
-        first, *others = settings[place::3]
+        first, *others = facts[place::3]
         for other in others:
             assert [one.key for one in differences(first, other, IDENTITY)] == ["maps"]
 
@@ -151,10 +151,10 @@ def test_what_is_in_files_of_weights_is_of_the_training(
     other = weights[:-1] + bytes([weights[-1] ^ 1])
     every: list[dict[str, Any]] = [{"initial": file.name}, {"teacher": "w", "teacher_updates": 5}]
     for asked in every:
-        settings = []
+        facts = []
         for content in (weights, other):
             file.write_bytes(content)
             settings = replace(finished[1].hyperparameters, **asked)
-            settings.append(facts_of(finished[1], hyperparameters=settings))
-        found = differences(settings[0], settings[1], IDENTITY)
+            facts.append(facts_of(finished[1], hyperparameters=settings))
+        found = differences(facts[0], facts[1], IDENTITY)
         assert [one.key for one in found] == ["weights"], asked
