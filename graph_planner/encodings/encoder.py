@@ -41,10 +41,8 @@ class Encoder(Protocol):
     def see(self, seen: Observation, rows: NDArray[np.int64]) -> dict[str, Levels]:
         """Look at the episodes `rows` of the batch; the first decision of one clears its memory.
 
-        Returns
-        -------
-        name -> `(episode, agent, *shape)` uint8; live arrays, in which other episodes keep what
-        they had. Looking twice at one step changes nothing.
+        Returns: name -> `(episode, agent, *shape)` uint8; live arrays, in which other episodes keep
+        what they had. Looking twice at one step changes nothing.
         """
         ...
 
@@ -61,10 +59,7 @@ encoder = ENCODERS.register
 def encoder_class(text: str) -> Callable[..., Encoder]:
     """The class that a reference names.
 
-    Raises
-    ------
-    UserError
-        If there is none, an option does not fit, or it is no class of encoders.
+    Raises `UserError` if there is none, an option does not fit, or it is no class of encoders.
     """
     _, made, _ = ENCODERS.bound(text)
     missing = [name for name in ("reset", "see") if not callable(getattr(made, name, None))]
@@ -84,15 +79,13 @@ def encoder_label(text: str) -> str:
 def create_encoder(text: str, task: Task) -> Encoder:
     """A fresh encoder.
 
+    Raises `UserError` as `encoder_class`, and if its shapes are none; a `ValueError` of its
+    `__init__` is told.
+
     Parameters
     ----------
     text : NAME or `package.module:Class`, with options in parentheses
     task : map, fleet and rules that it is for
-
-    Raises
-    ------
-    UserError
-        As `encoder_class`, and if its shapes are none; a `ValueError` of its `__init__` is told.
     """
     options = ENCODERS.bound(text)[2]
     made = built(f"observation {text}", encoder_class(text), task, **options)

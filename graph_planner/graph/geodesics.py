@@ -56,16 +56,14 @@ def spread(
 ) -> int:
     """Distances from the nearest source, outwards until every wanted node is settled.
 
+    Returns: n, the number of nodes touched.
+
     Parameters
     ----------
     neighbours : (node, 8) int32, -1 where there is no edge; odd directions are diagonal
     sources : (source,) nodes at distance 0
     wanted : (query,) nodes that must be settled; empty: all nodes are
     workspace : `distance` holds the result; the first `n` of `touched` are the nodes that were set
-
-    Returns
-    -------
-    n, the number of nodes touched
     """
     distance, touched = workspace.distance, workspace.touched
     bucket_0 = np.empty(64, np.int32)

@@ -32,11 +32,8 @@ class NodeLists(NamedTuple):
 def rounded_line(d_row: int, d_col: int) -> NDArray[np.int64]:
     """Offsets of the nodes on the straight line from (0, 0) to (d_row, d_col), both ends included.
 
-    One node per unit of the longer axis; halves round away from the start.
-
-    Returns
-    -------
-    (point, 2) int64
+    One node per unit of the longer axis; halves round away from the start. Returns: (point, 2)
+    int64.
     """
     points = max(abs(d_row), abs(d_col))
     k = np.arange(points + 1)

@@ -66,13 +66,7 @@ def ground_note(task: Task) -> dict[str, Any]:
 
 
 def shipped_weights(name: str) -> Path:
-    """File of shipped weights.
-
-    Raises
-    ------
-    WeightsError
-        If there are none of that name.
-    """
+    """File of shipped weights. Raises `WeightsError` if there are none of that name."""
     path = models_folder() / "weights" / f"{name}.safetensors"
     if path.is_file():
         return path
@@ -83,11 +77,9 @@ def shipped_weights(name: str) -> Path:
 def read_header(path: Path) -> WeightsHeader:
     """Check a file's header.
 
-    Raises
-    ------
-    WeightsError
-        If the file is missing, not safetensors, or holds no weights of ours, or names an encoder
-        of code that neither ships nor is installed, unless the user has named that (`Table.told`).
+    Raises `WeightsError` if the file is missing, not safetensors, or holds no weights of ours, or
+    names an encoder of code that neither ships nor is installed, unless the user has named that
+    (`Table.told`).
     """
     try:
         with path.open("rb") as file:
@@ -172,11 +164,8 @@ def header_note(header: WeightsHeader) -> tuple[str, str]:
 def load_networks(path: Path, task: Task) -> "dict[str, MoveNetwork]":
     """Team -> network with the file's weights, for a task; none for a team that it has not.
 
-    Raises
-    ------
-    WeightsError
-        If the file is damaged, made for arrays of another shape than the task's or, with a
-        encoding that is bound to its map, for another map, or lacks a team of the task.
+    Raises `WeightsError` if the file is damaged, made for arrays of another shape than the task's
+    or, with a encoding that is bound to its map, for another map, or lacks a team of the task.
     """
     from safetensors import SafetensorError
     from safetensors.torch import load_file

@@ -36,13 +36,7 @@ class Library(NamedTuple):
 
 
 def routing_library() -> Library:
-    """OR-tools.
-
-    Raises
-    ------
-    UserError
-        If it is not installed.
-    """
+    """OR-tools. Raises `UserError` if it is not installed."""
     require("policy orienteering", "ortools")
     from ortools.constraint_solver import pywrapcp, routing_enums_pb2
     from ortools.util import optional_boolean_pb2
@@ -89,15 +83,13 @@ def _limit_room(routing: Any, legs: Legs) -> None:
 def solve_routes(library: Library, legs: Legs, horizon: float, solutions: int) -> list[list[int]]:
     """The stops that each forager goes to, in order.
 
+    Returns: for each forager the numbers of its stops.
+
     Parameters
     ----------
     legs : stops and how far they are
     horizon : decisions after which items earn nothing
     solutions : how many solutions, each better than the last, are tried at most
-
-    Returns
-    -------
-    For each forager the numbers of its stops
     """
     foragers, n = legs.first.shape
     if n == 0 or foragers == 0:

@@ -70,12 +70,7 @@ def policy_label(text: str) -> str:
     """The one spelling of a reference to a policy, by which tables, files and run.json name it.
 
     Options stand in the order of their names; those at their default are left out. A class that
-    ships has its name.
-
-    Raises
-    ------
-    UserError
-        As `create_policy`.
+    ships has its name. Raises `UserError` as `create_policy`.
     """
     return str(_bound(text)[0])
 
@@ -88,10 +83,7 @@ def policy_class(text: str) -> Callable[..., Policy]:
 def check_policies(texts: Sequence[str]) -> list[str]:
     """The labels of policies; refuse unknown and repeated ones, and those that cannot be made.
 
-    Raises
-    ------
-    UserError
-        As `create_policy`, and for a policy given twice or none at all.
+    Raises `UserError` as `create_policy`, and for a policy given twice or none at all.
     """
     if not texts:
         raise UserError("no policy given; add --policy greedy")
@@ -108,18 +100,15 @@ def check_policies(texts: Sequence[str]) -> list[str]:
 def create_policy(text: str) -> Policy:
     """A fresh policy.
 
+    Raises `UserError` if there is none of that name (the message offers the nearest), it cannot be
+    imported, or an option does not fit; a `ValueError` of its `__init__` is told. Raises
+    `WeightsError` if the present folder has a weight file of that name, but no weights of ours are
+    in it.
+
     Parameters
     ----------
     text : NAME, `package.module:Class` or, for weights `NAME.safetensors` of the present folder,
         NAME; each with options in parentheses, such as `greedy(distance=2)`
-
-    Raises
-    ------
-    UserError
-        If there is none of that name (the message offers the nearest), it cannot be imported, or
-        an option does not fit; a `ValueError` of its `__init__` is told.
-    WeightsError
-        If the present folder has a weight file of that name, but no weights of ours are in it.
     """
     _, made, options = _bound(text)
     policy = built(f"policy {text}", made, **options)
@@ -143,14 +132,11 @@ def has_policy(text: str) -> bool:
 def check_policy_trusted(text: str, where: str, reference: str = "") -> None:
     """Refuse a policy that a file names, of code that is not known to be trusted.
 
+    Raises `UserError` as `Registry.check_trusted`, and if it is no reference.
+
     Parameters
     ----------
     text, where, reference : as of `Registry.check_trusted`; the name may have options
-
-    Raises
-    ------
-    UserError
-        As `Registry.check_trusted`, and if it is no reference.
     """
     POLICIES.check_trusted(parse_reference(text, "policy").name, where, reference)
 
@@ -158,10 +144,7 @@ def check_policy_trusted(text: str, where: str, reference: str = "") -> None:
 def policy_import_spec(text: str) -> ImportSpec | None:
     """Where another process finds a policy; None for one of ours.
 
-    Raises
-    ------
-    UserError
-        If another process cannot.
+    Raises `UserError` if another process cannot.
     """
     name = parse_reference(text, "policy").name
     return None if own_weights(name) else POLICIES.import_specs([name]).get(name)
@@ -170,10 +153,7 @@ def policy_import_spec(text: str) -> ImportSpec | None:
 def add_policy(text: str, spec: ImportSpec) -> None:
     """Make a policy known here that another process found, by its import spec.
 
-    Raises
-    ------
-    UserError
-        If it cannot be imported here.
+    Raises `UserError` if it cannot be imported here.
     """
     POLICIES.add(parse_reference(text, "policy").name, spec)
 
@@ -182,11 +162,7 @@ def policy_files(text: str) -> tuple[Path, ...]:
     """The files that a policy's moves hang on, its weights for example.
 
     A warning is logged if the present folder has weights of that name which it does not read.
-
-    Raises
-    ------
-    UserError
-        As `create_policy`, and if one of them is missing.
+    Raises `UserError` as `create_policy`, and if one of them is missing.
     """
     name, named = parse_reference(text, "policy").name, getattr(create_policy(text), "files", ())
     files = tuple(Path(file) for file in ((named,) if isinstance(named, str | Path) else named))

@@ -42,10 +42,7 @@ class ModelPolicy:
     def __init__(self, files: Sequence[str | Path] = ()) -> None:
         """Name the files that the model is read from: they are then part of what a run is.
 
-        Raises
-        ------
-        UserError
-            If one is missing.
+        Raises `UserError` if one is missing.
         """
         self.files = tuple(Path(file) for file in files)
         for file in self.files:
@@ -60,25 +57,21 @@ class ModelPolicy:
     def decide(self, seen: Arrays, agents: Rows) -> NDArray[Any]:
         """Ask the model.
 
+        Returns: moves (row,) as integers, or values (row, 9) of which the largest legal one counts;
+        with an agent axis behind the row for mjforage/Foraging-v0. Rows must not depend on one
+        another.
+
         Parameters
         ----------
         seen : observations of the environment, `action_mask` included, with a leading row axis
         agents : (row,) whose each is; for mjforage/Foraging-v0, where all agents are in a row, -1
-
-        Returns
-        -------
-        Moves (row,) as integers, or values (row, 9) of which the largest legal one counts; with an
-        agent axis behind the row for mjforage/Foraging-v0. Rows must not depend on one another.
         """
         raise NotImplementedError
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,).
 
-        Raises
-        ------
-        UserError
-            If `trained_on` or `observation` is not known.
+        Raises `UserError` if `trained_on` or `observation` is not known.
         """
         if self.trained_on not in _VIEWS:
             raise UserError(
@@ -123,10 +116,7 @@ class ModelPolicy:
     def _moves(self, said: NDArray[Any], mask: NDArray[np.bool_]) -> NDArray[np.int64]:
         """Moves of a block, from what the model said and the masks (row, ..., 9).
 
-        Raises
-        ------
-        UserError
-            If it is neither moves nor values.
+        Raises `UserError` if it is neither moves nor values.
         """
         moves = said.shape == mask.shape[:-1] and said.dtype.kind in "iu"
         if moves and ((said >= 0) & (said < 9)).all():

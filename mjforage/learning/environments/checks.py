@@ -31,16 +31,13 @@ def checked_moves(
 ) -> NDArray[np.int64]:
     """Moves as integers of one type.
 
+    Raises `UserError` if it has another shape, or holds anything but integers of 0 to 8.
+
     Parameters
     ----------
     actions : what was given
     shape : that it has to have
     name : what it is called in a message
-
-    Raises
-    ------
-    UserError
-        If it has another shape, or holds anything but integers of 0 to 8.
     """
     remedy = "give whole numbers, 0-7 for the compass from north clockwise or 8 to stay"
     moves = _array(actions, shape, name, remedy)
@@ -56,10 +53,7 @@ def checked_moves(
 def checked_thrusts(action: object) -> NDArray[np.float64]:
     """(2,) commands of port and starboard, cut off at -1 and 1.
 
-    Raises
-    ------
-    UserError
-        If these are not two finite numbers.
+    Raises `UserError` if these are not two finite numbers.
     """
     remedy = "give two finite numbers, port and starboard, -1 full astern to 1 full ahead"
     thrusts = _array(action, (2,), "action", remedy)
@@ -71,10 +65,7 @@ def checked_thrusts(action: object) -> NDArray[np.float64]:
 def checked_seed(seed: object, name: str = "seed") -> int | None:
     """A seed as a Python integer; None stays None.
 
-    Raises
-    ------
-    UserError
-        If it is no integer of 0 <= seed < 2**64.
+    Raises `UserError` if it is no integer of 0 <= seed < 2**64.
     """
     if seed is None:
         return None
@@ -86,10 +77,7 @@ def checked_seed(seed: object, name: str = "seed") -> int | None:
 def checked_options(options: object, known: tuple[str, ...] = ()) -> Mapping[str, Any]:
     """What `reset` was told beside its seed.
 
-    Raises
-    ------
-    UserError
-        If it is no mapping, or has a key that is not known.
+    Raises `UserError` if it is no mapping, or has a key that is not known.
     """
     if options is None:
         return {}
@@ -103,13 +91,7 @@ def checked_options(options: object, known: tuple[str, ...] = ()) -> Mapping[str
 
 
 def checked_started(started: bool, what: str) -> None:
-    """Refuse what needs an episode while there is none.
-
-    Raises
-    ------
-    UserError
-        If so.
-    """
+    """Refuse what needs an episode while there is none. Raises `UserError` if so."""
     if not started:
         raise UserError(f"{what} before the first reset: no episode has begun; call reset first")
 

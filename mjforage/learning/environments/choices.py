@@ -27,10 +27,7 @@ class UnknownArgumentError(UserError, TypeError):
 def check_known(arguments: Iterable[str], known: Sequence[str]) -> None:
     """Refuse an argument that is not known.
 
-    Raises
-    ------
-    UnknownArgumentError
-        Naming the first of them, and the nearest that is known.
+    Raises `UnknownArgumentError` naming the first of them, and the nearest that is known.
     """
     for name in arguments:
         if name not in known:
@@ -46,10 +43,7 @@ Overrides = Sequence[str] | Mapping[str, Any]
 def chosen_setup(scenario: object, grid: object, overrides: object) -> Setup:
     """The setup of what `scenario=`, `map=` and `set=` were given.
 
-    Raises
-    ------
-    UserError
-        If one of them is of another type, or the scenario is not a valid one.
+    Raises `UserError` if one of them is of another type, or the scenario is not a valid one.
     """
     if not isinstance(scenario, str | Path | Scenario):
         raise _unknown("scenario", scenario, "a preset's name, a TOML file or a Scenario")

@@ -100,14 +100,11 @@ class EnvironmentCore:
     def __init__(self, options: EnvironmentOptions, num_envs: int = 1) -> None:
         """Prepare.
 
+        Raises `UserError` if this machine has not the memory for them.
+
         Parameters
         ----------
         num_envs : episodes side by side; beyond the graph world they are started together
-
-        Raises
-        ------
-        UserError
-            If this machine has not the memory for them.
         """
         self.options, self.num_envs = options, num_envs
         self.setup = options.setup
@@ -141,15 +138,12 @@ class EnvironmentCore:
     def step(self, actions: NDArray[np.int64]) -> Outcome:
         """Play one decision of every sub-environment that is not over.
 
+        Raises `UserError` if no episode has been started.
+
         Parameters
         ----------
         actions : (env, agent) moves 0-8; an illegal one, or one that another agent took first,
             becomes staying put where that is legal, else the first legal compass move
-
-        Raises
-        ------
-        UserError
-            If no episode has been started.
         """
         checked_started(self.started, "step")
         return self.play(_preferences(actions), actions)
@@ -224,10 +218,7 @@ class Episodes:
     def following(self, seed: int | None, entropy: np.random.Generator) -> UInt64Array:
         """Key (1,) of the next episode: the first of a new seed, else the next of the old one.
 
-        Raises
-        ------
-        UserError
-            If the seed is not one.
+        Raises `UserError` if the seed is not one.
         """
         from mjforage.base.randomness import episode_keys
 

@@ -58,19 +58,13 @@ class ForagingEnv(SingleEnvironment, gymnasium.Env[Arrays, NDArray[np.int64]]):
     def step(self, action: NDArray[np.int64]) -> tuple[Arrays, float, bool, bool, dict[str, Any]]:
         """One decision of the fleet.
 
+        Returns: observation, its leading axis the agents; reward summed over them; terminated;
+        truncated; `info`. Raises `UserError` if the action is not of its space, or there was no
+        reset.
+
         Parameters
         ----------
         action : (agent,) moves 0-8
-
-        Returns
-        -------
-        observation, its leading axis the agents; reward summed over them; terminated; truncated;
-        `info`
-
-        Raises
-        ------
-        UserError
-            If the action is not of its space, or there was no reset.
         """
         moves = checked_moves(action, (self._core.agents,))
         reward, ended, late, info = summed(self._play(moves))

@@ -16,13 +16,7 @@ WIDTH, HEIGHT = 640, 360  # pixels
 
 
 def check_camera(camera: str | None, world: str, mode: str | None) -> None:
-    """Refuse a camera that does not exist, or has nothing to show.
-
-    Raises
-    ------
-    UserError
-        If so.
-    """
+    """Refuse a camera that does not exist, or has nothing to show. Raises `UserError` if so."""
     if camera is None:
         return
     from mjforage.view.render.cameras import CAMERAS
@@ -56,10 +50,7 @@ class HarbourFigure:
     def draw(self, replay: Recording, step: int) -> NDArray[np.uint8]:
         """(HEIGHT, WIDTH, 3) the last step of an episode that goes on.
 
-        Raises
-        ------
-        UserError
-            If there is no OpenGL.
+        Raises `UserError` if there is no OpenGL.
         """
         if self._view is None:
             self._view = self._opened(replay)

@@ -39,6 +39,8 @@ class EnvironmentArguments(TypedDict, total=False):
 class EnvironmentOptions:
     """The arguments, checked.
 
+    Raises `UserError` if a name is not known or the scenario is not a valid one.
+
     Attributes
     ----------
     scenario : preset, path of a TOML file, or a scenario
@@ -51,11 +53,6 @@ class EnvironmentOptions:
     set : overrides of the scenario: KEY -> value, or KEY=VALUE each
     camera : of `mjforage render --camera`, to see the hulls in 3-D; None: the map from above
     dtype : "float32", values in [0, 1], or "uint8", levels that a learner divides by 255 itself
-
-    Raises
-    ------
-    UserError
-        If a name is not known or the scenario is not a valid one.
     """
 
     scenario: str | Path | Scenario = "comb-port"

@@ -82,10 +82,8 @@ class ForagingParallelEnv(SingleEnvironment, ParallelEnv[str, Arrays, int]):  # 
     ]:
         """One decision of all agents that are not over; actions of those that are do not count.
 
-        Raises
-        ------
-        UserError
-            If an agent has no action, is not known, or its action is not of its space.
+        Raises `UserError` if an agent has no action, is not known, or its action is not of its
+        space.
         """
         outcome = self._play(self._chosen(actions))
         present = self.agents

@@ -13,10 +13,7 @@ from mjforage.learning.environments.window import RENDER_MODES, Window, why_no_w
 def check_mode(mode: str | None, known: list[str] = RENDER_MODES) -> None:
     """Refuse a render mode that does not exist, or not here, before anything is played.
 
-    Raises
-    ------
-    UserError
-        If so.
+    Raises `UserError` if so.
     """
     if mode is None:
         return

@@ -53,18 +53,12 @@ class SharedPolicyEnv(SingleEnvironment, gymnasium.Env[Arrays, np.int64]):
     def step(self, action: np.int64) -> tuple[Arrays, float, bool, bool, dict[str, Any]]:
         """One agent's decision; the fleet moves, and a reward other than 0 comes, after the last.
 
+        Returns: observation of the next agent, reward summed over all, terminated, truncated,
+        `info`. Raises `UserError` if the action is not of its space, or there was no reset.
+
         Parameters
         ----------
         action : move 0-8 of the agent whose turn it is
-
-        Returns
-        -------
-        observation of the next agent, reward summed over all, terminated, truncated, `info`
-
-        Raises
-        ------
-        UserError
-            If the action is not of its space, or there was no reset.
         """
         checked_started(self._core.started, "step")
         self._choose(int(checked_moves(action, ())))

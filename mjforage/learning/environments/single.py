@@ -21,10 +21,7 @@ METADATA: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 10}
 class SingleEnvironment(Copied):
     """Base of an environment; what it can be told is in `EnvironmentOptions`.
 
-    Raises
-    ------
-    UserError
-        If an option is not valid.
+    Raises `UserError` if an option is not valid.
     """
 
     metadata: ClassVar[dict[str, Any]] = METADATA

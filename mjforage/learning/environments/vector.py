@@ -93,15 +93,12 @@ class ForagingVectorEnv(Copied, VectorEnv[Arrays, NDArray[np.int64], NDArray[Any
     ) -> tuple[Arrays, dict[str, Any]]:
         """Start the next episode of all sub-environments, or of some.
 
+        Raises `UserError` if a seed or the mask is not one, or the first reset leaves some out.
+
         Parameters
         ----------
         seed : of the first, the others take the integers after it; or one for each
         options : `reset_mask`, (env,) booleans: which to start; absent: all
-
-        Raises
-        ------
-        UserError
-            If a seed or the mask is not one, or the first reset leaves some out.
         """
         told = checked_options(options, ("reset_mask",))
         seeds, envs = self._seeds(seed), self._chosen(told.get("reset_mask"))
@@ -139,19 +136,13 @@ class ForagingVectorEnv(Copied, VectorEnv[Arrays, NDArray[np.int64], NDArray[Any
     ) -> tuple[Arrays, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """One decision of every fleet.
 
+        Returns: observations, their leading axes env and agent; rewards (env,), summed over agents;
+        terminated and truncated (env,); what `info` has, each (env,) beside its mask. Raises
+        `UserError` if an action is not of its space, or there was no reset.
+
         Parameters
         ----------
         actions : (env, agent) moves 0-8
-
-        Returns
-        -------
-        observations, their leading axes env and agent; rewards (env,), summed over agents;
-        terminated and truncated (env,); what `info` has, each (env,) beside its mask
-
-        Raises
-        ------
-        UserError
-            If an action is not of its space, or there was no reset.
         """
         moves = checked_moves(actions, (self.num_envs, self._cores[0].agents), "actions")
         again = self._ended.copy() if self.autoreset_mode is AutoresetMode.NEXT_STEP else None

@@ -82,17 +82,14 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
     ) -> None:
         """Prepare.
 
+        Raises `UserError` if an argument is not valid, or not known.
+
         Parameters
         ----------
         vessel : name or TOML file
         wind_mps, current_mps : speeds; directions are drawn per episode
         gust_intensity : standard deviation of the gusts over the wind's speed
         reward : term -> weight; absent: `REWARD`
-
-        Raises
-        ------
-        UserError
-            If an argument is not valid, or not known.
         """
         check_known(unknown, [*inspect.signature(WaypointEnv).parameters][:-1])
         weather = WeatherSettings(
@@ -133,18 +130,12 @@ class WaypointEnv(Copied, gymnasium.Env[Numbers, Numbers]):
     def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
         """Half a second of constant commands.
 
+        Returns: observation (16,), reward, terminated, truncated, `info`. Raises `UserError` if the
+        action is not two finite numbers.
+
         Parameters
         ----------
         action : (2,) thrust of port and starboard, shares in [-1, 1]
-
-        Returns
-        -------
-        observation (16,), reward, terminated, truncated, `info`
-
-        Raises
-        ------
-        UserError
-            If the action is not two finite numbers.
         """
         checked_started(bool(self._way), "step")
         thrusts = checked_thrusts(action)

@@ -74,9 +74,7 @@ class WaypointTrack:
     def tick(self, port: float, starboard: float) -> tuple[float, bool]:
         """A tenth of a second under commands [rad/s or N].
 
-        Returns
-        -------
-        metres that the waypoint has come nearer, and whether it has been reached
+        Returns: metres that the waypoint has come nearer, and whether it has been reached.
         """
         before, simulation = self.distance_m, self.simulation
         simulation.vessel_wind[0, 0], simulation.vessel_water[0, 0] = self.wind, self.current

@@ -35,10 +35,7 @@ def metadata_here(metadata: Mapping[str, Any]) -> dict[str, Any]:
 class Window:
     """Opens before anything is played, and shows pictures from then on.
 
-    Raises
-    ------
-    UserError
-        If it cannot.
+    Raises `UserError` if it cannot.
     """
 
     def __init__(self, title: str) -> None:

@@ -87,14 +87,12 @@ class Algorithm(Generic[Settings]):
     ) -> None:
         """Prepare a run.
 
+        Raises `UserError` if a scenario, a setting or the seed is not valid, or fleets or arrays
+        differ.
+
         Parameters
         ----------
         scenarios : rounds take them in turn
-
-        Raises
-        ------
-        UserError
-            If a scenario, a setting or the seed is not valid, or fleets or arrays differ.
         """
         if not 0 <= seed < HELD_OUT:
             raise UserError(f"seed {seed}: out of range; give 0 to {HELD_OUT - 1}")
@@ -132,14 +130,12 @@ class Algorithm(Generic[Settings]):
     def evaluate_on(self, scenarios: Sequence[Scenario]) -> None:
         """Be judged on other scenarios than the first, which share the episodes of an evaluation.
 
+        Raises `UserError` if one is not valid, its fleet or arrays differ, or there are fewer
+        episodes than maps.
+
         Parameters
         ----------
         scenarios : a map of one may be a family of harbours
-
-        Raises
-        ------
-        UserError
-            If one is not valid, its fleet or arrays differ, or there are fewer episodes than maps.
         """
         evaluation = self._evaluation(scenarios)
         evaluation.check(self.tasks[0].examples[0])
@@ -160,12 +156,8 @@ class Algorithm(Generic[Settings]):
     def begin(self) -> None:
         """Have all `copies` begin with the weights that `hyperparameters.initial` names, if any.
 
-        `mjforage train` calls it before the first round.
-
-        Raises
-        ------
-        UserError
-            If those weights are of no use here, see `begin_with`.
+        `mjforage train` calls it before the first round. Raises `UserError` if those weights are of
+        no use here, see `begin_with`.
         """
         if self.hyperparameters.initial:
             from mjforage.learning.training.initial_weights import begin_with
@@ -217,20 +209,14 @@ class Algorithm(Generic[Settings]):
     def end_round(self, returns: NDArray[np.float64], learned: Sequence[Row]) -> Row:
         """Count a round that was played to its end.
 
+        Returns: how far the run has come, the round's scores, what an episode had of each term of
+        the reward (`reward/NAME`, weighted, all agents), and means over its updates. Raises
+        `UserError` if an update tells what the class's `learned` does not name.
+
         Parameters
         ----------
         returns : (env, agent) of its episodes
         learned : what each update tells
-
-        Returns
-        -------
-        How far the run has come, the round's scores, what an episode had of each term of the
-        reward (`reward/NAME`, weighted, all agents), and means over its updates
-
-        Raises
-        ------
-        UserError
-            If an update tells what the class's `learned` does not name.
         """
         unnamed = sorted({name for entry in learned for name in entry} - set(self.learned))
         if unnamed:
@@ -283,10 +269,7 @@ def teacher_label(teacher: str) -> str:
 def save_weights(trainer: Algorithm[Any], path: Path) -> None:
     """Write the networks as a weight file that policies can read; none for a team without agents.
 
-    Raises
-    ------
-    UserError
-        If it cannot be written.
+    Raises `UserError` if it cannot be written.
     """
     tensors = {
         f"{team}.{name}": value.detach().cpu().contiguous()

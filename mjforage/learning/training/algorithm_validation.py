@@ -21,12 +21,8 @@ logger = logging.getLogger(__name__)
 def check_parts(trainer: "Algorithm[Any]") -> None:
     """Refuse networks and tensors that evaluations and checkpoints could do nothing with.
 
-    Of a network that trains and whose weights no policy plays there is a warning.
-
-    Raises
-    ------
-    UserError
-        If a team that has agents has no network, or what is to be kept is no tensor.
+    Of a network that trains and whose weights no policy plays there is a warning. Raises
+    `UserError` if a team that has agents has no network, or what is to be kept is no tensor.
     """
     import torch
 
@@ -74,11 +70,8 @@ def _tell_of_other_networks(trainer: "Algorithm[Any]") -> None:
 def checked_row(trainer: "Algorithm[Any]", row: Any) -> Row:
     """What `play_round` gave, if it is such a row.
 
-    Raises
-    ------
-    UserError
-        If it is none: nothing, without what `end_round` gives or with other counts, or with
-        what is no number.
+    Raises `UserError` if it is none: nothing, without what `end_round` gives or with other counts,
+    or with what is no number.
     """
     who, given = f"algorithm {type(trainer).__name__}: play_round gave", "self.end_round gives"
     if not isinstance(row, Mapping):

@@ -22,16 +22,13 @@ ALGORITHMS.register("mappo")(MappoTrainer)
 def find_algorithm(name: str) -> type[Algorithm[Any]]:
     """The class of an algorithm.
 
+    Raises `UserError` if there is none of that name (the message offers the nearest), it cannot be
+    imported, or it is no `Algorithm` with `settings`, a `weights_kind` that policies play and all
+    of `TO_WRITE`.
+
     Parameters
     ----------
     name : ddqn, mappo, a name of an installed package, or `package.module:Class`
-
-    Raises
-    ------
-    UserError
-        If there is none of that name (the message offers the nearest), it cannot be imported, or
-        it is no `Algorithm` with `settings`, a `weights_kind` that policies play and all of
-        `TO_WRITE`.
     """
     found = ALGORITHMS.find(name)
     if not (

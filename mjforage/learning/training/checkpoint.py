@@ -52,13 +52,7 @@ def identity(trainer: Algorithm[Any]) -> dict[str, Any]:
 
 
 def save_checkpoint(trainer: Algorithm[Any], path: Path) -> None:
-    """Write a checkpoint through a temporary file.
-
-    Raises
-    ------
-    UserError
-        If it cannot be written.
-    """
+    """Write a checkpoint through a temporary file. Raises `UserError` if it cannot be written."""
     notes = {
         "format": FORMAT,
         "identity": identity(trainer),
@@ -71,11 +65,8 @@ def save_checkpoint(trainer: Algorithm[Any], path: Path) -> None:
 def restore_checkpoint(trainer: Algorithm[Any], path: Path) -> None:
     """Bring a fresh trainer to where a checkpoint was written.
 
-    Raises
-    ------
-    UserError
-        If the file is not a checkpoint, one of another scenario, seed or hyperparameters, or holds
-        what no training writes.
+    Raises `UserError` if the file is not a checkpoint, one of another scenario, seed or
+    hyperparameters, or holds what no training writes.
     """
     try:
         with safe_open(path, "pt") as file:

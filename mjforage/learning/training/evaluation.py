@@ -37,16 +37,14 @@ class Evaluation:
     def __init__(self, scenarios: Sequence[Scenario], make: Make, episodes: int) -> None:
         """Prepare; nothing is built before it is played.
 
+        Raises `UserError` if a family's name is not well formed, or there are fewer episodes than
+        maps.
+
         Parameters
         ----------
         scenarios : that share the episodes: episode i is on map i modulo their number of maps
         make : what a scenario is played with
         episodes : of all of them together
-
-        Raises
-        ------
-        UserError
-            If a family's name is not well formed, or there are fewer episodes than maps.
         """
         self.scenarios, self._make, self._episodes = tuple(scenarios), make, episodes
         self._each = [each for scenario in scenarios for each in scenarios_of(scenario)]
@@ -64,10 +62,8 @@ class Evaluation:
     def check(self, home: EnvironmentOptions) -> None:
         """Try all maps now, not hours later.
 
-        Raises
-        ------
-        UserError
-            If a scenario is not valid, or its fleet or arrays are not those of the run's first.
+        Raises `UserError` if a scenario is not valid, or its fleet or arrays are not those of the
+        run's first.
         """
         for each in self._each:
             self._make(each)

@@ -17,14 +17,11 @@ from mjforage.base.atomic_files import atomic_write
 def save_tensors(path: Path, tensors: Mapping[str, Tensor], note: tuple[str, str]) -> None:
     """Write tensors through a temporary file.
 
+    Raises `UserError` if the file cannot be written.
+
     Parameters
     ----------
     note : key and text for the header; one only, as safetensors puts several in any order
-
-    Raises
-    ------
-    UserError
-        If the file cannot be written.
     """
     with atomic_write(path, SafetensorError) as beside:
         save_file(dict(tensors), beside, metadata=dict([note]))
@@ -32,13 +29,7 @@ def save_tensors(path: Path, tensors: Mapping[str, Tensor], note: tuple[str, str
 
 
 def count_of(tensor: Tensor) -> int:
-    """A count that a file holds.
-
-    Raises
-    ------
-    ValueError
-        If it is none.
-    """
+    """A count that a file holds. Raises `ValueError` if it is none."""
     if (count := int(tensor)) < 0:
         raise ValueError(f"a count is {count}")
     return count
@@ -47,14 +38,11 @@ def count_of(tensor: Tensor) -> int:
 def restore_moments(optimiser: Adam, state: Mapping[str, Tensor]) -> None:
     """Give an optimiser back its moments.
 
+    Raises `ValueError` if they are not of its parameters.
+
     Parameters
     ----------
     state : "number of the parameter.name of the moment" -> tensor
-
-    Raises
-    ------
-    ValueError
-        If they are not of its parameters.
     """
     parameters = [one for group in optimiser.param_groups for one in group["params"]]
     moments: dict[int, dict[str, Tensor]] = {}

@@ -131,10 +131,7 @@ def check_teacher(teacher: str, updates: int) -> None:
 def changed(hyperparameters: Settings, changes: Mapping[str, Any]) -> Settings:
     """Hyperparameters with some values replaced; `reward.TERM` and `vary.KEY` replace one entry.
 
-    Raises
-    ------
-    UserError
-        If a name is not known, or a value has the wrong type or is out of range.
+    Raises `UserError` if a name is not known, or a value has the wrong type or is out of range.
     """
     tree = hyperparameters.tree()
     for name, value in changes.items():

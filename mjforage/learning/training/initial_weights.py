@@ -18,10 +18,7 @@ SUFFIX = ".safetensors"
 def initial_file(reference: str) -> Path:
     """The one weight file that a policy plays, or the file that is named.
 
-    Raises
-    ------
-    UserError
-        If the policy is not known, or plays no such file.
+    Raises `UserError` if the policy is not known, or plays no such file.
     """
     if reference.endswith(SUFFIX):
         return Path(reference)
@@ -39,16 +36,13 @@ def begin_with(
 ) -> None:
     """Give networks the weights that are named; optimisers are new.
 
+    Raises `UserError` if they are of another kind or observation, or not what the policies that
+    play them would take: see `load_networks`.
+
     Parameters
     ----------
     modules : team -> its networks
     kind : of the weight files that the algorithm writes, in `networks.weights.KINDS`
-
-    Raises
-    ------
-    UserError
-        If they are of another kind or observation, or not what the policies that play them would
-        take: see `load_networks`.
     """
     path = initial_file(settings.initial)
     header = read_header(path)

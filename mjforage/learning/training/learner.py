@@ -99,9 +99,8 @@ class Learner:
     def learn(self, batch: Batch) -> tuple[dict[str, float], NDArray[np.float32]]:
         """One update from a batch that was drawn from the replay.
 
-        Returns
-        -------
-        loss, mean value and mean size of the errors; and the errors (row,), the new priorities
+        Returns: loss, mean value and mean size of the errors; and the errors (row,), the new
+        priorities.
         """
         moves, demonstrated = self._tensor(batch.moves), self._tensor(batch.demonstrated)
         weights = self._tensor(batch.weights)

@@ -16,12 +16,8 @@ TABLES = ("training", "evaluations")
 class Logs:
     """Tables `training.parquet` (a row per round) and `evaluations.parquet` of a folder.
 
-    Resuming drops rows that are younger than the checkpoint: those rounds are played again.
-
-    Raises
-    ------
-    UserError
-        If a table of the folder cannot be read.
+    Resuming drops rows that are younger than the checkpoint: those rounds are played again. Raises
+    `UserError` if a table of the folder cannot be read.
     """
 
     def __init__(self, folder: Path, progress: Progress) -> None:

@@ -246,10 +246,7 @@ class ReplayMemory:
     def restore(self, arrays: dict[str, NDArray[np.generic]]) -> None:
         """Take back what `arrays` gave.
 
-        Raises
-        ------
-        ValueError
-            If they are not of such a memory, or hold what none can.
+        Raises `ValueError` if they are not of such a memory, or hold what none can.
         """
         counters = np.asarray(arrays.get("counters", ()), np.float64)
         if counters.shape != (3,) or not np.isfinite(counters).all():

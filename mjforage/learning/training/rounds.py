@@ -79,10 +79,7 @@ class Round:
     def play(self, preferences: NDArray[np.float64]) -> Played:
         """Play one decision by preferences (env, agent, 9).
 
-        Raises
-        ------
-        UserError
-            If they are no such array, or one of them is NaN.
+        Raises `UserError` if they are no such array, or one of them is NaN.
         """
         check_preferences(preferences, (self.num_envs, self.agents), "algorithm", "play was given")
         played = self.active

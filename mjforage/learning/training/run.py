@@ -106,7 +106,9 @@ def train_with(
     Both count from the run's beginning, over all processes that worked on it. The end of a round is
     awaited, also after Ctrl-C or a scheduler's SIGTERM, whose `KeyboardInterrupt` follows a
     checkpoint; a second one stops at once. A run is deterministic on the CPU; on a GPU it is not to
-    the bit.
+    the bit. Raises `UserError` if there is no end, a scenario, the seed or the teacher is not
+    valid, the device is missing, the folder holds another run or is being written, the algorithm
+    has no networks or tensors that could be kept, or a round gives no row.
 
     Parameters
     ----------
@@ -119,13 +121,6 @@ def train_with(
     report : called with every row that is logged, and its table's name; with `CHECKPOINT` and how
         far it had come, if the folder's run goes on, or `FINISHED` if it had come to this end
     resume : what to do with a run that the folder holds
-
-    Raises
-    ------
-    UserError
-        If there is no end, a scenario, the seed or the teacher is not valid, the device is
-        missing, the folder holds another run or is being written, the algorithm has no networks
-        or tensors that could be kept, or a round gives no row.
     """
     _check_ends(hours, updates)
     trainer = algorithm([scenario, *also], hyperparameters, seed, _device(device))
@@ -220,13 +215,7 @@ def _over(trainer: Algorithm[Any], hours: float | None, updates: int | None) -> 
 
 
 def _device(name: str) -> str:
-    """The device to use.
-
-    Raises
-    ------
-    UserError
-        If there is none of that name.
-    """
+    """The device to use. Raises `UserError` if there is none of that name."""
     if name not in ("auto", "cpu", "cuda"):
         raise UserError(f"--device {name}: choose auto, cpu or cuda")
     if name == "cuda" and not torch.cuda.is_available():

@@ -31,15 +31,13 @@ class TaskFamily:
     def __init__(self, scenario: Scenario, make: Make) -> None:
         """Prepare.
 
+        Raises `UserError` if the family's name is not well formed, or the scenario fits on none of
+        its harbours.
+
         Parameters
         ----------
         scenario : whose map is a family, such as `harbours:0-39`
         make : what plays a scenario on one map
-
-        Raises
-        ------
-        UserError
-            If the family's name is not well formed, or the scenario fits on none of its harbours.
         """
         self.scenario, self._make = scenario, make
         self._scenarios = scenarios_of(scenario)
@@ -53,10 +51,7 @@ class TaskFamily:
     def round(self, keys: UInt64Array, turn: int) -> Round:
         """One episode of each key (env,), not yet started, on the harbour whose turn it is.
 
-        Raises
-        ------
-        UserError
-            If the observation's arrays have not the same shapes there.
+        Raises `UserError` if the observation's arrays have not the same shapes there.
         """
         task = self._make(self._scenarios[turn % len(self._scenarios)])
         common_shapes([*self.examples[:1], *task.options[:1]])
@@ -66,10 +61,7 @@ class TaskFamily:
 def scenarios_of(scenario: Scenario) -> list[Scenario]:
     """A scenario on each harbour of its family, or as it is if its map is no family.
 
-    Raises
-    ------
-    UserError
-        If the family's name is not well formed.
+    Raises `UserError` if the family's name is not well formed.
     """
     if not is_family(scenario.map.file):
         return [scenario]
@@ -87,9 +79,6 @@ def ends(scenarios: list[Scenario]) -> list[Scenario]:
 def training_task_of(scenario: Scenario, make: Make) -> TrainingTask | TaskFamily:
     """What rounds of a scenario are played on: its map, or its family of harbours in turn.
 
-    Raises
-    ------
-    UserError
-        As `TrainingTask` and `TaskFamily`.
+    Raises `UserError` as `TrainingTask` and `TaskFamily`.
     """
     return TaskFamily(scenario, make) if is_family(scenario.map.file) else make(scenario)

@@ -34,10 +34,8 @@ Vary = Mapping[str, tuple[Any, ...]]
 def variants(scenario: Scenario, vary: Vary) -> list[Scenario]:
     """A scenario with every combination of the values that some of its keys may have.
 
-    Raises
-    ------
-    UserError
-        If a key has no values, there are too many combinations, or one is no valid scenario.
+    Raises `UserError` if a key has no values, there are too many combinations, or one is no valid
+    scenario.
     """
     for key, values in vary.items():
         if not values:
@@ -62,17 +60,14 @@ class TrainingTask:
     def __init__(self, options: EnvironmentOptions, num_envs: int, vary: Vary) -> None:
         """Prepare.
 
+        Raises `UserError` if a variant is not valid or cannot be run in the world, or there is not
+        the memory for so many episodes.
+
         Parameters
         ----------
         options : of the scenario
         num_envs : episodes of a round
         vary : key of the scenario -> values; each episode draws one of each key
-
-        Raises
-        ------
-        UserError
-            If a variant is not valid or cannot be run in the world, or there is not the memory for
-            so many episodes.
         """
         self.setup, self.options, self._num_envs = options.setup, [options], num_envs
         self.scenario = self.setup.scenario
@@ -119,10 +114,7 @@ def _drawn(keys: UInt64Array, stream: int, count: int) -> NDArray[np.int64]:
 def common_shapes(every: Sequence[EnvironmentOptions]) -> Shapes:
     """Shapes of the pictures of all that is played.
 
-    Raises
-    ------
-    UserError
-        If they cannot share networks and replays.
+    Raises `UserError` if they cannot share networks and replays.
     """
     found = [
         (

@@ -27,10 +27,7 @@ reward = REWARDS.register
 def term_class(text: str) -> Callable[..., Term]:
     """The class that a reference names.
 
-    Raises
-    ------
-    UserError
-        If there is none, an option does not fit, or it is no class of terms.
+    Raises `UserError` if there is none, an option does not fit, or it is no class of terms.
     """
     _, made, _ = REWARDS.bound(text)
     if not isinstance(made, type) or not any("__call__" in vars(base) for base in made.__mro__):
@@ -41,14 +38,11 @@ def term_class(text: str) -> Callable[..., Term]:
 def create_term(text: str) -> Term:
     """A fresh term.
 
+    Raises `UserError` as `term_class`; a `ValueError` of its `__init__` is told.
+
     Parameters
     ----------
     text : NAME or `package.module:Class`, with options in parentheses
-
-    Raises
-    ------
-    UserError
-        As `term_class`; a `ValueError` of its `__init__` is told.
     """
     return built(f"reward {text}", term_class(text), **REWARDS.bound(text)[2])
 
@@ -59,14 +53,11 @@ class RewardTerms:
     def __init__(self, task: Task, names: Iterable[str]) -> None:
         """Prepare.
 
+        Raises `UserError` as `create_term`.
+
         Parameters
         ----------
         names : references to terms
-
-        Raises
-        ------
-        UserError
-            As `create_term`.
         """
         self._task, self._workspace = task, Workspace.of(len(task.graph))
         self._follower = Follower()
@@ -81,10 +72,8 @@ class RewardTerms:
     def after(self, mission: Mission, played: NDArray[np.bool_]) -> dict[str, Amounts]:
         """Terms of the step just made: name -> (episode, agent), 0 for episodes not played.
 
-        Raises
-        ------
-        UserError
-            If a term of a user gives an array of another shape, or a number that is not finite.
+        Raises `UserError` if a term of a user gives an array of another shape, or a number that is
+        not finite.
         """
         step = Step(mission, self._before, self._task, self._workspace)
         found = {name: term(step) for name, term in self._terms.items()}
@@ -112,10 +101,7 @@ def _sound(name: str, found: Any, step: Step) -> Amounts:
 def checked_weights(weights: Mapping[str, float]) -> dict[str, float]:
     """The weights that are not 0, each by the one spelling of its term.
 
-    Raises
-    ------
-    UserError
-        If a term is not known or is given twice, or a weight is no finite number.
+    Raises `UserError` if a term is not known or is given twice, or a weight is no finite number.
     """
     return {name: weight for name, weight in labelled(weights).items() if weight}
 

@@ -237,13 +237,7 @@ def _actor(network: MoveNetwork, gain: float) -> MoveNetwork:
 
 
 def _torchrl() -> ModuleType:
-    """The module that needs TorchRL.
-
-    Raises
-    ------
-    UserError
-        If it is not installed.
-    """
+    """The module that needs TorchRL. Raises `UserError` if it is not installed."""
     require("train mappo", "torchrl")
     from mjforage.learning.training.mappo import updates
 
