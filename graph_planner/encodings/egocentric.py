@@ -3,8 +3,7 @@
 Unlike the paper's channels its size does not depend on the map, so weights fit every map.
 """
 
-from collections.abc import Mapping
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -255,9 +254,6 @@ class Egocentric:
     | 10 | nodes it moves per decision | node | 32 / 255 each, at most 1 |
     | 11 | sensing radius | node | 16 / 255 each, at most 1 |
     """
-
-    renamed: ClassVar[Mapping[str, str]] = {"self": "own"}
-    """Arrays that files of earlier versions name otherwise: libraries pass keys as arguments."""
 
     def __init__(self, task: Task) -> None:
         self._task = task

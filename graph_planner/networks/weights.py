@@ -5,10 +5,8 @@ The header can be read and checked without torch.
 
 import hashlib
 import json
-import logging
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +21,6 @@ if TYPE_CHECKING:
 
     from mjforage.graph_planner.networks.q_network import MoveNetwork
 
-_logger = logging.getLogger(__name__)
 Q_NETWORK = "mjforage dueling q-network 1"
 ACTOR = "mjforage actor 1"
 KINDS = {Q_NETWORK: "DuelingNetwork", ACTOR: "MoveNetwork"}
@@ -111,18 +108,8 @@ def read_header(path: Path) -> WeightsHeader:
             f"weights {path}: the header's shapes {shapes!r:.60} or grounds {grounds!r:.60} are "
             "not what `mjforage train` writes; get the file again"
         )
-    renamed = getattr(encoder_class(encoding), "renamed", {})
-    arrays = {renamed.get(name, name): tuple(shape) for name, shape in shapes.items()}
-    if arrays.keys() != shapes.keys():
-        _say_renamed(path, tuple((old, new) for old, new in renamed.items() if old in shapes))
+    arrays = {name: tuple(shape) for name, shape in shapes.items()}
     return WeightsHeader(encoding, arrays, tuple(grounds), kind)
-
-
-@cache
-def _say_renamed(path: Path, names: tuple[tuple[str, str], ...]) -> None:
-    """Tell once that a file is read whose header has arrays by earlier names."""
-    told = ", ".join(f"{old} is {new}" for old, new in names)
-    _logger.warning("weights %s: of an earlier version, whose array %s now; read so", path, told)
 
 
 def _parsed(text: Any) -> Any:

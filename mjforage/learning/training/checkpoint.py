@@ -15,7 +15,6 @@ import numpy as np
 from safetensors import SafetensorError, safe_open
 
 from mjforage.base.errors import UserError
-from mjforage.graph_planner.encodings import encoder_class
 from mjforage.learning.training.algorithm import Algorithm
 from mjforage.learning.training.files import save_tensors
 from mjforage.learning.training.progress import Progress
@@ -82,11 +81,7 @@ def restore_checkpoint(trainer: Algorithm[Any], path: Path) -> None:
                     f"checkpoint {path}: of another training than {path.parent} is for; remove it "
                     "or give another --out"
                 )
-            renamed = getattr(encoder_class(trainer.hyperparameters.observation), "renamed", {})
-            tensors = {
-                ".".join(renamed.get(part, part) for part in name.split(".")): file.get_tensor(name)
-                for name in file.keys()  # noqa: SIM118
-            }
+            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
     except (OSError, ValueError, RecursionError, AttributeError, SafetensorError) as error:
         raise UserError(f"checkpoint {path}: cannot be read ({error}); {REMEDY}") from error
     try:

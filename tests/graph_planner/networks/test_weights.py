@@ -135,25 +135,6 @@ def test_earlier_headers_are_read(tmp_path: Path) -> None:
     assert found == WeightsHeader("paper", {"map": (6, 9, 12)})
 
 
-def test_arrays_by_an_earlier_name_are_read_and_said_once(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    path = tmp_path / "w.safetensors"
-    old = {"format": Q_NETWORK, "perception": "egocentric"}
-    header_file(path, old | {"shapes": '{"crop": [8, 15, 15], "self": [12]}'})
-    for _ in range(2):
-        assert read_header(path).shapes == {"crop": (8, 15, 15), "own": (12,)}
-    (said,) = caplog.messages
-    assert said == f"weights {path}: of an earlier version, whose array self is own now; read so"
-
-
-def test_only_the_encoding_that_was_renamed_takes_the_earlier_name(tmp_path: Path) -> None:
-    shapes = {"map": (6, 9, 12), "self": (3,)}
-    header = WeightsHeader("paper", shapes)
-    path = header_file(tmp_path / "w.safetensors", dict([header_note(header)]))
-    assert read_header(path) == header
-
-
 def test_what_is_no_weight_file_is_named(tmp_path: Path) -> None:
     missing = tmp_path / "none.safetensors"
     with pytest.raises(WeightsError, match=r"none.safetensors: cannot be read \(No such file"):

@@ -1,4 +1,4 @@
-"""Which terms there are: ours, those of installed packages, and any by `package.module:Class`."""
+"""Registry of terms: ours, those of installed packages, and any by `package.module:Class`."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.base.registry import Registry, built, is_ours
+from mjforage.base.views import CachedViews
 from mjforage.graph_planner.graph.geodesics import Workspace
-from mjforage.learning.environments.rewards.term import Amounts, Before, Follower, Step, Term
+from mjforage.learning.environments.rewards.term import Amounts, Before, Step, Term
 from mjforage.mission.mission import Mission
 from mjforage.mission.task import Task
 
@@ -60,13 +61,19 @@ class RewardTerms:
         names : references to terms
         """
         self._task, self._workspace = task, Workspace.of(len(task.graph))
-        self._follower = Follower()
+        self._copy: Before | None = None
+        self._views = CachedViews[Before]()
         self._terms = {name: create_term(name) for name in names}
         self._theirs = {name for name, term in self._terms.items() if not is_ours(type(term))}
 
     def before(self, mission: Mission) -> Before:
         """Take a copy of what the next state is compared with; call before every step."""
-        self._before = self._follower.follow(mission)
+        live, copied = Before.of(mission), self._copy
+        if copied is None or copied.belief.shape != live.belief.shape:
+            self._copy = copied = Before._make(map(np.copy, live))
+        for mine, theirs in zip(copied, live, strict=True):
+            np.copyto(mine, theirs)
+        self._before = self._views.of(copied)
         return self._before
 
     def after(self, mission: Mission, played: NDArray[np.bool_]) -> dict[str, Amounts]:

@@ -7,11 +7,10 @@ import mjforage
 from mjforage.graph_planner.policies import create_policy
 from mjforage.learning.environments.rewards import PUBLISHED, REWARDS, RewardTerms
 from mjforage.learning.environments.rewards.items_gained import _count
-from mjforage.learning.environments.rewards.term import Before, Follower
+from mjforage.learning.environments.rewards.term import Before
 from mjforage.mission.dynamics import ARRIVED, BLOCKED
 from mjforage.mission.mission import Mission
 from mjforage.mission.setup import Setup
-from mjforage.physics.worlds import create_mission
 from mjforage.scenario.scenario_file import load_scenario
 
 
@@ -110,53 +109,17 @@ def test_items_count_for_the_agent_who_gets_them_in_this_step() -> None:
     assert counts.tolist() == [[1.0, 0.0, 2.0], [0.0, 1.0, 0.0]]
 
 
-EYES = ("sensors.detection=0.6", "sensors.false_rate=0.05")
-
-
-@pytest.mark.parametrize("overrides", [(), EYES, (*EYES, 'sensors.map="filtered"')])
-def test_what_was_known_before_a_step_is_a_copy(overrides: tuple[str, ...]) -> None:
-    """While episodes go on, while some are over or begin anew, and when all do."""
-    setup = Setup.of(load_scenario("comb-port", ("horizon=10", *overrides)))
-    mission, other, follower = Mission(setup), Mission(setup), Follower()
-    random = np.random.default_rng(0)
-    for seed in range(2):
-        mission.reset(seed, np.arange(3))
-        for step in range(12):
-            if step in (4, 7, 11):
-                other.reset(seed + 7, np.arange(1))
-                if step == 7:
-                    other.advance(random.random((1, 4, 9)))
-                mission.adopt(np.array([1]), other)
-            copied, live = follower.follow(mission), Before.of(mission)
-            for name in ("belief", "last_seen", "agent_node", "n_known", "step"):
-                np.testing.assert_array_equal(getattr(copied, name), getattr(live, name), name)
-                assert not np.shares_memory(getattr(copied, name), getattr(live, name))
-            for e, count in enumerate(live.n_known):
-                assert copied.known[e, :count].tolist() == live.known[e, :count].tolist()
-            mission.advance(random.random((3, 4, 9)))
-
-
-def test_what_was_known_is_copied_anew_if_steps_were_left_out() -> None:
-    mission, follower = Mission(Setup.of(load_scenario("comb-port"))), Follower()
-    mission.reset(0, np.arange(2))
-    for _ in range(3):
-        copied = follower.follow(mission)
-        np.testing.assert_array_equal(copied.last_seen, mission.knowledge.last_seen)
-        for _ in range(2):
-            mission.advance(np.random.default_rng(1).random((2, 4, 9)))
-
-
-def test_what_was_known_is_followed_among_hulls_and_over_a_link() -> None:
-    """There too a step changes what is known of nodes in view of where agents looked from only."""
-    setup = Setup.of(load_scenario("comb-port-radio", ("horizon=8",)))
-    mission, follower = create_mission(setup, "physics"), Follower()
-    mission.reset(0, np.arange(2))
-    random = np.random.default_rng(0)
-    while mission.active.any():
-        copied, live = follower.follow(mission), Before.of(mission)
-        np.testing.assert_array_equal(copied.belief, live.belief)
-        np.testing.assert_array_equal(copied.last_seen, live.last_seen)
-        mission.advance(random.random((2, 4, 9)))
+def test_what_was_known_before_a_step_is_a_copy() -> None:
+    setup = Setup.of(load_scenario("comb-port", ("horizon=10",)))
+    mission, terms = Mission(setup), RewardTerms(setup.task, ["belief"])
+    for episodes in (2, 3):
+        mission.reset(0, np.arange(episodes))
+        for _ in range(3):
+            copied, live = terms.before(mission), Before.of(mission)
+            for one, other in zip(copied, live, strict=True):
+                np.testing.assert_array_equal(one, other)
+                assert not np.shares_memory(one, other)
+            mission.advance(np.random.default_rng(1).random((episodes, 4, 9)))
 
 
 def test_each_agent_is_paid_for_the_items_that_it_removed_itself() -> None:

@@ -16,7 +16,6 @@ import polars as pl
 import pytest
 import torch
 from safetensors import safe_open
-from safetensors.torch import save_file
 
 from mjforage.base.errors import UserError, WeightsError
 from mjforage.base.randomness import episode_keys
@@ -78,21 +77,6 @@ def test_one_seed_gives_the_same_weights(finished: tuple[Path, Trainer], tmp_pat
     assert not torch.equal(
         state(other)["scout.online.trunk.0.bias"], state(again)["scout.online.trunk.0.bias"]
     )
-
-
-def test_a_checkpoint_whose_arrays_have_earlier_names_goes_on(
-    finished: tuple[Path, Trainer], tmp_path: Path
-) -> None:
-    folder = tmp_path / "run"
-    train(scenario(), hyperparameters(), folder, seed=3, updates=20)
-    path = folder / "checkpoint.safetensors"
-    with safe_open(path, "pt") as file:
-        tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-        metadata = file.metadata()
-    old = {name.replace(".levels.own", ".levels.self"): one for name, one in tensors.items()}
-    assert old.keys() != tensors.keys()
-    save_file(old, path, metadata=metadata)
-    assert_same(finished[1], train(scenario(), hyperparameters(), folder, seed=3, updates=40))
 
 
 @pytest.mark.every_capability
