@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mjforage.graph_planner.networks.inference import values_of
 from mjforage.graph_planner.policies import create_policy
-from mjforage.learning.training import soundness
+from mjforage.learning.training import algorithm_validation
 from mjforage.learning.training.algorithm import Algorithm, LearnersPolicy, save_weights
 from mjforage.learning.training.algorithms import find_algorithm
 from mjforage.learning.training.checkpoint import restore_checkpoint, save_checkpoint
@@ -100,7 +100,7 @@ def _copied(tensors: Mapping[str, torch.Tensor]) -> dict[str, NDArray[Any]]:
 
 def check_parts(trial: AlgorithmTrial) -> None:
     """Every team that has agents has a network, and what is to be kept are tensors."""
-    soundness.check_parts(trial.fresh())
+    algorithm_validation.check_parts(trial.fresh())
 
 
 def check_networks(trial: AlgorithmTrial) -> None:
@@ -129,7 +129,7 @@ def check_rounds(trial: AlgorithmTrial) -> None:
     """A round plays its episodes to their end, is counted and logged, and some of them learn."""
     trainer = trial.fresh()
     for number in range(1, 2 * trial.rounds + 1):
-        soundness.checked_row(trainer, trainer.play_round())
+        algorithm_validation.checked_row(trainer, trainer.play_round())
         if trainer.round.active.any():
             raise trial.error("rounds", "left episodes that go on; play until none is active")
         if trainer.progress.rounds != number:
