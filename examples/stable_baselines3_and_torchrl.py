@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 import mjforage
-from mjforage.learning.environments.spaces import Pictures
+from mjforage.learning.environments.spaces import Arrays
 from mjforage.learning.model_policy import ModelPolicy
 from mjforage.mission.setup import Setup
 from mjforage.runs.evaluate import evaluate
@@ -114,7 +114,7 @@ class Ppo(ModelPolicy):
         super().__init__([file])
         self.model = PPO.load(file, device="cpu")
 
-    def decide(self, seen: Pictures, agents: NDArray[np.int64]) -> NDArray[Any]:
+    def decide(self, seen: Arrays, agents: NDArray[np.int64]) -> NDArray[Any]:
         """Moves (row,), one row for each agent that decides."""
         moves: NDArray[Any] = self.model.predict(seen, deterministic=True)[0]
         return moves

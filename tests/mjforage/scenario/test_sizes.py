@@ -71,7 +71,7 @@ def test_a_replay_that_is_too_large_is_refused() -> None:
 def test_the_memory_of_a_replay_is_what_its_arrays_take() -> None:
     shapes = {"map": (3, 5, 5), "moves": (9, 4)}
     memory = ReplayMemory(shapes, 6, 1000, 3, 0.9)
-    arrays = [*memory.levels.values(), memory.legal, memory.moves, memory.shown]
+    arrays = [*memory.levels.values(), memory.legal, memory.moves, memory.demonstrated]
     arrays += [memory.rewards, memory.kind, memory.tree]
     assert sum(array.nbytes for array in arrays) == memory_bytes(shapes, 6, 1000, 3)
 

@@ -69,9 +69,11 @@ class RewardTerms:
     def before(self, mission: Mission) -> Before:
         """Take a copy of what the next state is compared with; call before every step."""
         live, copied = Before.of(mission), self._copy
+        arrays: tuple[NDArray[Any], ...] = live
         if copied is None or copied.belief.shape != live.belief.shape:
-            self._copy = copied = Before._make(map(np.copy, live))
-        for mine, theirs in zip(copied, live, strict=True):
+            self._copy = copied = Before._make(np.empty_like(each) for each in arrays)
+        own: tuple[NDArray[Any], ...] = copied
+        for mine, theirs in zip(own, arrays, strict=True):
             np.copyto(mine, theirs)
         self._before = self._views.of(copied)
         return self._before

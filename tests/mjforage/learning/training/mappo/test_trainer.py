@@ -66,8 +66,8 @@ def in_a_pond(
     folder: Path, monkeypatch: pytest.MonkeyPatch, **changes: object
 ) -> tuple[MappoTrainer, Decisions]:
     """A round that was played, and what is learnt from it, before it is."""
-    settings = {"observation": WHERE, "vary": {}, "reward": {"removed": 1.0}, "num_envs": 6}
-    trainer, found = MappoTrainer([pond(folder, 1)], settings(**settings, **changes), seed=0), []
+    pond_only = {"observation": WHERE, "vary": {}, "reward": {"removed": 1.0}, "num_envs": 6}
+    trainer, found = MappoTrainer([pond(folder, 1)], settings(**pond_only, **changes), seed=0), []
 
     def note(round: Decisions, *_: Any) -> list[dict[str, float]]:
         found.append(round)
