@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mjforage.graph_planner.networks import weights
 from mjforage.graph_planner.networks.weights import read_header, shipped_weights
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.episode_log import EpisodeLog
@@ -120,7 +121,7 @@ def test_they_are_small(name: str) -> None:
 def test_the_command_line_names_missing_weights(
     refused: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("mjforage.graph_planner.networks.weights._PLACES", (tmp_path,))
+    monkeypatch.setattr(weights, "models_folder", lambda: tmp_path)
     words = refused("evaluate", "--policy", "ddqn-reward", "--out", tmp_path / "run")
     assert "weights ddqn-reward: not found as" in words
     assert not (tmp_path / "run").exists()

@@ -13,6 +13,7 @@ import pytest
 import torch
 
 from mjforage.base.errors import UserError, WeightsError
+from mjforage.graph_planner.networks import weights
 from mjforage.graph_planner.networks.weights import ACTOR, read_header
 from mjforage.graph_planner.policies.ddqn import QPolicy
 from mjforage.graph_planner.policies.mappo import MappoPolicy
@@ -171,7 +172,7 @@ def test_weights_of_another_kind_are_refused(
     mission.reset(0, np.arange(1))
     mission.run(QPolicy(actor))
     (tmp_path / "weights").mkdir()
-    monkeypatch.setattr("mjforage.graph_planner.networks.weights._PLACES", (tmp_path,))
+    monkeypatch.setattr(weights, "models_folder", lambda: tmp_path)
     data = actor.read_bytes().replace(b"mjforage actor 1", b"mjforage actor 9")
     (tmp_path / "weights" / "mappo.safetensors").write_bytes(data)
     with pytest.raises(WeightsError, match=r"format 'mjforage actor 9', .* expected .*actor 1'"):
