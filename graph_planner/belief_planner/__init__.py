@@ -2,6 +2,6 @@
 
 Knowledge: `tracks` of the items seen, `wind` from their displacements, `hotspots` and what is left
 unseen of them, `stragglers` as particles. Search: `ways` (decisions between nodes), `routes` of
-the foragers together, `sweeps` of the scouts. `planner` composes them;
-`mjforage.scenario.belief_settings` switches them. Constants here that name no source are estimates.
+the foragers together, `sweeps` of the scouts. `planner` composes them; `settings` switches them.
+Constants here that name no source are estimates.
 """

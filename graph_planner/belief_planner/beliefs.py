@@ -22,10 +22,10 @@ from mjforage.graph_planner.belief_planner import wind as wd
 from mjforage.graph_planner.belief_planner.boundary import boundary_of
 from mjforage.graph_planner.belief_planner.drift_hypotheses import drift_hypotheses_of
 from mjforage.graph_planner.belief_planner.routes import NOWHERE
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.spatial_prior import spatial_prior_of
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.task import Observation, Task
-from mjforage.scenario.belief_settings import BeliefSettings
 
 ROOM = 4  # tracks kept, in multiples of the number of items expected
 TRIES, TRIES_FAST = 200, 60  # particles of unseen items tried in one decision

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.graph_planner.belief_planner.covers import NOTICED, landmarks_of
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.sweeps import Cover
 from mjforage.graph_planner.belief_planner.ways import UNREACHED, Ways, row_to
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.mission.task import Observation, Task
-from mjforage.scenario.belief_settings import BeliefSettings
 
 NOBODY = -1
 SLACK = 3  # decisions beyond the latency without news from somebody in touch

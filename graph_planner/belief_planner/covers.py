@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
 from mjforage.graph_planner.belief_planner.missed_detections import assumed_chances
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.spatial_prior import SpatialPrior, spatial_prior_of
 from mjforage.graph_planner.belief_planner.sweeps import Cover
 from mjforage.graph_planner.belief_planner.ways import UInt16Array, Ways, search_back, ways_of
@@ -15,7 +16,6 @@ from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import TABLE_LIMIT, NavigationGraph
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.task import Task
-from mjforage.scenario.belief_settings import BeliefSettings
 
 LANDMARKS = 40
 BLOCK = 2  # nodes across a block of possible hotspots

@@ -10,6 +10,7 @@ from mjforage.graph_planner.belief_planner.boundary import Boundary, boundary_of
 from mjforage.graph_planner.belief_planner.group import Group
 from mjforage.graph_planner.belief_planner.move_preferences import towards
 from mjforage.graph_planner.belief_planner.routes import NOWHERE, Legs, search_routes
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.stops import (
     MOST,
     Floating,
@@ -24,7 +25,6 @@ from mjforage.graph_planner.belief_planner.taking import Taking
 from mjforage.graph_planner.belief_planner.ways import Ways
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.task import Task
-from mjforage.scenario.belief_settings import BeliefSettings
 from mjforage.scenario.fleet import UNLIMITED
 
 USUAL_STEP = 1.2  # length of a decision over the nodes it moves: between 1 and sqrt 2 [node]

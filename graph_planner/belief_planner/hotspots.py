@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
 from mjforage.graph_planner.belief_planner.boundary import Boundary, settled
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.spatial_prior import (
     SpatialPrior,
     bounds,
@@ -27,7 +28,6 @@ from mjforage.graph_planner.belief_planner.spatial_prior import (
     start_chances,
 )
 from mjforage.graph_planner.graph.geodesics import Int32Array
-from mjforage.scenario.belief_settings import BeliefSettings
 
 STRAY = 1e-5  # chance of a start anywhere, for tracks that are mistaken
 FOREIGN = 2e-4  # below this chance a sighting belongs to another hotspot of those believed in

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.base.compiled import inlined, kernel
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.detection import chances_by_square, squares_in_view
 from mjforage.mission.task import Task
-from mjforage.scenario.belief_settings import BeliefSettings
 
 _FARTHEST = 65534  # squared distance that is kept
 

@@ -14,12 +14,12 @@ from mjforage.graph_planner.belief_planner.foraging import Foraging
 from mjforage.graph_planner.belief_planner.group import Group
 from mjforage.graph_planner.belief_planner.move_preferences import towards
 from mjforage.graph_planner.belief_planner.scouting import Scouting
+from mjforage.graph_planner.belief_planner.settings import BeliefOptions, BeliefSettings
 from mjforage.graph_planner.belief_planner.target_values import TargetValues, summed
 from mjforage.graph_planner.belief_planner.waiting import approach, regrets
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.plain import Plain
 from mjforage.mission.task import Observation, Task
-from mjforage.scenario.belief_settings import BeliefSettings
 
 AHEAD = 6  # steps by which foragers' regret is judged
 CALM = 1.0  # worth of finding a hotspot by which they lose nothing yet
@@ -38,8 +38,14 @@ class Lookers(NamedTuple):
 class BeliefPlanner:
     """Beliefs and plans of a batch of rows; `believing` makes what it believes."""
 
-    def __init__(self, task: Task, keys: UInt64Array, believing: type[Beliefs] = Beliefs) -> None:
-        settings, graph, episodes = task.belief.in_force(), task.graph, keys.size
+    def __init__(
+        self,
+        task: Task,
+        keys: UInt64Array,
+        options: BeliefOptions | None = None,
+        believing: type[Beliefs] = Beliefs,
+    ) -> None:
+        settings, graph, episodes = BeliefSettings.of(task.prior, options), task.graph, keys.size
         self.settings, self._task = settings, task
         self.beliefs = believing(task, settings, keys)
         self._foragers = self._foraging(settings)

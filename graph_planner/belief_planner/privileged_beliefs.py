@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.belief_planner.beliefs import Beliefs
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.mission.task import GroundTruth, Observation, Task
-from mjforage.scenario.belief_settings import BeliefSettings
 
 UNHEARD = np.int32(np.iinfo(np.int32).max)
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.graph_planner.belief_planner.covers import view_cover
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.sweeps import (
     LONGEST,
     Cover,
@@ -19,7 +20,6 @@ from mjforage.graph_planner.belief_planner.sweeps import (
 from mjforage.graph_planner.belief_planner.ways import ways_of
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.task import Task
-from mjforage.scenario.belief_settings import BeliefSettings
 
 
 class Sweeper(NamedTuple):

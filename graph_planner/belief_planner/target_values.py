@@ -6,11 +6,11 @@ from numpy.typing import NDArray
 from mjforage.base.compiled import BoundKernel, kernel
 from mjforage.graph_planner.belief_planner.beliefs import Beliefs
 from mjforage.graph_planner.belief_planner.boundary import Boundary
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.stops import Floating
 from mjforage.graph_planner.belief_planner.tracks import Tracks
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.task import Observation
-from mjforage.scenario.belief_settings import BeliefSettings
 
 PROBABLE = 40  # nodes of unseen items that foragers may go to
 LEAST = 0.02  # unseen items worth a forager's thought

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
 from mjforage.graph_planner.belief_planner.boundary import Boundary, held
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.tracks import Ended, Tracks
-from mjforage.scenario.belief_settings import BeliefSettings
 
 POINTS = 49
 REACH = 2.4  # the grid reaches so many times the largest drift expected

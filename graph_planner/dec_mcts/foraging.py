@@ -13,6 +13,7 @@ from mjforage.graph_planner.belief_planner.foraging import (
     gather_legs,
 )
 from mjforage.graph_planner.belief_planner.routes import NOWHERE, Legs
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.stops import Floating
 from mjforage.graph_planner.belief_planner.taking import Taking
 from mjforage.graph_planner.belief_planner.ways import Ways
@@ -35,7 +36,6 @@ from mjforage.graph_planner.dec_mcts.tours import (
 from mjforage.graph_planner.dec_mcts.tree import Tree, tree_of
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.task import Task
-from mjforage.scenario.belief_settings import BeliefSettings
 
 _TURNS = 1 << 20  # where the indices of draws begin
 

@@ -7,12 +7,12 @@ from mjforage.base.randomness import UInt64Array
 from mjforage.graph_planner.belief_planner.foraging import Foraging
 from mjforage.graph_planner.belief_planner.planner import BeliefPlanner
 from mjforage.graph_planner.belief_planner.scouting import Scouting
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.dec_mcts.context import DecisionContext
 from mjforage.graph_planner.dec_mcts.foraging import TreeForaging
 from mjforage.graph_planner.dec_mcts.scouting import TreeScouting
 from mjforage.graph_planner.dec_mcts.settings import Effort
 from mjforage.mission.task import Observation, Task
-from mjforage.scenario.belief_settings import BeliefSettings
 
 
 class TreePlanner(BeliefPlanner):

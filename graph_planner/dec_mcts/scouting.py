@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import kernel
 from mjforage.graph_planner.belief_planner.scouting import Scouting
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.sweeps import Cover
 from mjforage.graph_planner.dec_mcts.context import DecisionContext
 from mjforage.graph_planner.dec_mcts.draws import begin
@@ -27,7 +28,6 @@ from mjforage.graph_planner.dec_mcts.sights import (
 from mjforage.graph_planner.dec_mcts.tree import Tree, tree_of
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.mission.task import Task
-from mjforage.scenario.belief_settings import BeliefSettings
 
 _TURNS = 1 << 24  # where the indices of draws begin
 LEAST_MASS = 1e-12  # below which there is nothing to look for

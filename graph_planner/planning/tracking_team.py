@@ -19,6 +19,7 @@ from mjforage.graph_planner.belief_planner.foraging import Collecting
 from mjforage.graph_planner.belief_planner.group import Group
 from mjforage.graph_planner.belief_planner.move_preferences import towards
 from mjforage.graph_planner.belief_planner.routes import NOWHERE
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.target_values import TargetValues, summed
 from mjforage.graph_planner.belief_planner.waiting import approach
 from mjforage.graph_planner.belief_planner.ways import UNREACHED, Ways, search_on
@@ -90,7 +91,8 @@ class TrackingTeam:
     """
 
     def __init__(self, task: Task, keys: UInt64Array, patience: float) -> None:
-        self._settings, self._task, graph = task.belief.in_force(), task, task.graph
+        self._settings, self._task = BeliefSettings.of(task.prior), task
+        graph = task.graph
         self.beliefs = Beliefs(task, self._settings, keys)
         self.collecting = Collecting(task, self._settings)
         self._target_values = TargetValues(self.beliefs, self._settings, self.collecting.boundary)

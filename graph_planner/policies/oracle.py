@@ -14,8 +14,6 @@ others, and keeps in touch, as the belief planner does. The belief planner's gap
 knowing those items costs, its own gap to the oracle what searching and the link cost.
 """
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +22,7 @@ from mjforage.graph_planner.belief_planner.foraging import Foraging
 from mjforage.graph_planner.belief_planner.planner import BeliefPlanner
 from mjforage.graph_planner.belief_planner.privileged_beliefs import PrivilegedBeliefs
 from mjforage.graph_planner.belief_planner.scouting import Scouting
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.stops import floating
 from mjforage.graph_planner.policies.registry import register
 from mjforage.mission.plain import Plain, plain_truth
@@ -39,11 +38,11 @@ class OraclePolicy:
 
     def reset(self, task: Task, keys: UInt64Array) -> None:
         """Get ready for a batch of episodes (episode,)."""
-        settings = replace(task.belief, joint=True, sweeps=True)
         self._task = task
         if self.decentralised:
-            self._planner = BeliefPlanner(replace(task, belief=settings), keys, PrivilegedBeliefs)
+            self._planner = BeliefPlanner(task, keys, believing=PrivilegedBeliefs)
             return
+        settings = BeliefSettings.of(task.prior)
         self._foragers = Foraging(task, settings)
         self._scouts = Scouting(task, settings)
         self._nodes = len(task.graph)

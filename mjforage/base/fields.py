@@ -59,18 +59,3 @@ class Above(GroupedMetadata):
         yield from (Gt(self.low), Le(self.high))
         if self.unit:
             yield Note("unit", self.unit)
-
-
-@dataclass(frozen=True)
-class Later:
-    """A key that is younger than run folders with its table, which need not have it.
-
-    The canonical form of a scenario leaves it out at the value that they were played with, so that
-    older hashes stay.
-
-    Attributes
-    ----------
-    before : that value; None where it is the key's default
-    """
-
-    before: object = None

@@ -161,7 +161,7 @@ def _updates(count: int = 20) -> Work:
 
 
 RADIOS = ("link.model=disk", "link.range_m=64")
-MISSES = ("sensors.detection=0.9", "belief.detection=0.9")
+MISSES = ("sensors.detection=0.9", "prior.detection=0.9")
 REUSED: dict[str, Any] = {"dtype": "uint8", "copy": False}
 SIMULATED = "simulated seconds (4 vessels, 75 items)"
 WORKLOADS = {

@@ -128,7 +128,7 @@ class Setup:
         """What policies are told."""
         scenario, rules = self.scenario, self.scenario.rules
         moves = MoveRules(rules.stay, rules.shorten)
-        about = scenario.horizon, scenario.belief, rules.walls
+        about = scenario.horizon, scenario.prior, rules.walls
         link = scenario.link
         reach = reach_m(link, self.fleet.antenna_m) / scenario.map.pitch_m
         if link.latency >= scenario.horizon:

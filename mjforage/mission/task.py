@@ -12,8 +12,8 @@ from mjforage.graph_planner.graph.geodesics import Float32Array, Int32Array
 from mjforage.graph_planner.graph.navigation import NavigationGraph
 from mjforage.graph_planner.graph.visibility import NodeLists
 from mjforage.mission.moves import MoveRules, all_targets
-from mjforage.scenario.belief_settings import BeliefSettings
 from mjforage.scenario.fleet import Fleet
+from mjforage.scenario.prior import Prior
 
 NEVER = np.int16(-32768)
 """Value of `last_seen` for a node that no agent has seen yet."""
@@ -63,7 +63,7 @@ class Task:
     ----------
     graph, fleet, rules : map, agents and what they may do
     horizon : decisions in an episode
-    belief : what the belief planner assumes and how hard it searches
+    prior : what planners may assume before they have seen anything
     walls : of `graph_planner.graph.walls.WALLS`, what becomes of items that drift onto land
     pickup : what picking up takes hulls, which may miss items, take those that they pass, and do so
         while all drift; None where a forager takes all that is in its node, before the rest drifts
@@ -75,7 +75,7 @@ class Task:
     fleet: Fleet
     rules: MoveRules
     horizon: int
-    belief: BeliefSettings = field(default_factory=BeliefSettings)
+    prior: Prior = field(default_factory=Prior)
     walls: str = "clip"
     pickup: Pickup | None = None
     reach_node: float = np.inf

@@ -31,20 +31,20 @@ def _missed(p: float, persistence: float = 0.0) -> Point:
     sensors = {"detection": p, "persistence": persistence}
     told = {"detection": p}
     name, title = f"detection-{p:g}{end}", f"p = {p:g}{words}"
-    return Point(p, name, title, {"sensors": sensors, "belief": told})
+    return Point(p, name, title, {"sensors": sensors, "prior": told})
 
 
 def _near(half: float) -> Point:
     keys = {"half_range_node": half, "slope_node": SLOPE_NODE}
     title = f"p halved at {half:g} node{'' if half == 1 else 's'}"
-    return Point(half, f"half-range-{half:g}", title, {"sensors": keys, "belief": keys})
+    return Point(half, f"half-range-{half:g}", title, {"sensors": keys, "prior": keys})
 
 
 def _ghosts(rate: float, hold: int) -> Point:
     end, words = (f"-hold-{hold}", f", for {hold} decisions") if hold > 1 else ("", "")
     sensors, told = {"false_rate": rate, "false_hold": hold}, {"false_rate": rate}
     name, title = f"ghosts-{rate:g}{end}", f"{rate:g} false alarms per node{words}"
-    return Point(rate, name, title, {"sensors": sensors, "belief": told})
+    return Point(rate, name, title, {"sensors": sensors, "prior": told})
 
 
 def _fov(degrees: float) -> Point:
@@ -60,7 +60,7 @@ def _taken_for(key: str, true: float, assumed: float) -> Point:
         return _missed(true) if key == "detection" else _ghosts(true, 1)
     name = f"{key.replace('_', '-')}-{true:g}-for-{assumed:g}"
     title = f"{true:g} taken for {assumed:g}"
-    changes = {"sensors": {key: true}, "belief": {key: assumed}}
+    changes = {"sensors": {key: true}, "prior": {key: assumed}}
     return Point(true, name, title, changes, PLANNER)
 
 
@@ -130,12 +130,12 @@ ASSUMPTIONS = (
 
 def perfect(scenario: Scenario) -> Scenario:
     """The scenario with looks that miss and invent nothing, and a planner that knows it."""
-    sensors, belief = type(scenario.sensors)(), type(scenario.belief)()
+    sensors, prior = type(scenario.sensors)(), type(scenario.prior)()
     clean: Scenario = changed(
         scenario,
         {
             "sensors": {key: getattr(sensors, key) for key in SENSORS},
-            "belief": {key: getattr(belief, key) for key in ASSUMED},
+            "prior": {key: getattr(prior, key) for key in ASSUMED},
         },
     )
     return clean

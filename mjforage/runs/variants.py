@@ -6,31 +6,29 @@ from dataclasses import fields, replace
 import numpy as np
 
 from mjforage.base.errors import UserError
+from mjforage.graph_planner.belief_planner.settings import BeliefOptions
 from mjforage.runs.study import Variant
-from mjforage.scenario.belief_settings import BeliefSettings
 from mjforage.scenario.scenario import CorruptionChoice, Scenario
 
 COMPLETE = "complete"  # the scenario as it is, in every kind of study
 BASELINES = ("greedy", "oracle")  # what the belief planner is held against
-PARTS = tuple(part.name for part in fields(BeliefSettings) if part.default is True)
+PARTS = tuple(part.name for part in fields(BeliefOptions) if part.default is True)
+FAST, ROBUST = "belief(fast=true)", "belief(robust=true)"
 IN_TOUCH = ("report", "alone", "relay")
 """Those of them that do something over a link only."""
 WRONG = ("hotspots", "two-hotspots", "spread", "drift", "calm")
 """Worlds that the belief planner does not expect, by name."""
 
 
+def without(part: str) -> str:
+    """The belief planner with a part switched off."""
+    return f"belief({part}=false)"
+
+
 def parts(scenario: Scenario) -> tuple[Variant, ...]:
     """The belief planner whole, with each part switched off, and in worlds it does not expect."""
-    whole = [Variant(COMPLETE, "whole planner", scenario, ("belief", *BASELINES))]
-    for part in PARTS:
-        if part in IN_TOUCH and scenario.link.model == "ideal":
-            continue
-        settings = replace(scenario.belief, **{part: False})
-        lesser = replace(scenario, belief=settings)
-        whole.append(Variant(f"no-{part}", f"without {part}", lesser, ("belief",)))
-    fast = replace(scenario, belief=replace(scenario.belief, fast=True))
-    whole.append(Variant("fast", "fast", fast, ("belief",)))
-    whole += _wary(COMPLETE, "expected world", scenario)[1:]
+    linked = scenario.link.model != "ideal"
+    lesser = (without(part) for part in PARTS if linked or part not in IN_TOUCH)
     items = scenario.items
     variance = items.covariance_node2
     worlds = (
@@ -43,9 +41,14 @@ def parts(scenario: Scenario) -> tuple[Variant, ...]:
         _drifting(scenario, 2.0),
         _drifting(scenario, 0.5),
     )
-    for name, (title, world) in zip(WRONG, worlds, strict=True):
-        whole += _wary(name, title, world)
-    return tuple(whole)
+    everybody = ("belief", *lesser, FAST, ROBUST, *BASELINES)
+    return (
+        Variant(COMPLETE, "expected world", scenario, everybody),
+        *(
+            Variant(name, title, world, ("belief", ROBUST, *BASELINES))
+            for name, (title, world) in zip(WRONG, worlds, strict=True)
+        ),
+    )
 
 
 def _drifting(scenario: Scenario, factor: float) -> tuple[str, Scenario]:
@@ -57,15 +60,6 @@ def _drifting(scenario: Scenario, factor: float) -> tuple[str, Scenario]:
         return f"wind of {wind:g} m/s", replace(scenario, weather=weather)
     weather = replace(scenario.weather, drift_node_per_step=factor * drift)
     return f"drift up to {factor * drift:g}", replace(scenario, weather=weather)
-
-
-def _wary(name: str, title: str, scenario: Scenario) -> list[Variant]:
-    """A world with the planner as it is, and set to wide assumptions."""
-    robust = replace(scenario, belief=replace(scenario.belief, robust=True))
-    return [
-        Variant(name, title, scenario, ("belief", *BASELINES)),
-        Variant(f"{name}-robust", f"{title}, robust", robust, ("belief",)),
-    ]
 
 
 def crews(scenario: Scenario) -> str:

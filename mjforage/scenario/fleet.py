@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from mjforage.base.fields import Later, Within
+from mjforage.base.fields import Within
 from mjforage.base.views import read_only
 
 UNLIMITED = int(np.iinfo(np.int64).max)
@@ -30,11 +30,11 @@ class Role:
     """Items an agent can take aboard in one episode; 0 means unlimited."""
     energy: Annotated[float, Within(0, 1e12, "node")] = 0.0
     """Distance an agent can travel in one episode; 0 means unlimited."""
-    carries: Annotated[bool, Later()] = False
+    carries: bool = False
     """Whether it takes over what others have aboard."""
-    relays: Annotated[bool, Later()] = False
+    relays: bool = False
     """Whether it passes on what it hears, also where `link.relay` is off."""
-    antenna_m: Annotated[float, Within(0.01, 200, "m"), Later()] = 1.0
+    antenna_m: Annotated[float, Within(0.01, 200, "m")] = 1.0
     """Height of its antenna above the water, for `link.model = "two-ray"`."""
 
 

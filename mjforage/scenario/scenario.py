@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Annotated, Literal
 
-from mjforage.base.fields import Later, Within, source
+from mjforage.base.fields import Within, source
 from mjforage.scenario.bearings import Bearing
-from mjforage.scenario.belief_settings import BeliefSettings
 from mjforage.scenario.fleet import Role
+from mjforage.scenario.prior import Prior
 
 _Cell = Annotated[int, Within(-(2**63), 2**63 - 1)]  # of a grid; the map says which there are
 _OAK = source("Luxonis OAK-D W: depth error below 2, 4, 6 % up to 3.5, 6.5, 9 m; 127 deg")
@@ -33,7 +33,7 @@ class MapChoice:
     """Whether only the largest connected part of the map is kept."""
     starts: tuple[tuple[_Cell, _Cell], ...] | None = None
     """(row, column) to assign at random; absent: those beside the map; []: a random cluster."""
-    water: Annotated[Literal["light", "dark"], Later()] = "light"
+    water: Literal["light", "dark"] = "light"
     """Which cells of a file are water: `light` pixels of an image, 1 of a table; or `dark`, 0."""
 
 
@@ -45,14 +45,14 @@ class Rules:
     """Whether staying put is an action."""
     shorten: bool = True
     """Whether a blocked longer move ends before the obstacle instead of being illegal."""
-    walls: Annotated[Literal["clip", "project", "published"], Later()] = "clip"
+    walls: Literal["clip", "project", "published"] = "clip"
     """How an item on land is put back into the nearest node: each component of its offset cut to
     0.49 node; the offset scaled, its larger component to 0.49; so, and the smaller one with the
     sign of the lesser of both, as the paper's code has it."""
-    capture: Annotated[Literal["certain", "calibrated"], Later()] = "certain"
+    capture: Literal["certain", "calibrated"] = "certain"
     """Where items follow the rule: foragers take all in their node, or as surely as their hulls did
     in trials (`mjforage calibrate`)."""
-    order: Annotated[tuple[str, ...], Later()] = ()
+    order: tuple[str, ...] = ()
     """All teams as they choose, in each the highest number first; empty: those that collect, then
     the others, each by name."""
 
@@ -79,13 +79,13 @@ class Weather:
     feel too, and in the graph world items drift at 0.03 of a wind that is given.
     """
 
-    wind_speed_mps: Annotated[Annotated[float, Within(0, 30, "m/s")] | None, Later()] = None
+    wind_speed_mps: Annotated[float, Within(0, 30, "m/s")] | None = None
     """Mean wind, in the place of the drift: `drift_node_per_step` then says nothing; absent: the
     wind is the drift's."""
-    wind_from_deg: Annotated[Bearing | None, Later()] = None
+    wind_from_deg: Bearing | None = None
     """Where that wind comes from, clockwise from north (0 north, 90 east); absent: drawn per
     episode, uniform over the circle."""
-    shelter_height_m: Annotated[float, Within(0, 30, "m"), Later()] = 0.0
+    shelter_height_m: Annotated[float, Within(0, 30, "m")] = 0.0
     """Height of what stands on all land, in whose lee the wind is weaker; 0: no lee."""
     drift_node_per_step: Annotated[float, Within(0, 10, "node/step"), source("paper")] = 0.1
     """Constant drift of an episode's items, uniform in +- this per axis; not with
@@ -153,7 +153,7 @@ class Physics:
     """`fast`: Euler with forces averaged over the step; `reference`: Runge-Kutta of order 4."""
     step_s: Annotated[float, Within(1e-3, 0.1, "s")] | None = None
     """Time step of the integrator, by default 0.1 s of `fast` and 0.02 s of `reference`."""
-    scale: Annotated[Scale, Later()] = Scale()
+    scale: Scale = Scale()
 
 
 _Chance = Annotated[float, Within(0, 1)]
@@ -175,38 +175,38 @@ class Sensors:
     """Standard deviation of the compass."""
     detection: _Chance = 1.0
     """p of an item in view, at distance 0 if it falls with the distance."""
-    half_range_node: Annotated[_Distance, Later()] = 0.0
+    half_range_node: _Distance = 0.0
     """Distance at which p is half: detection / (1 + exp((d - half_range_node) / slope_node)); 0: it
     does not fall."""
-    slope_node: Annotated[float, Within(1e-3, 1e4, "node"), Later()] = 1.0
+    slope_node: Annotated[float, Within(1e-3, 1e4, "node")] = 1.0
     """How gradually it falls."""
-    detection_table: Annotated[tuple[tuple[_Distance, _Chance], ...], Later()] = ()
+    detection_table: tuple[tuple[_Distance, _Chance], ...] = ()
     """(distance, p), linear between and constant beyond, in the place of the three keys above."""
-    persistence: Annotated[float, Within(0, 0.99), Later()] = 0.0
+    persistence: Annotated[float, Within(0, 0.99)] = 0.0
     """Correlation of detecting an item in two steps: some items are hard to see all along. Their p
     are of a beta distribution with that mean, drawn once per item."""
-    false_rate: Annotated[_Chance, Later()] = 0.0
+    false_rate: _Chance = 0.0
     """Chance per node and epoch that an item is seen that is none; not where a collector is."""
-    false_hold: Annotated[int, Within(1, 30000, "decisions"), Later()] = 1
+    false_hold: Annotated[int, Within(1, 30000, "decisions")] = 1
     """Length of such an epoch."""
-    merge: Annotated[_Chance, Later()] = 0.0
+    merge: _Chance = 0.0
     """Chance to overlook an item, in a node in which another is detected."""
-    fov_deg: Annotated[float, Within(0, 360, "deg"), Later()] = 360.0
+    fov_deg: Annotated[float, Within(0, 360, "deg")] = 360.0
     """Field of view about the heading; an agent's own node is always seen."""
-    map: Annotated[Literal["last", "filtered"], Later()] = "last"
+    map: Literal["last", "filtered"] = "last"
     """What is believed of a node: the items of the last look, or what all looks make probable."""
-    pickup_noise_m: Annotated[float, Within(0, 2, "m"), Later()] = 0.0
+    pickup_noise_m: Annotated[float, Within(0, 2, "m")] = 0.0
     """Standard deviation per axis of where the middle of an item is in a frame of a collector's
     camera; with 0 there is no camera, and collectors know where items are."""
-    pickup_range_noise_per_m: Annotated[float, Within(0, 0.1, "1/m"), _OAK, Later()] = 0.0065
+    pickup_range_noise_per_m: Annotated[float, Within(0, 0.1, "1/m"), _OAK] = 0.0065
     """Times the range squared: standard deviation along the line of sight, beyond that."""
-    pickup_view_deg: Annotated[float, Within(10, 360, "deg"), _OAK, Later()] = 127.0
+    pickup_view_deg: Annotated[float, Within(10, 360, "deg"), _OAK] = 127.0
     """Field of view of the camera about the bow."""
-    pickup_range_m: Annotated[float, Within(1, 1e4, "m"), _OAK, Later()] = 9.0
+    pickup_range_m: Annotated[float, Within(1, 1e4, "m"), _OAK] = 9.0
     """Farthest item that it sees."""
-    pickup_period_s: Annotated[float, Within(0.1, 10, "s"), source("estimate"), Later()] = 0.2
+    pickup_period_s: Annotated[float, Within(0.1, 10, "s"), source("estimate")] = 0.2
     """Time between two frames, a multiple of 0.1 s."""
-    pickup_latency_s: Annotated[float, Within(0, 10, "s"), source("estimate"), Later()] = 0.2
+    pickup_latency_s: Annotated[float, Within(0, 10, "s"), source("estimate")] = 0.2
     """Time until what is in a frame is known, a multiple of 0.1 s."""
 
     @property
@@ -296,6 +296,6 @@ class Scenario:
     weather: Weather = Weather()
     physics: Physics = field(default_factory=Physics)
     sensors: Sensors = Sensors()
-    link: Annotated[Link, Later()] = Link()
+    link: Link = Link()
     corruption: CorruptionChoice = CorruptionChoice()
-    belief: BeliefSettings = field(default_factory=BeliefSettings)
+    prior: Prior = field(default_factory=Prior)

@@ -9,12 +9,10 @@ import difflib
 import itertools
 import json
 from collections.abc import Iterable, Mapping
-from functools import lru_cache
 from pathlib import Path
-from typing import Any, cast, get_args, get_type_hints
+from typing import Any, cast
 
 from mjforage.base.errors import UserError
-from mjforage.base.fields import Later
 from mjforage.base.references import assigned
 from mjforage.base.toml_files import read_toml
 from mjforage.scenario.assets import models_folder
@@ -94,7 +92,7 @@ def load_scenario(
     for override in overrides:
         _apply(tree, override)
     try:
-        return _checked(tree, f"scenario {path.stem}")
+        return scenario_from_tree(tree, f"scenario {path.stem}")
     except UserError as error:
         raise _near_miss(overrides, names, error) or error from error
 
@@ -162,11 +160,10 @@ def _put(tree: Tree, parts: list[str], value: object, where: str) -> None:
 
 
 def scenario_from_tree(tree: Tree, where: str) -> Scenario:
-    """The scenario that `scenario_to_tree` gave as nested dicts, now or before keys were added.
+    """The scenario of nested dicts, as TOML has them or `scenario_to_tree` gives them.
 
     Parameters
     ----------
-    tree : as read from a run folder
     where : what errors name first
 
     Raises
@@ -175,22 +172,6 @@ def scenario_from_tree(tree: Tree, where: str) -> Scenario:
         For an unknown or missing key, a wrong type, a value out of range, or tables that contradict
         each other.
     """
-    return _checked(_completed(tree), where)
-
-
-def _completed(tree: Tree) -> Tree:
-    """With the keys whose default has changed, at their old one, in tables without them."""
-    whole = dict(tree)
-    for name, schema in get_type_hints(Scenario).items():
-        if isinstance(table := whole.get(name), dict) and isinstance(schema, type):
-            marks = _later(schema).items()
-            old = {key: mark.before for key, mark in marks if mark.before is not None}
-            whole[name] = old | table
-    return whole
-
-
-def _checked(tree: Tree, where: str) -> Scenario:
-    """Check nested dicts, as read from TOML, against the schema."""
     scenario = check(Scenario, tree, where)
     name = scenario.name
     if not name.isprintable() or not name.strip(" .") or set(name) & set("/\\"):
@@ -285,44 +266,16 @@ def with_values(scenario: Scenario, values: Mapping[str, object], where: str) ->
 
 
 def scenario_to_tree(scenario: Scenario) -> Tree:
-    """The scenario as nested dicts and lists; `scenario_from_tree` undoes it.
+    """The scenario as nested dicts and lists, every key present; `scenario_from_tree` undoes it."""
 
-    Every key is present, except those marked `Later` at the value of the time before them: what a
-    scenario does not use leaves its hash as it was before that key existed.
-    """
-
-    def plain(value: object) -> object:
-        if dataclasses.is_dataclass(value) and not isinstance(value, type):
-            marks = _later(type(value))
-            entries = {f: getattr(value, f.name) for f in dataclasses.fields(value)}
-            return {
-                f.name: plain(entry)
-                for f, entry in entries.items()
-                if f.name not in marks or entry != _before(f, marks[f.name])
-            }
+    def plain(value: Any) -> Any:
+        if dataclasses.is_dataclass(value):
+            return {f.name: plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
         if isinstance(value, Mapping):
             return {name: plain(entry) for name, entry in value.items()}
-        if isinstance(value, tuple):
-            return [plain(entry) for entry in value]
-        return value
+        return [plain(entry) for entry in value] if isinstance(value, tuple) else value
 
     return cast(Tree, plain(scenario))
-
-
-def _before(key: "dataclasses.Field[Any]", mark: Later) -> object:
-    """The value that run folders without the key were played with."""
-    if mark.before is not None:
-        return mark.before
-    made = key.default_factory
-    return key.default if made is dataclasses.MISSING else made()
-
-
-@lru_cache(maxsize=64)
-def _later(schema: type) -> dict[str, Later]:
-    """Name -> mark of a table's keys that are marked `Later`."""
-    hints = get_type_hints(schema, include_extras=True)
-    marks = {name: get_args(hint)[1:] for name, hint in hints.items()}
-    return {name: m for name, all_ in marks.items() for m in all_ if isinstance(m, Later)}
 
 
 def canonical_json(tree: object) -> str:

@@ -87,7 +87,7 @@ def mission_bytes(
         roles = [role for role in scenario.team.values() if role.count]
         each += agents * steps * 2 * max(min(4.0 * role.radius**2 + 1, nodes) for role in roles)
     holders = agents if scenario.link.model != "ideal" else 1
-    if scenario.belief.detection < 1.0 or scenario.belief.half_range_node:
+    if scenario.prior.detection < 1.0 or scenario.prior.half_range_node:
         each += holders * steps * nodes * _NEAR
     if scenario.sensors.map == "filtered":
         each += (1 + holders) * nodes * _DENSITY

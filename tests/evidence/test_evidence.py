@@ -12,8 +12,9 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
+from mjforage.base.references import with_options
 from mjforage.cli.commands import app
-from mjforage.graph_planner.policies.registry import policy_names
+from mjforage.graph_planner.policies.registry import policy_label, policy_names
 from mjforage.mission.mission_metrics import chosen_metrics
 from mjforage.physics.worlds import WORLDS
 from mjforage.runs.resuming import Difference, refusal
@@ -97,7 +98,8 @@ def test_settings_of_commands_are_of_scenarios() -> None:
         if "scenario" in given and "courses" not in given:
             chosen = given.get("choice")
             options = vars(chosen) if chosen else given
-            settings.add((given["scenario"], tuple(options.get("set", ())), options.get("map")))
+            _, overrides = with_options("policy", given.get("policy", ()), options.get("set", ()))
+            settings.add((given["scenario"], overrides, options.get("map")))
     assert len(settings) > 20
     for scenario, overrides, where in settings:
         load_scenario(scenario, overrides, where)
@@ -209,7 +211,10 @@ class _Promised:
         _, bound, _ = app.parse_args(plain(command), exit_on_error=False, print_error=False)
         given = bound.arguments
         found = tuple(WORLDS) if "ladder" in given else ("graph", "physics")
-        self.info = SimpleNamespace(policies=tuple(given["policy"]), worlds=found)
+        choice = vars(given["choice"]) if "choice" in given else given
+        named, _ = with_options("policy", given["policy"], choice.get("set", ()))
+        policies = tuple(policy_label(one) if "(" in one else one for one in named)
+        self.info = SimpleNamespace(policies=policies, worlds=found)
         self._known = {one.key for one in chosen_metrics()}
 
     def values(self, policy: str, key: str, world: str = "graph") -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from mjforage.runs.variants import without
 from tests.evidence.piece import Cell, Column, Piece, Row, average, beside, gap
 from tests.evidence.playing import Runs
 
@@ -88,8 +89,8 @@ def _touch(runs: Runs) -> Iterator[Row]:
         row: list[Cell] = [link, average(runs[link].values("belief", "pta_c"))]
         for part, keys in PARTS.items():
             for key in keys:
-                without = runs[f"{link}, without {part}"].values("belief", key)
-                row.append(gap(without, runs[link].values("belief", key)))
+                lesser = runs[f"{link}, without {part}"].values(without(part), key)
+                row.append(gap(lesser, runs[link].values("belief", key)))
         yield row
 
 
@@ -121,7 +122,7 @@ PIECES = (
             for link, command in TOUCH.items()
             for name, flag in (
                 ("", ""),
-                *((f", without {part}", f" --set belief.{part}=false") for part in PARTS),
+                *((f", without {part}", f" --set policy.belief.{part}=false") for part in PARTS),
             )
         },
         (

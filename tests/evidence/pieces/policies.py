@@ -36,7 +36,7 @@ def _decisions(runs: Runs) -> Iterator[Row]:
 def _discounted(harbour: str, discount: float) -> str:
     return (
         f"{_BY_THE_RULES} harbour:{harbour} --policy belief --episodes 100 --seed 7"
-        f" --set belief.look_discount={discount:g}"
+        f" --set policy.belief.look_discount={discount:g}"
     )
 
 
@@ -44,7 +44,8 @@ def _look_discount(runs: Runs) -> Iterator[Row]:
     for harbour in HARBOURS:
         row: list[Cell] = [f"`{harbour}`"]
         for key in ("pta_c", "nt50", "nt90"):
-            at_1, less = (runs[f"{harbour}, {d}"].values("belief", key) for d in (1, DISCOUNT))
+            at_1 = runs[f"{harbour}, 1"].values("belief(look_discount=1)", key)
+            less = runs[f"{harbour}, {DISCOUNT}"].values("belief", key)
             row += [average(at_1), gap(less, at_1)]
         yield row
 

@@ -15,7 +15,7 @@ def _seen(**keys: float | str) -> str:
 
 
 def _told(**keys: float) -> str:
-    return "".join(f" --set belief.{key}={value}" for key, value in keys.items())
+    return "".join(f" --set prior.{key}={value}" for key, value in keys.items())
 
 
 _FILTERED = " --set 'sensors.map=\"filtered\"'"

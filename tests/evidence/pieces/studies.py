@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from mjforage.base.atomic_files import write_bytes
 from mjforage.runs import communication, sensing
-from mjforage.runs.variants import COMPLETE, IN_TOUCH, PARTS, WRONG
+from mjforage.runs.variants import COMPLETE, FAST, IN_TOUCH, PARTS, ROBUST, WRONG, without
 from mjforage.view.page.picture import house_style, png_bytes, smaller
 from mjforage.view.report.studies import ablation, corruption
 from mjforage.view.report.studies import communication as communication_page
@@ -49,19 +49,17 @@ def _minus(
 
 
 def _parts(runs: Runs) -> Iterator[Row]:
-    lines = {f"no-{part}": f"without `{part}`" for part in PARTS if part not in IN_TOUCH}
-    lines |= {"fast": "`fast`", f"{COMPLETE}-robust": "`robust`"}
+    lines = {without(part): f"without `{part}`" for part in PARTS if part not in IN_TOUCH}
+    lines |= {FAST: "`fast`", ROBUST: "`robust`", "greedy": "greedy", "oracle": "*oracle (bound)*"}
     whole = COMPLETE, "belief"
-    for variant, head in lines.items():
-        yield [head, *_minus(runs.study, (variant, "belief"), whole, _OF_PARTS)]
-    for policy, head in (("greedy", "greedy"), ("oracle", "*oracle (bound)*")):
+    for policy, head in lines.items():
         yield [head, *_minus(runs.study, (COMPLETE, policy), whole, _OF_PARTS)]
 
 
 def _wrong(runs: Runs) -> Iterator[Row]:
     for variant in WRONG:
-        for end, head in (("", "as it is"), ("-robust", "`robust`")):
-            found = _minus(runs.study, (variant + end, "belief"), (variant, "greedy"), _OF_WORLDS)
+        for policy, head in (("belief", "as it is"), (ROBUST, "`robust`")):
+            found = _minus(runs.study, (variant, policy), (variant, "greedy"), _OF_WORLDS)
             yield [_TITLES[variant], head, *found]
 
 

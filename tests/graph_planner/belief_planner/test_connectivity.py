@@ -15,10 +15,10 @@ from mjforage.graph_planner.belief_planner.connectivity import (
     Connectivity,
     parts_of,
 )
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.ways import ways_of
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.task import Observation
-from mjforage.scenario.belief_settings import BeliefSettings
 from mjforage.scenario.fleet import Role
 from tests.graph_planner.driver import observation_of, task_of
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from mjforage.graph_planner.belief_planner.foraging import USUAL_STEP, Collecting
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.task import Pickup
-from mjforage.scenario.belief_settings import BeliefSettings
 from mjforage.scenario.fleet import UNLIMITED, Role
 from tests.graph_planner.driver import task_of
 

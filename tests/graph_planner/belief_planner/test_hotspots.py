@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 from mjforage.graph_planner.belief_planner import hotspots as hs
 from mjforage.graph_planner.belief_planner.boundary import boundary_of, nearest_of_cells
 from mjforage.graph_planner.belief_planner.drift_hypotheses import DriftHypotheses
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.spatial_prior import (
     bounds,
     gathered,
@@ -13,7 +14,6 @@ from mjforage.graph_planner.belief_planner.spatial_prior import (
     start_chances,
 )
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
-from mjforage.scenario.belief_settings import BeliefSettings
 
 F64 = NDArray[np.float64]
 SEA = navigation_graph(np.ones((40, 40), np.bool_), 1.0, False)

@@ -11,10 +11,10 @@ from mjforage.graph_planner.belief_planner import stragglers as st
 from mjforage.graph_planner.belief_planner import tracks as tr
 from mjforage.graph_planner.belief_planner import wind as wd
 from mjforage.graph_planner.belief_planner.boundary import boundary_of
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.spatial_prior import spatial_prior_of
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.detection import real_if_missed, real_if_new, real_if_seen
-from mjforage.scenario.belief_settings import BeliefSettings
 
 SEA = navigation_graph(np.ones((20, 20), np.bool_), 1.0, False)
 BOUNDARY, KEY, NODES = boundary_of(SEA), np.uint64(5), 400

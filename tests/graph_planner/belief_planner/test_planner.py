@@ -6,23 +6,21 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from mjforage.graph_planner.belief_planner.settings import BeliefOptions, BeliefSettings
 from mjforage.graph_planner.belief_planner.waiting import approach, regrets
 from mjforage.graph_planner.belief_planner.ways import ways_of
 from mjforage.graph_planner.graph.navigation import TABLE_LIMIT, NavigationGraph, navigation_graph
 from mjforage.graph_planner.policies import create_policy, is_upper_bound
 from mjforage.graph_planner.policies.belief import BeliefPolicy
-from mjforage.mission.task import NEVER, Task
-from mjforage.scenario.belief_settings import BeliefSettings
+from mjforage.mission.task import NEVER
 from mjforage.scenario.fleet import Role
+from mjforage.scenario.prior import Prior
 from tests.graph_planner.driver import observation_of, preferences, task_of
 
 N, NE, E, SE, S, SW, W, NW, STAY = range(9)
 SEA = navigation_graph(np.ones((30, 30), np.bool_), 1.0, False)
-FAST = BeliefSettings(fast=True)
-
-
-def with_settings(task: Task, settings: BeliefSettings) -> Task:
-    return replace(task, belief=settings)
+FAST = "belief(fast=true)"
+PRIOR = Prior()
 
 
 def test_the_oracle_is_a_bound_and_the_belief_planner_is_not() -> None:
@@ -50,18 +48,17 @@ def test_the_oracle_sees_every_item_of_many() -> None:
     assert int(preferences("oracle", task, observation)[0, 0].argmax()) == E
 
 
-@pytest.mark.parametrize("settings", [FAST, BeliefSettings(), BeliefSettings(robust=True)])
-def test_a_forager_takes_the_item_beside_it(settings: BeliefSettings) -> None:
-    task = with_settings(task_of(SEA, foragers=Role(1, 1, 1.0, True)), settings)
+@pytest.mark.parametrize("name", [FAST, "belief", "belief(robust=true)"])
+def test_a_forager_takes_the_item_beside_it(name: str) -> None:
+    task = task_of(SEA, foragers=Role(1, 1, 1.0, True))
     seen = np.full(len(SEA), 0, np.int16)
     observation = observation_of(task, [(10, 10)], {(10, 11): 1}, seen)
-    assert int(preferences("belief", task, observation)[0, 0].argmax()) == E
+    assert int(preferences(name, task, observation)[0, 0].argmax()) == E
 
 
 def test_a_late_or_blocked_move_does_not_confuse_it() -> None:
     """The agents never move whatever is asked; items go by; it keeps asking for the right thing."""
     task = task_of(SEA, scouts=Role(1, 2, 4.0, False), foragers=Role(1, 1, 1.0, True))
-    task = with_settings(task, FAST)
     policy, cells = BeliefPolicy(), [(10, 8), (10, 10)]
     for step in range(1, 40):
         item = (10, 12 + step // 10)
@@ -79,11 +76,13 @@ def test_a_late_or_blocked_move_does_not_confuse_it() -> None:
 class Watch:
     """What the planner makes of views: everything within `reach` of the middle, and items there."""
 
-    def __init__(self, settings: BeliefSettings = FAST, scout_at: tuple[int, int] = (0, 0)) -> None:
+    def __init__(
+        self, scout_at: tuple[int, int] = (0, 0), prior: Prior = PRIOR, **parts: bool
+    ) -> None:
         self.scout_at = scout_at
         self.task = task_of(SEA, scouts=Role(1, 1, 4.0, False), foragers=Role(1, 1, 1.0, True))
-        self.task = with_settings(self.task, settings)
-        self.policy = BeliefPolicy()
+        self.task = replace(self.task, prior=prior)
+        self.policy = BeliefPolicy(fast=True, **parts)
         self.last_seen = np.full(len(SEA), -1, np.int16)
 
     def look(self, step: int, reach: int, *items: tuple[int, int]) -> NDArray[np.float64]:
@@ -147,8 +146,7 @@ def test_a_scout_goes_back_to_what_was_known_long_ago(ghost: bool) -> None:
     forager has just been.
     """
     task = task_of(SEA, scouts=Role(1, 1, 4.0, False), foragers=Role(1, 1, 1.0, True))
-    task = with_settings(task, replace(FAST, particles=False))
-    policy, known = BeliefPolicy(), {(15, 5): 1, (15, 25): 1}
+    policy, known = BeliefPolicy(fast=True, particles=False), {(15, 5): 1, (15, 25): 1}
     last_seen = np.zeros(len(SEA), np.int16)
     for step in range(1, 30):
         last_seen[SEA.cols > 10] = step - 1
@@ -162,14 +160,14 @@ def test_a_scout_goes_back_to_what_was_known_long_ago(ghost: bool) -> None:
 
 
 def test_knowledge_is_forgotten_at_a_reset() -> None:
-    task = with_settings(task_of(SEA, foragers=Role(1, 1, 1.0, True)), FAST)
+    task = task_of(SEA, foragers=Role(1, 1, 1.0, True))
     full = observation_of(task, [(10, 10)], {(10, 20): 3}, np.zeros(len(SEA), np.int16))
     empty = observation_of(task, [(10, 10)], {}, None)
-    policy = create_policy("belief")
+    policy = create_policy(FAST)
     policy.reset(task, full.keys)
     policy.act(full)
     policy.reset(task, empty.keys)
-    np.testing.assert_array_equal(policy.act(empty), preferences("belief", task, empty))
+    np.testing.assert_array_equal(policy.act(empty), preferences(FAST, task, empty))
 
 
 @pytest.mark.parametrize("scouts", [0, 1, 8])
@@ -178,12 +176,12 @@ def test_any_fleet_gets_moves(ragged_coast: NavigationGraph, scouts: int, forage
     if scouts + foragers == 0:
         return
     scout, forager = Role(scouts, 2, 4.0, False), Role(foragers, 1, 1.0, True)
-    task = with_settings(task_of(ragged_coast, s=scout, f=forager), FAST)
+    task = task_of(ragged_coast, s=scout, f=forager)
     nodes = np.linspace(0, len(ragged_coast) - 1, scouts + foragers).astype(int)
     cells = [(int(ragged_coast.rows[v]), int(ragged_coast.cols[v])) for v in nodes]
     for known in ({}, {cells[0]: 2}):
         observation = observation_of(task, cells, known, np.zeros(len(ragged_coast), np.int16))
-        moves = preferences("belief", task, observation)
+        moves = preferences(FAST, task, observation)
         assert moves.shape == (1, scouts + foragers, 9)
         assert not np.isnan(moves).any() and np.isfinite(moves.max(axis=2)).all()
 
@@ -196,11 +194,10 @@ def test_roles_of_several_speeds_and_ranges_work_together(ragged_coast: Navigati
         tug=Role(1, 2, 1.0, True, capacity=3),
         boat=Role(1, 1, 0.0, True, energy=50.0),
     )
-    task = with_settings(task, FAST)
     nodes = (3, 90, 140, 200)
     cells = [(int(ragged_coast.rows[v]), int(ragged_coast.cols[v])) for v in nodes]
     observation = observation_of(task, cells, {cells[0]: 1}, np.zeros(len(ragged_coast), np.int16))
-    assert np.isfinite(preferences("belief", task, observation).max(axis=2)).all()
+    assert np.isfinite(preferences(FAST, task, observation).max(axis=2)).all()
 
 
 def test_a_map_beyond_the_distance_table_works() -> None:
@@ -208,20 +205,18 @@ def test_a_map_beyond_the_distance_table_works() -> None:
     large = navigation_graph(np.ones((side, side), np.bool_), 1.0, False)
     assert len(large) > TABLE_LIMIT and large.distances.size == 0
     task = task_of(large, s=Role(1, 2, 4.0, False), f=Role(1, 1, 1.0, True))
-    task = with_settings(task, FAST)
     seen = np.full(len(large), -32768, np.int16)
     observation = observation_of(task, [(40, 30), (40, 40)], {(40, 50): 1}, seen)
     observation.last_seen[0, large.node_of_cell[40, 50]] = 0
-    moves = preferences("belief", task, observation)
+    moves = preferences(FAST, task, observation)
     assert int(moves[0, 1].argmax()) in (NE, E, SE)
 
 
 def test_without_hotspots_foragers_go_only_to_what_was_seen() -> None:
     """An item was seen and is gone; items are expected wherever nobody has looked for long."""
-    parts = {"particles": False, "preposition": False}
     moves = {}
     for hotspot in (True, False):
-        watch = Watch(replace(FAST, hotspot=hotspot, **parts))
+        watch = Watch(hotspot=hotspot, particles=False, preposition=False)
         watch.last_seen[:] = NEVER
         watch.look(1, 1, (15, 15))
         moves[hotspot] = watch.look(2, 1)[0, 1].argmax()
@@ -231,15 +226,14 @@ def test_without_hotspots_foragers_go_only_to_what_was_seen() -> None:
 
 def test_without_hotspots_scouts_look_where_nobody_has_looked_for_long() -> None:
     task = task_of(SEA, scouts=Role(1, 1, 4.0, False), foragers=Role(1, 1, 1.0, True))
-    task = with_settings(task, replace(FAST, hotspot=False))
     last_seen = np.where(SEA.cols > 17, 0, 39).astype(np.int16)
     observation = observation_of(task, [(15, 15), (0, 0)], {}, last_seen, step=40)
-    assert int(preferences("belief", task, observation)[0, 0].argmax()) in (NE, E, SE)
+    assert int(preferences(FAST, task, observation)[0, 0].argmax()) in (NE, E, SE)
 
 
 def foretold(seen: list[tuple[tuple[int, int], ...]], detection: float = 1.0) -> float:
     """Chance of an item in (15, 15) after decisions by what is seen around it, known items only."""
-    watch = Watch(replace(FAST, detection=detection), scout_at=(15, 13))
+    watch = Watch((15, 13), Prior(detection=detection))
     for step, items in enumerate(seen, 1):
         watch.look(step, 1, *items)
     node = SEA.node_of_cell[15, 15]
@@ -262,7 +256,7 @@ def test_a_forager_that_can_collect_no_more_stays_and_leaves_its_stop_to_others(
     name: str, spent: str
 ) -> None:
     """One beside the item, one four nodes off: the latter goes for it once the former is done."""
-    task = with_settings(task_of(SEA, foragers=Role(2, 1, 1.0, True, 3, 50.0)), FAST)
+    task = task_of(SEA, foragers=Role(2, 1, 1.0, True, 3, 50.0))
     seen = np.zeros(len(SEA), np.int16)
     observation = observation_of(task, [(10, 11), (10, 16)], {(10, 12): 1, (20, 22): 1}, seen)
     if spent == "room":
@@ -275,8 +269,8 @@ def test_a_forager_that_can_collect_no_more_stays_and_leaves_its_stop_to_others(
 
 
 def test_items_in_the_node_of_a_full_forager_are_still_there() -> None:
-    task = with_settings(task_of(SEA, foragers=Role(2, 1, 1.0, True, 3)), FAST)
-    policy = BeliefPolicy()
+    task = task_of(SEA, foragers=Role(2, 1, 1.0, True, 3))
+    policy = BeliefPolicy(fast=True)
     for step in (1, 2, 3):
         seen = np.full(len(SEA), step - 1, np.int16)
         observation = observation_of(task, [(10, 11), (10, 20)], {(10, 11): 2}, seen, step)
@@ -289,9 +283,9 @@ def test_items_in_the_node_of_a_full_forager_are_still_there() -> None:
 
 
 def test_robust_assumptions_are_wide() -> None:
-    wide = BeliefSettings(robust=True).widened()
+    wide = BeliefSettings.of(Prior(), BeliefOptions(robust=True))
     assert (wide.hotspots, wide.drift_node_per_step, wide.items_sd) == (3, 0.2, 37.5)
-    assert BeliefSettings().widened() == BeliefSettings()
+    assert BeliefSettings.of(Prior()) == BeliefSettings()
 
 
 def test_waiting_foragers_go_to_where_they_are_near_to_everything() -> None:

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjforage.graph_planner.belief_planner.privileged_beliefs import UNHEARD, PrivilegedBeliefs
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.task import GroundTruth, Observation
 from mjforage.scenario.fleet import Role
@@ -34,7 +35,7 @@ def seen_at(step: int, shows: dict[tuple[int, int], int]) -> Observation:
 
 
 def beliefs() -> PrivilegedBeliefs:
-    return PrivilegedBeliefs(TASK, TASK.belief, np.array([7], np.uint64))
+    return PrivilegedBeliefs(TASK, BeliefSettings.of(TASK.prior), np.array([7], np.uint64))
 
 
 def told(believed: PrivilegedBeliefs) -> NDArray[np.float64]:

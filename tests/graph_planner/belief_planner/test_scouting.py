@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from mjforage.graph_planner.belief_planner.covers import hotspot_cover
 from mjforage.graph_planner.belief_planner.scouting import Scouting
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.sweeps import (
     LONGEST,
     Cover,
@@ -16,7 +17,6 @@ from mjforage.graph_planner.belief_planner.sweeps import (
 from mjforage.graph_planner.belief_planner.ways import ways_of
 from mjforage.graph_planner.graph.geodesics import Int32Array
 from mjforage.graph_planner.graph.navigation import navigation_graph
-from mjforage.scenario.belief_settings import BeliefSettings
 from mjforage.scenario.fleet import Role
 from tests.graph_planner.driver import task_of
 

@@ -7,12 +7,12 @@ from mjforage.graph_planner.belief_planner import hotspots as hs
 from mjforage.graph_planner.belief_planner import stragglers as st
 from mjforage.graph_planner.belief_planner import wind as wd
 from mjforage.graph_planner.belief_planner.boundary import boundary_of
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.graph_planner.graph.walls import WALLS
 from mjforage.mission.dynamics import start_state
 from mjforage.mission.initial_state import InitialState
 from mjforage.mission.item_rule import ItemRule
-from mjforage.scenario.belief_settings import BeliefSettings
 from mjforage.scenario.fleet import Fleet, Role
 
 SEA = navigation_graph(np.ones((40, 40), np.bool_), 1.0, False)

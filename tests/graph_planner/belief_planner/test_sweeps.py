@@ -3,6 +3,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.graph_planner.belief_planner.covers import hotspot_cover, landmarks_of, view_cover
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.sweeps import (
     LONGEST,
     SEEN,
@@ -16,7 +17,6 @@ from mjforage.graph_planner.belief_planner.sweeps import (
 )
 from mjforage.graph_planner.belief_planner.ways import UNREACHED, ways_of
 from mjforage.graph_planner.graph.navigation import NavigationGraph, navigation_graph
-from mjforage.scenario.belief_settings import BeliefSettings
 from mjforage.scenario.fleet import Role
 from tests.graph_planner.driver import task_of
 

@@ -6,6 +6,7 @@ import pytest
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.belief_planner.beliefs import Beliefs
 from mjforage.graph_planner.belief_planner.boundary import boundary_of
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.belief_planner.stops import floating
 from mjforage.graph_planner.belief_planner.target_values import (
     FAILED,
@@ -15,7 +16,6 @@ from mjforage.graph_planner.belief_planner.target_values import (
 )
 from mjforage.graph_planner.belief_planner.tracks import Tracks
 from mjforage.graph_planner.graph.navigation import navigation_graph
-from mjforage.scenario.belief_settings import BeliefSettings
 from tests.graph_planner.driver import observation_of, task_of
 
 SEA = navigation_graph(np.ones((12, 12), np.bool_), 1.0, False)

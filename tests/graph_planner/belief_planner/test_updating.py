@@ -9,9 +9,9 @@ from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.belief_planner import updating as up
 from mjforage.graph_planner.belief_planner.beliefs import Beliefs
 from mjforage.graph_planner.belief_planner.routes import NOWHERE
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.graph.navigation import navigation_graph
 from mjforage.mission.task import UNREACHABLE, Observation, Pickup, Task
-from mjforage.scenario.belief_settings import BeliefSettings
 from mjforage.scenario.fleet import Role
 from tests.graph_planner.driver import observation_of, task_of
 

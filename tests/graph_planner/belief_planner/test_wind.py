@@ -4,8 +4,8 @@ import pytest
 from mjforage.graph_planner.belief_planner import tracks as tr
 from mjforage.graph_planner.belief_planner import wind as wd
 from mjforage.graph_planner.belief_planner.boundary import boundary_of
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.graph.navigation import navigation_graph
-from mjforage.scenario.belief_settings import BeliefSettings
 from tests.graph_planner.charts import grid
 
 SEA = boundary_of(navigation_graph(np.ones((80, 80), np.bool_), 1.0, False))

@@ -7,12 +7,12 @@ import pytest
 from numpy.typing import NDArray
 
 from mjforage.base.errors import UserError
+from mjforage.graph_planner.belief_planner.settings import BeliefSettings
 from mjforage.graph_planner.graph.navigation import STAY, NavigationGraph, navigation_graph
 from mjforage.graph_planner.policies import create_policy
 from mjforage.mission.moves import MoveRules
 from mjforage.mission.policy import Policy
 from mjforage.mission.task import NEVER, UNREACHABLE, Observation, Pickup, Task
-from mjforage.scenario.belief_settings import BeliefSettings
 from mjforage.scenario.fleet import Role
 from tests.graph_planner.driver import observation_of, preferences, task_of
 
@@ -160,10 +160,14 @@ def test_a_fleet_without_scouts_looks_for_itself(name: str) -> None:
 
 
 @BOTH
-def test_a_scout_out_of_energy_stays_and_others_look_behind_it(name: str) -> None:
+def test_a_scout_out_of_energy_stays_and_others_look_behind_it(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    settings = BeliefSettings(hotspot=False)
+    monkeypatch.setattr(BeliefSettings, "of", lambda prior: settings)
     graph = lake(9, 41)
     team = Role(2, 2, 4.0, False, energy=50.0)
-    task = replace(task_of(graph, scouts=team), belief=BeliefSettings(hotspot=False))
+    task = task_of(graph, scouts=team)
     behind = np.hypot(graph.rows - 4, graph.cols - 20) <= 4
     last_seen = np.where(behind | (graph.cols < 2), NEVER, 9).astype(np.int16)
     seen = observation_of(task, [(4, 20), (4, 13)], last_seen=last_seen, step=10)

@@ -43,11 +43,11 @@ def test_all_holders_of_an_episode_count() -> None:
 
 def test_items_in_view_are_foretold_with_certainty() -> None:
     """Before the first move, by perfect eyes: those nodes are in the last tenth of the chances."""
-    mission = Mission(Setup.of(load_scenario("comb-port", ["belief.fast=true"])))
+    mission = Mission(Setup.of(load_scenario("comb-port")))
     mission.reset(2, np.arange(24))
     in_view = (mission.knowledge.belief > 0).sum(axis=1)
     assert (in_view > 0).sum() > 1
-    policy = create_policy("belief")
+    policy = create_policy("belief(fast=true)")
     mission.prepare(policy)
     mission.ask(policy)
     foretold, _, there, _ = mission.forecasts.sums[:, -1].T
@@ -57,7 +57,7 @@ def test_items_in_view_are_foretold_with_certainty() -> None:
 
 def test_the_belief_planner_forecasts_with_skill_and_others_not_at_all() -> None:
     """Better than the base rate, and calibrated to .02 where it knows its eyes."""
-    overrides = ["horizon=60", "sensors.detection=0.7", "belief.detection=0.7"]
+    overrides = ["horizon=60", "sensors.detection=0.7", "prior.detection=0.7"]
     scores = {}
     for policy in ("belief", "greedy"):
         mission = Mission(Setup.of(load_scenario("comb-port", overrides)))

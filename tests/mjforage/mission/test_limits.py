@@ -9,7 +9,7 @@ from mjforage.mission.setup import Setup
 from mjforage.scenario.fleet import UNLIMITED
 from mjforage.scenario.scenario_file import load_scenario
 
-FAST = ("belief.fast=true", "horizon=70")
+SHORT = "horizon=70"
 MANY_SMALL = ("team.foragers.count=16", "team.foragers.capacity=5")
 SOON_SPENT = (
     *("team.foragers.count=6", "team.foragers.energy=16"),
@@ -20,8 +20,8 @@ SOON_SPENT = (
 
 def collected(*overrides: str, ignore: bool = False, episodes: int = 6) -> int:
     """Items that the belief planner's foragers collect, if it may ignore what they have left."""
-    setup = Setup.of(load_scenario("comb-port", (*FAST, *overrides)))
-    mission, policy = Mission(setup), create_policy("belief")
+    setup = Setup.of(load_scenario("comb-port", (SHORT, *overrides)))
+    mission, policy = Mission(setup), create_policy("belief(fast=true)")
     mission.reset(5, np.arange(episodes))
     policy.reset(setup.task, mission.keys)
     while mission.active.any():
@@ -48,9 +48,9 @@ def test_a_boat_with_energy_takes_over_from_those_without() -> None:
     assert collected(*SOON_SPENT, episodes=24) > least
 
 
-@pytest.mark.parametrize("name", ["belief", "oracle"])
+@pytest.mark.parametrize("name", ["belief(fast=true)", "oracle"])
 def test_room_for_one_item_is_filled(name: str) -> None:
-    setup = Setup.of(load_scenario("comb-port", (*FAST, "team.foragers.capacity=1")))
+    setup = Setup.of(load_scenario("comb-port", (SHORT, "team.foragers.capacity=1")))
     mission = Mission(setup)
     mission.reset(5, np.arange(2))
     assert (mission.room_left[0] == [UNLIMITED, UNLIMITED, 1, 1]).all()

@@ -25,7 +25,7 @@ EYES = (
         "sensors.merge=0.2",
         "sensors.fov_deg=200",
     ),
-    *("belief.detection=0.7", "belief.half_range_node=3", "belief.false_rate=0.002"),
+    *("prior.detection=0.7", "prior.half_range_node=3", "prior.false_rate=0.002"),
 )
 DISK = ("link.model=disk",)
 
@@ -72,7 +72,7 @@ class Thinned(Setup):
 
 @pytest.mark.parametrize("policy", ["greedy", "belief"])
 def test_items_that_nobody_has_detected_change_nothing(policy: str) -> None:
-    setup = setup_of("sensors.detection=0.1", "belief.detection=0.1")
+    setup = setup_of("sensors.detection=0.1", "prior.detection=0.1")
     whole = played(setup, policy)
     unseen = whole["discovered"] < 0
     assert unseen.any() and not unseen.all()

@@ -1,13 +1,13 @@
 """Scenes: small missions played with an option at its default and changed.
 
-They are data, the `scenes-*.toml` of this folder. An option of a policy, or a key of `[belief]`, is
+They are data, the `scenes-*.toml` of this folder. An option of a policy, or a key of `[prior]`, is
 played by two policies that are shown the same mission, step by step: what differs is what they
 decide. Any other key of a scenario is played by two missions: what differs is what is in them.
 """
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from inspect import signature
 from pathlib import Path
@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mjforage.base.references import parse_reference
 from mjforage.graph_planner.policies import create_policy, policy_names
 from mjforage.graph_planner.policies.registry import policy_class
 from mjforage.mission.mission import Mission
@@ -118,7 +119,7 @@ def differences(scene: Scene, value: str = "") -> set[str]:
         option = f"{scene.option.partition('.')[2]}={value}"
         return _decisions(scene, scene.also.split(), _with_option(scene.player, option))
     changes = [f"{scene.option}={value}", *scene.also.split()]
-    if scene.option.startswith("belief."):
+    if scene.option.startswith("prior."):
         return _decisions(scene, changes, scene.player)
     before, after = _played(scene, []), _played(scene, changes)
     shared = min(len(before["items"]), len(after["items"]))
@@ -127,8 +128,8 @@ def differences(scene: Scene, value: str = "") -> set[str]:
 
 
 def _with_option(policy: str, option: str) -> str:
-    name, _, given = policy.rstrip(")").partition("(")
-    return f"{name}({', '.join(filter(None, (given, option)))})"
+    before, more = (parse_reference(text, "policy") for text in (policy, f"of({option})"))
+    return str(replace(before, options={**before.options, **more.options}))
 
 
 def overrides_of(base: str, *more: str) -> list[str]:

@@ -37,7 +37,9 @@ def test_options_of_policies_change_what_they_are_for_and_nothing_else(scene: Sc
 
 
 @of_file("belief")
-def test_keys_of_belief_change_what_they_are_for_and_nothing_else(scene: Scene) -> None:
+def test_what_belief_assumes_and_does_is_what_changes_and_nothing_else(
+    scene: Scene,
+) -> None:
     assert differences(scene) == set(scene.changes.split())
 
 
@@ -88,9 +90,9 @@ def test_every_word_that_an_option_can_be_has_a_scene() -> None:
 
 def test_policies_are_told_the_rules_that_the_mission_goes_by() -> None:
     """None of them at its default: nodes of 8 m, so that a link of 24 m reaches three."""
-    rules = ("horizon=33", "rules.stay=false", "rules.walls=published", "belief.items=7")
+    rules = ("horizon=33", "rules.stay=false", "rules.walls=published", "prior.items=7")
     link = ("map.pitch_m=8", "link.model=disk", "link.range_m=24", "link.latency=2")
     task = Setup.of(load_scenario("open-bay", (*rules, *link))).task
     assert task.rules == MoveRules(stay=False, shorten=True)
-    assert (task.horizon, task.walls, task.belief.items) == (33, "published", 7.0)
+    assert (task.horizon, task.walls, task.prior.items) == (33, "published", 7.0)
     assert (task.reach_node, task.latency) == (3.0, 2)

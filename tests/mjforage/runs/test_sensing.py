@@ -36,7 +36,7 @@ def differs(one: Scenario, table: str) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    ("name", "sensors", "belief"),
+    ("name", "sensors", "prior"),
     [
         ("complete", {}, {}),
         ("detection-0.7", {"detection": 0.7}, {"detection": 0.7}),
@@ -61,10 +61,10 @@ def differs(one: Scenario, table: str) -> dict[str, Any]:
     ],
 )
 def test_looks_lack_one_thing_and_the_planner_is_told_or_wrong(
-    name: str, sensors: dict[str, Any], belief: dict[str, Any], found: dict[str, Variant]
+    name: str, sensors: dict[str, Any], prior: dict[str, Any], found: dict[str, Variant]
 ) -> None:
     one = found[name]
-    assert (differs(one.scenario, "sensors"), differs(one.scenario, "belief")) == (sensors, belief)
+    assert (differs(one.scenario, "sensors"), differs(one.scenario, "prior")) == (sensors, prior)
     assert one.policies == (("belief",) if "-for-" in name else POLICIES)
 
 

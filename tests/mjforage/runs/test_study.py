@@ -246,7 +246,7 @@ def test_a_spoilt_chunk_names_the_command_that_was_run(tmp_path: Path, refused: 
 
 def test_parts_mark_the_bound_in_every_table(tmp_path: Path, command: Command) -> None:
     folder = tmp_path / "parts"
-    small = ("--episodes", 2, "--set", "horizon=3", "--set", "belief.fast=true")
+    small = ("--episodes", 2, "--set", "horizon=3")
     assert command("study", "parts", *small, "--out", folder).code == 0
     page = (folder / "report.html").read_text()
     of_one = r'<div class="table[^"]*" id="table-([^"]+)">(.*?)</table>'

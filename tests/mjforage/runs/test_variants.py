@@ -1,11 +1,11 @@
-from dataclasses import fields, replace
+from dataclasses import fields
 
 import pytest
 
 from mjforage.base.errors import UserError
+from mjforage.graph_planner.belief_planner.settings import BeliefOptions
 from mjforage.runs import variants
 from mjforage.runs.study import Variant
-from mjforage.scenario.belief_settings import BeliefSettings
 from mjforage.scenario.scenario import CorruptionChoice, Scenario
 from mjforage.scenario.scenario_file import load_scenario, scenario_from_tree, scenario_to_tree
 
@@ -30,18 +30,14 @@ def test_every_part_of_the_planner_is_switched_off_alone(link: str) -> None:
     found = named(variants.parts(scenario))
     whole = found[variants.COMPLETE]
     assert whole.scenario == scenario
-    assert set(whole.policies) == {"belief", "greedy", "oracle"}
-    switches = [f.name for f in fields(BeliefSettings) if f.default is True]
+    switches = [f.name for f in fields(BeliefOptions) if f.default is True]
     assert len(switches) == 11
     over_links = [name for name in switches if name in variants.IN_TOUCH]
     assert over_links == ["report", "alone", "relay"]
     for name in switches:
-        if link == "ideal" and name in over_links:
-            assert f"no-{name}" not in found
-            continue
-        settings = replace(scenario.belief, **{name: False})
-        assert found[f"no-{name}"].scenario == replace(scenario, belief=settings)
-        assert found[f"no-{name}"].policies == ("belief",)
+        plays = f"belief({name}=false)" in whole.policies
+        assert plays == (link == "disk" or name not in over_links)
+    assert {"belief", "belief(fast=true)", "greedy", "oracle"} < set(whole.policies)
 
 
 def test_wrong_worlds_leave_the_assumptions_alone(scenario: Scenario) -> None:
@@ -52,9 +48,8 @@ def test_wrong_worlds_leave_the_assumptions_alone(scenario: Scenario) -> None:
     assert found["drift"].scenario.weather.drift_node_per_step == pytest.approx(0.2)
     assert found["calm"].scenario.weather.drift_node_per_step == pytest.approx(0.05)
     for name in variants.WRONG:
-        plain, robust = found[name].scenario, found[f"{name}-robust"].scenario
-        assert plain.belief == scenario.belief
-        assert robust == replace(plain, belief=replace(plain.belief, robust=True))
+        assert found[name].scenario.prior == scenario.prior
+        assert found[name].policies == ("belief", "belief(robust=true)", "greedy", "oracle")
 
 
 def test_each_team_lacks_one_agent_once(scenario: Scenario) -> None:

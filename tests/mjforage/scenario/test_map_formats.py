@@ -19,7 +19,7 @@ from mjforage.mission.setup import Setup
 from mjforage.scenario.map_files import WaterIs, read_cells
 from mjforage.scenario.map_formats.levels import MOST_CELLS
 from mjforage.scenario.maps import load_map
-from mjforage.scenario.scenario_file import load_scenario, scenario_to_tree
+from mjforage.scenario.scenario_file import load_scenario
 
 Read = Callable[..., list[str]]
 
@@ -219,7 +219,6 @@ def test_the_water_of_a_scenario_goes_with_its_map(tmp_path: Path) -> None:
     chart = str(tmp_path / "chart.csv")
     assert Setup.of(load_scenario(own, map_file=chart, water="dark")).grid.nodes == 3
     assert Setup.of(load_scenario(own, ["map.water=dark"], chart)).grid.nodes == 3
-    assert "water" not in scenario_to_tree(load_scenario("comb-port"))["map"]  # its hash stays
 
 
 @pytest.mark.parametrize("reference", ["comb_port", "harbour:combs:7"])

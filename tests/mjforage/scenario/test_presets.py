@@ -62,13 +62,13 @@ def test_published_preset_has_the_rules_of_the_published_experiments() -> None:
 def test_windy_presets_are_the_weather_with_another_wind(speed: int) -> None:
     calm, windy = load_scenario("comb-port-weather"), load_scenario(f"comb-port-wind-{speed}")
     assert (windy.weather.wind_speed_mps, windy.weather.wind_from_deg) == (speed, None)
-    assert windy.belief.drift_node_per_step == pytest.approx(0.03 * speed * 2.5, abs=0.03)
+    assert windy.prior.drift_node_per_step == pytest.approx(0.03 * speed * 2.5, abs=0.03)
     same = replace(
         windy,
         name=calm.name,
         description=calm.description,
         weather=replace(windy.weather, wind_speed_mps=None),
-        belief=calm.belief,
+        prior=calm.prior,
     )
     assert same == calm
 

@@ -77,29 +77,6 @@ def test_a_team_may_be_empty(team: str) -> None:
     assert len(Setup.of(scenario).fleet) == 2
 
 
-def test_what_a_younger_key_has_by_default_leaves_the_hash_as_it_was() -> None:
-    tree = scenario_to_tree(load_scenario("comb-port"))
-    assert list(tree["rules"]) == ["stay", "shorten"]
-    assert "relays" not in tree["team"]["scouts"]
-    used = load_scenario("comb-port", ["rules.order=['scouts','foragers']"])
-    assert scenario_to_tree(used)["rules"]["order"] == ["scouts", "foragers"]
-    assert scenario_from_tree(scenario_to_tree(used), "again") == used
-
-
-def test_a_default_that_changed_is_still_the_old_one_in_run_folders_without_the_key(
-    tmp_path: Path,
-) -> None:
-    """`belief.look_discount` was 1 before it was a key: what was played so is called so."""
-    old = scenario_to_tree(load_scenario("comb-port", ["belief.look_discount=1"]))
-    assert "look_discount" not in old["belief"]
-    assert scenario_from_tree(old, "old").belief.look_discount == 1.0
-    now = load_scenario("comb-port")
-    assert now.belief.look_discount == 0.9
-    assert scenario_to_tree(now)["belief"]["look_discount"] == 0.9
-    partly = load_scenario(write(tmp_path, MINIMAL + "\n[belief]\nhotspot = false\n"))
-    assert partly.belief.look_discount == 0.9
-
-
 def test_paths_in_a_file_start_from_its_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from mjforage.mission.mission_metrics import describe
-from mjforage.runs.variants import BASELINES, COMPLETE, PARTS, WRONG
+from mjforage.runs.variants import BASELINES, COMPLETE, FAST, PARTS, ROBUST, WRONG, without
 from mjforage.view.page.picture import Picture, house_style
 from mjforage.view.report.studies.compared_players import (
     Line,
@@ -23,11 +23,9 @@ WORLDS_MET = (COMPLETE, *WRONG)
 
 def _planner(logs: StudyLogs, world: str) -> list[Line]:
     """The whole planner, then with each part switched off, fast and robust."""
-    lines = [Line("whole planner", Player(COMPLETE, world, "belief"))]
-    variants = [*(f"no-{part}" for part in PARTS), "fast", f"{COMPLETE}-robust"]
-    names = [*(f"without {part}" for part in PARTS), "fast", "robust"]
-    found = zip(variants, names, strict=True)
-    return lines + [Line(name, Player(v, world, "belief")) for v, name in found if v in logs.runs]
+    names = {without(part): f"without {part}" for part in PARTS} | {FAST: "fast", ROBUST: "robust"}
+    names, there = {"belief": "whole planner"} | names, logs.runs[COMPLETE].policies
+    return [Line(names[one], Player(COMPLETE, world, one)) for one in names if one in there]
 
 
 def _others(logs: StudyLogs, variant: str, world: str) -> list[Line]:
@@ -85,8 +83,8 @@ def _parts(logs: StudyLogs) -> Section:
             )
         )
     words = (
-        "`belief` plays with one of its parts switched off at a time (the keys of the scenario's "
-        "table `[belief]`). The oracle sees every item and the drift: it is a bound, not a policy."
+        "`belief` plays with one of its parts switched off at a time (its "
+        "options). The oracle sees every item and the drift: it is a bound, not a policy."
     )
     return Section("parts", "What each part is worth", words, tables, pictures)
 
@@ -99,7 +97,7 @@ def _wrong(logs: StudyLogs) -> Section:
             met = "expected world" if variant == COMPLETE else logs.title(variant)
             planner = [
                 Line("belief", Player(variant, world, "belief")),
-                Line("belief, robust", Player(f"{variant}-robust", world, "belief")),
+                Line("belief, robust", Player(variant, world, ROBUST)),
             ]
             others = _others(logs, variant, world)
             greedy, oracle = others
@@ -116,7 +114,7 @@ def _wrong(logs: StudyLogs) -> Section:
         caption = "Difference to Greedy on the same episodes."
         title = f"The belief planner in worlds it does not expect{end}"
         pictures.append(_picture(logs, f"wrong-{world}", title, caption, pairs))
-    assumed = logs.info.scenario["belief"]
+    assumed = logs.info.scenario["prior"]
     plural = "" if assumed["hotspots"] == 1 else "s"
     words = (
         f"The planner assumes {assumed['hotspots']} hotspot{plural} and a drift of up to "

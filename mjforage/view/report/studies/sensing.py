@@ -41,7 +41,7 @@ def _performance(logs: StudyLogs) -> Section:
         for world in logs.worlds
     ]
     words = (
-        "The belief planner is told p and the rate of false alarms (`[belief]`), but neither that "
+        "The belief planner is told p and the rate of false alarms (`[prior]`), but neither that "
         "items stay hidden nor how long false alarms stay. Where p falls with distance, it is "
         f"1/(1 + exp((d − half)/{SLOPE_NODE:g})) at d nodes."
     )

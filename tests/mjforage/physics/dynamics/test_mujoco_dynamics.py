@@ -261,15 +261,15 @@ def test_an_instability_names_seed_episode_time_and_body() -> None:
 
 def test_the_belief_planner_forages_better_than_greedy_with_hulls_too() -> None:
     """Gusts, a current, a collector to be steered onto items, late and blocked moves."""
-    setup = setup_of("comb-port-weather", "belief.fast=true", "horizon=110")
+    setup = setup_of("comb-port-weather", "horizon=110")
     shares = {}
-    for policy in ("greedy", "belief"):
+    for policy in ("greedy", "belief(fast=true)"):
         several = scored(setup, [1, 2, 3], policy=policy)
         log = several.log
         shares[policy] = (log.t_collected >= 0).sum(axis=1) / log.n_items
     # Means only: the last bits of a processor's arithmetic decide single hulled episodes.
-    assert shares["belief"].mean() > max(0.75, shares["greedy"].mean() + 0.1)
-    assert fingerprint(scored(setup, [2], policy="belief"), 0) == fingerprint(several, 1)
+    assert shares[policy].mean() > max(0.75, shares["greedy"].mean() + 0.1)
+    assert fingerprint(scored(setup, [2], policy=policy), 0) == fingerprint(several, 1)
 
 
 @pytest.mark.parametrize("world", ["hulls", "calibrated", "debris", "intake", "physics"])

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 import pytest
 
 from mjforage.base.errors import UserError
-from mjforage.base.fields import Above, Later, Within, source
+from mjforage.base.fields import Above, Within, source
 from mjforage.scenario.schema import (
     OPEN,
     NotInFile,
@@ -41,7 +41,7 @@ class Boat:
     keel: Mast | None = None
     spare: tuple[str, ...] = ()
     notes: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
-    fast: Annotated[bool, Later()] = False
+    fast: bool = False
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mjforage.runs.variants import PARTS, WRONG
+from mjforage.runs.variants import PARTS, ROBUST, WRONG, without
 from mjforage.view.page.table import Table
 from mjforage.view.report.studies import planner_parts
 from mjforage.view.report.studies.study_logs import StudyLogs
@@ -12,27 +12,32 @@ from tests.mjforage.view.report.known_data import Means, cells, known_study, sta
 
 WORLDS = {"graph": 0.0, "hulls": -16.0}  # what hulls take from every PTA_C
 FIRST, SECOND = PARTS[:2]
-PTA = {  # variant -> belief, greedy, oracle
-    "complete": (80.0, 70.0, 96.0),
-    f"no-{FIRST}": (72.0, None, None),
-    f"no-{SECOND}": (81.0, None, None),
-    "complete-robust": (78.0, None, None),
-    **{name: (60.0 + 2 * n, 52.0, 90.0) for n, name in enumerate(WRONG)},
-    **{f"{name}-robust": (66.0 + n, None, None) for n, name in enumerate(WRONG)},
+PTA = {  # variant -> policy -> mean
+    "complete": {
+        "belief": 80.0,
+        without(FIRST): 72.0,
+        without(SECOND): 81.0,
+        ROBUST: 78.0,
+        "greedy": 70.0,
+        "oracle": 96.0,
+    },
+    **{
+        name: {"belief": 60.0 + 2 * n, ROBUST: 66.0 + n, "greedy": 52.0, "oracle": 90.0}
+        for n, name in enumerate(WRONG)
+    },
 }
 
 
 @pytest.fixture(scope="module")
 def sections() -> tuple[Section, Section]:
-    variants: dict[str, Means] = {}
-    for name, means in PTA.items():
-        players = zip(("belief", "greedy", "oracle"), means, strict=True)
-        told = [(policy, mean) for policy, mean in players if mean is not None]
-        variants[name] = {
+    variants: dict[str, Means] = {
+        name: {
             (world, policy): {"pta_c": mean + lost, "nt90": (96.0 - mean) / 64.0}
             for world, lost in WORLDS.items()
-            for policy, mean in told
+            for policy, mean in means.items()
         }
+        for name, means in PTA.items()
+    }
     logs: StudyLogs = known_study(variants, "parts", bounds=("oracle",))
     parts, wrong = planner_parts.sections(logs)
     return parts, wrong
