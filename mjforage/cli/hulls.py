@@ -46,7 +46,7 @@ def manoeuvre(
     duration
         How long [s]; default the test's own, or 60 s beyond the schedule.
     dt
-        Step of the integration [s], RK4 in parts of at most 0.05 s and the thrusters' lag.
+        Step of the integration [s], at most 0.05, RK4 in parts no longer than the thrusters' lag.
     out
         CSV to write: t_s,x_m,y_m,yaw_rad,surge_mps,sway_mps,yaw_rate_radps.
     plot
@@ -59,14 +59,13 @@ def manoeuvre(
         write_trajectory,
     )
     from mjforage.physics.manoeuvre import manoeuvre as run
-    from mjforage.physics.simulation.mujoco_hull import MujocoHull
     from mjforage.view.manoeuvre_plot import check_plot, manoeuvre_figure
 
     if out is not None:
         check_file(out, "--out")
     if plot is not None:
         check_plot(plot)
-    path = run(vessel, schedule, test, current, wind, heading, duration, dt, MujocoHull)
+    path = run(vessel, schedule, test, current, wind, heading, duration, dt)
     if out is not None:
         write_trajectory(path, out)
     if plot is not None:

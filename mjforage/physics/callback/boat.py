@@ -4,7 +4,7 @@ Midships is the reference point and the hinge of the MuJoCo body; the centre of 
 ahead of it. MuJoCo solves M(yaw) q'' + bias = force in world axes. Water resists acceleration with
 -M_A nu_r' - C_A(nu_r) nu_r, where nu_r = R^T (q' - current) (Fossen 2021, sections 6.5 and 10.3)
 and, under a steady current, nu_r' = R^T q'' + (r v_r, -r u_r). The first part of M_A nu_r' goes
-into M as R diag(X_a, Y_a) R^T and N_a, the second is a force (`hull_force_inertial`). Only relative
+into M as R diag(X_a, Y_a) R^T and N_a, the second is a force (`hull_force`). Only relative
 velocities enter, so a steady current is an exact translation.
 """
 
@@ -15,7 +15,7 @@ from mjforage.base.compiled import kernel
 from mjforage.physics.hydrodynamics.crossflow import cross_flow_slope
 from mjforage.physics.hydrodynamics.parameters import HullParameters
 from mjforage.physics.hydrodynamics.thruster import saturated, thruster_force
-from mjforage.physics.hydrodynamics.water_load import hull_force_inertial, load_drag, load_mass
+from mjforage.physics.hydrodynamics.water_load import hull_force, load_drag, load_mass
 from mjforage.physics.hydrodynamics.wind_load import wind_force, wind_slope
 
 
@@ -72,7 +72,7 @@ def loads(
     dx, dy = vx - around.water_x, vy - around.water_y
     u_r, v_r = c * dx + s * dy, c * dy - s * dx
     dx, dy = around.wind_x - vx, around.wind_y - vy
-    hull = hull_force_inertial(p, u_r, v_r, r)
+    hull = hull_force(p, u_r, v_r, r)
     wind = wind_force(p, c * dx + s * dy, c * dy - s * dx)
     surge = hull[0] + wind[0] + force + load_drag(p, around.load, u_r)
     return surge, hull[1] + wind[1], hull[2] + wind[2] + moment

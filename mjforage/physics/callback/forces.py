@@ -1,7 +1,7 @@
 """The forces of all boats and items on one MuJoCo state: what the callback does, on plain arrays.
 
-Both routes, native and Python, call `apply`; it may be called twice on one state, since it sets
-the boats' rows of M and does not add to them.
+`apply` may be called twice on one state, since it sets the vessels' rows of M and does not add to
+them.
 """
 
 import math

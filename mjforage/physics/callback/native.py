@@ -1,4 +1,4 @@
-"""The fast route: a compiled C callback that MuJoCo calls without the GIL, also in Batch threads.
+"""A compiled C callback that MuJoCo calls without the GIL, also in Batch threads.
 
 A pointer to it is process-global in MuJoCo, so it looks at the model first and leaves every model
 alone that does not begin its numerics with our mark.

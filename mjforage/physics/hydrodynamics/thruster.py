@@ -1,4 +1,4 @@
-"""Thrusters: curve, dead zone and saturation of one side; both sides; the first-order lag.
+"""Thrusters: curve, dead zone and saturation of one side; both sides.
 
 A command is a propeller's speed [rad/s] or a force [N], as the vessel has it. The lag acts on the
 command, the curve on what the lag lets through.
@@ -45,10 +45,3 @@ def thruster_force(p: HullParameters, port: float, starboard: float) -> tuple[fl
     """Surge force [N] and yaw moment [N m] of both sides; port, at +y, turns clockwise."""
     left, right = thrust(p, port), thrust(p, starboard)
     return left + right, p.lever * (right - left)
-
-
-@kernel
-def lagged(p: HullParameters, state: float, command: float, step_s: float) -> float:
-    """State of the first-order lag after `step_s` of a constant command, exactly."""
-    c = saturated(p, command)
-    return c + (state - c) * math.exp(-step_s / p.lag)

@@ -25,25 +25,13 @@ def damping(p: HullParameters, u_r: float, v_r: float, r: float) -> tuple[float,
 
 
 @kernel
-def added_coriolis(
-    p: HullParameters, u_r: float, v_r: float, r: float
-) -> tuple[float, float, float]:
-    """-C_A(nu_r) nu_r, the Munk moment included, for accelerations taken in body axes.
-
-    To be used where M multiplies d(u, v, r)/dt.
-    """
-    a11, a22 = p.added_surge, p.added_sway
-    return a22 * v_r * r, -a11 * u_r * r, -(a22 - a11) * u_r * v_r
-
-
-@kernel
 def added_inertial(
     p: HullParameters, u_r: float, v_r: float, r: float
 ) -> tuple[float, float, float]:
-    """The same physics for accelerations taken in axes that do not turn, as MuJoCo's are.
+    """Forces of added mass, the Munk moment included, for accelerations in axes that do not turn.
 
-    To be used where M_A, turned into those axes, multiplies the acceleration of midships over
-    ground: M_A d(u, v)/dt = M_A (a - r x (u, v)), so that M_A (r v, -r u) is moved to this side.
+    M_A, turned into those axes, multiplies the acceleration of midships over ground:
+    M_A d(u, v)/dt = M_A (a - r x (u, v)), so that M_A (r v, -r u) is moved to this side.
     """
     difference = p.added_sway - p.added_surge
     return difference * v_r * r, difference * u_r * r, -difference * u_r * v_r
@@ -51,7 +39,10 @@ def added_inertial(
 
 @kernel
 def hull_force(p: HullParameters, u_r: float, v_r: float, r: float) -> tuple[float, float, float]:
-    """Damping, cross-flow and added-mass Coriolis forces, for accelerations in BODY axes.
+    """Damping, cross-flow and added-mass forces, for accelerations in WORLD axes, as MuJoCo's are.
+
+    The solver has R M_A R^T in its mass matrix but does not know that M_A turns with the vessel;
+    this has the terms that follow from it. The force itself is in body axes.
 
     Parameters
     ----------
@@ -61,20 +52,6 @@ def hull_force(p: HullParameters, u_r: float, v_r: float, r: float) -> tuple[flo
     Returns
     -------
     X forward [N], Y to port [N], N counter-clockwise [N m], at midships
-    """
-    x, y, n = damping(p, u_r, v_r, r)
-    x_a, y_a, n_a = added_coriolis(p, u_r, v_r, r)
-    return x + x_a, y + y_a, n + n_a
-
-
-@kernel
-def hull_force_inertial(
-    p: HullParameters, u_r: float, v_r: float, r: float
-) -> tuple[float, float, float]:
-    """`hull_force` for a solver whose accelerations are in WORLD axes, such as MuJoCo.
-
-    Such a solver has R M_A R^T in its mass matrix but does not know that M_A turns with the hull;
-    this has the terms that follow from it. The force itself is still in body axes.
     """
     x, y, n = damping(p, u_r, v_r, r)
     x_a, y_a, n_a = added_inertial(p, u_r, v_r, r)

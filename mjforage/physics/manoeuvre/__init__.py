@@ -8,7 +8,6 @@ from mjforage.physics.manoeuvre.standard import STANDARD_TESTS
 from mjforage.physics.manoeuvre.trajectory import (
     Trajectory,
     check_file,
-    read_trajectory,
     write_trajectory,
 )
 from mjforage.physics.manoeuvre.trial import run_manoeuvre, run_test
@@ -23,7 +22,6 @@ __all__ = [
     "manoeuvre",
     "parse_flow",
     "read_schedule",
-    "read_trajectory",
     "run_manoeuvre",
     "run_test",
     "write_trajectory",

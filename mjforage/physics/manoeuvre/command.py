@@ -7,11 +7,10 @@ from mjforage.base.cached import warn_once
 from mjforage.base.errors import UserError
 from mjforage.physics.foretold import foretold_of_hull
 from mjforage.physics.hydrodynamics.conditions import Conditions
-from mjforage.physics.hydrodynamics.ode_hull import OdeHull
 from mjforage.physics.manoeuvre.directions import parse_flow
 from mjforage.physics.manoeuvre.schedule import read_schedule
 from mjforage.physics.manoeuvre.trajectory import Trajectory
-from mjforage.physics.manoeuvre.trial import STEP_S, Simulate, run_manoeuvre, run_test
+from mjforage.physics.manoeuvre.trial import STEP_S, run_manoeuvre, run_test
 from mjforage.physics.vessels import load_vessel
 
 MOST_DEG = 3600.0  # ten turns; far beyond, a heading has no exact sine
@@ -26,7 +25,6 @@ def manoeuvre(
     heading_deg: float = 0.0,
     duration_s: float | None = None,
     dt_s: float = STEP_S,
-    simulate: Simulate = OdeHull,
 ) -> Trajectory:
     """Run one vessel, from rest over ground with its thrusters stopped.
 
@@ -38,7 +36,6 @@ def manoeuvre(
     heading_deg : at the start, counter-clockwise from east
     duration_s : the test's own, or 60 s beyond the schedule's last row, unless given
     dt_s : step of the integration
-    simulate : what moves the hull
 
     Raises
     ------
@@ -67,5 +64,5 @@ def manoeuvre(
     )
     if schedule is not None:
         rows = read_schedule(schedule, hull)
-        return run_manoeuvre(hull, rows, conditions, duration_s, dt_s, simulate)
-    return run_test(hull, str(test), conditions, duration_s, dt_s, simulate)
+        return run_manoeuvre(hull, rows, conditions, duration_s, dt_s)
+    return run_test(hull, str(test), conditions, duration_s, dt_s)

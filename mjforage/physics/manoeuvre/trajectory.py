@@ -68,25 +68,3 @@ def write_trajectory(trajectory: Trajectory, path: str | Path) -> None:
     writer.writerows(np.column_stack((trajectory.times_s, trajectory.states)).tolist())
     with atomic_write(Path(path)) as beside:
         beside.write_text(text.getvalue(), encoding="utf-8")
-
-
-def read_trajectory(path: str | Path) -> NDArray[np.float64]:
-    """Rows of a trajectory table, (rows, 7) in the order of `COLUMNS`.
-
-    Raises
-    ------
-    UserError
-        If the file cannot be read or is no such table.
-    """
-    where = f"trajectory {Path(path).name}"
-    try:
-        lines = Path(path).read_text(encoding="utf-8").splitlines()
-        header, rows = tuple(lines[0].split(",")), [line.split(",") for line in lines[1:]]
-        table = np.array(rows, np.float64).reshape(len(rows), -1)
-    except (OSError, ValueError, IndexError) as error:
-        raise UserError(
-            f"{where}: cannot be read as a table ({error}); give a file of manoeuvre --out"
-        ) from error
-    if header != COLUMNS or table.shape[1:] != (len(COLUMNS),):
-        raise UserError(f"{where}: has columns {','.join(header)}; expected {','.join(COLUMNS)}")
-    return table

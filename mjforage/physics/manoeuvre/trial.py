@@ -10,18 +10,16 @@ from numpy.typing import NDArray
 from mjforage.base.errors import UserError
 from mjforage.base.references import nearest
 from mjforage.physics.hydrodynamics.conditions import Conditions, Hull
-from mjforage.physics.hydrodynamics.ode_hull import OdeHull
 from mjforage.physics.manoeuvre.schedule import Schedule, check_schedule
 from mjforage.physics.manoeuvre.standard import STANDARD_TESTS, Helm
 from mjforage.physics.manoeuvre.trajectory import Trajectory
+from mjforage.physics.simulation.mujoco_hull import LONGEST_S, MujocoHull
 from mjforage.physics.vessels import Vessel
 
 Simulate: TypeAlias = Callable[[Vessel, Conditions], Hull]
-"""Makes a hull at rest in its start state, thrusters stopped; `OdeHull`, or MuJoCo's."""
+"""Makes a vessel in its start state, thrusters stopped."""
 
-STEP_S = 0.05
-ROW_S = 0.05  # rows lie at most this far apart
-LONGEST_STEP_S = 1.0
+STEP_S = LONGEST_S  # default and longest step, and time between rows
 AFTERWARDS_S = 60.0  # how long a run goes on after the last row of its schedule
 SHORTEST_S = 1e-3
 MOST_STEPS = 10_000_000
@@ -33,7 +31,7 @@ def run_manoeuvre(
     conditions: Conditions | None = None,
     duration_s: float | None = None,
     dt_s: float = STEP_S,
-    simulate: Simulate = OdeHull,
+    simulate: Simulate = MujocoHull,
 ) -> Trajectory:
     """Run a schedule from rest.
 
@@ -68,7 +66,7 @@ def run_test(
     conditions: Conditions | None = None,
     duration_s: float | None = None,
     dt_s: float = STEP_S,
-    simulate: Simulate = OdeHull,
+    simulate: Simulate = MujocoHull,
 ) -> Trajectory:
     """Run a standard test by name; parameters as in `run_manoeuvre`.
 
@@ -100,8 +98,8 @@ def time_grid(
         raise UserError(f"--duration {duration_s:g}: give a finite number of seconds")
     if duration_s < SHORTEST_S:
         raise UserError(f"--duration {duration_s:g}: give {SHORTEST_S:g} s or more")
-    if not 0.0 < dt_s <= LONGEST_STEP_S:
-        raise UserError(f"--dt {dt_s:g}: give seconds above 0, at most {LONGEST_STEP_S:g}")
+    if not 0.0 < dt_s <= LONGEST_S:
+        raise UserError(f"--dt {dt_s:g}: give seconds above 0, at most {LONGEST_S:g}")
     if duration_s / dt_s > MOST_STEPS:
         raise UserError(
             f"--duration {duration_s:g} with --dt {dt_s:g}: more than {MOST_STEPS} steps; "
@@ -134,47 +132,4 @@ def _record(
             )
         states.append(state)
         commands.append(helm(after, state))
-    filled = _fill(times, np.array(states), np.array(commands))
-    return Trajectory(vessel, conditions, test, *filled)
-
-
-def _fill(
-    times: NDArray[np.float64], states: NDArray[np.float64], commands: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Rows between steps longer than `ROW_S`: poses by cubic Hermite, velocities linearly."""
-    if np.diff(times).max() <= ROW_S + 1e-9:
-        return times, states, commands
-    parts = [
-        np.linspace(a, b, math.ceil((b - a) / ROW_S - 1e-9), endpoint=False)
-        for a, b in zip(times[:-1].tolist(), times[1:].tolist(), strict=True)
-    ]
-    fine = np.round(np.concatenate((*parts, times[-1:])), 9)
-    at = np.clip(np.searchsorted(times, fine, side="right") - 1, 0, times.size - 2)
-    step = (times[at + 1] - times[at])[:, None]
-    part = (fine - times[at])[:, None] / step
-    slopes = _pose_rates(states)
-    cubic = _hermite(states[at, :3], states[at + 1, :3], slopes[at], slopes[at + 1], part, step)
-    linear = (1.0 - part) * states[at, 3:] + part * states[at + 1, 3:]
-    held = np.where(fine == times[-1], times.size - 1, at)
-    return fine, np.hstack((cubic, linear)), commands[held]
-
-
-def _pose_rates(states: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(rows, 3) d(x, y, yaw)/dt."""
-    yaw, surge, sway, rate = states[:, 2], states[:, 3], states[:, 4], states[:, 5]
-    c, s = np.cos(yaw), np.sin(yaw)
-    return np.stack((c * surge - s * sway, s * surge + c * sway, rate), axis=1)
-
-
-def _hermite(
-    start: NDArray[np.float64],
-    end: NDArray[np.float64],
-    start_rate: NDArray[np.float64],
-    end_rate: NDArray[np.float64],
-    part: NDArray[np.float64],
-    step: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    left = 1.0 - part
-    values = left**2 * ((1.0 + 2.0 * part) * start + part * step * start_rate)
-    values = values + part**2 * ((1.0 + 2.0 * left) * end - left * step * end_rate)
-    return np.asarray(values)
+    return Trajectory(vessel, conditions, test, times, np.array(states), np.array(commands))

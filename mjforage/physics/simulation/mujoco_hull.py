@@ -1,4 +1,4 @@
-"""One hull on open water in MuJoCo, for manoeuvres: the same interface as the plain equations."""
+"""One vessel on open water in MuJoCo, for manoeuvres."""
 
 import math
 
@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from mjforage.base.errors import UserError
-from mjforage.physics.callback import calling
+from mjforage.physics.callback import install
 from mjforage.physics.callback.model_layout import LOAD, WATER, WIND
 from mjforage.physics.hydrodynamics.conditions import Conditions, State, to_body
 from mjforage.physics.scene import build_scene
@@ -70,7 +70,8 @@ class MujocoHull:
         parts = self.substeps(step_s)
         self._model.opt.timestep = step_s / parts
         data.ctrl[:] = port, starboard
-        with calling(), silent():
+        install()
+        with silent():
             for _ in range(parts):
                 mujoco.mj_step(self._model, data)
         warning = np.stack((data.warning.lastinfo, data.warning.number), axis=1)[None]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mjforage.base.compiled import BoundKernel
 from mjforage.base.errors import UserError
-from mjforage.physics.callback import Route, calling, install
+from mjforage.physics.callback import install
 from mjforage.physics.callback.model_layout import (
     CLASS_WIDTH,
     HEADER,
@@ -24,7 +24,6 @@ from mjforage.physics.floating import Afloat, Bodies, Quays, drift, lend, quays_
 from mjforage.physics.scene import Scene, parking_xy, with_bodies
 from mjforage.physics.simulation.instability import InstabilityError, check_warnings
 from mjforage.physics.simulation.integrators import Integrator, half_step_s, prepared
-from mjforage.physics.simulation.loop import Loop
 from mjforage.physics.simulation.quiet import silent
 
 Float64Array = NDArray[np.float64]
@@ -58,7 +57,7 @@ class Simulation:
     item_class : (simulation, item) index into the scene's classes; -1: not on the water
     items : items of a simulation
     time_s : (simulation,)
-    engine : what steps them, `mujoco.batch.Batch` on the native route
+    engine : the `mujoco.batch.Batch` that steps them
 
     All of them are live: a write counts from the next step; look them up anew after a step, which
     may have brought a larger pool. At first all vessels lie at the origin, with no wind, no
@@ -104,7 +103,7 @@ class Simulation:
         self.items = scene.items if items is None else items
         if bool(self.items) != bool(scene.items):
             scene = with_bodies(scene, self.items and SPARE + 1)
-        self.route, self._threads = install(), threads
+        self._threads = threads
         self._shift_s = half_step_s(integrator, step_s)
         self._every = np.arange(simulations)
         self.seeds = tuple(range(simulations) if seeds is None else seeds)
@@ -127,7 +126,7 @@ class Simulation:
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Take the same scene, with an engine of its own."""
         saved = state.pop("saved")
-        vars(self).update(state, route=install())
+        vars(self).update(state)
         self._engage(self.scene)
         for part, content in zip(self._engine_parts(), saved, strict=True):
             part[:] = content
@@ -140,11 +139,8 @@ class Simulation:
         """Take a scene, with an engine of its own."""
         self.scene = scene
         self.model = prepared(scene.model, self._integrator, self.step_s)
-        self.engine: Any = (
-            Batch(self.model, self.simulations, self._threads)
-            if self.route is Route.NATIVE
-            else Loop(self.model, self.simulations)
-        )
+        install()
+        self.engine = Batch(self.model, self.simulations, self._threads)
         self._bind(len(scene.vessels))
         if scene.items:
             table, kinds = HEADER + len(scene.vessels) * HULL_WIDTH, self._afloat.kinds
@@ -213,8 +209,8 @@ class Simulation:
     def reset(self, ids: NDArray[Any] | None = None) -> None:
         """Put simulations (indices or mask, all by default) back to the start, items parked."""
         chosen = self._every if ids is None else self._every[ids]
-        with calling():
-            self.engine.reset(chosen)
+        install()
+        self.engine.reset(chosen)
         self.item_wind[chosen] = self.item_water[chosen] = 0.0
         self.place_items(self._parking, -1, chosen)
 
@@ -326,7 +322,8 @@ class Simulation:
         """
         chosen = self._every if ids is None else self._every[ids]
         before = self.time_s.copy()
-        with calling(), silent():
+        install()
+        with silent():
             if self.items:
                 for done in range(0, steps, self._loan):
                     self._step_items(chosen, min(self._loan, steps - done))

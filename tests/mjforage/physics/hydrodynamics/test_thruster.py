@@ -1,11 +1,8 @@
-import math
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from mjforage.physics.hydrodynamics import command_for, pack, thrust, thruster_force
-from mjforage.physics.hydrodynamics.thruster import lagged
 from mjforage.physics.vessels import load_vessel
 
 OTTER, SCOUT = pack(load_vessel("otter")), pack(load_vessel("scout"))
@@ -50,17 +47,3 @@ def test_port_thruster_turns_clockwise() -> None:
     assert yaw == pytest.approx(-27.7 * 0.395)
     assert thruster_force(OTTER, 0.0, 50.0) == pytest.approx((27.7, 27.7 * 0.395))
     assert thruster_force(OTTER, 80.0, 80.0)[1] == 0.0
-
-
-def test_lag_reaches_63_percent_in_its_time_constant() -> None:
-    assert lagged(OTTER, 0.0, 80.0, 0.1) == pytest.approx(80.0 * (1.0 - math.exp(-1.0)))
-    assert lagged(SCOUT, 30.0, 0.0, 0.2) == pytest.approx(30.0 * math.exp(-1.0))
-
-
-def test_lag_aims_at_the_saturated_command() -> None:
-    assert lagged(OTTER, 0.0, 1e6, 100.0) == pytest.approx(103.94)
-
-
-def test_two_half_lag_steps_are_one_whole() -> None:
-    twice = lagged(OTTER, lagged(OTTER, 10.0, 70.0, 0.03), 70.0, 0.03)
-    assert twice == pytest.approx(lagged(OTTER, 10.0, 70.0, 0.06), rel=1e-14)

@@ -9,7 +9,6 @@ from mjforage.physics.hydrodynamics.conditions import Conditions, State
 from mjforage.physics.manoeuvre import (
     Schedule,
     manoeuvre,
-    read_trajectory,
     run_manoeuvre,
     run_test,
     write_trajectory,
@@ -73,17 +72,7 @@ def test_commands_change_when_the_schedule_says_not_at_the_next_step() -> None:
 
 def test_duration_is_the_schedule_and_a_minute_unless_given() -> None:
     late = Schedule((0.0, 3.0), ((60.0, 60.0), (0.0, 0.0)))
-    assert run_manoeuvre(OTTER, late, dt_s=0.1).times_s[-1] == 63.0
-
-
-def test_longer_steps_still_give_rows_every_0_05_s() -> None:
-    """Between steps poses are cubic and velocities linear; at steps nothing changes."""
-    turn = Schedule((0.0,), ((40.0, 60.0),))
-    fine, coarse = (run_manoeuvre(OTTER, turn, duration_s=10.0, dt_s=dt) for dt in (0.05, 0.2))
-    np.testing.assert_array_equal(fine.times_s, coarse.times_s)
-    np.testing.assert_allclose(coarse.states[:, :3], fine.states[:, :3], atol=2e-3)
-    np.testing.assert_allclose(coarse.states[:, 3:], fine.states[:, 3:], atol=2e-2)
-    np.testing.assert_array_equal(coarse.commands, fine.commands)
+    assert run_manoeuvre(OTTER, late).times_s[-1] == 63.0
 
 
 @pytest.mark.parametrize(
@@ -94,9 +83,9 @@ def test_longer_steps_still_give_rows_every_0_05_s() -> None:
         (-1.0, 0.05, "--duration -1"),
         (math.nan, 0.05, "--duration nan: give a finite number of seconds"),
         (math.inf, 0.05, "--duration inf: give a finite number of seconds"),
-        (10.0, 0.0, "--dt 0: give seconds above 0, at most 1"),
+        (10.0, 0.0, "--dt 0: give seconds above 0, at most 0.05"),
         (10.0, math.nan, "--dt nan"),
-        (10.0, 1.5, "--dt 1.5"),
+        (10.0, 0.06, "--dt 0.06"),
         (1e9, 0.05, "more than 10000000 steps"),
     ],
 )
@@ -121,16 +110,9 @@ def test_trajectory_reads_back_bit_by_bit(tmp_path: Path) -> None:
     write_trajectory(run, tmp_path / "way.csv")
     header = (tmp_path / "way.csv").read_text(encoding="utf-8").splitlines()[0]
     assert header == "t_s,x_m,y_m,yaw_rad,surge_mps,sway_mps,yaw_rate_radps" == ",".join(COLUMNS)
-    table = read_trajectory(tmp_path / "way.csv")
+    table = np.loadtxt(tmp_path / "way.csv", delimiter=",", skiprows=1)
     np.testing.assert_array_equal(table[:, 0], run.times_s)
     np.testing.assert_array_equal(table[:, 1:], run.states)
-
-
-@pytest.mark.parametrize("text", ["", "t_s\n1\n", "t_s,x_m\n1,2,3\n", ",".join(COLUMNS) + "\n1\n"])
-def test_other_tables_are_refused(tmp_path: Path, text: str) -> None:
-    (tmp_path / "way.csv").write_text(text, encoding="utf-8")
-    with pytest.raises(UserError, match=r"trajectory way\.csv: "):
-        read_trajectory(tmp_path / "way.csv")
 
 
 def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:

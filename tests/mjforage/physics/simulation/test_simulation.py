@@ -7,10 +7,6 @@ import numpy as np
 import pytest
 
 from mjforage.base.errors import UserError
-from mjforage.physics import callback
-from mjforage.physics.callback import Route
-from mjforage.physics.hydrodynamics.conditions import Conditions
-from mjforage.physics.hydrodynamics.ode_hull import OdeHull
 from mjforage.physics.port_drive import (
     drive,
     port_scene,
@@ -18,7 +14,6 @@ from mjforage.physics.port_drive import (
 )
 from mjforage.physics.scene import build_scene, with_bodies
 from mjforage.physics.simulation import InstabilityError, Integrator, Simulation
-from mjforage.physics.simulation.mujoco_hull import MujocoHull
 from mjforage.physics.vessels import load_vessel
 
 OTTER = load_vessel("otter")
@@ -62,23 +57,6 @@ def test_the_size_of_the_pool_changes_no_bit(integrator: Integrator) -> None:
         np.testing.assert_array_equal(xy, ends[0][0])
         np.testing.assert_array_equal(pose, ends[0][1])
     assert ends[0][2] > 1 and ends[2][2] == 60
-
-
-@BOTH
-def test_the_python_route_agrees(integrator: Integrator) -> None:
-    native = port_simulation(PORT, integrator, 2)
-    drive(native, 20.0)
-    callback.uninstall()
-    try:
-        callback.install(Route.PYTHON)
-        slow = port_simulation(PORT, integrator, 2)
-        assert slow.route is Route.PYTHON
-        drive(slow, 20.0)
-    finally:
-        callback.install(Route.NATIVE)
-    np.testing.assert_allclose(slow.vessel_pose, native.vessel_pose, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(slow.item_xy, native.item_xy, rtol=0, atol=1e-9)
-    np.testing.assert_array_equal(slow.time_s, native.time_s)
 
 
 @BOTH
@@ -138,12 +116,10 @@ def pulled(simulation: Simulation) -> None:
     simulation.vessel_water[1, 1] = 1e160, 0.0
 
 
-@pytest.mark.parametrize("route", Route)
 @pytest.mark.parametrize(
     ("spoil", "label"), [(far, "BADQPOS"), (fast, "BADQVEL"), (pulled, "BADQACC")]
 )
 def test_instability_names_seed_time_and_body(
-    route: Route,
     spoil: Callable[[Simulation], None],
     label: str,
     tmp_path: Path,
@@ -151,18 +127,13 @@ def test_instability_names_seed_time_and_body(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    callback.install(route)
-    try:
-        scene = build_scene([OTTER, OTTER], names=("calm", "wild"), items=1)
-        simulation = Simulation(scene, 3, step_s=0.1, seeds=[11, 22, 33])
-        simulation.place_vessels(np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]]))
+    scene = build_scene([OTTER, OTTER], names=("calm", "wild"), items=1)
+    simulation = Simulation(scene, 3, step_s=0.1, seeds=[11, 22, 33])
+    simulation.place_vessels(np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]]))
+    simulation.step(10)
+    spoil(simulation)
+    with pytest.raises(InstabilityError, match=rf"seed 22, t = 1.00 s, body wild \({label}\)"):
         simulation.step(10)
-        spoil(simulation)
-        named = rf"seed 22, t = 1.00 s, body wild \({label}\)"
-        with pytest.raises(InstabilityError, match=named):
-            simulation.step(10)
-    finally:
-        callback.install(Route.NATIVE)
     assert not list(tmp_path.iterdir())
     assert capfd.readouterr().out == ""
 
@@ -196,13 +167,3 @@ def test_numbers_out_of_range_are_named() -> None:
         Simulation(PORT, 3, seeds=[1, 2])
     with pytest.raises(UserError, match="debris class 5: the scene has 5, counted from 0"):
         Simulation(PORT).place_items(PORT.parking, 5)
-
-
-def test_one_hull_moves_as_the_plain_equations_say() -> None:
-    conditions = Conditions((0.1, 0.2), (0.0, 3.0), 0.5, (0.4, -0.1), 0.05)
-    forager = load_vessel("forager")
-    ours, plain = MujocoHull(forager, conditions), OdeHull(forager, conditions)
-    for k in range(600):
-        for hull in (ours, plain):
-            hull.step(40.0, 30.0 + 20.0 * (k > 300), 0.05 if k % 3 else 0.025)
-    np.testing.assert_allclose(ours.state(), plain.state(), rtol=0, atol=1e-4)

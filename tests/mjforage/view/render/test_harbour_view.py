@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from PIL import Image as PilImage
 
 from mjforage.base.errors import UserError
-from mjforage.physics.callback.installation import uninstall
 from mjforage.physics.scene import build_scene
 from mjforage.physics.simulation import Simulation
 from mjforage.physics.vessels import load_vessel
@@ -127,7 +126,7 @@ def test_times_outside_the_episode_are_refused(replay: Recording) -> None:
 @pytest.fixture
 def alarm() -> Iterator[list[str]]:
     """A passive callback that notes every call."""
-    uninstall()
+    mujoco.set_mjcb_passive(None)
     yield []
     mujoco.set_mjcb_passive(None)
 
@@ -146,7 +145,7 @@ def test_drawing_calls_no_physics_and_changes_no_simulation(
 
     np.testing.assert_array_equal(run(draw=True), run(draw=False))
     with HarbourView(physics, "chase", *SIZE) as view:
-        uninstall()
+        mujoco.set_mjcb_passive(None)
         mujoco.set_mjcb_passive(lambda model, data: alarm.append("called"))
         view.frame(1.0)
         mujoco.set_mjcb_passive(None)
