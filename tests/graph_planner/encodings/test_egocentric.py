@@ -117,18 +117,6 @@ def test_a_map_too_large_for_a_table_of_distances_looks_the_same(
             np.testing.assert_array_equal(levels, without[name])
 
 
-def test_the_agent_knows_itself() -> None:
-    _, task = harbour()
-    own = look(task, [(2, 4), (0, 0), (4, 1)], {(2, 4): 1}, step=76)["own"]
-    facts = dict(zip(OWN, own[0], strict=True))
-    assert facts["collects"] == 0 and own[1, 0] == 255
-    assert facts["time"] == 127  # 75 of 150
-    assert facts["known nodes"] == 2 and facts["energy left"] == 255
-    assert facts["way to items"] == 255
-    assert own[:, OWN.index("number in team")].tolist() == [0, 0, 127]
-    assert facts["moves"] == 64 and facts["radius"] == 64
-
-
 def lake() -> NavigationGraph:
     return navigation_graph(np.ones((9, 9), np.bool_), 1.0, False)
 

@@ -140,32 +140,3 @@ def test_names_and_files_are_checked(tmp_path: Path) -> None:
         played(Lost(), [0])
     with pytest.raises(UserError, match=r"model .*gone.zip: there is no such file"):
         InTurn([tmp_path / "gone.zip"])
-
-
-def test_a_stable_baselines3_model_plays_in_both_worlds(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    sb3 = pytest.importorskip("stable_baselines3")
-    env = gymnasium.make("mjforage/SharedPolicy-v0", set=SHORT)
-    model = sb3.PPO("MultiInputPolicy", env, n_steps=32, batch_size=32, device="cpu", seed=0)
-    model.learn(32).save(tmp_path / "ppo.zip")
-
-    class Ppo(ModelPolicy):
-        def __init__(self, file: Path) -> None:
-            super().__init__([file])
-            self.model = sb3.PPO.load(file, device="cpu")
-
-        def decide(self, seen: Arrays, agents: NDArray[np.int64]) -> NDArray[Any]:
-            chosen: NDArray[Any] = self.model.predict(seen, deterministic=True)[0]
-            return chosen
-
-    seen, over = env.reset(seed=7)[0], False
-    while not over:
-        seen, _, ended, late, _ = env.step(model.predict(seen, deterministic=True)[0])
-        over = ended or late
-    core: Any = env.unwrapped
-    policy = Ppo(tmp_path / "ppo.zip")
-    in_graph = played(policy, [0]).state.agent_node[0]
-    assert in_graph.tolist() == core.core.mission.state.agent_node[0].tolist()
-    np.testing.assert_array_equal(played(policy, [0, 1]).state.agent_node[0], in_graph)
-    assert (played(policy, [0], "physics").state.agent_node >= 0).all()

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 from pettingzoo.test import parallel_api_test
-from stable_baselines3 import DQN
 from stable_baselines3.common import env_checker
 
 import mjforage
@@ -63,11 +62,6 @@ def test_registration_imports_neither_torch_nor_mujoco_nor_numba() -> None:
 @pytest.mark.parametrize("name", ["mjforage/SharedPolicy-v0", "mjforage/Waypoint-v0"])
 def test_stable_baselines3_accepts(name: str) -> None:
     env_checker.check_env(gymnasium.make(name), warn=False)  # it takes maps in [0, 1] for pictures
-
-
-def test_stable_baselines3_has_its_dqn_too() -> None:
-    env = gymnasium.make("mjforage/SharedPolicy-v0", set=SHORT)
-    DQN("MultiInputPolicy", env, buffer_size=200, learning_starts=20, device="cpu").learn(60)
 
 
 @pytest.mark.parametrize(

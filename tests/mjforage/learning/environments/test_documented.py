@@ -5,8 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import gymnasium
-import numpy as np
-import pytest
 
 PAGE = Path(__file__).parents[4] / "docs" / "learning.md"
 ROW = re.compile(r"^\|(?P<array>[^|]*)\| *(?P<entries>\d[\d, ]*)\|", re.MULTILINE)
@@ -36,28 +34,3 @@ def test_every_entry_has_a_row() -> None:
     assert {name: sorted(rows) for name, rows in described.items()} == {
         name: list(range(size)) for name, size in sizes.items()
     }
-
-
-def test_numbers_of_its_own_are_as_documented() -> None:
-    options = ("horizon=20", "team.scouts.count=3", "team.foragers.energy=10")
-    env: Any = shared("egocentric", set=options)
-    observation, info = env.reset(seed=0)
-    for turn in range(10):
-        core = env.unwrapped.core
-        seen, task = core.mission.observation, core.setup.task
-        agent, own = info["agent"], observation["own"]
-        expected = {
-            0: float(agent >= 3),
-            1: (turn // 5) / 20,
-            2: seen.n_known[0] / 127.5,
-            4: seen.energy_left[0, agent] / 10 if agent >= 3 else 1.0,
-            5: (agent - 3) / 2 if agent >= 3 else agent / 3,
-            8: (2 if agent >= 3 else 3) * 32 / 255,
-            9: (3 if agent >= 3 else 2) * 32 / 255,
-            10: task.arrays.moves[agent] * 32 / 255,
-            11: task.fleet.radius[agent] * 16 / 255,
-        }
-        for entry, value in expected.items():
-            assert own[entry] == pytest.approx(min(1.0, value), abs=1 / 255), entry
-        legal = int(np.flatnonzero(observation["action_mask"])[0])
-        observation, *_, info = env.step(legal)

@@ -135,17 +135,6 @@ def of_env(together: Any, i: int, info: dict[str, Any]) -> tuple[bytes, dict[str
     return flat(together), told
 
 
-def test_physics_sub_environments_have_missions_of_their_own() -> None:
-    batch = gymnasium.make_vec(NAMES[0], 2, world="physics", set=("horizon=4",))
-    single = make(NAMES[0], scenario="comb-port", world="physics", set=("horizon=4",))
-    together, info = batch.reset(seed=1)
-    assert shown_of(*single.reset(seed=2)) == of_env(together, 1, info)
-    actions = np.full((2, 4), 2)
-    seen, *_, told = single.step(actions[1])
-    together, *_, info = batch.step(actions)
-    assert shown_of(seen, told) == of_env(together, 1, info)
-
-
 PLACES = [
     *((name, kind, "graph") for name in NAMES[:2] for kind in ("egocentric", "paper")),
     (NAMES[2], "", ""),
@@ -200,15 +189,6 @@ def actions_of(
 
     one_wrong = st.builds(spoiled, inside, bad, st.integers(0, size - 1))
     return inside, one_wrong | inside.map(lambda action: np.stack((action, action)))
-
-
-def test_observations_share_no_memory() -> None:
-    env = make(NAMES[0])
-    before, _ = env.reset(seed=0)
-    kept = {name: value.copy() for name, value in before.items()}
-    env.step(np.array([2, 2, 2, 2]))
-    for name, value in kept.items():
-        np.testing.assert_array_equal(before[name], value)
 
 
 def test_a_mask_says_what_is_legal() -> None:

@@ -5,10 +5,8 @@ from functools import partial
 from typing import Any
 
 import gymnasium
-import numpy as np
 import pytest
 import torch
-from gymnasium.vector import AutoresetMode
 from stable_baselines3 import DQN, PPO
 from torch import nn
 
@@ -123,49 +121,3 @@ def test_sb3_contrib_trains_with_masks() -> None:
     seen, _ = env.reset(seed=2)
     masks = env.unwrapped.action_masks()
     assert masks[int(model.predict(seen, action_masks=masks)[0])]
-
-
-@pytest.mark.parametrize("mode", list(AutoresetMode))
-def test_vector_environments_are_read_as_cleanrl_does(mode: AutoresetMode) -> None:
-    """PPO's rollout: rewards, dones and values of last observations, in each way of starting again.
-
-    A step that only starts an episode is left out by `NEXT_STEP`, its value is bootstrapped from
-    `final_obs` in `SAME_STEP`, and by hand in `DISABLED`.
-    """
-    envs: Any = gymnasium.make_vec("mjforage/Foraging-v0", 3, autoreset_mode=mode, **TOLD)
-    torch.manual_seed(0)
-    agents = int(np.prod(envs.single_action_space.shape))
-    actor, critic = nn.Linear(12, 9), nn.Linear(12 * agents, 1)
-    both = nn.ModuleList([actor, critic])
-    before, optimiser = kept(both), torch.optim.SGD(both.parameters(), lr=0.01)
-    seen, _ = envs.reset(seed=1)
-    done = np.zeros(3, np.bool_)
-    ends = 0
-    for _ in range(UPDATES):
-        loss: Any = torch.zeros(())
-        for _ in range(5):
-            own = torch.as_tensor(seen["own"])
-            legal = torch.as_tensor(seen["action_mask"]).bool()
-            logits = actor(own).masked_fill(~legal, -1e9)
-            choice: Any = torch.distributions.Categorical(logits=logits)
-            actions, value = choice.sample(), critic(own.flatten(1)).squeeze(1)
-            seen, rewards, ended, late, infos = envs.step(actions.numpy())
-            last = torch.as_tensor(seen["own"]).clone()
-            for i in np.flatnonzero(infos.get("_final_obs", ())):
-                last[i] = torch.as_tensor(infos["final_obs"][i]["own"])
-            counts = torch.as_tensor(~done if mode is AutoresetMode.NEXT_STEP else done | True)
-            future = critic(last.flatten(1)).squeeze(1).detach() * torch.as_tensor(~ended)
-            gain = torch.as_tensor(rewards, dtype=torch.float32) + 0.99 * future - value
-            log = choice.log_prob(actions).sum(1)
-            loss = loss + (counts * (gain.square() - gain.detach() * log)).mean()
-            over = ended | late
-            played = counts.numpy() & ~(over & (mode is AutoresetMode.SAME_STEP))
-            assert (infos.get("_illegal", np.zeros(3, np.bool_)) == played).all()
-            done = over
-            ends += int(done.sum())
-            if mode is AutoresetMode.DISABLED and done.any():
-                seen, _ = envs.reset(options={"reset_mask": done})
-        optimiser.zero_grad()
-        loss.backward()
-        optimiser.step()
-    assert ends >= 3 and moved(before, both)

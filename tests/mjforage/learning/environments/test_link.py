@@ -27,30 +27,6 @@ def core(*overrides: str, num_envs: int = 3) -> EnvironmentCore:
     return EnvironmentCore(EnvironmentOptions(set=("horizon=30", *overrides)), num_envs)
 
 
-def played(link: str, steps: int = 12) -> tuple[EnvironmentCore, list[dict[str, NDArray[Any]]]]:
-    """An episode of random moves, and what everybody saw."""
-    one, rng = core(link), np.random.default_rng(0)
-    one.start(np.arange(3), np.array([3, 4, 5], np.uint64))
-    seen = []
-    for _ in range(steps):
-        seen.append({name: level.copy() for name, level in one.see(np.arange(3)).items()})
-        one.step(rng.integers(0, 9, (3, one.agents)))
-    return one, seen
-
-
-def test_over_a_perfect_link_all_see_what_they_see_without() -> None:
-    (_, ideal), (_, linked) = played("link.model=ideal"), played("link.model=disk")
-    for before, after in zip(ideal, linked, strict=True):
-        for name, level in before.items():
-            assert after[name].shape == level.shape
-            np.testing.assert_array_equal(after[name], level)
-
-
-def test_without_a_link_they_see_less_and_each_something_else() -> None:
-    (_, ideal), (_, alone) = played("link.model=ideal"), played("link.model=none")
-    assert any((ideal[-1][name] != alone[-1][name]).any() for name in ideal[-1])
-
-
 @pytest.mark.parametrize("kind", ["egocentric", "paper"])
 def test_an_agent_sees_its_own_row_of_the_mission(kind: str) -> None:
     """Its row alone, encoded by an encoder of its own, is what it sees, in every view."""

@@ -59,19 +59,3 @@ def test_memory_that_is_used_again_shows_the_same(dtype: str, mode: AutoresetMod
     assert shared
     for name in NAMES:
         np.testing.assert_array_equal(first[name], kept[name])
-
-
-def test_facts_of_a_batch_are_those_of_each_environment() -> None:
-    together = batch()
-    together.reset(seed=4)
-    alone = [gymnasium.make("mjforage/Foraging-v0", set=FEW) for _ in range(3)]
-    for i, env in enumerate(alone):
-        env.reset(seed=4 + i)
-    random = np.random.default_rng(1)
-    for _ in range(5):
-        actions = random.integers(0, 9, (3, 4))
-        facts = together.step(actions)[-1]
-        for i, env in enumerate(alone):
-            info = env.step(actions[i])[-1]
-            for name in ("step", "pta_d", "pta_c", "illegal"):
-                assert facts[name][i] == info[name]

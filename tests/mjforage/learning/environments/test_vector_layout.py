@@ -7,7 +7,6 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
-from gymnasium.wrappers.vector import RecordEpisodeStatistics
 
 NAME = "mjforage/Foraging-v0"
 NUM = 3
@@ -60,25 +59,3 @@ def test_all_is_laid_out_as_gymnasium_does(mode: AutoresetMode, world: str) -> N
         if mode is AutoresetMode.DISABLED and over.any():
             same(*(env.reset(options={"reset_mask": over.copy()}) for env in envs))
     assert ends > NUM
-
-
-@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
-def test_returns_are_read_as_cleanrl_does(mode: AutoresetMode) -> None:
-    """By Gymnasium's own wrapper; and the value of the last observation where it is at hand."""
-    told: list[list[tuple[float, int]]] = []
-    for env in pair(mode, **FEW):
-        envs: Any = RecordEpisodeStatistics(env)
-        assert envs.single_action_space.nvec.tolist() == [9] * 4
-        envs.reset(seed=3)
-        random, found = np.random.default_rng(0), []
-        for _ in range(13):
-            _, _, ended, late, infos = envs.step(random.integers(0, 9, (NUM, 4)))
-            if "episode" in infos:
-                for i in np.flatnonzero(infos["_episode"]):
-                    found.append((float(infos["episode"]["r"][i]), int(infos["episode"]["l"][i])))
-            if mode is AutoresetMode.SAME_STEP:
-                for i in np.flatnonzero(ended | late):
-                    assert infos["final_info"]["step"][i] > 0 == infos["step"][i]
-                    assert env.single_observation_space.contains(infos["final_obs"][i])
-        told.append(found)
-    assert len(told[0]) >= 2 * NUM and told[0] == told[1]

@@ -117,19 +117,6 @@ def test_every_map_has_its_own_scores_where_there_are_several() -> None:
     assert not any("/" in name for name in alone)
 
 
-def test_a_map_that_changed_is_another_run(tmp_path: Path) -> None:
-    """Its name is the same, and `best` would be of the map as it was."""
-    cells = np.ones((30, 30), np.int8)
-    where = tmp_path / "mine.csv"
-    np.savetxt(where, cells, fmt="%d", delimiter=",")
-    judged = [on(str(where))]
-    train(scenario(), settings(), tmp_path / "run", evaluate=judged, seed=3, updates=5)
-    cells[10:12, 10:12] = 0
-    np.savetxt(where, cells, fmt="%d", delimiter=",")
-    with pytest.raises(UserError, match=r'maps is "\w+" there and'):
-        train(scenario(), settings(), tmp_path / "run", evaluate=judged, seed=3, updates=10)
-
-
 def test_hulls_of_evaluations_are_part_of_a_run(tmp_path: Path) -> None:
     boat = tmp_path / "boat.toml"
     text = (models_folder() / "vessels" / "scout.toml").read_text("utf-8")

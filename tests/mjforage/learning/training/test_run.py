@@ -5,7 +5,6 @@ import shutil
 import signal
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
@@ -169,12 +168,6 @@ def test_a_run_that_is_told_so_twice_stops_at_once(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         train(scenario(), hyperparameters(), tmp_path, seed=3, updates=40, report=stop)
     assert not (tmp_path / "checkpoint.safetensors").exists()
-
-
-def test_in_a_thread_a_run_trains_without_signals(tmp_path: Path) -> None:
-    with ThreadPoolExecutor(1) as pool:
-        trained = pool.submit(train, scenario(), hyperparameters(), tmp_path, seed=3, updates=1)
-        assert trained.result().progress.updates >= 1
 
 
 def test_what_a_run_leaves_behind(finished: tuple[Path, Trainer]) -> None:

@@ -113,11 +113,6 @@ def test_decisions_are_those_from_before_an_array_was_renamed(
     assert found == NODES and not caplog.messages
 
 
-@pytest.mark.parametrize("name", SHIPPED)
-def test_they_are_small(name: str) -> None:
-    assert shipped_weights(name).stat().st_size < 5_000_000
-
-
 def test_the_command_line_names_missing_weights(
     refused: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

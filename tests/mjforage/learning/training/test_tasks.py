@@ -1,6 +1,5 @@
 """Training on variants: what episodes draw, what is stored of them, resuming, errors."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,17 +10,14 @@ from mjforage.base.errors import UserError
 from mjforage.base.randomness import episode_keys
 from mjforage.graph_planner.encodings import create_encoder
 from mjforage.graph_planner.policies import create_policy
-from mjforage.learning.environments.core import EnvironmentCore
 from mjforage.learning.environments.options import EnvironmentOptions
 from mjforage.learning.training.algorithm import TRAINED
 from mjforage.learning.training.hyperparameters import Hyperparameters, changed
-from mjforage.learning.training.run import train
 from mjforage.learning.training.tasks import TrainingTask, variants
 from mjforage.learning.training.trainer import Trainer
 from mjforage.mission.mission import Mission
-from mjforage.mission.setup import Setup
 from mjforage.scenario.scenario import Scenario
-from mjforage.scenario.scenario_file import load_scenario, with_values
+from mjforage.scenario.scenario_file import load_scenario
 
 TINY = {"num_envs": 6, "capacity": 2000, "batch": 16, "warmup": 40, "evaluate_episodes": 2}
 VARY = {"vary.link.range_m": [16, 1e6], "vary.link.latency": [0, 1]}
@@ -94,19 +90,6 @@ def test_a_round_without_a_link_is_a_round_of_one_row() -> None:
             assert torch.equal(value, other[name]), name
 
 
-@pytest.mark.every_capability
-def test_n_and_m_updates_are_n_stop_resume_m(tmp_path: Path) -> None:
-    settings = changed(Hyperparameters(), TINY | VARY)
-    whole, parts = tmp_path / "whole", tmp_path / "parts"
-    train(scenario(), settings, whole, seed=3, updates=40)
-    train(scenario(), settings, parts, seed=3, updates=15)
-    train(scenario(), settings, parts, seed=3, updates=40)
-    one, other = ((f / "weights.safetensors").read_bytes() for f in (whole, parts))
-    assert one == other
-    with pytest.raises(UserError, match=r"hyperparameters.vary.link.latency is \[0, 1\] there and"):
-        train(scenario(), changed(Hyperparameters(), TINY), parts, seed=3, updates=40)
-
-
 def test_a_teacher_knows_what_each_agent_knows() -> None:
     """Its moves are those that it makes by the holders' rows, not by what all know together."""
     one = trainer(**VARY, teacher="greedy", teacher_updates=1000)
@@ -139,11 +122,3 @@ def test_a_key_that_needs_a_link_names_it() -> None:
     settings = changed(Hyperparameters(), TINY | {"vary.link.range_m": [16]})
     with pytest.raises(UserError, match=r"link.range_m = 16.* without a link; give link.model"):
         Trainer([scenario("link.model=ideal")], settings)
-
-
-def test_values_replace_those_of_a_scenario() -> None:
-    before = scenario()
-    after = with_values(before, {"link.latency": 2, "horizon": 9}, "here")
-    assert (after.link.latency, after.horizon, before.horizon) == (2, 9, 12)
-    assert with_values(before, {}, "here") == before
-    assert EnvironmentCore(EnvironmentOptions(after), 1).setup.scenario == Setup.of(after).scenario

@@ -202,11 +202,3 @@ def test_settings_and_devices_are_checked(refused: Callable[..., str], tmp_path:
     assert "unknown key n_step" in refused("train", "mappo", "--learning", "n_step=3", *words)
     assert "algorithm mapo: unknown; did you mean mappo" in refused("train", "mapo", *words)
     assert "is no mjforage" in refused("train", "json:JSONDecoder", *words)
-
-
-def test_a_folder_is_one_algorithms(finished: tuple[Path, MappoTrainer], tmp_path: Path) -> None:
-    shutil.copytree(finished[0], tmp_path / "copy")
-    with pytest.raises(
-        UserError, match=r"algorithm is .*MappoTrainer.* there and .*Trainer.* here"
-    ):
-        train(scenario(), changed_ddqn(), tmp_path / "copy", seed=3, updates=1)
